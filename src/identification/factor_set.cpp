@@ -1,14 +1,17 @@
 #include "veridyn/identification/factor_set.hpp"
 
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <iterator>
+#include <sstream>
 #include <utility>
 
 #include "math/input_file.hpp"
 #include "factor_bytes.hpp"
 #include "many_recordings.hpp"
 #include "math/output_file.hpp"
+#include "velocity_choice.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
@@ -45,6 +48,16 @@ VectorXd fingerprint_of(const Model& arm) {
   return out;
 }
 
+constexpr const char* kDerived = ", velocities from the position at joints";
+
+// Joints from 1, as in messages.
+std::string derived_joints(const PreprocessingOptions& how) {
+  if (how.derive_velocity_of.empty()) return "";
+  std::string out = kDerived;
+  for (const int j : how.derive_velocity_of) out += text(" ", j + 1);
+  return out;
+}
+
 std::string settings_of(const PreprocessingOptions& how) {
   return text("cut-off ", how.cutoff, " Hz, order ", how.order,
               how.filtering == Filtering::kMatched ? ", matched" : ", signals",
@@ -53,7 +66,7 @@ std::string settings_of(const PreprocessingOptions& how) {
                                                         : ", velocities derived",
               how.stale_rows == StaleRows::kFilled ? ", stale rows filled" : ", stale rows kept",
               ", decimation ", how.decimation, ", rate ", how.rate, " Hz, slowest ",
-              how.min_speed);
+              how.min_speed, derived_joints(how));
 }
 
 bool same_arm(const VectorXd& a, const VectorXd& b) {
@@ -178,6 +191,15 @@ void require_joints(const FactorSet& factors, const Model& arm) {
 
 }  // namespace
 
+std::vector<int> joints_with_derived_velocities(const FactorSet& factors) {
+  std::vector<int> out;
+  const size_t at = factors.settings.find(kDerived);
+  if (at == std::string::npos) return out;
+  std::istringstream joints(factors.settings.substr(at + std::strlen(kDerived)));
+  for (int j = 0; joints >> j;) out.push_back(j - 1);
+  return out;
+}
+
 bool is_factor_file(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::string start(kMagic.size(), '\0');
@@ -263,10 +285,14 @@ Identification identify(const Model& arm, const FactorSet& factors,
           "identify: drive gains need the samples of the recordings, factors do not hold them.");
   require(!factors.recordings.empty() || !train.empty(),
           "identify: there is no factor and no recording to train on.");
-  if (!factors.recordings.empty()) {
-    require_factors_of(arm, factors, options.preprocessing);
+  if (factors.recordings.empty()) return identify_compressed(arm, {}, train, test, options);
+  IdentificationOptions how = options;
+  if (how.choose_velocities && how.preprocessing.derive_velocity_of.empty()) {
+    const std::vector<int> joints = joints_with_derived_velocities(factors);
+    derive_velocities({joints.begin(), joints.end()}, how);
   }
-  return identify_compressed(arm, factors.recordings, train, test, options);
+  require_factors_of(arm, factors, how.preprocessing);
+  return identify_compressed(arm, factors.recordings, train, test, how);
 }
 
 }  // namespace veridyn

@@ -7,27 +7,27 @@
 #include <sstream>
 #include <utility>
 
-#include "math/input_file.hpp"
 #include "fleet_problem.hpp"
 #include "many_recordings.hpp"
-#include "shortfall.hpp"
 #include "math/clustered_statistics.hpp"
+#include "math/input_file.hpp"
 #include "math/median.hpp"
 #include "math/numbers.hpp"
 #include "math/parallel.hpp"
+#include "math/student_t.hpp"
+#include "shortfall.hpp"
 #include "veridyn/effects/cause.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/math/require.hpp"
-#include "math/student_t.hpp"
 
 namespace veridyn {
 namespace {
 
 constexpr double kNoticeable = 0.02;
-constexpr int kFewest = 3;        // arms of a fleet
+constexpr int kFewest = 3;  // arms of a fleet
 // Rounds of weights, gains, and exclusion of outliers from the shared bodies.
 constexpr int kRounds = 4;
-constexpr int kGroups = 64;       // groups of arms, for the deviations of the bodies
+constexpr int kGroups = 64;  // groups of arms, for the deviations of the bodies
 // Degrees of freedom for robust deviations: fleets have heavier tails than a normal distribution.
 constexpr double kFreedom = 30.0;
 // Efficiency of the median deviation relative to the standard deviation (Rousseeuw and Croux, JASA
@@ -36,6 +36,8 @@ constexpr double kFreedom = 30.0;
 constexpr double kEfficiency = 0.37;
 // Share of a column's norm outside the span of the others that a value needs to be meaningful.
 constexpr double kTelling = 1e-6;
+constexpr size_t kFewestSpreads = 4;   // quantities from which a prior of their spreads is taken
+constexpr double kMostPrior = 8.0;     // degrees of freedom of that prior
 constexpr double kLeastExcess = 0.02;  // share of the squares that an arm's own bodies must explain
 
 VectorXd solved(const SquareRootInformation& f) {
@@ -77,13 +79,13 @@ ArmFactor arm_factor(const Model& arm, const FactorSet& set, const std::string& 
 // One arm with its factor, its own values and its residuals.
 struct Fitted {
   SquareRootInformation factor;
-  VectorXd eta;              // own parameters, then gains as shares
-  VectorXd uncertain;        // standard deviation of each own value for white noise
-  VectorXd telling;          // share of each own column outside the span of the others
+  VectorXd eta;                // own parameters, then gains as shares
+  VectorXd uncertain;          // standard deviation of each own value for white noise
+  VectorXd telling;            // share of each own column outside the span of the others
   VectorXd residual2, alone2;  // per joint, with the fleet's bodies and with its own
-  bool odd = false;          // its bodies differ from the fleet's
-  double excess = 0.0;       // see excess(), at that decision
-  double deviations = 0.0;   // of it, from the fleet's median
+  bool odd = false;            // its bodies differ from the fleet's
+  double excess = 0.0;         // see excess(), at that decision
+  double deviations = 0.0;     // of it, from the fleet's median
 };
 
 class FleetSolver {
@@ -133,11 +135,13 @@ class FleetSolver {
     return out;
   }
 
-  double threshold(double looked_at) const {
-    const auto arms = static_cast<double>(arms_.size());
+  double threshold(double looked_at, double more_freedom = 0.0) const {
     return student_t_quantile(options_.significance / std::max(1.0, looked_at),
-                              std::min(kFreedom, kEfficiency * (arms - 1.0)));
+                              std::min(kFreedom, freedom() + more_freedom));
   }
+
+  // Degrees of freedom of a robust deviation over the arms.
+  double freedom() const { return kEfficiency * (static_cast<double>(arms_.size()) - 1.0); }
 
   // Number of tested quantities: every own value and the bodies of every arm.
   double looked_at() const {
@@ -285,41 +289,134 @@ void add_other_bodies(const FleetSolver& solver, Fleet& fleet) {
       [](const FleetLeftOut& a, const FleetLeftOut& b) { return a.deviations > b.deviations; });
 }
 
-void add_spreads(const Model& arm, const FleetSolver& solver, Fleet& fleet) {
-  const FleetProblem& problem = solver.problem();
-  const double far = solver.threshold(solver.looked_at());
-  const auto own = static_cast<int>(problem.own().size());
-  for (int k = 0; k < own + fleet.joints; ++k) {
-    std::vector<double> all;
-    for (const FleetMember& m : fleet.members) all.push_back(m.own[k]);
-    FleetSpread spread;
-    spread.name = k < own ? problem.own()[static_cast<size_t>(k)] : gain_name(arm, k - own);
-    for (const StandardParameter& p : problem.parameters())
-      if (p.name == spread.name) spread.unit = p.unit;
-    std::tie(spread.median, spread.spread) = centre_of(all);
-    spread.arms = static_cast<int>(
-        std::count_if(all.begin(), all.end(), [](double x) { return std::isfinite(x); }));
-    // Precision of this value on one arm relative to most arms, which weights its deviation. The
-    // noise is not white, so that the spread of the fleet sets the scale.
-    std::vector<double> uncertain;
-    for (size_t a = 0; a < all.size(); ++a)
-      uncertain.push_back(std::isfinite(all[a]) ? solver.fitted(a).uncertain[k] : kNaN);
-    const double usual = centre_of(uncertain).first;
-    const int joint =
-        k < own ? joint_of(arm, spread.name, problem.parameters()) : k - own + 1;
-    for (size_t a = 0; a < all.size() && spread.arms >= kFewest && spread.spread > 0.0; ++a) {
-      const double wider = usual > 0.0 ? std::max(1.0, uncertain[a] / usual) : 1.0;
-      const double deviations = (all[a] - spread.median) / (wider * spread.spread);
-      // A robust spread of a dozen arms is itself uncertain: differences below this share of the
-      // median are not reported, however narrow the distribution is.
-      const bool noticeable =
-          std::abs(all[a] - spread.median) > kNoticeable * std::abs(spread.median);
-      if (std::isfinite(all[a]) && noticeable && std::abs(deviations) > far)
-        fleet.outliers.push_back(
-            {fleet.members[a].name, spread.name, joint, all[a], spread.median, deviations});
-    }
-    fleet.spreads.push_back(std::move(spread));
+// Derivatives of ln(gamma(x)), by recurrence to large x and the asymptotic series there.
+double digamma(double x) {
+  double out = 0.0;
+  for (; x < 8.0; x += 1.0) out -= 1.0 / x;
+  const double y = 1.0 / (x * x);
+  return out + std::log(x) - 0.5 / x - y * (1.0 / 12.0 - y * (1.0 / 120.0 - y / 252.0));
+}
+double trigamma(double x) {
+  double out = 0.0;
+  for (; x < 8.0; x += 1.0) out += 1.0 / (x * x);
+  const double y = 1.0 / (x * x);
+  return out + 1.0 / x + 0.5 * y + y / x * (1.0 / 6.0 - y * (1.0 / 30.0 - y / 42.0));
+}
+
+// One quantity over the arms.
+struct Quantity {
+  FleetSpread spread;
+  int joint = 0;
+  std::vector<double> all, uncertain;
+  double usual = 0.0;  // median of `uncertain`
+};
+
+// What the spreads of quantities of one kind say of the spread of each: a scaled inverse chi-square
+// prior of its square, where few arms say little of a spread by themselves. Spreads are compared in
+// units of their noise (equal arms) or of their medians (arms that vary by some percent), whichever
+// makes them more alike. Source: Smyth, Statistical Applications in Genetics and Molecular Biology
+// 3(1), 2004 (moderated t).
+struct SpreadPrior {
+  double freedom = 0.0;
+  double square = 0.0;        // in squared units of `unit`
+  double unlike = kInfinity;  // variance of the logarithms of the squares
+  double (*unit)(const Quantity&) = nullptr;
+
+  // The spread of a quantity whose robust deviation has `own` degrees of freedom.
+  double spread_of(const Quantity& q, double own) const {
+    const double part = unit != nullptr ? freedom * square * std::pow(unit(q), 2) : 0.0;
+    return std::sqrt((own * std::pow(q.spread.spread, 2) + part) / (own + freedom));
   }
+};
+
+SpreadPrior prior_in(double (*unit)(const Quantity&), const std::vector<Quantity>& quantities,
+                     double freedom) {
+  SpreadPrior prior;
+  std::vector<double> logs;
+  for (const Quantity& q : quantities)
+    if (q.spread.arms >= kFewest && q.spread.spread > 0.0 && unit(q) > 0.0)
+      logs.push_back(2.0 * std::log(q.spread.spread / unit(q)));
+  if (logs.size() < kFewestSpreads) return prior;
+  const auto count = static_cast<double>(logs.size());
+  double mean = 0.0;
+  for (const double x : logs) mean += x / count;
+  prior.unlike = 0.0;
+  for (const double x : logs) prior.unlike += std::pow(x - mean, 2) / (count - 1.0);
+  const double between = prior.unlike - trigamma(0.5 * freedom);
+  double least = 0.0;
+  double most = kMostPrior;
+  while (trigamma(0.5 * most) < between && most - least > 1e-3) {
+    const double middle = 0.5 * (least + most);
+    (trigamma(0.5 * middle) > between ? least : most) = middle;
+  }
+  prior.unit = unit;
+  prior.freedom = most;
+  prior.square = std::exp(mean - digamma(0.5 * freedom) + std::log(0.5 * freedom) +
+                          digamma(0.5 * most) - std::log(0.5 * most));
+  return prior;
+}
+
+SpreadPrior prior_of(const std::vector<Quantity>& kind, double freedom) {
+  const SpreadPrior noise = prior_in([](const Quantity& q) { return q.usual; }, kind, freedom);
+  const SpreadPrior share =
+      prior_in([](const Quantity& q) { return std::abs(q.spread.median); }, kind, freedom);
+  return noise.unlike <= share.unlike ? noise : share;
+}
+
+Quantity quantity(const Model& arm, const FleetSolver& solver, const Fleet& fleet, int k) {
+  const FleetProblem& problem = solver.problem();
+  const auto own = static_cast<int>(problem.own().size());
+  Quantity out;
+  for (const FleetMember& m : fleet.members) out.all.push_back(m.own[k]);
+  FleetSpread& spread = out.spread;
+  spread.name = k < own ? problem.own()[static_cast<size_t>(k)] : gain_name(arm, k - own);
+  for (const StandardParameter& p : problem.parameters())
+    if (p.name == spread.name) spread.unit = p.unit;
+  std::tie(spread.median, spread.spread) = centre_of(out.all);
+  spread.arms = static_cast<int>(
+      std::count_if(out.all.begin(), out.all.end(), [](double x) { return std::isfinite(x); }));
+  // Precision of this value on one arm relative to most arms, which weights its deviation. The
+  // noise is not white, so that the spread of the fleet sets the scale.
+  for (size_t a = 0; a < out.all.size(); ++a)
+    out.uncertain.push_back(std::isfinite(out.all[a]) ? solver.fitted(a).uncertain[k] : kNaN);
+  out.usual = centre_of(out.uncertain).first;
+  out.joint = k < own ? joint_of(arm, spread.name, problem.parameters()) : k - own + 1;
+  return out;
+}
+
+// Names the arms that are far off in a quantity of one kind.
+void add_outliers(const std::vector<Quantity>& kind, const FleetSolver& solver, Fleet& fleet) {
+  const double freedom = solver.freedom();
+  const SpreadPrior prior = prior_of(kind, freedom);
+  const double far = solver.threshold(solver.looked_at(), prior.freedom);
+  for (const Quantity& q : kind) {
+    const FleetSpread& spread = q.spread;
+    const double width = prior.spread_of(q, freedom);
+    for (size_t a = 0; a < q.all.size() && spread.arms >= kFewest && spread.spread > 0.0; ++a) {
+      const double wider = q.usual > 0.0 ? std::max(1.0, q.uncertain[a] / q.usual) : 1.0;
+      const double deviations = (q.all[a] - spread.median) / (wider * width);
+      // Differences below this share of the median are not reported, however narrow the
+      // distribution is.
+      const bool noticeable =
+          std::abs(q.all[a] - spread.median) > kNoticeable * std::abs(spread.median);
+      if (std::isfinite(q.all[a]) && noticeable && std::abs(deviations) > far)
+        fleet.outliers.push_back(
+            {fleet.members[a].name, spread.name, q.joint, q.all[a], spread.median, deviations});
+    }
+  }
+}
+
+void add_spreads(const Model& arm, const FleetSolver& solver, Fleet& fleet) {
+  const auto own = static_cast<int>(solver.problem().own().size());
+  std::vector<Quantity> effects;
+  std::vector<Quantity> gains;
+  for (int k = 0; k < own + fleet.joints; ++k) {
+    std::vector<Quantity>& kind = k < own ? effects : gains;
+    kind.push_back(quantity(arm, solver, fleet, k));
+    fleet.spreads.push_back(kind.back().spread);
+  }
+  add_outliers(effects, solver, fleet);
+  add_outliers(gains, solver, fleet);
 }
 
 void add_parameters(const Model& arm, const FleetSolver& solver, Fleet& fleet) {
@@ -379,12 +476,12 @@ std::string too_few(size_t left, const std::vector<UndeterminedArm>& undetermine
 
 Fleet solved_fleet(const Model& arm, std::vector<ArmFactor> arms,
                    std::vector<UnusedRecording> left_out, const FleetOptions& options) {
-  arms.erase(std::remove_if(arms.begin(), arms.end(),
-                            [](const ArmFactor& a) { return a.joints.empty(); }),
-             arms.end());
-  require(static_cast<int>(arms.size()) >= kFewest || left_out.empty(), "fleet: found ", arms.size(),
-          " arms with usable recordings, expected ", kFewest, " at least; the first that is not: ",
-          left_out.empty() ? "" : left_out.front().why);
+  arms.erase(
+      std::remove_if(arms.begin(), arms.end(), [](const ArmFactor& a) { return a.joints.empty(); }),
+      arms.end());
+  require(static_cast<int>(arms.size()) >= kFewest || left_out.empty(), "fleet: found ",
+          arms.size(), " arms with usable recordings, expected ", kFewest,
+          " at least; the first that is not: ", left_out.empty() ? "" : left_out.front().why);
   if (options.progress) options.progress("solving", 0.9);
   Fleet fleet;
   fleet.robot = arm.name();
@@ -419,7 +516,8 @@ std::vector<FleetArm> read_fleet(const std::string& path) {
   std::string line;
   for (int number = 1; std::getline(file, line); ++number) {
     line = line.substr(0, line.find('#'));
-    std::replace_if(line.begin(), line.end(), [](char c) { return c == ',' || c == '\r'; }, ' ');
+    std::replace_if(
+        line.begin(), line.end(), [](char c) { return c == ',' || c == '\r'; }, ' ');
     std::istringstream words(line);
     std::string name;
     std::string recording;
@@ -430,8 +528,8 @@ std::vector<FleetArm> read_fleet(const std::string& path) {
             "', expected ARM,FILE.");
     if (out.empty() && name == "arm" && recording == "file") continue;
     if (recording.front() != '/') recording = folder + recording;
-    const auto known = std::find_if(out.begin(), out.end(),
-                                    [&](const FleetArm& arm) { return arm.name == name; });
+    const auto known =
+        std::find_if(out.begin(), out.end(), [&](const FleetArm& arm) { return arm.name == name; });
     if (known != out.end()) {
       known->files.push_back(recording);
     } else {
@@ -489,7 +587,8 @@ Fleet identify_fleet(const Model& file, const std::vector<std::string>& names,
   for (size_t k = 0; k < names.size(); ++k) {
     require_factors_of(arm, factors[k], options.preprocessing);
     arms.push_back(arm_factor(arm, factors[k], names[k]));
-    if (arms.back().joints.empty()) empty.push_back({names[k], names[k] + ": found no usable samples."});
+    if (arms.back().joints.empty())
+      empty.push_back({names[k], names[k] + ": found no usable samples."});
   }
   return solved_fleet(arm, std::move(arms), std::move(empty), options);
 }

@@ -626,42 +626,15 @@ Identification identify_compressed(const Model& file, std::vector<CompressedReco
   return id;
 }
 
-namespace {
-
-// Repeats the fit with velocities derived from the position for those doubted joints at which that
-// predicts the torque better.
-Identification with_chosen_velocities(const Model& arm, Identification id,
-                                      const std::vector<std::string>& train,
-                                      const std::vector<std::string>& test,
-                                      IdentificationOptions how) {
-  if (!id.model) return id;
-  const VelocityTrust trust = trust_in_velocities(arm, train, how);
-  std::set<int> doubted = trust.doubtful;
-  doubted.insert(trust.wrong.begin(), trust.wrong.end());
-  for (const RecordingError& r : id.train) how.preprocessing.known_periods.emplace(r.source, r.period);
-  VelocityChoice choice =
-      choose_velocities(id, doubted, kVelocityGain, [&](const std::set<int>& joints) {
-        derive_velocities(joints, how);
-        return identify_named(arm, train, test, how);
-      });
-  if (!choice.fit) return id;
-  for (const int j : choice.better) {
-    const std::string& name = arm.coordinates()[static_cast<size_t>(j)].name;
-    choice.fit->remarks.push_back(
-        text("dq", j + 1, " (", name, ") predicts the torque worse than the derivative of q", j + 1,
-             ", which is used instead"));
-  }
-  return std::move(*choice.fit);
-}
-
-}  // namespace
-
 Identification identify(const Model& arm, const Recordings& train, const Recordings& test,
                         const IdentificationOptions& options) {
   NamedRecordings<IdentificationOptions> named(train, test, options);
   keep_recordings(named.how, KeptRecordings::kFewPasses);
   Identification id = identify_named(arm, named.train, named.test, named.how);
-  id = with_chosen_velocities(arm, std::move(id), named.train, named.test, named.how);
+  id = with_chosen_velocities(arm, std::move(id), named.train, named.how,
+                              [&](const IdentificationOptions& how) {
+                                return identify_named(arm, named.train, named.test, how);
+                              });
   forget_recordings(id);
   return id;
 }

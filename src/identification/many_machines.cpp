@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
+#include <set>
 #include <utility>
 
 #include "factor_bytes.hpp"
 #include "many_recordings.hpp"
 #include "validation.hpp"
+#include "velocity_choice.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
@@ -38,7 +41,8 @@ void read(ByteReader& in, std::vector<UnusedRecording>& left_out) {
 }
 
 void write(const PredictionError& error, ByteWriter& out) {
-  for (const VectorXd* v : {&error.relative, &error.maximum, &error.moving_relative}) out.vector(*v);
+  for (const VectorXd* v : {&error.relative, &error.maximum, &error.moving_relative})
+    out.vector(*v);
 }
 
 void read(ByteReader& in, PredictionError& error) {
@@ -46,14 +50,14 @@ void read(ByteReader& in, PredictionError& error) {
 }
 
 void write(const ErrorSums& s, ByteWriter& out) {
-  for (const VectorXd* v : {&s.torque2, &s.error2, &s.torque_max, &s.error_max, &s.moving_torque2,
-                            &s.moving_error2})
+  for (const VectorXd* v :
+       {&s.torque2, &s.error2, &s.torque_max, &s.error_max, &s.moving_torque2, &s.moving_error2})
     out.vector(*v);
 }
 
 void read(ByteReader& in, ErrorSums& s) {
-  for (VectorXd* v : {&s.torque2, &s.error2, &s.torque_max, &s.error_max, &s.moving_torque2,
-                      &s.moving_error2})
+  for (VectorXd* v :
+       {&s.torque2, &s.error2, &s.torque_max, &s.error_max, &s.moving_torque2, &s.moving_error2})
     *v = in.vector();
 }
 
@@ -138,7 +142,8 @@ class Job {
     size_t kept = 0;
     for (size_t k = first; k < end; ++k) {
       try {
-        CompressedRecording one = compress(arm_, train[k], options_.preprocessing, options_.threads);
+        CompressedRecording one =
+            compress(arm_, train[k], options_.preprocessing, options_.threads);
         require(one.rows > 0.0, train[k],
                 ": found no usable samples after gaps, edges and row limits.");
         merge_blocks(one, blocks_of_each(static_cast<int>(train.size())));
@@ -174,21 +179,14 @@ class Job {
     }
   }
 
-  // Broadcasts bytes from rank 0.
-  std::string told(std::string bytes) const {
-    if (ranks_.rank() != 0) return ranks_.receive(0);
-    for (int r = 1; r < ranks_.size(); ++r) ranks_.send(r, bytes);
-    return bytes;
-  }
-
   // Errors of these values on this rank's recordings, collected at rank 0.
   std::vector<MeasuredRecording> measured(const std::vector<CompressedRecording>& mine,
                                           const PreprocessingOptions& how, const VectorXd& values,
                                           int recordings) const {
     std::vector<MeasuredRecording> out;
     for (const CompressedRecording& r : mine)
-      out.push_back(measure(arm_, r, how, values, series_samples_of_each(recordings),
-                            options_.threads));
+      out.push_back(
+          measure(arm_, r, how, values, series_samples_of_each(recordings), options_.threads));
     if (ranks_.rank() != 0) {
       ByteWriter bytes;
       bytes.number(out.size());
@@ -243,14 +241,17 @@ void solve(AskedArm& arm, std::vector<CompressedRecording> all, size_t listed,
   if (fit_factors(arm, all, options, id)) id.factors = std::move(all);
 }
 
-}  // namespace
+// Broadcasts bytes from rank 0.
+std::string broadcast(std::string bytes, Communicator& ranks) {
+  if (ranks.rank() != 0) return ranks.receive(0);
+  for (int r = 1; r < ranks.size(); ++r) ranks.send(r, bytes);
+  return bytes;
+}
 
-Identification identify(const Model& file, const std::vector<std::string>& train,
-                        const std::vector<std::string>& test, const IdentificationOptions& options,
-                        Communicator& ranks, const KeepFactors& keep) {
-  require(!train.empty(), "identify: there is no recording to train on.");
-  require(options.known_masses.empty(),
-          "identify: drive gains are found on one machine; leave known masses away.");
+Identification identify_once(const Model& file, const std::vector<std::string>& train,
+                             const std::vector<std::string>& test,
+                             const IdentificationOptions& options, Communicator& ranks,
+                             const KeepFactors& keep) {
   AskedArm arm(file, options.friction);
   // Compresses first, then measures errors with the arm actually used.
   const Job job(arm.used(), options, ranks, keep);
@@ -272,7 +273,7 @@ Identification identify(const Model& file, const std::vector<std::string>& train
   answer.number(static_cast<std::uint64_t>(id.status));
   answer.text(id.reason);
   answer.vector(id.parameters);
-  const std::string bytes = job.told(answer.bytes());
+  const std::string bytes = broadcast(answer.bytes(), ranks);
   const std::string name = "answer of rank 0";
   ByteReader in(bytes, 0, name);
   const bool solved = in.number() != 0;
@@ -299,6 +300,80 @@ Identification identify(const Model& file, const std::vector<std::string>& train
   id.left_out.insert(id.left_out.end(), names.left_out.begin(), names.left_out.end());
   take_errors(arm.used(), std::move(of_train), std::move(of_test), id);
   keep_training_error(id);
+  return id;
+}
+
+// Joints whose velocities a further fit derives from the position, and the periods of the recordings
+// from the first one.
+std::string question(const IdentificationOptions& how) {
+  ByteWriter out;
+  out.number(how.preprocessing.derive_velocity_of.size());
+  for (const int j : how.preprocessing.derive_velocity_of)
+    out.number(static_cast<std::uint64_t>(j));
+  out.number(how.preprocessing.known_periods.size());
+  for (const auto& [source, period] : how.preprocessing.known_periods) {
+    out.text(source);
+    out.real(period);
+  }
+  return out.bytes();
+}
+
+void read_question(const std::string& bytes, IdentificationOptions& how) {
+  const std::string name = "question of rank 0";
+  ByteReader in(bytes, 0, name);
+  std::set<int> joints;
+  for (std::size_t left = in.count(8); left > 0; --left)
+    joints.insert(static_cast<int>(in.number()));
+  derive_velocities(joints, how);
+  how.preprocessing.known_periods.clear();
+  for (std::size_t left = in.count(8); left > 0; --left) {
+    const std::string source = in.text();
+    how.preprocessing.known_periods[source] = in.real();
+  }
+}
+
+std::vector<std::string> usable(const std::vector<std::string>& train, const Identification& id) {
+  std::vector<std::string> out;
+  for (const std::string& path : train) {
+    if (std::none_of(id.left_out.begin(), id.left_out.end(),
+                     [&](const UnusedRecording& r) { return r.source == path; }))
+      out.push_back(path);
+  }
+  return out;
+}
+
+}  // namespace
+
+Identification identify(const Model& file, const std::vector<std::string>& train,
+                        const std::vector<std::string>& test, const IdentificationOptions& options,
+                        Communicator& ranks, const KeepFactors& keep) {
+  require(!train.empty(), "identify: there is no recording to train on.");
+  require(options.known_masses.empty(),
+          "identify: drive gains are found on one machine; leave known masses away.");
+  std::optional<FactorSet> first;
+  FactorSet last;
+  const KeepFactors hold = [&](const FactorSet& factors, bool whole) {
+    if (!whole) return keep(factors, false);
+    if (!first) first = factors;
+    last = factors;
+  };
+  const KeepFactors kept = keep ? hold : KeepFactors();
+  Identification id = identify_once(file, train, test, options, ranks, kept);
+  if (ranks.rank() != 0) {
+    IdentificationOptions how = options;
+    for (std::string asked = ranks.receive(0); !asked.empty(); asked = ranks.receive(0)) {
+      read_question(asked, how);
+      id = identify_once(file, train, test, how, ranks, kept);
+    }
+    return id;
+  }
+  id = with_chosen_velocities(file, std::move(id), usable(train, id), options,
+                              [&](const IdentificationOptions& how) {
+                                broadcast(question(how), ranks);
+                                return identify_once(file, train, test, how, ranks, kept);
+                              });
+  broadcast("", ranks);
+  if (keep) keep(id.preprocessing.derive_velocity_of.empty() ? *first : last, true);
   return id;
 }
 

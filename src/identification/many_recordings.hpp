@@ -60,6 +60,9 @@ void require_factors_of(const Model& arm, const FactorSet& factors,
 /// True if the file has the header of a factor file.
 bool is_factor_file(const std::string& path);
 
+/// Joints whose velocities were taken from the position when the factors were made.
+std::vector<int> joints_with_derived_velocities(const FactorSet& factors);
+
 /// identify() of recordings compressed before (`trained`, which come first) and of others.
 Identification identify_compressed(const Model& arm, std::vector<CompressedRecording> trained,
                                    const std::vector<std::string>& train,

@@ -63,7 +63,8 @@ VelocityChoice choose_velocities(const Identification& before, std::set<int> can
   return {};
 }
 
-std::vector<RecordingQuality> glance_at(const Model& arm, const std::vector<std::string>& recordings,
+std::vector<RecordingQuality> glance_at(const Model& arm,
+                                        const std::vector<std::string>& recordings,
                                         const PreprocessingOptions& how, int threads) {
   std::vector<RecordingQuality> seen(recordings.size());
   parallel_for(static_cast<int>(recordings.size()), threads, [&](int k) {
@@ -86,6 +87,31 @@ VelocityTrust trust_in_velocities(const Model& arm, const std::vector<std::strin
       from.filtering != Filtering::kMatched || !from.derive_velocity_of.empty())
     return {};
   return trust_in_velocities(glance_at(arm, recordings, from, how.threads));
+}
+
+Identification with_chosen_velocities(
+    const Model& arm, Identification id, const std::vector<std::string>& train,
+    IdentificationOptions how,
+    const std::function<Identification(const IdentificationOptions&)>& again) {
+  if (!id.model) return id;
+  const VelocityTrust trust = trust_in_velocities(arm, train, how);
+  std::set<int> doubted = trust.doubtful;
+  doubted.insert(trust.wrong.begin(), trust.wrong.end());
+  for (const RecordingError& r : id.train)
+    how.preprocessing.known_periods.emplace(r.source, r.period);
+  VelocityChoice choice =
+      choose_velocities(id, doubted, kVelocityGain, [&](const std::set<int>& joints) {
+        derive_velocities(joints, how);
+        return again(how);
+      });
+  if (!choice.fit) return id;
+  for (const int j : choice.better) {
+    const std::string& name = arm.coordinates()[static_cast<size_t>(j)].name;
+    choice.fit->remarks.push_back(text("dq", j + 1, " (", name,
+                                       ") predicts the torque worse than the derivative of q",
+                                       j + 1, ", which is used instead"));
+  }
+  return std::move(*choice.fit);
 }
 
 std::set<int> leave_wrong_velocities_out(const Model& arm, const std::vector<std::string>& train,

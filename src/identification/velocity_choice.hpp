@@ -51,6 +51,15 @@ void derive_velocities(const std::set<int>& joints, IdentificationOptions& how);
 VelocityTrust trust_in_velocities(const Model& arm, const std::vector<std::string>& recordings,
                                   const IdentificationOptions& how);
 
+/// Repeats a fit with velocities derived from the position for those doubted joints at which that
+/// predicts the torque better; identify() on one machine and on many.
+///
+/// @param again  repeats it with other options. @returns  the better fit, with remarks.
+Identification with_chosen_velocities(
+    const Model& arm, Identification id, const std::vector<std::string>& train,
+    IdentificationOptions how,
+    const std::function<Identification(const IdentificationOptions&)>& again);
+
 /// Replaces the velocities of a joint by those derived from its position, in `how`, if the velocities
 /// of any of these recordings are wrong (trust_in_velocities).
 /// @returns  the joints concerned.

@@ -249,6 +249,35 @@ TEST(ManyMachines, FindWhatOneMachineFinds) {
   }
 }
 
+// A velocity whose scale is wrong is left out by one process; ranks and factors do the same.
+TEST(ManyMachines, ChooseTheVelocitiesThatOneMachineChooses) {
+  const Model arm = robot("scara");
+  const Files files("ranks-velocities");
+  std::vector<std::string> train;
+  for (const std::string& path : files.recordings(arm, 4, 8.0)) {
+    Recording r = read_recording(path);
+    r.dq.col(1) *= 1.3;
+    train.push_back(path + ".scaled.csv");
+    write_recording(r, train.back());
+  }
+  const std::vector<std::string> test = {train.back()};
+  train.pop_back();
+  const Identification one = identify(arm, train, test);
+  ASSERT_EQ(one.preprocessing.derive_velocity_of, std::vector<int>{1});
+  for (const int size : {1, 2, 4}) {
+    const Identification many = by_ranks(arm, train, test, size);
+    EXPECT_TRUE(same_answer(many, one, 1e-12)) << size << " ranks";
+    EXPECT_TRUE(near(many.test_error.relative, one.test_error.relative, 1e-12));
+    EXPECT_EQ(many.remarks, one.remarks);
+  }
+  const FactorSet factors = compress(arm, train, one.preprocessing);
+  const Identification of_factors =
+      identify(arm, factors_from_bytes(to_bytes(factors)), {}, test);
+  EXPECT_TRUE(near(of_factors.parameters, one.parameters, 1e-12 * (1.0 + one.parameters.norm())));
+  EXPECT_TRUE(near(of_factors.test_error.relative, one.test_error.relative, 1e-12));
+  EXPECT_THROW(merge(factors, compress(arm, test)), InvalidInput);
+}
+
 TEST(ManyMachines, GoOnWithoutWhatCannotBeRead) {
   const Model arm = robot("scara");
   const Files files("ranks-left-out");

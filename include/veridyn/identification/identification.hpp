@@ -52,8 +52,8 @@ struct IdentificationOptions {
   /// For identify() of recordings: a recorded velocity that is noisier than its position's
   /// derivative, or wrong in scale, is replaced by that derivative where this improves the
   /// prediction of the joint's torque by at least 2 % of its error on the training recordings;
-  /// Identification::preprocessing then says so. Factors, ranks and Filtering::kSignals, which
-  /// filters the velocity itself, keep the recorded velocity.
+  /// Identification::preprocessing then says so. Factors keep what was chosen when they were made;
+  /// Filtering::kSignals, which filters the velocity itself, keeps the recorded velocity.
   bool choose_velocities = true;
   int threads = 0;  ///< recordings are read in parallel; 0: one thread per core
   /// Called with (current activity, share done) between recordings.

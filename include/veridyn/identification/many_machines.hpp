@@ -24,7 +24,7 @@ class Communicator {
 ///
 /// Each rank compresses its share, the factors are merged at rank 0 in a fixed binary tree and in
 /// the order of the list, and each rank measures the errors of its own recordings. The result is
-/// that of identify() with choose_velocities = false, for any number of ranks. A recording that
+/// that of identify() on one machine, for any number of ranks. A recording that
 /// cannot be read or used is skipped and named in `left_out` of the result.
 ///
 /// @param keep  called on every rank with its factors so far, from time to time, so that they

@@ -13,6 +13,7 @@
 #include "cli/identification/ranks.hpp"
 #include "cli/options/recording_options.hpp"
 #include "cli/options/sound_arguments.hpp"
+#include "identification/many_recordings.hpp"
 #include "veridyn/identification/factor_set.hpp"
 #include "veridyn/identification/rest_poses.hpp"
 #include "veridyn/math/require.hpp"
@@ -138,13 +139,22 @@ Identification identified_at_rest(const IdentifyRequest& request, const Model& a
                           read(request.test, request.train.size(), options.test_preprocessing.value_or(how)), options);
 }
 
-// The training recordings become factors; without a fit of their own if that is all there is to do.
+// The training recordings become factors, with the velocities that identify() chooses for them, or
+// that the factors beside them were made with.
 FactorSet compressed(const IdentifyRequest& request, const Model& arm,
                      const IdentificationOptions& options) {
   FactorSet factors = read_all_factors(request.factors);
   if (request.factor_out.empty()) return factors;
-  const FactorSet fresh = compress(with_friction(arm, options.friction), request.train,
-                                   options.preprocessing, options.threads);
+  PreprocessingOptions how = options.preprocessing;
+  if (!request.factors.empty() && options.choose_velocities) {
+    how.derive_velocity_of = joints_with_derived_velocities(factors);
+  } else if (options.choose_velocities) {
+    const Identification alone = identify(arm, request.train, {}, options);
+    how.derive_velocity_of = alone.preprocessing.derive_velocity_of;
+    for (const std::string& remark : alone.remarks) say(remark);
+  }
+  const FactorSet fresh =
+      compress(with_friction(arm, options.friction), request.train, how, options.threads);
   factors = merge(std::move(factors), fresh);
   save_factors(factors, request.factor_out);
   return factors;
