@@ -12,11 +12,11 @@ namespace veridyn {
 /// and of symbolic packages, with + - * /, a constructor from double and a function
 /// `sine_cosine(const S& x, S& sine, S& cosine)` beside them. Header-only, with Eigen alone:
 ///
-///   Tree tree(2, {0, 0, -9.81});                  // or Tree(model, Tree::Keep::kMovingLinks)
-///   tree.add_body(tree.add_link(-1, JointType::kRevolute, {{0, 1.0}}, 0.0, T_base_joint));
-///   ...
-///   ArmDynamics<S> arm(tree, phi.data());
-///   arm.inverse_dynamics(q, dq, ddq, tau);
+///     Tree tree(2, {0, 0, -9.81});                  // or Tree(model, Tree::Keep::kMovingLinks)
+///     tree.add_body(tree.add_link(-1, JointType::kRevolute, {{0, 1.0}}, 0.0, T_base_joint));
+///     ...
+///     ArmDynamics<S> arm(tree, phi.data());
+///     arm.inverse_dynamics(q, dq, ddq, tau);
 ///
 /// After the constructor nothing allocates, unless S itself does; outputs are of the right size.
 /// One object serves one thread.
