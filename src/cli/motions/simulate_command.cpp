@@ -128,7 +128,7 @@ void add_simulate_command(CLI::App& tool, Outcome& outcome) {
   add_robot_argument(command, request->robot);
   command.add_option("--trajectory", request->trajectory, "CSV with t and q; dq and ddq if there")
       ->option_text("TRAJ");
-  add_output_option(command, "-o,--output", request->output, "Write the recording as CSV: t, q, dq, tau");
+  add_output_option(command, "-o,--output", request->output, "Write the recording as CSV: t, q, dq, tau", {".csv"});
   command.add_option("--effect", request->effects, "What the arm has beyond its file; see below")
       ->option_text("NAME:JOINT[:KEY=VALUE,...]")
       ->expected(1)
