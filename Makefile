@@ -36,7 +36,7 @@ notebooks: python packages-tests
 # A wheel of the Python module for this machine's Python, in $(BUILD)/wheel; pip installs it without a compiler.
 wheel: python
 	@cmake/install-packages.sh cmake/debian-packages-wheel.txt
-	@VERIDYN_BUILD_DIR=$(BUILD) /usr/bin/python3 -m pip wheel --quiet --no-build-isolation --no-deps --no-index -w $(BUILD)/wheel .
+	@VERIDYN_BUILD_DIR=$(abspath $(BUILD)) /usr/bin/python3 -m pip wheel --quiet --no-build-isolation --no-deps --no-index -w $(BUILD)/wheel .
 	@ls $(BUILD)/wheel/*.whl
 
 # The ROS 1 packages, in $(BUILD)/ros; see docs/ros.md. The library never needs them.

@@ -1,13 +1,16 @@
 """Builds the Python module with CMake, for `pip install --no-build-isolation .`.
 
-VERIDYN_BUILD_DIR names a build folder to use again (that of `make python`); otherwise one is made.
+VERIDYN_BUILD_DIR names the build folder of `make python`, whose module is taken as it is, and nothing is written beside
+the sources; otherwise one is made and the library is compiled.
 """
 
+import atexit
 import os
 import pathlib
 import shutil
 import subprocess
 import sys
+import tempfile
 
 from setuptools import Extension, setup
 from setuptools.command.build_ext import build_ext
@@ -25,13 +28,11 @@ class BuildWithCMake(build_ext):
             "-DVERIDYN_BENCHMARKS=OFF",
             f"-DPython3_EXECUTABLE={sys.executable}",
         ]
-        if not (folder / "CMakeCache.txt").exists():
-            options += ["-DCMAKE_BUILD_TYPE=Release", "-G", "Ninja"]
-        cmake = os.environ.get("CMAKE", "cmake")
-        subprocess.run([cmake, "-S", SOURCE, "-B", folder, *(options if not given else options[:1])],
-                       check=True)
-        subprocess.run([cmake, "--build", folder, "--target", "veridyn_python", "--parallel"],
-                       check=True)
+        if not given:
+            cmake = os.environ.get("CMAKE", "cmake")
+            fresh = [] if (folder / "CMakeCache.txt").exists() else ["-DCMAKE_BUILD_TYPE=Release", "-G", "Ninja"]
+            subprocess.run([cmake, "-S", SOURCE, "-B", folder, *options, *fresh], check=True)
+            subprocess.run([cmake, "--build", folder, "--target", "veridyn_python", "--parallel"], check=True)
         built = list((folder / "python" / "veridyn").glob("_veridyn*.so"))
         if len(built) != 1:
             raise RuntimeError(f"{folder}: found {len(built)} modules, expected one")
@@ -40,7 +41,14 @@ class BuildWithCMake(build_ext):
         shutil.copy2(built[0], target)
 
 
+aside = {}
+if os.environ.get("VERIDYN_BUILD_DIR"):
+    scratch = tempfile.mkdtemp(prefix="veridyn-wheel-")
+    atexit.register(shutil.rmtree, scratch, ignore_errors=True)
+    aside = {"build": {"build_base": scratch}, "egg_info": {"egg_base": scratch}}
+
 setup(
+    options=aside,
     packages=["veridyn", "veridyn.robots"],
     package_dir={"veridyn": "python/veridyn", "veridyn.robots": "data/robots"},
     package_data={"veridyn": ["*.pyi", "py.typed"], "veridyn.robots": ["*.yaml", "*.urdf"]},

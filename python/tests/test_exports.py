@@ -173,6 +173,24 @@ def test_c_has_every_effect(tmp_path):
     assert "Left out: torque_drift" in planar(tmp_path, late).to_c_code()
 
 
+def test_friction_at_rest_chatters_no_more_than_it_is_told_to(tmp_path):
+    names = [c["name"] for c in veridyn.read_model("planar-2r").coordinates]
+    model = planar(tmp_path, f"\n  - {{effect: coulomb_friction, axis: {{{names[0]}: 1}}, level: 2.0}}\n")
+    noise = 0.003 * np.random.default_rng(1).standard_normal(500)
+    spread = {}
+    for name, define in (("narrow", ()), ("wide", ("-Dplanar_2r_rest_speed=0.1",))):
+        folder = tmp_path / name
+        folder.mkdir()
+        compiled = Compiled(model, folder, ("cc", "-std=c99", *define), ".c")
+        memory = np.zeros(compiled.memory)
+        friction = [compiled.call("friction", 2, np.zeros(2), np.array([v, 0.0]), np.zeros(2), memory)[0] for v in noise]
+        spread[name] = np.std(friction)
+        moving = compiled.call("friction", 2, np.zeros(2), np.array([0.2, 0.0]), np.zeros(2), memory)[0]
+        assert moving == pytest.approx(2.0)
+    assert spread["narrow"] > 1.5
+    assert spread["wide"] < 0.1
+
+
 def test_c_needs_values():
     with pytest.raises(veridyn.InvalidInput, match="without values"):
         veridyn.read_model("psm-3dof").to_c_code()

@@ -215,6 +215,15 @@ std::string KinematicTable::report() const {
   std::sort(condition.begin(), condition.end());
   std::string out = fmt::format("{}, frame {}: {} posture{}, {}.\n", robot, frame, rows.size(),
                                 rows.size() == 1 ? "" : "s", solver);
+  if (solver != "forward" && solver != "workspace") {
+    double off = 0.0, turned = 0.0;
+    for (const KinematicRow& row : rows) {
+      off = std::max(off, row.position_error);
+      turned = std::max(turned, row.angle_error);
+    }
+    out += fmt::format("{} of {} poses not reached; off by {:.2g} m{} at most.\n", unreached(), rows.size(), off,
+                       has_orientation ? fmt::format(" and {:.2g} rad", turned) : "");
+  }
   if (rows.size() == 1) {
     const Eigen::Vector3d p = rows.front().T_world_tip.translation();
     const Eigen::Quaterniond r(rows.front().T_world_tip.linear());
@@ -230,15 +239,6 @@ std::string KinematicTable::report() const {
   if (!condition.empty())
     out += fmt::format("Condition of the position Jacobian: least {:.3g}, median {:.3g}, largest {:.3g}.\n",
                        condition.front(), condition[condition.size() / 2], condition.back());
-  if (solver != "forward" && solver != "workspace") {
-    double off = 0.0, turned = 0.0;
-    for (const KinematicRow& row : rows) {
-      off = std::max(off, row.position_error);
-      turned = std::max(turned, row.angle_error);
-    }
-    out += fmt::format("{} of {} poses not reached; off by {:.2g} m{} at most.\n", unreached(), rows.size(), off,
-                       has_orientation ? fmt::format(" and {:.2g} rad", turned) : "");
-  }
   const std::string outside = outside_words();
   if (!outside.empty()) out += fmt::format("Outside the limits of {}.\n", outside);
   return out;

@@ -101,7 +101,9 @@ class CWriter {
  *   static double memory[{0}_memory];              begins with zeros
  *   {0}_torque(q, dq, ddq_wanted, memory, tau);    once a cycle, with the states in their order
  *
- * q, dq, ddq and tau are true values.)", name_));
+ * q, dq, ddq and tau are true values. Friction changes its sign with a velocity's: of a measured one,
+ * whose noise does so at rest, it chatters. Give the wanted velocity, or define {0}_rest_speed before
+ * this file as what the noise does not exceed; below it friction is proportional to the velocity.)", name_));
     const std::vector<std::string> errors = JointSensors(arm_).in_words(arm_);
     if (!errors.empty()) line(" * As the model knows the sensors of this arm, to be taken off before and put on after:");
     for (const std::string& one : errors) line(" *   " + plain(one));
@@ -147,9 +149,12 @@ class CWriter {
     };
     const bool contact = called("contact");
     if (called("direction")) {
-      line(fmt::format(R"(/* The sign of a velocity, a straight line below {1} rad/s or m/s. */
+      line(fmt::format(R"(/* The sign of a velocity, a straight line below {0}_rest_speed rad/s or m/s. */
+#ifndef {0}_rest_speed
+#define {0}_rest_speed {1}
+#endif
 static double {0}_direction(double ds) {{
-  const double d = ds / {1};
+  const double d = ds / {0}_rest_speed;
   return d < -1.0 ? -1.0 : d > 1.0 ? 1.0 : d;
 }}
 )",

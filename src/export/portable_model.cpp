@@ -196,8 +196,16 @@ PortableModel portable_model(const Model& arm, const std::optional<Model>& prior
   for (size_t j = 0; j < free.size(); ++j) chosen[free[j]] = x[static_cast<Eigen::Index>(j)];
   out.arm = with_phi(arm, chosen);
   out.changed = true;
-  out.prior = prior ? "the bodies of " + prior->name()
-                    : "a rod of 5 cm diameter and the density of water along every link";
+  const auto drawn = std::count_if(arm.bodies().begin(), arm.bodies().end(), [&](int k) {
+    const auto& own = arm.frames()[static_cast<size_t>(k)].body->prior;
+    return own && (*own)[0] > 0.0;
+  });
+  const std::string rod_words = "a rod of 5 cm diameter and the density of water along every ";
+  out.prior = prior      ? "the bodies of " + prior->name()
+              : !drawn   ? rod_words + "link"
+              : drawn == static_cast<long>(arm.bodies().size())
+                  ? "the bodies of the robot file that the model was identified from"
+                  : "the bodies of the robot file that the model was identified from, and " + rod_words + "other link";
   out.bodies = described(out.arm, base, *phi);
   return out;
 }

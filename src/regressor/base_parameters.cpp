@@ -133,6 +133,7 @@ BaseParameters base_parameters(const SquareRootInformation& factor,
   BaseParameters base;
   VectorXd norms;
   const MatrixXd A = scaled(factor.R(), norms);
+  if (A.cols() == 0) return base;  // an arm without bodies and effects has no parameters
   base.singular_values = Eigen::BDCSVD<MatrixXd>(A).singularValues();
   const int rank = rank_of(base.singular_values, tolerance, base.rank_gap);
   base.independent = leading_columns(A, preference, rank);

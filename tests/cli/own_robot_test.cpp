@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <regex>
@@ -211,6 +212,24 @@ TEST_F(OwnRobot, AModelIsNotWrittenUnderTheNameOfAnotherFormat) {
   EXPECT_EQ(run.error_lines(), 1) << run.err;
   EXPECT_NE(run.err.find("expected a .yaml file"), std::string::npos) << run.err;
   EXPECT_FALSE(std::ifstream(out));
+}
+
+TEST_F(OwnRobot, AnEndingOfAnotherFormatIsRefused) {
+  const std::string model = folder().path("endings.yaml");
+  save(identify(read_model(kUrdf), {path("plain", "1")}, {path("plain", "2")}), model);
+  for (const auto& [option, name, expected] : std::vector<std::array<const char*, 3>>{
+           {"--yaml", "m.json", ".yaml"}, {"--urdf", "m.yaml", ".urdf"}, {"--mjcf", "m.sdf", ".xml"}, {"--report", "m.json", ".html"}}) {
+    const ToolRun run = run_tool({"export", model, option, folder().path(name)});
+    EXPECT_EQ(run.status, 2) << option;
+    EXPECT_EQ(run.error_lines(), 1) << run.err;
+    EXPECT_NE(run.err.find(std::string("expected a ") + expected + " file"), std::string::npos) << run.err;
+    EXPECT_FALSE(std::ifstream(folder().path(name)));
+  }
+  EXPECT_EQ(run_tool({"excite", kUrdf, "-o", folder().path("m.urdf")}).status, 2);
+  const ToolRun page = run_tool({"export", model, "--urdf", folder().path("m.urdf"), "--report", folder().path("m.html")});
+  EXPECT_EQ(page.status, 0) << page.err;
+  EXPECT_NE(page.err.find("near the bodies of the robot file"), std::string::npos) << page.err;
+  EXPECT_NE(content_of(folder().path("m.html")).find("upper_arm"), std::string::npos);
 }
 
 TEST_F(OwnRobot, HelpAndBeginningsOfNamesAreUnderstood) {

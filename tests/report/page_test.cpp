@@ -1,14 +1,18 @@
 #include <gtest/gtest.h>
 
+#include <unistd.h>
+
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 
+#include "report/pages/page_files.hpp"
 #include "support/browser.hpp"
 #include "veridyn/regressor/standard_parameters.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/report/pages.hpp"
+#include "veridyn/report/robot_info.hpp"
 
 // Pages of results that are out of the ordinary.
 
@@ -138,6 +142,93 @@ TEST_F(OpenedInMemory, RecordingsOfAnyLengthAndNumbersThatAreMissing) {
     EXPECT_EQ(counts(plot.at("data-points"))["measured"], 40);
     EXPECT_EQ(counts(plot.at("data-points"))["identified model"], first ? 39 : 40);
   }
+}
+
+// As built where the plot library is not installed.
+TEST_F(OpenedInMemory, WithoutThePlotLibraryCurvesAreDrawings) {
+  std::string page = to_page(identification({recording("test.csv", 800, nowhere)}));
+  const std::string library(page_file("dygraph.js"));
+  if (library.empty()) GTEST_SKIP() << "built without it: every page is tested so";
+  const auto at = page.find(library);
+  ASSERT_NE(at, std::string::npos);
+  page.erase(at, library.size());
+  const OpenedPage opened = open(page);
+  EXPECT_EQ(opened.root().at("data-errors"), "0") << opened.console;
+  EXPECT_EQ(opened.console, "");
+  int drawn = 0;
+  for (const PageElement& plot : opened.with("data-plot")) {
+    if (plot.at("data-plot") != "time") continue;
+    ++drawn;
+    EXPECT_EQ(counts(plot.at("data-points"))["measured"], 800);
+  }
+  EXPECT_EQ(drawn, 2);
+}
+
+TEST_F(OpenedInMemory, TheLeastCertainParametersShowTheirCorrelation) {
+  Identification id = identification({recording("test.csv", 800, nowhere)});
+  ModelDescription d = id.model->description();
+  d.identified.emplace();
+  d.identified->clusters = 3;
+  const auto parameter = [](const char* name, double value, double first, double second) {
+    IdentifiedParameter out;
+    out.name = name;
+    out.unit = "kg";
+    out.value = value;
+    out.scatter = Eigen::Vector2d(first, second);
+    return out;
+  };
+  d.identified->parameters = {parameter("sure", 100.0, 0.0, 1.0), parameter("half", 1.0, 0.5, 0.0), parameter("vague", 1.0, 0.6, -0.8)};
+  id.model = Model(std::move(d));
+  const OpenedPage page = open(to_page(id));
+  EXPECT_EQ(page.root().at("data-errors"), "0") << page.console;
+  const json list = embedded(page.html, "series")["correlations"];
+  EXPECT_EQ(list["names"], (json{"vague", "half", "sure"}));  // the least certain first
+  EXPECT_EQ(list["matrix"], (json{{1.0, 0.6, -0.8}, {0.6, 1.0, 0.0}, {-0.8, 0.0, 1.0}}));
+  int drawn = 0;
+  for (const PageElement& plot : page.with("data-plot")) {
+    if (plot.at("data-plot") != "correlations") continue;
+    ++drawn;
+    EXPECT_EQ(plot.at("data-points"), "cells:9");
+  }
+  EXPECT_EQ(drawn, 1);
+  EXPECT_NE(page.html.find("Strongest: vague and sure"), std::string::npos);
+}
+
+// Shapes of a URDF in place of rods; a mesh that is too fine is thinned.
+TEST_F(OpenedInMemory, LinksHaveTheShapesOfTheirUrdf) {
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("veridyn-shapes-" + std::to_string(::getpid()));
+  std::filesystem::create_directories(folder);
+  std::string fine = "solid fine\n";
+  constexpr int kAround = 200, kAlong = 60;
+  const auto vertex = [&](int i, int k) {
+    const double angle = 2.0 * M_PI * i / kAround;
+    fine += "vertex " + std::to_string(0.05 * std::cos(angle)) + " " + std::to_string(0.05 * std::sin(angle)) + " " + std::to_string(0.01 * k) + "\n";
+  };
+  for (int i = 0; i < kAround; ++i) {
+    for (int k = 0; k < kAlong; ++k) {
+      vertex(i, k), vertex(i + 1, k), vertex(i + 1, k + 1);
+      vertex(i, k), vertex(i + 1, k + 1), vertex(i, k + 1);
+    }
+  }
+  std::ofstream(folder / "fine.stl") << fine;
+  std::ofstream(folder / "arm.urdf")
+      << R"(<robot name="arm"><link name="base"><visual><geometry><cylinder radius="0.1" length="0.2"/></geometry></visual></link>
+<link name="upper"><visual><geometry><mesh filename="fine.stl"/></geometry><material name="red"><color rgba="1 0 0 1"/></material></visual></link>
+<joint name="lift" type="revolute"><parent link="base"/><child link="upper"/><axis xyz="0 1 0"/><limit lower="-1" upper="1" velocity="1" effort="9"/></joint></robot>)";
+  const Model arm = read_model((folder / "arm.urdf").string());
+  const std::string with = to_page(robot_info(arm));
+  std::filesystem::remove_all(folder);
+  const std::string without = to_page(robot_info(arm));  // the file is gone: rods
+  const json meshes = embedded(with, "series")["arms"][0]["meshes"];
+  ASSERT_EQ(meshes.size(), 2u);
+  EXPECT_EQ(meshes[1]["colour"], "#ff0000");
+  EXPECT_LT(with.size(), without.size() + 150000);
+  EXPECT_EQ(embedded(without, "series")["arms"][0]["meshes"].size(), 0u);
+  const OpenedPage page = open(with);
+  EXPECT_EQ(page.root().at("data-errors"), "0") << page.console;
+  EXPECT_EQ(page.console, "");
+  EXPECT_NE(page.html.find("fill=\"#ff0000\""), std::string::npos);
 }
 
 TEST_F(OpenedInMemory, AJointAtRestIsAPlotAndNotAFault) {

@@ -34,5 +34,15 @@ TEST(RobotInfoText, NamesEveryCoordinateFrameAndParameter) {
   }
 }
 
+TEST(RobotInfoText, AnArmWithoutBodiesHasNoParameters) {
+  ModelDescription d = read_model("planar-2r").description();
+  for (Frame& frame : d.frames) frame.body.reset();
+  d.effects.clear();
+  const RobotInfo info = robot_info(Model(std::move(d)));
+  EXPECT_TRUE(info.parameters.empty());
+  EXPECT_EQ(info.base.K.size(), 0);
+  EXPECT_NE(info.report().find("0 bodies"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace veridyn

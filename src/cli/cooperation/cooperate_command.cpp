@@ -110,7 +110,7 @@ void add_cooperate_command(CLI::App& tool, Outcome& outcome) {
   command.add_option("SCENARIO", request->scenario, "YAML: arms, object, loops, phases")
       ->required()
       ->option_text(" ");
-  add_output_option(command, "-o,--output", request->output, "Write the recorded signals as CSV");
+  add_output_option(command, "-o,--output", request->output, "Write the recorded signals as CSV", {".csv"});
   command.add_option("--engine", request->engine, "Simulation engine (veridyn)")
       ->option_text(listed(engine_names()))
       ->check(CLI::IsMember(engine_names()));

@@ -17,13 +17,15 @@
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/model/model_origin.hpp"
 #include "veridyn/model/urdf.hpp"
+#include "veridyn/report/pages.hpp"
+#include "veridyn/report/robot_info.hpp"
 
 namespace veridyn::cli {
 namespace {
 
 struct ExportRequest {
   std::string model;
-  std::string urdf, mjcf, sdf, cpp, yaml, json;
+  std::string urdf, mjcf, sdf, cpp, yaml, json, report;
   std::string prior, meshes_from;
   bool quiet = false;
   DvrkExport dvrk;
@@ -64,21 +66,22 @@ void write_xml(const ExportRequest& request, const std::string& file, const char
            " of the model; the file names them in comments that begin with 'left out:'."));
 }
 
-void run(const ExportRequest& request) {
+void run(const ExportRequest& request, const std::string& command_line) {
   const DvrkExport& dvrk = request.dvrk;
   if ((request.urdf + request.mjcf + request.sdf + request.cpp + request.yaml + request.json +
-       dvrk.gravity + dvrk.scales)
+       request.report + dvrk.gravity + dvrk.scales)
           .empty()) {
     throw CLI::RequiredError(
         "--urdf, --mjcf, --sdf, --cpp, --json, --yaml, --dvrk-gravity or --dvrk-scales");
   }
   check_dvrk_export(dvrk);
   for (const std::string& file : {request.urdf, request.mjcf, request.sdf, request.cpp,
-                                  request.yaml, request.json, dvrk.gravity, dvrk.scales})
+                                  request.yaml, request.json, request.report, dvrk.gravity, dvrk.scales})
     require_writable(file);
   const Model model = read_model(request.model);
-  if (!(request.urdf + request.mjcf + request.sdf).empty()) {
+  if (!(request.urdf + request.mjcf + request.sdf + request.report).empty()) {
     const ExportedModel out = exported(request, model);
+    if (!request.report.empty()) write_file(request.report, to_page(robot_info(out.arm), command_line));
     if (!request.urdf.empty())
       write_xml(request, request.urdf, "URDF", to_urdf(out.arm, out.extras));
     if (!request.mjcf.empty())
@@ -99,7 +102,7 @@ void run(const ExportRequest& request) {
 
 }  // namespace
 
-void add_export_command(CLI::App& tool, Outcome&) {
+void add_export_command(CLI::App& tool, Outcome& outcome) {
   const auto request = std::make_shared<ExportRequest>();
   CLI::App& command = *tool.add_subcommand(
       "export", "Convert a model: URDF, MJCF, SDF, C, YAML, JSON, dVRK gravity");
@@ -116,6 +119,7 @@ void add_export_command(CLI::App& tool, Outcome&) {
        "Write one file of C and C++: inverse dynamics, regressor, friction; no dependencies");
   file("--json", request->json, "Write the robot file as JSON");
   file("--yaml", request->yaml, "Write YAML");
+  file("--report", request->report, "Write one HTML page of the arm with the bodies that are exported");
   command
       .add_option("--prior", request->prior,
                   "With --urdf, --mjcf and --sdf: prior model (CAD) for values that torques do not "
@@ -129,7 +133,7 @@ void add_export_command(CLI::App& tool, Outcome&) {
   command.add_flag("--quiet", request->quiet, "Print only errors on standard error");
   add_dvrk_export_options(command, request->dvrk);
   command.set_version_flag("--version", "veridyn " VERIDYN_VERSION);
-  command.callback([request] { run(*request); });
+  command.callback([request, &outcome] { run(*request, outcome.command_line); });
 }
 
 }  // namespace veridyn::cli

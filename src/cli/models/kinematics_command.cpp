@@ -173,7 +173,7 @@ void add_kinematics_command(CLI::App& tool, Outcome& outcome) {
       ->option_text("closed-form|newton")
       ->check(CLI::IsMember({"closed-form", "newton"}));
   command.add_flag("--jacobian", request->jacobian, "Also write the Jacobian");
-  add_output_option(command, "-o,--output", request->output, "Write the results as CSV");
+  add_output_option(command, "-o,--output", request->output, "Write the results as CSV", {".csv"});
   add_common_options(command, request->common);
   add_report_option(command, request->common);
   command.callback([request, &outcome, &command] {

@@ -308,7 +308,7 @@ void add_excite_command(CLI::App& tool, Outcome& outcome) {
   const auto request = std::make_shared<ExciteRequest>();
   CLI::App& command = *tool.add_subcommand("excite", "Design an excitation trajectory");
   add_robot_argument(command, request->robot);
-  add_output_option(command, "-o,--output", request->output, "Write the motion as CSV: t, q, dq, ddq")->required();
+  add_output_option(command, "-o,--output", request->output, "Write the motion as CSV: t, q, dq, ddq", {".csv"})->required();
   add_output_option(command, "--coefficients", request->coefficients, "Write the series' coefficients as YAML");
   add_motion_options(command, request->options);
   add_search_options(command, request->options);

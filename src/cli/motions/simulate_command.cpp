@@ -148,7 +148,7 @@ void add_simulate_command(CLI::App& tool, Outcome& outcome) {
           "In place of a trajectory: one joint after the other steps by this, each over 1 s")
       ->option_text("X,X,...")
       ->delimiter(',');
-  add_output_option(command, "-o,--output", request->output, "Write the recording as CSV: t, q, dq, tau");
+  add_output_option(command, "-o,--output", request->output, "Write the recording as CSV: t, q, dq, tau", {".csv"});
   command
       .add_option("--effect", request->effects,
                   "Add an effect that the robot file lacks; see below")

@@ -1,8 +1,11 @@
 #include "cli/options/sound_arguments.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <map>
+#include <set>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -125,15 +128,23 @@ void expect_sound(const CLI::App& command) {
 }  // namespace
 
 CLI::Option* add_output_option(CLI::App& command, const std::string& option, std::string& target,
-                               const std::string& help) {
+                               const std::string& help, const std::vector<std::string>& endings) {
+  static const std::vector<std::string> kYaml = {".yaml", ".yml"};
+  static const std::map<std::string, std::vector<std::string>> kOfOption = {
+      {"--json", {".json"}}, {"--report", {".html", ".htm"}}, {"--urdf", {".urdf", ".xml"}}, {"--mjcf", {".xml", ".mjcf"}},
+      {"--sdf", {".sdf", ".xml"}}, {"--yaml", kYaml}, {"--coefficients", kYaml}, {"--model-out", kYaml}, {"--robot-out", kYaml}};
+  static const std::set<std::string> kKnown = {".yaml", ".yml", ".json", ".html", ".htm", ".urdf", ".xml", ".mjcf", ".sdf", ".csv"};
   CLI::Option* const out =
       command.add_option(option, target, help)->type_name(kOutputType)->option_text("FILE");
-  // Models are YAML, whatever the file is called: another format's ending would mislead its reader.
-  if (option != "--model-out" && option != "--robot-out" && option != "--yaml") return out;
-  return out->check([](const std::string& path) {
+  const auto own = kOfOption.find(option);
+  const std::vector<std::string> expected = own == kOfOption.end() ? endings : own->second;
+  if (expected.empty()) return out;
+  const bool model = option == "--model-out" || option == "--robot-out" || option == "--yaml";
+  return out->check([expected, model](const std::string& path) {
     const std::string ending = fs::path(path).extension().string();
-    if (ending != ".urdf" && ending != ".xml" && ending != ".sdf" && ending != ".mjcf") return std::string();
-    return "found '" + path + "', expected a .yaml file; `veridyn export` writes the model as " + ending.substr(1);
+    if (kKnown.count(ending) == 0 || std::find(expected.begin(), expected.end(), ending) != expected.end()) return std::string();
+    return "found '" + path + "', expected a " + expected.front() + " file" +
+           (model ? "; `veridyn export` writes the model as " + ending.substr(1) : "");
   });
 }
 

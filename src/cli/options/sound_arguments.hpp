@@ -7,8 +7,11 @@
 namespace veridyn::cli {
 
 /// Adds an option whose value is a file to write: expect_sound_arguments() keeps it off the inputs.
+/// A name that ends as another format does is refused: --json, --report, --urdf, --mjcf, --sdf,
+/// --yaml, --coefficients, --model-out and --robot-out know theirs.
+/// @param endings  of an option of another name, as ".csv"; none: any.
 CLI::Option* add_output_option(CLI::App& command, const std::string& option, std::string& target,
-                               const std::string& help);
+                               const std::string& help, const std::vector<std::string>& endings = {});
 
 /// For inputs that are named in a file rather than as arguments.
 /// @throws CLI::ValidationError  the option's file is one of those that are read.

@@ -115,8 +115,13 @@ Json meshes_json(const Model& arm) {
   const std::filesystem::path file = arm.description().source;
   std::error_code ignored;
   if ((file.extension() != ".urdf" && file.extension() != ".xml") || !std::filesystem::is_regular_file(file, ignored)) return out;
-  LinkShapes read = urdf_shapes(file.string(), UrdfShapes::kVisual);
-  if (read.shapes.empty()) read = urdf_shapes(file.string(), UrdfShapes::kCollision);
+  LinkShapes read;
+  try {
+    read = urdf_shapes(file.string(), UrdfShapes::kVisual);
+    if (read.shapes.empty()) read = urdf_shapes(file.string(), UrdfShapes::kCollision);
+  } catch (const InvalidInput&) {
+    return out;  // the file has changed since; a page is drawn with rods then
+  }
   if (read.shapes.empty()) return out;
   const int most = kTrianglesOfArm / static_cast<int>(read.shapes.size());
   for (const LinkShape& shape : read.shapes) {

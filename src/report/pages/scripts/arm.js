@@ -132,7 +132,7 @@ function paint(name) {
 
 function camera(view, box, width, height) {
   const [cy, sy, cp, sp] = [Math.cos(view.yaw), Math.sin(view.yaw), Math.cos(view.pitch), Math.sin(view.pitch)];
-  const distance = 3.4 * box.reach;
+  const distance = 3.7 * box.reach;
   const focal = 1.35 * Math.min(width, 1.35 * height) * view.zoom;
   return (p) => {
     const [x, y, z] = minus(p, box.middle);
@@ -347,9 +347,10 @@ function samplesOf(arm, columns) {
   }).flat();
 }
 
-/** Two opposite corners of the box around a mesh. */
+/** The corners of the box around a mesh. */
 function extremesOf(mesh) {
-  return [Math.min, Math.max].map((f) => [mesh.x, mesh.y, mesh.z].map((c) => c.reduce((a, b) => f(a, b))));
+  const [low, high] = [Math.min, Math.max].map((f) => [mesh.x, mesh.y, mesh.z].map((c) => c.reduce((a, b) => f(a, b))));
+  return [0, 1, 2, 3, 4, 5, 6, 7].map((k) => [0, 1, 2].map((axis) => (k >> axis & 1 ? high : low)[axis]));
 }
 
 /** The arm of a recording, or nothing. @param kind  "diagnose": links in the colour of what the model leaves of their joint */

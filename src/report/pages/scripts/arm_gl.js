@@ -100,7 +100,7 @@ async function webGlStage(box, held) {
       renderer.setPixelRatio(Math.min(2, window.devicePixelRatio || 1));
       renderer.setSize(width, height);
       renderer.domElement.className = 'stage';
-      const distance = 3.4 * box.reach / view.zoom;
+      const distance = 3.7 * box.reach / view.zoom;
       const [cp, sp] = [Math.cos(view.pitch), Math.sin(view.pitch)];
       eye.position.set(box.middle[0] + distance * cp * Math.sin(view.yaw), box.middle[1] - distance * cp * Math.cos(view.yaw), box.middle[2] + distance * sp);
       eye.lookAt(vector(box.middle));

@@ -2,6 +2,7 @@
 
 const kPaperWidth = 690;  // [px] between the margins of A4 and of letter paper
 const kStacked = 4;       // joints shown at once before one is chosen for a start
+const kDrawnPoints = 1500;  // of a curve that is a drawing
 const kSameColour = 60;   // distance of red, green and blue together
 const kVisible = 40;      // of 255
 const timePlots = [];     // {graph, plot, curves, unit, title}
@@ -101,6 +102,13 @@ function timePlot(place, {kind, joint, recording, title, curves: wanted, unit}) 
     const [name, width] = kCurve[c.style];
     return {...c, style: name, colour: colour(name), width: kind === 'error' ? Math.min(width, 1.8) : width};
   });
+  if (!window.Dygraph) {  // built where the plot library was not installed: drawings without zoom
+    const step = Math.ceil(recording.time.length / kDrawnPoints);
+    const points = (values) => recording.time.map((t, k) => [t, values[k]]).filter((_, k) => k % step === 0);
+    place.append(chart({name: kind, joint, title, x: {name: 'time [s]'}, y: {name: unit}, width: kPaperWidth, height: 220,
+                        marks: curves.map((c) => ({kind: 'line', name: c.name, colour: c.style, width: c.width, points: points(c.values)}))}));
+    return;
+  }
   const readout = element('span', {class: 'readout', 'aria-live': 'off'});
   const canvas = element('div', {class: 'canvas'});
   const plot = element('div', {class: 'plot ' + kind, 'data-plot': kind, 'data-joint': joint, role: 'img',

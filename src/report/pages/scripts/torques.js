@@ -4,7 +4,7 @@
 const kStates = {
   at_floor: ['good', 'at the floor'], named: ['good', 'named'], unnamed: ['bad', 'not named'], cannot_tell: ['fair', 'cannot be told'],
   unexplained: ['bad', 'something is missing'], hardly_moved: ['fair', 'hardly moved: record it again'],
-  good: ['good', 'at the noise floor'], fair: ['fair', 'above the floor'], bad: ['bad', 'something is missing'], unknown: ['fair', 'no floor known']
+  unknown: ['fair', 'no floor known']
 };
 
 function heldOutPlace() {
@@ -87,7 +87,7 @@ function verdictParts() {
 
 /** "Joints 1, 2 are at the noise floor; 3 leaves 12 times it." */
 function verdictSentence(rows) {
-  const good = rows.filter((r) => r.state === 'good' || r.state === 'at_floor' || r.state === 'named');
+  const good = rows.filter((r) => r.state === 'at_floor' || r.state === 'named');
   const rest = rows.filter((r) => !good.includes(r) && r.ratio !== null);
   const plural = (list, one, many) => (list.length === 1 ? 'Joint ' : 'Joints ') + jointsOf(list) + ' ' + (list.length === 1 ? one : many);
   const parts = [];
