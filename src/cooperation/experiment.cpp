@@ -108,6 +108,7 @@ void Experiment::add_walls() {
     wall.point = starts_[static_cast<size_t>(w.arm)] + w.point;
     wall.normal = w.normal;
     wall.stiffness = w.stiffness;
+    wall.stiffening = w.stiffening;
     wall.damping = w.damping;
     wall.touches = tips_[static_cast<size_t>(w.arm)];
     objects_.walls.push_back(wall);

@@ -141,7 +141,9 @@ void MotionPlan::pull(State& state) {
     const double depth = -wall.normal.dot(state.seen.position[arm] - walls_[k]);
     const double rate = -wall.normal.dot(state.seen.velocity[arm]);
     if (depth > 0.0)
-      tips_[arm].force -= std::max(0.0, wall.stiffness * depth + wall.damping * rate) * wall.normal;
+      tips_[arm].force -=
+          std::max(0.0, (wall.stiffness + wall.stiffening * depth) * depth + wall.damping * rate) *
+          wall.normal;
   }
 }
 

@@ -69,7 +69,7 @@ ScenarioMember read_member(const YamlNode& node, const Names& arms) {
 }
 
 ScenarioWall read_wall(const YamlNode& node, const Names& arms) {
-  node.allow_keys({"name", "arm", "point", "normal", "stiffness", "damping", "sensor"});
+  node.allow_keys({"name", "arm", "point", "normal", "stiffness", "stiffening", "damping", "sensor"});
   ScenarioWall wall;
   wall.name = node.at("name").word("the wall's name");
   wall.arm = arms.index(node.at("arm"));
@@ -79,6 +79,7 @@ ScenarioWall read_wall(const YamlNode& node, const Names& arms) {
   if (!(n.norm() > 1e-9)) normal.fail("a normal of length zero", "a direction");
   wall.normal = n.normalized();
   wall.stiffness = node.at("stiffness").positive_number();
+  wall.stiffening = nonnegative_or(node, "stiffening", 0.0);
   wall.damping = nonnegative_or(node, "damping", 0.0);
   if (const auto sensor = node.find("sensor")) wall.sensor = read_sensor(*sensor);
   return wall;

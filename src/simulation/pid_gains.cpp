@@ -17,9 +17,10 @@ VectorXd middle_inertia(const Model& arm) {
   return mass_matrix(arm, middle).diagonal() + PlantForces(arm).inertia().diagonal();
 }
 
-YamlNode gains_file(const std::string& path, const std::string& expected) {
+// @param source  outlives the node.
+YamlNode gains_file(const std::string& path, const std::string& expected, YamlSource& source) {
   const std::string content = content_of_file(path, "gains (YAML with " + expected + ")");
-  YamlSource source{path, {}, {}};
+  source.file = path;
   source.expected = expected;
   return YamlNode::parse(content, source);
 }
@@ -43,7 +44,8 @@ PidGains sensible_gains(const Model& arm, double frequency) {
 }
 
 PidGains read_gains(const std::string& path, const Model& arm) {
-  const YamlNode root = gains_file(path, "lists p, i and d");
+  YamlSource source;
+  const YamlNode root = gains_file(path, "lists p, i and d", source);
   root.allow_keys({"p", "i", "d"});
   PidGains gains{list(root.at("p"), arm.joints()), VectorXd::Zero(arm.joints()), {}};
   if (const auto i = root.find("i")) gains.i = list(*i, arm.joints());
@@ -53,7 +55,8 @@ PidGains read_gains(const std::string& path, const Model& arm) {
 }
 
 JointGains read_joint_gains(const std::string& path, const Model& arm) {
-  const YamlNode root = gains_file(path, "lists p and d");
+  YamlSource source;
+  const YamlNode root = gains_file(path, "lists p and d", source);
   root.allow_keys({"p", "d"});
   JointGains gains{list(root.at("p"), arm.joints()), {}};
   const auto d = root.find("d");
@@ -62,7 +65,8 @@ JointGains read_joint_gains(const std::string& path, const Model& arm) {
 }
 
 ImpedanceGains read_tip_gains(const std::string& path) {
-  const YamlNode root = gains_file(path, "lists mass, damping and stiffness");
+  YamlSource source;
+  const YamlNode root = gains_file(path, "lists mass, damping and stiffness", source);
   root.allow_keys({"mass", "damping", "stiffness"});
   ImpedanceGains gains;
   const auto three = [&](const char* key, auto& all) {

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "cli/tool.hpp"
+#include "veridyn/recordings/recording.hpp"
 
 // `veridyn dvrk`: emulated boards in one process, their client in another, over loopback, in real
 // time.
@@ -166,6 +167,52 @@ TEST_F(Dvrk, TheRecordingOfARunIdentifiesTheArmBehindTheBoards) {
     ASSERT_EQ(run.status, 0) << run.err;
     expect_planar_arm(recording);
   }
+}
+
+// Gains of one's own: those that the law has anyway change nothing, weaker ones let the arm lag.
+TEST_F(Dvrk, GainsFromAFileReachTheArm) {
+  const std::string trajectory = folder_.path("traj.csv");
+  std::ofstream motion(trajectory);
+  motion << "t,q1,q2,q3\n";
+  for (int k = 0; k <= 20; ++k) {
+    const double way = 0.5 - 0.5 * std::cos(M_PI * k / 20);
+    motion << 0.05 * k << "," << 0.3 * way << "," << -0.3 * way << "," << 0.05 + 0.05 * way << "\n";
+  }
+  motion.close();
+  const auto run_words = [&](const std::string& law) {
+    return Words{"dvrk", "run", "--arm", "PSM1", "--emulate", "--trajectory", trajectory, "--rate", "500",
+                 "--model", VERIDYN_SOURCE_DIR "/examples/dvrk/light-psm.yaml", "--controller", law};
+  };
+  const auto moved = [&](const std::string& law, const std::string& gains) {
+    const std::string out = folder_.path("rec.csv");
+    Words words = run_words(law) + Words{"-o", out, "--approach-speed", "1", "--largest-error", "1"};
+    if (!gains.empty()) words = words + Words{"--gains", folder_.write("gains.yaml", gains)};
+    const ToolRun run = run_tool(words);
+    EXPECT_EQ(run.status, 0) << run.err;
+    return read_recording(out).q;
+  };
+  const struct {
+    const char *law, *same, *weak;
+  } laws[] = {{"computed-torque", "p: [400, 400, 400]\nd: [40, 40, 40]\n", "p: [16, 16, 16]\n"},
+              {"impedance",
+               "mass: [2, 2, 2]\ndamping: [80, 80, 80]\nstiffness: [800, 800, 800]\n",
+               "mass: [2, 2, 2]\ndamping: [80, 80, 80]\nstiffness: [80, 80, 80]\n"}};
+  for (const auto& one : laws) {
+    SCOPED_TRACE(one.law);
+    const MatrixXd own = moved(one.law, "");
+    const MatrixXd same = moved(one.law, one.same);
+    const MatrixXd weak = moved(one.law, one.weak);
+    ASSERT_EQ(own.rows(), same.rows());
+    EXPECT_LT((own - same).cwiseAbs().maxCoeff(), 1e-6);
+    const Eigen::Index rows = std::min(own.rows(), weak.rows());
+    EXPECT_GT((own.topRows(rows) - weak.topRows(rows)).cwiseAbs().maxCoeff(), 1e-3);
+  }
+  const ToolRun bad = run_tool(run_words("impedance") + Words{"-o", folder_.path("r.csv"), "--gains",
+                                                              folder_.write("g.yaml", "p: [1, 1]\n")});
+  EXPECT_EQ(bad.status, 3);
+  EXPECT_NE(bad.err.find("g.yaml:1:1: found the unknown key 'p', expected one of: mass"),
+            std::string::npos)
+      << bad.err;
 }
 
 // The arm of README's example: the motors of a nominal PSM1 carry and move it.

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "cli/tool.hpp"
+#include "veridyn/model/model_file.hpp"
 
 // Recordings of real arms, measured by others. Targets are held-out errors in percent: published
 // ones where the comment says so.
@@ -260,6 +261,32 @@ TEST_F(RealRecordings, OfJointsThatMoveAsOneAreNotCalledExchanged) {
     perhaps = perhaps || f["finding"] == "swapped_joints";
   }
   EXPECT_TRUE(perhaps);
+}
+
+// Torques leave single masses open: a prior of rods keeps them at a plausible size and the errors
+// where they were.
+TEST_F(RealRecordings, APriorOfRodsGivesPlausibleMasses) {
+  const auto masses = [&](const Words& more, std::vector<double>& held_out) {
+    const std::string model = folder_.path("model.yaml");
+    const json out = identify("psm-3dof", Words{"--train", file("psm1-thesis/fourier-2.csv"),
+                                                file("psm1-thesis/fourier-3.csv"), "--test",
+                                                file("psm1-thesis/fourier-4.csv"), "--model-out",
+                                                model} + more);
+    held_out = percent(out["test"]["relative_error"]);
+    const Model arm = read_model(model);
+    std::vector<double> all;
+    for (const Frame& frame : arm.frames())
+      if (frame.body) all.push_back((*frame.body->phi)[0]);
+    return all;
+  };
+  std::vector<double> free_errors;
+  std::vector<double> errors;
+  const std::vector<double> unbounded = masses({}, free_errors);
+  const std::vector<double> plausible = masses({"--prior", "psm-3dof-rods"}, errors);
+  ASSERT_EQ(plausible.size(), 6U);
+  EXPECT_GT(unbounded[0], 5.0);  // [kg] yaw
+  EXPECT_LT(plausible[0], 3.0);
+  for (size_t j = 0; j < errors.size(); ++j) EXPECT_NEAR(errors[j], free_errors[j], 1.0);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/kinematics/kinematics.hpp"
 #include "veridyn/model/model_file.hpp"
+#include "veridyn/model/physical_faults.hpp"
 
 // What is known of the robots in data/robots/ from their publications and their construction.
 
@@ -155,6 +156,24 @@ TEST(Psm3Dof, CounterweightSlidesAgainstTheInsertion) {
     const Eigen::Matrix4d weight = frame_pose(psm, q, psm.find_frame("counterweight")).matrix();
     const double cosine = tool.block<3, 1>(0, 2).dot(weight.block<3, 1>(0, 2));
     EXPECT_NEAR(cosine, printed ? -std::cos(std::atan(0.0430 / 0.1437)) : -1.0, 1e-14);
+  }
+}
+
+// The priors of rods and blocks: the arm's own kinematics, and bodies that could exist.
+TEST(Rods, AreBodiesOfTheSameArm) {
+  Random random(65);
+  for (const char* name : {"psm-3dof", "mtm"}) {
+    const Model arm = read_model(name);
+    const Model rods = read_model(std::string(name) + "-rods");
+    ASSERT_EQ(rods.frames().size(), arm.frames().size());
+    const VectorXd q = random.vector(arm.joints(), -1, 1);
+    for (int k = 0; k < static_cast<int>(arm.frames().size()); ++k) {
+      EXPECT_TRUE(
+          near(frame_pose(rods, q, k).matrix(), frame_pose(arm, q, k).matrix(), 1e-15));
+    }
+    ASSERT_TRUE(rods.inertial_values()) << name;
+    EXPECT_TRUE(physical_faults(rods).empty()) << name;
+    EXPECT_EQ(rods.description().values, RobotValues::kPrior);
   }
 }
 

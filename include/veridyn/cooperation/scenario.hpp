@@ -53,7 +53,8 @@ struct ScenarioWall {
   Eigen::Vector3d point{0.0, 0.0, 0.0};   ///< [m] point of the plane, relative to the tip's start
   Eigen::Vector3d normal{0.0, 0.0, 1.0};  ///< outward unit normal
   double stiffness = 0.0;                 ///< [N/m]
-  double damping = 0.0;                   ///< [N s/m]: Kelvin-Voigt model, as for tissue
+  double stiffening = 0.0;  ///< [N/m^2] added per depth, as tissue does
+  double damping = 0.0;     ///< [N s/m]: Kelvin-Voigt model, as for tissue
   ForceSensorOptions sensor;
 };
 

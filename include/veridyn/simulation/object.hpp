@@ -40,13 +40,14 @@ double tension(const Member& member, double length, double rate) noexcept;
 /// Stored energy at that length [J].
 double elastic_energy(const Member& member, double length) noexcept;
 
-/// A plane that pushes a point out along its normal: K * depth + C * rate of the depth, never below
-/// zero.
+/// A plane that pushes a point out along its normal: (K + S * depth) * depth + C * rate of the depth,
+/// never below zero.
 struct Wall {
   Eigen::Vector3d point{0.0, 0.0, 0.0};   ///< [m] on the plane, in the world
   Eigen::Vector3d normal{0.0, 0.0, 1.0};  ///< outward unit normal
-  double stiffness = 0.0;                 ///< [N/m]
-  double damping = 0.0;                   ///< [N s/m]
+  double stiffness = 0.0;                 ///< K [N/m]
+  double stiffening = 0.0;                ///< S [N/m^2]
+  double damping = 0.0;                   ///< C [N s/m]
   Attachment touches;
 };
 

@@ -21,7 +21,7 @@ double elastic_energy(const Member& member, double length) noexcept {
 
 double contact_force(const Wall& wall, double depth, double rate) noexcept {
   if (depth <= 0.0) return 0.0;
-  return std::max(0.0, wall.stiffness * depth + wall.damping * rate);
+  return std::max(0.0, (wall.stiffness + wall.stiffening * depth) * depth + wall.damping * rate);
 }
 
 }  // namespace veridyn

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kSubstepAngle = 1.0 / 12.0;  // [rad] of the fastest oscillation per substep
 constexpr double kSubstepDecay = 0.2;         // decay rate times substep
+constexpr double kAhead = 0.01;               // [m] that a tip goes deeper between these updates
 constexpr int kReview = 20;                   // steps between updates of the stiffness estimate
 
 void require_positive(double value, const char* what, const std::string& name) {
@@ -93,6 +94,8 @@ void World::State::check() const {
   for (const Wall& w : objects.walls) {
     check(w.touches, "a wall");
     require_positive(w.stiffness, "a stiffness", "wall");
+    require(w.stiffening >= 0.0, "world: found a wall that softens with depth by ", -w.stiffening,
+            " N/m^2, expected none.");
     require_damping(w.damping, "wall");
     require(std::abs(w.normal.norm() - 1.0) < 1e-9,
             "world: found a wall whose normal is not of length one.");
@@ -158,7 +161,10 @@ int World::State::choose_substeps(double dt) {
       return at.arm < 0 ? 0.0 : arms[static_cast<size_t>(at.arm)].mobility(at);
     };
     for (const Member& m : objects.members) add(m.stiffness, m.damping, of(m.from) + of(m.to));
-    for (const Wall& w : objects.walls) add(w.stiffness, w.damping, of(w.touches));
+    for (const Wall& w : objects.walls) {
+      const double depth = kAhead - w.normal.dot(point(w.touches).position - w.point);
+      add(w.stiffness + 2.0 * w.stiffening * std::max(0.0, depth), w.damping, of(w.touches));
+    }
     for (const HeldBody& b : objects.bodies) {
       for (const HeldBody::Grasp& g : b.grasps) {
         const double free = 1.0 / b.mass + g.point_body.squaredNorm() / b.inertia.minCoeff();

@@ -149,7 +149,7 @@ double World::object_energy() const {
     sum += elastic_energy(s.objects.members[k], s.members[k].length);
   for (const Wall& w : s.objects.walls) {
     const double depth = -w.normal.dot(s.point(w.touches).position - w.point);
-    if (depth > 0.0) sum += 0.5 * w.stiffness * depth * depth;
+    if (depth > 0.0) sum += (0.5 * w.stiffness + w.stiffening * depth / 3.0) * depth * depth;
   }
   for (size_t k = 0; k < s.bodies.size(); ++k) {
     const HeldBody& what = s.objects.bodies[k];

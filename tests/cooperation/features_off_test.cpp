@@ -1,0 +1,103 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "veridyn/cooperation/scenario_run.hpp"
+
+// What each feature of a scenario is for: the same run with the feature off is worse. The guard,
+// tracking with a damped force law and learned friction are in scenario_run_test.cpp.
+
+namespace veridyn {
+namespace {
+
+Scenario shipped(const std::string& name) {
+  return read_scenario(std::string(VERIDYN_SOURCE_DIR) + "/examples/cooperate/" + name + ".yaml");
+}
+
+// [m] of the leader's tip at the end of a phase, the largest.
+double left_over(const Scenario& scenario) {
+  const ScenarioRun run = run_scenario(scenario);
+  EXPECT_TRUE(run.complete());
+  double worst = 0.0;
+  for (const PhaseFigures& p : run.phases) worst = std::max(worst, p.final_position_error);
+  return worst;
+}
+
+// [N] of the first member or wall, mean over the last fifth of the first phase.
+double force_at_rest(const Scenario& scenario) {
+  const ScenarioRun run = run_scenario(scenario);
+  EXPECT_TRUE(run.complete());
+  const PhaseFigures& p = run.phases.front();
+  double sum = 0.0;
+  int count = 0;
+  for (Eigen::Index k = 0; k < run.time.size(); ++k) {
+    if (run.time[k] < p.to - 0.2 * (p.to - p.from) || run.time[k] > p.to) continue;
+    sum += run.member[0].force[k];
+    ++count;
+  }
+  return sum / count;
+}
+
+TEST(FeaturesOff, FrictionCompensationAndItsRule) {
+  Scenario s = shipped("stick-slip");
+  s.control.friction = 1.0;
+  const double with = left_over(s);
+  s.control.friction_rule = FrictionRule::kVelocity;
+  EXPECT_GT(left_over(s), 4.0 * with);  // the thesis's rule without its part at rest
+  s.control.friction = 0.0;
+  EXPECT_GT(left_over(s), 4.0 * with);
+}
+
+TEST(FeaturesOff, TheObserverOfModelErrors) {
+  Scenario s = shipped("one-arm-moves");
+  const double with = left_over(s);
+  s.control.observer = 0.0;
+  EXPECT_GT(left_over(s), 10.0 * with);
+}
+
+TEST(FeaturesOff, TheImpedanceOfAHeldBody) {
+  Scenario s = shipped("held-body");
+  const ScenarioRun with = run_scenario(s);
+  s.bodies[0].impedance_stiffness = 0.0;
+  const ScenarioRun without = run_scenario(s);
+  EXPECT_GT(without.phases[1].body_error, 5.0 * with.phases[1].body_error);
+}
+
+// The impedance that is moved 15 mm into the tissue comes to rest where both forces are equal.
+TEST(FeaturesOff, TissueThatStiffensWithDepth) {
+  Scenario s = shipped("tissue-stiffening");
+  const double K = s.walls[0].stiffness, S = s.walls[0].stiffening, k = s.control.stiffness[2];
+  ASSERT_GT(S, 0.0);
+  const double into = 0.015;
+  const double depth = (-(K + k) + std::sqrt((K + k) * (K + k) + 4.0 * S * k * into)) / (2.0 * S);
+  EXPECT_NEAR(force_at_rest(s), (K + S * depth) * depth, 0.03);
+  s.walls[0].stiffening = 0.0;
+  EXPECT_NEAR(force_at_rest(s), K * k * into / (K + k), 0.03);
+}
+
+// A falling arm puts energy into the spring that nobody planned.
+TEST(FeaturesOff, TheBoundOfAMembersEnergy) {
+  Scenario s = shipped("fault-limp");
+  s.control.largest_force_error = 1000.0;
+  s.control.largest_energy = 0.01;  // [J]
+  const ScenarioRun with = run_scenario(s);
+  s.control.largest_energy = 0.0;
+  const ScenarioRun without = run_scenario(s);
+  EXPECT_NE(with.state, CooperativeState::kTracking);
+  EXPECT_NE(with.state, without.state) << describe(with.state);
+  EXPECT_TRUE(without.state == CooperativeState::kTracking || with.held_at < without.held_at);
+}
+
+// While targets are held an arm yields to more than relief_force; without that the falling arm pulls
+// harder.
+TEST(FeaturesOff, TheForceThatHeldArmsYieldTo) {
+  Scenario s = shipped("fault-limp");
+  const double with = run_scenario(s).largest_force;
+  s.control.relief_force = 1000.0;
+  EXPECT_GT(run_scenario(s).largest_force, 1.3 * with);
+}
+
+}  // namespace
+}  // namespace veridyn
