@@ -22,6 +22,20 @@ namespace {
 
 constexpr Eigen::Index kFewPartsMustAgree = 4;  // from as many on, all but one
 
+// Effects that hold a joint at rest; waves along the travel ask for a spectrum that poses do not have.
+std::vector<std::string> forces_of_position() {
+  std::vector<std::string> out;
+  for (const AxisEffect* effect : axis_effects()) {
+    const EffectTraits traits = effect->traits();
+    const std::vector<EffectShape> shapes = effect->shapes();
+    const bool waves = std::any_of(shapes.begin(), shapes.end(), [](const EffectShape& shape) {
+      return shape.scale == ShapeScale::kWaves;
+    });
+    if (traits.holds_at_rest && traits.depends_on_position && !traits.tabulated && !waves) out.push_back(effect->name());
+  }
+  return out;
+}
+
 struct RestQuestion {
   Candidate candidate;
   EffectTerm term;
@@ -70,7 +84,6 @@ class RestDiagnosis {
     for (size_t k = 0; k < terms.size(); ++k) refresh(now.id, names_of(terms[k]), d_.findings[k]);
     if (d_.extended.remarks.size() > 1) d_.remarks.back() = d_.extended.remarks.back();  // the band that is left
     add_verdicts();
-    d_.cannot_tell.push_back({"viscous_friction", std::nullopt, "poses at rest show no force of motion"});
     summarize(d_, limits_);
     d_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return std::move(d_);
@@ -90,7 +103,7 @@ class RestDiagnosis {
 
   std::vector<RestQuestion> questions() const {
     Scope scope;
-    scope.wanted = {"joint_spring", "position_force", "cable_coupling"};
+    scope.wanted = forces_of_position();
     for (int i = 0; i < arm_.joints(); ++i) {
       const auto [low, high] = range(i);
       scope.still.push_back(high - low <= limits_.still(arm_.coordinates()[static_cast<size_t>(i)].prismatic));

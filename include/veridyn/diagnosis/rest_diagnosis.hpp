@@ -12,8 +12,8 @@ namespace veridyn {
 ///
 /// A cause is accepted where the sum over joints of ln(mean square) on held-out parts of the training
 /// poses falls by more than `smallest_gain`, that of its own joint in every part (of four or more in all
-/// but one), and an F test over the poses is significant among as many questions. What moves only is
-/// listed as undecidable.
+/// but one), and an F test over the poses is significant among as many questions. What only moves is in the
+/// remarks.
 ///
 /// @throws InvalidInput  the poses do not fit the arm.
 Diagnosis diagnose_at_rest(const Model& arm, const std::vector<RestPoses>& train,
