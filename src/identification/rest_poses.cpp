@@ -229,6 +229,13 @@ std::vector<std::vector<double>> columns(const MatrixXd& m) {
   return out;
 }
 
+// No joint moves: there is no error of moving rows.
+PredictionError of_rest(const ErrorSums& sums) {
+  PredictionError out = sums.error();
+  out.moving_relative.resize(0);
+  return out;
+}
+
 RecordingError error_on(const Model& arm, const RestPoses& poses, const VectorXd& values, ErrorSums& all,
                         MatrixXd& residuals) {
   const MatrixXd torque = modelled(arm, poses, values);
@@ -239,7 +246,7 @@ RecordingError error_on(const Model& arm, const RestPoses& poses, const VectorXd
   all.add(sums);
   RecordingError out;
   out.source = poses.source;
-  out.error = sums.error();
+  out.error = of_rest(sums);
   out.rows = static_cast<long>(poses.poses());
   for (Eigen::Index k = 0; k < poses.poses(); ++k) out.series.time.push_back(static_cast<double>(k));
   out.series.q = columns(poses.q);
@@ -367,8 +374,8 @@ Identification identify_at_rest(const Model& file, const std::vector<RestPoses>&
   say_bands(arm, residuals, approached, id);
   for (const RestPoses& poses : test)
     id.test.push_back(error_on(arm, poses, id.parameters, of_test, residuals));
-  id.train_error = of_train.error();
-  if (!test.empty()) id.test_error = of_test.error();
+  id.train_error = of_rest(of_train);
+  if (!test.empty()) id.test_error = of_rest(of_test);
   id.factors = std::move(factors);
   keep_training_error(id);
   id.remarks.insert(id.remarks.begin(),

@@ -124,6 +124,13 @@ TEST_F(AGoodFile, WithoutAHeaderTheOptionsNameTheColumns) {
   const Recording timed = read("0 1 2 3\n0.1 4 5 6\n", options);
   EXPECT_EQ(timed.time[1], 0.1);
   EXPECT_EQ(timed.current(1, 0), 6.0);
+
+  options.columns = {"t", "q1", "tau1", "q2", "tau2"};
+  const Recording by_joint = read("0 1 11 2 12\n0.1 3 13 4 14\n", options);
+  ASSERT_EQ(by_joint.joints(), 2);
+  EXPECT_EQ(by_joint.q(1, 1), 4.0);
+  EXPECT_EQ(by_joint.tau(1, 0), 13.0);
+  EXPECT_THROW(read("0 1 11 2\n0.1 3 13 4\n", options), InvalidInput);
 }
 
 TEST_F(AGoodFile, SelectedRowsAreThoseOfTheWholeFile) {

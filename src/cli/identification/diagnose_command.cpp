@@ -7,8 +7,10 @@
 #include "cli/options/messages.hpp"
 #include "cli/options/option_checks.hpp"
 #include "cli/options/recording_options.hpp"
+#include "cli/options/rest_options.hpp"
 #include "cli/options/sound_arguments.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
+#include "veridyn/diagnosis/rest_diagnosis.hpp"
 #include "diagnosis/stages/investigation.hpp"
 #include "math/output_file.hpp"
 #include "model/effect_names.hpp"
@@ -26,6 +28,7 @@ struct DiagnoseRequest {
   std::optional<RowRange> test_rows;
   std::string model_out;
   std::string values;
+  RestRequest rest;
   DiagnosisOptions options;
   CommonOptions common;
 };
@@ -65,6 +68,14 @@ std::string next_command(const DiagnoseRequest& request, const Model& arm,
   return cli::command_line(words);
 }
 
+Diagnosis diagnosed(const DiagnoseRequest& request, const Model& arm) {
+  const IdentificationOptions& how = request.options.identification;
+  if (!are_poses(request.rest, arm, request.train, how.preprocessing))
+    return diagnose(arm, request.train, request.test, request.options);
+  const auto [train, test] = read_poses(request.rest, arm, request.train, request.test, how);
+  return diagnose_at_rest(arm, train, test, request.options);
+}
+
 ExitStatus run(DiagnoseRequest& request, const std::string& command_line) {
   expect_known_effects(request.options.effects);
   require_writable(request.common.json);
@@ -84,7 +95,7 @@ ExitStatus run(DiagnoseRequest& request, const std::string& command_line) {
     how.test_preprocessing->first_row = request.test_rows->first;
     how.test_preprocessing->row_count = request.test_rows->count;
   }
-  const Diagnosis d = diagnose(arm, request.train, request.test, request.options);
+  const Diagnosis d = diagnosed(request, arm);
   if (!d.baseline.model) {
     say(d.baseline.reason);
     return kDataCannotAnswer;
@@ -143,6 +154,7 @@ void add_diagnose_command(CLI::App& tool, Outcome& outcome) {
              {JointWeights::kResidual, JointWeights::kRange},
              "Weights of the joints: one over the standard deviation of the residual, or over the "
              "range of the torque");
+  add_rest_options(command, request->rest, "name springs and cables beside gravity");
   add_preprocessing_options(command, request->options.identification.preprocessing);
   add_robot_options(command, request->common);
   add_row_range(command, "--test-rows", "Samples of the held-out recordings (default: as --rows)",

@@ -12,10 +12,10 @@
 #include "math/output_file.hpp"
 #include "cli/identification/ranks.hpp"
 #include "cli/options/recording_options.hpp"
+#include "cli/options/rest_options.hpp"
 #include "cli/options/sound_arguments.hpp"
 #include "identification/many_recordings.hpp"
 #include "veridyn/identification/factor_set.hpp"
-#include "veridyn/identification/rest_poses.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/report/pages.hpp"
@@ -35,8 +35,7 @@ struct IdentifyRequest {
   std::string prior;
   std::vector<std::string> known_masses;
   std::string model_out;
-  bool at_rest = false;
-  std::vector<double> approach;
+  RestRequest rest;
   IdentificationOptions options;
   CommonOptions common;
 };
@@ -107,36 +106,10 @@ FactorSet read_all_factors(const std::vector<std::string>& paths) {
   return out;
 }
 
-// Whether the recordings are of poses at rest: it was said, or every one of them shows it.
-bool of_poses(const IdentifyRequest& request, const Model& arm, const IdentificationOptions& options) {
-  if (request.at_rest || !request.approach.empty()) return true;
-  return request.factors.empty() && std::all_of(request.train.begin(), request.train.end(), [&](const std::string& path) {
-           return is_at_rest(arm, path, options.preprocessing);
-         });
-}
-
 Identification identified_at_rest(const IdentifyRequest& request, const Model& arm,
                                   const IdentificationOptions& options) {
-  const std::vector<double>& sides = request.approach;
-  expect_value(request.factors.empty() && request.factor_out.empty() && request.known_masses.empty(),
-               "--at-rest", "found with factors or known masses, expected recordings of poses alone");
-  expect_value(sides.empty() || sides.size() == request.train.size() ||
-                   sides.size() == request.train.size() + request.test.size(),
-               "--approach", "found ", sides.size(), " numbers, expected one for each of the ",
-               request.train.size(), " training recordings (and of the ", request.test.size(), " held out)");
-  const auto read = [&](const std::vector<std::string>& paths, std::size_t first,
-                        const PreprocessingOptions& how) {
-    std::vector<RestPoses> out;
-    for (std::size_t k = 0; k < paths.size(); ++k) {
-      const bool given = first + k < sides.size();
-      out.push_back(read_rest_poses(arm, paths[k], how,
-                                    given ? std::optional<double>(sides[first + k]) : std::nullopt));
-    }
-    return out;
-  };
-  const PreprocessingOptions& how = options.preprocessing;
-  return identify_at_rest(arm, read(request.train, 0, how),
-                          read(request.test, request.train.size(), options.test_preprocessing.value_or(how)), options);
+  const auto [train, test] = read_poses(request.rest, arm, request.train, request.test, options);
+  return identify_at_rest(arm, train, test, options);
 }
 
 // The training recordings become factors, with the velocities that identify() chooses for them, or
@@ -254,7 +227,8 @@ ExitStatus run(const IdentifyRequest& request, const std::string& command_line) 
   warn_of_repeated_recordings(request.train);
   std::vector<std::string> recordings = request.train;
   recordings.insert(recordings.end(), request.test.begin(), request.test.end());
-  const bool poses = of_poses(request, arm, options);
+  const bool poses = request.rest.at_rest || !request.rest.approach.empty() ||
+                     (request.factors.empty() && are_poses(request.rest, arm, request.train, options.preprocessing));
   if (!poses) look_at_recordings(arm, recordings, options.preprocessing, options.threads);
   const Identification id =
       poses ? identified_at_rest(request, arm, options) : identified(request, arm, options);
@@ -315,16 +289,7 @@ void add_identify_command(CLI::App& tool, Outcome& outcome) {
       ->option_text("REC...");
   add_fit_options(command, *request);
   add_output_option(command, "--model-out", request->model_out, "Write the identified model as YAML");
-  command.add_flag("--at-rest", request->at_rest,
-                   "Identify gravity, offsets and position-dependent forces from poses at rest, "
-                   "with or without time (default if every recorded velocity is zero)");
-  command
-      .add_option("--approach", request->approach,
-                  "With --at-rest: direction from which the poses of each recording were "
-                  "approached (default: columns dq1.. of -1, 0 and 1)")
-      ->delimiter(',')
-      ->check(CLI::IsMember({-1, 0, 1}))
-      ->option_text("1,-1,...");
+  add_rest_options(command, request->rest, "identify gravity, offsets and forces of position from them");
   add_preprocessing_options(command, request->options.preprocessing);
   add_robot_options(command, request->common);
   add_row_range(command, "--test-rows", "Samples of the held-out recordings (default: as --rows)",

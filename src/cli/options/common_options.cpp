@@ -48,9 +48,12 @@ std::vector<std::string> signal_names(const std::string& option, const std::stri
   for (const RecordingSignal& signal : kRecordingSignals) known.emplace_back(signal.name);
   std::vector<std::string> names = CLI::detail::split(words, ',');
   for (const std::string& name : names) {
-    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    // "tau" of all joints, or "tau2" of one.
+    const std::string signal = name.substr(0, name.find_last_not_of("0123456789") + 1);
+    const bool of_joint = signal != name && signal != "t";
+    if (std::find(known.begin(), known.end(), of_joint ? signal : name) != known.end()) continue;
     throw CLI::ValidationError(
-        option, "found '" + name + "', expected names out of " + listed(known) + ", as q,dq,tau");
+        option, "found '" + name + "', expected names out of " + listed(known) + ", as q,dq,tau or q1,dq1,tau1,q2");
   }
   return names;
 }

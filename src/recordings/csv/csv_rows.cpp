@@ -154,6 +154,23 @@ class RowParser {
   const char* end_ = nullptr;
 };
 
+// "q1,dq1,tau1,q2,..." in place of "q,dq,tau".
+bool name_each_joint(const std::vector<std::string>& columns) {
+  return std::any_of(columns.begin(), columns.end(), [](const std::string& name) {
+    return !name.empty() && name.back() >= '0' && name.back() <= '9';
+  });
+}
+
+CsvLayout layout_from_names(const std::vector<std::string>& names, std::string_view line, const std::string& where) {
+  std::string header;
+  for (const std::string& name : names) header += (header.empty() ? "" : ",") + name;
+  const std::size_t found = csv_fields(line, csv_separator(line)).size();
+  require(found == names.size(), where, ": found ", found, " columns, expected the ", names.size(), " of --columns ", header, ".");
+  CsvLayout layout = layout_from_header(header, where);
+  layout.separator = csv_separator(line);
+  return layout;
+}
+
 Recording empty_recording(const CsvLayout& layout, const std::string& source, int rows) {
   Recording recording;
   recording.source = source;
@@ -234,7 +251,8 @@ void CsvRows::read_layout() {
       numbers = is_row_of_numbers(line);
       require(numbers, where, ": found text in the second line, too, expected numbers.");
     }
-    layout = layout_from_columns(options.columns, line, where);
+    layout = name_each_joint(options.columns) ? layout_from_names(options.columns, line, where)
+                                              : layout_from_columns(options.columns, line, where);
   } else if (!numbers) {
     layout = layout_from_header(line, where);
   } else {

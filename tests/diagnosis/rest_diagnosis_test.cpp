@@ -1,0 +1,75 @@
+#include "veridyn/diagnosis/rest_diagnosis.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "veridyn/dynamics/rigid_body_dynamics.hpp"
+#include "veridyn/model/model_file.hpp"
+#include "veridyn/simulation/plausible_model.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr double kStiffness = 1.5;   // [N m/rad] of a cable on the pitch joint
+constexpr double kFriction = 0.05;   // [N m], [N] on the side that a joint came from
+constexpr double kNoise = 0.01;
+
+RestPoses hanging_poses(unsigned seed, double stiffness, bool pitch_moves = true) {
+  const Model truth = plausible_model(read_model("psm-3dof"), 3).arm;
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> share(-0.9, 0.9);
+  std::normal_distribution<double> error(0.0, kNoise);
+  RigidBodyDynamics bodies(truth, *truth.inertial_values());
+  RestPoses out;
+  out.source = "poses" + std::to_string(seed);
+  out.q.resize(80, 3);
+  out.tau.resize(80, 3);
+  out.approach.setZero(80, 3);
+  VectorXd g(3);
+  for (Eigen::Index k = 0; k < out.poses(); ++k) {
+    const Eigen::Vector3d q(share(random), pitch_moves ? 0.6 * share(random) : 0.2, 0.12 + 0.06 * share(random));
+    bodies.gravity_torques(q, g);
+    g[1] += stiffness * std::abs(q[1]);
+    out.q.row(k) = q.transpose();
+    for (int i = 0; i < 3; ++i)
+      out.tau(k, i) = g[i] + (random() % 2 == 0 ? kFriction : -kFriction) + error(random);
+  }
+  return out;
+}
+
+Diagnosis of_poses(double stiffness, bool pitch_moves = true) {
+  return diagnose_at_rest(read_model("psm-3dof"),
+                          {hanging_poses(1, stiffness, pitch_moves), hanging_poses(2, stiffness, pitch_moves)},
+                          {hanging_poses(3, stiffness, pitch_moves)});
+}
+
+// A cable that pulls towards the middle from either side is no spring and no gravity.
+TEST(DiagnosisAtRest, NamesACableOnItsJoint) {
+  const Diagnosis d = of_poses(kStiffness);
+  ASSERT_FALSE(d.findings.empty());
+  EXPECT_EQ(effect_of(d.findings[0].cause), "position_force");
+  ASSERT_TRUE(d.findings[0].joint.has_value());
+  EXPECT_EQ(d.findings[0].joint->value, 1);
+  EXPECT_EQ(d.joints[1].state, JointState::kNamed);
+  EXPECT_LT(d.extended.test_error.relative[1], 0.5 * d.baseline.test_error.relative[1]);
+}
+
+TEST(DiagnosisAtRest, NamesNothingWhereThereIsGravityAndFriction) {
+  const Diagnosis d = of_poses(0.0);
+  EXPECT_TRUE(d.findings.empty()) << d.report();
+  for (const JointVerdict& v : d.joints) EXPECT_EQ(v.state, JointState::kAtFloor) << d.report();
+}
+
+// A joint that stands still is asked about nothing, and the others are diagnosed.
+TEST(DiagnosisAtRest, AsksNothingOfAJointThatStandsStill) {
+  const Diagnosis all = of_poses(0.0);
+  const Diagnosis some = of_poses(kStiffness, false);
+  ASSERT_TRUE(some.baseline.model.has_value()) << some.baseline.reason;
+  EXPECT_LT(some.hypotheses, all.hypotheses);
+  for (const Finding& f : some.findings) EXPECT_NE(f.joint->value, 1) << some.report();
+}
+
+}  // namespace
+}  // namespace veridyn
