@@ -19,12 +19,13 @@ constexpr double kMostBehind = 0.02;   // [s] that are made up for after a pause
 constexpr double kBrake = 2.0 * M_PI * 20.0;  // [rad/s] of brakes that hold an arm
 constexpr double kSlip = 0.05;         // [rad], [m] by which an encoder jumps
 
-std::vector<BoardSetup> setups(const RobotConfig& robot, int firmware) {
+std::vector<BoardSetup> setups(const RobotConfig& robot, const BoardCooperationOptions& options) {
   std::vector<BoardSetup> out;
   for (const int id : boards_of(robot)) {
     BoardSetup setup;
     setup.id = id;
-    setup.firmware = firmware;
+    setup.firmware = options.firmware;
+    setup.current_noise = options.current_noise;
     out.push_back(setup);
   }
   return out;
@@ -56,7 +57,7 @@ JoinedArms::JoinedArms(const Scenario& scenario, const std::vector<CooperatingAr
                      arm.offset});
     tau_.push_back(VectorXd::Zero(arm.start.size()));
     joints_.push_back(std::make_unique<Joint>(experiment_.world(), static_cast<int>(k)));
-    emulators_.push_back(std::make_unique<BoardEmulator>(setups(robot, options.firmware)));
+    emulators_.push_back(std::make_unique<BoardEmulator>(setups(robot, options)));
     loads_.push_back(std::make_unique<SimulatedArm>(*joints_[k], robot, arms[k].coupling,
                                                     boards_of(robot), arm.start));
     loads_.back()->set_sensors(JointSensors(experiment_.real(static_cast<int>(k))));

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <vector>
+
 #include "dvrk/rig.hpp"
 #include "dvrk/vectors.hpp"
 #include "support/malloc_count.hpp"
@@ -222,6 +225,48 @@ TEST(BoardBus, BadOptionsAreRefused) {
   link.cut = true;
   BoardBus bus(link, options);
   EXPECT_THROW(bus.start(), InvalidInput);
+}
+
+// Boards that never answer, with a clock that waits move.
+class Silence final : public DatagramLink {
+ public:
+  bool send(ByteView, Destination) noexcept override {
+    sent.push_back(1e3 * now_);
+    return true;
+  }
+  Arrival receive(ByteSpan, double timeout) noexcept override {
+    now_ += timeout;
+    return {};
+  }
+  double now() noexcept override { return now_; }
+  void wait(double seconds) noexcept override { now_ += seconds; }
+  std::uint32_t address_word() const noexcept override { return 0; }
+  std::vector<double> sent;  // [ms]
+
+ private:
+  double now_ = 1.0;
+};
+
+// A first miss waits longer than a tick of the system's clock, later ones 1, 3, 7, 15 ms; after ten
+// seconds without a miss it is a first one again.
+TEST(Exchange, AsksAgainSoonerAfterAMiss) {
+  Silence link;
+  FaultLog log;
+  Exchange exchange(link, log);
+  exchange.repeat_after(0.001);
+  const auto pauses = [&](double timeout) {
+    link.sent.clear();
+    std::uint32_t value = 0;
+    EXPECT_EQ(exchange.read(Route{}, address::kStatus, timeout, value), ReadResult::kNoReply);
+    std::vector<double> after;
+    for (const double at : link.sent) after.push_back(std::round(at - link.sent.front()));
+    return after;
+  };
+  EXPECT_EQ(pauses(0.012), (std::vector<double>{0, 5, 7, 11}));
+  EXPECT_EQ(pauses(0.010), (std::vector<double>{0, 1, 3, 7}));
+  link.wait(11.0);
+  EXPECT_EQ(pauses(0.004), (std::vector<double>{0}));
+  EXPECT_EQ(pauses(0.004), (std::vector<double>{0, 1, 3}));
 }
 
 }  // namespace

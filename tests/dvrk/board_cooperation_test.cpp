@@ -415,6 +415,17 @@ TEST(BoardCooperation, RowsAreInTheFileWhileTheyAreMade) {
 }
 
 // What the report says of an arm is what its encoders saw.
+// A healthy run ends without a fault although its wanted force is beyond largest_force_error (2 N).
+TEST(BoardCooperation, GivingUpAPretensionIsNoFault) {
+  Scenario scenario = board_example("two-psm-string");
+  scenario.phases.resize(1);
+  scenario.asked_largest_force = 0.0;
+  const BoardCooperationRun done = on_emulated_boards(scenario);
+  EXPECT_EQ(done.end, BoardEnd::kDone) << done.report();
+  EXPECT_GT(done.force_at_release, 2.5);
+  EXPECT_LT(done.force_at_off, 0.5) << done.report();
+}
+
 TEST(BoardCooperation, TheReportSaysWhichArmWasHeld) {
   Scenario scenario = board_example("two-psm-spring");
   scenario.phases.resize(1);

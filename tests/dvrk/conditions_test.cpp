@@ -204,7 +204,7 @@ TEST_P(ConditionOfSection17, IsNoticedAnsweredAndSurvived) {
   SessionOptions how = Rig::options(row.protocol);
   how.bus.repeat_after = 0.0;  // each of these replies is gone for good
   // The board's own check of 50 ms comes after the session's, which is left out to see it.
-  if (row.condition == Condition::kCurrentTrip) how.follow_cycles = 1000;
+  if (row.condition == Condition::kCurrentTrip) how.follow.cycles = 1000;
   Rig rig(how);
   ASSERT_TRUE(rig.bring_up()) << rig.session.faults().report();
   for (int k = 0; k < 20; ++k) rig.cycle(wave(k));

@@ -251,7 +251,7 @@ double derived_time(const Drill& drill, const Scenario& scenario, double moment)
     return disagrees(std::abs(std::stod(drill.fault.substr(drill.fault.find(':') + 1))), way);
   }
   const bool moves = drill.command != "-";
-  if (kind == "stuck" && moves) return boards.follow_cycles * period + kArmPeriod + cycles;
+  if (kind == "stuck" && moves) return boards.follow.cycles * period + kArmPeriod + cycles;
   if (kind == "encoder" && moves) return kArmPeriod + kSensed + cycles;
   // What cannot be carried out is found before it is over.
   if (drill.fault == "-" && scenario.phases.back().commands.front().kind != ScenarioCommand::Kind::kForce)

@@ -118,11 +118,11 @@ void BoardSession::check_current(int b, int c, const BoardFeedback& f) noexcept 
     const double scale = s.feedback_per_command;
     least = scale * (*low - s.zero_command);
     most = scale * (*high - s.zero_command);
-    margin = options_.follow_margin + options_.follow_share * std::max(std::abs(least), std::abs(most));
+    margin = options_.follow.margin + options_.follow.share * std::max(std::abs(least), std::abs(most));
   }
   const bool excess = current < least - margin || current > most + margin;
   state.excess_cycles = excess ? state.excess_cycles + 1 : 0;
-  if (state.excess_cycles > (driven ? options_.follow_cycles : options_.current_cycles))
+  if (state.excess_cycles > (driven ? options_.follow.cycles : options_.current_cycles))
     note(Condition::kOutOfBounds, Reaction::kPowerOff, b, c,
          f.channel[static_cast<size_t>(c)].current);
 }

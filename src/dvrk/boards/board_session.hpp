@@ -32,6 +32,14 @@ constexpr bool at_rail(double pot_bits) {
   return pot_bits <= 16.0 || pot_bits >= 65535.0 - 16.0;
 }
 
+/// An amplifier that is on must give one of the last commands: within `margin` [bits] and `share` of
+/// that command, or its power goes after so many cycles. Sweep: docs/cooperation.md.
+struct CurrentFollowing {
+  int cycles = 10;
+  double margin = 262.0;  ///< 50 mA: section 14.6
+  double share = 0.1;
+};
+
 struct SessionOptions {
   BusOptions bus;
   /// By index of the board in ascending ids; missing boards have no channel in use.
@@ -40,11 +48,7 @@ struct SessionOptions {
   int lost_reads = 3;              ///< in a row, then power off
   int lost_writes = 3;             ///< in a row, then amplifiers off
   int current_cycles = 100;        ///< section 14.6, of channels whose amplifier is off
-  /// An amplifier that is on must give one of the last commands: within `follow_margin` [bits] and
-  /// `follow_share` of that command, or its power goes after so many cycles.
-  int follow_cycles = 10;
-  double follow_margin = 262.0;    ///< 50 mA: section 14.6
-  double follow_share = 0.1;
+  CurrentFollowing follow;
   double relay_timeout = 0.2;      ///< [s]
   double supply_timeout = 3.0;     ///< [s]
   double amp_grace = 0.0455;       ///< [s] 40 ms, 2.5 ms and 3 for the transmission: section 14.2

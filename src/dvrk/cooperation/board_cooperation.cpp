@@ -111,8 +111,11 @@ class BoardRun : private BoardLoop {
       bases.push_back(sides_[k]->models().R_world_base_known);
     }
     for (auto& side : sides_) side->compare_forces();
-    control_ =
-        std::make_unique<CooperativeController>(cooperative_options(scenario_, bases), tips);
+    CooperativeOptions task = cooperative_options(scenario_, bases);
+    task.drift_length = options_.checks.drift_length;
+    task.drift_way = options_.checks.drift_way;
+    task.drift_factor = options_.checks.drift_factor;
+    control_ = std::make_unique<CooperativeController>(task, tips);
     input_ = std::make_unique<CooperativeInput>(static_cast<int>(tips.size()),
                                                 static_cast<int>(scenario_.members.size()));
     bound_ = scenario_.control.relief_force;
@@ -300,6 +303,9 @@ class BoardRun : private BoardLoop {
     out_.release_at = time_;
     out_.force_at_release = largest_now();
     gives_up_ = true;
+    // A healthy controller is to want less, too: else it finds that the force is missing.
+    for (int m = 0; m < static_cast<int>(scenario_.members.size()) && why_ == nullptr; ++m)
+      control_->set_force(m, std::clamp(control_->wanted_force(m), -kLeastForce, kLeastForce), options_.release);
     const double relief = scenario_.control.relief_force;
     repeat(options_.release, [this, relief] {
       const double share = (time_ - out_.release_at) / options_.release;

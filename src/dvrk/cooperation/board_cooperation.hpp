@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "veridyn/control/cooperative_controller.hpp"
 #include "veridyn/control/load_cell.hpp"
 #include "veridyn/control/safety_supervisor.hpp"
 #include "veridyn/cooperation/live.hpp"
@@ -59,6 +60,17 @@ struct EmulatedInstant {
 /// @throws InvalidInput  another form, an arm that is not there, a time that is not above zero.
 EmulatedFault parse_emulated_fault(const std::string& text, const Scenario& scenario);
 
+/// Bounds of the checks that find motors, sensors and encoders that fail; docs/cooperation.md has a
+/// sweep of each. ScenarioControl::drift_force is one more.
+struct FaultChecks {
+  CurrentFollowing follow;
+  double force_disagreement = SafetyLimits().force_disagreement;      ///< [N]
+  double disagreement_seconds = SafetyLimits().disagreement_seconds;  ///< [s]
+  double drift_length = CooperativeOptions().drift_length;            ///< [m]
+  double drift_way = CooperativeOptions().drift_way;
+  double drift_factor = CooperativeOptions().drift_factor;
+};
+
 class JoinedBoards;
 struct BoardCooperationOptions;
 /// Makes emulated boards for the arms of a scenario, see emulator/joined_arms.hpp.
@@ -75,6 +87,8 @@ struct BoardCooperationOptions {
   bool stepped = false;
   int firmware = 8;
   double watchdog = 0.030;  ///< [s] of the boards
+  FaultChecks checks;
+  double current_noise = 0.0;  ///< [bits] standard deviation of emulated boards' measured currents
   /// [s] timeout of an arm's boards; a silent arm costs the others this much in a cycle, three
   /// times, before it counts as failed.
   double reply_timeout = 0.004;

@@ -13,7 +13,7 @@ constexpr double kLooking = 0.1;  // [s] of reading before power-up
 constexpr double kAfter = 0.02;   // [s] of reading after power went
 constexpr double kJumpShare = 0.5;  // of the largest force: more between two readings is no force
 constexpr double kAtRest = 0.05;  // SafetyLimits::rest_share: of the velocity limits
-constexpr double kExplained = 3.0;  // [N]: half of SafetyLimits::force_disagreement
+constexpr double kExplained = 0.5;  // of FaultChecks::force_disagreement
 constexpr const char* kNoTorque =
     "its torques do not explain the force that the other arms' torques do: motors without torque, a wrong encoder, or a contact elsewhere";
 constexpr std::size_t kMostTold = 64;  // later faults
@@ -78,7 +78,7 @@ bool BoardLoop::others_explain(std::size_t k) const noexcept {
   for (const ScenarioMember& member : scenario_.members) {
     if (member.from != arm && member.to != arm) continue;
     const auto other = static_cast<std::size_t>(member.from == arm ? member.to : member.from);
-    if (!(sides_[other]->unexplained_force() < kExplained)) return false;
+    if (!(sides_[other]->unexplained_force() < kExplained * options_.checks.force_disagreement)) return false;
     any = true;
   }
   return any;

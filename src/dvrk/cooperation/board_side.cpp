@@ -23,6 +23,7 @@ ArmSessionOptions options_of(const Scenario& scenario, const CooperatingArm& arm
   o.rate = scenario.control.rate;
   o.watchdog = options.watchdog;
   o.reply_timeout = options.reply_timeout;
+  o.follow = options.checks.follow;
   return o;
 }
 
@@ -42,7 +43,8 @@ BoardSide::BoardSide(const Scenario& scenario, std::size_t index, const Cooperat
       all_(VectorXd::Zero(session_.size())),
       state_(models_.known, {scenario.arms[index].frame, scenario.arms[index].offset}),
       touch_(models_.known, {scenario.arms[index].frame, scenario.arms[index].offset}),
-      input_(joints_) {
+      input_(joints_),
+      checks_(options.checks) {
   require(joints_ <= session_.size(), "arm '", scenario.arms[index].name, "': found a model of ",
           joints_, " joints, but boards for ", session_.size(), ".");
   // Emulated boards share the machine with this program: on a busy one they answer late.
@@ -77,6 +79,8 @@ void BoardSide::begin(const Scenario& scenario, std::size_t index) {
   limits.overrun = kOverrun;
   limits.sensor_age = kSensorAge;
   limits.torque_seconds = kSaturatedSeconds;
+  limits.force_disagreement = checks_.force_disagreement;
+  limits.disagreement_seconds = checks_.disagreement_seconds;
   velocity_ = limits.velocity;
   supervisor_ = std::make_unique<SafetySupervisor>(models_.known, limits);
   supervisor_->enable();
@@ -157,7 +161,7 @@ BoardSide::News BoardSide::news(double largest_age) noexcept {
   if (told_ >= supervisor_->events()) return {};
   const SafetyEvent& event = supervisor_->event(told_++);
   const bool of_force = event.fault == SafetyFault::kForceSensor;
-  const bool unexplained = of_force && unexplained_force() > SafetyLimits().force_disagreement;
+  const bool unexplained = of_force && unexplained_force() > checks_.force_disagreement;
   return {describe(event.fault), event.joint, unexplained, of_force && !unexplained};
 }
 

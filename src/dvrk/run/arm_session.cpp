@@ -76,6 +76,7 @@ SessionOptions session_options(const RobotConfig& robot, const ArmSessionOptions
   options.watchdog = how.watchdog;
   options.bus.reply_timeout = how.reply_timeout;
   options.bus.repeat_after = how.repeat_after;
+  options.follow = how.follow;
   // Whoever lets the boards wait longer for a word also waits longer for theirs.
   const double reply = std::max(how.reply_timeout, BusOptions().reply_timeout);
   options.lost_reads = std::max(options.lost_reads, static_cast<int>(how.watchdog / reply));

@@ -35,6 +35,7 @@ struct ArmSessionOptions {
   double watchdog = 0.030;         ///< [s]
   double reply_timeout = 0.020;    ///< [s] for all replies of a cycle
   double repeat_after = BusOptions().repeat_after;  ///< [s] a read without a reply is sent again
+  CurrentFollowing follow;
   Homing homing = Homing::kIfNeeded;
   int pot_readings = 100;  ///< cycles of pots whose mean gives the encoders their start
   /// Largest motion of a pot among them, peak to peak, in which it counts as resting: this share of
