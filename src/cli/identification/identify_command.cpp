@@ -108,6 +108,8 @@ FactorSet read_all_factors(const std::vector<std::string>& paths) {
 
 Identification identified_at_rest(const IdentifyRequest& request, const Model& arm,
                                   const IdentificationOptions& options) {
+  expect_value(request.factors.empty() && request.factor_out.empty() && request.known_masses.empty(),
+               "--at-rest", "found with factors or known masses, expected recordings of poses alone");
   const auto [train, test] = read_poses(request.rest, arm, request.train, request.test, options);
   return identify_at_rest(arm, train, test, options);
 }

@@ -27,7 +27,7 @@ namespace {
 
 using numerics::kPercent;
 
-constexpr int kWithdrawals = 3;
+constexpr int kWithdrawals = 3;  // refits at most, each of one name or more
 
 double error_of(const VectorXd& relative, int joint) {
   return relative.size() > joint ? relative[joint] : 0.0;
