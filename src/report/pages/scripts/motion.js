@@ -72,8 +72,8 @@ pages.excite = () => {
                 ' Condition number ', number('/condition_number', 'plain'), ' against ', number('/start_condition_number', 'plain'), ' of a random motion, for ',
                 number('/base_parameters', 'whole'), ' base parameters.'),
       discriminationWords(), ...(result.warnings || []).map((w) => paragraph('warning', typeset(w))), usedBars(used)],
-    next: [{why: 'Record it on the arm (it starts and stops at rest), or try it in simulation:', command: 'veridyn simulate ' + result.robot + ' --trajectory ' + output + ' -o RECORDING.csv'},
-           {why: 'Then:', command: 'veridyn identify ' + result.robot + ' --train RECORDING.csv --test OTHER.csv --report model.html'}],
+    next: [{why: 'Record it on the arm (it starts and stops at rest), or try it in simulation:', command: 'veridyn simulate ' + fileOfRun(result.robot) + ' --trajectory ' + output + ' -o RECORDING.csv'},
+           {why: 'Then:', command: 'veridyn identify ' + fileOfRun(result.robot) + ' --train RECORDING.csv --test OTHER.csv --report model.html'}],
     picture: armView(),
     sections: [
       section('over-time', 'Motion', 'From rest to rest; thin lines are the limits. ' + timeNote, timePanel(motionPlots, null, 1)),
@@ -129,7 +129,7 @@ function simulatePage() {
     state: result.complete === false ? 'bad' : 'good',
     good: [result.complete === false ? paragraph('warning', 'Incomplete: the run ' + result.stopped.why) : null, replay ? torqueBars() : null, run ? runTable() : null],
     next: replay ? [{why: 'If a joint is off, ask what the model lacks:', command: 'veridyn diagnose MODEL --train ' + source + ' --test OTHER.csv'}] :
-                   [{why: 'Identify from what was recorded:', command: 'veridyn identify ' + result.robot + ' --train ' + (wordAfter('-o') || 'RECORDING.csv') + ' --test OTHER.csv'}],
+                   [{why: 'Identify from what was recorded:', command: 'veridyn identify ' + fileOfRun(result.robot) + ' --train ' + (wordAfter('-o') || 'RECORDING.csv') + ' --test OTHER.csv'}],
     picture: armView(),
     sections: [section('over-time', 'Motion and torque over time', timeNote + (replay ? ' Torque: recorded minus simulated, both low-passed. Model alone: the torque that the model asks for at ' +
                        'the recorded motion, without simulation.' : ''), timePanel(givenPlots, null, 1))]
@@ -227,7 +227,7 @@ pages.kinematics = () => {
     state: result.not_reached ? 'bad' : 'good',
     good: finite.length > 1 ? chart({name: 'condition', joint: 0, title: 'How often each condition number occurs', x: {name: 'condition number, logarithm to base 10'}, y: {name: 'postures'}, width: 480, height: 220,
       marks: [{kind: 'bars', name: 'postures', colour: 'extended', points: [...decades].map(([d, n]) => [d / 4, (d + 1) / 4, n])}], note: 'Beyond 2, the tip can hardly move in one direction.'}) : null,
-    next: [{why: 'A motion that stays clear of singular postures and tells the parameters apart:', command: 'veridyn excite ' + result.robot + ' -o MOTION.csv --report motion.html'}],
+    next: [{why: 'A motion that stays clear of singular postures and tells the parameters apart:', command: 'veridyn excite ' + fileOfRun(result.robot) + ' -o MOTION.csv --report motion.html'}],
     picture: postureStage(), sections: []
   };
 };

@@ -16,7 +16,7 @@ pages.info = () => {
       table(['Joint', '#From', '#To', '#Speed', '#Effort', 'Unit'], result.coordinates.map((c, k) => [
         strong(k + 1 + ' ' + c.name), bound('/coordinates/' + k + '/position/0'), bound('/coordinates/' + k + '/position/1'), bound('/coordinates/' + k + '/velocity'), bound('/coordinates/' + k + '/effort'),
         c.unit + ', ' + c.effort_unit]), 'coordinates')],
-    next: [{why: 'A motion that tells its parameters apart:', command: 'veridyn excite ' + result.robot + ' -o MOTION.csv --report motion.html'}],
+    next: [{why: 'A motion that tells its parameters apart:', command: 'veridyn excite ' + fileOfRun(result.robot) + ' -o MOTION.csv --report motion.html'}],
     picture: infoStage(),
     sections: [
       section('frames', 'Frames', null, table(['Frame', 'Parent', 'Joint', 'Variable', 'Body'], result.frames.map((f) => [strong(f.name), f.parent, f.type, axes(f.variable), f.body ? 'yes' : '']), 'frames')),
