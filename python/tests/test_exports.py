@@ -351,13 +351,23 @@ def test_meshes_stay_and_masses_come_near_the_drawing(from_urdf):
     assert "package://two/upper.dae" in model.to_sdf(prior=cad)
 
 
-def test_without_a_drawing_masses_are_those_of_small_rods(from_urdf):
-    _, _, identified, folder = from_urdf
+def test_without_another_drawing_masses_come_near_the_file_that_was_identified(from_urdf):
+    _, cad, identified, folder = from_urdf
     text = identified.model.to_urdf()
+    assert "chosen near the bodies of the robot file that the model was identified from" in text
+    (folder / "near.urdf").write_text(text)
+    exported = veridyn.read_model(folder / "near.urdf")
+    masses = dict(zip(exported.bodies, exported.phi[::10]))
+    for name, drawn in zip(cad.bodies, cad.phi[::10]):
+        assert 0.5 * drawn <= masses[name] <= 2.0 * drawn
+
+
+def test_without_any_drawing_masses_are_those_of_small_rods():
+    time = np.arange(0.0, 20.0, 0.005)
+    q = np.stack([0.8 * np.sin(1.1 * time), 0.6 * np.sin(1.7 * time + 1)], axis=1)
+    recording = veridyn.simulate("planar-2r", veridyn.Recording(time, q), noise="none").recording
+    text = veridyn.identify("planar-2r", recording).model.to_urdf()
     assert "density of water" in text
-    (folder / "rods.urdf").write_text(text)
-    exported = veridyn.read_model(folder / "rods.urdf")
-    assert all(0.0 < mass < 8.0 for mass in exported.phi[::10])
 
 
 def test_values_that_nobody_identified_stay(from_urdf):

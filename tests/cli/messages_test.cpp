@@ -89,7 +89,7 @@ TEST_F(Messages, NameWhatIsMissing) {
   expect({"check", "planar-2r"}, 2, {"found the robot 'planar-2r' alone, expected recordings"});
   expect({"stability", "missing.yaml"}, 3, {"missing.yaml: found no such file, expected a scenario"});
   expect({"check", folder_.write("rec.bag", std::string("\x01\0\x02", 3))}, 3, {"rec.bag", "a whole bag"});
-  expect({"info", "nope"}, 3, {"one of: elbow-6r, ", "mtm, planar-2r, "});
+  expect({"info", "nope"}, 3, {"one of: elbow-6r, ", "mtm, mtm-rods, planar-2r, "});
   const std::string poses = folder_.write("poses.csv", "t,x,y,z,qw,qx,qy,qz\n0,0,0,0,1,0,0,0\n1,0,0,0,1,0,0,0\n");
   expect({"calibrate", "rcm", poses, "--body", "foo"}, 3, {"poses.csv: found one body without a name"});
   const std::string cell = folder_.write("cell.csv", "mass,raw\n1,100\n1,100\n");

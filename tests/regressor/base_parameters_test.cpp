@@ -51,8 +51,8 @@ class OfEveryRobot : public testing::TestWithParam<std::string> {
 };
 
 std::vector<std::string> robots() {
-  return {"elbow-6r",         "kuka-lwr4", "mtm",   "planar-2r", "psm-3dof",
-          "psm-3dof-printed", "psm-wrist", "scara", "ur10e"};
+  return {"elbow-6r",         "kuka-lwr4",     "mtm",       "mtm-rods", "planar-2r", "psm-3dof",
+          "psm-3dof-printed", "psm-3dof-rods", "psm-wrist", "scara",    "ur10e"};
 }
 
 std::string test_name(const testing::TestParamInfo<std::string>& info) {
