@@ -1,14 +1,12 @@
-#include <algorithm>
 #include <exception>
 #include <iostream>
 #include <string>
-#include <vector>
 
 #include "cli/commands.hpp"
-#include "cli/options/manual.hpp"
+#include "cli/help/manual.hpp"
+#include "cli/help/usage.hpp"
 #include "cli/options/messages.hpp"
 #include "cli/options/sound_arguments.hpp"
-#include "cli/options/usage.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::cli {
@@ -41,18 +39,10 @@ ExitStatus run(int argc, char** argv) {
   add_stability_command(tool, outcome);
   add_dvrk_command(tool, outcome);
   add_watch_command(tool, outcome);
+  add_help_command(tool);
   expect_sound_arguments(tool);
-  // Handles `veridyn help COMMAND` as `veridyn COMMAND --help`; CLI11 takes its arguments in
-  // reverse order.
-  std::vector<std::string> words(argv + 1, argv + argc);
-  if (!words.empty() && words.front() == "help") {
-    words.erase(words.begin());
-    if (write_manual(tool, words)) return kDone;
-    words.emplace_back("--help");
-  }
-  std::reverse(words.begin(), words.end());
   try {
-    tool.parse(words);
+    tool.parse(argc, argv);
     return outcome.status;
   } catch (const CLI::Success& help_or_version) {
     tool.exit(help_or_version);

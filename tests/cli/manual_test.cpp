@@ -89,9 +89,9 @@ TEST(Manual, ExamplesRunOneAfterTheOther) {
       "veridyn calibrate handeye", "veridyn loadcell calibrate", "veridyn loadcell read",
       "veridyn dvrk emulate",      "veridyn dvrk monitor",       "veridyn dvrk read",
       "veridyn dvrk run",          "veridyn cooperate",          "veridyn stability"};
-  const Words order = {"excite",     "simulate", "check",   "identify", "diagnose",
-                       "friction",   "payload",  "compare", "export",   "info",
-                       "kinematics", "watch",    "fleet",   "page",     "dvrk config"};
+  const Words order = {"help",     "excite",  "simulate", "check",      "identify", "diagnose",
+                       "friction", "payload", "compare",  "export",     "info",     "kinematics",
+                       "watch",    "fleet",   "page",     "dvrk config"};
   const TemporaryFolder folder;
   folder.write("fleet.txt", "a one.csv\nb one.csv\nc one.csv\n");
   const auto all = examples();
@@ -109,6 +109,23 @@ TEST(Manual, ExamplesRunOneAfterTheOther) {
   size_t known = 0;
   for (const auto& example : all) known += elsewhere.count(example.first) == 0;
   EXPECT_EQ(run, known);
+}
+
+TEST(Manual, WhatIsNoCommandIsRefused) {
+  const std::vector<std::pair<Words, std::string>> wrong = {
+      {{"help", "idenfity"}, "found 'idenfity', expected one of info, check"},
+      {{"help", "dvrk", "walk"}, "found 'walk', expected one of emulate"},
+      {{"help", "identify", "more"}, "expected nothing after 'identify'"},
+      {{"help", "--man"}, "--man: found nothing, expected FOLDER"}};
+  for (const auto& [words, message] : wrong) {
+    const ToolRun run = run_tool(words);
+    EXPECT_EQ(run.status, 2) << message;
+    EXPECT_EQ(run.error_lines(), 1) << run.err;
+    EXPECT_NE(run.err.find(message), std::string::npos) << run.err;
+  }
+  const ToolRun nowhere = run_tool({"help", "--man", "/dev/null/man"});
+  EXPECT_EQ(nowhere.status, 3);
+  EXPECT_EQ(nowhere.error_lines(), 1) << nowhere.err;
 }
 
 TEST(Manual, ManPagesAreOnesThatManReads) {

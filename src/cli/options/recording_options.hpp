@@ -11,6 +11,8 @@
 
 namespace veridyn::cli {
 
+struct CommonOptions;
+
 /// Heading in the help for options of reading recordings.
 inline constexpr const char* kRecordings = "Recordings";
 

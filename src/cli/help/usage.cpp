@@ -1,4 +1,4 @@
-#include "cli/options/usage.hpp"
+#include "cli/help/usage.hpp"
 
 #include <regex>
 #include <vector>
@@ -99,7 +99,9 @@ std::string found_and_expected(const CLI::App& command, const std::string& words
     const bool named = text.find_first_not_of(' ') != std::string::npos;
     const std::string kind = kind_of(missing);
     return m[1].str() + ": found nothing, expected " +
-           (named ? text : kind == "a value of another kind" ? "a value" : kind);
+           (named                               ? text
+            : kind == "a value of another kind" ? "a value"
+                                                : kind);
   }
   return words;
 }

@@ -1,4 +1,4 @@
-#include "cli/options/manual.hpp"
+#include "cli/help/manual.hpp"
 
 #include <sys/ioctl.h>
 #include <unistd.h>
@@ -6,8 +6,9 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <system_error>
 
-#include "cli/options/examples.hpp"
+#include "cli/help/examples.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -82,21 +83,6 @@ std::string entry_text(const ManualPage::Entry& entry, size_t width) {
   return out + wrapped(entry.text, kTextColumn, kTextColumn, width) + "\n";
 }
 
-std::string terminal_text(const ManualPage& page) {
-  const size_t width = terminal_width();
-  std::string out =
-      wrapped(page.summary, 0, 0, width) + "\nUsage: " + wrapped(page.usage, 7, 7, width) + "\n";
-  for (const ManualPage::Section& section : page.sections) {
-    out += "\n" + section.title + ":\n";
-    for (const ManualPage::Entry& entry : section.entries) out += entry_text(entry, width);
-  }
-  if (!page.notes.empty()) out += "\n" + page.notes + "\n";
-  if (!page.examples.empty()) out += "\nExamples:\n";
-  for (const ManualPage::Entry& example : page.examples)
-    out += "  " + example.names + "\n      " + wrapped(example.text, 6, 6, width) + "\n";
-  return out;
-}
-
 // Text of a man page (groff): a backslash and a leading dot or quote are commands there.
 std::string roff(const std::string& words) {
   std::string out;
@@ -134,15 +120,10 @@ std::string table_cell(std::string words) {
   return words;
 }
 
-// Options of Common and Recordings repeat in most commands; the page says them once, at the top.
-bool repeats(const ManualPage::Section& section) {
-  return section.title == "Common";
-}
-
 std::string markdown_text(const ManualPage& page) {
   std::string out = "\n## " + page.name + "\n\n" + page.summary + ".\n\n    " + page.usage + "\n";
   for (const ManualPage::Section& section : page.sections) {
-    if (repeats(section)) continue;
+    if (section.title == "Common") continue;
     out += "\n| " + section.title + " | |\n|---|---|\n";
     for (const ManualPage::Entry& entry : section.entries) {
       if (entry.names.rfind("-h,", 0) == 0) continue;
@@ -153,37 +134,6 @@ std::string markdown_text(const ManualPage& page) {
   for (const ManualPage::Entry& example : page.examples)
     out += "\n    " + example.names + "\n\n" + example.text + ".\n";
   return out;
-}
-
-std::string bash_text(const CLI::App& tool) {
-  std::string cases, with_commands;
-  for_each_command(tool, "veridyn", [&](const CLI::App& command, const std::string& name) {
-    std::string words;
-    for (const CLI::App* below : subcommands_of(command)) words += below->get_name() + " ";
-    if (&command != &tool && !words.empty())
-      with_commands += (with_commands.empty() ? "" : " | ") + command.get_name();
-    if (&command == &tool) cases += "    'veridyn help') words='" + words + "' ;;\n";
-    for (const CLI::Option* option : command.get_options()) {
-      for (const std::string& option_name : option->get_lnames()) words += "--" + option_name + " ";
-    }
-    cases += "    '" + name + "') words='" + words + (&command == &tool ? "help" : "") + "' ;;\n";
-  });
-  return "# Completion of veridyn for bash: commands, options and file names.\n"
-         "_veridyn() {\n"
-         "  local command=veridyn words='' current=${COMP_WORDS[COMP_CWORD]}\n"
-         "  ((COMP_CWORD > 1)) && command+=\" ${COMP_WORDS[1]}\"\n"
-         "  case ${COMP_WORDS[1]} in\n"
-         "    " +
-         with_commands +
-         ") ((COMP_CWORD > 2)) && command+=\" ${COMP_WORDS[2]}\" ;;\n"
-         "  esac\n"
-         "  case $command in\n" +
-         cases +
-         "  esac\n"
-         "  mapfile -t COMPREPLY < <(compgen -W \"$words\" -- \"$current\"; [[ $current == -* ]] "
-         "|| compgen -f -- \"$current\")\n"
-         "}\n"
-         "complete -o filenames -F _veridyn veridyn\n";
 }
 
 class ManualFormatter : public CLI::FormatterBase {
@@ -239,39 +189,78 @@ ManualPage manual_page(const CLI::App& command, const std::string& name) {
   return out;
 }
 
+std::string terminal_text(const ManualPage& page) {
+  const size_t width = terminal_width();
+  std::string out =
+      wrapped(page.summary, 0, 0, width) + "\nUsage: " + wrapped(page.usage, 7, 7, width) + "\n";
+  for (const ManualPage::Section& section : page.sections) {
+    out += "\n" + section.title + ":\n";
+    for (const ManualPage::Entry& entry : section.entries) out += entry_text(entry, width);
+  }
+  if (!page.notes.empty()) out += "\n" + page.notes + "\n";
+  if (!page.examples.empty()) out += "\nExamples:\n";
+  for (const ManualPage::Entry& example : page.examples)
+    out += "  " + example.names + "\n      " + wrapped(example.text, 6, 6, width) + "\n";
+  return out;
+}
+
 void show_manual_as_help(CLI::App& tool) {
   tool.formatter(std::make_shared<ManualFormatter>());
   tool.option_defaults()->always_capture_default();
 }
 
-bool write_manual(const CLI::App& tool, const std::vector<std::string>& words) {
-  if (words.size() != 2 ||
-      (words[0] != "--man" && words[0] != "--markdown" && words[0] != "--bash"))
-    return false;
-  if (words[0] == "--bash") {
-    write_file(words[1], bash_text(tool));
-    return true;
-  }
-  std::string all =
-      "# Commands\n\nEvery command with its options, as `veridyn help COMMAND` prints them; "
-      "`veridyn help --markdown FILE` writes this "
-      "page,\n`--man FOLDER` man pages, and `--bash FILE` completion for bash. Default values "
-      "stand in parentheses.\n"
-      "Most commands take `--json FILE`, `--report FILE` (an HTML page), `--threads N`, `--quiet` "
-      "and `--version`.\n";
-  if (words[0] == "--man") std::filesystem::create_directories(words[1]);
+void write_man_pages(const CLI::App& tool, const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  require(!error, folder, ": cannot be made: ", error.message(), ".");
   for_each_command(tool, "veridyn", [&](const CLI::App& command, const std::string& name) {
-    const ManualPage page = manual_page(command, name);
-    if (words[0] == "--markdown") {
-      if (name != "veridyn") all += markdown_text(page);
-      return;
-    }
     std::string file = name;
     std::replace(file.begin(), file.end(), ' ', '-');
-    write_file(words[1] + "/" + file + ".1", man_text(page));
+    write_file(folder + "/" + file + ".1", man_text(manual_page(command, name)));
   });
-  if (words[0] == "--markdown") write_file(words[1], all);
-  return true;
+}
+
+std::string markdown_manual(const CLI::App& tool) {
+  std::string out =
+      "# Commands\n\nEvery command with its options, as `veridyn help COMMAND` prints them. "
+      "Default values stand in parentheses.\n"
+      "Most commands take `--json FILE`, `--report FILE` (an HTML page), `--threads N`, `--quiet` "
+      "and `--version`, which are left out here.\n";
+  for_each_command(tool, "veridyn", [&](const CLI::App& command, const std::string& name) {
+    if (&command != &tool) out += markdown_text(manual_page(command, name));
+  });
+  return out;
+}
+
+std::string bash_completion(const CLI::App& tool) {
+  std::string cases, with_commands;
+  for_each_command(tool, "veridyn", [&](const CLI::App& command, const std::string& name) {
+    std::string words;
+    const CLI::App& listed = command.get_name() == "help" ? tool : command;
+    for (const CLI::App* below : subcommands_of(listed)) words += below->get_name() + " ";
+    if (&command != &tool && !subcommands_of(command).empty())
+      with_commands += (with_commands.empty() ? "" : " | ") + command.get_name();
+    for (const CLI::Option* option : command.get_options()) {
+      for (const std::string& option_name : option->get_lnames()) words += "--" + option_name + " ";
+    }
+    cases += "    '" + name + "') words='" + words + "' ;;\n";
+  });
+  return "# Completion of veridyn for bash: commands, options and file names.\n"
+         "_veridyn() {\n"
+         "  local command=veridyn words='' current=${COMP_WORDS[COMP_CWORD]}\n"
+         "  ((COMP_CWORD > 1)) && command+=\" ${COMP_WORDS[1]}\"\n"
+         "  case ${COMP_WORDS[1]} in\n"
+         "    " +
+         with_commands +
+         ") ((COMP_CWORD > 2)) && command+=\" ${COMP_WORDS[2]}\" ;;\n"
+         "  esac\n"
+         "  case $command in\n" +
+         cases +
+         "  esac\n"
+         "  mapfile -t COMPREPLY < <(compgen -W \"$words\" -- \"$current\"; [[ $current == -* ]] "
+         "|| compgen -f -- \"$current\")\n"
+         "}\n"
+         "complete -o filenames -F _veridyn veridyn\n";
 }
 
 }  // namespace veridyn::cli

@@ -1,4 +1,4 @@
-#include "cli/options/examples.hpp"
+#include "cli/help/examples.hpp"
 
 #include <map>
 
@@ -9,6 +9,10 @@ namespace veridyn::cli {
 std::vector<ManualPage::Entry> examples_of(const std::string& command) {
   static const std::map<std::string, std::vector<ManualPage::Entry>> kExamples = {
       {"veridyn", {{"veridyn help identify", "Show the options and examples of one command"}}},
+      {"veridyn help",
+       {{"veridyn help dvrk run", "Show the options and examples of a command within another"},
+        {"veridyn help --bash veridyn.bash",
+         "Write completion for bash, which `source veridyn.bash` turns on"}}},
       {"veridyn excite",
        {{"veridyn excite psm-3dof -o motion.csv --report motion.html",
          "Design a trajectory that starts and ends at rest, and look at it"},

@@ -28,15 +28,24 @@ struct ManualPage {
 /// @param name  the command in full, as `veridyn dvrk run`
 ManualPage manual_page(const CLI::App& command, const std::string& name);
 
-/// Shows the help of a command and of its subcommands as manual pages, wrapped to the terminal's
-/// width (100 columns where the output is not a terminal), with the default value of every option.
+/// The page wrapped to the terminal's width, 100 columns where the output is not a terminal.
+std::string terminal_text(const ManualPage& page);
+
+/// Makes --help of a command and of its subcommands print manual pages.
 /// Call it before subcommands are added: these inherit it.
 void show_manual_as_help(CLI::App& tool);
 
-/// Writes what `veridyn help` offers beside the help of a command:
-/// `--man FOLDER` (a man page for every command), `--markdown FILE`, `--bash FILE` (completion).
-/// @returns false if `words` ask for none of these.
-/// Throws InvalidInput if a file cannot be written.
-bool write_manual(const CLI::App& tool, const std::vector<std::string>& words);
+/// Writes a man page for the tool and for every command, as veridyn-dvrk-run.1.
+/// @throws InvalidInput  the folder or a file cannot be written.
+void write_man_pages(const CLI::App& tool, const std::string& folder);
+
+/// All pages as Markdown: docs/commands.md.
+std::string markdown_manual(const CLI::App& tool);
+
+/// Script for bash that completes commands, options and file names.
+std::string bash_completion(const CLI::App& tool);
+
+/// Adds `help [COMMAND...]`, which prints a manual page or writes all of them.
+void add_help_command(CLI::App& tool);
 
 }  // namespace veridyn::cli

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/options/manual.hpp"
+#include "cli/help/manual.hpp"
 
 namespace veridyn::cli {
 

@@ -1,0 +1,67 @@
+#include <iostream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cli/help/manual.hpp"
+#include "cli/options/sound_arguments.hpp"
+#include "math/output_file.hpp"
+#include "model/suggestion.hpp"
+
+namespace veridyn::cli {
+namespace {
+
+struct HelpRequest {
+  std::vector<std::string> command;
+  std::string man, markdown, bash;
+};
+
+const CLI::App& named(const CLI::App& tool, const std::vector<std::string>& words) {
+  const CLI::App* command = &tool;
+  for (const std::string& word : words) {
+    std::vector<std::string> names;
+    const CLI::App* next = nullptr;
+    for (const CLI::App* below : command->get_subcommands([](const CLI::App*) { return true; })) {
+      names.push_back(below->get_name());
+      if (names.back() == word) next = below;
+    }
+    if (next == nullptr) {
+      throw CLI::ValidationError("COMMAND", names.empty()
+                                                ? "found '" + word + "', expected nothing after '" +
+                                                      command->get_name() + "'"
+                                                : "found '" + word + "', expected one of " +
+                                                      listed(names) + did_you_mean(word, names));
+    }
+    command = next;
+  }
+  return *command;
+}
+
+void run(const CLI::App& tool, const HelpRequest& request) {
+  std::string name = "veridyn";
+  for (const std::string& word : request.command) name += " " + word;
+  const CLI::App& command = named(tool, request.command);
+  if (!request.man.empty()) write_man_pages(tool, request.man);
+  if (!request.markdown.empty()) write_file(request.markdown, markdown_manual(tool));
+  if (!request.bash.empty()) write_file(request.bash, bash_completion(tool));
+  if (request.man.empty() && request.markdown.empty() && request.bash.empty())
+    std::cout << terminal_text(manual_page(command, name));
+}
+
+}  // namespace
+
+void add_help_command(CLI::App& tool) {
+  const auto request = std::make_shared<HelpRequest>();
+  CLI::App& command =
+      *tool.add_subcommand("help", "Show the help of a command, or write all of it");
+  command.add_option("COMMAND", request->command, "Command, as identify or dvrk run")
+      ->option_text("COMMAND...");
+  command.add_option("--man", request->man, "Write a man page for every command")
+      ->option_text("FOLDER");
+  add_output_option(command, "--markdown", request->markdown, "Write the help of all commands",
+                    {".md"});
+  add_output_option(command, "--bash", request->bash, "Write completion for bash");
+  command.callback([request, &tool] { run(tool, *request); });
+}
+
+}  // namespace veridyn::cli
