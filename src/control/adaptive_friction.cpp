@@ -9,7 +9,7 @@
 namespace veridyn {
 namespace {
 
-constexpr double kTold = 0.2;  // share of F's square that an offset and a slope do not explain
+constexpr double kExcited = 0.2;  // share of F's square that an offset and a slope do not explain
 constexpr double kNoFriction = 1e-9;  // [N m], [N]
 constexpr double kNoPlace = 1e-9;  // share of its square that a place varies by: there is no slope
 
@@ -42,7 +42,7 @@ void AdaptiveFriction::learn(Learned& axis, double force, double s, double neede
       spread > kNoPlace * J(2, 2) ? (J(0, 2) - J(0, 1) * J(1, 2) / J(1, 1)) / spread : 0.0;
   const double offset = (J(0, 1) - slope * J(1, 2)) / J(1, 1);
   const double alone = J(0, 0) - offset * J(0, 1) - slope * J(0, 2);
-  if (!(alone > kTold * J(0, 0))) return;
+  if (!(alone > kExcited * J(0, 0))) return;
   const double found = (axis.right[0] - offset * axis.right[1] - slope * axis.right[2]) / alone;
   axis.share += step * (std::clamp(found, options_.least, options_.most) - axis.share);
 }

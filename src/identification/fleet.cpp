@@ -5,6 +5,7 @@
 #include <cmath>
 #include <mutex>
 #include <sstream>
+#include <unsupported/Eigen/SpecialFunctions>
 #include <utility>
 
 #include "fleet_problem.hpp"
@@ -289,18 +290,11 @@ void add_other_bodies(const FleetSolver& solver, Fleet& fleet) {
       [](const FleetLeftOut& a, const FleetLeftOut& b) { return a.deviations > b.deviations; });
 }
 
-// Derivatives of ln(gamma(x)), by recurrence to large x and the asymptotic series there.
 double digamma(double x) {
-  double out = 0.0;
-  for (; x < 8.0; x += 1.0) out -= 1.0 / x;
-  const double y = 1.0 / (x * x);
-  return out + std::log(x) - 0.5 / x - y * (1.0 / 12.0 - y * (1.0 / 120.0 - y / 252.0));
+  return Eigen::numext::digamma(x);
 }
 double trigamma(double x) {
-  double out = 0.0;
-  for (; x < 8.0; x += 1.0) out += 1.0 / (x * x);
-  const double y = 1.0 / (x * x);
-  return out + 1.0 / x + 0.5 * y + y / x * (1.0 / 6.0 - y * (1.0 / 30.0 - y / 42.0));
+  return Eigen::numext::polygamma(1.0, x);
 }
 
 // One quantity over the arms.

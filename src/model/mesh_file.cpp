@@ -17,25 +17,31 @@ namespace {
 constexpr std::size_t kStlHeader = 84;    // 80 bytes of text and the number of triangles
 constexpr std::size_t kStlTriangle = 50;  // a normal and three corners in floats, two bytes beside
 
+void require_finite(const std::string& path, const Eigen::Vector3d& p) {
+  require(p.allFinite(), path, ": found a vertex that is no finite number.");
+}
+
 // Corners that coincide are one point.
 class MeshPoints {
  public:
-  explicit MeshPoints(Mesh& mesh) : mesh_(mesh) {}
+  MeshPoints(const std::string& path, Mesh& mesh) : path_(path), mesh_(mesh) {}
 
   int index(const Eigen::Vector3d& p) {
+    require_finite(path_, p);
     const auto [at, is_new] = known_.try_emplace({p.x(), p.y(), p.z()}, static_cast<int>(mesh_.points.size()));
     if (is_new) mesh_.points.push_back(p);
     return at->second;
   }
 
  private:
+  const std::string& path_;
   Mesh& mesh_;
   std::map<std::array<double, 3>, int> known_;
 };
 
-Mesh binary_stl(const std::string& bytes, std::size_t count) {
+Mesh binary_stl(const std::string& path, const std::string& bytes, std::size_t count) {
   Mesh out;
-  MeshPoints points(out);
+  MeshPoints points(path, out);
   for (std::size_t k = 0; k < count; ++k) {
     std::array<int, 3> corners{};
     for (std::size_t c = 0; c < 3; ++c) {
@@ -50,7 +56,7 @@ Mesh binary_stl(const std::string& bytes, std::size_t count) {
 
 Mesh text_stl(const std::string& path, const std::string& content) {
   Mesh out;
-  MeshPoints points(out);
+  MeshPoints points(path, out);
   std::istringstream words(content);
   std::vector<int> corners;
   for (std::string word; words >> word;) {
@@ -75,6 +81,7 @@ Mesh obj(const std::string& path, const std::string& content) {
     if (word == "v") {
       Eigen::Vector3d p;
       require(bool(words >> p.x() >> p.y() >> p.z()), path, ": found a vertex without three numbers.");
+      require_finite(path, p);
       out.points.push_back(p);
     }
     if (word != "f") continue;
@@ -97,7 +104,7 @@ Mesh stl(const std::string& path, const std::string& content) {
   if (content.size() >= kStlHeader) {
     std::uint32_t count = 0;
     std::memcpy(&count, content.data() + 80, sizeof count);
-    if (content.size() == kStlHeader + kStlTriangle * count) return binary_stl(content, count);
+    if (content.size() == kStlHeader + kStlTriangle * count) return binary_stl(path, content, count);
   }
   require(content.compare(0, 5, "solid") == 0, path,
           ": found neither a text STL file nor a binary one with the triangles that it counts.");
@@ -114,8 +121,6 @@ Mesh read_mesh(const std::string& path) {
   const std::string content = content_of_file(path, "a mesh");
   const Mesh out = ending == ".stl" ? stl(path, content) : obj(path, content);
   require(!out.triangles.empty(), path, ": found no triangles.");
-  for (const Eigen::Vector3d& p : out.points)
-    require(p.allFinite(), path, ": found a vertex that is no finite number.");
   return out;
 }
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "math/numbers.hpp"
-#include "model/suggestion.hpp"
+#include "math/random_numbers.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
@@ -68,6 +68,14 @@ int mover_of(const Model& arm, int frame) {
   return frame;
 }
 
+// -1: the world.
+int frame_of(const Model& arm, const Capsule& capsule) {
+  const int frame = capsule.frame == "world" ? -1 : arm.find_frame(capsule.frame);
+  require(frame >= 0 || capsule.frame == "world", "excitation: found a shape on the frame '",
+          capsule.frame, "', which '", arm.name(), "' does not have.");
+  return frame;
+}
+
 struct RigidBody {
   int mover;
   std::string name;
@@ -77,10 +85,7 @@ struct RigidBody {
 std::vector<RigidBody> rigid_bodies(const Model& arm, const std::vector<Capsule>& shapes) {
   std::vector<RigidBody> out;
   for (const Capsule& capsule : shapes) {
-    const int frame = capsule.frame == "world" ? -1 : arm.find_frame(capsule.frame);
-    require(frame >= 0 || capsule.frame == "world", "excitation: found a shape on the frame '", capsule.frame,
-            "', which '", arm.name(), "' does not have.");
-    const int mover = mover_of(arm, frame);
+    const int mover = mover_of(arm, frame_of(arm, capsule));
     const auto own = std::find_if(out.begin(), out.end(), [&](const RigidBody& b) { return b.mover == mover; });
     if (own != out.end()) {
       own->capsules.push_back(capsule);
@@ -112,10 +117,7 @@ VectorXd random_posture(const Model& arm, RandomNumbers& random) {
 }  // namespace
 
 LinkGap::Rod LinkGap::rod_of(const Model& arm, const Capsule& capsule) {
-  const int frame = capsule.frame == "world" ? -1 : arm.find_frame(capsule.frame);
-  require(frame >= 0 || capsule.frame == "world", "excitation: found a shape on the frame '", capsule.frame,
-          "', which '", arm.name(), "' does not have.");
-  return {frame, capsule.from, capsule.to, capsule.radius};
+  return {frame_of(arm, capsule), capsule.from, capsule.to, capsule.radius};
 }
 
 LinkGap::LinkGap(const Model& arm, const CollisionPair& pair) : obstacle_(pair.obstacle) {

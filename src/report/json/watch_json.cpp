@@ -33,7 +33,9 @@ Json event_json(const WatchEvent& e) {
 
 int WatchedSource::alarms() const {
   std::set<int> ids;
-  for (const WatchEvent& e : events) ids.insert(e.id);
+  for (const WatchEvent& e : events) {
+    if (e.stage != WatchStage::kPresent) ids.insert(e.id);
+  }
   return static_cast<int>(ids.size());
 }
 

@@ -95,7 +95,9 @@ Triangles thinned(const Triangles& whole, int most) {
     Triangles coarse = on_coarse_grid(whole, longest / cells);
     if (static_cast<int>(coarse.corners.size()) <= most) return coarse;
   }
-  return box_of(high - low);
+  Triangles box = box_of(high - low);
+  for (Eigen::Vector3d& p : box.points) p += 0.5 * (low + high);
+  return box;
 }
 
 Json mesh_json(int frame, const LinkShape& shape, const Triangles& surface) {

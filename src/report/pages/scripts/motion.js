@@ -172,7 +172,8 @@ pages.watch = () => {
   const alarms = result.sources.reduce((sum, source) => sum + source.alarms, 0);
   const watched = result.sources.reduce((sum, source) => sum + source.seconds - source.learned, 0);
   const said = (event) => event.sentence.replace(/^[0-9.]+ s: /, '');  // the time has a column of its own
-  const named = result.sources.flatMap((source) => source.events).filter((event) => event.event === 'named' || event.event === 'refined').pop();
+  const last = result.sources.flatMap((source) => source.events).filter((event) => ['named', 'refined', 'present', 'withdrawn'].includes(event.event)).pop();
+  const named = last && last.event !== 'withdrawn' ? last : null;
   const events = result.sources.flatMap((source, s) => source.events.map((event, e) => {
     const place = '/sources/' + s + '/events/' + e;
     return [fileName(source.source), seconds(place + '/time'), seconds(place + '/since'), event.event, typeset(said(event))];
@@ -184,11 +185,11 @@ pages.watch = () => {
   }
   return {
     title: result.robot, kind: 'Watch', facts: [result.running ? 'running; this page follows it' : 'ended'],
-    lead: alarms === 0 ? 'Nothing changed.' : alarms === 1 && named ? said(named)[0].toUpperCase() + said(named).slice(1) : countOf(alarms, 'change') + ' in ' + countOf(result.sources.length, 'source') + '.', state: alarms ? 'bad' : 'good',
+    lead: alarms === 0 && !named ? 'Nothing changed.' : alarms < 2 && named ? said(named)[0].toUpperCase() + said(named).slice(1) : countOf(alarms, 'change') + ' in ' + countOf(result.sources.length, 'source') + '.', state: alarms || named ? 'bad' : 'good',
     good: [paragraph('', countOf(result.sources.length, 'source') + ' watched for ' + short(watched, 3) + ' s after ' +
                      short(result.sources.reduce((sum, s) => sum + s.learned, 0), 3) + ' s in which it learned today\u2019s friction and offsets.'),
            events.length ? table(['Source', '#Said at [s]', '#Since [s]', 'State', 'What'], events, 'events') : null],
-    next: alarms ? [{why: 'Ask what changed, with intervals:', command: 'veridyn diagnose MODEL --train RECORDING.csv --test OTHER.csv'}] : null,
+    next: alarms || named ? [{why: 'Ask what changed, with intervals:', command: 'veridyn diagnose MODEL --train RECORDING.csv --test OTHER.csv'}] : null,
     picture: armView(),
     sections: [section('over-time', 'Torque over time', 'Means of a tenth of a second, of the source that was watched last. What is known by then (today\u2019s friction and offsets, changes that were ' +
                        'named) is part of the model.', timePanel(givenPlots, null, 1))]
