@@ -49,7 +49,7 @@ void add_payload_command(CLI::App& tool, Outcome& outcome) {
       "payload", "Mass, centre of mass and inertia of a load that the model lacks");
   command.add_option("MODEL", request->model, "Model file written by identify or diagnose")
       ->required();
-  command.add_option("--recording", request->recordings, "Recordings with the load")
+  command.add_option("REC,--recording", request->recordings, "Recordings with the load")
       ->required()
       ->option_text("REC...");
   command.add_option("--link", request->link, "Test only the link of this frame (default: all)")
