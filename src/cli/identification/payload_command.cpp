@@ -29,8 +29,9 @@ ExitStatus run(PayloadRequest& request, const std::string& command_line) {
   if (!request.link.empty()) expect_one_of("--link", request.link, frame_names(model));
   request.options.threads = request.common.threads;
   look_at_recordings(model, request.recordings, request.options.preprocessing, request.options.threads);
-  const PayloadReport report =
-      find_payload(model, request.recordings, request.options, request.link);
+  const PayloadReport report = while_busy(request.common, "fitting a load on every link", [&] {
+    return find_payload(model, request.recordings, request.options, request.link);
+  });
   if (report.links.empty()) {
     say(report.reason);
     return kDataCannotAnswer;

@@ -262,7 +262,7 @@ ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
     write_file(request.common.report, to_page(found, command_line, &arm));
   for (const std::string& warning : found.warnings()) say("warning: " + warning);
   std::cout << found.report();
-  return kDone;
+  return found.interrupted ? kInterrupted : kDone;
 }
 
 void add_limit_options(CLI::App& command, ExciteRequest& r) {
