@@ -66,6 +66,9 @@ TEST(Excite, LearnsTheNoiseFromARecording) {
     EXPECT_LT(share, 0.02);  // of white and coloured noise of 0.5 and 0.2 %
   }
   EXPECT_EQ(run_tool(excite + quick + Words{"--noise-of", recording, "--torque-noise", "0.1"}).status, 2);
+  const ToolRun short_one = run_tool(excite + quick + Words{"--noise-of", recording, "--rows", "0:10"});
+  EXPECT_EQ(short_one.status, 4) << short_one.err;
+  EXPECT_EQ(short_one.error_lines(), 1) << short_one.err;
 }
 
 // Ctrl-C keeps the best motion so far, and a script sees that the search did not end by itself.

@@ -122,17 +122,22 @@ CollisionLimits collisions_of(const ExciteRequest& request, const Model& arm) {
   return collision_limits(arm, shapes, around, request.clearance.value_or(kLinkClearance));
 }
 
-// The noise of recordings: what the identification of the arm from them leaves.
-void learn_noise(const ExciteRequest& request, const Model& arm, ExcitationOptions& o) {
+// Takes the noise of recordings, which is what an identification of the arm from them leaves.
+// @returns the reason if there is none, or "".
+std::string learn_noise(const ExciteRequest& request, const Model& arm, ExcitationOptions& o) {
   IdentificationOptions how;
   how.friction = o.friction;
   how.preprocessing = request.reading;
   how.threads = o.threads;
   const Identification id = identify(arm, request.noise_of, {}, how);
-  require(id.model.has_value(), "--noise-of ", request.noise_of.front(), ": ", id.reason);
+  if (!id.model) return "the noise of " + request.noise_of.front() + " cannot be told: " + id.reason;
+  const auto& left = id.model->description().identified;
+  if (!left || left->noise.size() != arm.joints() || !(left->noise.minCoeff() > 0.0))
+    return "the noise of " + request.noise_of.front() + " cannot be told: a joint has no torque that the model does not explain";
   o.noise = usual_noise(*id.model);
   o.noise->source = fmt::format("what an identification from {} left", fmt::join(request.noise_of, ", "));
   if (!o.powered && !arm.inertial_values()) o.valued = id.model;
+  return "";
 }
 
 ExcitationOptions options_of(const ExciteRequest& request, const Model& arm,
@@ -169,7 +174,6 @@ ExcitationOptions options_of(const ExciteRequest& request, const Model& arm,
   if (request.torque_noise)
     o.noise = noise_of_efforts(o.powered ? *o.powered : o.valued ? *o.valued : moved,
                                *request.torque_noise);
-  if (!request.noise_of.empty()) learn_noise(request, arm, o);
   return o;
 }
 
@@ -234,7 +238,12 @@ ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
   const Model arm = read_robot(request.robot, request.common);
   require(arm.joints() > 0, request.robot, ": found no coordinates, expected some to move.");
   std::string made_up_words;
-  const ExcitationOptions options = options_of(request, arm, made_up_words);
+  ExcitationOptions options = options_of(request, arm, made_up_words);
+  const std::string unknown = request.noise_of.empty() ? "" : learn_noise(request, arm, options);
+  if (!unknown.empty()) {
+    say(unknown + ".");
+    return kDataCannotAnswer;
+  }
   if (!made_up_words.empty()) say(made_up_words);
   expect_needs(*request.command,
                {{"--clearance", !request.spheres.empty() || !options.workspace.collisions.pairs.empty(),
