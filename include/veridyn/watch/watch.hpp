@@ -105,8 +105,8 @@ class Watch {
   /// time with a whole recording.
   void learn(const Recording& quiet);
 
-  /// Reports changes that are still open at the end of the rows.
-  /// repeated, are skipped; a pause of more than half a second begins a new segment.
+  /// Watches the next rows and returns the events that they bring. Rows whose time does not rise, or
+  /// which are repeated, are skipped; a pause of more than half a second begins a new segment.
   /// @throws InvalidInput  another number of joints, neither torques nor currents with drive gains.
   std::vector<WatchEvent> add(const Recording& rows);
 
