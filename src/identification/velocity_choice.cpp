@@ -124,13 +124,4 @@ std::set<int> leave_wrong_velocities_out(const Model& arm, const std::vector<std
   return wrong;
 }
 
-std::vector<std::string> remarks_on(const std::set<int>& wrong, const Model& arm) {
-  std::vector<std::string> out;
-  for (const int j : wrong) {
-    out.push_back(text("dq", j + 1, " (", arm.coordinates()[static_cast<size_t>(j)].name,
-                       ") is no derivative of q", j + 1, ", which is used instead"));
-  }
-  return out;
-}
-
 }  // namespace veridyn

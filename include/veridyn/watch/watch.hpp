@@ -117,6 +117,9 @@ class Watch {
   /// Sets a function that is called after every step with the state of the watch; for plots.
   void on_step(std::function<void(const WatchState&)> call);
   const Model& arm() const;
+  /// Joints whose recorded velocity is no derivative of the position, in words. They are found in
+  /// the first half of the learning time; the watch then derives all velocities from the positions.
+  const std::vector<std::string>& remarks() const;
   /// All events so far.
   const std::vector<WatchEvent>& events() const;
 
