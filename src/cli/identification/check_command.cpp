@@ -4,6 +4,7 @@
 #include <iostream>
 #include <memory>
 
+#include "model/robot_format.hpp"
 #include "math/words.hpp"
 #include "cli/commands.hpp"
 #include "cli/options/common_options.hpp"
@@ -31,8 +32,7 @@ struct CheckRequest {
 bool is_robot(const std::string& name) {
   struct stat about {};
   const bool there = ::stat(name.c_str(), &about) == 0;
-  const bool file = ends_with(name, ".yaml") || ends_with(name, ".yml") ||
-                    ends_with(name, ".urdf") || ends_with(name, ".xml");
+  const bool file = robot_format(name).has_value() && !ends_with(name, ".json");
   return there ? file && !S_ISDIR(about.st_mode) : file || name.find('.') == std::string::npos;
 }
 
