@@ -36,6 +36,8 @@ Recording joined(const Recording& before, const Recording& rows) {
     const MatrixXd& first = before.*signal.values;
     const MatrixXd& then = rows.*signal.values;
     MatrixXd& all = out.*signal.values;
+    require(first.cols() == then.cols(), rows.source, ": found ", then.cols(), " columns ", signal.name,
+            ", expected ", first.cols(), " as in the rows before.");
     all.resize(first.rows() + then.rows(), first.cols());
     if (all.size() > 0) all << first, then;
   }
@@ -87,6 +89,7 @@ class Watch::Implementation {
   }
 
   std::vector<WatchEvent> add(const Recording& rows) {
+    if (rows.rows() > 0) rows_.check(rows);
     if (judged_) {
       watch(rows);
     } else if (rows.rows() > 0) {
