@@ -296,6 +296,7 @@ Excitation Design::run() {
   std::vector<Candidate> ends(found.size());
   if (options_.progress) options_.progress("searching", 0.0);
   parallel_for(options_.starts, options_.threads, [&](int start) {
+    if (start > 0 && stopped()) return;
     const auto own = static_cast<size_t>(start);
     ends[own] = search(asked, start, found[own]);
   });

@@ -31,7 +31,7 @@ TorqueNoise usual_noise(const Model& arm);
 
 /// Share of a joint's rms torque that a prediction without an identification assumes as noise:
 /// the median of what plain identification leaves on the joints of five real arms (a quarter of
-/// them leave less than 0.09, a quarter more than 0.31; docs/excitation.md).
+/// them leave less than 0.09, a quarter more than 0.34; docs/excitation.md).
 constexpr double kUsualResidual = 0.2;
 
 /// Residual of the identification of `arm`, or else kUsualResidual of each joint's rms torque along
