@@ -217,11 +217,11 @@ static double {0}_contact(double s, double distance, double* z) {{
     }
   }
 
-  // Writes one algorithm of ArmDynamics as straight-line code for this arm.
+  // Writes one algorithm of ArmDynamics as straight-line code for this arm, after `first`.
   template <typename Run>
   void traced(const std::string& what, const std::string& function,
               const std::vector<const char*>& in, const std::vector<const char*>& out,
-              const Run& run) {
+              const Run& run, const char* first = "") {
     TracedProgram program;
     const int n = arm_.joints();
     ArmDynamics<Traced> dynamics(tree_, phi_.data());
@@ -229,7 +229,7 @@ static double {0}_contact(double s, double distance, double* z) {{
     for (const char* name : in) given.push_back(input(program, name, n));
     Values results;
     run(dynamics, given, results);
-    this->function(what, function, in, out, program.statements(results));
+    this->function(what, function, in, out, first + program.statements(results));
   }
 
   void rigid_bodies() {
@@ -270,7 +270,8 @@ static double {0}_contact(double s, double distance, double* z) {{
              Matrix Y(n, p);
              arm.regressor(x[0], x[1], x[2], Y);
              add("Y", Y, to);
-           });
+           },
+           "  (void)@phi, (void)@joint_names, (void)@parameter_names;\n");
   }
 
   // Writes a function; `in` and `out` are arrays. torque() explains the effects' memory.

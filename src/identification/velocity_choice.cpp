@@ -22,10 +22,11 @@ RecordingQuality quality_of(const Model& arm, const std::string& name,
   RecordingOptions reading = reading_of(arm, how);
   reading.first_row = std::max(0L, how.first_row);
   reading.row_count = how.row_count < 0 ? kLookedAt : std::min(how.row_count, kLookedAt);
+  const auto judge = [&] { return check_rows(name, open_rows(name, reading, how.kept.get())); };
   try {
     const Recording* there = find_in_memory(how.in_memory, name);
-    return there != nullptr ? check_recording(*there)
-                            : check_rows(name, open_rows(name, reading, how.kept.get()));
+    if (there != nullptr) return check_recording(*there);
+    return how.kept ? how.kept->quality(name, reading, judge) : judge();
   } catch (const InvalidInput&) {
     return {};
   }
