@@ -16,7 +16,7 @@
 namespace veridyn {
 namespace {
 
-constexpr double kDiagnosis = 0.8;  // share of the work, for progress
+constexpr double kDiagnosis = 0.5;  // share of the work, for progress
 
 // Splits the joints into those that travel in any recording and those that are held at a position.
 struct Travel {
