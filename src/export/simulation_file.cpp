@@ -57,6 +57,8 @@ class UpdatedSimulation {
     }
   }
 
+  virtual ~UpdatedSimulation() = default;
+
  protected:
   // Bodies whose values the file has otherwise or lacks.
   void bodies(const std::function<void(const Frame& mine, const Frame& there)>& change,
@@ -93,8 +95,8 @@ class UpdatedSimulation {
       const SimpleForce& b = there.along[at(j)];
       const auto one = [&](const char* what, double value, double before) {
         if (std::abs(value - before) <= kSameValue * std::abs(value)) return;
-        if (shared(j)) {
-          out_.left_out.push_back(fmt::format("{} {} of {}, which a joint that follows it shares", what, value, name));
+        if (shared(j) || tied(name, what)) {
+          out_.left_out.push_back(fmt::format("{} {} of {}, which other parts of the file share", what, value, name));
           return;
         }
         change(name, what, value);
@@ -127,6 +129,9 @@ class UpdatedSimulation {
     }
     return false;
   }
+
+  // True if other parts of the file depend on this value of a joint.
+  virtual bool tied(const std::string& /*joint*/, const std::string& /*value*/) const { return false; }
 
   // Forces along several coordinates stay as the file has them.
   void across(const PlacedEffects& now, const PlacedEffects& there) {
@@ -209,6 +214,17 @@ class UpdatedMjcf : public UpdatedSimulation {
       T = {{{R(0, 0), R(0, 1), R(0, 2)}, {R(1, 0), R(1, 1), R(1, 2)}, {R(2, 0), R(2, 1), R(2, 2)}}, {p[0], p[1], p[2]}};
     }
     return T;
+  }
+
+  // Without a length of its own a tendon's spring is relaxed at the spring references of its joints.
+  bool tied(const std::string& joint, const std::string& value) const override {
+    if (value != "spring") return false;
+    for (const pugi::xml_node section : root_.children("tendon")) {
+      for (const pugi::xml_node tendon : section.children("fixed")) {
+        if (tendon.find_child_by_attribute("joint", "joint", joint.c_str()) && !tendon.attribute("springlength")) return true;
+      }
+    }
+    return false;
   }
 
   void change_body(const Frame& mine) {

@@ -81,6 +81,7 @@ bool holds(const std::string& text, const std::string& part) {
 TEST_F(SimulationFile, MjcfTakesTheValuesAndKeepsTheRest) {
   std::string content = kStrangerMjcf;
   content.insert(content.find("  <equality>"), "  <!-- a camera for the film -->\n  <sensor><jointpos joint=\"yaw\"/></sensor>\n");
+  content.insert(content.find("stiffness=\"4\""), "springlength=\"0.1\" ");
   const std::string path = write("arm.xml", content);
   const Model before = read_model(path);
   const Model after = extended(before, "fore");
@@ -139,9 +140,18 @@ TEST_F(SimulationFile, OtherEffectsAreNamed) {
   ASSERT_EQ(updated.left_out.size(), 3U);
   EXPECT_EQ(updated.left_out[0], "quadratic_drag on pitch");
   EXPECT_EQ(updated.left_out[1], "a constant force of 0.7 on elbow");
-  EXPECT_TRUE(holds(updated.left_out[2], "of reach, which a joint that follows it shares"));
+  EXPECT_TRUE(holds(updated.left_out[2], "of reach, which other parts of the file share"));
   EXPECT_TRUE(holds(updated.xml, "<!-- left out: quadratic_drag on pitch -->"));
   EXPECT_TRUE(updated.changed.empty());
+}
+
+// A tendon without a length of its own is relaxed where its joints' springs are.
+TEST_F(SimulationFile, AReferenceThatATendonUsesStays) {
+  const std::string path = write("arm.xml", kStrangerMjcf);
+  const UpdatedFile updated = updated_mjcf(extended(read_model(path), "fore"), path);
+  ASSERT_EQ(updated.left_out.size(), 1U);
+  EXPECT_TRUE(holds(updated.left_out[0], "of pitch, which other parts of the file share")) << updated.left_out[0];
+  EXPECT_TRUE(holds(updated.xml, "springref=\"20\""));
 }
 
 TEST_F(SimulationFile, AnotherArmsFileIsRefused) {
