@@ -11,7 +11,7 @@
 namespace veridyn {
 namespace {
 
-constexpr Eigen::Index kGroupEntries = 1 << 22;  // entries of columns in memory at once
+constexpr Eigen::Index kGroupEntries = 1 << 21;  // entries of columns in memory at once
 
 }  // namespace
 
@@ -44,13 +44,12 @@ RegressorColumns::RegressorColumns(const Model& arm, const PreprocessingOptions&
 std::vector<MatrixXd> RegressorColumns::raw_columns(const Stretch& s, Joints joints) const {
   const Eigen::Index rows = s.q.rows();
   std::vector<MatrixXd> Y(of_joint_.size());
-  bodies_.evaluate(s.q, s.dq, s.ddq, joints.first, joints.end, Y);
   std::vector<Eigen::Index> at(Y.size());
   for (int i = joints.first; i < joints.end; ++i) {
-    at[i] = Y[i].cols();
-    const auto all = static_cast<Eigen::Index>(of_joint_[i].size());
-    if (all > at[i]) Y[i].conservativeResize(rows, all);
+    at[i] = static_cast<Eigen::Index>(bodies_.columns(i).size());
+    Y[i].resize(rows, static_cast<Eigen::Index>(of_joint_[i].size()));
   }
+  bodies_.evaluate(s.q, s.dq, s.ddq, joints.first, joints.end, Y);
   MatrixXd load;
   std::vector<std::vector<Eigen::Index>> at_effect(arm_.effects().size());
   for (size_t e = 0; e < arm_.effects().size(); ++e) {
