@@ -77,6 +77,7 @@ TEST(Excite, AnInterruptIsStatus130) {
   const pid_t child = ::fork();
   if (child == 0) {
     ::dup2(from_tool[1], STDERR_FILENO);
+    ::dup2(from_tool[1], STDOUT_FILENO);
     ::close(from_tool[0]);
     ::execl(VERIDYN_TOOL, VERIDYN_TOOL, "excite", "planar-2r", "-o", motion.c_str(), "--starts", "50000",
             static_cast<char*>(nullptr));
