@@ -60,7 +60,7 @@ class Compiled:
         library = folder / f"arm{suffix}.so"
         subprocess.run(
             [*compiler, "-O1", "-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Werror",
-             "-Wno-unused-const-variable", "-Wno-unused-variable", "-shared", "-fPIC",
+             "-shared", "-fPIC",
              "-o", library, source, "-lm"],
             check=True,
         )
@@ -148,7 +148,7 @@ def test_templates_compute_in_floats(tmp_path):
     n, name = model.joints, re.sub(r"[^A-Za-z0-9]", "_", model.name)
     (tmp_path / "arm.h").write_text(model.to_c_code())
     (tmp_path / "main.cpp").write_text(FLOATS % {"n": n, "name": name})
-    flags = ["-std=c++11", "-Wall", "-Wextra", "-Wno-unused-variable", "-Werror"]
+    flags = ["-std=c++11", "-Wall", "-Wextra", "-Werror"]
     subprocess.run(["c++", *flags, "-o", tmp_path / "main", tmp_path / "main.cpp"], check=True)
     said = subprocess.run([tmp_path / "main"], check=True, capture_output=True, text=True).stdout
     i = np.arange(1.0, n + 1)[None, :]
