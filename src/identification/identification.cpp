@@ -14,6 +14,7 @@
 #include "recordings/named_recordings.hpp"
 #include "validation.hpp"
 #include "identification/base_solution.hpp"
+#include "identification/instrumental.hpp"
 #include "identification/velocity_choice.hpp"
 #include "math/dense.hpp"
 #include "math/output_file.hpp"
@@ -289,6 +290,9 @@ void describe_base(const Model& arm, const BaseParameters& base, const VectorXd&
   }
 }
 
+void take_solution(const Model& arm, const std::vector<CompressedRecording>& recordings, const BaseParameters& base,
+                   const BaseSolution& solution, const VectorXd& beta, Identification& id);
+
 // Computes all parameters from the factors.
 void solve(const Model& arm, const std::vector<CompressedRecording>& recordings,
            const IdentificationOptions& options, Identification& id) {
@@ -330,6 +334,15 @@ void fit_base(const Model& arm, const std::vector<CompressedRecording>& recordin
   } else {
     id.parameters = shortest_parameters(base, solution.beta, norms);
   }
+  take_solution(arm, recordings, base, solution, beta, id);
+}
+
+namespace {
+
+// Model and tables of a solution whose parameters are set.
+void take_solution(const Model& arm, const std::vector<CompressedRecording>& recordings, const BaseParameters& base,
+                   const BaseSolution& solution, const VectorXd& beta, Identification& id) {
+  const auto parameters = standard_parameters(arm);
   keep_facts(parameters, id.parameters);
   id.feasible = all_bodies_possible(arm, id.parameters);
   describe_base(arm, base, beta, solution.std, id);
@@ -344,7 +357,24 @@ void fit_base(const Model& arm, const std::vector<CompressedRecording>& recordin
   id.model = Model(std::move(description));
 }
 
-namespace {
+// Replaces the least-squares solution by that of the motion without noise.
+void refit_with_instruments(const Model& arm, const std::vector<CompressedRecording>& recordings,
+                            const IdentificationOptions& options, Identification& id) {
+  if (options.method != Method::kIv && options.method != Method::kDidim) return;
+  const std::vector<std::string> names = parameter_names(standard_parameters(arm));
+  const BaseParameters base = identifiable_base_parameters(arm);
+  VectorXd weights = range_weights(recordings);
+  const VectorXd norms = weighted_total(recordings, weights, names).column_norms();
+  if (options.weights == JointWeights::kResidual) weights = residual_weights(recordings, weights, base, names);
+  IdentificationOptions how = options;
+  how.preprocessing = id.preprocessing;
+  InstrumentalFit fit = fit_with_instruments(arm, recordings, base, weights, how);
+  id.endogeneity = std::move(fit.tests);
+  id.objective = fit.objective;
+  id.parameters = shortest_parameters(base, fit.solution.beta, norms);
+  id.base.clear();
+  take_solution(arm, recordings, base, fit.solution, fit.solution.beta, id);
+}
 
 using BlockList = std::vector<const std::vector<SquareRootInformation>*>;
 
@@ -618,6 +648,7 @@ Identification identify_compressed(const Model& file, std::vector<CompressedReco
   id.seconds.compress = seconds_since(begin);
   say("solving", 0.4);
   if (!fit_factors(arm, trained, options, id)) return id;
+  refit_with_instruments(arm.used(), trained, options, id);
   say("validating", 0.6);
   id.factors = std::move(trained);
   validate(arm.used(), test, options, id);
