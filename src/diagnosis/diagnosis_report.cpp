@@ -241,6 +241,8 @@ std::string Diagnosis::report(const std::string& next_command) const {
   out += summary_text(*this);
   for (const int joint : summary.worse_joints) out += "WARNING: " + worse_words(*this, joint) + "\n";
   out += "\nerrors, % of the torque, per joint; held out: every row as recorded\n";
+  if (baseline.weights == JointWeights::kResidual)
+    out += "  joints weighted by their residual: the baseline is that of `identify --weights residual`\n";
   const size_t width = table_width(*baseline.model);
   out += fmt::format("  {:<24}", "");
   for (const Coordinate& c : baseline.model->coordinates())

@@ -24,7 +24,8 @@ class Registry {
           &load_dependent_friction(), &quadratic_drag(), &sublinear_viscous(), &torque_ripple(),
           &cable_coupling(), &position_force(), &backlash(), &transmission_compliance(),
           &torque_gain(), &torque_drift(), &time_delay(), &gravity_tilt(), &encoder_offset(),
-          &warm_up(), &base_compliance(), &tabulated_force()}) {
+          &warm_up(), &base_compliance(), &end_stop(),
+          &tip_force(), &tabulated_force()}) {
       add(effect);
     }
     // clang-format on

@@ -247,7 +247,14 @@ void solve_feasible(const Model& arm, const SquareRootInformation& total,
     return;
   }
   id.status = IdentificationStatus::kNotConverged;
-  id.reason = result.report().substr(0, result.report().find('\n'));
+  const std::string report = result.report();
+  id.reason = report.substr(0, report.find(','));
+  if (!options.prior && result.status == FeasibleStatus::kNotConverged) {
+    id.reason += text(", ", result.duality_gap, " of the objective from the least one; ");
+    id.reason += id.certified ? "a motion that moves every joint more, or --prior MODEL, tells what these torques leave open"
+                              : "box: {mass_max: KG, com_reach: M, effect_max: N} in the robot file bounds what "
+                                "these torques leave open, and --prior MODEL fills it";
+  }
   if (options.prior)
     id.reason += "; the prior '" + options.prior->name() + "' does not let it: leave it out, or give "
                  "its bodies the mass and size of this arm's";

@@ -81,6 +81,7 @@ std::string key_of(const std::string& path, const RecordingOptions& options) {
   for (const auto& [name, unit] : signals.units) out += "\nunit " + name + "=" + unit;
   for (const WantedJoint& joint : signals.joints)
     out += "\njoint " + joint.name + (joint.prismatic ? " slides" : "");
+  for (const HeldJoint& h : signals.held) out += "\nheld " + std::to_string(h.number);
   return out;
 }
 

@@ -33,7 +33,8 @@ void UniformStream::check(const Recording& piece) const {
   std::string names;
   for (const Coordinate& c : arm_.coordinates()) names += (names.empty() ? "" : ", ") + c.name;
   require(piece.joints() == n, name_, ": found ", piece.joints(), " joints, expected the ", n,
-          " of robot '", arm_.name(), "': ", names, ".");
+          " of robot '", arm_.name(), "': ", names,
+          piece.joints() < n ? " (files with a part of the joints each are one recording: a.csv+b.csv)." : ".");
   if (piece.tau.size() > 0) return;
   require(piece.current.size() > 0, name_, ": found neither torques (tau1..tau", n,
           ") nor motor currents (i1..i", n, ").");

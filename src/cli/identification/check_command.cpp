@@ -49,7 +49,7 @@ void run(CheckRequest& request, const std::string& command_line) {
   std::vector<std::string> recordings = request.files;
   std::optional<Model> arm;
   if (recordings.size() > 1 && is_robot(recordings.front())) {
-    arm = read_robot(recordings.front(), request.common);
+    arm = read_robot(recordings.front(), request.common, &request.reading.signals);
     recordings.erase(recordings.begin());
   }
   expect_value(arm || recordings.size() > 1 || !is_known_robot(recordings.front()), "REC",

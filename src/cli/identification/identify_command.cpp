@@ -190,7 +190,7 @@ Identification identified_by_ranks(const IdentifyRequest& request, const Model& 
 }
 
 // Runs on every rank; only the first one prints.
-ExitStatus run_on_ranks(const IdentifyRequest& request, const std::string& command_line,
+ExitStatus run_on_ranks(IdentifyRequest& request, const std::string& command_line,
                         Communicator& ranks) {
   const bool first = ranks.rank() == 0;
   try {
@@ -198,7 +198,7 @@ ExitStatus run_on_ranks(const IdentifyRequest& request, const std::string& comma
                  "' under mpirun, expected ols, wls or feasible: ranks share factors alone");
     expect_value(request.factors.empty(), "--factors",
                  "found under mpirun, expected recordings to spread over the ranks");
-    const Model arm = read_robot(request.robot, request.common);
+    const Model arm = read_robot(request.robot, request.common, &request.options.preprocessing.signals);
     IdentificationOptions options = identification_options(request);
     options.threads = threads_of_a_rank(request.common.threads);
     if (!first) options.progress = nullptr;
@@ -223,7 +223,7 @@ ExitStatus run_on_ranks(const IdentifyRequest& request, const std::string& comma
   }
 }
 
-ExitStatus run(const IdentifyRequest& request, const std::string& command_line) {
+ExitStatus run(IdentifyRequest& request, const std::string& command_line) {
   const std::unique_ptr<Communicator> ranks = mpi_ranks();
   expect_options_that_mean_something(request);
   require_writable(request.common.json);
@@ -232,7 +232,7 @@ ExitStatus run(const IdentifyRequest& request, const std::string& command_line) 
   require_writable(request.factor_out);
   if (ranks && ranks->size() > 1) return run_on_ranks(request, command_line, *ranks);
   if (!request.test_rows) warn_of_shared_recordings(request.train, request.test);
-  const Model arm = read_robot(request.robot, request.common);
+  const Model arm = read_robot(request.robot, request.common, &request.options.preprocessing.signals);
   IdentificationOptions options = identification_options(request);
   keep_recordings(options, KeptRecordings::kFewPasses);
   expect_known_masses(request, arm, options.known_masses);
