@@ -8,6 +8,7 @@
 #include <unsupported/Eigen/SpecialFunctions>
 #include <utility>
 
+#include "math/excerpt.hpp"
 #include "fleet_problem.hpp"
 #include "many_recordings.hpp"
 #include "math/clustered_statistics.hpp"
@@ -519,7 +520,7 @@ std::vector<FleetArm> read_fleet(const std::string& path) {
     std::string more;
     if (!(words >> name)) continue;
     words >> recording;
-    require(!recording.empty() && !(words >> more), path, ":", number, ": found '", line,
+    require(!recording.empty() && !(words >> more), path, ":", number, ": found '", excerpt(line),
             "', expected ARM,FILE.");
     if (out.empty() && name == "arm" && recording == "file") continue;
     if (recording.front() != '/') recording = folder + recording;

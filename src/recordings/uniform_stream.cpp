@@ -14,6 +14,9 @@ namespace {
 constexpr int kPiece = 4096;
 constexpr double kOverhead = 8.0;    // memory of a held sample beside its values, in numbers
 constexpr double kAbsurd = 1e6;      // no arm has positions, speeds or torques beyond this
+// Clocks of recordings count nanoseconds in 64 bits: no period is outside.
+constexpr double kShortestPeriod = 1e-9;  // [s]
+constexpr double kLongestPeriod = 9.2e9;
 constexpr double kGapInSteps = 2.5;  // one lost row is interpolated, more are a gap
 
 }  // namespace
@@ -81,6 +84,8 @@ void UniformStream::read_piece() {
     require(piece.rows() > 1, name_, ": found one row; a recording needs many.");
     has_velocity_ = piece.dq.size() > 0 && options_.velocity == VelocitySource::kRecorded;
     step_ = median_step(piece.time);
+    require(step_ >= kShortestPeriod && step_ <= kLongestPeriod, name_, ": found a sampling period of ",
+            step_, " s, expected ", kShortestPeriod, " s to ", kLongestPeriod, " s.");
     dt_ = options_.rate > 0.0 ? 1.0 / options_.rate : step_;
     most_held_ = most_rows(3.0 * arm_.joints() + kOverhead);
   }
