@@ -137,29 +137,21 @@ class Account {
     withdraw(lost);
   }
 
-  // Errors along the way are of fits without physical conditions, and names were withdrawn since: they are
-  // scaled, each step by the same factor, so that the last one ends at the error of the extended model.
+  // Errors along the way are of fits without physical conditions, and names were withdrawn since: the
+  // last step ends at the error of the extended model, and what it gains is measured from there.
   void end_the_steps() {
-    std::vector<Finding*> steps;
+    Finding* last = nullptr;
     for (size_t k = 0; k < d_.findings.size(); ++k) {
       Finding& f = d_.findings[k];
       const bool selected = std::holds_alternative<NewEffect>(f.cause) || std::holds_alternative<ChangedEffect>(f.cause) ||
                             std::holds_alternative<AddedLoad>(f.cause);
       if (selected && !f.shape && f.status == FindingStatus::kConfirmed && f.test_after.size() > 0 &&
           x_.fitted_by_start.count(k) == 0)
-        steps.push_back(&f);
+        last = &f;
     }
-    if (steps.empty() || d_.extended.test_error.relative.size() == 0) return;
-    const VectorXd last = steps.back()->test_after.cwiseMax(numerics::kTiny);
-    const Eigen::ArrayXd factor =
-        (d_.extended.test_error.relative.array() / last.array()).pow(1.0 / static_cast<double>(steps.size()));
-    Eigen::ArrayXd so_far = Eigen::ArrayXd::Ones(factor.size());
-    for (Finding* f : steps) {
-      f->test_before.array() *= so_far;
-      so_far *= factor;
-      f->test_after.array() *= so_far;
-      f->explains = explained_share(f->test_before, f->test_after, d_.baseline);
-    }
+    if (last == nullptr || d_.extended.test_error.relative.size() == 0) return;
+    last->test_after = d_.extended.test_error.relative;
+    last->explains = explained_share(last->test_before, last->test_after, d_.baseline);
   }
 
   // Findings without a name as tables of the extended model.
