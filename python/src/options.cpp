@@ -181,7 +181,7 @@ void read_preprocessing(Keywords& keywords, PreprocessingOptions& o) {
 
 IdentificationOptions read_identification(Keywords& keywords, const Progress& progress,
                                           IdentificationOptions o) {
-  keywords.read_choice("method", o.method, {Method::kOls, Method::kWls, Method::kFeasible},
+  keywords.read_choice("method", o.method, {Method::kOls, Method::kWls, Method::kFeasible, Method::kIv, Method::kDidim},
                        [](Method m) { return name_of(m); });
   keywords.read_choice("weights", o.weights, {JointWeights::kRange, JointWeights::kResidual},
                        [](JointWeights w) { return name_of(w); });

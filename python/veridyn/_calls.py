@@ -98,7 +98,7 @@ def _documented(function: _Function) -> _Function:
 def read_model(robot: Any, *, constants: Optional[Mapping[str, float]] = None) -> _veridyn.Model:
     """Reads a robot, or a MODEL (a robot with identified values).
 
-    robot : path of a YAML, JSON or URDF file, or the bare name of a robot that comes with veridyn
+    robot : path of a YAML, JSON, URDF, MJCF or SDF file, or the bare name of a robot that comes with veridyn
     constants : values that replace constants of the file
 
     Raises InvalidInput: "file:line:column: found ..., expected ...".

@@ -44,7 +44,7 @@ class PreprocessingOptions(SignalOptions, total=False):
 
 
 class FitOptions(PreprocessingOptions, total=False):
-    method: Literal["feasible", "wls", "ols"]
+    method: Literal["feasible", "wls", "ols", "iv", "didim"]
     weights: Literal["range", "residual"]
     condition: Literal["pseudo-inertia", "principal-moments"]
     signs: Literal["physical", "any"]

@@ -87,7 +87,7 @@ class Enumeration {
     const bool whole_arm = 2 * (arm_.joints() - still) >= arm_.joints();
     for (const ChannelEffect* channel : channel_effects()) {
       const bool of_arm = channel->whole_arm() || channel->can_be_common();
-      const bool asked = channel->asked_unnamed() || !scope_.wanted.empty();
+      const bool asked = !is_asked_later(*channel, arm_) || !scope_.wanted.empty();
       if (whole_arm && of_arm && asked && is_wanted(channel->name()))
         out_.push_back(on_channel(arm_, *channel, std::nullopt));
     }
@@ -118,6 +118,7 @@ class Enumeration {
   // beside it is a cause if there can be several (memories), or if the first one is a fact.
   void add(const AxisEffect& effect, const Axis& axis, JointIndex joint) {
     const EffectTraits traits = effect.traits();
+    if (scope_.wanted.empty() && is_asked_later(effect, arm_)) return;
     if (!is_wanted(effect.name()) || (!is_plain(axis) && !traits.mixed_axes)) return;
     const std::optional<TermIndex> own = own_term(arm_, effect.name(), axis);
     const bool changes = own && scope_.changes && !traits.uses_source;
@@ -166,6 +167,16 @@ bool is_other_constant(const Candidate& c) {
 
 bool is_channel(const Candidate& c) {
   return std::holds_alternative<ChannelError>(c.cause);
+}
+
+bool is_asked_later(const Effect& effect, const Model& arm) {
+  // With more parameters than joints it would be nearly any function of the positions.
+  if (const auto* channel = dynamic_cast<const ChannelEffect*>(&effect))
+    return !channel->asked_unnamed() || static_cast<int>(channel->parameters().size()) > arm.joints();
+  const std::vector<EffectShape> shapes = effect.shapes();
+  return std::any_of(shapes.begin(), shapes.end(), [](const EffectShape& s) {
+    return !s.searched && s.scale == ShapeScale::kAbsolute && s.grid.size() > 1;
+  });
 }
 
 std::vector<Candidate> candidates(const Model& arm, const Scope& scope) {

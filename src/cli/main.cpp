@@ -1,5 +1,6 @@
 #include <exception>
 #include <iostream>
+#include <new>
 #include <string>
 
 #include "cli/commands.hpp"
@@ -62,6 +63,9 @@ ExitStatus run_and_explain(int argc, char** argv) {
     say(error.what());
     // An error that begins with an option is a bad value of that option, detected where it is used.
     return std::string(error.what()).rfind("--", 0) == 0 ? kWrongUsage : kBadInput;
+  } catch (const std::bad_alloc&) {
+    say("out of memory; nothing was written.");
+    return kProgramFault;
   } catch (const std::exception& error) {
     say(std::string("internal fault: ") + error.what());
     return kProgramFault;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <sstream>
 
+#include "math/excerpt.hpp"
 #include "control/udp_port.hpp"
 #include "model/suggestion.hpp"
 #include "veridyn/cooperation/live.hpp"
@@ -28,7 +29,7 @@ class Words {
     const std::string one = name(what);
     char* end = nullptr;
     const double x = std::strtod(one.c_str(), &end);
-    require(*end == '\0' && std::isfinite(x), "found '", one, "', expected ", what, ".");
+    require(*end == '\0' && std::isfinite(x), "found '", excerpt(one), "', expected ", what, ".");
     return x;
   }
   double seconds() {
@@ -43,7 +44,7 @@ class Words {
   }
   void end() {
     std::string rest;
-    require(!word(rest), "found '", rest, "', expected the end of the line.");
+    require(!word(rest), "found '", excerpt(rest), "', expected the end of the line.");
   }
 
  private:
@@ -162,7 +163,7 @@ LiveCommand parse_live_command(const std::string& line, const Scenario& scenario
   } else if (what == "quit") {
     out = LiveQuit{};
   } else {
-    require(what == "alive", "found '", what, "'", did_you_mean(what, known), ", expected one of: ",
+    require(what == "alive", "found '", excerpt(what), "'", did_you_mean(what, known), ", expected one of: ",
             listed(known), ".");
   }
   words.end();

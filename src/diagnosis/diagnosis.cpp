@@ -12,6 +12,8 @@
 namespace veridyn {
 namespace {
 
+constexpr int kLaterCauses = 2;  // at most, one after the other
+
 bool are_facts(const Model& arm) {
   return arm.description().values == RobotValues::kFacts && has_all_values(arm);
 }
@@ -61,6 +63,7 @@ void run_stages(Investigation& x, const Tell& tell) {
   }
   tell("accounting for what is left over");
   account_for_errors(x);
+  for (int turn = 0; turn < kLaterCauses && ask_later_causes(x); ++turn) account_for_errors(x);
   summarize(x.d, x.options.thresholds);
   if (!x.d.friction_remark.empty()) x.d.friction = plain_friction_of(*x.d.extended.model);
 }

@@ -18,6 +18,8 @@
 namespace veridyn {
 namespace {
 
+constexpr int kTurns = 6;  // of fitting friction and load, where a CAD model lacks friction
+
 // The link that carries the frame, named after that frame.
 void keep_only(const Model& arm, const std::string& link, AugmentedModel& augmented) {
   std::vector<std::string> names;
@@ -68,26 +70,51 @@ void put_best_first(const Model& model, const Thresholds& limits, std::vector<Pa
   if (tied != links.begin()) std::rotate(links.begin(), outermost, std::next(outermost));
 }
 
-}  // namespace
+// Effects without values, such as friction of a CAD model, get them from these recordings; bodies and
+// effects that have values keep them.
+Model with_fitted_effects(const Model& cad, const std::vector<std::string>& recordings,
+                          const IdentificationOptions& options) {
+  ModelDescription d = cad.description();
+  for (Frame& frame : d.frames) {
+    if (frame.body) frame.body->fixed = true;
+  }
+  for (EffectTerm& term : d.effects) {
+    if (has_axis_effect(term.effect)) term.fixed = BoundEffect(cad, term).has_values();
+  }
+  const Identification id = identify(Model(std::move(d)), recordings, {}, options);
+  require(id.model.has_value(), "payload: found effects without values in '", cad.name(),
+          "', and these recordings do not give them: ", id.reason);
+  return *id.model;
+}
 
-PayloadReport find_payload(const Model& model, const Recordings& loaded,
-                           const IdentificationOptions& given, const std::string& link,
-                           const Thresholds& limits) {
-  const auto begin = std::chrono::steady_clock::now();
+// The arm with a body of this load on the link that carries it.
+Model with_load(const Model& arm, const PayloadEstimate& load) {
+  ModelDescription d = arm.description();
+  Frame frame;
+  frame.name = std::string(AddedLoad::kName) + "@" + load.frame;
+  frame.parent = arm.find_frame(load.frame);
+  frame.variable.coefficients = VectorXd::Zero(arm.joints());
+  frame.body = Body{};
+  frame.body->phi = load.phi;
+  d.frames.push_back(std::move(frame));
+  return Model(std::move(d));
+}
+
+// The values that an arm's effects were fitted to beside a load.
+Model with_effects_of(const Model& arm, const Model& fitted) {
+  ModelDescription d = arm.description();
+  d.effects = fitted.effects();
+  return Model(std::move(d));
+}
+
+// The report of an arm all of whose values are known.
+PayloadReport find_on(const Model& model, const std::string& robot, const std::vector<std::string>& recordings,
+                      IdentificationOptions options, const std::string& link, const Thresholds& limits) {
   PayloadReport out;
   out.smallest_gain = limits.smallest_change;
-  out.robot = model.name();
-  require(has_all_values(model), "payload: robot '", model.name(), "' has ",
-          model.inertial_values() ? "bodies with values and effects without: its friction is to be "
-                                    "identified first"
-                                  : "no values",
-          "; expected a MODEL that identify or diagnose wrote.");
-  NamedRecordings<IdentificationOptions> named(loaded, {}, given);
-  keep_recordings(named.how, KeptRecordings::kManyQuestions);
-  const std::vector<std::string>& recordings = named.train;
-  leave_wrong_velocities_out(model, recordings, {}, named.how);
-  named.how.choose_velocities = false;
-  const IdentificationOptions& options = named.how;
+  out.robot = robot;
+  leave_wrong_velocities_out(model, recordings, {}, options);
+  options.choose_velocities = false;
   const Identification start = evaluate(model, recordings, {}, options);
   if (!start.model) {
     out.reason = start.reason;
@@ -124,6 +151,33 @@ PayloadReport find_payload(const Model& model, const Recordings& loaded,
   } else {
     out.error_with_drift = out.error_before.cwiseProduct(out.links.front().error_with_drift);
     out.error_after = out.error_before.cwiseProduct(out.links.front().error_with_load);
+  }
+  return out;
+}
+
+}  // namespace
+
+PayloadReport find_payload(const Model& given_model, const Recordings& loaded,
+                           const IdentificationOptions& given, const std::string& link,
+                           const Thresholds& limits) {
+  const auto begin = std::chrono::steady_clock::now();
+  require(given_model.inertial_values().has_value(), "payload: robot '", given_model.name(),
+          "' has no values; expected a MODEL that identify or diagnose wrote, or bodies of a CAD model.");
+  NamedRecordings<IdentificationOptions> named(loaded, {}, given);
+  keep_recordings(named.how, KeptRecordings::kManyQuestions);
+  const std::vector<std::string>& recordings = named.train;
+  PayloadReport out;
+  if (has_all_values(given_model)) {
+    out = find_on(given_model, given_model.name(), recordings, named.how, link, limits);
+  } else {
+    // Friction and load in turns: what is fitted without the load has a part of it.
+    Model cad = with_fitted_effects(given_model, recordings, named.how);
+    for (int turn = 0; turn < kTurns; ++turn) {
+      out = find_on(cad, given_model.name(), recordings, named.how, link, limits);
+      if (out.links.empty() || turn + 1 == kTurns) break;
+      const Model loaded_arm = with_fitted_effects(with_load(given_model, out.links.front()), recordings, named.how);
+      cad = with_effects_of(cad, loaded_arm);
+    }
   }
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return out;

@@ -23,7 +23,7 @@ namespace {
 constexpr Eigen::Index kFewPartsMustAgree = 4;  // from as many on, all but one
 
 // Effects that hold a joint at rest; waves along the travel ask for a spectrum that poses do not have.
-std::vector<std::string> forces_of_position() {
+std::vector<std::string> forces_of_position(const Model& arm) {
   std::vector<std::string> out;
   for (const AxisEffect* effect : axis_effects()) {
     const EffectTraits traits = effect->traits();
@@ -31,7 +31,9 @@ std::vector<std::string> forces_of_position() {
     const bool waves = std::any_of(shapes.begin(), shapes.end(), [](const EffectShape& shape) {
       return shape.scale == ShapeScale::kWaves;
     });
-    if (traits.holds_at_rest && traits.depends_on_position && !traits.tabulated && !waves) out.push_back(effect->name());
+    if (traits.holds_at_rest && traits.depends_on_position && !traits.tabulated && !waves &&
+        !is_asked_later(*effect, arm))
+      out.push_back(effect->name());
   }
   return out;
 }
@@ -103,7 +105,7 @@ class RestDiagnosis {
 
   std::vector<RestQuestion> questions() const {
     Scope scope;
-    scope.wanted = forces_of_position();
+    scope.wanted = forces_of_position(arm_);
     for (int i = 0; i < arm_.joints(); ++i) {
       const auto [low, high] = range(i);
       scope.still.push_back(high - low <= limits_.still(arm_.coordinates()[static_cast<size_t>(i)].prismatic));

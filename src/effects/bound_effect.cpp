@@ -128,11 +128,30 @@ std::string BoundEffect::parameter_name(int p) const {
   return effect_->name() + "(" + label_ + ")." + parameters_[static_cast<size_t>(p)].name;
 }
 
+namespace {
+
+// "joint 3", or "joint 2 + 0.5 joint 3".
+std::string joints_text(const Axis& axis) {
+  std::string out;
+  for (Eigen::Index i = 0; i < axis.coefficients.size(); ++i) {
+    const double c = axis.coefficients[i];
+    if (c == 0.0) continue;
+    if (!out.empty() || c < 0.0) out += c < 0.0 ? (out.empty() ? "-" : " - ") : " + ";
+    if (std::abs(c) != 1.0) out += digits(std::abs(c), 3) + " ";
+    out += "joint " + std::to_string(i + 1);
+  }
+  return out;
+}
+
+}  // namespace
+
 std::string BoundEffect::phrase(const std::vector<double>& values) const {
   require(values.size() == parameters_.size(), "phrase: ", values.size(), " values, but effect '",
           effect_->name(), "' has ", parameters_.size(), " parameters.");
   std::string out = effect_->phrase(values, shape_, type_);
   replace_all(out, kSourceUnit, source_unit_);
+  if (term_.from) replace_all(out, "another joint", joints_text(*term_.from));
+  if ((term_.axis.coefficients.array() != 0.0).count() > 1) out += " along " + joints_text(term_.axis);
   return out;
 }
 

@@ -85,10 +85,16 @@ Model with_arm_states(const Model& arm) {
   ModelDescription out = arm.description();
   const std::vector<EffectTerm> terms = std::move(out.arm_effects);
   out.arm_effects.clear();
+  std::vector<EffectTerm> without_states;
   for (const EffectTerm& term : terms) {
     const ArmEffect& effect = arm_effect(arm, term);
+    const size_t before = out.coordinates.size();
     out = effect.with_states(out, values_of(effect, term));
+    if (out.coordinates.size() == before) without_states.push_back(term);
   }
+  out.arm_effects = std::move(without_states);
+  for (EffectTerm& term : out.arm_effects)
+    term.axis.coefficients = VectorXd::Zero(static_cast<Eigen::Index>(out.coordinates.size()));
   return Model(std::move(out));
 }
 

@@ -24,7 +24,8 @@ class Registry {
           &load_dependent_friction(), &quadratic_drag(), &sublinear_viscous(), &torque_ripple(),
           &cable_coupling(), &position_force(), &backlash(), &transmission_compliance(),
           &torque_gain(), &torque_drift(), &time_delay(), &gravity_tilt(), &encoder_offset(),
-          &warm_up(), &base_compliance(), &tabulated_force()}) {
+          &warm_up(), &base_compliance(), &end_stop(),
+          &tip_force(), &tabulated_force()}) {
       add(effect);
     }
     // clang-format on
@@ -187,7 +188,7 @@ bool has_offset_parameter(const std::string& effect) {
   return false;
 }
 
-std::optional<std::pair<std::string, std::string>> effect_of_urdf(const std::string& attribute) {
+std::optional<std::pair<std::string, std::string>> effect_of_attribute(const std::string& attribute) {
   for (const AxisEffect* effect : axis_effects()) {
     if (effect->traits().urdf_attribute == attribute)
       return std::make_pair(effect->name(), effect->parameters().front().name);

@@ -32,5 +32,7 @@ const Effect& encoder_offset();
 const Effect& warm_up();
 const Effect& base_compliance();
 const Effect& tabulated_force();
+const Effect& end_stop();
+const Effect& tip_force();
 
 }  // namespace veridyn

@@ -74,7 +74,7 @@ class Converter {
 
 std::string model_json(const Model& arm) {
   const YAML::Node root = YAML::Load(to_yaml(arm));
-  return Converter(arm.description()).value(root, "").dump(2) + "\n";
+  return Converter(arm.description()).value(root, "").dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 void save_model_json(const Model& arm, const std::string& path) {

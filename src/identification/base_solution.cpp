@@ -4,6 +4,7 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "math/median.hpp"
 #include "math/clustered_statistics.hpp"
@@ -122,7 +123,8 @@ VectorXd range_weights(const std::vector<CompressedRecording>& recordings) {
       low = std::min(low, r.joints[static_cast<size_t>(i)].minimum);
       high = std::max(high, r.joints[static_cast<size_t>(i)].maximum);
     }
-    if (high > low) weights[i] = 1.0 / (high - low);
+    // No drive measures a torque range of machine epsilon; its reciprocal squared would overflow.
+    if (high - low > std::numeric_limits<double>::epsilon()) weights[i] = 1.0 / (high - low);
   }
   return weights;
 }
@@ -140,9 +142,13 @@ VectorXd residual_weights(const std::vector<CompressedRecording>& recordings,
   }
   const VectorXd beta = solve(weighted_block(joints, start, columns));
   VectorXd weights(start.size());
-  for (size_t i = 0; i < n; ++i)
-    weights[static_cast<Eigen::Index>(i)] =
-        std::sqrt(joints[i].rows() / std::max(joints[i].residual2(beta), 1e-300));
+  for (size_t i = 0; i < n; ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    // No residual is known better than the torques' rounding: an exact fit gets a finite weight.
+    const double rounding = std::numeric_limits<double>::epsilon() / start[row];
+    const double least = std::max(joints[i].rows(), 1.0) * rounding * rounding;
+    weights[row] = std::sqrt(joints[i].rows() / std::max(joints[i].residual2(beta), least));
+  }
   return weights;
 }
 

@@ -14,6 +14,7 @@
 #include "recordings/named_recordings.hpp"
 #include "validation.hpp"
 #include "identification/base_solution.hpp"
+#include "identification/instrumental.hpp"
 #include "identification/velocity_choice.hpp"
 #include "math/dense.hpp"
 #include "math/output_file.hpp"
@@ -246,7 +247,14 @@ void solve_feasible(const Model& arm, const SquareRootInformation& total,
     return;
   }
   id.status = IdentificationStatus::kNotConverged;
-  id.reason = result.report().substr(0, result.report().find('\n'));
+  const std::string report = result.report();
+  id.reason = report.substr(0, report.find(','));
+  if (!options.prior && result.status == FeasibleStatus::kNotConverged) {
+    id.reason += text(", ", result.duality_gap, " of the objective from the least one; ");
+    id.reason += id.certified ? "a motion that moves every joint more, or --prior MODEL, tells what these torques leave open"
+                              : "box: {mass_max: KG, com_reach: M, effect_max: N} in the robot file bounds what "
+                                "these torques leave open, and --prior MODEL fills it";
+  }
   if (options.prior)
     id.reason += "; the prior '" + options.prior->name() + "' does not let it: leave it out, or give "
                  "its bodies the mass and size of this arm's";
@@ -289,6 +297,9 @@ void describe_base(const Model& arm, const BaseParameters& base, const VectorXd&
   }
 }
 
+void take_solution(const Model& arm, const std::vector<CompressedRecording>& recordings, const BaseParameters& base,
+                   const BaseSolution& solution, const VectorXd& beta, Identification& id);
+
 // Computes all parameters from the factors.
 void solve(const Model& arm, const std::vector<CompressedRecording>& recordings,
            const IdentificationOptions& options, Identification& id) {
@@ -330,6 +341,15 @@ void fit_base(const Model& arm, const std::vector<CompressedRecording>& recordin
   } else {
     id.parameters = shortest_parameters(base, solution.beta, norms);
   }
+  take_solution(arm, recordings, base, solution, beta, id);
+}
+
+namespace {
+
+// Model and tables of a solution whose parameters are set.
+void take_solution(const Model& arm, const std::vector<CompressedRecording>& recordings, const BaseParameters& base,
+                   const BaseSolution& solution, const VectorXd& beta, Identification& id) {
+  const auto parameters = standard_parameters(arm);
   keep_facts(parameters, id.parameters);
   id.feasible = all_bodies_possible(arm, id.parameters);
   describe_base(arm, base, beta, solution.std, id);
@@ -344,7 +364,24 @@ void fit_base(const Model& arm, const std::vector<CompressedRecording>& recordin
   id.model = Model(std::move(description));
 }
 
-namespace {
+// Replaces the least-squares solution by that of the motion without noise.
+void refit_with_instruments(const Model& arm, const std::vector<CompressedRecording>& recordings,
+                            const IdentificationOptions& options, Identification& id) {
+  if (options.method != Method::kIv && options.method != Method::kDidim) return;
+  const std::vector<std::string> names = parameter_names(standard_parameters(arm));
+  const BaseParameters base = identifiable_base_parameters(arm);
+  VectorXd weights = range_weights(recordings);
+  const VectorXd norms = weighted_total(recordings, weights, names).column_norms();
+  if (options.weights == JointWeights::kResidual) weights = residual_weights(recordings, weights, base, names);
+  IdentificationOptions how = options;
+  how.preprocessing = id.preprocessing;
+  InstrumentalFit fit = fit_with_instruments(arm, recordings, base, weights, how);
+  id.endogeneity = std::move(fit.tests);
+  id.objective = fit.objective;
+  id.parameters = shortest_parameters(base, fit.solution.beta, norms);
+  id.base.clear();
+  take_solution(arm, recordings, base, fit.solution, fit.solution.beta, id);
+}
 
 using BlockList = std::vector<const std::vector<SquareRootInformation>*>;
 
@@ -518,6 +555,13 @@ void forget_other_columns(const Model& arm, std::vector<CompressedRecording>& re
   }
 }
 
+bool without_torque(const std::vector<CompressedRecording>& recordings) {
+  return std::all_of(recordings.begin(), recordings.end(), [](const CompressedRecording& r) {
+    return std::all_of(r.joints.begin(), r.joints.end(),
+                       [](const auto& joint) { return joint.minimum == 0.0 && joint.maximum == 0.0; });
+  });
+}
+
 bool fit_arm(const Model& arm, const std::vector<CompressedRecording>& recordings,
              const IdentificationOptions& options, Identification& id) {
   for (const CompressedRecording& r : recordings) {
@@ -528,6 +572,10 @@ bool fit_arm(const Model& arm, const std::vector<CompressedRecording>& recording
     }
   }
   id.still_joints = still_joints(arm, recordings);
+  if (id.still_joints.empty() && without_torque(recordings)) {
+    id.reason = recordings.front().source + ": the torques of all joints are zero throughout";
+    return false;
+  }
   id.noise_floor = mean_noise_floor(recordings, arm.joints());
   const auto begin = std::chrono::steady_clock::now();
   solve(arm, recordings, options, id);
@@ -618,6 +666,7 @@ Identification identify_compressed(const Model& file, std::vector<CompressedReco
   id.seconds.compress = seconds_since(begin);
   say("solving", 0.4);
   if (!fit_factors(arm, trained, options, id)) return id;
+  refit_with_instruments(arm.used(), trained, options, id);
   say("validating", 0.6);
   id.factors = std::move(trained);
   validate(arm.used(), test, options, id);

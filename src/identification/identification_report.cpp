@@ -15,9 +15,19 @@ std::string percent(const VectorXd& v) {
 }
 
 const char* method_name(Method m) {
-  return m == Method::kOls   ? "ordinary least squares"
-         : m == Method::kWls ? "weighted least squares"
-                             : "feasible least squares";
+  switch (m) {
+    case Method::kOls:
+      return "ordinary least squares";
+    case Method::kWls:
+      return "weighted least squares";
+    case Method::kIv:
+      return "instrumental variables";
+    case Method::kDidim:
+      return "direct and inverse model";
+    case Method::kFeasible:
+      break;
+  }
+  return "feasible least squares";
 }
 
 }  // namespace
@@ -43,6 +53,15 @@ std::string Identification::report() const {
   line("without excluded rows", test_without_excluded.relative);
   line("held out, moving", test_error.moving_relative);
   line("noise floor", noise_floor);
+  if (!endogeneity.empty()) {
+    out += "\nDurbin-Wu-Hausman: a small p says that noise in the motion biases least squares\n";
+    for (size_t i = 0; i < endogeneity.size(); ++i) {
+      const EndogeneityTest& t = endogeneity[i];
+      out += fmt::format("  {:<22}F({:.0f}, {:.0f}) = {:.3g}, p = {:.2g}\n", model->coordinates()[i].name,
+                         t.numerator_freedom, t.denominator_freedom, t.statistic, t.p_value);
+    }
+    out += "\n";
+  }
   for (const RecordingError& r : test) {
     if (test.size() > 1)
       out += fmt::format("  {:<22}{}  {}\n", "held out", percent(r.error.relative), r.source);

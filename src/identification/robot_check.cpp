@@ -504,7 +504,8 @@ std::vector<QualityFinding> check_against(const Model& arm, const std::string& p
 std::vector<QualityFinding> check_against(const Model& arm, Recording recording,
                                           const PreprocessingOptions& options) {
   require(recording.joints() == arm.joints(), recording.source, ": found ", recording.joints(),
-          " joints, but '", arm.name(), "' has ", arm.joints(), ".");
+          " joints, but '", arm.name(), "' has ", arm.joints(),
+          recording.joints() < arm.joints() ? " (files with a part of the joints each are one recording: a.csv+b.csv)." : ".");
   const long first = std::min<long>(options.first_row, recording.rows());
   const long wanted = options.row_count < 0 ? kMostRows : std::min<long>(options.row_count, kMostRows);
   const long count = std::min(wanted, recording.rows() - first);

@@ -5,8 +5,9 @@
 
 namespace veridyn {
 
-/// A file that is written atomically: to a temporary name, renamed by commit(), removed otherwise.
-/// Devices and pipes are written directly.
+/// A file that is written atomically: it has no name before commit(), so that a program that is
+/// killed leaves nothing behind. Where the file system has no files without a name it has a
+/// temporary one, which is removed unless it is committed. Devices and pipes are written directly.
 ///
 /// @throws InvalidInput  the file cannot be created (constructor), or the disk is full (commit).
 class OutputFile {
@@ -22,6 +23,7 @@ class OutputFile {
  private:
   std::string path_;
   std::string aside_;
+  int nameless_ = -1;  ///< descriptor of a file without a name
   std::ofstream stream_;
   bool through_ = false;
   bool committed_ = false;

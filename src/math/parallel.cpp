@@ -4,6 +4,8 @@
 #include <atomic>
 #include <exception>
 #include <mutex>
+#include <new>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -34,7 +36,13 @@ void parallel_for(int count, int threads, const std::function<void(int)>& body) 
     }
   };
   std::vector<std::thread> pool;
-  for (int w = 1; w < workers; ++w) pool.emplace_back(work);
+  pool.reserve(static_cast<std::size_t>(std::max(0, workers)));
+  try {
+    for (int w = 1; w < workers; ++w) pool.emplace_back(work);
+  } catch (const std::system_error&) {
+    // Fewer threads than wanted do the same work.
+  } catch (const std::bad_alloc&) {
+  }
   work();
   for (std::thread& t : pool) t.join();
   if (first) std::rethrow_exception(first);

@@ -23,8 +23,8 @@ class SquareRootInformation::Triangle {
  public:
   Triangle(const SquareRootInformation& of, Eigen::Index rows)
       : k_(of.size()),
-        columns_(triangle_columns(k_ + 1)),
-        stride_(triangle_stride(k_ + 1)),
+        columns_(triangle_columns(static_cast<int>(k_) + 1)),
+        stride_(triangle_stride(static_cast<int>(k_) + 1)),
         rows_((rows + kTriangleRows - 1) / kTriangleRows * kTriangleRows) {
     thread_local AlignedDoubles memory;
     const auto top = static_cast<size_t>(columns_ * stride_);

@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "math/excerpt.hpp"
 #include "veridyn/math/require.hpp"
 #include "model/suggestion.hpp"
 
@@ -46,11 +47,11 @@ double parsed(const std::string& expression, const Constants& constants) {
     mu::Parser parser = parser_with(constants);
     parser.SetExpr(expression);
     const double value = parser.Eval();
-    require(parser.GetNumResults() == 1, "'", expression,
+    require(parser.GetNumResults() == 1, "'", excerpt(expression),
             "' (several values, separated by commas)");
     return value;
   } catch (const mu::Parser::exception_type& error) {
-    throw InvalidInput(text("'", expression, "' (", why(error), ")", hint(error, constants)));
+    throw InvalidInput(text("'", excerpt(expression), "' (", excerpt(why(error), 200), ")", hint(error, constants)));
   }
 }
 
@@ -59,7 +60,7 @@ double parsed(const std::string& expression, const Constants& constants) {
 double evaluate(const std::string& expression, const Constants& constants) {
   const std::optional<double> number = plain_number(expression);
   const double value = number ? *number : parsed(expression, constants);
-  require(std::isfinite(value), "'", expression, "' (not finite)");
+  require(std::isfinite(value), "'", excerpt(expression), "' (not finite)");
   return value;
 }
 

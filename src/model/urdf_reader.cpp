@@ -240,10 +240,12 @@ class UrdfReader {
   }
 
   // Adds the child link of a joint, after the links above it.
-  void add_link_of(const urdf::Joint& joint) {
+  void add_link_of(const urdf::Joint& joint, std::size_t depth = 0) {
     if (find_frame(joint.child_link_name) >= 0) return;
+    if (depth > urdf_->joints_.size())
+      fail_at("joint", joint.name, "a link below itself", "a tree of links");
     const urdf::LinkConstSharedPtr parent = urdf_->getLink(joint.parent_link_name);
-    if (parent->parent_joint) add_link_of(*parent->parent_joint);
+    if (parent->parent_joint) add_link_of(*parent->parent_joint, depth + 1);
     Frame frame;
     frame.name = joint.child_link_name;
     frame.parent = find_frame(joint.parent_link_name);
@@ -305,7 +307,7 @@ class UrdfReader {
       if (!(value > 0.0)) {
         fail_at("joint", joint.name, text("a ", attribute, " of ", value), "one that is not negative");
       }
-      const auto [effect, key] = effect_of_urdf(attribute).value();
+      const auto [effect, key] = effect_of_attribute(attribute).value();
       EffectTerm term;
       term.effect = effect;
       term.axis.coefficients = axis.coefficients;

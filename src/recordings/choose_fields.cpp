@@ -240,7 +240,7 @@ void require_all_joints(const Candidate& c, const std::string& path, const Signa
   throw InvalidInput(text(path, ": found joints ", listed(c.recorded),
                           c.topic.empty() ? "" : " on topic " + c.topic, ", and none that is ",
                           listed(missing), ", expected --map ", one, "=NAME, or --fix ", one,
-                          "=VALUE where it is not recorded",
+                          "=VALUE where it is not recorded; files with a part of the joints each are one recording, a.csv+b.csv",
                           c.problem.empty() ? "" : " (" + c.problem + ")", "."));
 }
 

@@ -29,6 +29,7 @@ std::string key_of(const std::string& path, const RecordingOptions& options) {
   for (const auto& [name, source] : options.signals.map) key << name << '=' << source << '\n';
   for (const auto& [name, unit] : options.signals.units) key << name << '~' << unit << '\n';
   for (const WantedJoint& joint : options.signals.joints) key << joint.name << ' ' << joint.prismatic << '\n';
+  for (const HeldJoint& h : options.signals.held) key << "held " << h.number << '\n';
   return key.str();
 }
 

@@ -1,8 +1,11 @@
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <utility>
 
 #include "recordings/csv/csv_table.hpp"
 #include "recordings/import.hpp"
+#include "recordings/joined_files.hpp"
 #include "recordings/csv/row_source.hpp"
 #include "recordings/signals/units.hpp"
 #include "veridyn/math/require.hpp"
@@ -36,8 +39,63 @@ class ImportedRows : public recordings::RowSource {
   long end_ = 0;
 };
 
+// Leaves joints out that the arm holds still.
+class WithoutHeldJoints : public recordings::RowSource {
+ public:
+  WithoutHeldJoints(std::unique_ptr<recordings::RowSource> whole, const SignalChoice& choice)
+      : whole_(std::move(whole)), held_(choice.held), range_(held_.size()) {
+    for (int j = 0; j < whole_->joints(); ++j) {
+      const auto is = [j](const HeldJoint& h) { return h.number == j + 1; };
+      if (std::none_of(held_.begin(), held_.end(), is)) kept_.push_back(j);
+    }
+  }
+
+  Recording next(int rows) override {
+    Recording out = whole_->next(rows);
+    for (size_t k = 0; k < held_.size(); ++k) {
+      for (const double q : out.q.col(held_[k].number - 1)) {
+        if (std::isnan(q)) continue;
+        range_[k].first = std::min(range_[k].first, q - held_[k].position);
+        range_[k].second = std::max(range_[k].second, q - held_[k].position);
+      }
+    }
+    for (const RecordingSignal& signal : kRecordingSignals) {
+      MatrixXd& values = out.*signal.values;
+      if (values.cols() > 0) values = MatrixXd(values(Eigen::all, kept_));
+    }
+    return out;
+  }
+
+  int joints() const override { return static_cast<int>(kept_.size()); }
+
+  RecordingFacts facts() const override {
+    RecordingFacts out = whole_->facts();
+    const std::vector<std::string> all = std::exchange(out.joints, {});
+    for (const int j : kept_) out.joints.push_back(all[static_cast<size_t>(j)]);
+    for (size_t k = 0; k < held_.size(); ++k) {
+      const auto [low, high] = range_[k];
+      if (std::max(-low, high) <= kHeldStill) continue;
+      out.remarks.push_back(text(held_[k].joint.name, " is held at ", held_[k].position, " and was ",
+                                 held_[k].position + low, " to ", held_[k].position + high,
+                                 " there: what follows leaves its motion out."));
+    }
+    return out;
+  }
+
+ private:
+  static constexpr double kHeldStill = 0.01;  // [rad] or [m], from where it is said to stand
+
+  std::unique_ptr<recordings::RowSource> whole_;
+  std::vector<HeldJoint> held_;
+  std::vector<std::pair<double, double>> range_;  // of each held joint, about where it is held
+  std::vector<int> kept_;
+};
+
 std::unique_ptr<recordings::RowSource> rows_in(const std::string& path,
                                                const RecordingOptions& options) {
+  const std::vector<std::string> files = recordings::files_joined_by(path);
+  if (!files.empty())
+    return std::make_unique<ImportedRows>(recordings::import_joined(path, files, options), options);
   std::shared_ptr<const recordings::Imported> whole = recordings::imported_before(path, options);
   if (whole == nullptr) {
     recordings::OpenedFile file(path);
@@ -53,6 +111,23 @@ std::unique_ptr<recordings::RowSource> rows_in(const std::string& path,
   return std::make_unique<ImportedRows>(std::move(whole), options);
 }
 
+// A held joint may be recorded or not.
+std::unique_ptr<recordings::RowSource> rows_of_arm(const std::string& path, const RecordingOptions& options) {
+  const SignalChoice& choice = options.signals;
+  if (choice.held.empty()) return rows_in(path, options);
+  RecordingOptions all = options;
+  for (const HeldJoint& h : choice.held)
+    all.signals.joints.insert(all.signals.joints.begin() + h.number - 1, h.joint);
+  try {
+    std::unique_ptr<recordings::RowSource> whole = rows_in(path, all);
+    if (whole->joints() == static_cast<int>(all.signals.joints.size()))
+      return std::make_unique<WithoutHeldJoints>(std::move(whole), choice);
+  } catch (const InvalidInput&) {
+    // Without the held joints, which have no column of their own.
+  }
+  return rows_in(path, options);
+}
+
 }  // namespace
 
 RecordingReader::RecordingReader(const std::string& path, const RecordingOptions& options) {
@@ -61,7 +136,7 @@ RecordingReader::RecordingReader(const std::string& path, const RecordingOptions
   require(std::isfinite(options.rate) && options.rate >= 0.0, "--rate: found ", options.rate,
           ", expected a rate in Hz.");
   recordings::require_known_units(options.signals);
-  source_ = rows_in(path, options);
+  source_ = rows_of_arm(path, options);
   recordings::require_joints_of(options.signals, source_->joints(), path);
 }
 

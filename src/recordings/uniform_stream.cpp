@@ -14,6 +14,9 @@ namespace {
 constexpr int kPiece = 4096;
 constexpr double kOverhead = 8.0;    // memory of a held sample beside its values, in numbers
 constexpr double kAbsurd = 1e6;      // no arm has positions, speeds or torques beyond this
+// Clocks of recordings count nanoseconds in 64 bits: no period is outside.
+constexpr double kShortestPeriod = 1e-9;  // [s]
+constexpr double kLongestPeriod = 9.2e9;
 constexpr double kGapInSteps = 2.5;  // one lost row is interpolated, more are a gap
 
 }  // namespace
@@ -33,7 +36,8 @@ void UniformStream::check(const Recording& piece) const {
   std::string names;
   for (const Coordinate& c : arm_.coordinates()) names += (names.empty() ? "" : ", ") + c.name;
   require(piece.joints() == n, name_, ": found ", piece.joints(), " joints, expected the ", n,
-          " of robot '", arm_.name(), "': ", names, ".");
+          " of robot '", arm_.name(), "': ", names,
+          piece.joints() < n ? " (files with a part of the joints each are one recording: a.csv+b.csv)." : ".");
   if (piece.tau.size() > 0) return;
   require(piece.current.size() > 0, name_, ": found neither torques (tau1..tau", n,
           ") nor motor currents (i1..i", n, ").");
@@ -80,6 +84,8 @@ void UniformStream::read_piece() {
     require(piece.rows() > 1, name_, ": found one row; a recording needs many.");
     has_velocity_ = piece.dq.size() > 0 && options_.velocity == VelocitySource::kRecorded;
     step_ = median_step(piece.time);
+    require(step_ >= kShortestPeriod && step_ <= kLongestPeriod, name_, ": found a sampling period of ",
+            step_, " s, expected ", kShortestPeriod, " s to ", kLongestPeriod, " s.");
     dt_ = options_.rate > 0.0 ? 1.0 / options_.rate : step_;
     most_held_ = most_rows(3.0 * arm_.joints() + kOverhead);
   }

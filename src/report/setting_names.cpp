@@ -10,6 +10,10 @@ const char* name_of(Method method) {
       return "wls";
     case Method::kFeasible:
       return "feasible";
+    case Method::kIv:
+      return "iv";
+    case Method::kDidim:
+      return "didim";
   }
   return "";
 }

@@ -82,7 +82,7 @@ TEST_F(Messages, NameWhatIsMissing) {
   const std::string rec = folder_.write("rec.csv", planar_recording(3.0));
   const Words identify = {"identify", "planar-2r", "--quiet", "--train", rec};
   expect(identify + Words{"--prior", "psm-3dof"}, 2, {"--prior: found bodies without values in 'psm-3dof'"});
-  expect(identify + Words{"--fix", "elbow=0"}, 3, {"found 2 joints, expected the 1 of robot", ": shoulder."});
+  expect(identify + Words{"--fix", "elbow=5"}, 0, {"rec.csv: elbow is held at 5 and was ", ": what follows leaves its motion out"});
   expect(identify + Words{"--map", "foo=tau1"}, 2, {"--map: found 'foo'"});
   expect(identify + Words{"--filter-cutoff", "1000"}, 2, {"--filter-cutoff: found 1000 Hz, expected", "50 Hz"});
   expect(identify + Words{"--known-mass", "x@fore"}, 2, {"--known-mass: ", "x"});

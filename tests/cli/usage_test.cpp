@@ -72,7 +72,7 @@ TEST(Usage, MissingArgumentsAreNamed) {
 TEST(Usage, BadValuesAreNamedWithWhatIsExpected) {
   const Words identify = {"identify", "planar-2r", "--train", "a.csv"};
   expect_usage_error(identify + Words{"--method", "feasable"},
-                     "expected one of ols, wls, feasible (did you mean 'feasible'?)");
+                     "expected one of ols, wls, feasible, iv, didim (did you mean 'feasible'?)");
   expect_usage_error(identify + Words{"--filtering", "both"}, "matched, signals");
   expect_usage_error(identify + Words{"--filter-cutoff", "five"}, "--filter-cutoff");
   expect_usage_error(identify + Words{"--filter-cutoff", "-1"}, "--filter-cutoff");
@@ -100,7 +100,7 @@ TEST(Usage, OptionsThatMeanNothingAreRefused) {
     const char* value;
     const char* needs;
   } cases[] = {
-      {identify + Words{"--method", "ols"}, "--weights", "range", "--method wls or feasible"},
+      {identify + Words{"--method", "ols"}, "--weights", "range", "a method other than ols"},
       {identify + Words{"--method", "wls"}, "--signs", "any", "--method feasible"},
       {identify + Words{"--method", "ols"}, "--condition", "pseudo-inertia", "--method feasible"},
       {identify, "--test-rows", "1:9", "--test"},

@@ -157,6 +157,22 @@ TEST_F(Payload, OneLinkOnlyIfAskedSo) {
   EXPECT_THROW(find_payload(arm_, {path}, {}, "no_such_frame"), InvalidInput);
 }
 
+// A CAD model: masses, and friction that has yet to be found.
+TEST_F(Payload, FrictionThatACadModelLacksIsFittedFirst) {
+  ModelDescription d = arm_.description();
+  for (EffectTerm& term : d.effects) {
+    for (const EffectParameter& p : find_effect(term.effect).parameters()) term.values.erase(p.name);
+  }
+  const Model cad{std::move(d)};
+  ASSERT_FALSE(has_all_values(cad));
+  const std::string tool = cad.frames().back().name;
+  const PayloadReport report = find_payload(cad, {recording_with("payload:" + tool + ":mass=0.6", 5, two_waves(arm_.joints()))});
+  ASSERT_FALSE(report.links.empty());
+  EXPECT_TRUE(report.found()) << report.report();
+  EXPECT_NEAR(report.links.front().mass, 0.6, 0.1) << report.report();
+  EXPECT_LT(report.error_after.norm(), 0.7 * report.error_before.norm()) << report.report();
+}
+
 TEST_F(Payload, AnArmWithoutValuesIsRefused) {
   EXPECT_THROW(find_payload(read_model("psm-3dof"), {"none.csv"}), InvalidInput);
 }

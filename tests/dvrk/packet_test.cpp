@@ -222,7 +222,7 @@ TEST(Feedback, SaysWhatTheTableOfTheSpecificationSays) {
   EXPECT_EQ(f.temperature.celsius(0), 25.0);
   EXPECT_EQ(f.temperature.celsius(1), 26.0);
   EXPECT_EQ(f.digital.outputs(), 0xFU);
-  EXPECT_TRUE(f.digital.home(0) && f.digital.positive_limit(0) && f.digital.negative_limit(0));
+  EXPECT_TRUE(f.digital.home(0));
   EXPECT_FALSE(f.digital.home(1));
   for (int k = 0; k < kChannels; ++k) {
     const ChannelFeedback& c = f.channel[static_cast<size_t>(k)];
@@ -286,6 +286,45 @@ TEST(Sizes, ABroadcastReadOfManyBoardsFitsAsTheSpecificationSays) {
 TEST(Sequence, NeverIsZero) {
   EXPECT_EQ(next_sequence(1), 2);
   EXPECT_EQ(next_sequence(0xFFFF), 1);
+}
+
+// A header is the same after a word, in the bits that its firmware has for each part.
+TEST(HubHeaders, KeepEveryPartInAWord) {
+  for (const int firmware : {7, 8, 9}) {
+    HubHeader header;
+    header.sequence = firmware < 8 ? 0xABCD : 0xCD;
+    header.quadlets = firmware < 8 ? 0 : 33;
+    header.mismatch = firmware >= 8;
+    header.update_ticks = firmware >= 9 ? 0x7FFF : 0x3FFF;
+    const HubHeader same = decode_hub_header(encode_hub_header(header, firmware), firmware);
+    EXPECT_EQ(same.sequence, header.sequence) << firmware;
+    EXPECT_EQ(same.quadlets, header.quadlets) << firmware;
+    EXPECT_EQ(same.mismatch, header.mismatch) << firmware;
+    EXPECT_EQ(same.update_ticks, header.update_ticks) << firmware;
+  }
+}
+
+TEST(HubHeaders, OfAnotherSequenceDoNotAnswer) {
+  HubHeader header;
+  header.sequence = 0x34;
+  EXPECT_TRUE(answers(header, 0x1234, 8));
+  EXPECT_FALSE(answers(header, 0x1235, 8));
+  header.mismatch = true;  // the board saw another query than the hub
+  EXPECT_FALSE(answers(header, 0x1234, 8));
+  header.sequence = 0x1234;
+  EXPECT_TRUE(answers(header, 0x1234, 7));
+  EXPECT_FALSE(answers(header, 0x0034, 7));
+}
+
+// Words that a firmware does not have belong to whatever is behind its block.
+TEST(Feedback, HasTheWordsOfItsFirmwareAlone) {
+  std::array<std::uint8_t, 4 * 32> bytes{};
+  bytes.fill(0xA5);
+  const QuadletView block({bytes.data(), bytes.size()});
+  EXPECT_EQ(decode_feedback(block, 6).channel[0].encoder.running, 0U);
+  EXPECT_EQ(decode_feedback(block, 7).channel[0].encoder.running, 0xA5A5A5A5U);
+  EXPECT_EQ(decode_feedback(block, 7).channel[0].motor.word, 0U);
+  EXPECT_EQ(decode_feedback(block, 8).channel[0].motor.word, 0xA5A5A5A5U);
 }
 
 }  // namespace

@@ -61,6 +61,16 @@ TEST(JointSpring, IsFiniteWhereThePinMeetsTheAnchor) {
   EXPECT_EQ(columns_of("joint_spring", moving(0, 0), {{"lever", 0.1}, {"anchor", 0.1}})[0], 0.0);
 }
 
+TEST(EndStop, IsASpringBeyondOneEndAndNothingElsewhere) {
+  const auto at = [](double s, double side) {
+    return columns_of("end_stop", moving(s, 0.3), {{"centre", 0.2}, {"reach", 0.5}, {"side", side}})[0];
+  };
+  EXPECT_EQ(at(0.6, 1.0), 0.0);
+  EXPECT_NEAR(at(1.0, 1.0), 0.3, kEps);
+  EXPECT_EQ(at(1.0, -1.0), 0.0);
+  EXPECT_NEAR(at(-0.7, -1.0), -0.4, kEps);  // the motor pulls where the stop pushes upwards
+}
+
 TEST(StribeckFriction, FadesAsABellCurveOfVelocity) {
   const std::map<std::string, double> shape{{"velocity", 0.2}};
   EXPECT_NEAR(columns_of("stribeck_friction", moving(0, 0.2), shape)[0], std::exp(-1.0), kEps);

@@ -10,6 +10,7 @@
 #include <fstream>
 
 #include "hide_and_seek/blind.hpp"
+#include "veridyn/math/require.hpp"
 #include "veridyn/report/diagnosis_json.hpp"
 
 namespace veridyn::seek {
@@ -56,15 +57,20 @@ void add_pairs(const BoardRequest& request, std::vector<BoardCase>& out) {
                                return e == "none" || e == "time_delay" || e == "torque_gain";
                              }),
               names.end());
+  require(!request.one_joint || names.size() > 1, "--one-joint: found ", names.size(), " effects, expected two or more.");
   for (int k = 0; k < request.pairs; ++k) {
     for (const std::string& arm : request.arms) {
       for (const unsigned seed : request.seeds) {
         std::vector<std::string> pair = names;
         Draw draw(seed, "pair " + std::to_string(k) + arm);
         draw.shuffle(pair);
+        if (request.one_joint) {  // the others in turn
+          const std::string& first = names.front();
+          pair = {first, names[1 + (static_cast<size_t>(k) + seed) % (names.size() - 1)]};
+        }
         pair.resize(2);
-        out.push_back(
-            {{arm, pair, seed, request.share, Mode::kBare, Trouble::kNone, request.noise}, "pair"});
+        out.push_back({{arm, pair, seed, request.share, Mode::kBare, Trouble::kNone, request.noise, request.one_joint},
+                       "pair"});
       }
     }
   }

@@ -19,6 +19,7 @@ struct BoardRequest {
   std::string mode = "bare";               ///< bare, changed or both
   std::vector<std::string> troubles = {};  ///< each alone; empty: recordings without trouble
   int pairs = 0;                           ///< two effects at once: so many per arm and seed
+  bool one_joint = false;  ///< pairs on one joint, the first of `effects` in each
   double noise = 0.0;                      ///< see CaseRequest
   int threads = 2;
   std::string json;  ///< one record per case is appended to this file

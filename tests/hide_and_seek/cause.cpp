@@ -88,7 +88,8 @@ const std::vector<std::string>& all_causes() {
                                                 "encoder_offset",
                                                 "coupling_error",
                                                 "external_contact",
-                                                "warm_up"};
+                                                "warm_up",
+                                                "end_stop"};
   return kAll;
 }
 
@@ -121,7 +122,8 @@ std::vector<std::string> linear_parameters(const std::string& effect) {
       {"backlash", {"level"}},
       {"transmission_compliance", {"compliance_inertia"}},
       {"torque_drift", {"rate"}},
-      {"warm_up", {"level", "viscosity"}}};
+      {"warm_up", {"level", "viscosity"}},
+      {"end_stop", {"stiffness"}}};
   const auto found = kNames.find(effect);
   return found == kNames.end() ? std::vector<std::string>{} : found->second;
 }
@@ -145,6 +147,11 @@ void draw_shapes(Cause& cause, const Reach& reach, Draw& draw) {
   if (e == "position_force") {
     v["wave_number"] = draw.in(2.5, 4.5) / (0.5 * reach.travel);
     v["phase"] = draw.in(-M_PI, M_PI);
+  }
+  if (e == "end_stop") {
+    const double end = draw.sign();
+    v["from"] = reach.middle + end * draw.in(0.1, 0.35) * reach.travel;
+    v["end"] = end;
   }
   if (e == "warm_up") v["time_constant"] = draw.in(0.3, 0.8) * reach.duration;
 }
@@ -190,6 +197,10 @@ MatrixXd cause_columns(const Cause& cause, const Motion& motion, const Motion::R
   if (e == "backlash") out.col(0) = behind_a_gap(motion, rows.time, cause.joint, value("gap"));
   if (e == "transmission_compliance") out.col(0) = second_derivative(load, step);
   if (e == "torque_drift") out.col(0) = rows.time;
+  if (e == "end_stop") {
+    const double end = value("end");
+    out.col(0) = (q.array() - value("from")).unaryExpr([end](double x) { return x * end > 0.0 ? x : 0.0; });
+  }
   if (e == "warm_up") {
     const Eigen::ArrayXd cold = (-rows.time.array() / value("time_constant")).exp();
     out.col(0) = sign.array() * cold;

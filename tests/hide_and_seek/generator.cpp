@@ -94,7 +94,15 @@ class Hider {
   }
 
   bool hide_one(const std::string& effect) {
-    std::vector<Cause> places = places_for(effect, hidden_.bench, hidden_.causes);
+    const bool beside = request_.one_joint && !hidden_.causes.empty();
+    std::vector<Cause> places =
+        places_for(effect, hidden_.bench, beside ? std::vector<Cause>() : hidden_.causes);
+    if (beside) {
+      const int joint = hidden_.causes.front().joint;
+      places.erase(std::remove_if(places.begin(), places.end(),
+                                  [joint](const Cause& c) { return c.joint != joint; }),
+                   places.end());
+    }
     draw_.shuffle(places);
     if (places.size() > 12) places.resize(12);
     for (Cause& cause : places) {

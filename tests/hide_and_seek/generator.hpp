@@ -23,6 +23,7 @@ struct CaseRequest {
   Mode mode = Mode::kBare;
   Trouble trouble = Trouble::kNone;  ///< of all recordings
   double noise = 0.0;  ///< of the torques, share of the joint's rms; 0: drawn, 0.03 to 0.05
+  bool one_joint = false;  ///< the second of two effects is on the joint of the first
 };
 
 /// A case before its recordings are written: what is hidden, and how well it can be seen.

@@ -127,7 +127,7 @@ OutsideCause draw_outside(const Bench& bench, const std::string& name, unsigned 
   if (name == "end_stop") {
     c.place = own.low + draw.in(0.7, 0.85) * own.travel();
     c.width = 0.2 * own.travel();
-    c.words = {"position_force", "joint_spring"};
+    c.words = {"end_stop", "position_force", "joint_spring"};
   } else if (name == "counterbalance_lever") {
     c.width = own.travel() / 2.5;
     c.place = own.middle() / c.width - draw.in(-2.0, 2.0);
@@ -147,9 +147,9 @@ OutsideCause draw_outside(const Bench& bench, const std::string& name, unsigned 
   } else if (name == "tip_force") {
     c.place = draw.in(-M_PI, M_PI);
     c.width = draw.in(-0.5, 0.5);
-    c.words = {"gravity_tilt", "payload"};
+    c.words = {"tip_force", "gravity_tilt", "payload"};
   } else if (name == "elastic_base") {
-    c.words = {"gravity_tilt"};
+    c.words = {"base_compliance", "gravity_tilt"};
   } else if (name == "crosstalk") {
     c.words = {};
   }

@@ -26,6 +26,9 @@ struct Request {
   std::vector<double> sweep_factors = {0.25, 0.5, 0.8, 1.0, 1.25, 2.0, 4.0};
   std::vector<std::string> set;
   std::string folder, answers, truth, output;
+  std::vector<std::string> numbers;
+  std::vector<double> factors = {0.5, 0.7, 1.4, 2.0};
+  std::string sweeps;
   std::vector<double> sizes = {0.01, 0.02, 0.04, 0.08, 0.16};
 };
 
@@ -43,6 +46,7 @@ void add_board_options(CLI::App& app, Request& request) {
   app.add_option("--troubles", board.troubles, "What all recordings suffer from, each alone")
       ->delimiter(',');
   app.add_option("--pairs", board.pairs, "Two effects at once: so many per arm and seed");
+  app.add_flag("--one-joint", board.one_joint, "Pairs on one joint: the first of --effects and one of the others");
   app.add_option("--noise", board.noise, "Of the torques, share of the joint's rms torque");
   app.add_option("--threads", board.threads, "Of diagnose");
   app.add_option("--json", board.json, "Append one record per case to this file");
@@ -106,6 +110,13 @@ int run(int argc, char** argv) {
   add_board_options(*outside, request);
 
   CLI::App* thresholds = app.add_subcommand("thresholds", "All numbers that decide, as a table");
+  thresholds->add_option("--sweeps", request.sweeps, "File of `sweeps`: a column with what they changed");
+
+  CLI::App* sweeps = app.add_subcommand("sweeps", "What numbers are worth: several factors of each, into a file");
+  sweeps->add_option("NUMBERS", request.numbers, "Of `thresholds`")->required();
+  sweeps->add_option("-o,--output", request.sweeps, "CSV file; rows of other numbers are kept")->required();
+  sweeps->add_option("--factors", request.factors, "(0.5,0.7,1.4,2)")->delimiter(',');
+  add_board_options(*sweeps, request);
   CLI11_PARSE(app, argc, argv);
 
   apply(request);
@@ -132,7 +143,9 @@ int run(int argc, char** argv) {
     asked.options = request.board.options;
     play_outside(asked);
   } else if (thresholds->parsed()) {
-    print_thresholds();
+    print_thresholds(request.sweeps);
+  } else if (sweeps->parsed()) {
+    write_sweeps(request.board, request.numbers, request.factors, request.sweeps);
   } else if (!request.sweep.empty()) {
     print_sweep(request.board, request.sweep, request.sweep_factors);
   } else {

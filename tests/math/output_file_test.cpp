@@ -1,7 +1,9 @@
 #include "math/output_file.hpp"
 
 #include <gtest/gtest.h>
+#include <fcntl.h>
 #include <sys/resource.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -56,6 +58,20 @@ TEST_F(AnOutputFile, LeavesNothingBehindUnlessCommitted) {
     OutputFile file(path());
     file.stream() << "half a";
   }
+  EXPECT_EQ(files(), 0);
+}
+
+TEST_F(AnOutputFile, OfAKilledProgramIsNotThere) {
+  if (::open(folder_.c_str(), O_TMPFILE | O_WRONLY, 0600) < 0) GTEST_SKIP() << "this file system has no files without a name";
+  const pid_t child = ::fork();
+  if (child == 0) {
+    OutputFile file(path());
+    file.stream() << std::string(100000, 'x') << std::flush;
+    ::kill(::getpid(), SIGKILL);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFSIGNALED(status));
   EXPECT_EQ(files(), 0);
 }
 

@@ -54,6 +54,26 @@ TEST(Thresholds, TheTableHasAReasonForEveryNumber) {
   EXPECT_EQ(names.size() * sizeof(double), sizeof(Thresholds)) << "a number is not in the table";
 }
 
+// Sweeps are of the numbers as they are: one that was changed since must be swept again.
+TEST(Thresholds, SweepsAreOfTheNumbersAsTheyAre) {
+  std::ifstream file(std::string(VERIDYN_SOURCE_DIR) + "/src/diagnosis/threshold_sweeps.csv");
+  ASSERT_TRUE(file.good());
+  const veridyn::Thresholds now;
+  std::string line;
+  std::getline(file, line);
+  EXPECT_EQ(line.rfind("number,factor,value,", 0), 0u);
+  int rows = 0;
+  while (std::getline(file, line)) {
+    ++rows;
+    const size_t one = line.find(','), two = line.find(',', one + 1);
+    ASSERT_NE(two, std::string::npos) << line;
+    const double factor = std::stod(line.substr(one + 1)), value = std::stod(line.substr(two + 1));
+    const veridyn::ThresholdEntry& entry = veridyn::find_threshold(line.substr(0, one));
+    EXPECT_NEAR(value, factor * (now.*entry.value), 1e-5 * value) << line;
+  }
+  EXPECT_GE(rows, 5);
+}
+
 TEST(Thresholds, AreFoundByNameAndNearNamesAreProposed) {
   EXPECT_EQ(veridyn::find_threshold("tie").value, &veridyn::Thresholds::tie);
   try {

@@ -35,6 +35,7 @@ struct Thresholds {
   double unnamed_other_joint = 0.93;
   double unnamed_two_signals = 0.85;
   double at_floor = 1.15;
+  double withdrawals = 3.0;
   // Smallest motion.
   double still_revolute = 5e-3;
   double still_prismatic = 5e-4;

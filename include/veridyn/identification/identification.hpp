@@ -17,6 +17,8 @@ enum class Method {
   kOls,       ///< ordinary least squares on the base parameters
   kWls,       ///< the rows of each joint weighted
   kFeasible,  ///< weighted, and every body physically possible
+  kIv,     ///< instrumental variables from the motion without noise; identify() of recordings alone
+  kDidim,  ///< least squares along the motion without noise alone; identify() of recordings alone
 };
 
 /// Weighting of the joints' rows by kWls and kFeasible.
@@ -94,6 +96,16 @@ struct RecordingError {
   PredictionSeries series;
 };
 
+/// Durbin-Wu-Hausman test of one joint: the noise of its regressor is not correlated with that of its
+/// torque, or else least squares is biased. F of an augmented regression, for as many independent
+/// samples as the jackknife leaves (Janot, Vandanjon and Gautier, IEEE Trans. CST 22(1), 2014).
+struct EndogeneityTest {
+  double statistic = 0.0;          ///< F
+  double numerator_freedom = 0.0;  ///< 0: the two motions have the same columns
+  double denominator_freedom = 0.0;
+  double p_value = 1.0;
+};
+
 /// A recording that could not be used; only identify() on several machines continues without it.
 struct UnusedRecording {
   std::string source;
@@ -133,6 +145,7 @@ struct Identification {
   /// The duality gap is rigorous, because the robot file bounds all parameters.
   bool certified = false;
   std::vector<std::string> active_constraints;
+  std::vector<EndogeneityTest> endogeneity;  ///< (n) with kIv and kDidim; empty otherwise
   /// Standard parameters of the arm that these recordings do not determine.
   std::vector<std::string> undetermined;
   std::vector<std::string> still_joints;  ///< coordinates that never move

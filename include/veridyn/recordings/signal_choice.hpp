@@ -12,6 +12,13 @@ struct WantedJoint {
   bool prismatic = false;
 };
 
+/// A joint of the robot that with_fixed() holds; a recording may have it all the same.
+struct HeldJoint {
+  int number = 0;  ///< among all joints of the robot, from 1
+  WantedJoint joint;
+  double position = 0.0;  ///< [rad] or [m]
+};
+
 /// Selection of the arm's signals in a recording that holds more, or that uses other names.
 struct SignalChoice {
   /// Topics to take joints from; empty: the topic that holds them.
@@ -26,6 +33,8 @@ struct SignalChoice {
   std::map<std::string, std::string> units;
   /// Joints in the order of the columns; empty: those of the file, in its order.
   std::vector<WantedJoint> joints;
+  /// Joints that are held, by number; where a recording has them too, they are left out.
+  std::vector<HeldJoint> held = {};
 };
 
 }  // namespace veridyn

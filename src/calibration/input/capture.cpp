@@ -95,7 +95,7 @@ std::string chosen_body(const CaptureTable& table, const std::string& asked) {
 
 void add_frame(const CaptureTable& table, Eigen::Index k, const Eigen::Isometry3d& T,
                PoseCapture& out, std::vector<double>& time) {
-  if (!table.q.row(k).allFinite()) return;
+  if (table.q.cols() > 0 && !table.q.row(k).allFinite()) return;
   out.poses.push_back(T);
   out.rows.push_back(static_cast<long>(k));
   time.push_back(table.time[k]);
@@ -145,7 +145,7 @@ PoseCapture read_poses(const std::string& path, const CaptureOptions& options) {
   }
   out.time = Eigen::Map<const VectorXd>(time.data(), static_cast<Eigen::Index>(time.size()));
   out.q.resize(out.frames(), table.q.cols());
-  for (int k = 0; k < out.frames(); ++k)
+  for (int k = 0; k < out.frames() && out.q.cols() > 0; ++k)
     out.q.row(k) = table.q.row(out.rows[static_cast<std::size_t>(k)]);
   return out;
 }

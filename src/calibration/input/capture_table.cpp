@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "math/excerpt.hpp"
 #include "capture_formats.hpp"
 #include "math/numbers.hpp"
 #include "recordings/csv/csv_layout.hpp"
@@ -81,7 +82,7 @@ class Reader {
     const bool gap = field == "NaN" || field == "NA" || field == "null";
     if (gap) return kNaN;
     require(error == std::errc() && rest == last && !std::isinf(value), where(column), ": found '",
-            field, "' in column '", header_.columns[column].name, "', expected a number or a gap.");
+            excerpt(field), "' in column '", header_.columns[column].name, "', expected a number or a gap.");
     return value;
   }
 

@@ -189,7 +189,7 @@ void write_tally(const LoadcellRequest& request, const ReadingTally& tally, cons
       {"oldest", known(tally.worst)},
       {"state", state},
       {"states", states}};
-  write_file(request.common.json, page.dump(2) + "\n");
+  write_file(request.common.json, page.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
 ExitStatus read(const LoadcellRequest& request) {

@@ -94,7 +94,7 @@ std::string boards_json(const dvrk::BoardCooperationRun& done, const Scenario& s
   for (const dvrk::LaterFault& one : done.later)
     out["boards"]["later"].push_back({{"at", one.at}, {"what", one.what}});
   out["met"] = done.met();
-  return out.dump(1) + "\n";
+  return out.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
 // Runs a teleoperation of a leader and a follower.

@@ -4,6 +4,7 @@
 #include <iostream>
 #include <memory>
 
+#include "model/robot_format.hpp"
 #include "math/words.hpp"
 #include "cli/commands.hpp"
 #include "cli/options/common_options.hpp"
@@ -31,8 +32,7 @@ struct CheckRequest {
 bool is_robot(const std::string& name) {
   struct stat about {};
   const bool there = ::stat(name.c_str(), &about) == 0;
-  const bool file = ends_with(name, ".yaml") || ends_with(name, ".yml") ||
-                    ends_with(name, ".urdf") || ends_with(name, ".xml");
+  const bool file = robot_format(name).has_value() && !ends_with(name, ".json");
   return there ? file && !S_ISDIR(about.st_mode) : file || name.find('.') == std::string::npos;
 }
 
@@ -49,7 +49,7 @@ void run(CheckRequest& request, const std::string& command_line) {
   std::vector<std::string> recordings = request.files;
   std::optional<Model> arm;
   if (recordings.size() > 1 && is_robot(recordings.front())) {
-    arm = read_robot(recordings.front(), request.common);
+    arm = read_robot(recordings.front(), request.common, &request.reading.signals);
     recordings.erase(recordings.begin());
   }
   expect_value(arm || recordings.size() > 1 || !is_known_robot(recordings.front()), "REC",

@@ -81,7 +81,7 @@ ExitStatus run(DiagnoseRequest& request, const std::string& command_line) {
   require_writable(request.common.json);
   require_writable(request.common.report);
   require_writable(request.model_out);
-  const Model arm = read_robot(request.robot, request.common);
+  const Model arm = read_robot(request.robot, request.common, &request.options.identification.preprocessing.signals);
   expect_known_places(arm, request.options.effects);
   warn_of_repeated_recordings(request.train);
   if (!request.test_rows) warn_of_shared_recordings(request.train, request.test);

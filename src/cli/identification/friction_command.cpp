@@ -23,7 +23,7 @@ struct FrictionRequest {
 ExitStatus run(FrictionRequest& request, const std::string& command_line) {
   require_writable(request.common.json);
   require_writable(request.common.report);
-  const Model arm = read_robot(request.robot, request.common);
+  const Model arm = read_robot(request.robot, request.common, &request.options.identification.preprocessing.signals);
   warn_of_repeated_recordings(request.recordings);
   warn_of_shared_recordings(request.recordings, request.test);
   request.options.identification.threads = request.common.threads;

@@ -62,16 +62,22 @@ IdentificationOptions identification_options(const IdentifyRequest& request) {
   return options;
 }
 
+bool needs_samples(const IdentifyRequest& request) {
+  return request.options.method == Method::kIv || request.options.method == Method::kDidim;
+}
+
 void expect_options_that_mean_something(const IdentifyRequest& request) {
   const bool feasible = request.options.method == Method::kFeasible;
   expect_needs(*request.command,
                {{"--prior", feasible, "--method feasible"},
                 {"--condition", feasible, "--method feasible"},
                 {"--signs", feasible, "--method feasible"},
-                {"--weights", request.options.method != Method::kOls, "--method wls or feasible"},
+                {"--weights", request.options.method != Method::kOls, "a method other than ols"},
                 {"--test-rows", !request.test.empty(), "--test"}});
   expect_value(!request.train.empty() || !request.factors.empty(), "--train",
                "found no recording, expected some, or factor files of them after --factors");
+  expect_value(!needs_samples(request) || (request.factors.empty() && request.factor_out.empty()), "--method",
+               "found '", name_of(request.options.method), "' with factors, expected recordings alone: it needs their samples");
   expect_value(request.factors.empty() || request.known_masses.empty(), "--factors",
                "found with --known-mass, expected recordings: drive gains need their samples");
   for (const std::string& asked : request.known_masses)
@@ -108,6 +114,8 @@ FactorSet read_all_factors(const std::vector<std::string>& paths) {
 
 Identification identified_at_rest(const IdentifyRequest& request, const Model& arm,
                                   const IdentificationOptions& options) {
+  expect_value(!needs_samples(request), "--method", "found '", name_of(request.options.method),
+               "' with poses at rest, expected ols, wls or feasible: nothing moves there");
   expect_value(request.factors.empty() && request.factor_out.empty() && request.known_masses.empty(),
                "--at-rest", "found with factors or known masses, expected recordings of poses alone");
   const auto [train, test] = read_poses(request.rest, arm, request.train, request.test, options);
@@ -182,13 +190,15 @@ Identification identified_by_ranks(const IdentifyRequest& request, const Model& 
 }
 
 // Runs on every rank; only the first one prints.
-ExitStatus run_on_ranks(const IdentifyRequest& request, const std::string& command_line,
+ExitStatus run_on_ranks(IdentifyRequest& request, const std::string& command_line,
                         Communicator& ranks) {
   const bool first = ranks.rank() == 0;
   try {
+    expect_value(!needs_samples(request), "--method", "found '", name_of(request.options.method),
+                 "' under mpirun, expected ols, wls or feasible: ranks share factors alone");
     expect_value(request.factors.empty(), "--factors",
                  "found under mpirun, expected recordings to spread over the ranks");
-    const Model arm = read_robot(request.robot, request.common);
+    const Model arm = read_robot(request.robot, request.common, &request.options.preprocessing.signals);
     IdentificationOptions options = identification_options(request);
     options.threads = threads_of_a_rank(request.common.threads);
     if (!first) options.progress = nullptr;
@@ -213,7 +223,7 @@ ExitStatus run_on_ranks(const IdentifyRequest& request, const std::string& comma
   }
 }
 
-ExitStatus run(const IdentifyRequest& request, const std::string& command_line) {
+ExitStatus run(IdentifyRequest& request, const std::string& command_line) {
   const std::unique_ptr<Communicator> ranks = mpi_ranks();
   expect_options_that_mean_something(request);
   require_writable(request.common.json);
@@ -222,7 +232,7 @@ ExitStatus run(const IdentifyRequest& request, const std::string& command_line) 
   require_writable(request.factor_out);
   if (ranks && ranks->size() > 1) return run_on_ranks(request, command_line, *ranks);
   if (!request.test_rows) warn_of_shared_recordings(request.train, request.test);
-  const Model arm = read_robot(request.robot, request.common);
+  const Model arm = read_robot(request.robot, request.common, &request.options.preprocessing.signals);
   IdentificationOptions options = identification_options(request);
   keep_recordings(options, KeptRecordings::kFewPasses);
   expect_known_masses(request, arm, options.known_masses);
@@ -247,8 +257,9 @@ ExitStatus run(const IdentifyRequest& request, const std::string& command_line) 
 
 void add_fit_options(CLI::App& command, IdentifyRequest& request) {
   IdentificationOptions& options = request.options;
-  add_choice(command, "--method", options.method, {Method::kOls, Method::kWls, Method::kFeasible},
-             "Ordinary or weighted least squares, or weighted and physically consistent");
+  add_choice(command, "--method", options.method, {Method::kOls, Method::kWls, Method::kFeasible, Method::kIv, Method::kDidim},
+             "Ordinary or weighted least squares, or weighted and physically consistent; iv and didim: with the motion "
+             "without noise as instruments, or in place of the measured one, and the Durbin-Wu-Hausman test of each joint");
   add_choice(command, "--weights", options.weights, {JointWeights::kRange, JointWeights::kResidual},
              "Weights of the joints: one over the range of the torque, or over the standard "
              "deviation of the residual");

@@ -25,7 +25,9 @@ struct PayloadRequest {
 ExitStatus run(PayloadRequest& request, const std::string& command_line) {
   require_writable(request.common.json);
   require_writable(request.common.report);
-  const Model model = read_robot(request.model, request.common);
+  const Model model = read_robot(request.model, request.common, &request.options.preprocessing.signals);
+  if (model.inertial_values() && !has_all_values(model))
+    say("'" + model.name() + "' has effects without values: they are fitted to the recordings first, with its bodies as they are");
   if (!request.link.empty()) expect_one_of("--link", request.link, frame_names(model));
   request.options.threads = request.common.threads;
   look_at_recordings(model, request.recordings, request.options.preprocessing, request.options.threads);

@@ -72,6 +72,7 @@ class Watching {
         replay(watch, source);
       }
       tell(watch.finish());
+      for (const std::string& remark : watch.remarks()) say(source + ": " + remark);
       doubt_model(source);
     }
     write(false);

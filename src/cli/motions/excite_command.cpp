@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <csignal>
-#include <filesystem>
 #include <iostream>
 #include <limits>
 #include <memory>
@@ -25,6 +24,7 @@
 #include "veridyn/recordings/recording.hpp"
 #include "math/numbers.hpp"
 #include "math/output_file.hpp"
+#include "model/robot_format.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/fixed_coordinates.hpp"
 #include "veridyn/model/model_file.hpp"
@@ -94,16 +94,11 @@ Model read_powered(const ExciteRequest& request) {
   return with_fixed(arm, fixed);
 }
 
-bool is_urdf_file(const std::string& path) {
-  const std::string ending = std::filesystem::path(path).extension();
-  return ending == ".urdf" || ending == ".xml";
-}
-
 // Capsules of the links: from the collision shapes of a URDF, or along the links of a given radius.
 std::vector<Capsule> capsules_of(const ExciteRequest& request, const Model& arm) {
   if (request.link_radius) return capsules_along_links(arm, *request.link_radius);
   const std::string& file = request.shapes.empty() ? request.robot : request.shapes;
-  if (!is_urdf_file(file)) return {};
+  if (robot_format(file) != RobotFormat::kUrdf) return {};
   std::vector<std::string> remarks;
   std::vector<Capsule> out = collision_capsules(file, remarks);
   for (const std::string& remark : remarks) say("warning: " + remark);

@@ -127,7 +127,8 @@ std::string footer() {
       "  torque_gain:JOINT:gain=X                time_delay:JOINT:seconds=S\n"
       "  encoder_offset:JOINT:offset=RAD         external_contact:JOINT:from=S,to=S,effort=NM\n"
       "  coupling_error:CONSTANT:change=X        (a constant of the robot file)\n"
-      "  base_compliance:arm:about_x=X,about_y=X (rad/(N m))";
+      "  base_compliance:arm:about_x=X,about_y=X (rad/(N m))\n"
+      "  tip_force:arm:x=N,y=N,z=N               (at the end of the arm, along the base's axes)";
   return out;
 }
 

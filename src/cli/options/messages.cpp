@@ -1,3 +1,4 @@
+#include "math/excerpt.hpp"
 #include "cli/options/messages.hpp"
 
 #include <fmt/format.h>
@@ -115,7 +116,7 @@ std::string command_line(const std::vector<std::string>& words) {
 }
 
 void say(const std::string& line) {
-  fmt::print(stderr, "{}veridyn: {}\n", on_terminal() ? kClearLine : "", line);
+  fmt::print(stderr, "{}veridyn: {}\n", on_terminal() ? kClearLine : "", excerpt(line, line.size()));
 }
 
 Progress progress(const CommonOptions& options) {

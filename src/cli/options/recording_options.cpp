@@ -83,7 +83,7 @@ void add_robot_options(CLI::App& command, CommonOptions& options) {
       ->delimiter(',')
       ->option_text("K,K,...");
   std::map<std::string, double>& fixed = options.fixed;
-  add_list(command, "--fix", "JOINT=VALUE", "Position of a joint that is not recorded [rad or m]",
+  add_list(command, "--fix", "JOINT=VALUE", "Position of a joint that is not recorded or stands still [rad or m]",
            [&fixed](const std::string& words) {
              for (const auto& [joint, value] : pairs_in("--fix", words, "finger=0")) {
                const char* end = value.data() + value.size();
@@ -94,9 +94,15 @@ void add_robot_options(CLI::App& command, CommonOptions& options) {
            });
 }
 
-Model read_robot(const std::string& robot, const CommonOptions& options) {
+Model read_robot(const std::string& robot, const CommonOptions& options, SignalChoice* signals) {
   const Model whole = read_model(robot);
   const Model arm = value_of("--fix", [&] { return with_fixed(whole, options.fixed); });
+  for (int i = 0; signals != nullptr && i < whole.joints(); ++i) {
+    const Coordinate& c = whole.coordinates()[static_cast<std::size_t>(i)];
+    const auto fixed = options.fixed.find(c.name);
+    if (fixed != options.fixed.end())
+      signals->held.push_back({i + 1, {c.name, c.prismatic}, fixed->second});
+  }
   if (options.drive_gains.empty()) return arm;
   return value_of("--drive-gains", [&] { return with_drive_gains(arm, options.drive_gains); });
 }

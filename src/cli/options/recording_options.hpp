@@ -25,7 +25,8 @@ void add_robot_options(CLI::App& command, CommonOptions& options);
 /// Reads the robot of a command, with --fix and --drive-gains applied.
 /// @throws InvalidInput  the file is bad. @throws CLI::ValidationError  --fix names no joint of it,
 /// or the number of drive gains differs from that of the joints.
-Model read_robot(const std::string& robot, const CommonOptions& options);
+/// @param signals  gets the joints that --fix holds: recordings may have them all the same.
+Model read_robot(const std::string& robot, const CommonOptions& options, SignalChoice* signals = nullptr);
 
 /// The options for `excite --given` that correspond to `how`: columns, rate, topics, names, units,
 /// rows, and joints held by --fix.

@@ -45,6 +45,9 @@ constexpr double kGolden = 0.381966011250105;  ///< 2 - golden ratio
 constexpr std::array<std::array<double, 6>, 3> kShapeFactors = {
     {{0.4, 0.6, 0.8, 1.25, 1.6, 2.5}, {0.7, 0.8, 0.9, 1.12, 1.25, 1.4},
      {0.85, 0.9, 0.95, 1.05, 1.1, 1.15}}};
+/// Factors of the profile that gives the interval of a constant.
+constexpr std::array<double, 14> kShapeProfile = {0.01, 0.03, 0.1, 0.2, 0.4, 0.65, 0.85,
+                                                  1.15, 1.5, 2.5, 5.0, 10.0, 30.0, 100.0};
 constexpr double kWaveStep = 0.4;     ///< relative step of the wave number, in waves per travel
 constexpr double kShapeOpen = 0.03;   ///< half a step of the last factors: resolution of the search
 constexpr double kSmallestTravel = 1e-6;

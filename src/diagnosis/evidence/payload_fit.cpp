@@ -155,9 +155,10 @@ std::vector<ColumnSet> nuisance_sets(const AugmentedModel& asked, const NormalBl
 }
 
 PayloadEstimate fit_payload(const AugmentedModel& asked, const NormalBlocks& data,
-                            const Hypothesis& payload) {
+                            const Hypothesis& payload, BesideLoad beside) {
   const FrameIndex frame = *frame_of(payload.cause);
-  const std::vector<ColumnSet> sets = nuisance_sets(asked, data, frame);
+  std::vector<ColumnSet> sets = nuisance_sets(asked, data, frame);
+  if (beside == BesideLoad::kNothing) sets.resize(1);
   ColumnSet all = columns_of(data, payload);
   all.insert(all.end(), sets.back().begin(), sets.back().end());
   const VectorXd w = joint_weights(data, all);

@@ -8,10 +8,13 @@
 
 namespace veridyn {
 
+/// What may have changed together with a load.
+enum class BesideLoad { kFriction, kNothing };
+
 /// Fits a point mass to the columns of one payload hypothesis, beside changes of friction and
-/// offset of the joints that carry it.
+/// offset of the joints that carry it, or beside nothing.
 PayloadEstimate fit_payload(const AugmentedModel& asked, const NormalBlocks& data,
-                            const Hypothesis& payload);
+                            const Hypothesis& payload, BesideLoad beside = BesideLoad::kFriction);
 
 /// Columns of what may have changed with a load: offset, Coulomb and viscous friction of the joints
 /// that carry it; growing sets, the first one empty.

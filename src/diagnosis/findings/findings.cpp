@@ -319,6 +319,17 @@ void FindingWriter::add_the_rest(Diagnosis& d) const {
   }
 }
 
+bool FindingWriter::fit_load_alone(size_t k, Finding& f) {
+  const Group group = groups()[k];
+  const Hypothesis& h = accepted(group.front());
+  if (!is_load(h)) return false;
+  payloads_[group.front()] =
+      fit_payload(asked_.augmented, asked_data_, asked_hypothesis(h), BesideLoad::kNothing);
+  f.parameters = payload_parameters(h);
+  f.phrase = phrase_of(group, f);
+  return true;
+}
+
 Model FindingWriter::extended_arm_of(const std::vector<size_t>& chosen) const {
   std::vector<FoundCause> found;
   for (const size_t k : chosen) {

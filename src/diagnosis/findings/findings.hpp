@@ -32,6 +32,10 @@ class FindingWriter {
   /// and no cause.
   std::vector<char> own_constants() const;
 
+  /// Fits the k-th finding, a load, anew beside no change of friction, which the extended arm does not have;
+  /// writes it into `f`. False if it is no load.
+  bool fit_load_alone(size_t k, Finding& f);
+
   /// Adds one line for every candidate that was tested and not accepted.
   void add_the_rest(Diagnosis& d) const;
 

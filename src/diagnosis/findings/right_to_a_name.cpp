@@ -96,20 +96,26 @@ std::optional<LostRight> without_size(const Diagnosis& d, size_t first, const st
   return std::nullopt;
 }
 
+std::vector<int> worse_joints(const FoldErrors& baseline, const FoldErrors& extended, const Thresholds& limits) {
+  const VectorXd before = baseline.relative();
+  const VectorXd after = extended.relative();
+  std::vector<int> out;
+  for (Eigen::Index j = 0; j < before.size(); ++j) {
+    if (after[j] <= (1.0 + limits.held_out_worse) * before[j]) continue;
+    if (worse_by_standard_errors(baseline.error2.col(j) / baseline.torque2[j],
+                                 extended.error2.col(j) / extended.torque2[j]) >= 1.0)
+      out.push_back(static_cast<int>(j));
+  }
+  return out;
+}
+
 std::optional<LostRight> worse_with(const Diagnosis& d, size_t first, const std::set<size_t>& kept,
                                     const std::set<size_t>& needed, const FoldErrors& baseline,
                                     const FoldErrors& extended, const Thresholds& limits) {
   std::set<size_t> some;
   std::set_difference(kept.begin(), kept.end(), needed.begin(), needed.end(),
                       std::inserter(some, some.begin()));
-  const VectorXd before = baseline.relative();
-  const VectorXd after = extended.relative();
-  for (Eigen::Index j = 0; j < before.size(); ++j) {
-    if (after[j] <= (1.0 + limits.held_out_worse) * before[j]) continue;
-    if (worse_by_standard_errors(baseline.error2.col(j) / baseline.torque2[j],
-                                 extended.error2.col(j) / extended.torque2[j]) < 1.0)
-      continue;
-    const int joint = static_cast<int>(j);
+  for (const int joint : worse_joints(baseline, extended, limits)) {
     if (const std::optional<size_t> k = least_needed(d, first, some, joint))
       return LostRight{*k, joint, fmt::format("without it joint {} is predicted better, which was worse than by the baseline", joint + 1)};
   }

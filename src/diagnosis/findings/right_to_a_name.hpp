@@ -24,6 +24,10 @@ std::string why_no_finding(const Finding& f, const Identification& fitted);
 /// model has an answer.
 std::optional<LostRight> without_size(const Diagnosis& d, size_t first, const std::set<size_t>& kept);
 
+/// Joints, from 0, that the extended model predicts worse than the baseline on held-out parts of the
+/// training recordings, beyond the standard error of that difference between the parts.
+std::vector<int> worse_joints(const FoldErrors& baseline, const FoldErrors& extended, const Thresholds& limits);
+
 /// Of a joint that the extended model predicts worse than the baseline on held-out parts of the
 /// training recordings, beyond the standard error of that difference between the parts, the finding
 /// that helps it least; not one of `needed`.

@@ -103,7 +103,7 @@ Fit fit_accepted(const Identification& start, const Inquiry& asked, Selection& s
                          : std::vector<int>();
     if (!refined.anything || needed.size() == hypotheses.size()) {
       fit->selection = refit(*fit->data, fit->inquiry.base, hypotheses, options);
-      fit->selection.shapes = refined.intervals;
+      fit->selection.shapes = shape_intervals(start, asked, selection, changes, train, how, refined.shapes);
       return std::move(*fit);
     }
     std::vector<Accepted> kept;

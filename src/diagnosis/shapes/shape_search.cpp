@@ -80,6 +80,17 @@ double misfit(const NormalBlocks& data, const ColumnSet& set, const VectorXd& w,
   return (w.array() * data.residual2(set, x, data.total()).array()).sum();
 }
 
+// Where, coming from outside, the first value lies that is not certainly worse; between two of them where a
+// straight line passes the limit. `end` where the outermost one is as good.
+template <typename Iterator>
+double border(Iterator at, Iterator behind, double limit, double end) {
+  if (at->second <= limit) return end;
+  Iterator before = at;
+  for (; at != behind && at->second > limit; ++at) before = at;
+  const double share = (before->second - limit) / (before->second - at->second);
+  return before->first + share * (at->first - before->first);
+}
+
 class Refiner {
  public:
   Refiner(const Identification& start, const Inquiry& asked, const Selection& selection,
@@ -114,7 +125,48 @@ class Refiner {
     return model_with(*arm_, asked_.augmented, variants);
   }
 
-  std::vector<ShapeInterval> intervals() const { return intervals_; }
+  // All values of a constant, everything else fitted anew for each, whose misfit is not certainly larger
+  // than the least one: the ratio of likelihoods, scaled by what differs between clusters. To either side of
+  // the least one a difference is half of its slope's share, hence the factor of two.
+  std::vector<ShapeInterval> profile() const {
+    std::vector<Variant> variants = variants_at(numerics::kShapeProfile);
+    const Inquiry q =
+        prepare(start_, model_with(*arm_, asked_.augmented, variants), changes_, train_, {}, how_);
+    const NormalBlocks data(q.train, q.columns);
+    std::vector<ColumnSet> columns;
+    for (const Hypothesis& h : q.augmented.hypotheses) columns.push_back(columns_of(data, h));
+    const auto set_with = [&](size_t k, size_t variant) {
+      ColumnSet out = q.base;
+      for (size_t other = 0; other < chosen_.size(); ++other) {
+        const ColumnSet& own = columns[other == k ? variant : other];
+        out.insert(out.end(), own.begin(), own.end());
+      }
+      return out;
+    };
+    const VectorXd w = joint_weights(data, set_with(0, 0));
+    const VectorXd least = misfits(data, set_with(0, 0), w);
+    const auto clusters = static_cast<double>(data.clusters());
+    const double t = student_t_quantile(numerics::kOutside, std::max(1, data.clusters() - 1));
+    std::vector<ShapeInterval> out;
+    for (size_t k = 0; k < chosen_.size(); ++k) {
+      for (const auto& [key, value] : shapes_[k]) {
+        std::map<double, double> worse = {{std::log(value), 0.0}};  // over its deviation, by ln(constant)
+        for (size_t v = chosen_.size(); v < variants.size(); ++v) {
+          if (variants[v].of != k || variants[v].moved != key) continue;
+          const VectorXd more = misfits(data, set_with(k, v), w) - least;
+          const double square = (more.array() - more.mean()).square().sum() * clusters / std::max(1.0, clusters - 1.0);
+          worse[std::log(variants[v].shapes.at(key))] =
+              2.0 * more.sum() / std::max(std::sqrt(square), numerics::kTiny);
+        }
+        const EffectShape shape = *shape_of(effect_of(chosen_[k].cause), key);
+        const double open = std::exp(numerics::kShapeOpen);
+        out.push_back({static_cast<int>(k), key,
+                       std::min(value / open, std::exp(border(worse.begin(), worse.end(), t, std::log(shape.lower)))),
+                       std::max(value * open, std::exp(border(worse.rbegin(), worse.rend(), t, std::log(shape.upper))))});
+      }
+    }
+    return out;
+  }
 
  private:
   std::vector<Variant> present() const {
@@ -131,7 +183,8 @@ class Refiner {
     return 2.0 * M_PI / travel;
   }
 
-  void run(const std::array<double, 6>& factors) {
+  template <typename Factors>
+  std::vector<Variant> variants_at(const Factors& factors) const {
     std::vector<Variant> variants = present();
     // Two memories of one joint may reach the same value; columns are identified by name, so only
     // one of them may have it.
@@ -160,6 +213,11 @@ class Refiner {
         }
       }
     }
+    return variants;
+  }
+
+  void run(const std::array<double, 6>& factors) {
+    std::vector<Variant> variants = variants_at(factors);
     const Inquiry q =
         prepare(start_, model_with(*arm_, asked_.augmented, variants), changes_, train_, {}, how_);
     const NormalBlocks data(q.train, q.columns);
@@ -182,57 +240,17 @@ class Refiner {
           pick = other;
       }
     }
-    measure_intervals(data, variants, set_of, pick, w);
     for (size_t k = 0; k < chosen_.size(); ++k) shapes_[k] = variants[pick[k]].shapes;
   }
 
-  // The minimum of a parabola through ln(factor) and misfit, leaving out one cluster each.
-  template <typename SetOf>
-  void measure_intervals(const NormalBlocks& data, const std::vector<Variant>& variants,
-                         const SetOf& set_of, const std::vector<size_t>& pick, const VectorXd& w) {
-    intervals_.clear();
-    for (size_t k = 0; k < chosen_.size(); ++k) {
-      for (const auto& [key, value] : shapes_[k]) {
-        std::vector<double> at;
-        std::vector<VectorXd> misfits;  // per grid point: total and of every cluster
-        for (size_t v = 0; v < variants.size(); ++v) {
-          if (variants[v].of != k || (v >= chosen_.size() && variants[v].moved != key)) continue;
-          std::vector<size_t> choice = pick;
-          choice[k] = v;
-          const ColumnSet set = set_of(choice);
-          VectorXd x;
-          VectorXd of(data.clusters() + 1);
-          of[0] = misfit(data, set, w, &x);
-          for (int c = 0; c < data.clusters(); ++c)
-            of[c + 1] = (w.array() * data.residual2(set, x, data.cluster(c)).array()).sum();
-          at.push_back(std::log(variants[v].factor));
-          misfits.push_back(of);
-        }
-        const auto lowest = [&](int without) {
-          MatrixXd P(static_cast<Eigen::Index>(at.size()), 3);
-          VectorXd y(P.rows());
-          for (Eigen::Index r = 0; r < P.rows(); ++r) {
-            const double u = at[static_cast<size_t>(r)];
-            P.row(r) << 1.0, u, u * u;
-            const VectorXd& m = misfits[static_cast<size_t>(r)];
-            y[r] = m[0] - (without < 0 ? 0.0 : m[without + 1]);
-          }
-          const VectorXd c = solve_general(P, y);
-          return c[2] > 0.0 ? std::clamp(-0.5 * c[1] / c[2], -1.0, 1.0) : 0.0;
-        };
-        const int clusters = data.clusters();
-        VectorXd least(clusters);
-        for (int c = 0; c < clusters; ++c) least[c] = lowest(c);
-        const double deviation = jackknife_deviations(least.transpose())[0];
-        // Half a step of the last grid is what the search itself leaves open.
-        const double open =
-            std::hypot(student_t_quantile(numerics::kOutside, std::max(1, clusters - 1)) * deviation,
-                       numerics::kShapeOpen);
-        const double centre = variants[pick[k]].shapes.at(key);
-        intervals_.push_back(
-            {static_cast<int>(k), key, centre * std::exp(-open), centre * std::exp(open)});
-      }
-    }
+  // Misfit of every cluster with the linear parameters that all of them give.
+  static VectorXd misfits(const NormalBlocks& data, const ColumnSet& set, const VectorXd& w) {
+    VectorXd x;
+    misfit(data, set, w, &x);
+    VectorXd out(data.clusters());
+    for (int c = 0; c < data.clusters(); ++c)
+      out[c] = (w.array() * data.residual2(set, x, data.cluster(c)).array()).sum();
+    return out;
   }
 
   const Identification& start_;
@@ -243,7 +261,6 @@ class Refiner {
   std::optional<Model> arm_;
   std::vector<Hypothesis> chosen_;
   std::vector<Shapes> shapes_;
-  std::vector<ShapeInterval> intervals_;
 };
 
 }  // namespace
@@ -262,7 +279,15 @@ RefinedShapes refine_shapes(const Identification& start, const Inquiry& asked,
   Refiner refiner(start, asked, selection, changes, train, how, known);
   const bool anything = refiner.anything();
   if (anything) refiner.descend();
-  return {refiner.model(), refiner.shapes(), refiner.intervals(), anything};
+  return {refiner.model(), refiner.shapes(), anything};
+}
+
+std::vector<ShapeInterval> shape_intervals(const Identification& start, const Inquiry& asked,
+                                           const Selection& selection, bool changes,
+                                           const std::vector<std::string>& train,
+                                           const IdentificationOptions& how, const std::vector<Shapes>& found) {
+  const Refiner refiner(start, asked, selection, changes, train, how, found);
+  return refiner.anything() ? refiner.profile() : std::vector<ShapeInterval>();
 }
 
 }  // namespace veridyn

@@ -15,7 +15,6 @@ using Shapes = std::map<std::string, double>;
 struct RefinedShapes {
   AugmentedModel model;                  ///< the arm with them, in their order, and with no others
   std::vector<Shapes> shapes;            ///< Shapes of every hypothesis; empty where nothing is searched
-  std::vector<ShapeInterval> intervals;  ///< Intervals of the constants
   bool anything = false;                 ///< false: none of them has a constant to search for
 };
 
@@ -30,5 +29,13 @@ RefinedShapes refine_shapes(const Identification& start, const Inquiry& asked,
                             const Selection& selection, bool changes,
                             const std::vector<std::string>& train, const IdentificationOptions& how,
                             const std::vector<Shapes>& known = {});
+
+/// Intervals of refined constants, by a profile of the misfit over all that the recordings may leave open: a
+/// second minimum far away is inside where it is as good. @param found  the constants of every accepted
+/// hypothesis, as refine_shapes() gives them.
+std::vector<ShapeInterval> shape_intervals(const Identification& start, const Inquiry& asked,
+                                           const Selection& selection, bool changes,
+                                           const std::vector<std::string>& train,
+                                           const IdentificationOptions& how, const std::vector<Shapes>& found);
 
 }  // namespace veridyn

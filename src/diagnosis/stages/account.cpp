@@ -27,8 +27,6 @@ namespace {
 
 using numerics::kPercent;
 
-constexpr int kWithdrawals = 3;  // refits at most, each of one name or more
-
 double error_of(const VectorXd& relative, int joint) {
   return relative.size() > joint ? relative[joint] : 0.0;
 }
@@ -137,6 +135,23 @@ class Account {
         lost[k] = "held-out parts of the training recordings contradict it beside what has no name on its joint";
     }
     withdraw(lost);
+  }
+
+  // Errors along the way are of fits without physical conditions, and names were withdrawn since: the
+  // last step ends at the error of the extended model, and what it gains is measured from there.
+  void end_the_steps() {
+    Finding* last = nullptr;
+    for (size_t k = 0; k < d_.findings.size(); ++k) {
+      Finding& f = d_.findings[k];
+      const bool selected = std::holds_alternative<NewEffect>(f.cause) || std::holds_alternative<ChangedEffect>(f.cause) ||
+                            std::holds_alternative<AddedLoad>(f.cause);
+      if (selected && !f.shape && f.status == FindingStatus::kConfirmed && f.test_after.size() > 0 &&
+          x_.fitted_by_start.count(k) == 0)
+        last = &f;
+    }
+    if (last == nullptr || d_.extended.test_error.relative.size() == 0) return;
+    last->test_after = d_.extended.test_error.relative;
+    last->explains = explained_share(last->test_before, last->test_after, d_.baseline);
   }
 
   // Findings without a name as tables of the extended model.
@@ -439,7 +454,7 @@ class Account {
     const bool at_floor = left <= limits_.at_floor * v.floor;
     if (unnamed) {
       v.state = JointState::kUnnamed;
-    } else if (named && (at_floor || v.held_out - v.extended > 0.5 * v.removable)) {
+    } else if (named && v.extended < v.held_out && (at_floor || v.held_out - v.extended > 0.5 * v.removable)) {
       v.state = JointState::kNamed;
     } else if (at_floor && v.held_out <= limits_.at_floor * v.floor) {
       v.state = JointState::kAtFloor;
@@ -486,11 +501,12 @@ void account_for_errors(Investigation& x) {
   }
   std::optional<Account> account(std::in_place, x);
   account->run();
-  for (int turn = 0; turn < kWithdrawals && x.options.extended == ExtendedModel::kConfirmedOnly && account->withdraw_names(); ++turn) {
+  for (int turn = 0; turn < x.options.thresholds.withdrawals && x.options.extended == ExtendedModel::kConfirmedOnly && account->withdraw_names(); ++turn) {
     account.emplace(x);
     account->run();
   }
   if (x.options.extended == ExtendedModel::kConfirmedOnly) account->withdraw_contradicted();
+  account->end_the_steps();
   if (x.options.unnamed == UnnamedForces::kKept) account->keep_tables();
   x.d.next_experiment = next_experiment(x.d);
 }

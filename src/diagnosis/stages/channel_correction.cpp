@@ -23,15 +23,23 @@ struct Estimate {
 std::optional<Estimate> estimate(const Questions& asked, const Hypothesis& h,
                                  const DiagnosisOptions& options) {
   const ColumnSet own = columns_of(asked.data, h);
-  if (own.empty() || own.size() != h.columns.size()) return std::nullopt;
+  if (own.empty()) return std::nullopt;
   const Selection fit = refit(asked.data, asked.q.base, {h}, options);
   const double t = student_t_quantile(numerics::kOutside, fit.degrees_of_freedom);
   Estimate out{term_of(asked.q.augmented.model, h), {}, {}};
-  out.half_widths.resize(static_cast<Eigen::Index>(own.size()));
+  out.half_widths = VectorXd::Zero(static_cast<Eigen::Index>(h.columns.size()));
   const auto first = static_cast<Eigen::Index>(fit.columns.size() - own.size());
-  for (Eigen::Index p = 0; p < out.half_widths.size(); ++p) {
-    out.values.push_back(fit.values[first + p]);
-    out.half_widths[p] = t * fit.standard_deviations[first + p];
+  Eigen::Index p = 0;
+  for (const std::string& name : h.columns) {  // a column that is nothing everywhere is not among `own`
+    double value = 0.0;
+    for (size_t k = 0; k < own.size(); ++k) {
+      if (asked.data.names()[static_cast<size_t>(own[k])] != name) continue;
+      const Eigen::Index at = first + static_cast<Eigen::Index>(k);
+      value = fit.values[at];
+      out.half_widths[p] = t * fit.standard_deviations[at];
+    }
+    out.values.push_back(value);
+    ++p;
   }
   return out;
 }

@@ -27,7 +27,8 @@ std::vector<Hypothesis> channels_in_question(const Investigation& x, const Quest
   std::vector<Hypothesis> out;
   for (const auto& [h, gain] : wrong.instead) {
     const bool near = gain > x.options.thresholds.weaker_rival * wrong.finding.gain;
-    if (is_channel(h) && near && out.size() < 2 && !columns_of(asked.data, h).empty())
+    const bool commoner = is_channel(h) && find_effect(effect_of(h.cause)).traits().stage == DiagnosisStage::kChannel;
+    if (commoner && near && out.size() < 2 && !columns_of(asked.data, h).empty())
       out.push_back(h);
   }
   return out;

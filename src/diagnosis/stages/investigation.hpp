@@ -108,6 +108,11 @@ void correct_constants(Investigation& x);
 /// and writes down what was found.
 void select_causes(Investigation& x);
 
+/// After account_for_errors(): asks about causes that nobody asked about before, on joints whose error
+/// depends on positions without a name. True if one explains held-out parts of the training recordings as well
+/// as the curves did: it is a finding, and the account is to be made again.
+bool ask_later_causes(Investigation& x);
+
 /// Accounts for the residual of every joint, and for the signals on which it depends where no known
 /// cause has that shape.
 void account_for_errors(Investigation& x);

@@ -230,7 +230,7 @@ void ask_again(Investigation& x, size_t first, size_t count,
 
 // Fits the kept findings and withdraws those that are then unsupported: sizes that may be zero or
 // exceed their joint's torque, or a joint that is predicted better without them.
-void settle(Investigation& x, const FindingWriter& writer, size_t first, std::set<size_t>& kept) {
+void settle(Investigation& x, FindingWriter& writer, size_t first, std::set<size_t>& kept) {
   const auto names = writer.parameter_names();
   const auto fit = [&](const std::set<size_t>& some) {
     return some.empty() ? x.start : x.look(writer.extended_arm(some));
@@ -242,6 +242,7 @@ void settle(Investigation& x, const FindingWriter& writer, size_t first, std::se
   };
   x.d.extended = fit(kept);
   if (x.options.extended == ExtendedModel::kConfirmedOnly) ask_again(x, first, names.size(), fit, kept);
+  bool loads_alone = false;  // without changes of friction beside them
   std::set<size_t> needed;  // taken out once, and the joint was no better off
   const FoldErrors baseline = x.fold_errors(x.d.baseline);
   for (int turn = 0; turn < kSettling && x.d.extended.model && !kept.empty(); ++turn) {
@@ -257,6 +258,15 @@ void settle(Investigation& x, const FindingWriter& writer, size_t first, std::se
       continue;
     }
     const FoldErrors extended = x.fold_errors(x.d.extended);
+    if (!loads_alone && !worse_joints(baseline, extended, x.options.thresholds).empty()) {
+      loads_alone = true;
+      bool any = false;
+      for (const size_t k : kept) any = writer.fit_load_alone(k, x.d.findings[first + k]) || any;
+      if (any) {
+        x.d.extended = fit(kept);
+        continue;
+      }
+    }
     const std::optional<LostRight> lost = worse_with(x.d, first, kept, needed, baseline, extended, x.options.thresholds);
     if (!lost) return;
     std::set<size_t> others = kept;
@@ -310,8 +320,7 @@ void drop_lost_friction(Investigation& x) {
 void write_down(Investigation& x, const Round& round, const Fit& fit) {
   const auto& asked = round.q.augmented.hypotheses;
   x.d.hypotheses = static_cast<int>(std::set<Candidate>(asked.begin(), asked.end()).size());
-  const FindingWriter writer(round.q, round.data, round.selection, fit, x.start, x.d.changes,
-                             x.options);
+  FindingWriter writer(round.q, round.data, round.selection, fit, x.start, x.d.changes, x.options);
   const size_t first = x.d.findings.size();
   writer.add_findings(x.d);
   writer.add_the_rest(x.d);

@@ -54,7 +54,7 @@ std::string to_scales_json(const std::string& arm, const std::vector<EffortScale
         {{"drive", {{"effort_to_current", {{"scale", scale.scale}}}}}, {"veridyn", notes}});
   }
   const Json file = {{"robots", Json::array({{{"name", arm}, {"actuators", actuators}}})}};
-  return file.dump(2) + "\n";
+  return file.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace veridyn::dvrk

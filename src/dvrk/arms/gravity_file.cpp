@@ -3,6 +3,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "math/excerpt.hpp"
 #include "dvrk/config/json_text.hpp"
 #include "model/suggestion.hpp"
 #include "recordings/csv/csv_layout.hpp"
@@ -50,7 +51,7 @@ GravityRow row_of(const Json& json, const std::string& where) {
   GravityRow row;
   row.joint = word_at(json, "name", where);
   const std::string type = word_at(json, "type", where);
-  require(type == "revolute" || type == "prismatic", where, ": found the type '", type,
+  require(type == "revolute" || type == "prismatic", where, ": found the type '", excerpt(type),
           "', expected revolute or prismatic.");
   row.prismatic = type == "prismatic";
   row.dh.convention = DhConvention::kModified;
@@ -107,7 +108,7 @@ double number_in(const std::string& field, const std::string& where) {
   double value = 0.0;
   const char* end = field.data() + field.size();
   const auto [stop, error] = std::from_chars(field.data(), end, value);
-  require(error == std::errc() && stop == end && std::isfinite(value), where, ": found '", field,
+  require(error == std::errc() && stop == end && std::isfinite(value), where, ": found '", excerpt(field),
           "', expected a finite number.");
   return value;
 }
@@ -134,7 +135,7 @@ std::string to_gravity_json(const GravityChain& chain, const std::string& model)
          "included, not for single bodies"},
         {"not_in_the_rows", chain.left_out},
         {"gravity_torques", errors}}}};
-  return file.dump(2) + "\n";
+  return file.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 GravityChain read_gravity_json(const std::string& content, const std::string& file) {

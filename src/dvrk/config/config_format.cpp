@@ -203,7 +203,7 @@ ConfigTree parse_config(const std::string& content, const std::string& file, Con
 }
 
 std::string print_config(const ConfigTree& tree, ConfigFormat format) {
-  if (format == ConfigFormat::kJson) return json_of(tree).dump(2) + "\n";
+  if (format == ConfigFormat::kJson) return json_of(tree).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
   pugi::xml_document document;
   pugi::xml_node declaration = document.append_child(pugi::node_declaration);
   declaration.append_attribute("version") = "1.0";

@@ -3,6 +3,7 @@
 
 #include "config_tree.hpp"
 #include "dvrk/config/io_config.hpp"
+#include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {
 namespace {

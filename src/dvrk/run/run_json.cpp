@@ -61,14 +61,14 @@ std::string to_json(const RunResult& run, const FaultLog& faults, const std::str
                    {"own", gap.own},
                    {"interrupted", gap.interrupted}}}};
   out["faults"] = json_of(faults);
-  return out.dump(2) + "\n";
+  return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 std::string to_json(const std::vector<std::pair<std::string, std::int64_t>>& counts,
                     const std::string& command, const std::string& arm) {
   Json out = head(command, arm);
   for (const auto& [name, count] : counts) out[name] = count;
-  return out.dump(2) + "\n";
+  return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace veridyn::dvrk

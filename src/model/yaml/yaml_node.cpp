@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "math/excerpt.hpp"
 #include "veridyn/math/require.hpp"
 #include "model/suggestion.hpp"
 
@@ -24,21 +25,17 @@ YamlNode YamlNode::parse(const std::string& content, YamlSource& source) {
     return {YAML::Load(content), source, ""};
   } catch (const YAML::Exception& error) {
     throw InvalidInput(text(position(source.file, error.mark), ": found text that is not YAML (",
-                            error.msg, "), expected ", source.expected, "."));
+                            excerpt(error.msg, 200), "), expected ", source.expected, "."));
   }
 }
 
 void YamlNode::fail(const std::string& found, const std::string& expected) const {
   throw InvalidInput(
-      text(position(source_->file, node_.Mark()), ": found ", found, ", expected ", expected, "."));
+      text(position(source_->file, node_.Mark()), ": found ", excerpt(found, 200), ", expected ", expected, "."));
 }
 
 std::string YamlNode::found() const {
-  // Length of an excerpt: a file that is no YAML may be a single word.
-  constexpr std::size_t kShown = 60;
-  if (node_.IsScalar() && node_.Scalar().size() > kShown)
-    return quoted(node_.Scalar().substr(0, kShown) + "...");
-  if (node_.IsScalar()) return quoted(node_.Scalar());
+  if (node_.IsScalar()) return quoted(excerpt(node_.Scalar()));
   if (node_.IsSequence()) return text("a list of ", node_.size());
   return node_.IsMap() ? "a map" : "nothing";
 }

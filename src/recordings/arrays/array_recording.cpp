@@ -72,6 +72,15 @@ double element(const NamedArray& a, std::size_t rows, std::size_t row, std::size
   return lying ? a.values[k * a.columns + row] : a.values[row * a.columns + k];
 }
 
+// True if --map takes a signal from this array, or from one of its columns.
+bool is_mapped(const std::string& name, const SignalChoice& choice) {
+  return std::any_of(choice.map.begin(), choice.map.end(), [&name](const auto& entry) {
+    const std::string& source = entry.second;
+    return source.compare(0, name.size(), name) == 0 &&
+           source.find_first_not_of("/_[]0123456789", name.size()) == std::string::npos;
+  });
+}
+
 std::size_t width_of(const NamedArray& a, std::size_t rows) {
   if (a.rows == rows) return a.columns;
   return a.columns == rows ? a.rows : 0;
@@ -87,9 +96,9 @@ void add_group(const ArraySet& set, const std::string& path, const std::string& 
           ": found no array of times (t, time, timestamp), expected one, or --rate.");
   std::size_t rows = clock != nullptr ? size_of(*clock) : 0;
   for (const NamedArray& a : set.arrays) {
-    // Without a clock the longer dimension of the positions is the time.
-    if (clock == nullptr && group_of(a.name) == group && field_of(last_of(a.name) + "/0").signal == 0)
-      rows = std::max({rows, a.rows, a.columns});
+    // Without a clock the longer dimension of the positions, or of arrays that --map names, is the time.
+    const bool longest = field_of(last_of(a.name) + "/0").signal == 0 || is_mapped(a.name, options.signals);
+    if (clock == nullptr && group_of(a.name) == group && longest) rows = std::max({rows, a.rows, a.columns});
   }
   RawStream stream;
   stream.topic = group;

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <limits>
 
+#include "math/excerpt.hpp"
 #include "recordings/csv/csv_layout.hpp"
 #include "recordings/csv/csv_lines.hpp"
 #include "veridyn/recordings/recording.hpp"
@@ -133,9 +134,7 @@ class RowParser {
   [[noreturn]] void fail_text(std::size_t column) {
     const char* first = p_;
     skip_field();
-    std::string found(first, std::min<std::ptrdiff_t>(p_ - first, 40));
-    std::replace_if(
-        found.begin(), found.end(), [](char c) { return c >= 0 && c < ' '; }, '?');
+    const std::string found = excerpt(std::string(first, static_cast<std::size_t>(p_ - first)), 40);
     throw InvalidInput(text(where(), ":", column + 1, ": found '", found, "' in column ",
                             layout_.names[column], ", expected a number."));
   }

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cerrno>
 #include <cstring>
+#include <new>
 
 #include "veridyn/math/require.hpp"
 
@@ -26,6 +27,7 @@ ByteStream::ByteStream(const std::string& path, std::function<bool()> wait)
           ", expected a recording.");
   require(!S_ISDIR(about.st_mode), path, ": found a folder, expected a recording (CSV).");
   file_.reset(std::fopen(path.c_str(), "rb"));
+  if (file_ == nullptr && errno == ENOMEM) throw std::bad_alloc();
   require(file_ != nullptr, path, ": found ", std::strerror(errno),
           ", expected a recording (CSV).");
   std::setvbuf(file_.get(), nullptr, _IONBF, 0);

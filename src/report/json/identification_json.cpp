@@ -104,6 +104,21 @@ Json identification_verdict_json(const IdentificationVerdict& verdict) {
   return {{"sentence", verdict.sentence}, {"held_out", verdict.held_out}, {"joints", joints}};
 }
 
+Json endogeneity_json(const Identification& id) {
+  if (id.endogeneity.empty()) return nullptr;
+  Json out = Json::array();
+  for (size_t i = 0; i < id.endogeneity.size(); ++i) {
+    const EndogeneityTest& t = id.endogeneity[i];
+    out.push_back({{"joint", i + 1},
+                   {"coordinate", id.model->coordinates()[i].name},
+                   {"statistic", t.statistic},
+                   {"numerator_freedom", t.numerator_freedom},
+                   {"denominator_freedom", t.denominator_freedom},
+                   {"p_value", t.p_value}});
+  }
+  return out;
+}
+
 }  // namespace
 
 std::string to_json(const Identification& id) {
@@ -126,6 +141,7 @@ std::string to_json(const Identification& id) {
   out["certified"] = id.certified;
   out["effective_samples"] = id.effective_samples;
   out["active_constraints"] = id.active_constraints;
+  out["durbin_wu_hausman"] = endogeneity_json(id);
   out["train"] =
       errors_json(id.train_error, id.train_repaired, id.train_without_excluded, id.train);
   out["test"] = errors_json(id.test_error, id.test_repaired, id.test_without_excluded, id.test);

@@ -40,10 +40,8 @@ std::vector<std::string> engine_names() {
 std::unique_ptr<Engine> make_engine(const std::string& name, const Model& arm) {
   if (!arm.arm_effects().empty()) {
     const Model whole = with_arm_states(arm);
-    auto engine = make_engine(name, whole);
-    return whole.joints() == arm.joints()
-               ? std::move(engine)
-               : make_passive_engine(std::move(engine), whole, arm.joints());
+    if (whole.joints() != arm.joints())
+      return make_passive_engine(make_engine(name, whole), whole, arm.joints());
   }
   if (name == "veridyn") return std::make_unique<Plant>(arm);
 #ifdef VERIDYN_WITH_MUJOCO

@@ -71,8 +71,12 @@ PlantForces::PlantForces(const Model& arm)
       damping_(inertia_),
       stiffness_(inertia_),
       constant_(VectorXd::Zero(n_)) {
-  for (const EffectTerm& of : arm.arm_effects())
-    left_out_.push_back(of.effect + " on the arm: it has states of its own, see make_engine()");
+  for (const EffectTerm& of : arm.arm_effects()) {
+    const EffectTraits traits = find_effect(of.effect).traits();
+    left_out_.push_back(of.effect + " on the arm: " +
+                        (traits.forward_simulable ? "it has states of its own, see make_engine()"
+                                                  : traits.not_simulable_because));
+  }
   for (const EffectTerm& of : arm.effects()) {
     Term term = bound(arm, of);
     if (!term.traits.forward_simulable) {

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "identification/base_solution.hpp"
+#include "veridyn/identification/identification.hpp"
+
+namespace veridyn {
+
+/// Estimates from the noise-free motion of the model beside the measured one.
+struct InstrumentalFit {
+  BaseSolution solution;
+  double objective = 0.0;              ///< weighted sum of squares along the measured motion
+  std::vector<EndogeneityTest> tests;  ///< one for every joint
+};
+
+/// kIv: beta = (Z'WY)^-1 Z'W tau, where Y holds the base columns along the measured motion and Z
+/// the same along the motion without noise (Janot, Vandanjon and Gautier, IEEE Trans. Control
+/// Systems Technology 22(1), 2014). kDidim: beta = (Z'WZ)^-1 Z'W tau, which needs no measured
+/// velocity or acceleration (Gautier, Janot and Vandanjon, IEEE Trans. CST 21(2), 2013).
+///
+/// The motion without noise is that of the simulated arm. A simulated arm under computed torque with
+/// the values of its own model follows its reference without an error, whatever these values are, so
+/// that the simulation is its reference: at every instant the mean of the low-passed positions at
+/// the same phase of all *other* periods, whose noise is independent, with its derivatives; the
+/// low-passed positions themselves where nothing repeats.
+///
+/// @param weights  of the joints' rows.
+/// @throws InvalidInput  a recording is only known by its factor, or the options exclude slow samples.
+InstrumentalFit fit_with_instruments(const Model& arm, const std::vector<CompressedRecording>& recordings,
+                                     const BaseParameters& base, const VectorRef& weights,
+                                     const IdentificationOptions& options);
+
+}  // namespace veridyn

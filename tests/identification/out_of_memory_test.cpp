@@ -1,0 +1,124 @@
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <filesystem>
+#include <new>
+#include <system_error>
+
+#include "identification/synthetic_recording.hpp"
+#include "recordings/samples.hpp"
+#include "veridyn/identification/factor_set.hpp"
+#include "veridyn/model/model_file.hpp"
+
+// Memory that ends at any allocation of a recording's way from its file to factors in a file: in the
+// caller's thread and in the one that reads ahead. (What comes after is small, and the singular value
+// decomposition in it, Eigen's, frees memory twice where an allocation fails.) A program of its own,
+// for it defines malloc.
+
+namespace {
+
+std::atomic<long> allocations{0};
+std::atomic<long> first_failing{-1};  // number of an allocation; negative: none
+std::atomic<long> last_failing{-1};
+
+bool fails() {
+  const long number = allocations++;
+  const bool now = number >= first_failing && number <= last_failing;
+  if (now) errno = ENOMEM;
+  return now;
+}
+
+}  // namespace
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+extern "C" {
+void* __libc_malloc(std::size_t size);                           // NOLINT: glibc's own name
+void* __libc_memalign(std::size_t alignment, std::size_t size);  // NOLINT
+
+void* malloc(std::size_t size) noexcept { return fails() ? nullptr : __libc_malloc(size); }
+void* aligned_alloc(std::size_t alignment, std::size_t size) noexcept {
+  return fails() ? nullptr : __libc_memalign(alignment, size);
+}
+}
+#endif
+
+namespace veridyn {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr long kForGood = 1L << 60;
+
+class OutOfMemory : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(testing::TempDir()) / ("out_of_memory_" + std::to_string(::getpid()));
+    fs::create_directories(folder_);
+    MotionShape shape;
+    shape.duration = 4.0;
+    shape.rate = 100.0;
+    write_recording(synthetic_recording(arm_, shape), recording());
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::string recording() const { return (folder_ / "recording.csv").string(); }
+  std::string output() const { return (folder_ / "factors").string(); }
+
+  void work() const {
+    const std::vector<std::string> recordings = {recording()};
+    save_factors(compress(arm_, recordings, PreprocessingOptions(), 2), output());
+  }
+
+  // Runs the work with allocations `first` to `last`, counted from its begin, failing.
+  // @returns true if it went through.
+  bool survives(long first, long last) const {
+    fs::remove(output());
+    last_failing = allocations + last;
+    first_failing = allocations + first;
+    bool done = false;
+    try {
+      work();
+      done = true;
+    } catch (const std::bad_alloc&) {
+    } catch (const std::system_error&) {  // a thread that could not be started
+    }
+    first_failing = last_failing = -1;
+    return done;
+  }
+
+  Model arm_ = read_model("planar-2r");
+  fs::path folder_;
+};
+
+TEST_F(OutOfMemory, EndsTheWorkAndLeavesFilesWhole) {
+  work();
+  const std::string whole = bytes_of_file(output());
+  const long before = allocations;
+  work();
+  const long all = allocations - before;
+  if (all == 0) GTEST_SKIP() << "a sanitizer brings its own malloc";
+  ASSERT_GT(all, 1000);
+  long refused = 0;
+  constexpr int kPlaces = 200;
+  for (int k = 0; k < kPlaces; ++k) {
+    const long at = all * k / kPlaces;
+    for (const long length : {0L, kForGood}) {
+      if (!survives(at, length == 0 ? at : kForGood)) ++refused;
+      for (const fs::directory_entry& entry : fs::directory_iterator(folder_))
+        EXPECT_TRUE(entry.path() == recording() || entry.path() == output()) << entry.path();
+      if (fs::exists(output())) {
+        EXPECT_EQ(bytes_of_file(output()), whole) << "allocation " << at;
+      }
+    }
+  }
+  EXPECT_GT(refused, kPlaces);
+  // Nothing of that is left in the process.
+  EXPECT_TRUE(survives(-2, -2));
+  EXPECT_EQ(bytes_of_file(output()), whole);
+}
+
+}  // namespace
+}  // namespace veridyn

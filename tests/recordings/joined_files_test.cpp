@@ -1,0 +1,153 @@
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include "recordings/arrays/array_recording.hpp"
+#include "recordings/import.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/recordings/recording.hpp"
+
+// Files that hold a part of the joints, joints that an arm holds still, arrays without a time.
+
+namespace veridyn {
+namespace {
+
+constexpr int kRows = 200;
+
+double place(int joint, double t) { return std::sin((1.0 + joint) * t) + 0.1 * joint; }
+
+class Folder {
+ public:
+  Folder() : at_(testing::TempDir() + "veridyn-joined-" + std::to_string(::getpid())) {
+    std::filesystem::create_directories(at_);
+  }
+  ~Folder() { std::filesystem::remove_all(at_); }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  std::string path(const std::string& name) const { return at_ + "/" + name; }
+  std::string write(const std::string& name, const std::string& content) const {
+    std::ofstream(path(name)) << content;
+    return path(name);
+  }
+
+ private:
+  std::string at_;
+};
+
+class Joined : public testing::Test {
+ protected:
+  // Columns q, dq and tau of one joint under a number, every 1/rate seconds from `start`.
+  std::string file(const std::string& name, int joint, int number, double rate = 100.0, double start = 0.0) const {
+    const std::string k = std::to_string(number);
+    std::string out = "t,q" + k + ",dq" + k + ",tau" + k + "\n";
+    for (int r = 0; r < kRows; ++r) {
+      const double t = start + r / rate;
+      char line[120];
+      std::snprintf(line, sizeof line, "%.10g,%.10g,%.10g,%.10g\n", t, place(joint, t), 0.5 * joint, 2.0 * joint + t);
+      out += line;
+    }
+    return folder_.write(name, out);
+  }
+
+  static void expect_joints(const Recording& r, const std::vector<int>& joints) {
+    ASSERT_EQ(r.joints(), static_cast<int>(joints.size()));
+    ASSERT_GT(r.rows(), 10);
+    ASSERT_EQ(r.tau.cols(), r.joints());
+    for (size_t j = 0; j < joints.size(); ++j) {
+      for (int row = 0; row < r.rows(); ++row) {
+        const double t = r.time[row];
+        EXPECT_NEAR(r.q(row, static_cast<int>(j)), place(joints[j], t), 2e-4) << row;
+        EXPECT_NEAR(r.tau(row, static_cast<int>(j)), 2.0 * joints[j] + t, 1e-8) << row;
+      }
+    }
+  }
+
+  Folder folder_;
+};
+
+TEST_F(Joined, FilesOfOneJointEachAreOneRecordingInTheOrderOfTheFiles) {
+  const std::string path = file("a.csv", 0, 1) + "+" + file("b.csv", 1, 1) + "+" + file("c.csv", 2, 1);
+  const Recording r = read_recording(path);
+  EXPECT_EQ(r.rows(), kRows);
+  expect_joints(r, {0, 1, 2});
+  RecordingOptions some;
+  some.first_row = 50;
+  some.row_count = 100;
+  EXPECT_EQ(read_recording(path, some).rows(), 100);
+}
+
+TEST_F(Joined, NumbersOfTheColumnsCountWhereTheyDiffer) {
+  expect_joints(read_recording(file("b.csv", 1, 2) + "+" + file("a.csv", 0, 1)), {0, 1});
+}
+
+TEST_F(Joined, OtherRatesAreInterpolatedAndOnlyTimesInCommonCount) {
+  const Recording r = read_recording(file("a.csv", 0, 1) + "+" + file("b.csv", 1, 1, 130.0, 0.3));
+  expect_joints(r, {0, 1});
+  EXPECT_GE(r.time[0], 0.3 - 1e-9);
+  EXPECT_THROW(read_recording(file("c.csv", 0, 1) + "+" + file("d.csv", 1, 1, 100.0, 50.0)), InvalidInput);
+}
+
+TEST_F(Joined, AFileMayHaveASignOfPlusInItsName) {
+  expect_joints(read_recording(file("a+b.csv", 0, 1)), {0});
+  EXPECT_THROW(read_recording(folder_.path("no+such.csv")), InvalidInput);
+}
+
+SignalChoice with_held(double position) {
+  SignalChoice choice;
+  choice.joints = {{"yaw", false}, {"tool", false}};
+  choice.held = {{2, {"pitch", false}, position}};
+  return choice;
+}
+
+TEST_F(Joined, AHeldJointIsLeftOutWhereItIsRecorded) {
+  RecordingOptions options;
+  options.signals = with_held(0.1);
+  const std::string all = file("a.csv", 0, 1) + "+" + file("b.csv", 1, 1) + "+" + file("c.csv", 2, 1);
+  RecordingFacts facts;
+  expect_joints(read_recording(all, options, facts), {0, 2});
+  EXPECT_EQ(facts.joints, (std::vector<std::string>{"yaw", "tool"}));
+  ASSERT_EQ(facts.remarks.size(), 1U);  // its file has it moving
+  EXPECT_NE(facts.remarks[0].find("pitch is held at 0.1 and was "), std::string::npos) << facts.remarks[0];
+  // The same of a plain table, of which no name is known.
+  Recording whole = read_recording(all);
+  const std::string plain = folder_.path("plain.csv");
+  write_recording(whole, plain);
+  expect_joints(read_recording(plain, options), {0, 2});
+  whole.q.col(1).setConstant(0.1);
+  write_recording(whole, plain);
+  EXPECT_EQ(read_recording(plain, options, facts).joints(), 2);
+  EXPECT_TRUE(facts.remarks.empty());
+}
+
+TEST_F(Joined, AHeldJointNeedNotBeRecorded) {
+  RecordingOptions options;
+  options.signals = with_held(0.1);
+  expect_joints(read_recording(file("a.csv", 0, 1) + "+" + file("c.csv", 2, 1), options), {0, 2});
+}
+
+TEST(Arrays, NamedByAMapHaveTheirLongerDimensionAsTheTime) {
+  recordings::ArraySet set;
+  recordings::NamedArray in{"input_mat", 300, 2, {}};
+  recordings::NamedArray out{"output_mat", 300, 2, {}};
+  for (int k = 0; k < 600; ++k) {
+    in.values.push_back(k);
+    out.values.push_back(-k);
+  }
+  set.arrays = {in, out};
+  RecordingOptions options;
+  options.rate = 50.0;
+  options.signals.map = {{"q", "input_mat"}, {"tau", "output_mat"}};
+  const recordings::Imported found =
+      recordings::assemble(recordings::raw_from_arrays(set, "a.mat", "MATLAB", options), "a.mat", options.signals);
+  ASSERT_EQ(found.recording.rows(), 300);
+  EXPECT_EQ(found.recording.q(7, 1), 15.0);
+  EXPECT_EQ(found.recording.tau(7, 0), -14.0);
+  EXPECT_NEAR(found.recording.time[50], 1.0, 1e-9);
+}
+
+}  // namespace
+}  // namespace veridyn
