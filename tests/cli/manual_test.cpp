@@ -169,7 +169,7 @@ TEST(Manual, HelpFitsTheTerminalAndShowsDefaults) {
     }
   }
   EXPECT_NE(run_tool({"help", "identify"}).out.find("(feasible)"), std::string::npos);
-  EXPECT_NE(run_tool({"help", "payload"}).out.find("MODEL --recording REC..."), std::string::npos);
+  EXPECT_NE(run_tool({"help", "payload"}).out.find("MODEL REC..."), std::string::npos);
 }
 
 }  // namespace
