@@ -62,14 +62,13 @@ class UpdatedSimulation {
  protected:
   // Bodies whose values the file has otherwise or lacks.
   void bodies(const std::function<void(const Frame& mine, const Frame& there)>& change,
-              const std::function<void(const Frame& mine)>& add) {
+              const std::function<bool(const Frame& mine)>& add) {
     for (const int k : arm_.bodies()) {
       const Frame& mine = arm_.frames()[at(k)];
       const int there = in_file_.find_frame(mine.name);
       if (there < 0) {
-        const bool fixed = mine.type == JointType::kFixed && mine.parent >= 0;
-        fixed ? add(mine) : out_.left_out.push_back("the frame " + mine.name + ", which the file lacks");
-        if (fixed) out_.changed.push_back("a new body " + mine.name);
+        const bool added = mine.type == JointType::kFixed && mine.parent >= 0 && add(mine);
+        (added ? out_.changed : out_.left_out).push_back((added ? "a new body " : "the body ") + mine.name);
         continue;
       }
       const Frame& theirs = in_file_.frames()[at(there)];
@@ -183,7 +182,7 @@ class UpdatedMjcf : public UpdatedSimulation {
   }
 
   UpdatedFile file() {
-    bodies([this](const Frame& mine, const Frame&) { change_body(mine); }, [this](const Frame& mine) { add_body(mine); });
+    bodies([this](const Frame& mine, const Frame&) { change_body(mine); }, [this](const Frame& mine) { return add_body(mine); });
     effects([this](const std::string& joint, const char* value, double now) { change_joint(joint, value, now); }, true);
     // Only "auto" lets a body's own inertial win.
     if (from_geoms_ && !out_.changed.empty()) from_geoms_.attribute("inertiafromgeom").set_value("auto");
@@ -242,20 +241,24 @@ class UpdatedMjcf : public UpdatedSimulation {
     inertial(node, *mine.body->phi, frame_in_body(body), mine.name);
   }
 
-  void add_body(const Frame& mine) {
-    const std::string parent = arm_.frames()[at(mine.parent)].name;
-    pugi::xml_node above = find("body", parent);
-    Posed T = above ? frame_in_body(above) * mine.A * mine.B : mine.A * mine.B;
-    if (!above) above = find("site", parent).parent();
-    if (!above || std::strcmp(above.attribute("name").value(), parent.c_str()) != 0) {
-      out_.left_out.push_back("the body " + mine.name + ", on " + parent);
-      return;
+  bool add_body(const Frame& mine) {
+    Posed T = mine.A * mine.B;
+    int carrier = mine.parent;
+    pugi::xml_node above = find("body", arm_.frames()[at(carrier)].name);
+    // A site is a fixed frame on its body.
+    while (!above && arm_.frames()[at(carrier)].type == JointType::kFixed && arm_.frames()[at(carrier)].parent >= 0) {
+      T = arm_.frames()[at(carrier)].A * arm_.frames()[at(carrier)].B * T;
+      carrier = arm_.frames()[at(carrier)].parent;
+      above = find("body", arm_.frames()[at(carrier)].name);
     }
+    if (!above) return false;
+    T = frame_in_body(above) * T;
     pugi::xml_node body = above.append_child("body");
     set(body, "name", mine.name);
     set(body, "pos", xml_vector(T.p));
     set(body, "quat", quaternion_text(rotation_matrix(T.R)));
     inertial(body.append_child("inertial"), *mine.body->phi, identity_pose(), mine.name);
+    return true;
   }
 
   void change_joint(const std::string& joint, const char* value, double now) {
@@ -276,7 +279,7 @@ class UpdatedSdf : public UpdatedSimulation {
 
   UpdatedFile file() {
     bodies([this](const Frame& mine, const Frame&) { inertial(find("link", mine.name), *mine.body->phi); },
-           [this](const Frame& mine) { add_link(mine); });
+           [this](const Frame& mine) { return add_link(mine); });
     effects([this](const std::string& joint, const char* value, double now) { change_joint(joint, value, now); }, false);
     return finish();
   }
@@ -299,13 +302,10 @@ class UpdatedSdf : public UpdatedSimulation {
     for (int k = 0; k < 6; ++k) inertia.append_child(keys[k]).text().set(xml_number(body->inertia[k]).c_str());
   }
 
-  void add_link(const Frame& mine) {
+  bool add_link(const Frame& mine) {
     const std::string parent = arm_.frames()[at(mine.parent)].name;
     pugi::xml_node above = find("link", parent);
-    if (!above) {
-      out_.left_out.push_back("the body " + mine.name + ", on " + parent);
-      return;
-    }
+    if (!above) return false;
     const Posed T = mine.A * mine.B;
     pugi::xml_node link = above.parent().append_child("link");
     set(link, "name", mine.name);
@@ -318,6 +318,7 @@ class UpdatedSdf : public UpdatedSimulation {
     set(joint, "type", std::string("fixed"));
     joint.append_child("parent").text().set(parent.c_str());
     joint.append_child("child").text().set(mine.name.c_str());
+    return true;
   }
 
   void change_joint(const std::string& joint, const char* value, double now) {

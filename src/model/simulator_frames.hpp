@@ -13,8 +13,8 @@ namespace veridyn {
 /// Common parts of the readers of MJCF and SDFormat.
 
 /// Bodies up to this mass [kg] carry frames, because simulators refuse links without mass (the
-/// writers here use 1e-12 and 1e-9); such a frame has no body. The lightest body of the shipped
-/// robots has 1e-3 kg.
+/// writers here use 1e-12 and 1e-9); such a frame has no body. No arm's torque shows ten micrograms:
+/// at a metre they weigh 1e-7 N m.
 constexpr double kPlaceholderMass = 1e-8;
 
 Mat3d matrix3(const Eigen::Matrix3d& R);

@@ -97,6 +97,19 @@ TEST_F(SimulationFile, MjcfTakesTheValuesAndKeepsTheRest) {
   EXPECT_TRUE(updated.left_out.empty()) << updated.left_out.front();
 }
 
+// A load on a site, such as a flange, becomes a body of the body that carries the site.
+TEST_F(SimulationFile, ALoadOnASiteIsAdded) {
+  const std::string path = write("arm.xml", kStrangerMjcf);
+  ModelDescription d = extended(read_model(path), "none").description();
+  d.effects = read_model(path).effects();
+  d.frames.back().parent = read_model(path).find_frame("mark");
+  const Model after(std::move(d));
+  const UpdatedFile updated = updated_mjcf(after, path);
+  EXPECT_EQ(updated.changed, std::vector<std::string>{"a new body load"});
+  EXPECT_TRUE(updated.left_out.empty());
+  expect_same_torques(after, read_model(write("new.xml", updated.xml)));
+}
+
 // Without a change nothing is written: the file's own numbers stay.
 TEST_F(SimulationFile, TheFilesOwnModelChangesNothing) {
   const std::string mjcf = write("arm.xml", kStrangerMjcf);
