@@ -176,7 +176,7 @@ void sine_cosine(const Traced& x, Traced& sine, Traced& cosine) {
     c = Traced::of_node(program.node(Kind::kCosine, at));
   }
   if (side < 0.0) s = -s;
-  for (; quarters != 0.0; quarters -= std::copysign(1.0, quarters)) {
+  for (quarters = std::remainder(quarters, 4.0); quarters != 0.0; quarters -= std::copysign(1.0, quarters)) {
     const Traced old = s;  // sin(x + pi/2) = cos x, cos(x + pi/2) = -sin x
     s = quarters > 0.0 ? c : -c;
     c = quarters > 0.0 ? -old : old;
