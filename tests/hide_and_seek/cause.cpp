@@ -149,9 +149,9 @@ void draw_shapes(Cause& cause, const Reach& reach, Draw& draw) {
     v["phase"] = draw.in(-M_PI, M_PI);
   }
   if (e == "end_stop") {
-    const double end = draw.sign();
-    v["from"] = reach.middle + end * draw.in(0.1, 0.35) * reach.travel;
-    v["end"] = end;
+    v["centre"] = reach.middle;
+    v["reach"] = draw.in(0.1, 0.35) * reach.travel;
+    v["side"] = draw.sign();
   }
   if (e == "warm_up") v["time_constant"] = draw.in(0.3, 0.8) * reach.duration;
 }
@@ -198,8 +198,11 @@ MatrixXd cause_columns(const Cause& cause, const Motion& motion, const Motion::R
   if (e == "transmission_compliance") out.col(0) = second_derivative(load, step);
   if (e == "torque_drift") out.col(0) = rows.time;
   if (e == "end_stop") {
-    const double end = value("end");
-    out.col(0) = (q.array() - value("from")).unaryExpr([end](double x) { return x * end > 0.0 ? x : 0.0; });
+    for (Eigen::Index r = 0; r < n; ++r) {
+      const double beyond = std::abs(q[r] - value("centre")) - value("reach");
+      const bool there = beyond > 0.0 && (q[r] - value("centre")) * value("side") > 0.0;
+      out(r, 0) = there ? value("side") * beyond : 0.0;
+    }
   }
   if (e == "warm_up") {
     const Eigen::ArrayXd cold = (-rows.time.array() / value("time_constant")).exp();

@@ -127,6 +127,7 @@ TEST(Causes, MeanWhatTheLibrarysEffectsMean) {
     Reach reach{0.0, 30.0, 3.0, 25.0, false};  // gaps and distances of a good part of the way
     draw_shapes(cause, reach, draw);
     cause.values["centre"] = 0.0;
+    if (effect == "end_stop") cause.values["reach"] = 0.2;  // 30 rad have no end
     const VectorXd load = plain.rigid.col(1);
     const MatrixXd mine = cause_columns(cause, motion, plain.rows, load);
     const MatrixXd theirs = library_columns(bench, cause, plain.rows, load);

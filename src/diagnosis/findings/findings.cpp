@@ -7,6 +7,7 @@
 #include <map>
 #include <numeric>
 #include <set>
+#include <utility>
 
 #include "diagnosis/evidence/effect_facts.hpp"
 #include "diagnosis/causes/extended_arm.hpp"
@@ -325,7 +326,11 @@ bool FindingWriter::fit_load_alone(size_t k, Finding& f) {
   if (!is_load(h)) return false;
   payloads_[group.front()] =
       fit_payload(asked_.augmented, asked_data_, asked_hypothesis(h), BesideLoad::kNothing);
-  f.parameters = payload_parameters(h);
+  const std::vector<FoundParameter> beside_friction = std::exchange(f.parameters, payload_parameters(h));
+  for (size_t p = 0; p < f.parameters.size() && p < beside_friction.size(); ++p) {  // friction may have changed
+    f.parameters[p].low = std::min(f.parameters[p].low, beside_friction[p].low);
+    f.parameters[p].high = std::max(f.parameters[p].high, beside_friction[p].high);
+  }
   f.phrase = phrase_of(group, f);
   return true;
 }
