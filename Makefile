@@ -83,9 +83,9 @@ build-times:
 	@awk -F'\t' '!/^#/ {took[$$4] = $$2 - $$1} END {for (unit in took) {sum += took[unit]; printf "%8.1f s  %s\n", took[unit] / 1000, unit}; \
 	  printf "%8.1f s  all, over the jobs that ran side by side\n", sum / 1000}' $(BUILD)/.ninja_log | sort -rn | head -n $$(($(or $(UNITS),40) + 1))
 
-# Every list of packages in cmake/, tried in a bare Debian root: tool, tests, python, mpi, ros and deb; as root.
+# Every list of packages in cmake/ and the Dockerfile, tried in a bare Debian root; as root.
 bare: build
-	@for what in root tool tests python mpi ros docs deb; do tests/bare/bare_debian.sh $(BUILD) $$what || exit 1; done
+	@for what in root tool tests python mpi ros docs deb docker; do tests/bare/bare_debian.sh $(BUILD) $$what || exit 1; done
 
 demo: tool
 	@examples/demo.sh $(BUILD)/bin/veridyn out/demo

@@ -20,6 +20,7 @@
 #include "veridyn/identification/identification.hpp"
 #include "veridyn/kinematics/kinematics.hpp"
 #include "veridyn/model/model_file.hpp"
+#include "veridyn/model/simulator_files.hpp"
 #include "veridyn/model/urdf.hpp"
 #include "veridyn/recordings/recording_list.hpp"
 #include "veridyn/recordings/recording_quality.hpp"

@@ -8,6 +8,7 @@
 #include "veridyn/export/model_json.hpp"
 #include "veridyn/export/portable_model.hpp"
 #include "veridyn/export/sdf.hpp"
+#include "veridyn/export/simulation_file.hpp"
 #include "veridyn/model/urdf.hpp"
 
 namespace veridyn::python {
@@ -15,7 +16,8 @@ namespace {
 
 const char* const kExport =
     "As a string. Torques determine combinations of masses: an identified model's single values are "
-    "chosen near `prior` (a Model of the same frames) or near small rods, no torque changed.";
+    "chosen near `prior` (a Model of the same frames) or near small rods, no torque changed. `into`: a simulation's file of "
+    "this format whose values are replaced while all else of it stays.";
 
 std::optional<Model> model_or_nothing(const py::object& given) {
   if (given.is_none()) return std::nullopt;
@@ -36,17 +38,17 @@ void bind_exports(py::module_& m) {
            },
            py::arg("prior") = py::none(), py::arg("meshes_from") = "", kExport)
       .def("to_mjcf",
-           [](const Model& arm, const py::object& prior) {
+           [](const Model& arm, const py::object& prior, const std::string& into) {
              const ExportedModel out = exported_model(arm, model_or_nothing(prior));
-             return to_mjcf(out.arm, out.extras.remarks);
+             return into.empty() ? to_mjcf(out.arm, out.extras.remarks) : updated_mjcf(out.arm, into).xml;
            },
-           py::arg("prior") = py::none(), kExport)
+           py::arg("prior") = py::none(), py::arg("into") = "", kExport)
       .def("to_sdf",
-           [](const Model& arm, const py::object& prior, const std::string& meshes_from) {
+           [](const Model& arm, const py::object& prior, const std::string& meshes_from, const std::string& into) {
              const ExportedModel out = exported_model(arm, model_or_nothing(prior), meshes_from);
-             return to_sdf(out.arm, out.extras);
+             return into.empty() ? to_sdf(out.arm, out.extras) : updated_sdf(out.arm, into).xml;
            },
-           py::arg("prior") = py::none(), py::arg("meshes_from") = "", kExport)
+           py::arg("prior") = py::none(), py::arg("meshes_from") = "", py::arg("into") = "", kExport)
       .def("to_c_code", [](const Model& arm) { return to_c_code(arm); },
            "One file of C and C++: inverse dynamics, regressor, friction. No dependencies.");
 }

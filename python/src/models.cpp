@@ -94,7 +94,7 @@ void bind_models(py::module_& m) {
   py::class_<SharedModel, Model, Shared>(m, "Model",
                                          R"(An arm: frames, bodies and effects. It never changes.
 
-Model(name) reads a YAML, JSON or URDF file, or a robot that comes with veridyn by its bare name.
+Model(name) reads a YAML, JSON, URDF, MJCF or SDF file, or a robot that comes with veridyn by its bare name.
 Shapes below: n coordinates, b bodies, p standard parameters.)")
       .def(py::init([](const py::object& given) { return shared(model_of(given)); }),
            py::arg("name"))

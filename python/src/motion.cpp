@@ -120,6 +120,12 @@ std::shared_ptr<Excitation> excite_call(const py::object& model, const py::dict&
   keywords.read("seed", o.seed);
   keywords.read("threads", o.threads);
   if (const py::object powered = keywords.take("model")) o.powered = model_of(powered);
+  if (const py::object identified = keywords.take("noise_of")) {
+    const Model left = model_of(identified);
+    require(left.description().identified && left.description().identified->noise.size() == arm.joints(),
+            "excite: noise_of= is '", left.name(), "', expected an identified model of ", arm.name(), ".");
+    o.noise = usual_noise(left);
+  }
   o.workspace.collisions = read_collisions(keywords, model, arm);
   keywords.expect_all_taken();
   if (!o.powered && !arm.inertial_values())

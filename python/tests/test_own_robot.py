@@ -60,6 +60,15 @@ def test_the_command_gives_the_same_model_to_the_last_bit(recordings, identified
     assert np.array_equal(by_command.parameters, identified.model.parameters)
 
 
+def test_the_noise_of_an_identification_is_what_a_motion_is_predicted_with(identified):
+    quick = {"starts": 1, "iterations": 20, "duration": 16}
+    usual = veridyn.excite(URDF, **quick)["prediction"]
+    learned = veridyn.excite(URDF, noise_of=identified, **quick)["prediction"]
+    assert learned["median_relative_std"] < 0.2 * usual["median_relative_std"]
+    with pytest.raises(veridyn.InvalidInput, match="noise_of"):
+        veridyn.excite(URDF, noise_of=veridyn.read_model(URDF), **quick)
+
+
 def test_friction_can_be_left_out(recordings):
     bare = veridyn.identify(URDF, recordings[0], friction="file")
     assert bare.model.effects == []

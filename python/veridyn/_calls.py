@@ -98,7 +98,7 @@ def _documented(function: _Function) -> _Function:
 def read_model(robot: Any, *, constants: Optional[Mapping[str, float]] = None) -> _veridyn.Model:
     """Reads a robot, or a MODEL (a robot with identified values).
 
-    robot : path of a YAML, JSON or URDF file, or the bare name of a robot that comes with veridyn
+    robot : path of a YAML, JSON, URDF, MJCF or SDF file, or the bare name of a robot that comes with veridyn
     constants : values that replace constants of the file
 
     Raises InvalidInput: "file:line:column: found ..., expected ...".
@@ -275,6 +275,7 @@ def excite(robot: Any, **options: Unpack[ExcitationOptions]) -> Excitation:
     between : ("EFFECT:JOINT", "EFFECT:JOINT"), the two causes to tell apart
     essential, starts, iterations, limit_share, seed, threads : as the options of `veridyn excite`
     model : the arm with values, whose efforts limit the torques
+    noise_of : an Identification or its MODEL, whose residual is the noise of predicted deviations
     collisions : bool (True): links whose shapes are known keep apart; of a URDF file they are
     shapes : URDF file whose collision shapes the links have;  link_radius : float, m, of capsules
         along the lines from joint to joint

@@ -75,6 +75,7 @@ class ExcitationOptions(TypedDict, total=False):
     seed: int
     threads: int
     model: Any
+    noise_of: Any
     collisions: bool
     shapes: str
     link_radius: float

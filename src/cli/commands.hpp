@@ -12,6 +12,7 @@ enum ExitStatus {
   kWrongUsage = 2,
   kBadInput = 3,
   kDataCannotAnswer = 4,
+  kInterrupted = 130,  ///< Ctrl-C ended the work before its end; what was written is whole
 };
 
 /// Result of the command that ran. A command that returns normally is done; bad input and wrong

@@ -237,8 +237,10 @@ int ModelComparison::significant() const {
                           std::count_if(parameters.begin(), parameters.end(), yes));
 }
 
-ModelComparison compare(const Model& before, const Model& after, const ComparisonOptions& options) {
-  require_one_arm(before, after);
+ModelComparison compare(const Model& first, const Model& second, const ComparisonOptions& options) {
+  require_one_arm(first, second);
+  const Model before = without_frames_of_its_own(first, second);
+  const Model after = without_frames_of_its_own(second, first);
   const Side a(before);
   const Side b(after);
   ModelComparison out;
@@ -246,7 +248,7 @@ ModelComparison compare(const Model& before, const Model& after, const Compariso
   out.significance = options.significance;
   out.before = facts_of(a);
   out.after = facts_of(b);
-  out.structure = structure_differences(before, after);
+  out.structure = structure_differences(first, second);
   out.same_motion = same_motion(a.numbers, b.numbers);
   out.torque = torque_differences(a, b, out.same_motion);
   MatchedBase matched = matched_base(before, a.numbers, after, b.numbers, a.torque.column_sizes(),

@@ -6,8 +6,11 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <utility>
+#include <vector>
 
 #include "veridyn/effects/effect.hpp"
+#include "veridyn/identification/pseudo_inertia.hpp"
 #include "veridyn/regressor/standard_parameters.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -76,9 +79,20 @@ bool comparable(const Model& before, int term_before, const Model& after, int te
   return true;
 }
 
+// Pairs of frames that both models have. The others hang fixed on one of them (require_one_arm()),
+// such as a diagnosed load; a body that one model lacks has parameters of zero there.
+std::vector<std::pair<const Frame*, const Frame*>> common_frames(const Model& before, const Model& after) {
+  std::vector<std::pair<const Frame*, const Frame*>> out;
+  for (const Frame& frame : before.frames()) {
+    const int there = after.find_frame(frame.name);
+    if (there >= 0) out.emplace_back(&frame, &after.frames()[static_cast<std::size_t>(there)]);
+  }
+  return out;
+}
+
 bool same_geometry(const Model& before, const Model& after) {
-  for (std::size_t k = 0; k < before.frames().size(); ++k) {
-    if (!same_place(before.frames()[k], after.frames()[k])) return false;
+  for (const auto& [a, b] : common_frames(before, after)) {
+    if (!same_place(*a, *b)) return false;
   }
   return true;
 }
@@ -120,9 +134,8 @@ void compare_effects(const Model& before, const Model& after, Differences& out) 
 
 void compare_frames(const Model& before, const Model& after, Differences& out) {
   std::string moved;
-  for (std::size_t k = 0; k < before.frames().size(); ++k) {
-    if (same_place(before.frames()[k], after.frames()[k])) continue;
-    moved += (moved.empty() ? "" : ", ") + before.frames()[k].name;
+  for (const auto& [a, b] : common_frames(before, after)) {
+    if (!same_place(*a, *b)) moved += (moved.empty() ? "" : ", ") + a->name;
   }
   if (moved.empty()) return;
   std::string constants;
@@ -138,12 +151,25 @@ void compare_frames(const Model& before, const Model& after, Differences& out) {
 }
 
 void compare_facts(const Model& before, const Model& after, Differences& out) {
-  for (const int k : before.bodies()) {
-    const Frame& a = before.frames()[static_cast<std::size_t>(k)];
-    const Frame& b = after.frames()[static_cast<std::size_t>(k)];
-    if (a.body->fixed == b.body->fixed) continue;
-    out.push_back({"facts", fmt::format("the body {} is a fact in the model {} only.", a.name,
-                                        a.body->fixed ? "before" : "after")});
+  for (const auto& [a, b] : common_frames(before, after)) {
+    if (!a->body || a->body->fixed == b->body->fixed) continue;
+    out.push_back({"facts", fmt::format("the body {} is a fact in the model {} only.", a->name,
+                                        a->body->fixed ? "before" : "after")});
+  }
+}
+
+// Bodies that one model lacks.
+void compare_bodies(const Model& before, const Model& after, Differences& out) {
+  for (const bool first : {true, false}) {
+    const Model& arm = first ? before : after;
+    const Model& other = first ? after : before;
+    for (const int k : arm.bodies()) {
+      const Frame& frame = arm.frames()[static_cast<std::size_t>(k)];
+      if (other.find_frame(frame.name) >= 0) continue;
+      const std::string mass = frame.body->phi ? fmt::format(" ({:.4g} kg)", (*frame.body->phi)[0]) : "";
+      out.push_back({"body", fmt::format("only the model {} has the body {}{} on {}.", first ? "before" : "after", frame.name, mass,
+                                         frame.parent < 0 ? "the world" : arm.frames()[static_cast<std::size_t>(frame.parent)].name)});
+    }
   }
 }
 
@@ -166,6 +192,10 @@ void compare_coordinates(const Model& before, const Model& after, Differences& o
   }
 }
 
+std::string parent_of(const Model& arm, const Frame& frame) {
+  return frame.parent < 0 ? std::string() : arm.frames()[static_cast<std::size_t>(frame.parent)].name;
+}
+
 std::string robot_text(const Model& arm) {
   return fmt::format("'{}' ({} coordinates, {} frames, {} bodies)", arm.name(), arm.joints(),
                      arm.frames().size(), arm.bodies().size());
@@ -181,27 +211,130 @@ void require_one_arm(const Model& before, const Model& after) {
     const std::string& b = after.coordinates()[static_cast<std::size_t>(i)].name;
     if (a != b) odd = fmt::format("coordinate {} is '{}' and '{}'", i + 1, a, b);
   }
-  if (odd.empty() && before.frames().size() != after.frames().size())
-    odd = "the number of frames differs";
-  for (std::size_t k = 0; odd.empty() && k < before.frames().size(); ++k) {
-    const Frame& a = before.frames()[k];
-    const Frame& b = after.frames()[k];
-    if (a.name != b.name) {
-      odd = fmt::format("frame {} is '{}' and '{}'", k + 1, a.name, b.name);
-    } else if (a.parent != b.parent || a.type != b.type) {
-      odd = fmt::format("frame '{}' hangs or moves in another way", a.name);
-    } else if (a.body.has_value() != b.body.has_value()) {
-      odd = fmt::format("frame '{}' has a body in one of them only", a.name);
+  for (const bool first : {true, false}) {
+    const Model& arm = first ? before : after;
+    const Model& other = first ? after : before;
+    for (const Frame& frame : arm.frames()) {
+      if (odd.empty() && frame.type != JointType::kFixed && other.find_frame(frame.name) < 0)
+        odd = fmt::format("frame '{}' moves in the model {} only", frame.name, first ? "before" : "after");
+    }
+  }
+  for (const auto& [a, b] : common_frames(before, after)) {
+    if (!odd.empty()) break;
+    if (parent_of(before, *a) != parent_of(after, *b) || a->type != b->type) {
+      odd = fmt::format("frame '{}' hangs or moves in another way", a->name);
+    } else if (a->body.has_value() != b->body.has_value()) {
+      odd = fmt::format("frame '{}' has a body in one of them only", a->name);
     }
   }
   require(odd.empty(), "compare: found robot ", robot_text(before), " and robot ",
           robot_text(after), ": ", odd, "; expected two models of one arm.");
 }
 
+namespace {
+
+// A body's parameters in a frame in which its own frame has the pose A B.
+InertialParameters moved(const InertialParameters& phi, const Frame& frame) {
+  const Posed T = frame.A * frame.B;
+  Eigen::Matrix4d H;
+  // clang-format off
+  H << T.R.row0.x, T.R.row0.y, T.R.row0.z, T.p.x,
+       T.R.row1.x, T.R.row1.y, T.R.row1.z, T.p.y,
+       T.R.row2.x, T.R.row2.y, T.R.row2.z, T.p.z,
+       0, 0, 0, 1;
+  // clang-format on
+  return inertial_parameters(Eigen::Matrix4d(H * pseudo_inertia(phi) * H.transpose()));
+}
+
+// As many columns as there are rows, each the farthest from the span of those before it.
+std::vector<Eigen::Index> independent_columns(MatrixXd K) {
+  std::vector<Eigen::Index> out;
+  while (static_cast<Eigen::Index>(out.size()) < K.rows()) {
+    Eigen::Index best = 0;
+    const double norm = K.colwise().norm().maxCoeff(&best);
+    if (!(norm > 0.0)) break;
+    const VectorXd u = K.col(best) / norm;
+    K -= u * (u.transpose() * K);
+    K.col(best).setZero();
+    out.push_back(best);
+  }
+  return out;
+}
+
+// Drops parameters that the arm has no longer from the combinations. They act as those of the body
+// that carries theirs do, so that the combination of the rest has the same value.
+void forget_parameters(const std::set<std::string>& gone, const std::vector<StandardParameter>& kept, IdentifiedBase& base) {
+  bool leads = false;
+  for (IdentifiedParameter& p : base.parameters) {
+    for (const std::string& name : gone) p.combination.erase(name);
+    leads = leads || gone.count(p.name) != 0;
+  }
+  if (!leads) return;
+  // Other parameters lead: as many independent columns as there are combinations.
+  MatrixXd K = MatrixXd::Zero(static_cast<Eigen::Index>(base.parameters.size()), static_cast<Eigen::Index>(kept.size()));
+  for (Eigen::Index r = 0; r < K.rows(); ++r) {
+    const auto& combination = base.parameters[static_cast<std::size_t>(r)].combination;
+    for (Eigen::Index j = 0; j < K.cols(); ++j) {
+      const auto found = combination.find(kept[static_cast<std::size_t>(j)].name);
+      if (found != combination.end()) K(r, j) = found->second;
+    }
+  }
+  const std::vector<Eigen::Index> leading = independent_columns(K);
+  for (std::size_t r = 0; r < base.parameters.size() && r < leading.size(); ++r) {
+    base.parameters[r].name = kept[static_cast<std::size_t>(leading[r])].name;
+    base.parameters[r].unit = kept[static_cast<std::size_t>(leading[r])].unit;
+  }
+}
+
+}  // namespace
+
+Model without_frames_of_its_own(const Model& arm, const Model& other) {
+  ModelDescription d = arm.description();
+  std::set<std::string> gone;
+  for (const StandardParameter& p : standard_parameters(arm)) {
+    if (p.body < 0) continue;
+    const Frame& frame = arm.frames()[static_cast<std::size_t>(arm.bodies()[static_cast<std::size_t>(p.body)])];
+    if (other.find_frame(frame.name) < 0) gone.insert(p.name);
+  }
+  // Frames that hang on one of them come after it, and are of its own as well.
+  for (std::size_t k = d.frames.size(); k-- > 0;) {
+    const Frame frame = d.frames[k];
+    if (other.find_frame(frame.name) >= 0) continue;
+    if (frame.body) {
+      require(frame.body->phi.has_value(), "compare: found a body without values, ", frame.name, " of '", arm.name(),
+              "', expected a model that identify or diagnose wrote.");
+      // Frames without a body that are fixed to one, such as a flange, pass it on.
+      InertialParameters phi = moved(*frame.body->phi, frame);
+      int carrier = frame.parent;
+      while (carrier >= 0 && !d.frames[static_cast<std::size_t>(carrier)].body &&
+             d.frames[static_cast<std::size_t>(carrier)].type == JointType::kFixed) {
+        phi = moved(phi, d.frames[static_cast<std::size_t>(carrier)]);
+        carrier = d.frames[static_cast<std::size_t>(carrier)].parent;
+      }
+      require(carrier >= 0 && d.frames[static_cast<std::size_t>(carrier)].body && d.frames[static_cast<std::size_t>(carrier)].body->phi,
+              "compare: found the body ", frame.name, " of '", arm.name(),
+              "' on a link without a body, expected two models of one arm.");
+      *d.frames[static_cast<std::size_t>(carrier)].body->phi += phi;
+    }
+    d.frames.erase(d.frames.begin() + static_cast<long>(k));
+    for (Frame& below : d.frames) {
+      if (below.parent > static_cast<int>(k)) --below.parent;
+    }
+  }
+  if (d.frames.size() == arm.frames().size()) return arm;
+  std::optional<IdentifiedBase> identified = std::exchange(d.identified, std::nullopt);
+  if (identified) {
+    forget_parameters(gone, standard_parameters(Model(d)), *identified);
+    d.identified = std::move(identified);
+  }
+  return Model(std::move(d));
+}
+
 std::vector<StructureDifference> structure_differences(const Model& before, const Model& after) {
   Differences out;
   compare_frames(before, after, out);
   compare_coordinates(before, after, out);
+  compare_bodies(before, after, out);
   compare_facts(before, after, out);
   compare_effects(before, after, out);
   return out;

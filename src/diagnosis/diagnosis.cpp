@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <functional>
+#include <string>
 #include <utility>
 
 #include "diagnosis/stages/investigation.hpp"
@@ -64,6 +65,42 @@ void run_stages(Investigation& x, const Tell& tell) {
   if (!x.d.friction_remark.empty()) x.d.friction = plain_friction_of(*x.d.extended.model);
 }
 
+// Progress of stages and rounds of tests whose number is not known before: each stage advances the
+// bar by half of the rest, and each round by half of the rest of its stage.
+class Halving {
+ public:
+  using Listener = std::function<void(const std::string&, double)>;
+
+  explicit Halving(Listener listener) : listener_(std::move(listener)) {}
+
+  void begin(const char* stage) {
+    begun_ += width_;
+    width_ = 0.5 * (1.0 - begun_);
+    rounds_left_ = 1.0;
+    stage_ = stage;
+    tell(stage_, begun_);
+  }
+
+  void test(int tested, int of) {
+    const double round = 0.5 * rounds_left_;
+    const double done = 1.0 - rounds_left_ + round * tested / of;
+    tell(stage_ + ": testing hypothesis " + std::to_string(tested) + " of " + std::to_string(of),
+         begun_ + width_ * done);
+    if (tested == of) rounds_left_ -= round;
+  }
+
+  void end() const { tell("done", 1.0); }
+
+ private:
+  void tell(const std::string& what, double share) const {
+    if (listener_) listener_(what, share);
+  }
+
+  Listener listener_;
+  std::string stage_;
+  double begun_ = 0.0, width_ = 0.0, rounds_left_ = 1.0;
+};
+
 }  // namespace
 
 Diagnosis diagnose(const Model& arm, const Recordings& train, const Recordings& test,
@@ -78,15 +115,10 @@ Diagnosis diagnose(const Model& arm, const Recordings& train, const Recordings& 
   x.d.provisional = named.train.size() == 1;
   Thresholds& limits = x.options.thresholds;
   if (x.d.changes) limits.smallest_gain = std::max(limits.smallest_gain, limits.smallest_change);
-  // Progress is reported by stage, since it is unknown for the many identifications: each stage
-  // advances the bar by half of the rest.
-  const auto progress = std::exchange(x.options.identification.progress, {});
-  double left = 1.0;
-  run_stages(x, [&](const char* stage) {
-    if (progress) progress(stage, 1.0 - left);
-    left *= 0.5;
-  });
-  if (progress) progress("done", 1.0);
+  Halving progress(std::exchange(x.options.identification.progress, {}));
+  x.options.testing = [&progress](int tested, int of) { progress.test(tested, of); };
+  run_stages(x, [&progress](const char* stage) { progress.begin(stage); });
+  progress.end();
   forget_recordings(x.d.baseline);
   forget_recordings(x.d.extended);
   x.d.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

@@ -202,8 +202,8 @@ std::string Diagnosis::verdict() const {
 
 std::string Diagnosis::report(const std::string& next_command) const {
   if (!baseline.model) return baseline.report();
-  std::string out =
-      fmt::format("{}: {} hypotheses tested in {:.1f} s\n", baseline.robot, hypotheses, seconds);
+  std::string out = fmt::format("verdict: {}\n{}: {} hypotheses tested in {:.1f} s\n", verdict(),
+                                baseline.robot, hypotheses, seconds);
   for (const RecordingQuality& q : data_quality) {
     for (const QualityFinding& f : q.findings) {
       if (f.severity != Severity::kInfo)
@@ -223,9 +223,8 @@ std::string Diagnosis::report(const std::string& next_command) const {
            " move as one in all training recordings: what depends on one of them cannot be told from "
            "the others\n";
   }
-  out += findings.empty() ? "\nverdict: " + verdict() + "\n"
-         : changes        ? "\nwhat changed since the model was made:\n"
-                          : "\nwhat the model lacks:\n";
+  if (!findings.empty())
+    out += changes ? "\nwhat changed since the model was made:\n" : "\nwhat the model lacks:\n";
   for (const Finding& f : findings) {
     if (f.main) out += finding_text(*this, f);
   }

@@ -16,6 +16,8 @@
 namespace veridyn {
 namespace {
 
+constexpr double kDiagnosis = 0.5;  // share of the work, for progress
+
 // Splits the joints into those that travel in any recording and those that are held at a position.
 struct Travel {
   std::vector<int> moving;
@@ -281,6 +283,14 @@ FrictionStudy study_friction(const Model& arm, const Recordings& recordings, con
   if (asked.effects.empty()) asked.effects = kinds_of_friction();
   if (asked.identification.friction == JointFriction::kAuto && has_no_friction(open))
     asked.identification.friction = JointFriction::kPlain;
+  const auto progress = asked.identification.progress;
+  const auto part = [&progress](double from, double to) -> decltype(asked.identification.progress) {
+    if (!progress) return {};
+    return [&progress, from, to](const std::string& what, double share) {
+      progress(what, from + (to - from) * share);
+    };
+  };
+  asked.identification.progress = part(0.0, kDiagnosis);
   out.diagnosis = diagnose(open, train, held_out, asked);
   if (!out.diagnosis.baseline.model) {
     out.reason = out.diagnosis.baseline.reason;
@@ -289,6 +299,7 @@ FrictionStudy study_friction(const Model& arm, const Recordings& recordings, con
   const Identification& found =
       out.diagnosis.extended.model ? out.diagnosis.extended : out.diagnosis.baseline;
   asked.identification.friction = JointFriction::kFile;
+  asked.identification.progress = part(kDiagnosis, 1.0);
   out.fitted = identify(with_open_friction(*found.model), all, {}, asked.identification);
   if (!out.fitted.model) out.fitted = found;
   for (FrictionCurve& curve : friction_curves(out.fitted)) {

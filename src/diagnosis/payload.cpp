@@ -53,6 +53,21 @@ std::vector<double> held_out_gains(const Inquiry& q, const NormalBlocks& data,
   return out;
 }
 
+// Best first; of links whose gains are a tie, as in a diagnosis, the outermost comes first: what
+// hangs on the axis of a joint can be held by either of the links that it connects.
+void put_best_first(const Model& model, const Thresholds& limits, std::vector<PayloadEstimate>& links) {
+  std::stable_sort(links.begin(), links.end(),
+                   [](const auto& a, const auto& b) { return a.gain > b.gain; });
+  if (links.empty()) return;
+  const double least = limits.tie * links.front().gain;
+  const auto tied = std::find_if(links.begin(), links.end(),
+                                 [&](const PayloadEstimate& l) { return !(l.gain > least); });
+  const auto outermost = std::max_element(links.begin(), tied, [&](const auto& a, const auto& b) {
+    return model.find_frame(a.frame) < model.find_frame(b.frame);
+  });
+  if (tied != links.begin()) std::rotate(links.begin(), outermost, std::next(outermost));
+}
+
 }  // namespace
 
 PayloadReport find_payload(const Model& model, const Recordings& loaded,
@@ -102,8 +117,7 @@ PayloadReport find_payload(const Model& model, const Recordings& loaded,
     out.links.push_back(fit_payload(q.augmented, data, h));
     out.links.back().gain = gains[static_cast<size_t>(&h - q.augmented.hypotheses.data())];
   }
-  std::stable_sort(out.links.begin(), out.links.end(),
-                   [](const auto& a, const auto& b) { return a.gain > b.gain; });
+  put_best_first(model, limits, out.links);
   out.error_before = start.train_error.relative;
   if (out.links.empty()) {
     out.reason = "no link moves enough in these recordings to feel a load";
@@ -149,7 +163,7 @@ std::string PayloadReport::report() const {
       out += fmt::format("    or on {}: it moves so alike that the torques cannot tell\n", other);
   }
   out += "in the order of held out: how much smaller the logarithm of the squared errors is, over all "
-         "joints, on rows that the load was not fitted to\n";
+         "joints, on rows that the load was not fitted to; of a tie the outermost link comes first\n";
   const auto line = [&out](const char* name, const VectorXd& v) {
     out += fmt::format("  {:<22}", name);
     for (Eigen::Index i = 0; i < v.size(); ++i) out += fmt::format("{:8.2f}", numerics::kPercent * v[i]);

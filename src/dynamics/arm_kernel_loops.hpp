@@ -198,13 +198,13 @@ struct ArmKernelLoops {
       load(arm.tree, in, row, count, m);
       Batch::inverse_dynamics(arm, m.q, m.dq, m.ddq, nullptr, 0, m.tau, m.at);
       Batch::template rows_along<kOfPosition | kOfVelocity>(arm, 2 * n, m.at.rows, m.at);
-      Batch::template rows_along<kOfAcceleration>(arm, n, m.at.inverse, m.at);
+      Batch::mass_of(arm, m.at.matrix, m.at);
       for (int i = 0; i < n; ++i) {
         double* const to = out + long{i} * in.rows + row;
         const long next = long{n} * in.rows;
         for (int d = 0; d < 2 * n; ++d) store_lanes(m.at.rows[2 * i * n + d], count, to + d * next);
         for (int d = 0; d < n; ++d)
-          store_lanes(m.at.inverse[i * n + d], count, to + (2 * n + d) * next);
+          store_lanes(m.at.matrix[i * n + d], count, to + (2 * n + d) * next);
       }
     });
   }

@@ -71,8 +71,10 @@ void RegressorBatch::evaluate(const MatrixRef& q, const MatrixRef& dq, const Mat
   require(0 <= first && first <= end && end <= joints(), "RegressorBatch: joints ", first, " to ",
           end, " of ", joints(), ".");
   Y.resize(static_cast<size_t>(joints()));
-  for (int i = first; i < end; ++i)
-    Y[i].resize(in.rows, static_cast<Eigen::Index>(columns(i).size()));
+  for (int i = first; i < end; ++i) {
+    const auto cols = static_cast<Eigen::Index>(columns(i).size());
+    if (Y[i].rows() != in.rows || Y[i].cols() < cols) Y[i].resize(in.rows, cols);
+  }
   const Links tree = tree_;
   const AlignedMemory workspace(arm_kernels().batch_workspace(tree));
   std::vector<double*> data(static_cast<size_t>(joints()), nullptr);
@@ -102,7 +104,8 @@ void RegressorBatch::evaluate(const MatrixRef& q, const MatrixRef& dq, const Mat
                                      workspace.get());
     for (int i = first; i < end; ++i) {
       const double* from = data[static_cast<size_t>(i)];
-      for (Eigen::Index c = 0; c < Y[i].cols(); ++c, from += rows)
+      const auto cols = static_cast<Eigen::Index>(columns(i).size());
+      for (Eigen::Index c = 0; c < cols; ++c, from += rows)
         std::copy_n(from, rows, Y[i].data() + c * in.rows + row);
     }
   }

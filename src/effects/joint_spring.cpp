@@ -37,6 +37,7 @@ class JointSpring final : public AxisEffect, public WrittenInC {
     t.depends_on_position = true;
     t.holds_at_rest = true;
     t.lasting = true;
+    t.urdf_attribute = "stiffness";
     return t;
   }
   void columns(const AxisSample& x, const ShapeValues& shape, EffectState& /*state*/,

@@ -187,7 +187,7 @@ bool has_offset_parameter(const std::string& effect) {
   return false;
 }
 
-std::optional<std::pair<std::string, std::string>> effect_of_urdf(const std::string& attribute) {
+std::optional<std::pair<std::string, std::string>> effect_of_attribute(const std::string& attribute) {
   for (const AxisEffect* effect : axis_effects()) {
     if (effect->traits().urdf_attribute == attribute)
       return std::make_pair(effect->name(), effect->parameters().front().name);

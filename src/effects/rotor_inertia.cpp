@@ -19,6 +19,7 @@ class RotorInertia final : public AxisEffect, public WrittenInC {
     t.uses_acceleration = true;
     t.affine = true;
     t.lasting = true;
+    t.urdf_attribute = "armature";
     return t;
   }
   void columns(const AxisSample& x, const ShapeValues& /*shape*/, EffectState& /*state*/,

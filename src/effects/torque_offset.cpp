@@ -19,6 +19,7 @@ class TorqueOffset final : public AxisEffect, public WrittenInC {
     t.affine = true;
     t.holds_at_rest = true;
     t.elementary = true;
+    t.urdf_attribute = "offset";
     return t;
   }
   void columns(const AxisSample& /*x*/, const ShapeValues& /*shape*/, EffectState& /*state*/,

@@ -272,7 +272,7 @@ void Design::describe(const Candidate& best, const VectorXd& random, Excitation&
   const std::optional<Model> known = values_of(arm_, options_);
   if (known) {
     out.prediction =
-        predict_identification(*known, out.motion, options_.noise.value_or(usual_noise(*known)),
+        predict_identification(*known, out.motion, options_.noise.value_or(expected_noise(*known, out.motion)),
                                options_.given, same_parameters(*known, arm_) ? reported_base(arm_) : std::vector<int>());
   }
   if (options_.between && options_.criterion == ExcitationCriterion::kDiscriminate)
@@ -296,6 +296,7 @@ Excitation Design::run() {
   std::vector<Candidate> ends(found.size());
   if (options_.progress) options_.progress("searching", 0.0);
   parallel_for(options_.starts, options_.threads, [&](int start) {
+    if (start > 0 && stopped()) return;
     const auto own = static_cast<size_t>(start);
     ends[own] = search(asked, start, found[own]);
   });

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 
 #include "math/median.hpp"
 #include "regressor/random_states.hpp"
@@ -47,15 +48,28 @@ VectorXd variances(const MatrixXd& information) {
   return inverse.diagonal().cwiseProduct(d.cwiseAbs2());
 }
 
+// A joint without torque would have no noise; a small value avoids division by zero.
+VectorXd above_zero(const VectorXd& torque) {
+  return torque.cwiseMax(1e-6 * std::max(1e-300, torque.maxCoeff()));
+}
+
+std::optional<TorqueNoise> identified_noise(const Model& arm) {
+  const auto& identified = arm.description().identified;
+  if (!identified || identified->noise.size() != arm.joints() || !(identified->noise.minCoeff() > 0.0))
+    return std::nullopt;
+  TorqueNoise out;
+  out.deviation = identified->noise;
+  out.source = "what the model's identification left";
+  return out;
+}
+
 }  // namespace
 
 TorqueNoise noise_of_efforts(const Model& arm, double share) {
   TorqueNoise out;
   out.deviation = VectorXd::Ones(arm.joints());
   if (arm.inertial_values()) out.deviation = rms_torque(arm, random_states(arm, kStates));
-  // A joint without torque would have no noise; a small value avoids division by zero.
-  const double floor = 1e-6 * std::max(1e-300, out.deviation.maxCoeff());
-  out.deviation = kOfRms * share * out.deviation.cwiseMax(floor);
+  out.deviation = kOfRms * share * above_zero(out.deviation);
   bool limited = false;
   for (int i = 0; i < arm.joints(); ++i) {
     const double effort = arm.coordinates()[static_cast<size_t>(i)].limits.effort;
@@ -69,12 +83,14 @@ TorqueNoise noise_of_efforts(const Model& arm, double share) {
 }
 
 TorqueNoise usual_noise(const Model& arm) {
-  const auto& identified = arm.description().identified;
-  if (!identified || identified->noise.size() != arm.joints() || !(identified->noise.minCoeff() > 0.0))
-    return noise_of_efforts(arm, kUsualNoise);
+  return identified_noise(arm).value_or(noise_of_efforts(arm, kUsualNoise));
+}
+
+TorqueNoise expected_noise(const Model& arm, const MotionSamples& motion) {
+  if (const std::optional<TorqueNoise> known = identified_noise(arm)) return *known;
   TorqueNoise out;
-  out.deviation = identified->noise;
-  out.source = "what the model's identification left";
+  out.deviation = kUsualResidual * above_zero(rms_torque(arm, motion));
+  out.source = fmt::format("{:.0f} % of the rms torque, as on real arms", 100.0 * kUsualResidual);
   return out;
 }
 

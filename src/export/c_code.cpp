@@ -114,8 +114,12 @@ class CWriter {
                      "#endif\n#endif\n",
                      name_));
     line(fmt::format("#ifdef __cplusplus\n#define {0}_FUNCTION template <typename {0}_real> inline\n"
+                     "#define {0}_sin(x) sin(x)\n#define {0}_cos(x) cos(x)\n"
                      "#else\n#ifndef {0}_real\n#define {0}_real double\n#endif\n"
-                     "#define {0}_FUNCTION {0}_API\n#endif\n",
+                     "#define {0}_FUNCTION {0}_API\n"
+                     "#define {0}_sin(x) (sizeof({0}_real) == sizeof(float) ? sinf((float)(x)) : sin(x))\n"
+                     "#define {0}_cos(x) (sizeof({0}_real) == sizeof(float) ? cosf((float)(x)) : cos(x))\n"
+                     "#endif\n",
                      name_));
   }
 
@@ -213,11 +217,11 @@ static double {0}_contact(double s, double distance, double* z) {{
     }
   }
 
-  // Writes one algorithm of ArmDynamics as straight-line code for this arm.
+  // Writes one algorithm of ArmDynamics as straight-line code for this arm, after `first`.
   template <typename Run>
   void traced(const std::string& what, const std::string& function,
               const std::vector<const char*>& in, const std::vector<const char*>& out,
-              const Run& run) {
+              const Run& run, const char* first = "") {
     TracedProgram program;
     const int n = arm_.joints();
     ArmDynamics<Traced> dynamics(tree_, phi_.data());
@@ -225,7 +229,7 @@ static double {0}_contact(double s, double distance, double* z) {{
     for (const char* name : in) given.push_back(input(program, name, n));
     Values results;
     run(dynamics, given, results);
-    this->function(what, function, in, out, program.statements(results));
+    this->function(what, function, in, out, first + program.statements(results));
   }
 
   void rigid_bodies() {
@@ -266,7 +270,8 @@ static double {0}_contact(double s, double distance, double* z) {{
              Matrix Y(n, p);
              arm.regressor(x[0], x[1], x[2], Y);
              add("Y", Y, to);
-           });
+           },
+           "  (void)@phi, (void)@joint_names, (void)@parameter_names;\n");
   }
 
   // Writes a function; `in` and `out` are arrays. torque() explains the effects' memory.
@@ -287,7 +292,7 @@ static double {0}_contact(double s, double distance, double* z) {{
     line(fmt::format("  typedef {}_real R;", name_));
     line("  (void)sizeof(R);");
     for (const char* one : in) line(fmt::format("  (void){};", one));
-    out_ += body;
+    for (const char c : body) out_ += c == '@' ? name_ + "_" : std::string(1, c);
     line("}\n");
     std::string passed;
     for (const auto* list : {&in, &out}) {
@@ -336,8 +341,6 @@ static double {0}_contact(double s, double distance, double* z) {{
                columns[p] + ")";
     }
     define("force", force);
-    for (std::size_t at = out.find('@'); at != std::string::npos; at = out.find('@'))
-      out.replace(at, 1, name_ + "_");
     out += "    (void)s, (void)ds, (void)dds, (void)z;\n";
     for (Eigen::Index i = 0; i < axis.coefficients.size(); ++i) {
       if (axis.coefficients[i] == 0.0) continue;

@@ -226,6 +226,22 @@ std::map<std::string, std::string> remarks_on(const PortableModel& model) {
   return out;
 }
 
+// [m] radius of gyration of a body that is known as a point, such as a diagnosed load: simulators
+// refuse bodies without inertia. A kilogram gets 1e-6 kg m^2, below what torques of any arm tell.
+constexpr double kPointRadius = 1e-3;
+
+Model with_sizes_of_points(const Model& arm) {
+  ModelDescription d = arm.description();
+  for (Frame& frame : d.frames) {
+    if (!frame.body || !((*frame.body->phi)[0] > 0.0)) continue;
+    InertialParameters& phi = *frame.body->phi;
+    const Eigen::Matrix4d J = pseudo_inertia(phi);
+    const double spread = (J.topLeftCorner<3, 3>() - J.topRightCorner<3, 1>() * J.topRightCorner<3, 1>().transpose() / phi[0]).norm();
+    if (spread < phi[0] * kPointRadius * kPointRadius) phi = with_size(phi, kPointRadius);
+  }
+  return Model(std::move(d));
+}
+
 bool ends_in_urdf(const std::string& path) {
   return path.size() > 5 && path.compare(path.size() - 5, 5, ".urdf") == 0;
 }
@@ -237,7 +253,7 @@ ExportedModel exported_model(const Model& arm, const std::optional<Model>& prior
   ExportedModel out{arm, {}, {}, {}};
   if (arm.inertial_values()) {
     const PortableModel portable = portable_model(arm, prior);
-    out.arm = portable.arm;
+    out.arm = with_sizes_of_points(portable.arm);
     out.extras.remarks = remarks_on(portable);
     if (!portable.remark.empty()) out.warnings.push_back(portable.remark);
     if (portable.changed) {

@@ -62,11 +62,19 @@ class SdfWriter {
     return words.substr(first, words.find_last_not_of(' ') + 1 - first);
   }
 
+  // Parts of a model have one name space in SDFormat.
+  std::string link_name(const std::string& name) const {
+    const bool taken = urdf_.child("robot").find_child([&](const pugi::xml_node& node) {
+      return std::strcmp(node.name(), "joint") == 0 && name == node.attribute("name").value();
+    });
+    return taken ? name + "_link" : name;
+  }
+
   void link(pugi::xml_node from) {
     const std::string name = from.attribute("name").value();
     if (name == "world") return;
     pugi::xml_node to = model_.append_child("link");
-    set(to, "name", name);
+    set(to, "name", link_name(name));
     const pugi::xml_node above = joint_above(name);
     if (above) {
       pugi::xml_node pose = to.append_child("pose");
@@ -126,10 +134,10 @@ class SdfWriter {
     set(to, "type", type);
     const std::string parent = from.child("parent").attribute("link").value();
     pugi::xml_node pose = to.append_child("pose");
-    set(pose, "relative_to", parent == "world" ? "__model__" : parent);
+    set(pose, "relative_to", parent == "world" ? "__model__" : link_name(parent));
     pose.text().set(pose_of(from).c_str());
-    element(to, "parent", parent);
-    element(to, "child", from.child("child").attribute("link").value());
+    element(to, "parent", link_name(parent));
+    element(to, "child", link_name(from.child("child").attribute("link").value()));
     if (type == "fixed") return;
     pugi::xml_node axis = to.append_child("axis");
     element(axis, "xyz", given(from.child("axis"), "xyz", "1 0 0"));

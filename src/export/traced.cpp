@@ -13,6 +13,7 @@ namespace {
 thread_local TracedProgram* opened = nullptr;
 
 constexpr double kNothing = 1e-17;  // entries of a rotation below it are rounding of cos(pi/2)
+constexpr double kRounding = 1e-15;  // of an offset that is a quarter turn
 constexpr size_t kLongest = 110;    // longest expression, in letters, that is written in one line
 
 }  // namespace
@@ -135,10 +136,53 @@ Traced& Traced::operator-=(const Traced& other) {
   return *this = *this - other;
 }
 
+// The angles q + pi/2, pi - q and q of several joints share one sine and one cosine.
 void sine_cosine(const Traced& x, Traced& sine, Traced& cosine) {
+  using Kind = TracedProgram::Kind;
   TracedProgram& program = TracedProgram::open();
-  sine = Traced::of_node(program.node(TracedProgram::Kind::kSine, x.node()));
-  cosine = Traced::of_node(program.node(TracedProgram::Kind::kCosine, x.node()));
+  int at = x.node();
+  double side = 1.0, offset = 0.0;  // x = side * at + offset
+  const auto value = [&](int node) { return program.nodes_[static_cast<size_t>(node)].value; };
+  const auto is_constant = [&](int node) {
+    return program.nodes_[static_cast<size_t>(node)].kind == Kind::kConstant;
+  };
+  for (int before = -1; before != at;) {
+    before = at;
+    const TracedProgram::Node& n = program.nodes_[static_cast<size_t>(at)];
+    if (n.kind == Kind::kMinus) {
+      side = -side;
+      at = n.a;
+    } else if ((n.kind == Kind::kSum || n.kind == Kind::kDifference) && is_constant(n.a)) {
+      offset += side * value(n.a);
+      side = n.kind == Kind::kSum ? side : -side;
+      at = n.b;
+    } else if ((n.kind == Kind::kSum || n.kind == Kind::kDifference) && is_constant(n.b)) {
+      offset += (n.kind == Kind::kSum ? side : -side) * value(n.b);
+      at = n.a;
+    }
+  }
+  double quarters = std::round(offset / M_PI_2);
+  if (std::abs(offset - quarters * M_PI_2) > kRounding * std::abs(quarters)) {
+    at = x.node();
+    side = 1.0;
+    quarters = 0.0;
+  }
+  Traced s, c;
+  if (is_constant(at)) {
+    s = Traced(std::sin(value(at)));
+    c = Traced(std::cos(value(at)));
+  } else {
+    s = Traced::of_node(program.node(Kind::kSine, at));
+    c = Traced::of_node(program.node(Kind::kCosine, at));
+  }
+  if (side < 0.0) s = -s;
+  for (; quarters != 0.0; quarters -= std::copysign(1.0, quarters)) {
+    const Traced old = s;  // sin(x + pi/2) = cos x, cos(x + pi/2) = -sin x
+    s = quarters > 0.0 ? c : -c;
+    c = quarters > 0.0 ? -old : old;
+  }
+  sine = s;
+  cosine = c;
 }
 
 // `around` is the precedence of the enclosing operator: 0 none, 1 a sum, 2 after a minus, 3 a
@@ -173,9 +217,9 @@ std::string TracedProgram::expression(int at, const std::vector<int>& uses, int 
     case Kind::kMinus:
       return enclosed(around > 0, "-" + part(n.a, 3));
     case Kind::kSine:
-      return "sin(" + part(n.a, 0) + ")";
+      return "@sin(" + part(n.a, 0) + ")";
     case Kind::kCosine:
-      return "cos(" + part(n.a, 0) + ")";
+      return "@cos(" + part(n.a, 0) + ")";
   }
   return {};
 }

@@ -51,7 +51,7 @@ class TracedProgram {
   Traced input(const std::string& name);
 
   /// C statements that compute every (left-hand side, value), with temporaries of a type R; indented
-  /// by two.
+  /// by two. Sine and cosine are called @sin and @cos.
   std::string statements(const std::vector<std::pair<std::string, Traced>>& results) const;
 
  private:

@@ -18,6 +18,7 @@
 #include "math/parallel.hpp"
 #include "math/student_t.hpp"
 #include "shortfall.hpp"
+#include "velocity_choice.hpp"
 #include "veridyn/effects/cause.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/math/require.hpp"
@@ -535,11 +536,36 @@ std::vector<FleetArm> read_fleet(const std::string& path) {
   return out;
 }
 
+namespace {
+
+// The factors of one file. A velocity that is no derivative of its position is taken from the
+// position, as in identify(), which `remarks` says.
+FactorSet factors_of_file(const Model& arm, const std::string& path,
+                          const PreprocessingOptions& preprocessing,
+                          std::vector<std::string>& remarks) {
+  if (is_factor_file(path)) {
+    FactorSet set = read_factors(path);
+    require_factors_of(arm, set, preprocessing);
+    return set;
+  }
+  IdentificationOptions how;
+  how.preprocessing = preprocessing;
+  how.threads = 1;
+  for (const std::string& remark : remarks_on(leave_wrong_velocities_out(arm, {path}, {}, how), arm))
+    remarks.push_back(path + ": " + remark);
+  FactorSet set = compress(arm, std::vector<std::string>(), preprocessing, 1);
+  set.recordings = compress(arm, std::vector<std::string>{path}, how.preprocessing, 1).recordings;
+  return set;
+}
+
+}  // namespace
+
 Fleet identify_fleet(const Model& file, const std::vector<FleetArm>& arms,
                      const FleetOptions& options) {
   const Model arm = with_friction(file, JointFriction::kAuto);
   std::vector<ArmFactor> factors(arms.size());
   std::vector<std::vector<UnusedRecording>> unused(arms.size());
+  std::vector<std::vector<std::string>> remarks(arms.size());
   std::mutex guard;
   size_t done = 0;
   parallel_for(static_cast<int>(arms.size()), options.threads, [&](int k) {
@@ -547,10 +573,7 @@ Fleet identify_fleet(const Model& file, const std::vector<FleetArm>& arms,
     FactorSet set;
     for (const std::string& path : arms[at].files) {
       try {
-        FactorSet one = is_factor_file(path) ? read_factors(path)
-                                             : compress(arm, std::vector<std::string>{path},
-                                                        options.preprocessing, 1);
-        require_factors_of(arm, one, options.preprocessing);
+        FactorSet one = factors_of_file(arm, path, options.preprocessing, remarks[at]);
         for (CompressedRecording& r : one.recordings) {
           require(r.rows > 0.0, r.source, ": found no usable samples.");
           merge_blocks(r, 1);
@@ -569,7 +592,10 @@ Fleet identify_fleet(const Model& file, const std::vector<FleetArm>& arms,
   });
   std::vector<UnusedRecording> left_out;
   for (const auto& of_arm : unused) left_out.insert(left_out.end(), of_arm.begin(), of_arm.end());
-  return solved_fleet(arm, std::move(factors), std::move(left_out), options);
+  Fleet fleet = solved_fleet(arm, std::move(factors), std::move(left_out), options);
+  for (const auto& of_arm : remarks)
+    fleet.remarks.insert(fleet.remarks.end(), of_arm.begin(), of_arm.end());
+  return fleet;
 }
 
 Fleet identify_fleet(const Model& file, const std::vector<std::string>& names,

@@ -70,6 +70,7 @@ std::string Fleet::report() const {
     if (undetermined.size() > kShown)
       out += fmt::format("  and {} more\n", undetermined.size() - kShown);
   }
+  for (const std::string& remark : remarks) out += "remark: " + remark + "\n";
   if (!left_out.empty()) out += fmt::format("\n{} files left out\n", left_out.size());
   return out;
 }

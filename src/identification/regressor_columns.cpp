@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "regressor/effect_along.hpp"
 #include "veridyn/effects/channel_effect.hpp"
@@ -10,12 +11,20 @@
 namespace veridyn {
 namespace {
 
-constexpr Eigen::Index kGroupEntries = 1 << 20;  // entries of columns in memory at once
+constexpr Eigen::Index kGroupEntries = 1 << 21;  // entries of columns in memory at once
 
 }  // namespace
 
 RegressorColumns::RegressorColumns(const Model& arm, const PreprocessingOptions& options)
-    : arm_(arm), options_(options), bodies_(arm), parameters_(standard_parameters(arm)) {
+    : arm_(arm),
+      options_(options),
+      bodies_(arm),
+      parameters_(standard_parameters(arm)),
+      first_of_effect_(arm.effects().size(), 0) {
+  for (size_t p = 0; p < parameters_.size(); ++p) {
+    if (parameters_[p].effect >= 0 && parameters_[p].component == 0)
+      first_of_effect_[static_cast<size_t>(parameters_[p].effect)] = static_cast<Eigen::Index>(p);
+  }
   for (int i = 0; i < arm.joints(); ++i) {
     std::vector<int> mine = bodies_.columns(i);
     for (size_t p = 0; p < parameters_.size(); ++p) {
@@ -35,18 +44,18 @@ RegressorColumns::RegressorColumns(const Model& arm, const PreprocessingOptions&
 std::vector<MatrixXd> RegressorColumns::raw_columns(const Stretch& s, Joints joints) const {
   const Eigen::Index rows = s.q.rows();
   std::vector<MatrixXd> Y(of_joint_.size());
-  bodies_.evaluate(s.q, s.dq, s.ddq, joints.first, joints.end, Y);
   std::vector<Eigen::Index> at(Y.size());
   for (int i = joints.first; i < joints.end; ++i) {
-    at[i] = Y[i].cols();
-    const auto all = static_cast<Eigen::Index>(of_joint_[i].size());
-    if (all > at[i]) Y[i].conservativeResize(rows, all);
+    at[i] = static_cast<Eigen::Index>(bodies_.columns(i).size());
+    Y[i].resize(rows, static_cast<Eigen::Index>(of_joint_[i].size()));
   }
+  bodies_.evaluate(s.q, s.dq, s.ddq, joints.first, joints.end, Y);
   MatrixXd load;
-  ArmTerms of_arm;
-  for (const EffectTerm& term : arm_.effects()) {
+  std::vector<std::vector<Eigen::Index>> at_effect(arm_.effects().size());
+  for (size_t e = 0; e < arm_.effects().size(); ++e) {
+    const EffectTerm& term = arm_.effects()[e];
     if (const ChannelEffect* channel = channel_effect(term.effect)) {
-      of_arm.emplace_back(&term, at);
+      at_effect[e] = at;
       for (int i = joints.first; i < joints.end; ++i) {
         if (!channel->acts_on(i, channel_joint(*channel, term))) continue;
         const auto own = static_cast<Eigen::Index>(channel->parameters().size());
@@ -57,13 +66,7 @@ std::vector<MatrixXd> RegressorColumns::raw_columns(const Stretch& s, Joints joi
     }
     if (term.axis.coefficients.segment(joints.first, joints.end - joints.first).isZero(0.0))
       continue;
-    const BoundEffect effect(arm_, term);
-    const MotionView motion(s.time, s.q, s.dq, s.ddq);
-    if (effect.traits().uses_load && load.size() == 0) {
-      load = rigid_load(arm_, bodies_, motion);
-      smooth_load(load, s.dt);
-    }
-    const MatrixXd columns = columns_along(effect, motion, load, s.start);
+    const MatrixXd columns = columns_of(term, s, load);
     for (int i = joints.first; i < joints.end; ++i) {
       const double c = term.axis.coefficients[i];
       if (c == 0.0) continue;
@@ -71,31 +74,65 @@ std::vector<MatrixXd> RegressorColumns::raw_columns(const Stretch& s, Joints joi
       at[i] += columns.cols();
     }
   }
-  if (!of_arm.empty()) fill_channel_errors(s, of_arm, joints, Y);
+  for_channel_errors(s, [&](size_t e, int i, const std::vector<MatrixXd>& columns) {
+    if (i < joints.first || i >= joints.end) return;
+    for (size_t p = 0; p < columns.size(); ++p)
+      Y[i].col(at_effect[e][i] + static_cast<Eigen::Index>(p)) = columns[p].col(i);
+  });
   return Y;
 }
 
-// Columns of sensor errors: derivatives of the torque predicted by the arm's own values.
-void RegressorColumns::fill_channel_errors(const Stretch& s, const ArmTerms& terms, Joints joints,
-                                           std::vector<MatrixXd>& Y) const {
-  const auto phi = arm_.inertial_values();
-  MatrixXd effort(s.q.rows(), arm_.joints());
-  for (int i = joints.first; i < joints.end; ++i) {
-    VectorXd mine(Y[i].cols());
-    for (Eigen::Index p = 0; p < mine.size(); ++p)
-      mine[p] = parameters_[static_cast<size_t>(of_joint_[i][static_cast<size_t>(p)])].value;
-    effort.col(i) = Y[i] * mine;
+// Columns of an effect along its axis; computes the load of the bodies when the first one needs it.
+MatrixXd RegressorColumns::columns_of(const EffectTerm& term, const Stretch& s, MatrixXd& load) const {
+  const BoundEffect effect(arm_, term);
+  const MotionView motion(s.time, s.q, s.dq, s.ddq);
+  if (effect.traits().uses_load && load.size() == 0) {
+    load = rigid_load(arm_, bodies_, motion);
+    smooth_load(load, s.dt);
   }
+  return columns_along(effect, motion, load, s.start);
+}
+
+// Torque of the bodies and of the effects along axes, for given parameters.
+MatrixXd RegressorColumns::torque(const Stretch& s, const VectorRef& values) const {
+  MatrixXd tau, load;
+  bodies_.torques(s.q, s.dq, s.ddq,
+                  values.head(static_cast<Eigen::Index>(kBodyParameters * arm_.bodies().size())), tau);
+  for (size_t e = 0; e < arm_.effects().size(); ++e) {
+    const EffectTerm& term = arm_.effects()[e];
+    if (channel_effect(term.effect) != nullptr) continue;
+    const MatrixXd columns = columns_of(term, s, load);
+    const VectorXd force = columns * values.segment(first_of_effect_[e], columns.cols());
+    for (int i = 0; i < arm_.joints(); ++i) {
+      if (term.axis.coefficients[i] != 0.0) tau.col(i) += term.axis.coefficients[i] * force;
+    }
+  }
+  return tau;
+}
+
+// Columns of sensor errors: derivatives of the torque predicted by the arm's own values. Calls
+// put(e, i, columns) for every joint on which such an effect e acts.
+template <typename Put>
+void RegressorColumns::for_channel_errors(const Stretch& s, const Put& put) const {
+  const auto phi = arm_.inertial_values();
   if (!phi) return;
-  const ChannelMotion motion{arm_, bodies_, *phi, s.q, s.dq, s.ddq, effort, s.dt};
-  for (const auto& [term, at] : terms) {
-    const ChannelEffect& channel = *channel_effect(term->effect);
-    const int joint = channel_joint(channel, *term);
-    const std::vector<MatrixXd> columns = channel.columns(motion, joint);
-    for (int i = joints.first; i < joints.end; ++i) {
-      if (!channel.acts_on(i, joint)) continue;
-      for (size_t p = 0; p < columns.size(); ++p)
-        Y[i].col(at[i] + static_cast<Eigen::Index>(p)) = columns[p].col(i);
+  std::optional<ChannelMotion> motion;
+  MatrixXd effort;
+  for (size_t e = 0; e < arm_.effects().size(); ++e) {
+    const EffectTerm& term = arm_.effects()[e];
+    const ChannelEffect* channel = channel_effect(term.effect);
+    if (channel == nullptr) continue;
+    if (!motion) {
+      VectorXd own(static_cast<Eigen::Index>(parameters_.size()));
+      for (size_t p = 0; p < parameters_.size(); ++p)
+        own[static_cast<Eigen::Index>(p)] = parameters_[p].value;
+      effort = torque(s, own);
+      motion.emplace(ChannelMotion{arm_, bodies_, *phi, s.q, s.dq, s.ddq, effort, s.dt});
+    }
+    const int joint = channel_joint(*channel, term);
+    const std::vector<MatrixXd> columns = channel->columns(*motion, joint);
+    for (int i = 0; i < arm_.joints(); ++i) {
+      if (channel->acts_on(i, joint)) put(e, i, columns);
     }
   }
 }
@@ -208,17 +245,11 @@ MatrixXd RegressorColumns::filtered_torque(const Stretch& s) const {
 
 RegressorColumns::Prediction RegressorColumns::predict(const Stretch& s,
                                                        const VectorRef& values) const {
-  Prediction out{s.tau, MatrixXd::Zero(s.tau.rows(), s.tau.cols())};
-  for (const Joints joints : groups(s.q.rows())) {
-    const std::vector<MatrixXd> Y = raw_columns(s, joints);
-    for (int i = joints.first; i < joints.end; ++i) {
-      const std::vector<int>& own = of_joint_[static_cast<size_t>(i)];
-      VectorXd mine(static_cast<Eigen::Index>(own.size()));
-      for (size_t p = 0; p < own.size(); ++p)
-        mine[static_cast<Eigen::Index>(p)] = values[own[p]];
-      out.modelled.col(i) = Y[static_cast<size_t>(i)] * mine;
-    }
-  }
+  Prediction out{s.tau, torque(s, values)};
+  for_channel_errors(s, [&](size_t e, int i, const std::vector<MatrixXd>& columns) {
+    for (size_t p = 0; p < columns.size(); ++p)
+      out.modelled.col(i) += values[first_of_effect_[e] + static_cast<Eigen::Index>(p)] * columns[p].col(i);
+  });
   const MatrixXd of_arm = arm_effect_torques(arm_, bodies_, s.q, s.dq, s.ddq, s.dt);
   if (of_arm.size() > 0) out.modelled += of_arm;
   filter(out.measured, s.dt);

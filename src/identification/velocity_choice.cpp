@@ -22,10 +22,11 @@ RecordingQuality quality_of(const Model& arm, const std::string& name,
   RecordingOptions reading = reading_of(arm, how);
   reading.first_row = std::max(0L, how.first_row);
   reading.row_count = how.row_count < 0 ? kLookedAt : std::min(how.row_count, kLookedAt);
+  const auto judge = [&] { return check_rows(name, open_rows(name, reading, how.kept.get())); };
   try {
     const Recording* there = find_in_memory(how.in_memory, name);
-    return there != nullptr ? check_recording(*there)
-                            : check_rows(name, open_rows(name, reading, how.kept.get()));
+    if (there != nullptr) return check_recording(*there);
+    return how.kept ? how.kept->quality(name, reading, judge) : judge();
   } catch (const InvalidInput&) {
     return {};
   }
@@ -122,15 +123,6 @@ std::set<int> leave_wrong_velocities_out(const Model& arm, const std::vector<std
   const std::set<int> wrong = trust_in_velocities(arm, all, how).wrong;
   if (!wrong.empty()) derive_velocities(wrong, how);
   return wrong;
-}
-
-std::vector<std::string> remarks_on(const std::set<int>& wrong, const Model& arm) {
-  std::vector<std::string> out;
-  for (const int j : wrong) {
-    out.push_back(text("dq", j + 1, " (", arm.coordinates()[static_cast<size_t>(j)].name,
-                       ") is no derivative of q", j + 1, ", which is used instead"));
-  }
-  return out;
 }
 
 }  // namespace veridyn

@@ -67,7 +67,4 @@ std::set<int> leave_wrong_velocities_out(const Model& arm, const std::vector<std
                                          const std::vector<std::string>& test,
                                          IdentificationOptions& how);
 
-/// "dq3 (insertion) is no derivative of q3, which is used instead", for each of them.
-std::vector<std::string> remarks_on(const std::set<int>& wrong, const Model& arm);
-
 }  // namespace veridyn

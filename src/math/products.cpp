@@ -4,7 +4,6 @@ namespace Eigen {
 #if EIGEN_VERSION_AT_LEAST(3, 4, 0) && !EIGEN_VERSION_AT_LEAST(3, 4, 90)
 namespace internal {
 
-template struct gebp_kernel<double, double, Index, blas_data_mapper<double, Index, ColMajor, Unaligned, 1>, Gebp::mr, Gebp::nr, false, false>;
 template struct gemm_pack_lhs<double, Index, ConstBlas<ColMajor>, Gebp::mr, Gebp::LhsProgress, Gebp::LhsPacket4Packing, ColMajor, false, false>;
 template struct gemm_pack_lhs<double, Index, ConstBlas<RowMajor>, Gebp::mr, Gebp::LhsProgress, Gebp::LhsPacket4Packing, RowMajor, false, false>;
 template struct gemm_pack_rhs<double, Index, ConstBlas<ColMajor>, Gebp::nr, ColMajor, false, false>;

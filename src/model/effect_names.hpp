@@ -22,7 +22,8 @@ bool may_lack_axis(const std::string& effect);
 /// True if `offset` is a parameter of the effect itself, in which case its axis cannot have one.
 bool has_offset_parameter(const std::string& effect);
 
-/// The effect and the parameter that correspond to an attribute of URDF's <dynamics>.
-std::optional<std::pair<std::string, std::string>> effect_of_urdf(const std::string& attribute);
+/// The effect and the parameter that correspond to an attribute of a simulator's joint: "damping",
+/// "friction", "armature", "stiffness" or a constant "offset" of its force.
+std::optional<std::pair<std::string, std::string>> effect_of_attribute(const std::string& attribute);
 
 }  // namespace veridyn

@@ -9,7 +9,10 @@
 #include "math/beside_program.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
+#include "model/robot_format.hpp"
 #include "model/suggestion.hpp"
+#include "model/xml_file.hpp"
+#include "veridyn/model/simulator_files.hpp"
 #include "veridyn/model/urdf.hpp"
 
 namespace veridyn {
@@ -30,20 +33,17 @@ std::vector<fs::path> robot_folders() {
   return folders;
 }
 
-bool is_urdf(const fs::path& path) {
-  return path.extension() == ".urdf" || path.extension() == ".xml";
-}
+const char* const kEndings[] = {".yaml", ".yml", ".urdf", ".xml", ".mjcf", ".sdf"};
 
 bool is_robot_file(const fs::path& path) {
-  return path.extension() == ".yaml" || path.extension() == ".yml" || path.extension() == ".json" ||
-         is_urdf(path);
+  return path.extension() == ".json" || std::find(std::begin(kEndings), std::end(kEndings), path.extension()) != std::end(kEndings);
 }
 
 // Finds the file of a bare name.
 fs::path find_robot(const std::string& name) {
   std::error_code ignored;
   for (const fs::path& folder : robot_folders()) {
-    for (const char* extension : {".yaml", ".yml", ".urdf", ".xml"}) {
+    for (const char* extension : kEndings) {
       const fs::path file = folder / (name + extension);
       if (fs::is_regular_file(file, ignored)) return file;
     }
@@ -54,15 +54,14 @@ fs::path find_robot(const std::string& name) {
                           fs::is_directory(name, ignored) ? ": found a folder"
                           : there                         ? ": found a file that is no robot's"
                                                           : ": found no robot of this name",
-                          there ? "" : did_you_mean(name, known), ", expected a file that ends in .yaml, .yml, .urdf or .xml, or one of: ",
+                          there ? "" : did_you_mean(name, known), ", expected a file that ends in .yaml, .yml, .urdf, .xml, .mjcf or .sdf, or one of: ",
                           listed(known), "."));
 }
 
-std::string content_of(const std::string& path) {
+void require_file(const std::string& path) {
   std::error_code ignored;
   require(fs::exists(path, ignored), path, ": found no such file",
           did_you_mean(fs::path(path).stem().string(), robot_names()), ", expected a robot file.");
-  return content_of_file(path, "a robot file");
 }
 
 }  // namespace
@@ -74,10 +73,25 @@ std::string robot_path(const std::string& robot) {
 
 Model read_model(const std::string& robot, const ModelFileOptions& options) {
   const std::string path = robot_path(robot);
-  if (!is_urdf(path)) return read_yaml(content_of(path), path, options);
-  require(options.constants.empty(), path,
-          ": found a URDF file, which has no constants, expected YAML.");
-  return read_urdf(path);
+  require_file(path);
+  const RobotFormat format = robot_format(path).value_or(RobotFormat::kYaml);
+  if (format == RobotFormat::kYaml) return read_yaml(content_of_file(path, "a robot file"), path, options);
+  require(options.constants.empty(), path, ": found a ",
+          format == RobotFormat::kUrdf ? "URDF" : format == RobotFormat::kMjcf ? "MJCF" : "SDF",
+          " file, which has no constants, expected YAML.");
+  return format == RobotFormat::kUrdf ? read_urdf(path) : format == RobotFormat::kMjcf ? read_mjcf(path) : read_sdf(path);
+}
+
+std::optional<RobotFormat> robot_format(const std::string& path) {
+  const std::string ending = fs::path(path).extension().string();
+  if (ending == ".yaml" || ending == ".yml" || ending == ".json") return RobotFormat::kYaml;
+  if (ending == ".urdf") return RobotFormat::kUrdf;
+  if (ending == ".mjcf") return RobotFormat::kMjcf;
+  if (ending == ".sdf") return RobotFormat::kSdf;
+  if (ending != ".xml") return std::nullopt;
+  std::error_code ignored;
+  const std::string root = fs::is_regular_file(path, ignored) ? root_element(path) : std::string();
+  return root == "mujoco" ? RobotFormat::kMjcf : root == "sdf" ? RobotFormat::kSdf : RobotFormat::kUrdf;
 }
 
 void save_model(const Model& arm, const std::string& path) {

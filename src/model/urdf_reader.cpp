@@ -307,7 +307,7 @@ class UrdfReader {
       if (!(value > 0.0)) {
         fail_at("joint", joint.name, text("a ", attribute, " of ", value), "one that is not negative");
       }
-      const auto [effect, key] = effect_of_urdf(attribute).value();
+      const auto [effect, key] = effect_of_attribute(attribute).value();
       EffectTerm term;
       term.effect = effect;
       term.axis.coefficients = axis.coefficients;

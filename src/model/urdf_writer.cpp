@@ -163,7 +163,7 @@ class UrdfWriter {
 
   // True if this attribute of <dynamics> represents the term and its value.
   static bool says(const EffectTerm& term, const char* attribute) {
-    const auto same = effect_of_urdf(attribute);
+    const auto same = effect_of_attribute(attribute);
     return same && term.effect == same->first && term.values.count(same->second) == 1;
   }
 

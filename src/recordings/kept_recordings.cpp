@@ -60,9 +60,11 @@ class MadeOnce {
 }  // namespace internal
 
 struct KeptRecordings::State {
-  explicit State(long most_bytes) : recordings(most_bytes), prepared(most_bytes) {}
+  explicit State(long most_bytes)
+      : recordings(most_bytes), prepared(most_bytes), qualities(most_bytes) {}
   internal::MadeOnce<std::string, Whole> recordings;  // by path and how it is read
   internal::MadeOnce<PreparationKey, PreparedRecording> prepared;
+  internal::MadeOnce<std::string, RecordingQuality> qualities;
 };
 
 namespace {
@@ -119,6 +121,14 @@ std::shared_ptr<const Whole> KeptRecordings::find(const std::string& path,
                                                   const RecordingOptions& options) {
   return state_->recordings.find(
       key_of(path, options), [&] { return text_bytes(path); }, [&] { return parsed(path, options); });
+}
+
+RecordingQuality KeptRecordings::quality(const std::string& path, const RecordingOptions& options,
+                                         const std::function<RecordingQuality()>& judge) {
+  const auto kept = state_->qualities.find(
+      key_of(path, options), [] { return long{sizeof(RecordingQuality)}; },
+      [&] { return std::make_shared<const RecordingQuality>(judge()); });
+  return kept ? *kept : judge();
 }
 
 std::shared_ptr<const PreparedRecording> KeptRecordings::prepared(

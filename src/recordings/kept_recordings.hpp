@@ -38,6 +38,10 @@ class KeptRecordings {
   };
   std::shared_ptr<const Whole> find(const std::string& path, const RecordingOptions& options);
 
+  /// What a recording's first rows say, judged by the first caller.
+  RecordingQuality quality(const std::string& path, const RecordingOptions& options,
+                           const std::function<RecordingQuality()>& judge);
+
   /// A recording in memory, prepared by the first caller; null if it is not to be kept. @param
   /// bytes  of memory that it will take. @throws  the exceptions of make(), which the next caller
   /// repeats.

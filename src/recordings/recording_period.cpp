@@ -17,6 +17,8 @@ constexpr double kCoarsestStep = 0.025;  // [s]
 constexpr int kCoarseRows = 5000;
 constexpr int kSampledTimes = 256;   // instants of an estimate of d
 constexpr double kSuspected = 4.0;  // estimates up to this times kDeep are computed exactly
+constexpr double kSurelyRisen = 0.5;  // estimates up to this times kRisen have not risen
+constexpr double kCap = 8.0;          // speed only: a bound at which samples of an estimate are cut
 
 // Positions of the moving joints on an even grid, each with unit variance.
 struct Grid {
@@ -128,12 +130,20 @@ class Differences {
     return value;
   }
 
-  // d from kSampledTimes only, as a lower bound: positions are smooth, and samples that all fall on
-  // one phase of the motion make d look smaller, never larger.
-  double estimate(int lag) {
+  // True if an estimate of d from kSampledTimes only exceeds `most`. The estimate is a lower bound:
+  // positions are smooth, and samples that all fall on one phase of the motion make d look smaller,
+  // never larger.
+  bool is_above(double most, int lag) {
     const Eigen::Index columns = rows_.cols();
     const Eigen::Index times = rows_.rows() - lag;
     const Eigen::Index count = std::min<Eigen::Index>(times, kSampledTimes);
+    const auto kept = static_cast<Eigen::Index>(kKeptShare * static_cast<double>(count));
+    const double most_sum = most * 2.0 * static_cast<double>(columns * kept);
+    // The samples that are kept add up to at least the sum of all, each cut at `cap`, less `cap` for
+    // each that is not kept: most lags are above after a few samples, without sorting.
+    const double cap = kCap * most * 2.0 * static_cast<double>(columns);
+    const double certain = most_sum + cap * static_cast<double>(count - kept);
+    double cut_sum = 0.0;
     scratch_.resize(static_cast<std::size_t>(count));
     for (Eigen::Index s = 0; s < count; ++s) {
       const double* now = rows_.data() + s * times / count * columns;
@@ -141,11 +151,11 @@ class Differences {
       double sum = 0.0;
       for (Eigen::Index j = 0; j < columns; ++j) sum += (then[j] - now[j]) * (then[j] - now[j]);
       scratch_[static_cast<std::size_t>(s)] = sum;
+      cut_sum += std::min(sum, cap);
+      if (cut_sum > certain) return true;
     }
-    const auto kept = scratch_.begin() + static_cast<std::ptrdiff_t>(kKeptShare * static_cast<double>(count));
-    std::nth_element(scratch_.begin(), kept, scratch_.end());
-    return std::accumulate(scratch_.begin(), kept, 0.0) /
-           (2.0 * static_cast<double>(columns) * static_cast<double>(kept - scratch_.begin()));
+    std::nth_element(scratch_.begin(), scratch_.begin() + kept, scratch_.end());
+    return std::accumulate(scratch_.begin(), scratch_.begin() + kept, 0.0) > most_sum;
   }
 
  private:
@@ -160,11 +170,11 @@ class Differences {
 int coarse_period(const Grid& grid) {
   Differences d(grid);
   int lag = 0;
-  while (lag <= d.longest() && d(lag) <= kRisen) ++lag;
+  while (lag <= d.longest() && (!d.is_above(kSurelyRisen * kRisen, lag) || d(lag) <= kRisen)) ++lag;
   std::vector<int> minima;
   double best = kDeep;
   for (++lag; lag < d.longest(); ++lag) {
-    if (d.estimate(lag) > kSuspected * kDeep || d(lag) > kDeep) continue;
+    if (d.is_above(kSuspected * kDeep, lag) || d(lag) > kDeep) continue;
     if (d(lag) > d(lag - 1) || d(lag) > d(lag + 1)) continue;
     minima.push_back(lag);
     best = std::min(best, d(lag));

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <set>
+#include <string>
 #include <vector>
 
+#include "veridyn/model/model.hpp"
 #include "veridyn/recordings/recording_quality.hpp"
 
 namespace veridyn {
@@ -15,6 +17,9 @@ struct VelocityTrust {
   std::set<int> doubtful;  ///< noisier than the derivative of the position
 };
 VelocityTrust trust_in_velocities(const std::vector<RecordingQuality>& recordings);
+
+/// "dq3 (insertion) is no derivative of q3, which is used instead", for each of these joints.
+std::vector<std::string> remarks_on(const std::set<int>& wrong, const Model& arm);
 
 /// True if the finding means that its joint's velocity is wrong.
 bool makes_velocity_wrong(const QualityFinding& finding);

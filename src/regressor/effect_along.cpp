@@ -29,17 +29,32 @@ VectorXd effort_along(const Axis& axis, const MatrixXd& tau) {
 
 std::vector<AxisSample> axis_samples(const BoundEffect& effect, const MotionView& motion,
                                      const MatrixXd& load, double start) {
-  BoundEffect own = effect;
-  own.reset(start);
+  const EffectTerm& term = effect.term();
   const Eigen::Index rows = motion.rows();
-  const bool loaded = effect.traits().uses_load && load.rows() == rows;
-  const VectorXd effort = loaded ? effort_along(effect.term().axis, load) : VectorXd::Zero(rows);
-  std::vector<AxisSample> out;
-  out.reserve(static_cast<size_t>(rows));
+  std::vector<AxisSample> out(static_cast<size_t>(rows));
   for (Eigen::Index k = 0; k < rows; ++k) {
-    out.push_back(own.sample(motion.time[k], motion.q.data() + k, motion.dq.data() + k,
-                             motion.ddq.data() + k, rows));
-    out.back().load = effort[k];
+    AxisSample& x = out[static_cast<size_t>(k)];
+    x.time = motion.time[k] - start;
+    x.s = term.axis.offset;
+    x.from_s = term.from ? term.from->offset : 0.0;
+  }
+  const auto add = [&](const Axis& axis, const MatrixXd& of, double AxisSample::* sum) {
+    for (Eigen::Index i = 0; i < axis.coefficients.size(); ++i) {
+      const double c = axis.coefficients[i];
+      if (c == 0.0) continue;
+      for (Eigen::Index k = 0; k < rows; ++k) out[static_cast<size_t>(k)].*sum += c * of(k, i);
+    }
+  };
+  add(term.axis, motion.q, &AxisSample::s);
+  add(term.axis, motion.dq, &AxisSample::ds);
+  add(term.axis, motion.ddq, &AxisSample::dds);
+  if (term.from) {
+    add(*term.from, motion.q, &AxisSample::from_s);
+    add(*term.from, motion.dq, &AxisSample::from_ds);
+  }
+  if (effect.traits().uses_load && load.rows() == rows) {
+    const VectorXd effort = effort_along(term.axis, load);
+    for (Eigen::Index k = 0; k < rows; ++k) out[static_cast<size_t>(k)].load = effort[k];
   }
   return out;
 }

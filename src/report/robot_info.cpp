@@ -59,7 +59,7 @@ std::string frames(const Model& arm) {
 }
 
 std::string effects(const Model& arm) {
-  if (arm.effects().empty()) return paragraph({});
+  if (arm.effects().empty()) return paragraph({"no effects"});
   TextTable table({kLeft, kLeft, kLeft});
   table.add({"effect", "acts on", "values"});
   for (const EffectTerm& term : arm.effects()) {

@@ -66,7 +66,7 @@ std::string paragraph(const std::vector<std::string>& names) {
     }
     line += (line.empty() ? "" : "  ") + name;
   }
-  return out + kIndent + (line.empty() ? "(none)" : line) + "\n";
+  return out + kIndent + (line.empty() ? "none" : line) + "\n";
 }
 
 }  // namespace veridyn

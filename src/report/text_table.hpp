@@ -27,7 +27,7 @@ class TextTable {
 /// Words in lines of at most `width` letters, broken at spaces only; at least one line.
 std::vector<std::string> wrapped(const std::string& words, std::size_t width);
 
-/// Comma-separated names, wrapped and indented; "(none)" if there are none.
+/// Comma-separated names, wrapped and indented; "none" if there are none.
 std::string paragraph(const std::vector<std::string>& names);
 
 }  // namespace veridyn

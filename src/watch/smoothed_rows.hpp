@@ -35,6 +35,8 @@ class SmoothedRows {
   std::function<void(const PositionJump&)> on_jump;
   std::function<void()> on_break;  ///< after a pause; the next row is not contiguous
 
+  /// @throws InvalidInput  another number of joints, neither torques nor currents with drive gains.
+  void check(const Recording& rows) const;
   void add(const Recording& rows);
   double dt() const { return dt_; }
 
@@ -46,7 +48,6 @@ class SmoothedRows {
     double t;
     VectorXd q, dq, tau;
   };
-  void check(const Recording& rows) const;
   bool take(const Recording& rows, int k, Row& row) const;
   void place(const Row& row);
   void put(Row row);

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
+#include "recordings/velocity_trust.hpp"
 #include "veridyn/math/require.hpp"
 #include "math/student_t.hpp"
 #include "watch/change.hpp"
@@ -13,6 +15,8 @@
 namespace veridyn {
 namespace {
 
+constexpr double kJudged = 0.5;  // share of the learning time after which velocities are judged
+
 using watching::Change;
 using watching::ChangeFinder;
 using watching::Step;
@@ -21,6 +25,34 @@ void check(const WatchOptions& o) {
   require(o.learn > 0.0 && o.learn_more >= o.learn && o.step > 0.0 && o.false_alarms > 0.0 &&
               o.longest_naming > 0.0 && o.refine >= 0.0,
           "watch: found a time or a rate that is not above zero.");
+}
+
+Recording joined(const Recording& before, const Recording& rows) {
+  if (before.rows() == 0) return rows;
+  Recording out = before;
+  out.time.resize(before.rows() + rows.rows());
+  out.time << before.time, rows.time;
+  for (const RecordingSignal& signal : kRecordingSignals) {
+    const MatrixXd& first = before.*signal.values;
+    const MatrixXd& then = rows.*signal.values;
+    MatrixXd& all = out.*signal.values;
+    require(first.cols() == then.cols(), rows.source, ": found ", then.cols(), " columns ", signal.name,
+            ", expected ", first.cols(), " as in the rows before.");
+    all.resize(first.rows() + then.rows(), first.cols());
+    if (all.size() > 0) all << first, then;
+  }
+  return out;
+}
+
+std::set<int> wrong_velocities(const Recording& rows) {
+  if (rows.dq.size() == 0) return {};
+  return trust_in_velocities({check_recording(rows)}).wrong;
+}
+
+// Without recorded velocities where one of them is wrong: all are then derived from the positions.
+Recording with_sound_velocities(Recording rows, const std::set<int>& wrong) {
+  if (!wrong.empty()) rows.dq.resize(0, 0);
+  return rows;
 }
 
 }  // namespace
@@ -42,7 +74,8 @@ class Watch::Implementation {
     };
   }
 
-  void learn(const Recording& quiet) {
+  void learn(const Recording& recorded) {
+    const Recording quiet = with_sound_velocities(recorded, wrong_velocities(recorded));
     watching::SmoothedRows rows(arm_);
     watching::Hypotheses hypotheses(arm_, options_.links);
     watching::StepBuilder steps(hypotheses, options_.step);
@@ -56,12 +89,19 @@ class Watch::Implementation {
   }
 
   std::vector<WatchEvent> add(const Recording& rows) {
-    rows_.add(rows);
-    if (!finder_.learning()) rows_.tell_jumps();
+    if (rows.rows() > 0) rows_.check(rows);
+    if (judged_) {
+      watch(rows);
+    } else if (rows.rows() > 0) {
+      unjudged_ = joined(unjudged_, rows);
+      if (unjudged_.time[unjudged_.rows() - 1] - unjudged_.time[0] >= kJudged * options_.learn)
+        judge_velocities();
+    }
     return taken();
   }
 
   std::vector<WatchEvent> finish() {
+    judge_velocities();
     finder_.finish(now_);
     return taken();
   }
@@ -72,8 +112,27 @@ class Watch::Implementation {
     return out;
   }
 
+  void watch(const Recording& rows) {
+    rows_.add(with_sound_velocities(rows, wrong_));
+    if (!finder_.learning()) rows_.tell_jumps();
+  }
+
+  // Decides once whether recorded velocities are used, before the noise is learned.
+  void judge_velocities() {
+    if (judged_) return;
+    judged_ = true;
+    wrong_ = wrong_velocities(unjudged_);
+    remarks_ = remarks_on(wrong_, arm_);
+    if (unjudged_.rows() > 0) watch(unjudged_);
+    unjudged_ = {};
+  }
+
   Model arm_;
   WatchOptions options_;
+  Recording unjudged_;  // first rows, until the velocities are judged
+  bool judged_ = false;
+  std::set<int> wrong_;  // joints, from 0, whose velocity is no derivative of the position
+  std::vector<std::string> remarks_;
   watching::SmoothedRows rows_;
   watching::Hypotheses hypotheses_;
   watching::StepBuilder steps_;
@@ -97,6 +156,7 @@ const WatchState& Watch::state() const { return own_->state_; }
 void Watch::on_step(std::function<void(const WatchState&)> call) { own_->told_ = std::move(call); }
 const Model& Watch::arm() const { return own_->arm_; }
 const std::vector<WatchEvent>& Watch::events() const { return own_->events_; }
+const std::vector<std::string>& Watch::remarks() const { return own_->remarks_; }
 
 const char* name_of(WatchStage stage) {
   switch (stage) {

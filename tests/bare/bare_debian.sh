@@ -1,6 +1,6 @@
 #!/bin/sh
 # Runs one of the Makefile's targets in a bare Debian 12 root, so that a package missing from cmake/debian-packages*.txt
-# cannot go unseen: bare_debian.sh BUILD root|tool|tests|python|mpi|ros|docs|deb
+# cannot go unseen: bare_debian.sh BUILD root|tool|tests|python|mpi|ros|docs|deb|docker
 #
 # `root` unpacks Debian's minimal system plus make once, into BUILD/bare; every other word copies it, puts the sources and
 # what BUILD has compiled at their own paths in the copy, and works there as root. Skipped (77), with the reason, where this
@@ -96,8 +96,24 @@ deb)
     cd /; veridyn info psm-3dof >/dev/null; ls /usr/share/man/man1/veridyn-identify.1* >/dev/null; python3 -c 'import veridyn' ; apt-get purge -y -qq '*veridyn*' >/dev/null
     left=\$(find / -xdev -path /packages -prune -o -path /proc -prune -o -path '*$source_dir*' -prune -o -name '*veridyn*' -print); [ -z \"\$left\" ] || { echo \"left behind: \$left\"; exit 1; }"
   ;;
+docker)
+  # The commands of the Dockerfile's two stages, the first with what BUILD has compiled already.
+  [ "$name" = build ] || skip "the Dockerfile builds in build/"
+  run_lines() { awk -v stage="$1" '/^FROM /{n++} n == stage && sub(/^RUN /, "")' "$source_dir/Dockerfile"; }
+  run_lines 1 >"$cache/lines"
+  while read -r line; do
+    inside "$root" "export CMAKE_FLAGS='--preset dev -DVERIDYN_TESTS=OFF -DVERIDYN_BENCHMARKS=OFF -DVERIDYN_PYTHON=OFF'; $line" </dev/null
+  done <"$cache/lines"
+  copy_of_root "$cache/stranger"
+  cp -a "$root/packages" "$cache/stranger/packages"
+  mkdir -p "$cache/stranger$source_dir"
+  run_lines 2 >"$cache/lines"
+  while read -r line; do inside "$cache/stranger" "$line" </dev/null; done <"$cache/lines"
+  entry=$(sed -n 's/^ENTRYPOINT \["\(.*\)"\]$/\1/p' "$source_dir/Dockerfile")
+  inside "$cache/stranger" "cd /; [ ! -e /packages ]; ${entry:?the Dockerfile has no entry point} info psm-3dof >/dev/null"
+  ;;
 *)
-  echo "bare_debian.sh: found '$what', expected root, tool, tests, python, mpi, ros, docs or deb" >&2
+  echo "bare_debian.sh: found '$what', expected root, tool, tests, python, mpi, ros, docs, deb or docker" >&2
   exit 2
   ;;
 esac

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstring>
 #include <ctime>
+#include <cstdlib>
+#include <dlfcn.h>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -17,6 +19,7 @@
 #include "support/sample_arms.hpp"
 #include "veridyn/dynamics/regressor_batch.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
+#include "veridyn/export/c_code.hpp"
 #include "veridyn/math/square_root_information.hpp"
 #include "math/zero_phase_filter.hpp"
 
@@ -36,8 +39,6 @@
 // the median of each round's ratio.
 
 #ifdef VERIDYN_WITH_LAPACK
-#include <dlfcn.h>
-
 extern "C" void dtpqrt_(const int* m, const int* n, const int* l, const int* nb, double* a,
                         const int* lda, double* b, const int* ldb, double* t, const int* ldt,
                         double* work, int* info);
@@ -215,6 +216,36 @@ class MujocoArm {
 
 #endif
 
+// The same arm as exported C, compiled here by cc -O2. Without a compiler nothing is found.
+class ExportedC {
+ public:
+  explicit ExportedC(const Model& arm)
+      : folder_(std::filesystem::temp_directory_path() / ("veridyn-exported-" + std::to_string(std::rand()))) {
+    std::filesystem::create_directories(folder_);
+    const std::string source = (folder_ / "arm.c").string();
+    const std::string library = (folder_ / "arm.so").string();
+    save_c_code(arm, source);
+    const std::string command = "cc -std=c99 -O2 -shared -fPIC -o '" + library + "' '" + source + "' -lm";
+    if (std::system(command.c_str()) == 0) handle_ = ::dlopen(library.c_str(), RTLD_NOW);
+    std::filesystem::remove_all(folder_);
+  }
+
+  // Adds the function of this name to an engine's rivals; the arrays are those of one call.
+  template <typename Call>
+  void join(std::vector<Engine>& engines, const char* function, const Call& call) const {
+    void* const f = handle_ == nullptr ? nullptr : ::dlsym(handle_, function);
+    if (f != nullptr) engines.push_back(over_states("exported C", [f, call](size_t k) { call(f, k); }));
+  }
+
+ private:
+  std::filesystem::path folder_;
+  void* handle_ = nullptr;  // open until the program ends
+};
+
+using OneIn = void (*)(const double*, double*);
+using ThreeIn = void (*)(const double*, const double*, const double*, double*);
+using ThreeInTwoOut = void (*)(const double*, const double*, const double*, double*, double*);
+
 void add_dynamics(nlohmann::json& rows) {
   const Model arm = SevenJoints::model();
   const VectorXd phi = *arm.inertial_values();
@@ -271,19 +302,32 @@ void add_dynamics(nlohmann::json& rows) {
   if ((same - tau).norm() > 1e-9 * tau.norm())
     std::printf("mujoco differs: %g of %g\n", (same - tau).norm(), tau.norm());
 #endif
+  std::vector<Engine> columns = {over_states(
+      "veridyn", [&](size_t k) { regressor.evaluate(s.q[k], s.dq[k], s.ddq[k], Y); })};
+  std::vector<Engine> derivatives = {over_states("veridyn", [&](size_t k) {
+    dynamics.inverse_dynamics_derivatives(s.q[k], s.dq[k], s.ddq[k], tau, torque);
+  })};
+  const ExportedC code(arm);
+  std::vector<double> out(static_cast<size_t>(Y.size()));
+  std::vector<double> other(out.size());
+  const auto three = [&](void* f, size_t k) {
+    reinterpret_cast<ThreeIn>(f)(s.q[k].data(), s.dq[k].data(), s.ddq[k].data(), out.data());
+  };
+  const auto one = [&](void* f, size_t k) { reinterpret_cast<OneIn>(f)(s.q[k].data(), out.data()); };
+  code.join(id, "seven_joints_inverse_dynamics", three);
+  code.join(gravity, "seven_joints_gravity", one);
+  code.join(mass, "seven_joints_mass_matrix", one);
+  code.join(forward, "seven_joints_forward_dynamics", three);
+  code.join(columns, "seven_joints_regressor", three);
+  code.join(derivatives, "seven_joints_derivatives", [&](void* f, size_t k) {
+    reinterpret_cast<ThreeInTwoOut>(f)(s.q[k].data(), s.dq[k].data(), s.ddq[k].data(), out.data(), other.data());
+  });
   rows.push_back(side_by_side("inverse dynamics, one state", "ns", 1e9, id));
   rows.push_back(side_by_side("gravity torques", "ns", 1e9, gravity));
   rows.push_back(side_by_side("mass matrix", "ns", 1e9, mass));
   rows.push_back(side_by_side("forward dynamics", "ns", 1e9, forward));
-  rows.push_back(side_by_side("torque regressor, one state", "ns", 1e9,
-                              {over_states("veridyn", [&](size_t k) {
-                                regressor.evaluate(s.q[k], s.dq[k], s.ddq[k], Y);
-                              })}));
-  rows.push_back(side_by_side("derivatives of inverse dynamics", "ns", 1e9,
-                              {over_states("veridyn", [&](size_t k) {
-                                dynamics.inverse_dynamics_derivatives(s.q[k], s.dq[k], s.ddq[k], tau,
-                                                                 torque);
-                              })}));
+  rows.push_back(side_by_side("torque regressor, one state", "ns", 1e9, columns));
+  rows.push_back(side_by_side("derivatives of inverse dynamics", "ns", 1e9, derivatives));
   rows.push_back(side_by_side("derivatives of forward dynamics", "ns", 1e9,
                               {over_states("veridyn", [&](size_t k) {
                                 dynamics.forward_dynamics_derivatives(s.q[k], s.dq[k], s.ddq[k], tau,

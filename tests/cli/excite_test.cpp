@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <csignal>
 #include <algorithm>
 #include <fstream>
 #include <sstream>
@@ -41,6 +44,59 @@ TEST(Excite, WritesMotionCoefficientsAndMargins) {
   for (const auto& margin : out["margins"]) EXPECT_GE(margin["margin"], 0.0) << margin;
   const std::string yaml = content_of(folder.path("m.yaml"));
   EXPECT_NE(yaml.find("  - name: insertion\n    q0: "), std::string::npos) << yaml;
+}
+
+// Predicted deviations follow the noise of a recording of the arm; without one they are those of
+// real arms, which leave more than this simulated one.
+TEST(Excite, LearnsTheNoiseFromARecording) {
+  const TemporaryFolder folder;
+  const Words quick = kQuick + Words{"--duration", "16", "--rate", "100"};
+  const std::string motion = folder.path("m.csv"), recording = folder.path("rec.csv"), json = folder.path("e.json");
+  const Words excite = {"excite", "planar-2r", "-o", motion, "--json", json};
+  ASSERT_EQ(run_tool(excite + quick).status, 0);
+  const nlohmann::json usual = json_of(json)["prediction"]["noise"];
+  for (const auto& share : usual["share_of_rms_torque"]) EXPECT_NEAR(share, kUsualResidual, 1e-9);
+  ASSERT_EQ(run_tool({"simulate", "planar-2r", "--trajectory", motion, "-o", recording, "--noise", "low", "--quiet"}).status, 0);
+  const ToolRun run = run_tool(excite + quick + Words{"--noise-of", recording});
+  ASSERT_EQ(run.status, 0) << run.err;
+  const nlohmann::json learned = json_of(json)["prediction"]["noise"];
+  EXPECT_NE(learned["source"].get<std::string>().find(recording), std::string::npos) << learned;
+  for (const auto& share : learned["share_of_rms_torque"]) {
+    EXPECT_GT(share, 1e-4);
+    EXPECT_LT(share, 0.02);  // of white and coloured noise of 0.5 and 0.2 %
+  }
+  EXPECT_EQ(run_tool(excite + quick + Words{"--noise-of", recording, "--torque-noise", "0.1"}).status, 2);
+}
+
+// Ctrl-C keeps the best motion so far, and a script sees that the search did not end by itself.
+TEST(Excite, AnInterruptIsStatus130) {
+  const TemporaryFolder folder;
+  const std::string motion = folder.path("m.csv");
+  int from_tool[2];
+  ASSERT_EQ(::pipe(from_tool), 0);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::dup2(from_tool[1], STDERR_FILENO);
+    ::close(from_tool[0]);
+    ::execl(VERIDYN_TOOL, VERIDYN_TOOL, "excite", "planar-2r", "-o", motion.c_str(), "--starts", "50000",
+            static_cast<char*>(nullptr));
+    ::_exit(127);
+  }
+  ::close(from_tool[1]);
+  std::string told;
+  char some[512];
+  // Once a criterion is told, there is a motion within the limits.
+  for (ssize_t n; told.find("criterion") == std::string::npos && (n = ::read(from_tool[0], some, sizeof some)) > 0;)
+    told.append(some, static_cast<std::size_t>(n));
+  ::kill(child, SIGINT);
+  while (::read(from_tool[0], some, sizeof some) > 0) {
+  }
+  ::close(from_tool[0]);
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFEXITED(status)) << told;
+  EXPECT_EQ(WEXITSTATUS(status), 130) << told;
+  EXPECT_EQ(read_recording(motion).joints(), 2);
 }
 
 TEST(Excite, TheSameSeedWritesTheSameFile) {

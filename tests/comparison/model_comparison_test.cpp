@@ -7,6 +7,8 @@
 #include "support/near.hpp"
 #include "support/random.hpp"
 #include "comparison/comparison_words.hpp"
+#include "comparison/model_structure.hpp"
+#include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/regressor/base_parameters.hpp"
 #include "kinematics/standard_motion.hpp"
 #include "veridyn/math/require.hpp"
@@ -290,6 +292,59 @@ TEST(TheComparison, ComparesWhatBothHaveWhereAnEffectIsInOneOnly) {
   EXPECT_TRUE(named(c.parameters, kShoulderLevel).significant);
   // What the joint feels can be compared all the same.
   EXPECT_NEAR(quantity(c.joints, "offset", 1).difference, 0.4, 1e-9);
+}
+
+// A diagnosed load is a frame with a body: it becomes part of the body that carries it.
+TEST(TheComparison, ComparesAnArmWithTheSameArmUnderALoad) {
+  const Model plain = with_statistics(planar(), 0.01, 8, 1);
+  ModelDescription d = planar().description();
+  Frame load;
+  load.name = "load";
+  load.parent = static_cast<int>(d.frames.size()) - 1;
+  load.A = {rotation_x(0.3), {0.1, 0.05, 0.02}};
+  load.variable.coefficients = VectorXd::Zero(2);
+  Body body;
+  Eigen::Matrix<double, 6, 1> inertia;
+  inertia << 2e-3, 0, 3e-3, 0, 0, 4e-3;
+  body.phi = inertial_parameters(0.8, Eigen::Vector3d(0.02, 0, 0.01), inertia);
+  load.body = body;
+  d.frames.push_back(load);
+  const Model loaded = with_statistics(Model(d), 0.01, 8, 2);
+  for (const bool turned : {false, true}) {
+    const ModelComparison c = turned ? compare(loaded, plain) : compare(plain, loaded);
+    ASSERT_EQ(c.structure.size(), 1U);
+    EXPECT_EQ(c.structure[0].kind, "body");
+    EXPECT_NE(c.structure[0].sentence.find(turned ? "only the model before has the body load (0.8 kg)" : "only the model after has the body load (0.8 kg)"),
+              std::string::npos)
+        << c.structure[0].sentence;
+    EXPECT_EQ(c.parameters.size(), 10U);
+    EXPECT_TRUE(c.only_before.empty() && c.only_after.empty());
+    EXPECT_EQ(c.before.clusters, 8);  // the statistics of both count
+    EXPECT_EQ(c.after.clusters, 8) << c.after.note;
+    EXPECT_EQ(c.verdict, ComparisonVerdict::kDiffer);
+    for (const ModelDifference& p : c.parameters) EXPECT_TRUE(p.effect.empty() || std::abs(p.difference) < 1e-12) << p.name;
+  }
+  // The weight that the elbow carries grows by the load's.
+  const ModelComparison c = compare(plain, loaded);
+  const auto phi = *plain.inertial_values();
+  const Model folded = without_frames_of_its_own(loaded, plain);
+  EXPECT_EQ(folded.frames().size(), plain.frames().size());
+  EXPECT_NEAR((*folded.inertial_values())[10] - phi[10], 0.8, 1e-12);
+  std::srand(3);
+  for (int trial = 0; trial < 5; ++trial) {
+    const VectorXd q = VectorXd::Random(2), dq = VectorXd::Random(2), ddq = VectorXd::Random(2);
+    EXPECT_TRUE(near(inverse_dynamics(folded, q, dq, ddq), inverse_dynamics(loaded, q, dq, ddq), 1e-12));
+  }
+}
+
+// A body that is missing below a joint that moves is another arm.
+TEST(TheComparison, RefusesAnArmWithOneMoreJointFrame) {
+  ModelDescription d = planar().description();
+  Frame more = d.frames.back();
+  more.name = "more";
+  more.parent = static_cast<int>(d.frames.size()) - 1;
+  d.frames.push_back(more);
+  EXPECT_THROW(compare(planar(), Model(d)), InvalidInput);
 }
 
 TEST(TheComparison, ComparesNoMassesWhereFramesStandElsewhere) {

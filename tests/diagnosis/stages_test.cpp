@@ -263,6 +263,24 @@ TEST_F(Stages, EveryRecordingIsOpenedAndParsedOnce) {
   EXPECT_EQ(files_opened() - opened, 3);
 }
 
+// One bar for all of the work, which counts the hypotheses and never goes back.
+TEST_F(Stages, ProgressCountsTheHypothesesAndNeverGoesBack) {
+  DiagnosisOptions options;
+  options.effects = {"quadratic_drag", "joint_spring"};
+  std::vector<double> shares;
+  std::set<std::string> told;
+  options.identification.progress = [&](const std::string& what, double share) {
+    told.insert(what);
+    shares.push_back(share);
+  };
+  diagnose(read_model("planar-2r"), {record(1, {"quadratic_drag:elbow"}), record(2, {"quadratic_drag:elbow"})},
+           {record(3, {"quadratic_drag:elbow"})}, options);
+  for (const char* number : {"1", "2", "3", "4"})
+    EXPECT_EQ(told.count(std::string("trying causes: testing hypothesis ") + number + " of 4"), 1U) << number;
+  EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+  EXPECT_EQ(shares.back(), 1.0);
+}
+
 // However many questions are asked, a recording is resampled and filtered once for each setting: to be
 // fitted, as recorded to be predicted, and with filtered signals for the constants of the robot file.
 TEST_F(Stages, EveryRecordingIsPreparedOnceForEachSetting) {

@@ -222,7 +222,7 @@ TEST(Feedback, SaysWhatTheTableOfTheSpecificationSays) {
   EXPECT_EQ(f.temperature.celsius(0), 25.0);
   EXPECT_EQ(f.temperature.celsius(1), 26.0);
   EXPECT_EQ(f.digital.outputs(), 0xFU);
-  EXPECT_TRUE(f.digital.home(0) && f.digital.positive_limit(0) && f.digital.negative_limit(0));
+  EXPECT_TRUE(f.digital.home(0));
   EXPECT_FALSE(f.digital.home(1));
   for (int k = 0; k < kChannels; ++k) {
     const ChannelFeedback& c = f.channel[static_cast<size_t>(k)];

@@ -158,6 +158,22 @@ TEST(RegressorBatch, ReadsBlocksOfLargerMatrices) {
   }
 }
 
+TEST(RegressorBatch, ColumnsBehindItsOwnStay) {
+  const RegressorBatch batch(elbow_6r());
+  for (const int rows : {20, 300}) {  // directly, and by blocks
+    const Samples s = samples(rows, 6);
+    std::vector<MatrixXd> expected;
+    batch.evaluate(s.q, s.dq, s.ddq, expected);
+    std::vector<MatrixXd> wide(6, MatrixXd::Constant(rows, 63, 7.0));
+    batch.evaluate(s.q, s.dq, s.ddq, wide);
+    for (int i = 0; i < 6; ++i) {
+      const Eigen::Index own = expected[i].cols();
+      EXPECT_EQ(wide[i].leftCols(own), expected[i]);
+      EXPECT_TRUE((wide[i].rightCols(63 - own).array() == 7.0).all());
+    }
+  }
+}
+
 TEST(RegressorBatch, NoRowsAreNoRows) {
   const RegressorBatch batch(elbow_6r());
   const MatrixXd none(0, 6);

@@ -127,6 +127,21 @@ TEST(Prediction, TheUsualNoiseIsMeasuredOrAShareOfTheEffort) {
   EXPECT_EQ(usual_noise(Model(d)).deviation, d.identified->noise);
 }
 
+// Limits of efforts change nothing in what is predicted for a motion.
+TEST(Prediction, ExpectedNoiseFollowsTheTorquesOfTheMotion) {
+  ModelDescription d = plausible_model(read_model("planar-2r"), 2).arm.description();
+  d.coordinates[0].limits.effort = 1e4;
+  const MotionSamples motion = some_motion(2, 3);
+  const Model arm(d);
+  const TorqueNoise expected = expected_noise(arm, motion);
+  const Prediction p = predict_identification(arm, motion, expected);
+  for (int i = 0; i < 2; ++i)
+    EXPECT_NEAR(expected.deviation[i], kUsualResidual * p.rms_torque[i], 1e-9 * p.rms_torque[i]);
+  d.identified.emplace();
+  d.identified->noise = Eigen::Vector2d(0.3, 0.04);
+  EXPECT_EQ(expected_noise(Model(d), motion).deviation, d.identified->noise);
+}
+
 TEST(Prediction, WithoutValuesThereIsNone) {
   const Model arm = read_model("psm-3dof");
   EXPECT_THROW(predict_identification(arm, some_motion(3, 1), noise(3, 0.04)), InvalidInput);

@@ -9,9 +9,11 @@
 
 #include "support/mujoco_model.hpp"
 #include "support/near.hpp"
+#include "support/stranger_files.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/kinematics/kinematics.hpp"
+#include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/simulation/joint_torques.hpp"
@@ -175,6 +177,48 @@ INSTANTIATE_TEST_SUITE_P(Robots, Mjcf,
                            std::replace(name.begin(), name.end(), '-', '_');
                            return name;
                          });
+
+// MuJoCo computes from a stranger's file what the model that is read from it computes; dry friction
+// is a constraint there and compared by its number elsewhere.
+TEST(StrangersMjcfInMujoco, HasTheSameTorquesAndFrames) {
+  const std::string path = testing::TempDir() + "veridyn_stranger_in_mujoco.xml";
+  write_file(path, kStrangerMjcf);
+  const Model read = read_model(path);
+  std::remove(path.c_str());
+  const Model arm = smooth(read);
+  MujocoModel mujoco(kStrangerMjcf);
+  mjModel* m = mujoco.model.get();
+  mjData* d = mujoco.data.get();
+  ASSERT_EQ(m->nv, 5);
+  MatrixXd S = MatrixXd::Zero(5, 4);  // the follower comes last
+  S.topRows(4).setIdentity();
+  S(4, 3) = -0.5;
+  const VectorXd s0 = 0.03 * VectorXd::Unit(5, 4);
+  m->opt.disableflags |= mjDSBL_CONSTRAINT;
+  std::srand(12);
+  for (int trial = 0; trial < 20; ++trial) {
+    const VectorXd q = VectorXd::Random(4), dq = VectorXd::Random(4), ddq = VectorXd::Random(4);
+    VectorXd::Map(d->qpos, 5) = S * q + s0;
+    VectorXd::Map(d->qvel, 5) = S * dq;
+    VectorXd::Map(d->qacc, 5) = S * ddq;
+    mj_inverse(m, d);
+    VectorXd theirs = S.transpose() * VectorXd::Map(d->qfrc_inverse, 5);
+    theirs[3] -= 3.0;  // the bias of the last actuator, 2 * 1.5, helps the motor
+    const VectorXd tau = joint_torques(arm, q, dq, ddq);
+    EXPECT_TRUE(near(theirs, tau, kRelative * (1.0 + tau.cwiseAbs().maxCoeff())));
+    for (const char* name : {"upper", "fore", "slider", "finger"}) {
+      const int body = mj_name2id(m, mjOBJ_BODY, name);
+      const Eigen::Isometry3d T = frame_pose(arm, q, arm.find_frame(name));
+      const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> R(d->xmat + 9 * body);
+      EXPECT_TRUE(near(Eigen::Vector3d(d->xpos + 3 * body), Eigen::Vector3d(T.translation()), 1e-12)) << name;
+      EXPECT_TRUE(near(Eigen::Matrix3d(R), Eigen::Matrix3d(T.linear()), 1e-12)) << name;
+    }
+    const int mark = mj_name2id(m, mjOBJ_SITE, "mark");
+    const Eigen::Isometry3d T = frame_pose(arm, q, arm.find_frame("mark"));
+    const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> R(d->site_xmat + 9 * mark);
+    EXPECT_TRUE(near(Eigen::Matrix3d(R), Eigen::Matrix3d(T.linear()), 1e-12));
+  }
+}
 
 TEST(MjcfRefuses, BodiesThatCannotBe) {
   ModelDescription d = plausible_model(read_model("planar-2r"), 3).arm.description();

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <unistd.h>
+
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -239,6 +241,33 @@ TEST(AFleet, IsTheLeastSquaresSolutionOfTheBlockArrow) {
   for (Eigen::Index a = 0; a < count; ++a)
     EXPECT_TRUE(near(problem.own_values(factors[static_cast<size_t>(a)], beta),
                      VectorXd(x.segment(a * own, own)), 1e-7 * (1.0 + x.norm())));
+}
+
+// One arm's logger writes the velocity of a joint in degrees. Taken as it is, it would look like
+// other bodies and other friction.
+TEST(AFleet, TakesAVelocityThatIsNoDerivativeFromThePosition) {
+  const Model arm = scara();
+  const auto folder = std::filesystem::temp_directory_path() / ("veridyn-fleet-" + std::to_string(::getpid()));
+  std::filesystem::create_directories(folder);
+  std::vector<FleetArm> arms;
+  for (int a = 0; a < 5; ++a) {
+    MotionShape shape;
+    shape.duration = 10.0;
+    shape.rate = 100.0;
+    shape.seed = static_cast<unsigned>(100 + a);
+    Recording r = synthetic_recording(arm, shape);
+    r.tau += noise_like(r.tau, 0.01, static_cast<unsigned>(a));
+    if (a == 2) r.dq.col(1) *= 180.0 / M_PI;
+    arms.push_back({"arm-" + std::to_string(a), {(folder / (std::to_string(a) + ".csv")).string()}});
+    write_recording(r, arms.back().files.front());
+  }
+  const Fleet found = identify_fleet(arm, arms);
+  std::filesystem::remove_all(folder);
+  EXPECT_TRUE(found.outliers.empty()) << found.report();
+  EXPECT_TRUE(found.other_bodies.empty()) << found.report();
+  ASSERT_EQ(found.remarks.size(), 1U) << found.report();
+  EXPECT_NE(found.remarks[0].find("2.csv: dq2"), std::string::npos) << found.remarks[0];
+  for (const FleetMember& m : found.members) EXPECT_LT(m.relative_error.maxCoeff(), 0.03) << m.name;
 }
 
 TEST(AFleet, ReadsItsListAndSaysWhatIsWrongWithIt) {

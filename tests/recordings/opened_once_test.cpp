@@ -90,6 +90,22 @@ TEST_F(Opened, SomeRowsOfAKeptFileAreThoseOfTheFile) {
   }
 }
 
+TEST_F(Opened, ARecordingIsJudgedOncePerWayOfReading) {
+  KeptRecordings kept;
+  int judged = 0;
+  const auto judge = [&] {
+    RecordingQuality quality;
+    quality.rows = ++judged;
+    return quality;
+  };
+  RecordingOptions two_rows;
+  two_rows.row_count = 2;
+  EXPECT_EQ(kept.quality("a.csv", {}, judge).rows, 1);
+  EXPECT_EQ(kept.quality("a.csv", {}, judge).rows, 1);
+  EXPECT_EQ(kept.quality("a.csv", two_rows, judge).rows, 2);
+  EXPECT_EQ(kept.quality("b.csv", {}, judge).rows, 3);
+}
+
 // Nothing of a pipe can be read twice.
 TEST_F(Opened, APipeIsReadAsAFileIs) {
   for (const std::string& content : {kPlain, kTable}) {

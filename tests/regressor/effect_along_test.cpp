@@ -9,6 +9,7 @@
 #include "regressor/random_states.hpp"
 #include "regressor/stacked_columns.hpp"
 #include "support/near.hpp"
+#include "support/random.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/identification/regressor_columns.hpp"
 #include "veridyn/model/model_file.hpp"
@@ -77,8 +78,19 @@ TEST(ArmColumns, AreTheRowsOfAnIdentification) {
   const MatrixXd W = all.stacked(motion);
   ASSERT_EQ(W.cols(), static_cast<Eigen::Index>(columns.parameters().size()));
   const std::vector<JointRows> joints = columns.rows(s);
+  // A prediction, which does without columns of bodies, is the rows times the values.
+  ASSERT_TRUE(arm.inertial_values().has_value());
+  const VectorXd values = Random(17).vector(static_cast<int>(W.cols()), -1.0, 1.0);
+  const MatrixXd modelled = columns.predict(s, values).modelled;
   for (int i = 0; i < 2; ++i) {
     const JointRows& own = joints[static_cast<size_t>(i)];
+    for (Eigen::Index k = 0; k < own.A.rows(); ++k) {
+      double sum = 0.0;
+      for (size_t c = 0; c < own.parameters.size(); ++c)
+        sum += own.A(k, static_cast<Eigen::Index>(c)) * values[own.parameters[c]];
+      const auto row = static_cast<Eigen::Index>(std::lround(own.time[k] / s.dt));
+      ASSERT_NEAR(modelled(row, i), sum, 1e-10 * (1.0 + modelled.col(i).norm())) << i << " " << k;
+    }
     ASSERT_EQ(own.A.rows() % 1, 0);
     for (size_t c = 0; c < own.parameters.size(); ++c) {
       for (Eigen::Index k = 0; k < own.A.rows(); ++k) {

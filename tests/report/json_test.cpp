@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "veridyn/model/model_file.hpp"
+#include "veridyn/report/watch_json.hpp"
 #include "veridyn/report/json.hpp"
 
 namespace veridyn {
@@ -81,4 +82,18 @@ TEST(QualityJson, EveryFindingIsListedTwice) {
 }
 
 }  // namespace
+TEST(WatchJson, StagesOfOneChangeAreOneAlarmAndWhatWasThereBeforeIsNone) {
+  WatchedSource watched;
+  for (const auto& [id, stage] : std::vector<std::pair<int, WatchStage>>{{1, WatchStage::kPresent},
+                                                                         {2, WatchStage::kSuspected},
+                                                                         {2, WatchStage::kNamed},
+                                                                         {3, WatchStage::kSuspected}}) {
+    WatchEvent event;
+    event.id = id;
+    event.stage = stage;
+    watched.events.push_back(event);
+  }
+  EXPECT_EQ(watched.alarms(), 2);
+}
+
 }  // namespace veridyn

@@ -2,9 +2,11 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <random>
 
 #include "report/pages/page_files.hpp"
 #include "support/browser.hpp"
@@ -229,6 +231,30 @@ TEST_F(OpenedInMemory, LinksHaveTheShapesOfTheirUrdf) {
   EXPECT_EQ(page.root().at("data-errors"), "0") << page.console;
   EXPECT_EQ(page.console, "");
   EXPECT_NE(page.html.find("fill=\"#ff0000\""), std::string::npos);
+}
+
+// Triangles without common corners cannot be thinned: their bounding box is drawn, where they are.
+TEST_F(OpenedInMemory, AMeshThatCannotBeThinnedIsItsBoundingBox) {
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("veridyn-soup-" + std::to_string(::getpid()));
+  std::filesystem::create_directories(folder);
+  std::string soup = "solid soup\n";
+  std::mt19937 random(1);
+  for (int k = 0; k < 30000; ++k)
+    soup += "vertex " + std::to_string(5.0 + random() % 1000 / 1000.0) + " " +
+            std::to_string(random() % 1000 / 1000.0) + " " + std::to_string(random() % 1000 / 1000.0) + "\n";
+  std::ofstream(folder / "soup.stl") << soup;
+  std::ofstream(folder / "arm.urdf")
+      << R"(<robot name="arm"><link name="base"/>
+<link name="upper"><visual><geometry><mesh filename="soup.stl"/></geometry></visual></link>
+<joint name="lift" type="revolute"><parent link="base"/><child link="upper"/><axis xyz="0 1 0"/><limit lower="-1" upper="1" velocity="1" effort="9"/></joint></robot>)";
+  const json meshes = embedded(to_page(robot_info(read_model((folder / "arm.urdf").string()))), "series")["arms"][0]["meshes"];
+  std::filesystem::remove_all(folder);
+  ASSERT_EQ(meshes.size(), 1u);
+  const std::vector<double> x = column(meshes[0]["x"]);
+  ASSERT_EQ(x.size(), 8u);
+  EXPECT_NEAR(*std::min_element(x.begin(), x.end()), 5.0, 0.01);
+  EXPECT_NEAR(*std::max_element(x.begin(), x.end()), 6.0, 0.01);
 }
 
 TEST_F(OpenedInMemory, AJointAtRestIsAPlotAndNotAFault) {

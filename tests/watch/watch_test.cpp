@@ -52,6 +52,22 @@ struct Case {
   double latest_name;   // [s]
 };
 
+// A velocity in degrees per second would make all of its joint's friction and inertia 57 times too
+// large.
+TEST(Watch, TakesAVelocityThatIsNoDerivativeFromThePosition) {
+  Recording recording = with_change("payload:tool:mass=0.3", 16.0, 1);
+  recording.dq.col(1) *= 180.0 / M_PI;
+  Watch watch(bench().arm);
+  std::vector<WatchEvent> events = watch.add(recording);
+  for (const WatchEvent& e : watch.finish()) events.push_back(e);
+  ASSERT_EQ(watch.remarks().size(), 1U);
+  EXPECT_EQ(watch.remarks()[0].substr(0, 4), "dq2 ");
+  const WatchEvent* named = first(events, WatchStage::kNamed);
+  ASSERT_NE(named, nullptr) << all_of(events);
+  EXPECT_EQ(named->text, "payload:tool") << all_of(events);
+  EXPECT_GT(named->time, kChange);
+}
+
 class Change : public testing::TestWithParam<Case> {};
 
 // What was put in at 5 s is seen within a second and has its own name and size some seconds later;

@@ -30,7 +30,7 @@ struct ComparedModel {
 
 /// A difference of the two files other than one of values.
 struct StructureDifference {
-  std::string kind;      ///< "effect", "shape", "geometry", "gravity", "drive_gain" or "facts"
+  std::string kind;      ///< "effect", "body", "shape", "geometry", "gravity", "drive_gain" or "facts"
   std::string sentence;  ///< whole sentence for the user
 };
 

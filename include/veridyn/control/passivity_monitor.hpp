@@ -22,8 +22,6 @@ class PassivityMonitor {
 
   double energy() const { return energy_; }           ///< E now [J]
   double generated() const { return highest_rise_; }  ///< largest rise of E above an earlier value
-  /// Energy beyond the initial one [J]: max(0, E).
-  double beyond_start() const { return energy_ > 0.0 ? energy_ : 0.0; }
 
  private:
   double energy_ = 0.0, highest_rise_ = 0.0, lowest_ = 0.0;

@@ -63,7 +63,7 @@ class TetherGuard {
   void forget(int member) noexcept;
 
   /// While targets are held, once per period.
-  /// @param position  of the tips [m]. @param healthy  0: this arm does not follow its target.
+  /// @param position, healthy  one entry for each arm: its tip [m]; 0: it does not follow its target.
   /// @param force  [N] allowed in a member.
   void update(const std::vector<Eigen::Vector3d>& position, const std::vector<char>& healthy,
               double force) noexcept;

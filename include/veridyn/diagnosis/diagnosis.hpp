@@ -44,6 +44,9 @@ struct DiagnosisOptions {
   /// `significance` divided by the number of candidates. With a single recording only causes that
   /// depend on position are held to this correction, and their names are provisional.
   Thresholds thresholds;
+  /// Called with (tested, of how many) during every round of tests, from any thread but one at a
+  /// time; diagnose() sets it, and reports through identification.progress.
+  std::function<void(int, int)> testing{};
 };
 
 /// One number of a finding.

@@ -38,7 +38,8 @@ struct PayloadEstimate {
 
 struct PayloadReport {
   std::string robot;
-  /// One for every class of links with indistinguishable motion, best first.
+  /// One for every class of links with indistinguishable motion, best first; of those within
+  /// Thresholds::tie of the best gain the outermost, as diagnose() does.
   std::vector<PayloadEstimate> links;
   /// Relative errors, (n): of the unmodified model; with friction and offsets of the joints that
   /// carry the best load fitted again; with that load in addition. All fitted to these recordings.

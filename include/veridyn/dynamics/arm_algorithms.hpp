@@ -43,6 +43,7 @@ struct ArmAlgorithms {
     LinkState<S>* state;
     Tangent<L>* tangent;
     Column<L>* column;
+    InertiaOf<S>* carried;  ///< inertia of each link with all links that it carries
     L* angle;    ///< all angles, then sines, then cosines
     L* rows;     ///< rows of 2 n columns
     L* inverse;  ///< n rows of n columns
@@ -132,6 +133,30 @@ struct ArmAlgorithms {
   static void mass_matrix(const InertialLinks& arm, const S* q, S* M, const Memory& at) {
     place(arm.tree, q, nullptr, nullptr, at);
     mass_of(arm, M, at);
+  }
+
+  /// Computes M from the inertias that the links carry (Featherstone, ch. 6.2); needs place().
+  static void mass_of(const InertialLinks& arm, S* M, const Memory& at) {
+    using C = typename ConstantOf<S>::type;
+    const Links& tree = arm.tree;
+    for (int k = 0; k < tree.count; ++k) {
+      const LinkInertia& I = arm.inertia[k];
+      const auto c = [](double x) { return S(static_cast<C>(x)); };
+      at.carried[k] = {c(I.m),  {c(I.h.x), c(I.h.y), c(I.h.z)}, c(I.xx), c(I.xy),
+                       c(I.yy), c(I.xz), c(I.yz), c(I.zz)};
+    }
+    const int n = tree.joints;
+    const int width = groups(n);
+    for (int e = 0; e < n * width; ++e) at.inverse[e] = L(0.0);
+    for (int g = 0; g < width; ++g) mass_columns(tree, g, width, at);
+    const auto entry = [&](int i, int j) -> S {
+      const L& from = at.inverse[i * width + j / lanes()];
+      if constexpr (kWide) return from.v[j % lanes()];
+      if constexpr (!kWide) return from;
+    };
+    for (int i = 0; i < n; ++i) {
+      for (int j = 0; j <= i; ++j) M[i * n + j] = M[j * n + i] = entry(i, j) + entry(j, i);
+    }
   }
 
   /// Computes M and h = C dq + g.
@@ -248,9 +273,8 @@ struct ArmAlgorithms {
   // ---- derivatives in lanes ----------------------------------------------------------------------
 
   /// Derivatives of the torques along the first `count` directions of the state space, in rows: row
-  /// i, which is torque i, has groups(count) entries. Needs motion() and, but for kOfAcceleration,
-  /// backward_pass(). kOfPosition | kOfVelocity: 2 n directions, those of q before those of dq;
-  /// kOfVelocity and kOfAcceleration: n.
+  /// i, which is torque i, has groups(count) entries. Needs motion() and backward_pass().
+  /// kOfPosition | kOfVelocity: 2 n directions, those of q before those of dq; kOfVelocity: n.
   template <unsigned kOf>
   static void rows_along(const InertialLinks& arm, int count, L* rows, const Memory& at) {
     const int width = groups(count);
@@ -261,8 +285,7 @@ struct ArmAlgorithms {
   template <unsigned kOf>
   static Seed<L> seed(const Links& tree, int k, int group) {
     const double* q = tree.seeds + long{2} * k * tree.seed_width + group * lanes();
-    Seed<L> out{L(0.0), L(0.0), L(0.0)};
-    if constexpr (kOf == kOfAcceleration) out.dds = lanes_at(q);
+    Seed<L> out{L(0.0), L(0.0)};
     if constexpr (kOf == kOfVelocity) out.ds = lanes_at(q);
     if constexpr ((kOf & kOfPosition) != 0) out.s = lanes_at(q);
     if constexpr (kOf == (kOfPosition | kOfVelocity)) out.ds = lanes_at(q + tree.seed_width);
@@ -366,6 +389,7 @@ struct ArmAlgorithms {
     at.state = parts.template take<LinkState<S>>(tree.count);
     at.tangent = parts.template take<Tangent<L>>(tree.count);
     at.column = parts.template take<Column<L>>(tree.count);
+    at.carried = parts.template take<InertiaOf<S>>(tree.count);
     at.angle = parts.template take<L>(3 * groups(tree.count));
     at.rows = parts.template take<L>(n * groups(2 * n));
     at.inverse = parts.template take<L>(n * groups(n));
@@ -401,20 +425,55 @@ struct ArmAlgorithms {
     }
   }
 
-  static void mass_of(const InertialLinks& arm, S* M, const Memory& at) {
-    const int n = arm.tree.joints;
-    const int width = groups(n);
-    rows_along<kOfAcceleration>(arm, n, at.inverse, at);
-    for (int i = 0; i < n; ++i) {  // rows are columns of M, which is symmetric
-      for (int g = 0; g < width; ++g) {
-        const int entry = i * n + g * lanes();
-        const int left = n - g * lanes() < lanes() ? n - g * lanes() : lanes();
-        const bool whole = entry + lanes() <= n * n;  // the next row overwrites surplus lanes
-        store(at.inverse[i * width + g], whole ? lanes() : left, M + entry);
-      }
+  /// True if one coordinate of a group is in the joint variable of link k.
+  static bool moves(const Links& tree, int k, int group) {
+    const double* own = tree.seeds + long{2} * k * tree.seed_width + group * lanes();
+    for (int l = 0; l < lanes(); ++l) {
+      if (own[l] != 0.0) return true;
     }
-    for (int i = 0; i < n; ++i) {  // makes M symmetric to the last bit
-      for (int j = i + 1; j < n; ++j) M[j * n + i] = M[i * n + j];
+    return false;
+  }
+
+  /// Computes the torques that unit accelerations of a group of coordinates need at the joints above
+  /// theirs, and half of those at their own; the first group also computes the carried inertias.
+  static void mass_columns(const Links& tree, int group, int width, const Memory& at) {
+    using C = typename ConstantOf<S>::type;
+    namespace d = recursion_detail;
+    Tangent<L>* t = at.tangent;
+    int last = tree.count - 1;  // the last link with a joint of the group
+    while (last > 0 && !moves(tree, last, group)) --last;
+    for (int k = 0; k <= last; ++k) t[k].force = t[k].moment = d::zero3<L>();
+    for (int k = group == 0 ? tree.count - 1 : last; k >= 0; --k) {
+      const Link& link = tree.link[k];
+      const InertiaOf<S>& I = at.carried[k];
+      if (group == 0 && link.parent >= 0)
+        carry_inertia(link, at.state[k], I, at.carried[link.parent]);
+      if (k > last) continue;
+      const L own = lanes_at(tree.seeds + long{2} * k * tree.seed_width + group * lanes());
+      Vec3<L>& force = t[k].force;
+      Vec3<L>& moment = t[k].moment;
+      L effort;
+      if (link.type == JointType::kRevolute) {
+        const L needed = (I.xx + I.yy) * own;
+        effort = moment.z + static_cast<C>(0.5) * needed;
+        force.x -= I.h.y * own;
+        force.y += I.h.x * own;
+        moment.x -= I.xz * own;
+        moment.y -= I.yz * own;
+        moment.z += needed;
+      } else {
+        const L needed = I.m * own;
+        effort = force.z + static_cast<C>(0.5) * needed;
+        force.z += needed;
+        moment.x += I.h.y * own - at.state[k].s * force.y;
+        moment.y += at.state[k].s * force.x - I.h.x * own;
+      }
+      for (int e = link.first_coefficient; e < link.end_coefficient; ++e) {
+        const JointCoefficient& c = tree.coefficient[e];
+        at.inverse[c.coordinate * width + group] += static_cast<C>(c.coefficient) * effort;
+      }
+      if (link.parent >= 0)
+        d::to_parent(link, at.state[k].R, force, moment, t[link.parent].force, t[link.parent].moment);
     }
   }
 

@@ -34,6 +34,7 @@ class ArmDynamics {
         state_(tree.links.size()),
         tangent_(tree.links.size()),
         column_(tree.links.size()),
+        carried_(tree.links.size()),
         rows_(2 * n() * n()),
         inverse_(n() * n()),
         vector_(n()),
@@ -84,7 +85,7 @@ class ArmDynamics {
   std::size_t n() const { return static_cast<std::size_t>(tree_.joints); }
   InertialLinks links() const { return {tree_, inertia_.data()}; }
   typename Algorithms::Memory memory() {
-    return {state_.data(), tangent_.data(), column_.data(), nullptr,
+    return {state_.data(), tangent_.data(), column_.data(), carried_.data(), nullptr,
             rows_.data(),  inverse_.data(), vector_.data(), matrix_.data()};
   }
 
@@ -93,6 +94,7 @@ class ArmDynamics {
   std::vector<LinkState<S>> state_;
   std::vector<Tangent<S>> tangent_;
   std::vector<Column<S>> column_;
+  std::vector<InertiaOf<S>> carried_;
   std::vector<S> rows_, inverse_, vector_, matrix_;
 };
 

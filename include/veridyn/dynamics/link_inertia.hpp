@@ -6,11 +6,13 @@ namespace veridyn {
 
 /// The integrals of 1, x and x x' over the mass of a link, about its origin: the ten inertial
 /// parameters in the form in which a change of frame is one product, T Pi T'.
-struct LinkInertia {
-  double m;
-  Vec3d h;
-  double xx, xy, yy, xz, yz, zz;
+template <typename S>
+struct InertiaOf {
+  S m;
+  Vec3<S> h;
+  S xx, xy, yy, xz, yz, zz;
 };
+using LinkInertia = InertiaOf<double>;
 
 /// A wrench that the environment exerts on a link, at the origin of the link's frame and written in
 /// it.

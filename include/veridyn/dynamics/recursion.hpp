@@ -89,26 +89,6 @@ inline void link_wrench(const Link& link, const LinkInertia& I, const Vec3<S>& a
                 hx * accel.y - hy * accel.x};
 }
 
-/// The same for E = [alpha]x: the wrench of a link without angular velocity.
-template <typename S>
-inline void link_wrench(const Link& link, const LinkInertia& I, const Vec3<S>& accel,
-                        const Vec3<S>& alpha, Vec3<S>& force, Vec3<S>& moment) {
-  using C = typename ConstantOf<S>::type;
-  const auto c = [](double x) { return static_cast<C>(x); };
-  if (link.type == JointType::kPrismatic) {
-    const auto h = constant<S>(I.h);
-    force = c(I.m) * accel + cross(alpha, h);
-    moment = cross(h, accel);
-    return;
-  }
-  const C hx = c(I.h.x), hy = c(I.h.y);
-  const C xx = c(I.xx), xy = c(I.xy), yy = c(I.yy), xz = c(I.xz), yz = c(I.yz), all = xx + yy;
-  force = {-(hy * alpha.z), hx * alpha.z, hy * alpha.x - hx * alpha.y};
-  moment = {yy * alpha.x - xy * alpha.y - xz * alpha.z + hy * accel.z,
-            xx * alpha.y - xy * alpha.x - yz * alpha.z - hx * accel.z,
-            all * alpha.z - xz * alpha.x - yz * alpha.y + hx * accel.y - hy * accel.x};
-}
-
 namespace recursion_detail {
 
 /// Transforms force and moment of a link to its joint's origin, in the frame of its parent.
@@ -158,6 +138,45 @@ inline void backward_pass(const Links& tree, const Workspace<S>& r, S* tau) {
   }
 }
 
+/// Adds the inertia I of a link, and of all that it carries, to that of its parent.
+template <typename S>
+inline void carry_inertia(const Link& link, const LinkState<S>& at, InertiaOf<S> I,
+                          InertiaOf<S>& parent) {
+  if (link.type == JointType::kPrismatic) {
+    I.xz += at.s * I.h.x;
+    I.yz += at.s * I.h.y;
+    I.zz += at.s * (I.h.z + I.h.z + at.s * I.m);
+    I.h.z += at.s * I.m;
+  }
+  // R X R': R times the columns of X, then R times the rows of that product.
+  const Vec3<S> x = from_joint(link, at.R, Vec3<S>{I.xx, I.xy, I.xz});
+  const Vec3<S> y = from_joint(link, at.R, Vec3<S>{I.xy, I.yy, I.yz});
+  const Vec3<S> z = from_joint(link, at.R, Vec3<S>{I.xz, I.yz, I.zz});
+  const Vec3<S> to_x = from_joint(link, at.R, Vec3<S>{x.x, y.x, z.x});
+  const Vec3<S> to_y = from_joint(link, at.R, Vec3<S>{x.y, y.y, z.y});
+  const Vec3<S> to_z = from_joint(link, at.R, Vec3<S>{x.z, y.z, z.z});
+  const Vec3<S> h = from_joint(link, at.R, I.h);
+  parent.m += I.m;
+  parent.h = parent.h + h;
+  parent.xx += to_x.x;
+  parent.xy += to_x.y;
+  parent.yy += to_y.y;
+  parent.xz += to_x.z;
+  parent.yz += to_y.z;
+  parent.zz += to_z.z;
+  if (!link.A_moves) return;
+  const auto p = constant<S>(link.A.p);
+  const Vec3<S> mp = I.m * constant<S>(link.A.p);
+  const Vec3<S> s = h + mp;  // X of the parent: + h p' + p h' + m p p'
+  parent.h = parent.h + mp;
+  parent.xx += p.x * (h.x + s.x);
+  parent.xy += p.y * s.x + p.x * h.y;
+  parent.yy += p.y * (h.y + s.y);
+  parent.xz += p.z * s.x + p.x * h.z;
+  parent.yz += p.z * s.y + p.y * h.z;
+  parent.zz += p.z * (h.z + s.z);
+}
+
 /// Derivatives of a link's motion and forces along one direction of the state space, or several.
 template <typename L>
 struct Tangent {
@@ -166,13 +185,13 @@ struct Tangent {
   Vec3<L> force, moment;
 };
 
-/// Variables along which tangents are taken: q, dq, ddq, or several of them (bitwise or).
-enum : unsigned { kOfPosition = 1, kOfVelocity = 2, kOfAcceleration = 4 };
+/// Variables along which tangents are taken: q, dq or both (bitwise or).
+enum : unsigned { kOfPosition = 1, kOfVelocity = 2 };
 
-/// Rates of a joint variable and its derivatives along the directions.
+/// Rates of a joint variable and its derivative along the directions.
 template <typename L>
 struct Seed {
-  L s, ds, dds;
+  L s, ds;
 };
 
 /// Computes one link's tangents from its parent's; requires forward_pass().
@@ -182,17 +201,13 @@ template <unsigned kOf, typename S, typename L>
 inline void tangent_step(const Link& link, const LinkInertia& I, const LinkState<S>& at,
                          const Seed<L>& seed, const Tangent<L>* above, Tangent<L>& t) {
   namespace d = recursion_detail;
-  constexpr bool kMoves = (kOf & (kOfPosition | kOfVelocity)) != 0;
   const bool revolute = link.type == JointType::kRevolute;
   t.omega = t.alpha = t.accel = d::zero3<L>();
   if (above != nullptr) {
-    if constexpr (kMoves) t.omega = to_joint(link, at.R, above->omega);
+    t.omega = to_joint(link, at.R, above->omega);
     t.alpha = to_joint(link, at.R, above->alpha);
     Vec3<L> accel = above->accel;
-    if (link.A_moves) {
-      if constexpr (kMoves) accel = accel + apply(above->E, constant<S>(link.A.p));
-      if constexpr (!kMoves) accel = accel + cross(above->alpha, constant<S>(link.A.p));
-    }
+    if (link.A_moves) accel = accel + apply(above->E, constant<S>(link.A.p));
     t.accel = to_joint(link, at.R, accel);
   }
   if (revolute) {
@@ -205,48 +220,36 @@ inline void tangent_step(const Link& link, const LinkInertia& I, const LinkState
       t.accel.x += seed.s * at.accel.y;
       t.accel.y -= seed.s * at.accel.x;
     }
-    if constexpr (kMoves) {
-      t.alpha.x += at.ds * t.omega.y;
-      t.alpha.y -= at.ds * t.omega.x;
-    }
+    t.alpha.x += at.ds * t.omega.y;
+    t.alpha.y -= at.ds * t.omega.x;
     if constexpr ((kOf & kOfVelocity) != 0) {
       t.alpha.x += seed.ds * at.omega.y;
       t.alpha.y -= seed.ds * at.omega.x;
       t.omega.z += seed.ds;
     }
-    if constexpr ((kOf & kOfAcceleration) != 0) t.alpha.z += seed.dds;
   }
-  if constexpr (kMoves) {
-    const L xx = (at.omega.x + at.omega.x) * t.omega.x;
-    const L yy = (at.omega.y + at.omega.y) * t.omega.y;
-    const L zz = (at.omega.z + at.omega.z) * t.omega.z;
-    const L yz = at.omega.y * t.omega.z + at.omega.z * t.omega.y;
-    const L xz = at.omega.x * t.omega.z + at.omega.z * t.omega.x;
-    const L xy = at.omega.x * t.omega.y + at.omega.y * t.omega.x;
-    t.E = {{-(yy + zz), xy + t.alpha.z, xz - t.alpha.y},
-           {xy - t.alpha.z, -(xx + zz), yz + t.alpha.x},
-           {xz + t.alpha.y, yz - t.alpha.x, -(xx + yy)}};
-  }
+  const L xx = (at.omega.x + at.omega.x) * t.omega.x;
+  const L yy = (at.omega.y + at.omega.y) * t.omega.y;
+  const L zz = (at.omega.z + at.omega.z) * t.omega.z;
+  const L yz = at.omega.y * t.omega.z + at.omega.z * t.omega.y;
+  const L xz = at.omega.x * t.omega.z + at.omega.z * t.omega.x;
+  const L xy = at.omega.x * t.omega.y + at.omega.y * t.omega.x;
+  t.E = {{-(yy + zz), xy + t.alpha.z, xz - t.alpha.y},
+         {xy - t.alpha.z, -(xx + zz), yz + t.alpha.x},
+         {xz + t.alpha.y, yz - t.alpha.x, -(xx + yy)}};
   if (!revolute) {
     if constexpr ((kOf & kOfPosition) != 0) t.accel = t.accel + seed.s * at.E.z;
-    if constexpr (kMoves) {
-      const S twice = at.ds + at.ds;
-      t.accel = t.accel + at.s * t.E.z;
-      t.accel.x += twice * t.omega.y;
-      t.accel.y -= twice * t.omega.x;
-    } else {
-      t.accel.x += at.s * t.alpha.y;
-      t.accel.y -= at.s * t.alpha.x;
-    }
+    const S twice = at.ds + at.ds;
+    t.accel = t.accel + at.s * t.E.z;
+    t.accel.x += twice * t.omega.y;
+    t.accel.y -= twice * t.omega.x;
     if constexpr ((kOf & kOfVelocity) != 0) {
-      const L twice = seed.ds + seed.ds;
-      t.accel.x += twice * at.omega.y;
-      t.accel.y -= twice * at.omega.x;
+      const L pair = seed.ds + seed.ds;
+      t.accel.x += pair * at.omega.y;
+      t.accel.y -= pair * at.omega.x;
     }
-    if constexpr ((kOf & kOfAcceleration) != 0) t.accel.z += seed.dds;
   }
-  if constexpr (kMoves) link_wrench(link, I, t.accel, t.E, t.force, t.moment);
-  if constexpr (!kMoves) link_wrench(link, I, t.accel, t.alpha, t.force, t.moment);
+  link_wrench(link, I, t.accel, t.E, t.force, t.moment);
 }
 
 /// Adds one link's tangents of force and moment to its parent's; requires backward_pass().

@@ -28,8 +28,8 @@ class RegressorBatch {
   /// Y[i](r, c): torque of joint i in sample r per unit of inertial parameter columns(i)[c].
   ///
   /// @param q, dq, ddq  (rows x n) [rad, rad/s, rad/s^2], metres where the joint is prismatic.
-  /// @param Y           one matrix per joint, (rows x columns(i).size()); sized here, reused where
-  /// the size is right.
+  /// @param Y           one matrix per joint, (rows x columns(i).size()); sized here. A matrix with
+  /// as many rows and more columns stays as it is behind these.
   /// @throws InvalidInput  the three do not have n columns and one number of rows.
   void evaluate(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
                 std::vector<MatrixXd>& Y) const;

@@ -78,7 +78,6 @@ class RigidBodyDynamics {
   struct TorqueDerivatives {
     MatrixXd by_q, by_dq, by_ddq;  ///< by_ddq is M(q)
   };
-  using TorqueSlopes = TorqueDerivatives;  ///< former name
 
   /// tau and its analytical derivatives by tangents of the Newton-Euler recursion, several
   /// directions side by side.
@@ -89,22 +88,11 @@ class RigidBodyDynamics {
   struct AccelerationDerivatives {
     MatrixXd by_q, by_dq, by_tau;  ///< by_tau is the inverse of M(q)
   };
-  using AccelerationSlopes = AccelerationDerivatives;  ///< former name
 
   /// ddq and its derivatives, from those of inverse dynamics at ddq: -M^-1 dtau/dx. False if M is
   /// not positive definite there.
   bool forward_dynamics_derivatives(const VectorRef& q, const VectorRef& dq, const VectorRef& tau,
                                     VectorXd& ddq, AccelerationDerivatives& derivatives);
-
-  /// Former names.
-  void inverse_dynamics_slopes(const VectorRef& q, const VectorRef& dq, const VectorRef& ddq,
-                               VectorXd& tau, TorqueDerivatives& derivatives) {
-    inverse_dynamics_derivatives(q, dq, ddq, tau, derivatives);
-  }
-  bool forward_dynamics_slopes(const VectorRef& q, const VectorRef& dq, const VectorRef& tau,
-                               VectorXd& ddq, AccelerationDerivatives& derivatives) {
-    return forward_dynamics_derivatives(q, dq, tau, ddq, derivatives);
-  }
 
  private:
   friend class EquationOfMotion;

@@ -59,7 +59,7 @@ struct EffectTraits {
   bool forward_simulable = true;
   /// Reason, to follow "transmission_compliance on yaw: "; empty where it can be simulated.
   const char* not_simulable_because = "";
-  /// Corresponding attribute of URDF's element `dynamics`: "damping" or "friction"; empty: none.
+  /// Attribute of a simulator's joint: "damping", "friction", "armature", "stiffness" or "offset".
   const char* urdf_attribute = "";
 };
 

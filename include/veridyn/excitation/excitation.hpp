@@ -99,7 +99,7 @@ struct ExcitationOptions {
   /// has values.
   std::optional<Model> powered{};
   /// Torque noise for kDOptimal, kAOptimal and the prediction; nullopt: usual_noise() of the arm
-  /// with values.
+  /// with values for the design, expected_noise() for the prediction.
   std::optional<TorqueNoise> noise{};
   /// The arm with values for the prediction and kAOptimal only; nullopt: `powered`, or the arm
   /// itself.

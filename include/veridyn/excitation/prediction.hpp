@@ -25,8 +25,19 @@ constexpr double kUsualNoise = 0.01;
 /// values).
 TorqueNoise noise_of_efforts(const Model& arm, double share);
 
-/// Residual of the identification of `arm`, or else noise_of_efforts(arm, kUsualNoise).
+/// Residual of the identification of `arm`, or else noise_of_efforts(arm, kUsualNoise): the noise
+/// for which a motion is designed.
 TorqueNoise usual_noise(const Model& arm);
+
+/// Share of a joint's rms torque that a prediction without an identification assumes as noise:
+/// the median of what plain identification leaves on the joints of five real arms (a quarter of
+/// them leave less than 0.09, a quarter more than 0.34; docs/excitation.md).
+constexpr double kUsualResidual = 0.2;
+
+/// Residual of the identification of `arm`, or else kUsualResidual of each joint's rms torque along
+/// `motion`: the noise from which the deviations after recording this motion are predicted. Limits
+/// of efforts in robot files are often far beyond the torques of any motion.
+TorqueNoise expected_noise(const Model& arm, const MotionSamples& motion);
 
 /// Predicted accuracy of one base parameter.
 struct PredictedParameter {

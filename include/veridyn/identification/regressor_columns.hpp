@@ -63,10 +63,11 @@ class RegressorColumns {
   bool left_out(int joint, double time) const;
 
  private:
-  using ArmTerms = std::vector<std::pair<const EffectTerm*, std::vector<Eigen::Index>>>;
   std::vector<MatrixXd> raw_columns(const Stretch& stretch, Joints joints) const;
-  void fill_channel_errors(const Stretch& stretch, const ArmTerms& terms, Joints joints,
-                           std::vector<MatrixXd>& Y) const;
+  MatrixXd columns_of(const EffectTerm& term, const Stretch& stretch, MatrixXd& load) const;
+  MatrixXd torque(const Stretch& stretch, const VectorRef& values) const;
+  template <typename Put>
+  void for_channel_errors(const Stretch& stretch, const Put& put) const;
   void filter(MatrixXd& columns, double dt) const;
   void smooth_load(MatrixXd& load, double dt) const;
   std::vector<Eigen::Index> kept_samples(const Stretch& stretch, Eigen::Index joint) const;
@@ -75,6 +76,7 @@ class RegressorColumns {
   PreprocessingOptions options_;
   RegressorBatch bodies_;
   std::vector<StandardParameter> parameters_;
+  std::vector<Eigen::Index> first_of_effect_;  // index of its first parameter
   std::vector<std::vector<int>> of_joint_;
 };
 

@@ -16,7 +16,7 @@ struct ModelFileOptions {
 /// Reads a robot, or a model (a robot with identified values), in the format of
 /// docs/robot-files.md.
 ///
-/// @param robot  a path that ends in .yaml, .yml, .urdf or .xml, or the bare name of a file in
+/// @param robot  a path that ends in .yaml, .yml, .urdf, .xml, .mjcf or .sdf, or the bare name of a file in
 ///               data/robots/. Bare names are looked for in the folder $VERIDYN_ROBOTS, then in
 ///               those that the build knows.
 /// @throws InvalidInput  "file:line:column: found ..., expected ...".

@@ -15,7 +15,9 @@ struct WatchedSource {
   std::vector<WatchEvent> events;
   std::vector<WatchState> states;  ///< one for each step
 
-  int alarms() const;  ///< number of changes; the stages of one change count once, what was present from the beginning does not
+  /// Number of changes. The stages of one change count once; what was present from the beginning
+  /// does not count.
+  int alarms() const;
 };
 
 /// One event as one line without line end: {"event": "named", "id": 1, "time": ..., ...}.

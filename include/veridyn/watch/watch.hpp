@@ -105,8 +105,8 @@ class Watch {
   /// time with a whole recording.
   void learn(const Recording& quiet);
 
-  /// Reports changes that are still open at the end of the rows.
-  /// repeated, are skipped; a pause of more than half a second begins a new segment.
+  /// Watches the next rows and returns the events that they bring. Rows whose time does not rise, or
+  /// which are repeated, are skipped; a pause of more than half a second begins a new segment.
   /// @throws InvalidInput  another number of joints, neither torques nor currents with drive gains.
   std::vector<WatchEvent> add(const Recording& rows);
 
@@ -117,6 +117,9 @@ class Watch {
   /// Sets a function that is called after every step with the state of the watch; for plots.
   void on_step(std::function<void(const WatchState&)> call);
   const Model& arm() const;
+  /// Joints whose recorded velocity is no derivative of the position, in words. They are found in
+  /// the first half of the learning time; the watch then derives all velocities from the positions.
+  const std::vector<std::string>& remarks() const;
   /// All events so far.
   const std::vector<WatchEvent>& events() const;
 

@@ -77,8 +77,9 @@ ExitStatus run(CalibrateLinksRequest& request, const std::string& command_line) 
   request.options.base = attached(request.base);
   request.options.tool = attached(request.tool);
   request.options.threads = request.common.threads;
-  const LinksCalibration found =
-      calibrate_links(arm, read_poses(request.poses, request.capture), request.options);
+  const LinksCalibration found = while_busy(request.common, "calibrating", [&] {
+    return calibrate_links(arm, read_poses(request.poses, request.capture), request.options);
+  });
   const bool done = found.status == CalibrationStatus::kDone;
   const std::string comparison =
       done && !request.diagnosis.empty() ? comparison_with(request.diagnosis, found) : "";

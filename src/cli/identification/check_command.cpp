@@ -4,11 +4,13 @@
 #include <iostream>
 #include <memory>
 
+#include "model/robot_format.hpp"
 #include "math/words.hpp"
 #include "cli/commands.hpp"
 #include "cli/options/common_options.hpp"
 #include "math/output_file.hpp"
 #include "math/parallel.hpp"
+#include "cli/options/messages.hpp"
 #include "cli/options/option_checks.hpp"
 #include "cli/options/recording_options.hpp"
 #include "veridyn/identification/robot_check.hpp"
@@ -30,8 +32,7 @@ struct CheckRequest {
 bool is_robot(const std::string& name) {
   struct stat about {};
   const bool there = ::stat(name.c_str(), &about) == 0;
-  const bool file = ends_with(name, ".yaml") || ends_with(name, ".yml") ||
-                    ends_with(name, ".urdf") || ends_with(name, ".xml");
+  const bool file = robot_format(name).has_value() && !ends_with(name, ".json");
   return there ? file && !S_ISDIR(about.st_mode) : file || name.find('.') == std::string::npos;
 }
 
@@ -63,6 +64,7 @@ void run(CheckRequest& request, const std::string& command_line) {
   reading.first_row = request.reading.first_row;
   reading.row_count = request.reading.row_count;
   std::vector<RecordingQuality> checked(recordings.size());
+  std::optional<Busy> busy(std::in_place, request.common, "checking the recordings");
   parallel_for(static_cast<int>(checked.size()), request.common.threads, [&](int k) {
     const auto at = static_cast<std::size_t>(k);
     PreprocessingOptions how = request.reading;
@@ -75,6 +77,7 @@ void run(CheckRequest& request, const std::string& command_line) {
   });
   if (!request.common.json.empty()) write_file(request.common.json, to_json(checked));
   if (!request.common.report.empty()) write_file(request.common.report, to_page(checked, command_line));
+  busy.reset();
   for (const RecordingQuality& quality : checked) std::cout << quality.report();
 }
 

@@ -29,8 +29,9 @@ ExitStatus run(PayloadRequest& request, const std::string& command_line) {
   if (!request.link.empty()) expect_one_of("--link", request.link, frame_names(model));
   request.options.threads = request.common.threads;
   look_at_recordings(model, request.recordings, request.options.preprocessing, request.options.threads);
-  const PayloadReport report =
-      find_payload(model, request.recordings, request.options, request.link);
+  const PayloadReport report = while_busy(request.common, "fitting a load on every link", [&] {
+    return find_payload(model, request.recordings, request.options, request.link);
+  });
   if (report.links.empty()) {
     say(report.reason);
     return kDataCannotAnswer;
@@ -49,7 +50,7 @@ void add_payload_command(CLI::App& tool, Outcome& outcome) {
       "payload", "Mass, centre of mass and inertia of a load that the model lacks");
   command.add_option("MODEL", request->model, "Model file written by identify or diagnose")
       ->required();
-  command.add_option("--recording", request->recordings, "Recordings with the load")
+  command.add_option("REC,--recording", request->recordings, "Recordings with the load")
       ->required()
       ->option_text("REC...");
   command.add_option("--link", request->link, "Test only the link of this frame (default: all)")

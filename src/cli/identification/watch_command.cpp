@@ -42,6 +42,12 @@ struct WatchRequest {
   CommonOptions common;
 };
 
+// True if a source grows.
+bool waits(const WatchRequest& request) {
+  return request.follow ||
+         std::find(request.sources.begin(), request.sources.end(), "-") != request.sources.end();
+}
+
 // Watches one source after the other and collects data for reports.
 class Watching {
  public:
@@ -66,9 +72,12 @@ class Watching {
         replay(watch, source);
       }
       tell(watch.finish());
+      for (const std::string& remark : watch.remarks()) say(source + ": " + remark);
       doubt_model(source);
     }
     write(false);
+    // Ctrl-C is the end of a source that grows; of a recording it leaves rows out.
+    if (interrupted != 0 && !waits(request_)) return kInterrupted;
     for (const WatchedSource& s : watched_) {
       if (!s.states.empty() && s.learned < s.to - s.from - 0.5 * request_.options.step) continue;
       say(text(s.source, ": found ", s.to - s.from, " s, expected more than the ",
@@ -231,9 +240,7 @@ void add_watch_command(CLI::App& tool, Outcome& outcome) {
   add_common_options(command, request->common);
   add_report_option(command, request->common);
   command.callback([request, &outcome, &command] {
-    const auto& sources = request->sources;
-    const bool waits = request->follow || std::find(sources.begin(), sources.end(), "-") != sources.end();
-    expect_needs(command, {{"--idle", waits, "--follow"}});
+    expect_needs(command, {{"--idle", waits(*request), "--follow"}});
     request->options.learn_more = std::max(request->options.learn_more, request->options.learn);
     outcome.status = run(*request, outcome.command_line);
   });

@@ -1,3 +1,4 @@
+#include <filesystem>
 #include <memory>
 #include <optional>
 
@@ -6,13 +7,17 @@
 #include "cli/models/export_dvrk.hpp"
 #include "math/output_file.hpp"
 #include "cli/options/messages.hpp"
+#include "cli/options/option_checks.hpp"
 #include "cli/options/sound_arguments.hpp"
+#include "model/robot_format.hpp"
+#include "model/suggestion.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/export/c_code.hpp"
 #include "veridyn/export/mjcf.hpp"
 #include "veridyn/export/model_json.hpp"
 #include "veridyn/export/portable_model.hpp"
 #include "veridyn/export/sdf.hpp"
+#include "veridyn/export/simulation_file.hpp"
 #include "veridyn/model/joint_sensors.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/model/model_origin.hpp"
@@ -26,7 +31,7 @@ namespace {
 struct ExportRequest {
   std::string model;
   std::string urdf, mjcf, sdf, cpp, yaml, json, report;
-  std::string prior, meshes_from;
+  std::string prior, meshes_from, into;
   bool quiet = false;
   DvrkExport dvrk;
 };
@@ -48,8 +53,8 @@ void tell(const ExportRequest& request, const ExportedModel& out) {
 // Writes the MODEL with its origin.
 void save_yaml(const ExportRequest& request, const Model& model) {
   const std::string path = robot_path(request.model);
-  const bool urdf = path.size() > 5 && path.compare(path.size() - 5, 5, ".urdf") == 0;
-  const std::optional<ModelOrigin> origin = urdf ? std::nullopt : read_origin(path);
+  const bool yaml = robot_format(path) == RobotFormat::kYaml;
+  const std::optional<ModelOrigin> origin = yaml ? read_origin(path) : std::nullopt;
   write_file(request.yaml, origin ? with_origin(to_yaml(model), *origin) : to_yaml(model));
 }
 
@@ -66,6 +71,33 @@ void write_xml(const ExportRequest& request, const std::string& file, const char
            " of the model; the file names them in comments that begin with 'left out:'."));
 }
 
+// The simulation's file that takes the model's values: the one that is named, or else the one that
+// the model came from; empty: none of this format.
+std::string simulation_of(const ExportRequest& request, const Model& model, RobotFormat format) {
+  const std::string& source = model.description().source;
+  const std::string& file = request.into.empty() ? source : request.into;
+  std::error_code ignored;
+  const bool exists = std::filesystem::is_regular_file(file, ignored);
+  return exists && robot_format(file) == format ? file : "";
+}
+
+void write_simulation(const ExportRequest& request, const ExportedModel& out, RobotFormat format) {
+  const bool mjcf = format == RobotFormat::kMjcf;
+  const std::string& target = mjcf ? request.mjcf : request.sdf;
+  if (target.empty()) return;
+  const std::string from = simulation_of(request, out.arm, format);
+  if (from.empty()) {
+    write_xml(request, target, mjcf ? "MJCF" : "SDF", mjcf ? to_mjcf(out.arm, out.extras.remarks) : to_sdf(out.arm, out.extras));
+    return;
+  }
+  const UpdatedFile updated = mjcf ? updated_mjcf(out.arm, from) : updated_sdf(out.arm, from);
+  write_xml(request, target, mjcf ? "MJCF" : "SDF", updated.xml);
+  if (request.quiet) return;
+  const std::size_t count = updated.changed.size();
+  say(text(target, ": ", from, " with ", count == 0 ? "no other value" : count == 1 ? "1 value" : std::to_string(count) + " values",
+           " of the model", count == 0 ? "" : ": " + listed(updated.changed), "; all else stays."));
+}
+
 void run(const ExportRequest& request, const std::string& command_line) {
   const DvrkExport& dvrk = request.dvrk;
   if ((request.urdf + request.mjcf + request.sdf + request.cpp + request.yaml + request.json +
@@ -79,15 +111,18 @@ void run(const ExportRequest& request, const std::string& command_line) {
                                   request.yaml, request.json, request.report, dvrk.gravity, dvrk.scales})
     require_writable(file);
   const Model model = read_model(request.model);
+  if (!request.into.empty()) {
+    const std::optional<RobotFormat> format = robot_format(request.into);
+    expect_value(format == RobotFormat::kMjcf ? !request.mjcf.empty() : format == RobotFormat::kSdf && !request.sdf.empty(), "--into",
+                 "found '", request.into, "', expected an MJCF file with --mjcf, or an SDF file with --sdf");
+    require(std::filesystem::is_regular_file(request.into), request.into, ": found no such file, expected that of a simulation.");
+  }
   if (!(request.urdf + request.mjcf + request.sdf + request.report).empty()) {
     const ExportedModel out = exported(request, model);
     if (!request.report.empty()) write_file(request.report, to_page(robot_info(out.arm), command_line));
     if (!request.urdf.empty())
       write_xml(request, request.urdf, "URDF", to_urdf(out.arm, out.extras));
-    if (!request.mjcf.empty())
-      write_xml(request, request.mjcf, "MJCF", to_mjcf(out.arm, out.extras.remarks));
-    if (!request.sdf.empty())
-      write_xml(request, request.sdf, "SDF", to_sdf(out.arm, out.extras));
+    for (const RobotFormat format : {RobotFormat::kMjcf, RobotFormat::kSdf}) write_simulation(request, out, format);
     tell(request, out);
   }
   if (!request.cpp.empty()) save_c_code(model, request.cpp);
@@ -130,6 +165,11 @@ void add_export_command(CLI::App& tool, Outcome& outcome) {
                   "With --urdf and --sdf: URDF file to take meshes from (default: the one that the "
                   "model came from)")
       ->option_text("URDF");
+  command
+      .add_option("--into", request->into,
+                  "With --mjcf and --sdf: simulation's file whose values are replaced; all else of it stays "
+                  "(default: the file that the model came from)")
+      ->option_text("FILE");
   command.add_flag("--quiet", request->quiet, "Print only errors on standard error");
   add_dvrk_export_options(command, request->dvrk);
   command.set_version_flag("--version", "veridyn " VERIDYN_VERSION);

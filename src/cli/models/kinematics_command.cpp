@@ -124,6 +124,7 @@ ExitStatus run(const CLI::App& used, KinematicsRequest request, const std::strin
                "--start", "found ", request.start.size(), " joints, expected the ", arm.model.joints(),
                " of ", arm.model.name());
   Times times;
+  std::optional<Busy> busy(std::in_place, request.common, "computing postures");
   KinematicTable table = request.workspace > 0
                              ? sample_workspace(arm.model, arm.frame, request.workspace)
                          : request.inverse.empty() ? forward(request, arm, times)
@@ -137,6 +138,7 @@ ExitStatus run(const CLI::App& used, KinematicsRequest request, const std::strin
   if (!request.common.json.empty()) write_file(request.common.json, to_json(table));
   if (!request.common.report.empty())
     write_file(request.common.report, to_page(table, arm.model, command));
+  busy.reset();
   std::cout << table.report();
   return table.unreached() > 0 ? kDataCannotAnswer : kDone;
 }

@@ -1,7 +1,9 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 #include <csignal>
-#include <filesystem>
 #include <iostream>
 #include <limits>
 #include <memory>
@@ -17,10 +19,12 @@
 #include "cli/options/recording_options.hpp"
 #include "cli/options/sound_arguments.hpp"
 #include "veridyn/excitation/excitation.hpp"
+#include "veridyn/identification/identification.hpp"
 #include "recordings/recorded_motion.hpp"
 #include "veridyn/recordings/recording.hpp"
 #include "math/numbers.hpp"
 #include "math/output_file.hpp"
+#include "model/robot_format.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/fixed_coordinates.hpp"
 #include "veridyn/model/model_file.hpp"
@@ -37,8 +41,8 @@ struct ExciteRequest {
   std::string output;
   std::string coefficients;
   std::string model;
-  std::vector<std::string> given;
-  PreprocessingOptions reading;  // of the given recordings
+  std::vector<std::string> given, noise_of;
+  PreprocessingOptions reading;  // of --given and --noise-of
   std::vector<std::string> boxes, spheres, obstacles, insertions;
   std::string between;
   std::optional<double> clearance;  // [m]; nullopt: 0 between spheres, kLinkClearance between links
@@ -90,16 +94,11 @@ Model read_powered(const ExciteRequest& request) {
   return with_fixed(arm, fixed);
 }
 
-bool is_urdf_file(const std::string& path) {
-  const std::string ending = std::filesystem::path(path).extension();
-  return ending == ".urdf" || ending == ".xml";
-}
-
 // Capsules of the links: from the collision shapes of a URDF, or along the links of a given radius.
 std::vector<Capsule> capsules_of(const ExciteRequest& request, const Model& arm) {
   if (request.link_radius) return capsules_along_links(arm, *request.link_radius);
   const std::string& file = request.shapes.empty() ? request.robot : request.shapes;
-  if (!is_urdf_file(file)) return {};
+  if (robot_format(file) != RobotFormat::kUrdf) return {};
   std::vector<std::string> remarks;
   std::vector<Capsule> out = collision_capsules(file, remarks);
   for (const std::string& remark : remarks) say("warning: " + remark);
@@ -116,6 +115,19 @@ CollisionLimits collisions_of(const ExciteRequest& request, const Model& arm) {
                "'", request.robot, "' has no collision shapes; expected --link-radius, or --shapes with a URDF file");
   expect_value(!shapes.empty() || request.shapes.empty(), "--shapes", "'", request.shapes, "' has no collision shapes");
   return collision_limits(arm, shapes, around, request.clearance.value_or(kLinkClearance));
+}
+
+// The noise of recordings: what the identification of the arm from them leaves.
+void learn_noise(const ExciteRequest& request, const Model& arm, ExcitationOptions& o) {
+  IdentificationOptions how;
+  how.friction = o.friction;
+  how.preprocessing = request.reading;
+  how.threads = o.threads;
+  const Identification id = identify(arm, request.noise_of, {}, how);
+  require(id.model.has_value(), "--noise-of ", request.noise_of.front(), ": ", id.reason);
+  o.noise = usual_noise(*id.model);
+  o.noise->source = fmt::format("what an identification from {} left", fmt::join(request.noise_of, ", "));
+  if (!o.powered && !arm.inertial_values()) o.valued = id.model;
 }
 
 ExcitationOptions options_of(const ExciteRequest& request, const Model& arm,
@@ -152,6 +164,7 @@ ExcitationOptions options_of(const ExciteRequest& request, const Model& arm,
   if (request.torque_noise)
     o.noise = noise_of_efforts(o.powered ? *o.powered : o.valued ? *o.valued : moved,
                                *request.torque_noise);
+  if (!request.noise_of.empty()) learn_noise(request, arm, o);
   return o;
 }
 
@@ -210,7 +223,7 @@ ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
   for (const char* option : {"--shapes", "--link-radius", "--floor", "--keep-out"})
     expect_needs(*request.command, {{option, request.collisions != "off", "--collisions auto"}});
   for (const char* option : {"--columns", "--given-rate", "--topic", "--map", "--units", "--rows"})
-    expect_needs(*request.command, {{option, !request.given.empty(), "--given"}});
+    expect_needs(*request.command, {{option, !request.given.empty() || !request.noise_of.empty(), "--given or --noise-of"}});
   expect_value(!discriminates || !request.between.empty(), "--criterion",
                "discriminate needs --between");
   const Model arm = read_robot(request.robot, request.common);
@@ -244,7 +257,7 @@ ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
     write_file(request.common.report, to_page(found, command_line, &arm));
   for (const std::string& warning : found.warnings()) say("warning: " + warning);
   std::cout << found.report();
-  return kDone;
+  return found.interrupted ? kInterrupted : kDone;
 }
 
 void add_limit_options(CLI::App& command, ExciteRequest& r) {
@@ -323,14 +336,21 @@ void add_excite_command(CLI::App& tool, Outcome& outcome) {
   command
       .add_option(
           "--torque-noise", request->torque_noise,
-          "Torque noise as a share of the largest effort (default: the model's error, or 0.01)")
+          "Torque noise as a share of the largest effort (default: the model's error, or 0.01 for the "
+          "design and 0.2 of the rms torque along the motion for predicted deviations)")
       ->option_text("X")
       ->check(CLI::Range(1e-6, 10.0))
+      ->group("Search");
+  command
+      .add_option("--noise-of", request->noise_of,
+                  "Take the torque noise from what an identification from these recordings of the arm leaves")
+      ->option_text("REC...")
+      ->excludes("--torque-noise")
       ->group("Search");
   add_limit_options(command, *request);
   add_headerless_options(command, request->reading.columns, request->reading.header_rate, "--given-rate");
   add_signal_options(command, request->reading.signals);
-  add_row_range(command, "--rows", "Samples of the recordings of --given",
+  add_row_range(command, "--rows", "Samples of the recordings of --given and --noise-of",
                 [request](RowRange rows) {
                   request->reading.first_row = rows.first;
                   request->reading.row_count = rows.count;

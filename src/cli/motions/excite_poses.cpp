@@ -67,7 +67,8 @@ ExitStatus excite_poses(const std::string& robot, const std::string& output,
   options.poses = request.poses;
   options.limit_share = limit_share;
   options.seed = seed;
-  const PoseDesign design = design_poses(arm, options);
+  const PoseDesign design =
+      while_busy(common, "choosing poses", [&] { return design_poses(arm, options); });
   if (design.status != CalibrationStatus::kDone) {
     say(design.reason + ".");
     return kDataCannotAnswer;

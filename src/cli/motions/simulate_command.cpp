@@ -103,7 +103,8 @@ ExitStatus run(const SimulateRequest& request, const std::string& command_line) 
     return run_controlled(request, arm, wanted, options, command_line);
   const std::string trouble = infeasibility(arm);
   if (!trouble.empty()) say("warning: " + trouble);
-  const SimulatedRecording simulated = simulate_recording(arm, wanted, options);
+  const SimulatedRecording simulated = while_busy(
+      request.common, "simulating", [&] { return simulate_recording(arm, wanted, options); });
   write_simulated(request, simulated);
   if (!request.common.json.empty()) write_file(request.common.json, to_json(simulated));
   std::cout << simulation_report(request, simulated);

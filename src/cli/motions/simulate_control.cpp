@@ -218,8 +218,10 @@ ExitStatus run_controlled(const SimulateRequest& request, const Model& arm,
   expect_value(request.loop.sensors.delay < lasts, "--encoder-delay", "found ",
                request.loop.sensors.delay, " s, expected less than the ", lasts,
                " s of the motion");
-  const ControlledRecording done =
-      simulate_controlled(arm, wanted, {options, loop_of(request, arm), request.engine});
+  const LoopOptions loop = loop_of(request, arm);
+  const ControlledRecording done = while_busy(request.common, "simulating", [&] {
+    return simulate_controlled(arm, wanted, {options, loop, request.engine});
+  });
   tell_left_out(request, done.left_out);
   if (stopped(done.run, arm)) return kDataCannotAnswer;
   write_simulated(request, done.recording);

@@ -77,7 +77,8 @@ ExitStatus run_replay(const SimulateRequest& request, const Model& arm,
   options.cutoff = request.preprocessing.cutoff;
   options.order = request.preprocessing.order;
   const ReplayInput input = input_of(request, arm, request.preprocessing);
-  const Replay done = replay(*engine, arm, input, options);
+  const Replay done = while_busy(request.common, "replaying",
+                                 [&] { return replay(*engine, arm, input, options); });
   tell_left_out(request, engine->left_out());
   if (stopped(done.run, arm)) return kDataCannotAnswer;
   if (request.drive == "torques" && lost(arm, done)) return kDataCannotAnswer;

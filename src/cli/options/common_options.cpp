@@ -96,7 +96,7 @@ void add_report_option(CLI::App& command, CommonOptions& options) {
 void add_robot_argument(CLI::App& command, std::string& robot) {
   command
       .add_option("ROBOT", robot,
-                  "YAML or URDF file, or the bare name of a robot that comes with the tool")
+                  "YAML, URDF, MJCF or SDF file, or the bare name of a robot that comes with the tool")
       ->required()
       ->option_text(" ");
 }

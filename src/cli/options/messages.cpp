@@ -8,6 +8,8 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <optional>
+#include <utility>
 
 namespace veridyn::cli {
 namespace {
@@ -15,35 +17,72 @@ namespace {
 constexpr int kBarWidth = 30;
 constexpr double kFirstEstimate = 0.1;  // share of the work before the first estimate
 constexpr double kShort = 3.0;          // [s] of work without an estimate
+constexpr double kRedraw = 0.05;        // [s] between two drawings of a bar
+constexpr double kQuietFor = 2.0;       // [s] between two plain lines of one stage
+constexpr std::size_t kLongest = 100;   // characters of an activity beside a bar, which stays one line
 const char* const kClearLine = "\r\033[K";
 
 bool on_terminal() {
   return ::isatty(STDERR_FILENO) != 0;
 }
 
-// One progress bar for all of the work, which never goes back and shows the remaining time once
-// enough is done.
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+// The remaining time, once enough is done.
+class Estimate {
+ public:
+  std::string left(double done) const {
+    const double passed = seconds_since(begun_);
+    if (done < kFirstEstimate || passed < kShort || done >= 1.0) return "";
+    return fmt::format(", about {:.0f} s left", passed * (1.0 - done) / done);
+  }
+
+ private:
+  Clock::time_point begun_ = Clock::now();
+};
+
+// One progress bar for all of the work, which never goes back.
 class Bar {
  public:
   void operator()(const std::string& what, double share) {
     done_ = std::max(done_, std::clamp(share, 0.0, 1.0));
+    if (share < 1.0 && drawn_ && seconds_since(*drawn_) < kRedraw) return;
+    drawn_ = Clock::now();
     const int filled = static_cast<int>(kBarWidth * done_);
-    const double passed = std::chrono::duration<double>(Clock::now() - begun_).count();
-    const std::string left = done_ < kFirstEstimate || passed < kShort
-                                 ? ""
-                                 : fmt::format(", about {:.0f} s left", passed * (1.0 - done_) / done_);
+    const std::string left = estimate_.left(done_);
     const bool colour = std::getenv("NO_COLOR") == nullptr;
     fmt::print(stderr, "{}[{}{:<{}}{}] {:3.0f} % {}{}", kClearLine, colour ? "\033[36m" : "",
                std::string(static_cast<std::size_t>(filled), '#'), kBarWidth, colour ? "\033[0m" : "",
-               100.0 * done_, what, left);
+               100.0 * done_, what.substr(0, kLongest), left);
     if (share >= 1.0) fmt::print(stderr, "{}", kClearLine);
     std::fflush(stderr);
   }
 
  private:
-  using Clock = std::chrono::steady_clock;
   double done_ = 0.0;
-  Clock::time_point begun_ = Clock::now();
+  Estimate estimate_;
+  std::optional<Clock::time_point> drawn_;
+};
+
+// A line for every stage, the part of the activity before its colon, and one in a while within it.
+class Lines {
+ public:
+  void operator()(const std::string& what, double share) {
+    const std::string stage = what.substr(0, what.find(':'));
+    if (stage == stage_ && seconds_since(said_) < kQuietFor) return;
+    stage_ = stage;
+    said_ = Clock::now();
+    say(what + estimate_.left(share));
+  }
+
+ private:
+  std::string stage_;
+  Clock::time_point said_;
+  Estimate estimate_;
 };
 
 // Quotes a word that a shell could interpret.
@@ -83,11 +122,35 @@ void say(const std::string& line) {
 Progress progress(const CommonOptions& options) {
   if (options.quiet) return {};
   if (on_terminal()) return Bar();
-  return [last = std::string()](const std::string& what, double) mutable {
-    if (what == last) return;
-    last = what;
-    say(what);
-  };
+  return Lines();
+}
+
+Busy::Busy(const CommonOptions& options, std::string what) : what_(std::move(what)) {
+  if (!options.quiet) shown_ = std::thread([this] { show(); });
+}
+
+Busy::~Busy() {
+  if (!shown_.joinable()) return;
+  {
+    const std::lock_guard<std::mutex> lock(guard_);
+    done_ = true;
+  }
+  over_.notify_one();
+  shown_.join();
+}
+
+void Busy::show() {
+  std::unique_lock<std::mutex> lock(guard_);
+  const bool terminal = on_terminal();
+  for (int seconds = 1; !over_.wait_for(lock, std::chrono::seconds(1), [this] { return done_; }); ++seconds) {
+    if (terminal) {
+      fmt::print(stderr, "{}{}, {} s", kClearLine, what_, seconds);
+      std::fflush(stderr);
+    } else if (seconds == 1) {
+      say(what_);
+    }
+  }
+  if (terminal) fmt::print(stderr, "{}", kClearLine);
 }
 
 }  // namespace veridyn::cli

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <condition_variable>
 #include <functional>
+#include <mutex>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "cli/options/common_options.hpp"
@@ -22,5 +25,32 @@ using Progress = std::function<void(const std::string&, double)>;
 /// A progress bar if standard error is a terminal, otherwise a plain line per activity; empty with
 /// --quiet.
 Progress progress(const CommonOptions& options);
+
+/// For work whose share done is not known: while it exists, and once a second has passed, the
+/// activity and its seconds on a terminal, one plain line elsewhere; nothing with --quiet.
+/// Nothing else is to be printed meanwhile.
+class Busy {
+ public:
+  Busy(const CommonOptions& options, std::string what);
+  ~Busy();
+  Busy(const Busy&) = delete;
+  Busy& operator=(const Busy&) = delete;
+
+ private:
+  void show();
+
+  std::string what_;
+  std::mutex guard_;
+  std::condition_variable over_;
+  bool done_ = false;
+  std::thread shown_;
+};
+
+/// The result of `work`, with Busy shown meanwhile.
+template <class Work>
+auto while_busy(const CommonOptions& options, const char* what, Work work) {
+  const Busy busy(options, what);
+  return work();
+}
 
 }  // namespace veridyn::cli

@@ -13,6 +13,7 @@
 
 #include "recordings/csv/csv_table.hpp"
 #include "recordings/bags/file_kind.hpp"
+#include "model/robot_format.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::cli {
@@ -78,8 +79,7 @@ void expect_topics_somewhere(const CLI::App& command) {
     if (option == nullptr) continue;
     for (const std::string& path : option->results()) {
       std::error_code error;
-      const std::string kind = fs::path(path).extension().string();
-      const bool robot = kind == ".yaml" || kind == ".yml" || kind == ".urdf" || kind == ".xml";
+      const bool robot = robot_format(path).has_value() && fs::path(path).extension() != ".json";
       // A missing file is reported elsewhere.
       if (robot || (path != "-" && !fs::exists(path, error))) continue;
       if (path == "-" || may_have_topics(path)) return;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <set>
 #include <string>
 
@@ -187,7 +188,13 @@ double Examiner::p_value(int h, const Stand& before,
 std::vector<Evidence> Examiner::ask_all(const std::vector<int>& chosen) const {
   const std::unique_ptr<Stand> before = stand(chosen);
   std::vector<Evidence> all(hypotheses_.size());
+  std::mutex told;
+  int tested = 0;
   parallel_for(hypotheses(), options_.identification.threads, [&](int h) {
+    if (options_.testing) {
+      const std::lock_guard<std::mutex> lock(told);
+      options_.testing(++tested, hypotheses());
+    }
     Evidence& e = all[static_cast<size_t>(h)];
     e.hypothesis = h;
     e.taken = std::find(chosen.begin(), chosen.end(), h) != chosen.end();

@@ -42,8 +42,6 @@ struct DigitalInputs {
 
   bool bit(int k) const { return ((word >> k) & 1U) != 0; }
   bool encoder_supply_fault() const { return bit(31); }
-  bool negative_limit(int channel) const { return bit(8 + channel); }
-  bool positive_limit(int channel) const { return bit(4 + channel); }
   bool home(int channel) const { return bit(channel); }
   /// Outputs of the board, one bit each, as logical values.
   unsigned outputs() const { return ~(word >> 12) & 0xFU; }

@@ -17,8 +17,7 @@ SearchProgress::SearchProgress(Listener listener, int searches, int steps)
     : listener_(std::move(listener)),
       steps_(steps),
       done_(static_cast<size_t>(searches), 0),
-      begun_(std::chrono::steady_clock::now()),
-      told_(begun_) {}
+      told_(std::chrono::steady_clock::now()) {}
 
 void SearchProgress::step(int search, const std::string& news) {
   if (!listener_) return;
@@ -41,9 +40,7 @@ void SearchProgress::over(int search) {
 void SearchProgress::tell(const std::string& news) {
   const double all = static_cast<double>(done_.size()) * steps_;
   const double share = std::accumulate(done_.begin(), done_.end(), 0) / all;
-  const double gone = std::chrono::duration<double>(told_ - begun_).count();
-  const double left = share > 0.0 ? gone * (1.0 - share) / share : 0.0;
-  listener_(fmt::format("{}; at most about {:.0f} s left", news, std::max(1.0, left)), share);
+  listener_(news, share);
 }
 
 }  // namespace veridyn

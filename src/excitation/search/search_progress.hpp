@@ -29,7 +29,7 @@ class SearchProgress {
   Listener listener_;
   int steps_;
   std::vector<int> done_;
-  std::chrono::steady_clock::time_point begun_, told_;
+  std::chrono::steady_clock::time_point told_;
   std::mutex guard_;
 };
 

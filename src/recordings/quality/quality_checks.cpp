@@ -70,14 +70,36 @@ std::string unit_of(const std::string& signal) {
   return signal == "i" ? "A" : "";
 }
 
-double quantile(std::vector<double> values, double share) {
+namespace {
+
+std::vector<double>::iterator place_of(std::vector<double>& values, double share) {
+  return values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+}
+
+void remove_missing(std::vector<double>& values) {
   values.erase(std::remove_if(values.begin(), values.end(), [](double x) { return std::isnan(x); }),
                values.end());
+}
+
+}  // namespace
+
+double quantile(std::vector<double> values, double share) {
+  remove_missing(values);
   if (values.empty()) return kNone;
-  const auto place =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  const auto place = place_of(values, share);
   std::nth_element(values.begin(), place, values.end());
   return *place;
+}
+
+double between_quantiles(std::vector<double> values, double low, double high) {
+  remove_missing(values);
+  if (values.empty()) return kNone;
+  const auto upper = place_of(values, high);
+  std::nth_element(values.begin(), upper, values.end());
+  const double at_high = *upper;
+  const auto lower = place_of(values, low);
+  if (lower != upper) std::nth_element(values.begin(), lower, upper);
+  return at_high - *lower;
 }
 
 bool is_moving(const Recording& rows, int k) {
@@ -111,7 +133,7 @@ Head::Head(const Recording& recording) : rows(recording) {
   longest = quantile(steps, 0.99);
   for (int j = 0; j < rows.joints(); ++j) {
     const std::vector<double> q(rows.q.col(j).data(), rows.q.col(j).data() + count);
-    moves.push_back(quantile(q, 0.99) - quantile(q, 0.01) > kRestingRange);
+    moves.push_back(between_quantiles(q, 0.01, 0.99) > kRestingRange);
   }
   for (int k = 0; k < count; ++k) stale.push_back(is_stale(rows, k));
 }

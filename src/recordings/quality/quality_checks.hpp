@@ -74,6 +74,9 @@ std::string unit_of(const std::string& signal);
 /// Value at the given share (0 to 1) of the sorted finite values; NaN if there are none.
 double quantile(std::vector<double> values, double share);
 
+/// The difference of two quantiles, of which the upper one is `high`.
+double between_quantiles(std::vector<double> values, double low, double high);
+
 /// True if row k equals row k - 1 in every signal although the arm moves.
 bool is_stale(const Recording& rows, int k);
 /// True if a velocity of row k is not zero; without velocities, if a position changed within 6

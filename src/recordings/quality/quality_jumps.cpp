@@ -19,7 +19,7 @@ JumpTally::JumpTally(const Head& head)
     for (int k = 2; k < count; ++k)
       change.push_back(std::abs(rows.q(k, j) - 2.0 * rows.q(k - 1, j) + rows.q(k - 2, j)));
     const double noise = change.empty() ? 0.0 : quantile(std::move(change), 0.99);
-    const double range = quantile(q, 0.99) - quantile(q, 0.01);
+    const double range = between_quantiles(q, 0.01, 0.99);
     joints_[joint].tolerance = std::max({kSmallest, 5.0 * noise, 0.02 * range});
   }
 }

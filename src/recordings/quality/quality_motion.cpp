@@ -43,7 +43,7 @@ void check_motion(const Head& head, Findings* findings) {
   for (int j = 0; j < head.rows.joints(); ++j) {
     if (head.moves[static_cast<std::size_t>(j)]) continue;
     const std::vector<double> q = column_of(head.rows.q, j);
-    const double range = quantile(q, 0.99) - quantile(q, 0.01);
+    const double range = between_quantiles(q, 0.01, 0.99);
     if (std::isnan(range)) continue;
     const Place place{"q", j + 1};
     findings->add(Severity::kInfo, "joint_at_rest", place, {kNone, range, unit_of("q")},

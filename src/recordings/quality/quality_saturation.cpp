@@ -74,7 +74,7 @@ ClipTally::ClipTally(const Head& head) {
         if (values(k, j) != values(k - 1, j))
           changes.push_back(std::abs(values(k, j) - values(k - 1, j)));
       }
-      const double range = quantile(column, 1.0) - quantile(column, 0.0);
+      const double range = between_quantiles(column, 0.0, 1.0);
       const double resolution = changes.empty() ? 0.0 : quantile(std::move(changes), 0.01);
       const double tolerance = std::max(1e-6 * range, std::min(0.6 * resolution, 1e-3 * range));
       for (const double sign : {1.0, -1.0}) extremes_.push_back({{name, j + 1}, sign, tolerance});

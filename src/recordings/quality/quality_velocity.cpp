@@ -47,7 +47,7 @@ VelocityFit velocity_fit(const Head& head, int joint) {
   VelocityFit fit;
   if (ratios.size() < 50) return fit;
   const double middle = quantile(ratios, 0.5);
-  fit.spread = 0.5 * (quantile(ratios, 0.75) - quantile(ratios, 0.25));
+  fit.spread = 0.5 * between_quantiles(ratios, 0.25, 0.75);
   double cross = 0.0;
   double square = 0.0;
   for (std::size_t w = 0; w < moved.size(); ++w) {
@@ -85,7 +85,7 @@ void check_quantised(const Head& head, int joint, const VelocityFit& fit, Findin
     if (steps.back() > 0.0) changes.push_back(steps.back());
   }
   const std::vector<double> all(dq.data(), dq.data() + dq.size());
-  const double range = quantile(all, 0.99) - quantile(all, 0.01);
+  const double range = between_quantiles(all, 0.01, 0.99);
   if (!(range > 0.0) || changes.size() < 20) return;
   const double smallest = quantile(changes, 0.01);
   const double typical = quantile(steps, 0.9);
@@ -128,7 +128,7 @@ void check_noise(const Head& head, int joint, Findings* findings) {
   }
   if (windows < 50) return;
   const std::vector<double> all(rows.dq.col(joint).data(), rows.dq.col(joint).data() + rows.rows());
-  const double range = quantile(all, 0.99) - quantile(all, 0.01);
+  const double range = between_quantiles(all, 0.01, 0.99);
   // The second difference of white noise has sqrt(6) times its standard deviation.
   const double noise = std::sqrt(recorded / (6.0 * windows));
   const double ratio = std::sqrt(recorded / std::max(derived, 1e-300));

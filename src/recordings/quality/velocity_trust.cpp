@@ -1,6 +1,6 @@
 #include "recordings/velocity_trust.hpp"
 
-#include <string>
+#include "veridyn/math/require.hpp"
 
 namespace veridyn {
 
@@ -20,6 +20,15 @@ VelocityTrust trust_in_velocities(const std::vector<RecordingQuality>& recording
     }
   }
   for (const int joint : out.wrong) out.doubtful.erase(joint);
+  return out;
+}
+
+std::vector<std::string> remarks_on(const std::set<int>& wrong, const Model& arm) {
+  std::vector<std::string> out;
+  for (const int j : wrong) {
+    out.push_back(text("dq", j + 1, " (", arm.coordinates()[j].name, ") is no derivative of q",
+                       j + 1, ", which is used instead"));
+  }
   return out;
 }
 

@@ -63,6 +63,7 @@ std::string to_json(const Fleet& fleet) {
   out["left_out_recordings"] = Json::array();
   for (const UnusedRecording& r : fleet.left_out)
     out["left_out_recordings"].push_back({{"file", r.source}, {"why", r.why}});
+  out["remarks"] = fleet.remarks;
   return written(out);
 }
 

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "report/pages/page_series.hpp"
+#include "model/robot_format.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/link_shapes.hpp"
 
@@ -116,7 +117,7 @@ Json meshes_json(const Model& arm) {
   Json out = Json::array();
   const std::filesystem::path file = arm.description().source;
   std::error_code ignored;
-  if ((file.extension() != ".urdf" && file.extension() != ".xml") || !std::filesystem::is_regular_file(file, ignored)) return out;
+  if (robot_format(file.string()) != RobotFormat::kUrdf || !std::filesystem::is_regular_file(file, ignored)) return out;
   LinkShapes read;
   try {
     read = urdf_shapes(file.string(), UrdfShapes::kVisual);

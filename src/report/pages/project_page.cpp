@@ -132,6 +132,7 @@ std::string project_page(const std::string& folder, const std::string& output,
   for (const char* list : {"models", "pages", "recordings", "changes", "unreadable"})
     result[list] = Json::array();
   result["folder"] = folder;
+  result["name"] = fs::weakly_canonical(folder).filename().string();
   std::vector<fs::path> files;
   for (auto at = fs::recursive_directory_iterator(folder); at != fs::end(at); ++at) {
     const std::string name = at->path().filename().string();

@@ -3,7 +3,6 @@
 
 // ---- rigid motions as rows [r11 r12 r13 x  r21 r22 r23 y  r31 r32 r33 z]
 
-const kIdentity = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0];
 
 function times(a, b) {
   const out = [];

@@ -2,6 +2,14 @@
 // style sheet; every drawing can be saved as SVG and as CSV.
 
 const kChart = {left: 54, right: 12, top: 10, bottom: 36};
+const kNarrow = 600;  // [px] of a window in which drawings are made narrower, so that their words stay readable
+const kAround = 50;   // [px] left and right of a drawing there
+
+/** The width to draw in: as asked, or that of a narrow window but not less than `least`. */
+function fitting(width, least) {
+  const there = document.documentElement.clientWidth;
+  return there < kNarrow ? Math.min(width, Math.max(least, there - kAround)) : width;
+}
 
 /** Round numbers in a range, at most `most` of them. */
 function ticks([low, high], most) {
@@ -102,7 +110,7 @@ function saveButtons(name, svg, csv) {
 
 /** The drawing alone. @param spec  {x: {name, range, log, ticks}, y: the same, marks, width, height, equal} */
 function chartDrawing(spec) {
-  const size = {width: spec.width || 520, height: spec.height || 250};
+  const size = {width: fitting(spec.width || 520, 0), height: spec.height || 250};
   const parts = (k) => spec.marks.flatMap((m) => m.points.flatMap((p) => m.kind === 'bars' ? (k ? [p[2], 0] : [p[0], p[1]]) : k ? p.slice(1) : [p[0]]));
   let xRange = spec.x.range || (spec.x.log ? [Math.min(...parts(0)), Math.max(...parts(0))] : rangeOf([parts(0)]));
   let yRange = spec.y.range || rangeOf([parts(1)]);
@@ -135,6 +143,7 @@ function chart(spec) {
 // ---- rows with bars: verdicts, shares, staircases, intervals
 
 const kRow = 26;
+const kShortestBars = 90;  // [px] of the longest bar in a narrow window
 
 /**
  * Rows of one thing each: {label, parts: [{from, to, colour}], dots, ticks, value}.
@@ -142,7 +151,8 @@ const kRow = 26;
  */
 function rowChart(spec) {
   const left = spec.left || 120;
-  const right = spec.width - (spec.right || 150);
+  const width = fitting(spec.width, left + (spec.right || 150) + kShortestBars);
+  const right = width - (spec.right || 150);
   const f = spec.log ? Math.log10 : Number;
   const x = (v) => left + (right - left) * (f(Math.min(Math.max(v, spec.range[0]), spec.range[1])) - f(spec.range[0])) / (f(spec.range[1]) - f(spec.range[0]));
   const height = spec.rows.length * kRow + (spec.marks ? 20 : 2);
@@ -160,9 +170,9 @@ function rowChart(spec) {
         (row.dots || []).map((d) => d.tick ?
           drawing('line', {x1: x(d.at), x2: x(d.at), y1: y + 4, y2: y + kRow - 4, stroke: 'var(--' + d.colour + ')', 'stroke-width': 2.2}) :
           drawing('circle', {cx: x(d.at).toFixed(1), cy: y + 12.5, r: 4, fill: 'var(--' + d.colour + ')'})),
-        drawing('text', {x: spec.width, y: y + 17, 'text-anchor': 'end', class: 'value'}, row.value));
+        drawing('text', {x: width, y: y + 17, 'text-anchor': 'end', class: 'value'}, row.value));
   });
-  const svg = drawing('svg', {viewBox: '0 0 ' + spec.width + ' ' + height, role: 'img', 'aria-label': spec.title, class: 'chart', style: 'max-width:' + 1.25 * spec.width + 'px'}, grid, rows);
+  const svg = drawing('svg', {viewBox: '0 0 ' + width + ' ' + height, role: 'img', 'aria-label': spec.title, class: 'chart', style: 'max-width:' + 1.25 * width + 'px'}, grid, rows);
   const csv = () => 'row,from,to\n' + spec.rows.flatMap((r) => (r.parts || []).map((p) => '"' + r.label + '",' + p.from + ',' + p.to)).join('\n') + '\n';
   return element(
       'figure', {class: 'plot drawn', 'data-plot': spec.name, 'data-joint': spec.joint, 'data-points': 'rows:' + spec.rows.length},

@@ -19,7 +19,7 @@ function statusWords(finding, k) {
 
 function worseJoints() {
   return (result.summary ? result.summary.worse_joints : []).map((joint) => paragraph(
-      'warning', 'The extended model is worse on ', jointName(joint).toLowerCase(), ': ',
+      'warning', 'The extended model is worse on ', jointInText(joint), ': ',
       fromTo('/baseline/test/relative_error/' + (joint - 1), '/extended/test/relative_error/' + (joint - 1)), '.'));
 }
 
@@ -130,7 +130,7 @@ function causePicture(finding, k) {
       marks.push({...mean, name: 'the extended model adds, ' + mean.name.split(',')[0], silent: false});
   }
   return chart({
-    name: 'cause', joint, title: (k + 1) + '\u2002' + words(finding.effect) + ', ' + jointName(finding.joint).toLowerCase(), x: {name: signal.label, range},
+    name: 'cause', joint, title: (k + 1) + '\u2002' + words(finding.effect) + ', ' + jointInText(finding.joint), x: {name: signal.label, range},
     y: {name: units.torque_unit}, width: 420, height: 240, marks, note: unnamed && finding.shape ? typeset(finding.shape) : null});
 }
 
@@ -147,14 +147,14 @@ function heldOutChange(finding, k) {
 
 // Rivals with one reason are named together.
 function rivalList(finding) {
-  const name = (rival) => strong(words(rival.effect) + ' (' + (rival.frame ? words(rival.frame) : shortJoint(rival.joint)) + ')');
+  const name = (rival) => strong(words(rival.effect) + ' (' + (rival.frame ? rival.frame : shortJoint(rival.joint)) + ')');
   return groupBy(finding.rivals || [], (rival) => rival.why).map((group) => paragraph(
       'rivals', group.length > 1 ? 'Rivals: ' : 'Rival: ', group.flatMap(({item}, k) => [k ? ', ' : '', name(item)]), ': ' + typeset(group[0].item.why) + '.'));
 }
 
 function findingRow(finding, k) {
   const place = '/findings/' + k;
-  const where = [finding.frame ? 'frame ' + finding.frame : jointName(finding.joint).toLowerCase(), finding.recording && fileName(finding.recording)].filter(Boolean).join(', ');
+  const where = [finding.frame ? 'frame ' + finding.frame : jointInText(finding.joint), finding.recording && fileName(finding.recording)].filter(Boolean).join(', ');
   const phrase = finding.phrase ? finding.phrase.charAt(0).toUpperCase() + finding.phrase.slice(1) + '.' : finding.sentence;
   const extra = finding.effect === 'unnamed' && finding.signals ? ' Depends on ' + listed(finding.signals) + '.' : '';
   return [

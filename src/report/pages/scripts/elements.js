@@ -83,8 +83,9 @@ function typeset(sentence) {
       .replace(/N m\b/g, 'N\u00a0m');
 }
 
+/** A word of the results as people write it; what stands behind a colon or in brackets is the user's name. */
 function words(name) {
-  return String(name).replace(/_/g, ' ');
+  return String(name).replace(/^[^:(]*/, (own) => own.replace(/_/g, ' '));
 }
 
 function fileName(path) {

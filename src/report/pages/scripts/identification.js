@@ -18,22 +18,25 @@ function identifyNext(rows) {
 }
 
 const kCell = 26;
-const kLabels = 230;  // width of the names beside the cells
+const kLabels = 230, kShortLabels = 130;  // width of the names beside the cells, and in a narrow window
+const kLetter = 7;                        // width of a letter of them
 
 /** Cells in colour: how the errors of the least certain parameters go together. */
 function correlationPicture(list) {
   if (!list || !(list.names || []).length || list.names.length < 2) return null;
   const n = list.names.length;
-  const width = kLabels + n * kCell + 70, height = n * kCell + 22;
-  const brief = (name) => name.length > 32 ? name.slice(0, 31) + '\u2026' : name;
+  const labels = fitting(kNarrow, 0) < kNarrow ? kShortLabels : kLabels;
+  const width = labels + n * kCell + 70, height = n * kCell + 22;
+  const letters = Math.floor(labels / kLetter);
+  const brief = (name) => name.length > letters ? name.slice(0, letters - 1) + '\u2026' : name;
   const cells = list.matrix.flatMap((row, i) => row.map((r, k) => drawing(
       'g', {}, drawing('title', {}, list.names[i] + ' and ' + list.names[k] + ': ' + short(r, 2)),
-      drawing('rect', {x: kLabels + k * kCell, y: i * kCell, width: kCell - 1, height: kCell - 1, fill: 'var(--' + (r < 0 ? 'backward' : 'forward') + ')', 'fill-opacity': Math.abs(r).toFixed(2)}),
-      Math.abs(r) >= 0.5 && i !== k ? drawing('text', {x: kLabels + (k + 0.5) * kCell, y: i * kCell + 17, 'text-anchor': 'middle', class: 'tick'}, withMinus(r.toFixed(1)).replace('0.', '.')) : null)));
+      drawing('rect', {x: labels + k * kCell, y: i * kCell, width: kCell - 1, height: kCell - 1, fill: 'var(--' + (r < 0 ? 'backward' : 'forward') + ')', 'fill-opacity': Math.abs(r).toFixed(2)}),
+      Math.abs(r) >= 0.5 && i !== k ? drawing('text', {x: labels + (k + 0.5) * kCell, y: i * kCell + 17, 'text-anchor': 'middle', class: 'tick'}, withMinus(r.toFixed(1)).replace('0.', '.')) : null)));
   const names = list.names.map((name, i) => drawing(
       'g', {}, drawing('text', {x: 0, y: i * kCell + 17, class: 'label'}, i + 1 + '\u2002' + brief(name)),
       drawing('text', {x: width, y: i * kCell + 17, 'text-anchor': 'end', class: 'value'}, '\u00b1' + short(100 * list.relative[i], 2) + ' %'),
-      drawing('text', {x: kLabels + (i + 0.5) * kCell, y: n * kCell + 14, 'text-anchor': 'middle', class: 'tick'}, String(i + 1))));
+      drawing('text', {x: labels + (i + 0.5) * kCell, y: n * kCell + 14, 'text-anchor': 'middle', class: 'tick'}, String(i + 1))));
   const svg = drawing('svg', {viewBox: '0 0 ' + width + ' ' + height, role: 'img', 'aria-label': 'Correlations of the least certain parameters', class: 'chart', style: 'max-width:' + 1.25 * width + 'px'}, names, cells);
   const csv = () => ['', ...list.names].map((name) => '"' + name + '"').join(',') + '\n' + list.matrix.map((row, i) => '"' + list.names[i] + '",' + row.join(',')).join('\n') + '\n';
   let most = [0, 1];

@@ -121,11 +121,13 @@ function simulatePage() {
   const run = result.torque || result.largest_deviation;
   const source = series.recordings[0].source;
   const replay = Boolean(result.torque);
+  const off = result.largest_deviation || [];
+  const farthest = off.some(isNumber) ? Math.max(...off.filter(isNumber)) : null;
   const worst = replay ? Math.max(...result.torque.relative_error.filter(isNumber)) : 0;
   return {
     title: result.robot, kind: 'Simulation', facts: [replay ? 'Replay of ' + fileName(source) : 'Under a controller along ' + fileName(source)],
     lead: result.complete === false ? 'The run stopped early.' : replay ? 'The simulated torques follow the recorded ones to ' + short(100 * worst, 2) + ' % on every joint.' :
-        'The arm followed its set points to the end.',
+        'The arm ran to the end' + (farthest === null ? '.' : ', at most ' + short(1e3 * farthest, 2) + ' m' + series.joints[off.indexOf(farthest)].unit + ' off its set points.'),
     state: result.complete === false ? 'bad' : 'good',
     good: [result.complete === false ? paragraph('warning', 'Incomplete: the run ' + result.stopped.why) : null, replay ? torqueBars() : null, run ? runTable() : null],
     next: replay ? [{why: 'If a joint is off, ask what the model lacks:', command: 'veridyn diagnose MODEL --train ' + source + ' --test OTHER.csv'}] :
@@ -151,7 +153,7 @@ function breakawayPage() {
   });
   return {
     title: result.robot, kind: 'Breakaway', facts: ['Breakaway of ' + result.coordinate + ' in ' + fileName(series.source)],
-    lead: sides.length ? words(result.coordinate) + ' begins to slide at ' + listed(sides.map((side) => short(valueAt('/' + side + '/recorded')) + ' ' + result.unit)) + '.' : 'No ramps were found.',
+    lead: sides.length ? result.coordinate + ' begins to slide at ' + listed(sides.map((side) => short(valueAt('/' + side + '/recorded')) + ' ' + result.unit)) + '.' : 'No ramps were found.',
     good: sides.map((side) => paragraph('', 'It slides ' + side + 's at ', effort('/' + side + '/recorded'), ' in the recording, at ', effort('/' + side + '/simulated'), ' in the simulation (medians).')),
     next: [{why: 'Where the two differ, the model lacks friction that grows at rest; ask which:', command: 'veridyn diagnose MODEL --train ' + series.source + ' --test OTHER.csv'}],
     picture: figures.find(Boolean),

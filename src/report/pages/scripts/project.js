@@ -1,6 +1,13 @@
 // One page for a folder: models over time, what changed when, links to the other pages.
 
-const kDay = 86400e3;  // [ms]
+const kUnits = [['days', 86400e3], ['hours', 3600e3], ['minutes', 60e3], ['seconds', 1e3]];  // [ms]
+
+/** The largest unit of which the models span two; seconds for less. */
+function unitOf(models) {
+  const dates = models.map((m) => Date.parse(m.date));
+  const span = Math.max(...dates) - Math.min(...dates);
+  return kUnits.find(([, size]) => span >= 2 * size) || kUnits[kUnits.length - 1];
+}
 
 function day(date) {
   return String(date).replace('T', ' ').replace(/:\d\dZ?$/, '');
@@ -10,13 +17,14 @@ function day(date) {
 function historyCharts(robot) {
   const models = result.models.filter((m) => m.robot === robot);
   const first = Date.parse(models[0].date);
+  const [unit, size] = unitOf(models);
   const names = [...new Set(models.flatMap((m) => m.parameters.map((p) => p.name)))];
   return names.map((name) => {
     const points = models.map((m) => ({m, p: m.parameters.find((p) => p.name === name)})).filter(({p}) => p && isNumber(p.value))
-        .map(({m, p}) => ({at: (Date.parse(m.date) - first) / kDay, value: p.value, half: kNormal95 * (p.std || 0), unit: p.unit}));
+        .map(({m, p}) => ({at: (Date.parse(m.date) - first) / size, value: p.value, half: kNormal95 * (p.std || 0), unit: p.unit}));
     if (points.length < 2) return null;
     return chart({
-      name: 'history', joint: 0, title: name, x: {name: 'days since ' + day(models[0].date)}, y: {name: points[0].unit}, width: 400, height: 200, marks: [
+      name: 'history', joint: 0, title: name, x: {name: unit + ' since ' + day(models[0].date)}, y: {name: points[0].unit}, width: 400, height: 200, marks: [
         {kind: 'line', name: '95 %', colour: 'quiet', width: 1.2, silent: true, points: points.flatMap((p) => [[p.at, p.value - p.half], [p.at, p.value + p.half], [null, null]])},
         {kind: 'line', name: 'course', colour: 'pale-extended', silent: true, points: points.map((p) => [p.at, p.value])},
         {kind: 'dots', name: 'value', colour: 'extended', width: 7, opacity: 1, points: points.map((p) => [p.at, p.value])}]});
@@ -31,7 +39,7 @@ pages.page = () => {
   const newest = result.models[result.models.length - 1];
   const charts = robots.flatMap(historyCharts);
   return {
-    title: fileName(result.folder.replace(/\/+$/, '')) || result.folder, kind: 'Project',
+    title: result.name || fileName(result.folder.replace(/\/+$/, '')) || result.folder, kind: 'Project',
     facts: [countOf(result.models.length, 'model') + ', ' + countOf(result.pages.length, 'page') + ', ' + countOf(result.recordings.length, 'recording') +
             (dates.length ? ', from ' + day(dates[0]) + ' to ' + day(dates[dates.length - 1]) : '')],
     lead: !last ? 'Nothing to compare yet: ' + countOf(result.models.length, 'model') + '.' : changed.length ? 'Changed ' + countOf(changed.length, 'time') + ', last on ' + day(changed[changed.length - 1].date) + '.' :

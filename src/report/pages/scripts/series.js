@@ -21,6 +21,12 @@ function jointName(joint) {
   return 'Joint ' + joint + ', ' + known.name;
 }
 
+/** The same within a sentence; a joint's own name keeps its capitals. */
+function jointInText(joint) {
+  const name = jointName(joint);
+  return name[0].toLowerCase() + name.slice(1);
+}
+
 function shortJoint(joint) {
   const known = series.joints[joint - 1];
   return known ? joint + '\u00a0' + known.name : joint ? String(joint) : 'whole arm';

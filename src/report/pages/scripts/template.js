@@ -91,13 +91,16 @@ function build(page) {
   main.append(...sections.map((s) => s.node));
 }
 
-// For tests: how many plots there are, and whether anything sticks out to the right.
+// For tests: how many plots there are, whether anything sticks out to the right, and the smallest size of words in drawings
+// as a percentage of the style sheet's.
 function noteState() {
   const root = document.documentElement;
   root.dataset.errors = root.dataset.errors || 0;
   root.dataset.plots = document.querySelectorAll('.plot').length;
   root.dataset.width = window.innerWidth;
   root.dataset.overflow = Math.max(0, root.scrollWidth - root.clientWidth);
+  const drawn = [...document.querySelectorAll('svg.chart')].filter((svg) => svg.clientWidth > 0);
+  root.dataset.words = Math.round(100 * Math.min(1, ...drawn.map((svg) => svg.clientWidth / svg.viewBox.baseVal.width)));
   root.dataset.scheme = matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light';
   if (root.scrollWidth <= root.clientWidth) return;
   const wide = [...document.querySelectorAll('main *')].filter((node) => node.getBoundingClientRect().right > root.clientWidth + 0.5);

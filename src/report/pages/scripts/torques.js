@@ -204,7 +204,7 @@ function torqueSections(about) {
       const data = recording.joints[joint - 1];
       const names = curvesOf(data).slice(1);
       const yRange = rangeOf(names.map((name) => residualOf(data, name)));
-      return [heading(jointName(joint) + (against && against !== joint ? ', against the motion of ' + jointName(against).toLowerCase() : '')),
+      return [heading(jointName(joint) + (against && against !== joint ? ', against the motion of ' + jointInText(against) : '')),
               element('div', {class: 'residual-grid'}, names.flatMap((name) => residualRow(recording, joint, against || joint, name, yRange)))];
     }))
   };

@@ -1,0 +1,46 @@
+#include <Eigen/Core>
+
+#include "math/packed_product.hpp"
+#include "math/processor.hpp"
+
+// The innermost product of all products and solutions, of which decompositions.hpp declares that it is
+// compiled elsewhere: here, in a file that does not see that declaration, because it comes too late for
+// a specialization.
+namespace Eigen {
+#if EIGEN_VERSION_AT_LEAST(3, 4, 0) && !EIGEN_VERSION_AT_LEAST(3, 4, 90)
+namespace internal {
+
+template <typename I>
+using Blocks = blas_data_mapper<double, I, ColMajor, Unaligned, 1>;
+template <typename I>
+using Gebp = gebp_kernel<double, double, I, Blocks<I>, gebp_traits<double, double>::mr, gebp_traits<double, double>::nr, false, false>;
+
+#if defined(__SSE2__) && !defined(__AVX__)
+// Where the processor is wider than the two lanes of this build, the kernel compiled for it; else
+// Eigen's own, under another type of index.
+template <>
+EIGEN_DONT_INLINE void Gebp<Index>::operator()(const Blocks<Index>& res, const double* A,
+                                               const double* B, Index rows, Index depth, Index cols,
+                                               double alpha, Index strideA, Index strideB,
+                                               Index offsetA, Index offsetB) {
+  static void (*const wide)(const veridyn::PackedBlocks&) =
+      veridyn::widest_instruction_set() >= veridyn::InstructionSet::kAvx2
+          ? veridyn::packed_product_avx2()
+          : nullptr;
+  if (rows <= 0 || cols <= 0) return;
+  double* const C = &res(0, 0);
+  if (wide != nullptr) {
+    wide({A, B, C, res.stride(), rows, depth, cols, strideA < 0 ? depth : strideA,
+          strideB < 0 ? depth : strideB, offsetA, offsetB, alpha});
+  } else {
+    Gebp<long long>()(Blocks<long long>(C, res.stride()), A, B, rows, depth, cols, alpha, strideA,
+                      strideB, offsetA, offsetB);
+  }
+}
+#else
+template struct gebp_kernel<double, double, Index, Blocks<Index>, gebp_traits<double, double>::mr, gebp_traits<double, double>::nr, false, false>;
+#endif
+
+}  // namespace internal
+#endif
+}  // namespace Eigen

@@ -1,0 +1,22 @@
+#pragma once
+
+namespace veridyn {
+
+/// C += alpha * A * B of blocks that Eigen has packed for kernels of 4 x 4 with two lanes: A by
+/// panels of four rows, then one of two, then single rows; B by panels of four columns, then single
+/// columns. Within a panel the entries of one inner index are adjacent.
+struct PackedBlocks {
+  const double* A;
+  const double* B;
+  double* C;    ///< by columns
+  long stride;  ///< of C's columns
+  long rows, depth, cols;
+  long strideA, strideB;  ///< entries of a packed row, of a packed column
+  long offsetA, offsetB;  ///< of the first inner index in it
+  double alpha;
+};
+
+/// With AVX2 and FMA; null if the build does not include them.
+void (*packed_product_avx2())(const PackedBlocks&);
+
+}  // namespace veridyn
