@@ -321,7 +321,7 @@ TEST(Feedback, HasTheWordsOfItsFirmwareAlone) {
   std::array<std::uint8_t, 4 * 32> bytes{};
   bytes.fill(0xA5);
   const QuadletView block({bytes.data(), bytes.size()});
-  EXPECT_EQ(decode_feedback(block, 6).channel[0].encoder.running, 0U);
+  EXPECT_EQ(decode_feedback(block, 6).channel[0].encoder.running, ChannelFeedback().encoder.running);
   EXPECT_EQ(decode_feedback(block, 7).channel[0].encoder.running, 0xA5A5A5A5U);
   EXPECT_EQ(decode_feedback(block, 7).channel[0].motor.word, 0U);
   EXPECT_EQ(decode_feedback(block, 8).channel[0].motor.word, 0xA5A5A5A5U);
