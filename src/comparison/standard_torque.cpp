@@ -11,8 +11,8 @@ namespace {
 // Contributions below this share of a parameter's rms torque are due to the grid of samples.
 constexpr double kRoundedAway = 5e-3;
 
-Stretch stretch_of(const MotionSamples& motion) {
-  Stretch s;
+Segment segment_of(const MotionSamples& motion) {
+  Segment s;
   s.dt = motion.time[1] - motion.time[0];
   s.start = motion.time[0];
   s.time = motion.time;
@@ -51,14 +51,14 @@ StandardTorque::StandardTorque(const Model& arm) : parameters_(standard_paramete
   const RegressorColumns columns(free, unfiltered);
   motion_ = standard_motion(arm);
   MotionSamples motion = motion_;
-  moving_ = columns.rows(stretch_of(motion));
+  moving_ = columns.rows(segment_of(motion));
   motion.dq.setZero();
   motion.ddq.setZero();
-  resting_ = columns.rows(stretch_of(motion));
+  resting_ = columns.rows(segment_of(motion));
   for (Eigen::Index i = 0; i < arm.joints(); ++i) {
     motion.ddq.setZero();
     motion.ddq.col(i).setOnes();
-    speeding_up_.push_back(columns.rows(stretch_of(motion))[static_cast<size_t>(i)]);
+    speeding_up_.push_back(columns.rows(segment_of(motion))[static_cast<size_t>(i)]);
   }
 }
 

@@ -18,9 +18,9 @@ Vector3d centroid(const std::vector<Vector3d>& points) {
   return points.empty() ? sum : Vector3d(sum / static_cast<double>(points.size()));
 }
 
-Vector3d direction(const Vector3d& way) {
-  const double length = way.norm();
-  return length > kShortest ? Vector3d(way / length) : Vector3d::Zero();
+Vector3d direction(const Vector3d& displacement) {
+  const double length = displacement.norm();
+  return length > kShortest ? Vector3d(displacement / length) : Vector3d::Zero();
 }
 
 void check(const CooperativeOptions& o, std::size_t tips) {
@@ -134,10 +134,10 @@ void CooperativeController::restart(const std::vector<Vector3d>& tips) noexcept 
   plan();
 }
 
-bool CooperativeController::move(const Vector3d& way, double duration) noexcept {
+bool CooperativeController::move(const Vector3d& displacement, double duration) noexcept {
   if (!commands_allowed()) return false;
   scratch3_ =
-      centre_.goal() + options_.R_world_arm[static_cast<size_t>(options_.leader)].lazyProduct(way);
+      centre_.goal() + options_.R_world_arm[static_cast<size_t>(options_.leader)].lazyProduct(displacement);
   return centre_.move_to(scratch3_, duration);
 }
 
@@ -156,7 +156,7 @@ bool CooperativeController::turn(const Vector3d& euler, double duration) noexcep
   return angle_.move_to(scratch1_, duration);
 }
 
-bool CooperativeController::tighten(double by, double duration) noexcept {
+bool CooperativeController::expand_grasp(double by, double duration) noexcept {
   if (!commands_allowed() || !std::isfinite(by) || !(duration > 0.0)) return false;
   for (size_t i = 0; i < grips_.size(); ++i) {
     if (static_cast<int>(i) == options_.leader) continue;
@@ -167,11 +167,11 @@ bool CooperativeController::tighten(double by, double duration) noexcept {
   return true;
 }
 
-bool CooperativeController::move_arm(int arm, const Vector3d& way, double duration) noexcept {
+bool CooperativeController::move_arm(int arm, const Vector3d& displacement, double duration) noexcept {
   if (!commands_allowed() || arm < 0 || arm >= arms()) return false;
   const Eigen::Matrix3d R = Eigen::AngleAxisd(angle_.x()[0], axis_).toRotationMatrix() * R_start_;
   QuinticInterpolator& grip = grips_[static_cast<size_t>(arm)];
-  scratch3_ = grip.goal() + R.transpose().lazyProduct(way);
+  scratch3_ = grip.goal() + R.transpose().lazyProduct(displacement);
   return grip.move_to(scratch3_, duration);
 }
 

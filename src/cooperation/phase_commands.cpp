@@ -9,7 +9,7 @@ bool give_command(const ScenarioCommand& c, CooperativeController& control) noex
     case ScenarioCommand::Kind::kTurn:
       return control.turn(c.way, c.over);
     case ScenarioCommand::Kind::kTighten:
-      return control.tighten(c.amount, c.over);
+      return control.expand_grasp(c.amount, c.over);
     case ScenarioCommand::Kind::kForce:
       return control.set_force(c.member, c.amount, c.over);
     case ScenarioCommand::Kind::kMoveArm:

@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "diagnosis/stages/investigation.hpp"
+#include "diagnosis/stages/diagnosis_state.hpp"
 #include "recordings/named_recordings.hpp"
 
 namespace veridyn {
@@ -28,7 +28,7 @@ Model robot_of(const Model& file, const DiagnosisOptions& options) {
 // Says which stage runs.
 using Tell = std::function<void(const char* stage)>;
 
-void ask_everything(Investigation& x, const Tell& tell) {
+void test_all_candidates(DiagnosisState& x, const Tell& tell) {
   x.d.findings.resize(x.contacts);
   x.d.not_supported.clear();
   x.d.cannot_tell.clear();
@@ -42,7 +42,7 @@ void ask_everything(Investigation& x, const Tell& tell) {
   select_causes(x);
 }
 
-void run_stages(Investigation& x, const Tell& tell) {
+void run_stages(DiagnosisState& x, const Tell& tell) {
   tell("checking the recordings");
   check_quality(x);
   tell("fitting the model as it is");
@@ -51,7 +51,7 @@ void run_stages(Investigation& x, const Tell& tell) {
   check_torque_signs(x);
   check_errors_in_variables(x);
   exclude_snags(x.start, x);
-  ask_everything(x, tell);
+  test_all_candidates(x, tell);
   // Contacts and small snags are visible once the model's own errors are corrected; then everything
   // is repeated without these intervals.
   const Identification extended = x.d.extended;
@@ -59,7 +59,7 @@ void run_stages(Investigation& x, const Tell& tell) {
   const bool contacts = exclude_contacts(extended, x);
   if (snags || contacts) {
     tell("once more, without snags and contacts");
-    ask_everything(x, tell);
+    test_all_candidates(x, tell);
   }
   tell("accounting for what is left over");
   account_for_errors(x);
@@ -110,10 +110,10 @@ Diagnosis diagnose(const Model& arm, const Recordings& train, const Recordings& 
                    const DiagnosisOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
   const NamedRecordings<IdentificationOptions> named(train, test, options.identification);
-  Investigation x{robot_of(arm, options), named.train, named.test, options, {}, {}, 0, {}, {}, {}};
+  DiagnosisState x{robot_of(arm, options), named.train, named.test, options, {}, {}, 0, {}, {}, {}};
   x.options.identification = named.how;
   keep_recordings(x.options.identification, KeptRecordings::kManyQuestions);
-  for (std::string& one : x.options.effects) one = asked_cause(arm, one);
+  for (std::string& one : x.options.effects) one = normalized_cause(arm, one);
   x.d.changes = are_facts(x.arm);
   x.d.provisional = named.train.size() == 1;
   Thresholds& limits = x.options.thresholds;

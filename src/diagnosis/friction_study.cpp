@@ -142,7 +142,7 @@ void add_breakaways(const Model& arm, const Recording& r, int joint,
   }
 }
 
-// Averages friction over the stretches of nearly constant speed; those of like speed are pooled.
+// Averages friction over the segments of nearly constant speed; those of like speed are pooled.
 std::vector<FrictionAtSpeed> speeds_of(const Identification& id, const FrictionCurve& curve) {
   struct Run {
     FrictionAtSpeed mean;

@@ -6,7 +6,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "diagnosis/shapes/inquiry.hpp"
+#include "diagnosis/shapes/candidate_data.hpp"
 #include "diagnosis/evidence/payload_fit.hpp"
 #include "diagnosis/evidence/numerics.hpp"
 #include "veridyn/effects/cause.hpp"
@@ -38,7 +38,7 @@ void keep_only(const Model& arm, const std::string& link, AugmentedModel& augmen
 
 // Fall of the held-out error (phases of the motion, or recordings) for every hypothesis, beside
 // changes of friction and offset: what more parameters explain in sample counts for nothing.
-std::vector<double> held_out_gains(const Inquiry& q, const NormalBlocks& data,
+std::vector<double> held_out_gains(const CandidateData& q, const NormalBlocks& data,
                                    const Thresholds& limits) {
   ColumnSet base;
   for (const Hypothesis& h : q.augmented.hypotheses) {
@@ -51,7 +51,7 @@ std::vector<double> held_out_gains(const Inquiry& q, const NormalBlocks& data,
   none.thresholds = limits;
   const Selection asked = select_effects(data, base, q.augmented.hypotheses, none);
   std::vector<double> out;
-  for (const Evidence& e : asked.last_asked) out.push_back(e.absorbed ? 0.0 : e.gain);
+  for (const Evidence& e : asked.last_evaluated) out.push_back(e.collinear ? 0.0 : e.gain);
   return out;
 }
 
@@ -120,13 +120,13 @@ PayloadReport find_on(const Model& model, const std::string& robot, const std::v
     out.reason = start.reason;
     return out;
   }
-  QuestionList list;
+  CandidateList list;
   list.wanted = {AddedLoad::kName};
   for (const std::string& effect : elementary_effects()) list.wanted.push_back(effect);
   list.changes = true;
-  AugmentedModel augmented = augmented_model(frozen(model), start.factors, list);
+  AugmentedModel augmented = augmented_model(with_fixed_parameters(model), start.factors, list);
   if (!link.empty()) keep_only(model, link, augmented);
-  const Inquiry q = prepare(start, std::move(augmented), true, recordings, {}, options);
+  const CandidateData q = prepare(start, std::move(augmented), true, recordings, {}, options);
   const NormalBlocks data(q.train, q.columns);
   const std::vector<double> gains = held_out_gains(q, data, limits);
   std::vector<const Hypothesis*> asked;

@@ -10,7 +10,7 @@
 #include "diagnosis/evidence/held_out.hpp"
 #include "diagnosis/evidence/numerics.hpp"
 #include "diagnosis/findings/finding_words.hpp"
-#include "diagnosis/stages/investigation.hpp"
+#include "diagnosis/stages/diagnosis_state.hpp"
 #include "diagnosis/unnamed/dependence.hpp"
 #include "identification/fold_errors.hpp"
 #include "math/parallel.hpp"

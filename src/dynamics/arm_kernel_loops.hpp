@@ -170,7 +170,7 @@ struct ArmKernelLoops {
         const BodyMotion<S> motion = body_motion(r.link[k], place);
         for (int m = link.first_support; m < link.end_support; ++m) {
           Column<S> c = r.jacobian[m];
-          if (!place.is_identity) recursion_detail::carry(place.T_link_body, c.w, c.v);
+          if (!place.is_identity) recursion_detail::transform_motion(place.T_link_body, c.w, c.v);
           body(b, tree.support[m].coordinate, motion, c);
         }
       }

@@ -39,7 +39,7 @@ EssentialColumns essential_columns(const Model& arm, double share) {
   for (const int c : independent_columns(W, order, out.kept)) {
     const MatrixXd A = unit(Eigen::all, before);
     const VectorXd own = unit.col(c);
-    out.left_out.push_back({c, (own - A * A.householderQr().solve(own)).norm()});
+    out.non_essential.push_back({c, (own - A * A.householderQr().solve(own)).norm()});
     before.push_back(c);
   }
   return out;

@@ -18,7 +18,7 @@ struct WeakColumn {
 /// (Essential parameters: Pham and Gautier, IEEE ICRA 1991.)
 struct EssentialColumns {
   std::vector<int> kept;
-  std::vector<WeakColumn> left_out;
+  std::vector<WeakColumn> non_essential;
 };
 EssentialColumns essential_columns(const Model& arm, double share);
 

@@ -265,7 +265,7 @@ void Design::describe(const Candidate& best, const VectorXd& random, Excitation&
   judge_motion(arm_, whole, motion, samples(random), options_, out);
   const double share = part ? options_.essential : kUsualShare;
   const EssentialColumns essential = essential_columns(arm_, share);
-  if (part || !essential.left_out.empty()) {
+  if (part || !essential.non_essential.empty()) {
     const BaseRegressor kept(arm_, choice_matters() && part ? asked.exact.base() : essential.kept);
     out.essential = judge_essential(arm_, essential, share, kept, motion);
   }

@@ -70,12 +70,12 @@ std::string essential_text(const EssentialParameters& p) {
       "Condition number {:.4g} for {} essential parameters; columns as they are {:.4g}, scaled by "
       "their range {:.4g}.\n",
       p.condition_number, p.count, p.plain_condition_number, p.range_condition_number);
-  if (p.left_out.empty()) return out;
+  if (p.non_essential.empty()) return out;
   out +=
       fmt::format("Regrouped with them, since they would add less than {:.3g} %:", 100.0 * p.share);
-  for (size_t k = 0; k < p.left_out.size(); ++k) {
-    out += fmt::format("{} {} ({:.2g} %)", k > 0 ? "," : "", p.left_out[k].first,
-                       100.0 * p.left_out[k].second);
+  for (size_t k = 0; k < p.non_essential.size(); ++k) {
+    out += fmt::format("{} {} ({:.2g} %)", k > 0 ? "," : "", p.non_essential[k].first,
+                       100.0 * p.non_essential[k].second);
   }
   return out + ".\n";
 }

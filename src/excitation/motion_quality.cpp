@@ -69,8 +69,8 @@ EssentialParameters judge_essential(const Model& arm, const EssentialColumns& co
   out.condition_number = scaled_condition_number(gram);
   out.plain_condition_number = plain_condition_number(gram);
   out.range_condition_number = range_condition_number(chosen.stacked(motion));
-  for (const WeakColumn& weak : columns.left_out)
-    out.left_out.emplace_back(names[static_cast<size_t>(weak.column)].name, weak.share);
+  for (const WeakColumn& weak : columns.non_essential)
+    out.non_essential.emplace_back(names[static_cast<size_t>(weak.column)].name, weak.share);
   return out;
 }
 

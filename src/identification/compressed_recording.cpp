@@ -25,7 +25,7 @@ constexpr int kPieceRows = 2048;
 constexpr size_t kGroupsAtOnce = 16;   // groups of joints
 constexpr double kMovingShare = 0.02;  // share of the largest speed, CONTRACT
 
-using Visit = VisitStretch;
+using Visit = VisitSegment;
 using Pass = StretchPass;
 
 // Blocks for the jackknife and for held-out folds. If the motion repeats they are phases of the
@@ -120,16 +120,16 @@ class Blocks {
 
 // Keeps only the excluded intervals of this recording.
 PreprocessingOptions of_this_source(PreprocessingOptions options, const std::string& source) {
-  std::vector<LeftOut>& parts = options.left_out;
+  std::vector<ExcludedInterval>& parts = options.excluded_intervals;
   parts.erase(std::remove_if(parts.begin(), parts.end(),
-                             [&](const LeftOut& part) { return part.source != source; }),
+                             [&](const ExcludedInterval& part) { return part.source != source; }),
               parts.end());
   return options;
 }
 
 // Absorbs the rows of every joint, groups of joints in parallel; at most kGroupsAtOnce of them are
 // in memory.
-void absorb_all(const RegressorColumns& columns, const Stretch& s, int threads, Blocks& blocks) {
+void absorb_all(const RegressorColumns& columns, const Segment& s, int threads, Blocks& blocks) {
   const std::vector<RegressorColumns::Joints> groups = columns.groups(s.q.rows());
   for (size_t at = 0; at < groups.size(); at += kGroupsAtOnce) {
     const size_t count = std::min(kGroupsAtOnce, groups.size() - at);
@@ -149,20 +149,20 @@ enum class Wanted { kFactors, kFacts };
 
 // Number of samples of one segment that a fit would use, over all joints.
 double samples_of(const RegressorColumns& columns, const PreprocessingOptions& options,
-                  const Stretch& s) {
+                  const Segment& s) {
   const int step = decimation(options, s.dt);
   double out = 0.0;
   for (Eigen::Index k = s.core_begin; k < s.core_end; ++k) {
     if (s.use[static_cast<size_t>(k)] == 0) continue;
     if (std::lround((s.time[k] - s.start) / s.dt) % step != 0) continue;
     for (int i = 0; i < s.dq.cols(); ++i)
-      out += static_cast<double>(!columns.left_out(i, s.time[k] - s.start) &&
+      out += static_cast<double>(!columns.is_excluded(i, s.time[k] - s.start) &&
                                  std::abs(s.dq(k, i)) >= options.min_speed);
   }
   return out;
 }
 
-void add_facts(const Stretch& s, const MatrixXd& tau, bool& first, PeriodFold& fold,
+void add_facts(const Segment& s, const MatrixXd& tau, bool& first, PeriodFold& fold,
                std::vector<TorqueFacts>& joints) {
   for (Eigen::Index k = s.core_begin; k < s.core_end; ++k) {
     if (s.use[static_cast<size_t>(k)] == 0) continue;
@@ -194,7 +194,7 @@ CompressedRecording run_compress(const Model& arm, const std::string& source,
   PeriodFold fold(n, period.seconds);
   out.joints.resize(static_cast<size_t>(n));
   bool first = true;
-  const Visit visit = [&](const Stretch& s) {
+  const Visit visit = [&](const Segment& s) {
     if (wanted == Wanted::kFactors) {
       absorb_all(columns, s, threads, blocks);
     } else {
@@ -282,7 +282,7 @@ class SeriesCollector {
     for (auto* table : tables()) table->resize(static_cast<size_t>(joints));
   }
 
-  void add(const Stretch& s, const RegressorColumns::Prediction& p, Eigen::Index row) {
+  void add(const Segment& s, const RegressorColumns::Prediction& p, Eigen::Index row) {
     if (series_ == nullptr || index_++ % stride_ != 0) return;
     const MatrixXd* sources[] = {&s.q, &s.dq, &s.ddq, &p.measured, &p.modelled};
     series_->time.push_back(s.time[row] - s.start);
@@ -325,7 +325,7 @@ ErrorSums run_prediction(const Model& arm, const std::string& source,
   ErrorSums sums(n);
   ErrorSums kept(n);
   SeriesCollector collector(series, n);
-  const Visit visit = [&](const Stretch& s) {
+  const Visit visit = [&](const Segment& s) {
     const RegressorColumns::Prediction p = columns.predict(s, values);
     for (Eigen::Index k = s.core_begin; k < s.core_end; ++k) {
       if (s.use[static_cast<size_t>(k)] == 0) continue;
@@ -334,7 +334,7 @@ ErrorSums run_prediction(const Model& arm, const std::string& source,
         const MovingSample moves =
             std::abs(s.dq(k, i)) > slow ? MovingSample::kYes : MovingSample::kNo;
         sums.add(i, p.measured(k, i), p.modelled(k, i), moves);
-        if (without_excluded != nullptr && !columns.left_out(i, s.time[k] - s.start))
+        if (without_excluded != nullptr && !columns.is_excluded(i, s.time[k] - s.start))
           kept.add(i, p.measured(k, i), p.modelled(k, i), moves);
       }
       collector.add(s, p, k);
@@ -351,7 +351,7 @@ CompressedRecording compress(const Model& arm, const std::string& path,
                              const PreprocessingOptions& options, int threads) {
   return run_compress(
       arm, path, options, period_of(arm, path, options),
-      [&](const Visit& visit) { return for_each_stretch(arm, path, options, visit); },
+      [&](const Visit& visit) { return for_each_segment(arm, path, options, visit); },
       number_of_threads(threads));
 }
 
@@ -359,7 +359,7 @@ CompressedRecording compress_facts(const Model& arm, const std::string& path,
                                    const PreprocessingOptions& options, int threads) {
   return run_compress(
       arm, path, options, period_of(arm, path, options),
-      [&](const Visit& visit) { return for_each_stretch(arm, path, options, visit); },
+      [&](const Visit& visit) { return for_each_segment(arm, path, options, visit); },
       number_of_threads(threads), Wanted::kFacts);
 }
 
@@ -367,7 +367,7 @@ CompressedRecording compress(const Model& arm, const Recording& recording,
                              const PreprocessingOptions& options) {
   return run_compress(
       arm, recording.source, options, detect_period(recording),
-      [&](const Visit& visit) { return for_each_stretch(arm, recording, options, visit); }, 1);
+      [&](const Visit& visit) { return for_each_segment(arm, recording, options, visit); }, 1);
 }
 
 std::vector<CompressedRecording> compress_all(const Model& arm,
@@ -424,7 +424,7 @@ ErrorSums prediction_error(const Model& arm, const std::string& path,
                            ErrorSums* without_excluded, int threads) {
   return run_prediction(
       arm, path, options, values, joints, series, without_excluded,
-      [&](const Visit& visit) { return for_each_stretch(arm, path, options, visit); },
+      [&](const Visit& visit) { return for_each_segment(arm, path, options, visit); },
       number_of_threads(threads));
 }
 
@@ -434,7 +434,7 @@ ErrorSums prediction_error(const Model& arm, const Recording& recording,
                            ErrorSums* without_excluded) {
   return run_prediction(
       arm, recording.source, options, values, joints, series, without_excluded,
-      [&](const Visit& visit) { return for_each_stretch(arm, recording, options, visit); }, 1);
+      [&](const Visit& visit) { return for_each_segment(arm, recording, options, visit); }, 1);
 }
 
 }  // namespace veridyn

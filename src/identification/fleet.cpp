@@ -471,26 +471,26 @@ std::string too_few(size_t left, const std::vector<UndeterminedArm>& undetermine
 }
 
 Fleet solved_fleet(const Model& arm, std::vector<ArmFactor> arms,
-                   std::vector<UnusedRecording> left_out, const FleetOptions& options) {
+                   std::vector<UnusedRecording> unusable_recordings, const FleetOptions& options) {
   arms.erase(
       std::remove_if(arms.begin(), arms.end(), [](const ArmFactor& a) { return a.joints.empty(); }),
       arms.end());
-  require(static_cast<int>(arms.size()) >= kFewest || left_out.empty(), "fleet: found ",
+  require(static_cast<int>(arms.size()) >= kFewest || unusable_recordings.empty(), "fleet: found ",
           arms.size(), " arms with usable recordings, expected ", kFewest,
-          " at least; the first that is not: ", left_out.empty() ? "" : left_out.front().why);
+          " at least; the first that is not: ", unusable_recordings.empty() ? "" : unusable_recordings.front().why);
   if (options.progress) options.progress("solving", 0.9);
   Fleet fleet;
   fleet.robot = arm.name();
   if (!arms.empty()) fleet.undetermined = take_undetermined(arm, arms);
   if (static_cast<int>(arms.size()) < kFewest) {
     fleet.reason = too_few(arms.size(), fleet.undetermined);
-    fleet.left_out = std::move(left_out);
+    fleet.unusable_recordings = std::move(unusable_recordings);
     return fleet;
   }
   FleetSolver solver(arm, arms, options);
   solver.solve();
   fleet.joints = arm.joints();
-  fleet.left_out = std::move(left_out);
+  fleet.unusable_recordings = std::move(unusable_recordings);
   add_members(arms, solver, fleet);
   add_other_bodies(solver, fleet);
   add_spreads(arm, solver, fleet);
@@ -590,9 +590,9 @@ Fleet identify_fleet(const Model& file, const std::vector<FleetArm>& arms,
       options.progress("compressing",
                        0.9 * static_cast<double>(done) / static_cast<double>(arms.size()));
   });
-  std::vector<UnusedRecording> left_out;
-  for (const auto& of_arm : unused) left_out.insert(left_out.end(), of_arm.begin(), of_arm.end());
-  Fleet fleet = solved_fleet(arm, std::move(factors), std::move(left_out), options);
+  std::vector<UnusedRecording> unusable_recordings;
+  for (const auto& of_arm : unused) unusable_recordings.insert(unusable_recordings.end(), of_arm.begin(), of_arm.end());
+  Fleet fleet = solved_fleet(arm, std::move(factors), std::move(unusable_recordings), options);
   for (const auto& of_arm : remarks)
     fleet.remarks.insert(fleet.remarks.end(), of_arm.begin(), of_arm.end());
   return fleet;

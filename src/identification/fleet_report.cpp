@@ -71,7 +71,7 @@ std::string Fleet::report() const {
       out += fmt::format("  and {} more\n", undetermined.size() - kShown);
   }
   for (const std::string& remark : remarks) out += "remark: " + remark + "\n";
-  if (!left_out.empty()) out += fmt::format("\n{} files left out\n", left_out.size());
+  if (!unusable_recordings.empty()) out += fmt::format("\n{} files left out\n", unusable_recordings.size());
   return out;
 }
 

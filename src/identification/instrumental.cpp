@@ -61,7 +61,7 @@ SmoothMotion smooth_motion(const Model& arm, const CompressedRecording& recordin
   out.period = recording.period.seconds;
   std::vector<double> time;
   std::vector<VectorXd> rows;
-  for_each_stretch(arm, recording.source, how, [&](const Stretch& s) {
+  for_each_segment(arm, recording.source, how, [&](const Segment& s) {
     out.dt = s.dt;
     out.start = s.start;
     for (Eigen::Index k = s.core_begin; k < s.core_end; ++k) {
@@ -114,7 +114,7 @@ void absorb(const Model& arm, const CompressedRecording& recording, const Identi
             const BaseParameters& base, const std::vector<JointColumns>& joints, BlocksOfJoints& blocks) {
   PreprocessingOptions how = options.preprocessing;
   how.left_out.erase(std::remove_if(how.left_out.begin(), how.left_out.end(),
-                                    [&](const LeftOut& part) { return part.source != recording.source; }),
+                                    [&](const ExcludedInterval& part) { return part.source != recording.source; }),
                      how.left_out.end());
   const SmoothMotion smooth = smooth_motion(arm, recording, how);
   const RegressorColumns columns(arm, how);
@@ -129,8 +129,8 @@ void absorb(const Model& arm, const CompressedRecording& recording, const Identi
     const double turns = smooth.period > 0.0 ? time / smooth.period : 0.999999 * std::clamp(time / length, 0.0, 1.0);
     return first + std::min(count - 1, static_cast<size_t>(static_cast<double>(count) * (turns - std::floor(turns))));
   };
-  for_each_stretch(arm, recording.source, how, [&](const Stretch& s) {
-    Stretch clean = s;
+  for_each_segment(arm, recording.source, how, [&](const Segment& s) {
+    Segment clean = s;
     VectorXd q(arm.joints()), dq(arm.joints()), ddq(arm.joints());
     for (Eigen::Index k = 0; k < s.time.size(); ++k) {
       smooth.at(s.time[k], q, dq, ddq);

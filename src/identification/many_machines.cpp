@@ -22,21 +22,21 @@ std::pair<size_t, size_t> share_of(size_t count, const Communicator& ranks) {
   return {count * rank / size, count * (rank + 1) / size};
 }
 
-void write(const std::vector<UnusedRecording>& left_out, ByteWriter& out) {
-  out.number(left_out.size());
-  for (const UnusedRecording& r : left_out) {
+void write(const std::vector<UnusedRecording>& unusable_recordings, ByteWriter& out) {
+  out.number(unusable_recordings.size());
+  for (const UnusedRecording& r : unusable_recordings) {
     out.text(r.source);
     out.text(r.why);
   }
 }
 
-void read(ByteReader& in, std::vector<UnusedRecording>& left_out) {
+void read(ByteReader& in, std::vector<UnusedRecording>& unusable_recordings) {
   const std::size_t count = in.count(16);
   for (std::size_t k = 0; k < count; ++k) {
     UnusedRecording r;
     r.source = in.text();
     r.why = in.text();
-    left_out.push_back(std::move(r));
+    unusable_recordings.push_back(std::move(r));
   }
 }
 
@@ -124,7 +124,7 @@ MeasuredRecording read_measured(ByteReader& in, int joints) {
 // Results of several recordings: factors of those that could be used.
 struct Part {
   FactorSet factors;
-  std::vector<UnusedRecording> left_out;
+  std::vector<UnusedRecording> unusable_recordings;
 };
 
 class Job {
@@ -149,7 +149,7 @@ class Job {
         merge_blocks(one, blocks_of_each(static_cast<int>(train.size())));
         out.factors.recordings.push_back(std::move(one));
       } catch (const InvalidInput& error) {
-        out.left_out.push_back({train[k], error.what()});
+        out.unusable_recordings.push_back({train[k], error.what()});
       }
       const size_t done = k + 1 - first;
       if (keep_ && (done >= 2 * kept || k + 1 == end)) {
@@ -165,7 +165,7 @@ class Job {
     for (int step = 1; step < ranks_.size(); step *= 2) {
       if (ranks_.rank() % (2 * step) != 0) {
         ByteWriter out;
-        write(share.left_out, out);
+        write(share.unusable_recordings, out);
         out.text(to_bytes(share.factors));
         ranks_.send(ranks_.rank() - step, out.bytes());
         return;
@@ -174,7 +174,7 @@ class Job {
       const std::string bytes = ranks_.receive(ranks_.rank() + step);
       const std::string name = text("factors of rank ", ranks_.rank() + step);
       ByteReader in(bytes, 0, name);
-      read(in, share.left_out);
+      read(in, share.unusable_recordings);
       share.factors = merge(std::move(share.factors), factors_from_bytes(in.text(), name));
     }
   }
@@ -216,14 +216,14 @@ std::vector<CompressedRecording> compress_held_out(const Model& arm,
                                                    const std::vector<std::string>& test,
                                                    const Identification& id, int threads,
                                                    const Communicator& ranks,
-                                                   std::vector<UnusedRecording>& left_out) {
+                                                   std::vector<UnusedRecording>& unusable_recordings) {
   const auto [first, end] = share_of(test.size(), ranks);
   std::vector<CompressedRecording> out;
   for (size_t k = first; k < end; ++k) {
     try {
       out.push_back(compress_test(arm, {test[k]}, id.test_preprocessing, threads).front());
     } catch (const InvalidInput& error) {
-      left_out.push_back({test[k], error.what()});
+      unusable_recordings.push_back({test[k], error.what()});
     }
   }
   return out;
@@ -232,7 +232,7 @@ std::vector<CompressedRecording> compress_held_out(const Model& arm,
 // Computes the model from all factors, at rank 0.
 void solve(AskedArm& arm, std::vector<CompressedRecording> all, size_t listed,
            const IdentificationOptions& options, Identification& id) {
-  const std::string first = id.left_out.empty() ? "" : id.left_out.front().why;
+  const std::string first = id.unusable_recordings.empty() ? "" : id.unusable_recordings.front().why;
   if (all.empty()) {
     id.reason = text("not one of ", listed, " recordings can be used: ", first);
     return;
@@ -262,7 +262,7 @@ Identification identify_once(const Model& file, const std::vector<std::string>& 
   job.bring_together(share);
   if (ranks.rank() == 0) {
     if (keep) keep(share.factors, true);
-    id.left_out = std::move(share.left_out);
+    id.unusable_recordings = std::move(share.unusable_recordings);
     id.seconds.compress =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     solve(arm, std::move(share.factors.recordings), train.size(), options, id);
@@ -294,10 +294,10 @@ Identification identify_once(const Model& file, const std::vector<std::string>& 
       job.measured(held_out, id.test_preprocessing, id.parameters, count);
   Part names;
   names.factors = compress(arm.used(), std::vector<std::string>(), options.preprocessing, 1);
-  names.left_out = std::move(unused);
+  names.unusable_recordings = std::move(unused);
   job.bring_together(names);
   if (ranks.rank() != 0) return id;
-  id.left_out.insert(id.left_out.end(), names.left_out.begin(), names.left_out.end());
+  id.unusable_recordings.insert(id.unusable_recordings.end(), names.unusable_recordings.begin(), names.unusable_recordings.end());
   take_errors(arm.used(), std::move(of_train), std::move(of_test), id);
   keep_training_error(id);
   return id;
@@ -335,7 +335,7 @@ void read_question(const std::string& bytes, IdentificationOptions& how) {
 std::vector<std::string> usable(const std::vector<std::string>& train, const Identification& id) {
   std::vector<std::string> out;
   for (const std::string& path : train) {
-    if (std::none_of(id.left_out.begin(), id.left_out.end(),
+    if (std::none_of(id.unusable_recordings.begin(), id.unusable_recordings.end(),
                      [&](const UnusedRecording& r) { return r.source == path; }))
       out.push_back(path);
   }

@@ -52,7 +52,7 @@ struct QuickFitter::Friction {
 
 QuickFitter::QuickFitter(const Model& arm, const PreprocessingOptions& options)
     : arm_(with_everything_open(arm)), options_(options) {
-  options_.left_out.clear();
+  options_.excluded_intervals.clear();
   options_.first_row = 0;
   options_.row_count = -1;
   options_.min_speed = 0.0;
@@ -97,7 +97,7 @@ QuickFit QuickFitter::fit(const Recording& recording) const {
   out.friction = power * beta;
   const MatrixXd spread = base.R().triangularView<Eigen::Upper>().transpose().solve(power.transpose());
   for (int i = 0; i < arm_.joints(); ++i)
-    out.told.push_back(std::abs(out.friction[i]) /
+    out.friction_significance.push_back(std::abs(out.friction[i]) /
                        std::max(spread.col(i).norm() * std::sqrt(base.rho2()), 1e-300));
   return out;
 }

@@ -19,7 +19,7 @@ struct QuickFit {
   MatrixXd halves;             ///< joints x 2: the same over the first and the second half
   VectorXd friction;  ///< by joint: power lost to friction, relative to rms torque times rms speed
   /// By joint: relative rise of the rms misfit without friction, its significance.
-  std::vector<double> told;
+  std::vector<double> friction_significance;
   std::vector<SquareRootInformation> joints;  ///< factor of each joint's torques
 };
 

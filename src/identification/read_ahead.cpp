@@ -12,25 +12,25 @@ namespace {
 
 constexpr size_t kAhead = 2;  // segments
 
-struct NobodyReads {};  // thrown in the reading thread after the visitor has failed
+struct ReaderStopped {};  // thrown in the reading thread after the visitor has failed
 
 class Queue {
  public:
-  void put(const Stretch& stretch) {
+  void put(const Segment& segment) {
     std::unique_lock<std::mutex> lock(guard_);
-    changed_.wait(lock, [this] { return closed_ || stretches_.size() < kAhead; });
-    if (closed_) throw NobodyReads();
-    stretches_.push_back(stretch);
+    changed_.wait(lock, [this] { return closed_ || segments_.size() < kAhead; });
+    if (closed_) throw ReaderStopped();
+    segments_.push_back(segment);
     changed_.notify_all();
   }
 
   // False at the end of the recording.
-  bool take(Stretch& out) {
+  bool take(Segment& out) {
     std::unique_lock<std::mutex> lock(guard_);
-    changed_.wait(lock, [this] { return ended_ || !stretches_.empty(); });
-    if (stretches_.empty()) return false;
-    out = std::move(stretches_.front());
-    stretches_.pop_front();
+    changed_.wait(lock, [this] { return ended_ || !segments_.empty(); });
+    if (segments_.empty()) return false;
+    out = std::move(segments_.front());
+    segments_.pop_front();
     changed_.notify_all();
     return true;
   }
@@ -50,21 +50,21 @@ class Queue {
  private:
   std::mutex guard_;
   std::condition_variable changed_;
-  std::deque<Stretch> stretches_;
+  std::deque<Segment> segments_;
   bool ended_ = false;
   bool closed_ = false;
 };
 
 }  // namespace
 
-PreparationFacts read_ahead(const StretchPass& pass, const VisitStretch& visit) {
+PreparationFacts read_ahead(const StretchPass& pass, const VisitSegment& visit) {
   Queue queue;
   PreparationFacts facts;
   std::exception_ptr failed;
   std::thread reader([&] {
     try {
-      facts = pass([&queue](const Stretch& s) { queue.put(s); });
-    } catch (const NobodyReads&) {
+      facts = pass([&queue](const Segment& s) { queue.put(s); });
+    } catch (const ReaderStopped&) {
       // The visitor's own exception has the reason.
     } catch (...) {
       failed = std::current_exception();
@@ -73,8 +73,8 @@ PreparationFacts read_ahead(const StretchPass& pass, const VisitStretch& visit) 
   });
   std::exception_ptr of_visitor;
   try {
-    Stretch stretch;
-    while (queue.take(stretch)) visit(stretch);
+    Segment segment;
+    while (queue.take(segment)) visit(segment);
   } catch (...) {
     of_visitor = std::current_exception();
     queue.close();

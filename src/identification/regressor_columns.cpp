@@ -41,7 +41,7 @@ RegressorColumns::RegressorColumns(const Model& arm, const PreprocessingOptions&
 }
 
 // Columns of the given joints; the other matrices are empty.
-std::vector<MatrixXd> RegressorColumns::raw_columns(const Stretch& s, Joints joints) const {
+std::vector<MatrixXd> RegressorColumns::raw_columns(const Segment& s, Joints joints) const {
   const Eigen::Index rows = s.q.rows();
   std::vector<MatrixXd> Y(of_joint_.size());
   std::vector<Eigen::Index> at(Y.size());
@@ -83,7 +83,7 @@ std::vector<MatrixXd> RegressorColumns::raw_columns(const Stretch& s, Joints joi
 }
 
 // Columns of an effect along its axis; computes the load of the bodies when the first one needs it.
-MatrixXd RegressorColumns::columns_of(const EffectTerm& term, const Stretch& s, MatrixXd& load) const {
+MatrixXd RegressorColumns::columns_of(const EffectTerm& term, const Segment& s, MatrixXd& load) const {
   const BoundEffect effect(arm_, term);
   const MotionView motion(s.time, s.q, s.dq, s.ddq);
   if (effect.traits().uses_load && load.size() == 0) {
@@ -94,7 +94,7 @@ MatrixXd RegressorColumns::columns_of(const EffectTerm& term, const Stretch& s, 
 }
 
 // Torque of the bodies and of the effects along axes, for given parameters.
-MatrixXd RegressorColumns::torque(const Stretch& s, const VectorRef& values) const {
+MatrixXd RegressorColumns::torque(const Segment& s, const VectorRef& values) const {
   MatrixXd tau, load;
   bodies_.torques(s.q, s.dq, s.ddq,
                   values.head(static_cast<Eigen::Index>(kBodyParameters * arm_.bodies().size())), tau);
@@ -113,7 +113,7 @@ MatrixXd RegressorColumns::torque(const Stretch& s, const VectorRef& values) con
 // Columns of sensor errors: derivatives of the torque predicted by the arm's own values. Calls
 // put(e, i, columns) for every joint on which such an effect e acts.
 template <typename Put>
-void RegressorColumns::for_channel_errors(const Stretch& s, const Put& put) const {
+void RegressorColumns::for_channel_errors(const Segment& s, const Put& put) const {
   const auto phi = arm_.inertial_values();
   if (!phi) return;
   std::optional<ChannelMotion> motion;
@@ -148,13 +148,13 @@ void RegressorColumns::filter(MatrixXd& columns, double dt) const {
   ZeroPhaseFilter(options_.cutoff, options_.order, 1.0 / dt).apply(columns);
 }
 
-bool RegressorColumns::left_out(int joint, double time) const {
-  return std::any_of(options_.left_out.begin(), options_.left_out.end(), [&](const LeftOut& part) {
+bool RegressorColumns::is_excluded(int joint, double time) const {
+  return std::any_of(options_.excluded_intervals.begin(), options_.excluded_intervals.end(), [&](const ExcludedInterval& part) {
     return (part.joint < 0 || part.joint == joint) && time >= part.from && time <= part.to;
   });
 }
 
-std::vector<Eigen::Index> RegressorColumns::kept_samples(const Stretch& s,
+std::vector<Eigen::Index> RegressorColumns::kept_samples(const Segment& s,
                                                          Eigen::Index joint) const {
   const int step = decimation(options_, s.dt);
   std::vector<Eigen::Index> kept;
@@ -162,7 +162,7 @@ std::vector<Eigen::Index> RegressorColumns::kept_samples(const Stretch& s,
     // Decimates on the time grid, so that the start of a segment does not matter.
     const long index = std::lround((s.time[k] - s.start) / s.dt);
     if (s.use[static_cast<size_t>(k)] == 0 || index % step != 0) continue;
-    if (left_out(static_cast<int>(joint), s.time[k] - s.start)) continue;
+    if (is_excluded(static_cast<int>(joint), s.time[k] - s.start)) continue;
     if (std::abs(s.dq(k, joint)) >= options_.min_speed) kept.push_back(k);
   }
   return kept;
@@ -183,7 +183,7 @@ std::vector<RegressorColumns::Joints> RegressorColumns::groups(Eigen::Index rows
   return out;
 }
 
-std::vector<JointRows> RegressorColumns::rows(const Stretch& s) const {
+std::vector<JointRows> RegressorColumns::rows(const Segment& s) const {
   std::vector<JointRows> out;
   for (const Joints joints : groups(s.q.rows())) {
     for (JointRows& joint : rows(s, joints)) out.push_back(std::move(joint));
@@ -191,7 +191,7 @@ std::vector<JointRows> RegressorColumns::rows(const Stretch& s) const {
   return out;
 }
 
-std::vector<JointRows> RegressorColumns::rows(const Stretch& s, Joints joints) const {
+std::vector<JointRows> RegressorColumns::rows(const Segment& s, Joints joints) const {
   std::vector<MatrixXd> Y = raw_columns(s, joints);
   const MatrixXd of_arm = arm_effect_torques(arm_, bodies_, s.q, s.dq, s.ddq, s.dt);
   std::vector<JointRows> out;
@@ -237,13 +237,13 @@ std::vector<JointRows> RegressorColumns::rows(const Stretch& s, Joints joints) c
   return out;
 }
 
-MatrixXd RegressorColumns::filtered_torque(const Stretch& s) const {
+MatrixXd RegressorColumns::filtered_torque(const Segment& s) const {
   MatrixXd tau = s.tau;
   filter(tau, s.dt);
   return tau;
 }
 
-RegressorColumns::Prediction RegressorColumns::predict(const Stretch& s,
+RegressorColumns::Prediction RegressorColumns::predict(const Segment& s,
                                                        const VectorRef& values) const {
   Prediction out{s.tau, torque(s, values)};
   for_channel_errors(s, [&](size_t e, int i, const std::vector<MatrixXd>& columns) {

@@ -72,7 +72,7 @@ Recording corrected(const Model& arm, const Recording& r) {
   return rows;
 }
 
-// Stretches in which nothing moves, one pose each.
+// Segments in which nothing moves, one pose each.
 RestPoses poses_between_motions(const Model& arm, const Recording& r) {
   const int n = arm.joints();
   const auto moves = [&](Eigen::Index k, int j) {
@@ -132,7 +132,7 @@ Model resting_arm(const Model& file, bool approached) {
 std::vector<JointRows> rows_of_poses(const Model& arm, const RestPoses& poses) {
   PreprocessingOptions as_they_are;
   as_they_are.cutoff = 0.0;
-  Stretch s;
+  Segment s;
   s.dt = 1.0;
   s.time = VectorXd::LinSpaced(poses.poses(), 0.0, static_cast<double>(poses.poses() - 1));
   s.q = poses.q;

@@ -39,7 +39,7 @@ constexpr double kFrictionShare = 0.03;
 constexpr double kFrictionAboveRest = 0.3;
 // Significance of friction: without it the rms misfit rises by at least this share; in the first
 // seconds of a motion other parameters may absorb it. Real recordings of a PSM have 0.27 to 2.3.
-constexpr double kFrictionTold = 0.25;
+constexpr double kFrictionSignificance = 0.25;
 // Share of a joint's range by which a position may lie outside of its limits.
 constexpr double kBeyondLimits = 0.05;
 const double kDegree = std::acos(-1.0) / 180.0;
@@ -47,7 +47,7 @@ const double kDegree = std::acos(-1.0) / 180.0;
 using Change = std::function<void(Recording*)>;
 
 // One hypothesis about mistaken signals.
-struct Way {
+struct SignalHypothesis {
   std::string finding;
   int joint = 0;  // from 1; 0: all
   std::string what;
@@ -58,7 +58,7 @@ struct Way {
 
   // True if at most one of both can hold. That torques of two joints are exchanged and that their motions
   // are is one mistake, seen from either side.
-  bool excludes(const Way& other) const {
+  bool excludes(const SignalHypothesis& other) const {
     if (second != 0 && joint == other.joint && second == other.second && !whole && !other.whole) return false;
     const auto concerns = [&other](int k) { return k != 0 && (k == other.joint || k == other.second); };
     return joint == 0 || other.joint == 0 || concerns(joint) || concerns(second);
@@ -83,14 +83,14 @@ class RobotCheck {
 
   std::vector<QualityFinding> run() {
     tell_what_hardly_moves();
-    if (!tells_enough()) return std::move(findings_);
+    if (!is_identifiable()) return std::move(findings_);
     now_ = fitter_.fit(recording_);
     turned_.assign(static_cast<size_t>(joints()), 0);
     // Accepts the best hypothesis, then the best further one.
-    while (static_cast<int>(findings_.size()) < joints() && accept_best(ways(), kBetter)) {
+    while (static_cast<int>(findings_.size()) < joints() && accept_best(hypotheses(), kBetter)) {
     }
-    let_friction_take_energy();
-    tell_signs();
+    check_that_friction_dissipates();
+    check_signs_by_dissipation();
     take_currents();
     compare_with_values();
     return std::move(findings_);
@@ -99,7 +99,7 @@ class RobotCheck {
  private:
   // True if the base parameters are identifiable; otherwise wrong signals would fit as well as
   // right ones.
-  bool tells_enough() {
+  bool is_identifiable() {
     if (std::none_of(moves_.begin(), moves_.end(), [](bool moves) { return moves; })) {
       warn_of_small_efforts();
       return false;
@@ -157,67 +157,67 @@ class RobotCheck {
     findings_.push_back(std::move(f));
   }
 
-  QuickFit tried(const Way& way) const {
+  QuickFit tried(const SignalHypothesis& hypothesis) const {
     Recording changed = recording_;
-    way.mend(&changed);
+    hypothesis.mend(&changed);
     return fitter_.fit(changed);
   }
 
-  void accept(const Way& way, const QuickFit& fit) {
-    if (way.finding == "torque_sign") {  // reported at the end, after the check of friction
-      turned_[static_cast<size_t>(way.joint) - 1] ^= 1;
+  void accept(const SignalHypothesis& hypothesis, const QuickFit& fit) {
+    if (hypothesis.finding == "torque_sign") {  // reported at the end, after the check of friction
+      turned_[static_cast<size_t>(hypothesis.joint) - 1] ^= 1;
     } else {
-      add(way.finding, way.joint, fit.unexplained,
-          text(way.what, ": so the arm leaves ", percent(fit.unexplained),
+      add(hypothesis.finding, hypothesis.joint, fit.unexplained,
+          text(hypothesis.what, ": so the arm leaves ", percent(fit.unexplained),
                " of the torques' squares unexplained instead of ", percent(now_.unexplained), "; ",
-               way.option, " mends it."));
+               hypothesis.option, " mends it."));
     }
-    way.mend(&recording_);
+    hypothesis.mend(&recording_);
     now_ = fit;
   }
 
   // Accepts the best hypothesis if it is much better than the recording as it is and than every other
   // one that excludes it. Hypotheses that come close to each other are what joints that move alike make
   // of a torque that the arm does not explain.
-  bool accept_best(const std::vector<Way>& ways, double better) {
-    std::vector<QuickFit> fits(ways.size());
-    std::vector<char> possible(ways.size());
-    parallel_for(static_cast<int>(ways.size()), 0, [&](int k) {
+  bool accept_best(const std::vector<SignalHypothesis>& hypotheses, double better) {
+    std::vector<QuickFit> fits(hypotheses.size());
+    std::vector<char> possible(hypotheses.size());
+    parallel_for(static_cast<int>(hypotheses.size()), 0, [&](int k) {
       const auto at = static_cast<size_t>(k);
-      fits[at] = tried(ways[at]);
-      possible[at] = is_possible(ways[at]) ? 1 : 0;
+      fits[at] = tried(hypotheses[at]);
+      possible[at] = is_possible(hypotheses[at]) ? 1 : 0;
     });
     const auto gains = [&](size_t k) {
       return fits[k].misfit <= now_.misfit - better && fits[k].unexplained < now_.unexplained;
     };
     std::optional<size_t> best;
-    for (size_t k = 0; k < ways.size(); ++k) {
+    for (size_t k = 0; k < hypotheses.size(); ++k) {
       const bool first = !best || possible[k] > possible[*best];
       if (gains(k) && (first || (possible[k] == possible[*best] && fits[k].misfit < fits[*best].misfit))) best = k;
     }
     if (!best) return false;
     if (possible[*best] == 0) {
-      say_perhaps(ways[*best], fits[*best], "as recorded, all positions lie within the limits of the joints");
+      say_perhaps(hypotheses[*best], fits[*best], "as recorded, all positions lie within the limits of the joints");
       return false;
     }
-    const bool sign = ways[*best].finding == "torque_sign";  // the commonest mistake, for which its gain is enough
-    for (size_t k = 0; !sign && k < ways.size(); ++k) {
-      if (k == *best || possible[k] == 0 || !ways[*best].excludes(ways[k])) continue;
+    const bool sign = hypotheses[*best].finding == "torque_sign";  // the commonest mistake, for which its gain is enough
+    for (size_t k = 0; !sign && k < hypotheses.size(); ++k) {
+      if (k == *best || possible[k] == 0 || !hypotheses[*best].excludes(hypotheses[k])) continue;
       if (fits[k].misfit > fits[*best].misfit + better) continue;
-      say_perhaps(ways[*best], fits[*best], "another exchange does nearly as well, so that none of them is sure");
+      say_perhaps(hypotheses[*best], fits[*best], "another exchange does nearly as well, so that none of them is sure");
       return false;
     }
-    if (!sign && !holds_throughout(ways[*best], fits[*best])) {
-      say_perhaps(ways[*best], fits[*best], "a joint that it concerns is explained no better in a half of the recording");
+    if (!sign && !holds_throughout(hypotheses[*best], fits[*best])) {
+      say_perhaps(hypotheses[*best], fits[*best], "a joint that it concerns is explained no better in a half of the recording");
       return false;
     }
-    accept(ways[*best], fits[*best]);
+    accept(hypotheses[*best], fits[*best]);
     return true;
   }
 
   // True if either half of the recording explains every joint concerned better than before.
-  bool holds_throughout(const Way& way, const QuickFit& fit) const {
-    for (const int k : {way.joint, way.second}) {
+  bool holds_throughout(const SignalHypothesis& hypothesis, const QuickFit& fit) const {
+    for (const int k : {hypothesis.joint, hypothesis.second}) {
       if (k == 0) continue;
       if ((fit.halves.row(k - 1).array() > now_.halves.row(k - 1).array()).any()) return false;
     }
@@ -239,11 +239,11 @@ class RobotCheck {
 
   // The limits of the joints admit the positions that follow, no worse than those recorded; degrees also
   // need positions that are none in radians.
-  bool is_possible(const Way& way) const {
+  bool is_possible(const SignalHypothesis& hypothesis) const {
     const int as_recorded = beyond_limits(recording_, given_.coordinates());
-    if (way.finding == "degrees") return as_recorded > 0 || !has_limits();
+    if (hypothesis.finding == "degrees") return as_recorded > 0 || !has_limits();
     Recording changed = recording_;
-    way.mend(&changed);
+    hypothesis.mend(&changed);
     return beyond_limits(changed, given_.coordinates()) <= as_recorded;
   }
 
@@ -253,18 +253,18 @@ class RobotCheck {
     });
   }
 
-  void say_perhaps(const Way& way, const QuickFit& fit, const std::string& but) {
-    if (way.what.empty()) return;  // a sign: friction is asked next
-    std::string what = way.what;
+  void say_perhaps(const SignalHypothesis& hypothesis, const QuickFit& fit, const std::string& but) {
+    if (hypothesis.what.empty()) return;  // a sign: friction is asked next
+    std::string what = hypothesis.what;
     what.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(what.front())));
-    add(way.finding, way.joint, fit.unexplained,
+    add(hypothesis.finding, hypothesis.joint, fit.unexplained,
         text("Perhaps ", what, ": so the arm leaves ", percent(fit.unexplained), " of the torques' squares unexplained instead of ",
              percent(now_.unexplained), ", but ", but, "."));
     findings_.back().severity = Severity::kInfo;
   }
 
-  std::vector<Way> ways() const {
-    std::vector<Way> all;
+  std::vector<SignalHypothesis> hypotheses() const {
+    std::vector<SignalHypothesis> all;
     add_angles(&all);
     for (int i = 0; i < joints(); ++i) {
       if (moves(i))
@@ -274,7 +274,7 @@ class RobotCheck {
     return all;
   }
 
-  void add_angles(std::vector<Way>* all) const {
+  void add_angles(std::vector<SignalHypothesis>* all) const {
     std::vector<int> turning;
     for (int i = 0; i < joints(); ++i) {
       if (!given_.coordinates()[static_cast<size_t>(i)].prismatic) turning.push_back(i);
@@ -299,10 +299,10 @@ class RobotCheck {
     const auto joint = static_cast<size_t>(i);
     const double rest = kFrictionAboveRest * std::sqrt(now_.shares[joint]);
     return moves(i) && sign * now_.friction[i] > std::max(kFrictionShare, rest) &&
-           now_.told[joint] > kFrictionTold;
+           now_.friction_significance[joint] > kFrictionSignificance;
   }
 
-  void let_friction_take_energy() {
+  void check_that_friction_dissipates() {
     // Checks the sign of all torques, or of joints without coupling, by dissipation: friction takes
     // energy. A joint without visible friction follows the others if these agree.
     int taking = 0;
@@ -324,7 +324,7 @@ class RobotCheck {
     if (again) now_ = fitter_.fit(recording_);
   }
 
-  void tell_signs() {
+  void check_signs_by_dissipation() {
     for (int i = 0; i < joints(); ++i) {
       if (turned_[static_cast<size_t>(i)] == 0) continue;
       Recording back = recording_;  // with all but this joint corrected
@@ -342,7 +342,7 @@ class RobotCheck {
     }
   }
 
-  void add_swaps(std::vector<Way>* all) const {
+  void add_swaps(std::vector<SignalHypothesis>* all) const {
     const bool dq = recording_.dq.size() > 0;
     for (int i = 0; i < joints(); ++i) {
       for (int j = i + 1; j < joints(); ++j) {

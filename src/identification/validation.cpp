@@ -106,8 +106,8 @@ MeasuredErrors measure_errors(const CompressedRecording& recording, const Prepro
     out.repaired = found.repaired.error();
   }
   const bool excludes =
-      std::any_of(how.left_out.begin(), how.left_out.end(),
-                  [&](const LeftOut& part) { return part.source == recording.source; });
+      std::any_of(how.excluded_intervals.begin(), how.excluded_intervals.end(),
+                  [&](const ExcludedInterval& part) { return part.source == recording.source; });
   if (excludes) out.without_excluded = found.without_excluded.error();
   out.error = found.as_recorded.error();
   return found;
@@ -223,7 +223,7 @@ bool has_all_values(const Model& arm) {
   return true;
 }
 
-Model frozen(const Model& arm) {
+Model with_fixed_parameters(const Model& arm) {
   ModelDescription d = arm.description();
   for (Frame& frame : d.frames) {
     if (frame.body) frame.body->fixed = true;
@@ -240,7 +240,7 @@ Identification evaluate_named(const Model& arm, const std::vector<std::string>& 
   require(!train.empty(), "evaluate: there is no recording.");
   require(has_all_values(arm), "evaluate: robot '", arm.name(), "' has parameters without values.");
   Identification id = described(arm, options);
-  const Model facts = frozen(arm);
+  const Model facts = with_fixed_parameters(arm);
   const std::vector<StandardParameter> parameters = standard_parameters(facts);
   id.parameters.resize(static_cast<Eigen::Index>(parameters.size()));
   for (size_t p = 0; p < parameters.size(); ++p)

@@ -9,9 +9,9 @@
 namespace veridyn {
 
 /// A recording as the equations of motion take it under one setting: resampled, filtered and
-/// differentiated. Every question after the first visits these stretches.
+/// differentiated. Every question after the first visits these segments.
 struct PreparedRecording {
-  std::vector<Stretch> stretches;
+  std::vector<Segment> segments;
   PreparationFacts facts;
 };
 

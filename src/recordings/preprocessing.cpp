@@ -20,7 +20,7 @@ constexpr Eigen::Index kCorePerHalo = 3;
 constexpr double kHaloRemainder = 1e-9;  // remainder of the filter's transient at the core
 constexpr Eigen::Index kDerivatives =
     4;  // samples on either side that two central differences use
-constexpr double kPreparedBytes = 1.5 * sizeof(double);  // of a number of a stretch, with the rows around its core
+constexpr double kPreparedBytes = 1.5 * sizeof(double);  // of a number of a segment, with the rows around its core
 
 std::atomic<long> g_prepared{0};
 
@@ -69,10 +69,10 @@ void undo_delays(const JointSensors& sensors, double dt, MatrixXd& tau) {
   }
 }
 
-Stretch make_stretch(const Model& arm, const UniformStream& stream, Eigen::Index rows,
+Segment make_segment(const Model& arm, const UniformStream& stream, Eigen::Index rows,
                      const PreprocessingOptions& o, const Filters& f) {
   const int n = arm.joints();
-  Stretch s;
+  Segment s;
   s.dt = stream.dt();
   s.start = stream.start();
   s.time.resize(rows);
@@ -112,7 +112,7 @@ Stretch make_stretch(const Model& arm, const UniformStream& stream, Eigen::Index
 
 PreparationFacts run(const Model& arm, const std::string& name, UniformStream::Source source,
                      const PreprocessingOptions& o,
-                     const std::function<void(const Stretch&)>& visit) {
+                     const std::function<void(const Segment&)>& visit) {
   ++g_prepared;
   SoundRows sound(source);
   if (o.stale_rows == StaleRows::kFilled)
@@ -133,7 +133,7 @@ PreparationFacts run(const Model& arm, const std::string& name, UniformStream::S
     const Eigen::Index held = stream.hold(behind + core + ahead + 1, discard);
     const bool last = stream.ended() && held <= behind + core + filters.halo;
     const Eigen::Index rows = last ? held : behind + core + filters.halo;
-    Stretch s = make_stretch(arm, stream, rows, o, filters);
+    Segment s = make_segment(arm, stream, rows, o, filters);
     s.core_begin = behind;
     s.core_end = last ? rows : behind + core;
     const double t_end =
@@ -165,7 +165,7 @@ PreparationFacts run(const Model& arm, const std::string& name, UniformStream::S
 PreparationFacts for_each_stretch_of(const Model& arm, const std::string& name,
                                      const Recording& recording,
                                      const PreprocessingOptions& options,
-                                     const std::function<void(const Stretch&)>& visit) {
+                                     const std::function<void(const Segment&)>& visit) {
   int at = 0;
   const auto source = [&](int rows) {
     const int count = std::min(rows, recording.rows() - at);
@@ -196,7 +196,7 @@ RecordingOptions reading_of(const Model& arm, const PreprocessingOptions& option
 
 namespace {
 
-// Bytes of all stretches of a recording of so many rows; less than none: they are not to be kept.
+// Bytes of all segments of a recording of so many rows; less than none: they are not to be kept.
 long prepared_bytes(const Model& arm, const Recording* rows, const PreprocessingOptions& options) {
   if (rows == nullptr || rows->rows() < 2) return -1;
   const double seconds = rows->time[rows->rows() - 1] - rows->time[0];
@@ -206,7 +206,7 @@ long prepared_bytes(const Model& arm, const Recording* rows, const Preprocessing
 
 PreparationFacts run_named(const Model& arm, const std::string& name,
                            const PreprocessingOptions& options,
-                           const std::function<void(const Stretch&)>& visit) {
+                           const std::function<void(const Segment&)>& visit) {
   if (const Recording* there = find_in_memory(options.in_memory, name))
     return for_each_stretch_of(arm, name, *there, options, visit);
   const OpenedRows rows = open_rows(name, reading_of(arm, options), options.kept.get());
@@ -215,9 +215,9 @@ PreparationFacts run_named(const Model& arm, const std::string& name,
 
 }  // namespace
 
-PreparationFacts for_each_stretch(const Model& arm, const std::string& path,
+PreparationFacts for_each_segment(const Model& arm, const std::string& path,
                                   const PreprocessingOptions& options,
-                                  const std::function<void(const Stretch&)>& visit) {
+                                  const std::function<void(const Segment&)>& visit) {
   if (!options.kept) return run_named(arm, path, options, visit);
   const Recording* rows = find_in_memory(options.in_memory, path);
   std::shared_ptr<const KeptRecordings::Whole> file;
@@ -225,20 +225,20 @@ PreparationFacts for_each_stretch(const Model& arm, const std::string& path,
   const auto prepared = options.kept->prepared(
       preparation_key(arm, path, options), prepared_bytes(arm, rows, options), [&] {
         PreparedRecording out;
-        out.facts = run_named(arm, path, options, [&out](const Stretch& s) { out.stretches.push_back(s); });
+        out.facts = run_named(arm, path, options, [&out](const Segment& s) { out.segments.push_back(s); });
         return out;
       });
   if (!prepared) return run_named(arm, path, options, visit);
-  for (const Stretch& s : prepared->stretches) {
+  for (const Segment& s : prepared->segments) {
     if (options.interrupted && options.interrupted()) throw Interrupted();
     visit(s);
   }
   return prepared->facts;
 }
 
-PreparationFacts for_each_stretch(const Model& arm, const Recording& recording,
+PreparationFacts for_each_segment(const Model& arm, const Recording& recording,
                                   const PreprocessingOptions& options,
-                                  const std::function<void(const Stretch&)>& visit) {
+                                  const std::function<void(const Segment&)>& visit) {
   return for_each_stretch_of(arm, recording.source, recording, options, visit);
 }
 

@@ -26,13 +26,13 @@ std::vector<MotionSamples> recorded_motion(const Model& arm, const std::string& 
   PreprocessingOptions options;
   options.filtering = Filtering::kSignals;
   std::vector<MotionSamples> out;
-  for_each_stretch(arm, rows, options, [&](const Stretch& s) {
+  for_each_segment(arm, rows, options, [&](const Segment& s) {
     const Eigen::Index count = s.core_end - s.core_begin;
     if (count < kFewest) return;
     out.push_back({s.time.segment(s.core_begin, count), s.q.middleRows(s.core_begin, count),
                    s.dq.middleRows(s.core_begin, count), s.ddq.middleRows(s.core_begin, count)});
   });
-  require(!out.empty(), path, ": found no stretch of ", kFewest, " samples without a gap.");
+  require(!out.empty(), path, ": found no segment of ", kFewest, " samples without a gap.");
   return out;
 }
 

@@ -5,15 +5,15 @@
 
 namespace veridyn {
 
-/// A stretch of a joint's motion during which its speed stays within a tenth of its mean for half a
+/// A segment of a joint's motion during which its speed stays within a tenth of its mean for half a
 /// second or longer.
 struct SteadyRun {
   std::size_t from = 0, end = 0;  ///< samples from .. end - 1
   double velocity = 0.0;          ///< mean [rad/s], [m/s]
 };
 
-/// The stretches of one joint, none overlapping another. Speeds below a hundredth of the largest one
-/// count as rest; a gap in time ends a stretch.
+/// The segments of one joint, none overlapping another. Speeds below a hundredth of the largest one
+/// count as rest; a gap in time ends a segment.
 /// @param time  [s], growing. @param dq  as many speeds.
 std::vector<SteadyRun> steady_runs(const std::vector<double>& time, const std::vector<double>& dq);
 

@@ -20,7 +20,7 @@ ReplayInput replay_input(const Model& arm, const std::string& recording, Preproc
   }
   std::vector<double> time;
   std::vector<MatrixXd> pieces[4];
-  const auto collect = [&](const Stretch& s) {
+  const auto collect = [&](const Segment& s) {
     const Eigen::Index first = s.core_begin;
     const Eigen::Index count = s.core_end - s.core_begin;
     for (Eigen::Index k = first; k < first + count; ++k) {
@@ -30,7 +30,7 @@ ReplayInput replay_input(const Model& arm, const std::string& recording, Preproc
     const MatrixXd* all[] = {&s.q, &s.dq, &s.ddq, &s.tau};
     for (size_t m = 0; m < 4; ++m) pieces[m].emplace_back(all[m]->middleRows(first, count));
   };
-  const PreparationFacts facts = for_each_stretch(arm, recording, how, collect);
+  const PreparationFacts facts = for_each_segment(arm, recording, how, collect);
   if (facts.filled.count > 0)
     out.remarks.push_back(filled_text(facts.filled, facts.rows_read) + ".");
   MatrixXd* const whole[] = {&out.motion.q, &out.motion.dq, &out.motion.ddq, &out.tau};

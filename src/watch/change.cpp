@@ -21,16 +21,16 @@ constexpr double kOdds = 9.2;           // twice the log of odds of 100 to 1
 constexpr int kLikelyInARow = 4;  // steps at which one cause has these odds, before it is named
 constexpr double kPushEnds = 0.8;       // [s] without a push after which it is over
 constexpr double kExplains = 0.6;       // share of the gain of free torques that a cause must reach
-constexpr double kDeaf = 1.0;  // [s] refractory time after an event, in which memories fill again
-constexpr double kCalm = 0.5;           // share of the threshold below which the time is quiet
-constexpr double kNovel = 1.0;          // [s] of unseen motion after which learning resumes
+constexpr double kRefractoryTime = 1.0;  // [s] refractory time after an event, in which memories fill again
+constexpr double kQuietLevel = 0.5;           // share of the threshold below which the time is quiet
+constexpr double kUnseenMotion = 1.0;          // [s] of unseen motion after which learning resumes
 constexpr size_t kMostQuiet = 1200;     // steps of the current day that are kept
 constexpr double kLargestTorques = 3.0; // times the rms torque: no joint's friction grows beyond it
 constexpr double kSlow = 0.1;           // [rad/s], [m/s] a speed that every joint reaches
 constexpr double kMixed = 2.5;          // steps after the onset whose innovations mix both states
 // Relative systematic error of a size: smoothing, first-order columns.
 constexpr double kSystematic = 0.02;
-constexpr double kUndone = 0.3;         // remaining share below which a change was reversed
+constexpr double kReversalShare = 0.3;         // remaining share below which a change was reversed
 constexpr double kPresentOdds = 3.0;    // times the odds of a name: all hypotheses are compared
 constexpr double kPresentShare = 0.1;   // share of a joint's rms torque: less differs from day to day
 constexpr int kMostWithdrawn = 2;       // names of one change, so that two causes do not alternate
@@ -70,7 +70,7 @@ void ChangeFinder::learn(const std::vector<Step>& quiet) {
   }
 }
 
-void ChangeFinder::forget() {
+void ChangeFinder::reset() {
   for (Memory& m : memories_) m.clear();
   recent_.clear();
   above_ = 0;
@@ -80,8 +80,8 @@ void ChangeFinder::forget() {
 void ChangeFinder::calibrate() {
   noise_.fit(before_, quiet_);
   set_bounds();
-  forget();
-  novel_ = 0.0;
+  reset();
+  unseen_motion_ = 0.0;
   MatrixXd sum = MatrixXd::Zero(known_.size(), static_cast<Eigen::Index>(memories_.size()));
   VectorXd counts = VectorXd::Zero(sum.cols());
   double since = 0.0;
@@ -119,7 +119,7 @@ void ChangeFinder::add(const Step& step, WatchState& state) {
     if (quiet_live_ >= options_.learn - 0.5 * options_.step) {
       learning_ = false;
       calibrate();
-      tell_present(step.time);
+      emit_present(step.time);
     }
     state.learning = learning_;
     return;
@@ -127,15 +127,15 @@ void ChangeFinder::add(const Step& step, WatchState& state) {
   state.learning = step.time < relearn_until_;
   const WhiteStep white = noise_.whiten(step, known_);
   if (!step.follows) {
-    forget();
-    deaf_until_ = step.time + kDeaf;
+    reset();
+    refractory_until_ = step.time + kRefractoryTime;
   }
   recent_.push_back(white);
   if (recent_.size() > static_cast<size_t>(kRecent / options_.step)) recent_.pop_front();
   for (Memory& m : memories_) m.add(white);
   if (refining_) refine(white, step.time);
-  look(step.time, state);
-  if (open_) tell_apart(step.time, false);
+  detect(step.time, state);
+  if (open_) isolate(step.time, false);
   go_on_learning(step, state.strength);
   state.residual = noise_.rest(step, known_);
   state.noise = noise_.deviation();
@@ -147,10 +147,10 @@ void ChangeFinder::go_on_learning(const Step& step, double strength) {
   const bool relearning = step.time < relearn_until_;
   if (open_ || (!relearning && (refining_ || strength >= 1.0))) return;
   const bool novel = noise_.novel(step);
-  novel_ = novel ? novel_ + options_.step : std::max(0.0, novel_ - options_.step);
-  if (!relearning && novel_ >= kNovel) {  // the arm began an unseen motion
-    relearn_until_ = deaf_until_ = step.time + options_.learn;
-    novel_ = 0.0;
+  unseen_motion_ = novel ? unseen_motion_ + options_.step : std::max(0.0, unseen_motion_ - options_.step);
+  if (!relearning && unseen_motion_ >= kUnseenMotion) {  // the arm began an unseen motion
+    relearn_until_ = refractory_until_ = step.time + options_.learn;
+    unseen_motion_ = 0.0;
   }
   if (!novel && !relearning && (!past_.empty() || quiet_live_ >= options_.learn_more)) return;
   quiet_.push_back(step);
@@ -160,7 +160,7 @@ void ChangeFinder::go_on_learning(const Step& step, double strength) {
   quiet_live_ += options_.step;
   if (quiet_.size() > kMostQuiet) quiet_.erase(quiet_.begin());
   const bool more = past_.empty() && quiet_live_ >= 2.0 * calibrated_at_ &&
-                    quiet_live_ <= options_.learn_more && strength < kCalm;
+                    quiet_live_ <= options_.learn_more && strength < kQuietLevel;
   const bool learned = relearning && step.time + 1.5 * options_.step >= relearn_until_;
   if (learned || (more && !relearning)) calibrate();
 }
@@ -205,7 +205,7 @@ void ChangeFinder::set_bounds() {
 
 // The cause that explains most of the quiet beginning's residual, if its torque matters. What the
 // differences of a day cannot absorb, such as a load, counts as known from then on.
-void ChangeFinder::tell_present(double now) {
+void ChangeFinder::emit_present(double now) {
   std::deque<WhiteStep> whole;
   for (const Step& step : quiet_) whole.push_back(noise_.whiten(step, -noise_.today()));
   Change c;
@@ -224,17 +224,17 @@ void ChangeFinder::tell_present(double now) {
   c.id = ++ids_;
   WatchEvent e = event(c, WatchStage::kPresent, now);
   add_rivals(all, c.score, e);
-  tell(std::move(e));
+  emit(std::move(e));
   if (hypotheses_[static_cast<size_t>(c.score.hypothesis)].along_axis()) return;
   for (Step& step : quiet_)
     step.residual -= step.columns(Eigen::all, c.score.columns) * c.score.size;
-  know(c.score, 1.0);
+  compensate(c.score, 1.0);
   c.named = now;
   past_.push_back(c);
   calibrate();
 }
 
-void ChangeFinder::look(double now, WatchState& state) {
+void ChangeFinder::detect(double now, WatchState& state) {
   state.strength = 0.0;
   int hypothesis = -1;
   size_t memory = 0;
@@ -250,7 +250,7 @@ void ChangeFinder::look(double now, WatchState& state) {
   }
   state.suspect = hypothesis >= 0 ? to_text(arm_, hypotheses_[static_cast<size_t>(hypothesis)].of.cause) : "";
   above_ = state.strength > 1.0 ? above_ + 1 : 0;
-  if (open_ || above_ < kAboveInARow || now < deaf_until_) return;
+  if (open_ || above_ < kAboveInARow || now < refractory_until_) return;
   if (refining_ && ask_again(now)) return;
   if (refining_) {  // values from the refinement are kept
     past_.push_back(*refining_);
@@ -264,7 +264,7 @@ void ChangeFinder::look(double now, WatchState& state) {
   c.score = best_onset(recent_, hypothesis, least_[hypothesis], largest_[hypothesis],
                        now - c.lookback, now);
   open_ = c;
-  tell(event(c, WatchStage::kSuspected, now));
+  emit(event(c, WatchStage::kSuspected, now));
 }
 
 // Every hypothesis with its own best onset, the most likely first.
@@ -288,7 +288,7 @@ std::vector<Score> ChangeFinder::scores(const Change& change,
   return out;
 }
 
-void ChangeFinder::tell_apart(double now, bool last) {
+void ChangeFinder::isolate(double now, bool last) {
   const double earliest = open_->alarm - open_->lookback;
   const std::vector<Score> scores = this->scores(*open_, recent_);
   const Score& best = scores.front();
@@ -335,7 +335,7 @@ double ChangeFinder::half_width(const Score& score) const {
   return std::hypot(random, kSystematic * size);
 }
 
-void ChangeFinder::know(const Score& score, double share) {
+void ChangeFinder::compensate(const Score& score, double share) {
   for (size_t p = 0; p < score.columns.size(); ++p)
     known_[score.columns[p]] += share * score.size[static_cast<Eigen::Index>(p)];
 }
@@ -379,21 +379,21 @@ void ChangeFinder::name(const std::vector<Score>& scores, double now) {
   const double size = c.score.size[0];
   const auto before = std::find_if(past_.rbegin(), past_.rend(), [&](const Change& p) {
     return p.score.hypothesis == c.score.hypothesis &&
-           std::abs(p.score.size[0] + size) < kUndone * std::abs(p.score.size[0]);
+           std::abs(p.score.size[0] + size) < kReversalShare * std::abs(p.score.size[0]);
   });
   if (before != past_.rend()) {
     e = event(*before, WatchStage::kOver, now);
     e.until = c.score.onset;
-    know(before->score, -1.0);
+    compensate(before->score, -1.0);
     past_.erase(std::next(before).base());
   } else {
-    know(c.score, 1.0);
+    compensate(c.score, 1.0);
     c.seen = recent_;
     refining_ = std::move(c);
   }
-  tell(std::move(e));
-  forget();
-  deaf_until_ = now + kDeaf;
+  emit(std::move(e));
+  reset();
+  refractory_until_ = now + kRefractoryTime;
 }
 
 void ChangeFinder::push_is_over(const Push& push, double now) {
@@ -412,9 +412,9 @@ void ChangeFinder::push_is_over(const Push& push, double now) {
   e.low = e.value - half;
   e.high = e.value + half;
   e.unit = effort_unit(joint);
-  tell(std::move(e));
-  forget();
-  deaf_until_ = now + kDeaf;
+  emit(std::move(e));
+  reset();
+  refractory_until_ = now + kRefractoryTime;
 }
 
 void ChangeFinder::refine(const WhiteStep& white, double now) {
@@ -424,11 +424,11 @@ void ChangeFinder::refine(const WhiteStep& white, double now) {
   c.seen.back().e += X * c.score.size;
   if (ask_again(now)) return;
   c.score.A += X.transpose() * X;
-  know(c.score, -1.0);
+  compensate(c.score, -1.0);
   c.score.size += c.score.A.ldlt().solve(X.transpose() * white.e);
-  know(c.score, 1.0);
+  compensate(c.score, 1.0);
   if (now - c.named < options_.refine) return;
-  tell(event(c, WatchStage::kRefined, now));
+  emit(event(c, WatchStage::kRefined, now));
   past_.push_back(c);
   refining_.reset();
 }
@@ -443,8 +443,8 @@ bool ChangeFinder::ask_again(double now) {
     return s.hypothesis == c.score.hypothesis;
   });
   if (all.front().gain - same->gain <= quantiles_.dispersion() * kOdds) return false;
-  tell(event(c, WatchStage::kWithdrawn, now));
-  know(c.score, -1.0);
+  emit(event(c, WatchStage::kWithdrawn, now));
+  compensate(c.score, -1.0);
   open_ = std::move(c);
   refining_.reset();
   recent_.swap(open_->seen);
@@ -470,20 +470,20 @@ void ChangeFinder::jump(const PositionJump& jump, double now) {
   const double half = student_t_quantile(0.05, quantiles_.freedom()) * jump.noise;
   e.low = jump.size - half;
   e.high = jump.size + half;
-  tell(std::move(e));
-  deaf_until_ = jump.time + kDeaf;
+  emit(std::move(e));
+  refractory_until_ = jump.time + kRefractoryTime;
 }
 
 void ChangeFinder::finish(double now) {
-  if (open_) tell_apart(now, true);
+  if (open_) isolate(now, true);
   if (refining_) {
-    tell(event(*refining_, WatchStage::kRefined, now));
+    emit(event(*refining_, WatchStage::kRefined, now));
     past_.push_back(*refining_);
     refining_.reset();
   }
 }
 
-void ChangeFinder::tell(WatchEvent e) {
+void ChangeFinder::emit(WatchEvent e) {
   e.text = to_text(arm_, e.cause);
   e.sentence = sentence(e);
   events_.push_back(std::move(e));

@@ -43,21 +43,21 @@ class ChangeFinder {
  private:
   void calibrate();
   void set_bounds();
-  void tell_present(double now);
+  void emit_present(double now);
   void add_rivals(const std::vector<Score>& scores, const Score& best, WatchEvent& e) const;
-  void look(double now, WatchState& state);
+  void detect(double now, WatchState& state);
   void go_on_learning(const Step& step, double strength);
-  void tell_apart(double now, bool last);
+  void isolate(double now, bool last);
   std::vector<Score> scores(const Change& change, const std::deque<WhiteStep>& steps) const;
   void name(const std::vector<Score>& scores, double now);
   void push_is_over(const Push& push, double now);
   void refine(const WhiteStep& white, double now);
   bool ask_again(double now);
-  void forget();
+  void reset();
   double half_width(const Score& score) const;
-  void know(const Score& score, double share);
+  void compensate(const Score& score, double share);
   WatchEvent event(const Change& change, WatchStage stage, double now) const;
-  void tell(WatchEvent e);
+  void emit(WatchEvent e);
 
   Model arm_;
   std::vector<Hypothesis> hypotheses_;
@@ -67,7 +67,7 @@ class ChangeFinder {
   Quantiles quantiles_;
   std::vector<Step> before_, quiet_;  // of other days; of today
   VectorXd least_, largest_;          // (hypotheses) sizes that each can have
-  double novel_ = 0.0;                // [s] of new motion since the last calibration
+  double unseen_motion_ = 0.0;                // [s] of new motion since the last calibration
   double relearn_until_ = -1e300;     // [s] new motion is learned until then
   double quiet_live_ = 0.0, calibrated_at_ = 0.0;
   bool learning_ = true;
@@ -76,7 +76,7 @@ class ChangeFinder {
   std::vector<int> offset_of_joint_;
   int above_ = 0, ids_ = 0;
   double last_learned_ = -1e300;  // [s]
-  double deaf_until_ = -1e300;  // [s]
+  double refractory_until_ = -1e300;  // [s]
   std::optional<Change> open_, refining_;
   std::vector<Change> past_;
   std::vector<WatchEvent> events_;

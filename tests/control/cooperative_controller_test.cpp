@@ -126,7 +126,7 @@ TEST(CooperativeController, DerivativesBelongToThePositions) {
 TEST(CooperativeController, TightensAwayFromTheCentroid) {
   CooperativeController control(options(2), tips(2));
   CooperativeInput input = at(tips(2), 0);
-  ASSERT_TRUE(control.tighten(0.003, 0.2));
+  ASSERT_TRUE(control.expand_grasp(0.003, 0.2));
   follow(control, input, 300);
   const Vector3d u = (kTips[1] - kTips[0]).normalized();
   EXPECT_NEAR((input.position[1] - kTips[1] - 0.003 * u).norm(), 0.0, 1e-12);

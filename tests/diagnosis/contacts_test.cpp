@@ -110,7 +110,7 @@ TEST_F(Residuals, WhatComesBackEveryPeriodBelongsToTheArm) {
 
 TEST_F(Residuals, RowsAroundTheContactAreLeftOut) {
   push(1, 12.0, 13.0, 1.0);
-  const std::vector<LeftOut> rows = left_out_rows(find_contacts(id_));
+  const std::vector<ExcludedInterval> rows = excluded_intervals(find_contacts(id_));
   ASSERT_EQ(rows.size(), 1U);
   EXPECT_EQ(rows[0].source, "push.csv");
   EXPECT_EQ(rows[0].joint, -1);

@@ -51,8 +51,8 @@ class ErrorsInVariables : public Stages {
   }
 
   // The arm as the file says, on two recordings.
-  Investigation investigated(unsigned seed, double velocity_noise, double torque_noise) const {
-    Investigation x{read_model("planar-2r"), {}, {}, {}, {}, {}, 0, {}, {}, {}};
+  DiagnosisState investigated(unsigned seed, double velocity_noise, double torque_noise) const {
+    DiagnosisState x{read_model("planar-2r"), {}, {}, {}, {}, {}, 0, {}, {}, {}};
     for (unsigned k = 0; k < 2; ++k)
       x.train.push_back(repeated(2 * seed + k, velocity_noise, torque_noise));
     x.options.identification.threads = 1;
@@ -63,7 +63,7 @@ class ErrorsInVariables : public Stages {
   }
 
   std::vector<QualityFinding> found(unsigned seed, double velocity_noise, double torque_noise) const {
-    Investigation x = investigated(seed, velocity_noise, torque_noise);
+    DiagnosisState x = investigated(seed, velocity_noise, torque_noise);
     check_errors_in_variables(x);
     EXPECT_TRUE(x.d.data_quality[1].findings.empty());
     return x.d.data_quality[0].findings;
@@ -107,7 +107,7 @@ TEST_F(ErrorsInVariables, NoiseInVelocitiesIsToldWithTheBetterEstimate) {
 
 // Without repeats there are no instruments, and of a MODEL nothing was fitted.
 TEST_F(ErrorsInVariables, NothingIsToldWhereNothingRepeatsOrNothingWasFitted) {
-  Investigation x = investigated(1, 0.2, 0.1);
+  DiagnosisState x = investigated(1, 0.2, 0.1);
   for (CompressedRecording& r : x.start.factors) r.period.seconds = 0.0;
   check_errors_in_variables(x);
   EXPECT_TRUE(x.d.data_quality[0].findings.empty());
@@ -120,13 +120,13 @@ TEST_F(ErrorsInVariables, NothingIsToldWhereNothingRepeatsOrNothingWasFitted) {
 // What a diagnosis leaves out, the comparison leaves out as well, here all rows but one period's; of the
 // recording that is meant.
 TEST_F(ErrorsInVariables, RowsThatAreLeftOutAreNotCompared) {
-  Investigation x = investigated(1, 0.2, 0.1);
-  x.options.identification.preprocessing.left_out = {{"another", -1, 0.0, kSeconds, "a test"}};
+  DiagnosisState x = investigated(1, 0.2, 0.1);
+  x.options.identification.preprocessing.excluded_intervals = {{"another", -1, 0.0, kSeconds, "a test"}};
   check_errors_in_variables(x);
   EXPECT_EQ(x.d.data_quality[0].findings.size(), 1U);
   x.d.data_quality[0].findings.clear();
   for (const std::string& path : x.train)
-    x.options.identification.preprocessing.left_out.push_back({path, -1, kPeriod, kSeconds, "a test"});
+    x.options.identification.preprocessing.excluded_intervals.push_back({path, -1, kPeriod, kSeconds, "a test"});
   check_errors_in_variables(x);
   EXPECT_TRUE(x.d.data_quality[0].findings.empty());
 }

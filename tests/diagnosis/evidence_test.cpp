@@ -142,17 +142,17 @@ TEST(Examiner, TellsACauseFromWhatIsIdleAndWhatIsThereAlready) {
   DiagnosisOptions options;
   options.identification.threads = 1;
   const Examiner examiner(data, base, asked, options);
-  const std::vector<Evidence> all = examiner.ask_all({});
+  const std::vector<Evidence> all = examiner.evaluate_all({});
   EXPECT_TRUE(examiner.passes(all[0]));
   EXPECT_TRUE(all[0].consistent);
   EXPECT_FALSE(examiner.passes(all[1]));
   EXPECT_LT(all[1].gain, options.thresholds.smallest_gain);
-  EXPECT_TRUE(all[2].absorbed);
-  const auto stand = examiner.stand({});
-  const auto left_out = examiner.without_clusters(*stand);
-  EXPECT_LT(examiner.p_value(0, *stand, left_out), 1e-6);
-  EXPECT_GT(examiner.p_value(1, *stand, left_out), examiner.limit(1));
-  EXPECT_TRUE(examiner.ask_all({0})[0].taken);
+  EXPECT_TRUE(all[2].collinear);
+  const auto baseline = examiner.baseline({});
+  const auto without_cluster = examiner.without_clusters(*baseline);
+  EXPECT_LT(examiner.p_value(0, *baseline, without_cluster), 1e-6);
+  EXPECT_GT(examiner.p_value(1, *baseline, without_cluster), examiner.limit(1));
+  EXPECT_TRUE(examiner.evaluate_all({0})[0].accepted);
   EXPECT_EQ(examiner.set_with({0}), (ColumnSet{0, 1}));
 }
 
@@ -174,14 +174,14 @@ TEST(Examiner, ASignThatNatureForbidsIsNoAnswer) {
   for (const ParameterSign sign : {ParameterSign::kAny, ParameterSign::kNonnegative}) {
     const std::vector<Hypothesis> asked = hypotheses(sign);
     const Examiner examiner(data, base, asked, DiagnosisOptions());
-    const Evidence e = examiner.ask(0, *examiner.stand({}));
-    EXPECT_EQ(e.sign_broken, sign == ParameterSign::kNonnegative);
+    const Evidence e = examiner.evaluate(0, *examiner.baseline({}));
+    EXPECT_EQ(e.infeasible_sign, sign == ParameterSign::kNonnegative);
     EXPECT_EQ(examiner.passes(e), sign == ParameterSign::kAny);
   }
   std::vector<Hypothesis> change = hypotheses(ParameterSign::kAny);
   change[0].lowest = {-0.5};  // what there is cannot fall by one
   const Examiner examiner(data, base, change, DiagnosisOptions());
-  EXPECT_TRUE(examiner.ask(0, *examiner.stand({})).sign_broken);
+  EXPECT_TRUE(examiner.evaluate(0, *examiner.baseline({})).infeasible_sign);
 }
 
 TEST(HeldOut, TheShareIsOfWhatLiesAboveTheNoise) {

@@ -25,7 +25,7 @@ const QualityFinding* quality(const Diagnosis& d, const std::string& name) {
 
 TEST_F(Stages, ATorqueWithTheWrongSignIsAFault) {
   for (const double sign : {1.0, -1.0}) {
-    Investigation x = investigation(read_model("planar-2r"), {});
+    DiagnosisState x = investigation(read_model("planar-2r"), {});
     for (const auto* list : {&x.train, &x.test}) {
       for (const std::string& path : *list) {
         Recording r = read_recording(path);
@@ -49,7 +49,7 @@ TEST_F(Stages, AWrongLengthIsFoundAndCorrected) {
   ModelFileOptions longer;
   longer.constants["l1"] = 0.6;
   for (const bool wrong : {false, true}) {
-    Investigation x = investigation(
+    DiagnosisState x = investigation(
         wrong ? read_model("planar-2r", longer) : right, {});
     correct_constants(x);
     ASSERT_EQ(x.d.findings.size(), wrong ? 1U : 0U);
@@ -66,7 +66,7 @@ TEST_F(Stages, AWrongLengthIsFoundAndCorrected) {
 
 // An angle of the table and the zero of its encoder do the same; the zero is the commoner fault.
 TEST_F(Stages, AnEncodersZeroGoesBeforeTheAngleThatDoesTheSame) {
-  Investigation x = investigation(read_model("planar-2r"), {"encoder_offset:shoulder:offset=0.1"});
+  DiagnosisState x = investigation(read_model("planar-2r"), {"encoder_offset:shoulder:offset=0.1"});
   correct_constants(x);
   ASSERT_EQ(x.d.findings.size(), 1U);
   const Finding& f = x.d.findings[0];
@@ -87,7 +87,7 @@ TEST_F(Stages, AHeldOutRecordingMeasuresALengthAndDoesNotChooseIt) {
   longer.constants["l1"] = 0.6;
   const Model file = read_model("planar-2r", longer);
   Model as_the_file = plausible_model(file, 3).arm;
-  Investigation x{file, {}, {}, {}, {}, {}, 0, {}, {}, {}};
+  DiagnosisState x{file, {}, {}, {}, {}, {}, 0, {}, {}, {}};
   for (unsigned k = 1; k <= 4; ++k) x.train.push_back(record(k, {}));
   std::swap(truth_, as_the_file);
   x.test = {record(5, {})};
@@ -130,12 +130,12 @@ TEST_F(Stages, HeldOutRowsChangeNothingThatIsChosen) {
 
 // From a grid to the hidden distance.
 TEST_F(Stages, AConstantIsRefinedFromTheGridToTheTruth) {
-  Investigation x = investigation(read_model("planar-2r"),
+  DiagnosisState x = investigation(read_model("planar-2r"),
                                   {"presliding_hysteresis:shoulder:level=3,distance=0.04"});
   x.options.max_effects = 1;
-  QuestionList list = x.list();
+  CandidateList list = x.list();
   list.wanted = {"presliding_hysteresis", "joint_spring"};
-  const Questions asked = ask(x, list, x.start);
+  const CandidateTests asked = prepare_tests(x, list, x.start);
   EXPECT_EQ(asked.q.train.size(), x.train.size());
   EXPECT_LE(blocks_that_fit(x.arm, 4000), blocks_that_fit(x.arm, 4));
   for (const Hypothesis& h : asked.q.augmented.hypotheses)
@@ -149,8 +149,8 @@ TEST_F(Stages, AConstantIsRefinedFromTheGridToTheTruth) {
   const double coarse =
       distance_of(asked.q.augmented, selection.accepted[0].evidence.hypothesis);
   const Fit fit = fit_accepted(x.start, asked.q, selection, false, x.train, x.test, x.options);
-  ASSERT_EQ(fit.inquiry.augmented.hypotheses.size(), 1U);
-  const double fine = distance_of(fit.inquiry.augmented, 0);
+  ASSERT_EQ(fit.candidate_data.augmented.hypotheses.size(), 1U);
+  const double fine = distance_of(fit.candidate_data.augmented, 0);
   EXPECT_GT(std::abs(coarse - 0.04), 0.005);  // the grid does not have it
   EXPECT_NEAR(fine, 0.04, 0.004);
   ASSERT_EQ(fit.selection.shapes.size(), 1U);
@@ -177,7 +177,7 @@ TEST_F(Stages, AConstantIsRefinedFromTheGridToTheTruth) {
 class Twins : public Stages {
  protected:
   // Accepted: hysteresis of the shoulder with the grid's distances just below and above these.
-  Selection accepted(const Questions& asked, const std::vector<double>& distances) const {
+  Selection accepted(const CandidateTests& asked, const std::vector<double>& distances) const {
     Selection out;
     for (const double distance : distances) {
       int nearest = -1;
@@ -199,10 +199,10 @@ class Twins : public Stages {
   }
 
   Fit fit(const std::vector<std::string>& hidden, const std::vector<double>& distances) const {
-    Investigation x = investigation(read_model("planar-2r"), hidden);
-    QuestionList list = x.list();
+    DiagnosisState x = investigation(read_model("planar-2r"), hidden);
+    CandidateList list = x.list();
     list.wanted = {"presliding_hysteresis"};
-    const Questions asked = ask(x, list, x.start);
+    const CandidateTests asked = prepare_tests(x, list, x.start);
     Selection selection = accepted(asked, distances);
     EXPECT_NE(selection.accepted.front().evidence.hypothesis,
               distances.size() < 2 ? -1 : selection.accepted[1].evidence.hypothesis);
@@ -213,8 +213,8 @@ class Twins : public Stages {
                              const std::vector<double>& distances) const {
     const Fit found = fit(hidden, distances);
     std::vector<double> out;
-    for (const Hypothesis& h : found.inquiry.augmented.hypotheses)
-      out.push_back(term_of(found.inquiry.augmented.model, h).values.at("distance"));
+    for (const Hypothesis& h : found.candidate_data.augmented.hypotheses)
+      out.push_back(term_of(found.candidate_data.augmented.model, h).values.at("distance"));
     return out;
   }
 };

@@ -25,8 +25,8 @@ MotionSamples constant_speeds(int joints, int repeats) {
                   MatrixXd::Zero(rows, joints), MatrixXd::Zero(rows, joints)};
   double q = 0.0;
   for (Eigen::Index k = 0; k < rows; ++k) {
-    const auto stretch = static_cast<int>(k / each);
-    const double v = (stretch % 2 == 0 ? 1.0 : -1.0) * kSpeeds[(stretch / 2) % 4];
+    const auto segment = static_cast<int>(k / each);
+    const double v = (segment % 2 == 0 ? 1.0 : -1.0) * kSpeeds[(segment / 2) % 4];
     const double t = static_cast<double>(k % each) / kRate;
     const double edge = std::min({t, kStretch - t, kTurning}) / kTurning;
     const double rising = t < kTurning ? 1.0 : t > kStretch - kTurning ? -1.0 : 0.0;

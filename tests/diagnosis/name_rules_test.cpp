@@ -41,7 +41,7 @@ class NameRules : public Stages {
 TEST_F(NameRules, AConstantMustBeSignificantAsAnyCause) {
   ModelFileOptions longer;
   longer.constants["l1"] = 0.6;
-  Investigation x = investigation(read_model("planar-2r", longer), {});
+  DiagnosisState x = investigation(read_model("planar-2r", longer), {});
   x.options.thresholds.significance = 1e-300;
   correct_constants(x);
   EXPECT_TRUE(x.d.findings.empty());
@@ -185,18 +185,18 @@ TEST_F(NameRules, AMemoryOfFrictionIsNoDelayOfOneJoint) {
 // The distance that one half of the recordings gives lies in the interval of the other half.
 TEST_F(NameRules, TheIntervalOfADistanceHoldsWhatTheOtherHalfGives) {
   const auto found = [&](const std::vector<unsigned>& seeds) {
-    Investigation x{read_model("planar-2r"), {}, {}, {}, {}, {}, 0, {}, {}, {}};
+    DiagnosisState x{read_model("planar-2r"), {}, {}, {}, {}, {}, 0, {}, {}, {}};
     for (const unsigned k : seeds) x.train.push_back(record(k, {"presliding_hysteresis:shoulder:level=1.5,distance=0.04"}));
     x.options.identification.threads = 1;
     x.options.max_effects = 1;
     EXPECT_TRUE(fit_baseline(x));
-    QuestionList list = x.list();
+    CandidateList list = x.list();
     list.wanted = {"presliding_hysteresis"};
-    const Questions asked = ask(x, list, x.start);
+    const CandidateTests asked = prepare_tests(x, list, x.start);
     Selection selection = select_effects(asked.data, asked.q.base, asked.q.augmented.hypotheses, x.options, {});
     EXPECT_EQ(selection.accepted.size(), 1U);
     const Fit fit = fit_accepted(x.start, asked.q, selection, false, x.train, {}, x.options);
-    const double distance = term_of(fit.inquiry.augmented.model, fit.inquiry.augmented.hypotheses[0]).values.at("distance");
+    const double distance = term_of(fit.candidate_data.augmented.model, fit.candidate_data.augmented.hypotheses[0]).values.at("distance");
     EXPECT_EQ(fit.selection.shapes.size(), 1U);
     return std::make_pair(distance, fit.selection.shapes.at(0));
   };

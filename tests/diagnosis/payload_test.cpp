@@ -6,7 +6,7 @@
 
 #include "cli/tool.hpp"
 #include "diagnosis/evidence/payload_fit.hpp"
-#include "diagnosis/shapes/inquiry.hpp"
+#include "diagnosis/shapes/candidate_data.hpp"
 #include "simulation/simulation_support.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
@@ -132,10 +132,10 @@ TEST_F(Payload, ARotorsInertiaIsNoCompactLoad) {
   const auto share = [&](const std::string& hidden) {
     const std::vector<std::string> recordings = {
         recording_with(hidden, 3, two_waves(arm_.joints()))};
-    QuestionList list;
+    CandidateList list;
     list.changes = true;
     list.wanted = {"payload"};
-    const Inquiry q = prepare(evaluate(arm_, recordings, {}), recordings, {}, list, {});
+    const CandidateData q = prepare(evaluate(arm_, recordings, {}), recordings, {}, list, {});
     const NormalBlocks data(q.train, q.columns);
     for (const Hypothesis& h : q.augmented.hypotheses) {
       if (words_of(arm_, h.cause).frame == last)

@@ -38,7 +38,7 @@ std::multiset<std::string> causes_of(const Model& arm, const AugmentedModel& ask
 
 TEST(Hypotheses, AskForEveryJointThatMovesAndForTheArm) {
   const Model arm = read_model("planar-2r");
-  QuestionList list;
+  CandidateList list;
   list.wanted = {"joint_spring", "time_delay"};
   const auto asked = [&](const std::vector<double>& travels) {
     return causes_of(arm, augmented_model(arm, {moving(travels)}, list));
@@ -56,7 +56,7 @@ TEST(Hypotheses, AskForEveryJointThatMovesAndForTheArm) {
 // them.
 TEST(Hypotheses, HaveColumnsOfTheirOwn) {
   const Model arm = read_model("planar-2r");
-  QuestionList list;
+  CandidateList list;
   list.changes = true;
   const AugmentedModel asked = augmented_model(arm, {moving({1.0, 1.0})}, list);
   const auto parameters = standard_parameters(asked.model);
@@ -72,7 +72,7 @@ TEST(Hypotheses, HaveColumnsOfTheirOwn) {
 
 TEST(Hypotheses, OfAModelWithValuesAreChangesAndLoads) {
   const Model arm = read_model("planar-2r");
-  QuestionList list;
+  CandidateList list;
   list.changes = true;
   list.wanted = {"payload", "viscous_friction"};
   const AugmentedModel asked = augmented_model(arm, {moving({1.0, 1.0})}, list);
@@ -139,7 +139,7 @@ TEST(EffectFacts, PhrasesOfChannelsKnowSlidesFromHinges) {
 
 // In one motion much goes together: what depends on the place, and errors of channels, need another.
 TEST(Hypotheses, ThatOneMotionMayMisleadAboutAreKnown) {
-  QuestionList list;
+  CandidateList list;
   list.wanted = {"joint_spring", "time_delay", "quadratic_drag"};
   const AugmentedModel asked = augmented_model(read_model("planar-2r"), {moving({1.0, 1.0})}, list);
   for (const Hypothesis& h : asked.hypotheses)
@@ -148,7 +148,7 @@ TEST(Hypotheses, ThatOneMotionMayMisleadAboutAreKnown) {
 
 // An order of a ripple is the best of many that were looked at; its significance pays for that.
 TEST(Hypotheses, OrdersOfARippleHaveBeenTriedManyTimes) {
-  QuestionList list;
+  CandidateList list;
   list.wanted = {"torque_ripple", "joint_spring"};
   list.ripple_orders = {{40.0}, {}};
   const AugmentedModel asked = augmented_model(read_model("planar-2r"), {moving({1.0, 1.0})}, list);

@@ -11,8 +11,8 @@ namespace {
 
 class OfRecordings : public Stages {
  protected:
-  Investigation recorded() const {
-    Investigation x{read_model("planar-2r"), {}, {}, {}, {}, {}, 0, {}, {}, {}};
+  DiagnosisState recorded() const {
+    DiagnosisState x{read_model("planar-2r"), {}, {}, {}, {}, {}, 0, {}, {}, {}};
     for (unsigned k = 1; k <= 4; ++k) x.train.push_back(record(k, {}));
     x.test = {record(5, {})};
     x.options.identification.threads = 1;
@@ -26,7 +26,7 @@ class OfRecordings : public Stages {
     write_recording(r, path);
   }
 
-  static std::vector<QualityFinding> told(const Investigation& x, const std::string& path,
+  static std::vector<QualityFinding> told(const DiagnosisState& x, const std::string& path,
                                           const std::string& name) {
     std::vector<QualityFinding> out;
     for (const RecordingQuality& q : x.d.data_quality) {
@@ -40,7 +40,7 @@ class OfRecordings : public Stages {
 };
 
 TEST_F(OfRecordings, AVelocityOfAnotherScaleIsTakenFromThePosition) {
-  Investigation x = recorded();
+  DiagnosisState x = recorded();
   for (const std::string& path : x.train) rewrite(path, [](Recording& r) { r.dq.col(1) *= 0.5; });
   x.options.identification.test_preprocessing = x.options.identification.preprocessing;
   check_quality(x);
@@ -54,7 +54,7 @@ TEST_F(OfRecordings, AVelocityOfAnotherScaleIsTakenFromThePosition) {
 }
 
 TEST_F(OfRecordings, ARecordingThatIsLearnedFromAndTestedOnIsJudgedOnce) {
-  Investigation x = recorded();
+  DiagnosisState x = recorded();
   x.test = {x.train[1], x.train[3], x.test[0]};
   check_quality(x);
   ASSERT_EQ(x.d.data_quality.size(), 5U);
@@ -64,7 +64,7 @@ TEST_F(OfRecordings, ARecordingThatIsLearnedFromAndTestedOnIsJudgedOnce) {
 // Both velocities are noisier than what the position gives, but beside the noise of the first joint's torque
 // that of the velocities does no harm: the other joint, which is predicted better for it, alone is changed.
 TEST_F(OfRecordings, OnlyJointsThatAreBetterForItTakeTheirVelocityFromThePosition) {
-  Investigation x = recorded();
+  DiagnosisState x = recorded();
   for (const std::string& path : x.train) {
     rewrite(path, [](Recording& r) {
       std::mt19937 random(7);
@@ -85,7 +85,7 @@ TEST_F(OfRecordings, OnlyJointsThatAreBetterForItTakeTheirVelocityFromThePositio
 
 // Friction at one place of one recording: told of that recording, left out, and known from then on.
 TEST_F(OfRecordings, ASnagIsLeftOutOnceAndToldOfItsRecording) {
-  Investigation x = recorded();
+  DiagnosisState x = recorded();
   rewrite(x.train[2], [](Recording& r) {
     const double middle = 0.5 * (r.q.col(1).maxCoeff() + r.q.col(1).minCoeff());
     for (Eigen::Index k = 0; k < r.tau.rows(); ++k) {
@@ -103,16 +103,16 @@ TEST_F(OfRecordings, ASnagIsLeftOutOnceAndToldOfItsRecording) {
   EXPECT_EQ(found[0].severity, Severity::kWarning);
   for (const std::string& path : {x.train[0], x.train[1], x.train[3]})
     EXPECT_TRUE(told(x, path, "snag").empty());
-  ASSERT_FALSE(x.d.left_out.empty());
-  for (const LeftOut& part : x.d.left_out) EXPECT_EQ(part.source, x.train[2]);
-  EXPECT_EQ(x.options.identification.preprocessing.left_out.size(), x.d.left_out.size());
+  ASSERT_FALSE(x.d.excluded_intervals.empty());
+  for (const ExcludedInterval& part : x.d.excluded_intervals) EXPECT_EQ(part.source, x.train[2]);
+  EXPECT_EQ(x.options.identification.preprocessing.excluded_intervals.size(), x.d.excluded_intervals.size());
   EXPECT_LT(log_training_error(x.start), before - 0.5);
   EXPECT_FALSE(exclude_snags(x.start, x));
 }
 
 // A push in the held-out recording: told with its time, and the error without it is told beside the other.
 TEST_F(OfRecordings, APushIsAFindingAndItsMomentsAreLeftOut) {
-  Investigation x = recorded();
+  DiagnosisState x = recorded();
   rewrite(x.test[0], [](Recording& r) {
     for (Eigen::Index k = 0; k < r.tau.rows(); ++k) {
       if (r.time[k] > 5.0 && r.time[k] < 6.0) r.tau(k, 1) += 15.0;
@@ -133,7 +133,7 @@ TEST_F(OfRecordings, APushIsAFindingAndItsMomentsAreLeftOut) {
   EXPECT_NEAR(f.parameters[1].value, 5.0, 0.2);
   EXPECT_NEAR(f.parameters[2].value, 6.0, 0.2);
   EXPECT_LT(f.test_outside[1], 0.5 * f.test_before[1]);
-  EXPECT_EQ(x.options.identification.test_preprocessing->left_out.size(), 1U);
+  EXPECT_EQ(x.options.identification.test_preprocessing->excluded_intervals.size(), 1U);
 }
 
 }  // namespace

@@ -165,12 +165,12 @@ TEST(Selection, StopsAtTheLargestNumber) {
 TEST(Selection, TellsWhatWasTakenFromWhatNoDataCanAnswer) {
   const auto asked = all_hypotheses();
   const Selection s = selected(Columns({{"base", 1.0}, {"cause", 0.5}}), asked);
-  ASSERT_EQ(s.last_asked.size(), asked.size());
-  EXPECT_TRUE(s.last_asked[0].taken);
-  EXPECT_FALSE(s.last_asked[0].absorbed);
-  EXPECT_TRUE(s.last_asked[4].absorbed);  // twice the base column
-  EXPECT_FALSE(s.last_asked[4].taken);
-  EXPECT_FALSE(s.last_asked[3].taken || s.last_asked[3].absorbed);
+  ASSERT_EQ(s.last_evaluated.size(), asked.size());
+  EXPECT_TRUE(s.last_evaluated[0].accepted);
+  EXPECT_FALSE(s.last_evaluated[0].collinear);
+  EXPECT_TRUE(s.last_evaluated[4].collinear);  // twice the base column
+  EXPECT_FALSE(s.last_evaluated[4].accepted);
+  EXPECT_FALSE(s.last_evaluated[3].accepted || s.last_evaluated[3].collinear);
 }
 
 TEST(Selection, AnImpossibleSignIsNoAnswer) {
@@ -228,7 +228,7 @@ TEST(Selection, WhatWasTakenStaysWhileTheSizesOfItsGainsSpeakForIt) {
   const auto evidence = [&asked](const std::vector<double>& shares) {
     const NormalBlocks data = one_recording(shares);
     const Examiner examiner(data, {0}, asked, {});
-    const Evidence e = examiner.ask(0, *examiner.stand({}));
+    const Evidence e = examiner.evaluate(0, *examiner.baseline({}));
     return std::make_pair(examiner.passes(e), examiner.stays(e));
   };
   EXPECT_EQ(evidence({0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5}), std::make_pair(true, true));

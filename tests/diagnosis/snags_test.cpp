@@ -59,7 +59,7 @@ TEST(Snags, FrictionAtOnePlaceOfOneRecordingIsFoundAndLeftOut) {
   EXPECT_NEAR(found[0].from, 0.2, 0.1);
   EXPECT_NEAR(found[0].to, 0.5, 0.1);
   EXPECT_NEAR(found[0].friction, 0.4, 0.1);
-  for (const LeftOut& part : left_out_rows(found, id)) {
+  for (const ExcludedInterval& part : excluded_intervals(found, id)) {
     EXPECT_EQ(part.source, "recording2");
     EXPECT_EQ(part.joint, 1);
     EXPECT_LT(part.from, part.to);

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "cli/tool.hpp"
-#include "diagnosis/stages/investigation.hpp"
+#include "diagnosis/stages/diagnosis_state.hpp"
 #include "simulation/simulation_support.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 
@@ -53,8 +53,8 @@ class Stages : public testing::Test {
   }
 
   // Baseline of this robot file on four recordings, one held out.
-  Investigation investigation(const Model& robot, const std::vector<std::string>& hidden) const {
-    Investigation x{robot, {}, {}, {}, {}, {}, 0, {}, {}, {}};
+  DiagnosisState investigation(const Model& robot, const std::vector<std::string>& hidden) const {
+    DiagnosisState x{robot, {}, {}, {}, {}, {}, 0, {}, {}, {}};
     for (unsigned k = 1; k <= 4; ++k) x.train.push_back(record(k, hidden));
     x.test = {record(5, hidden)};
     x.options.identification.threads = 1;

@@ -25,17 +25,17 @@ Model with_gravity(const Model& arm, const Eigen::Vector3d& gravity) {
 
 // Questions are those that were asked for, with the limits that were asked for.
 TEST_F(Stages, TheListAsksWhatTheOptionsSay) {
-  Investigation x{truth_, {}, {}, {}, {}, {}, 0, {}, {}, {}};
+  DiagnosisState x{truth_, {}, {}, {}, {}, {}, 0, {}, {}, {}};
   EXPECT_TRUE(x.list().wanted.empty());
-  EXPECT_TRUE(x.asks_for("backlash"));
+  EXPECT_TRUE(x.tests_effect("backlash"));
   x.options.effects = {"joint_spring"};
   x.options.thresholds.smallest_gain = 0.7;
   x.d.changes = true;
   EXPECT_EQ(x.list().wanted, x.options.effects);
   EXPECT_EQ(x.list().limits.smallest_gain, 0.7);
   EXPECT_TRUE(x.list().changes);
-  EXPECT_TRUE(x.asks_for("joint_spring"));
-  EXPECT_FALSE(x.asks_for("backlash"));
+  EXPECT_TRUE(x.tests_effect("joint_spring"));
+  EXPECT_FALSE(x.tests_effect("backlash"));
 }
 
 // Errors count where the fit looked: without excluded rows, else on repaired ones, else on all.
@@ -109,7 +109,7 @@ TEST_F(Stages, ACauseAtOnePlaceIsAskedAboutThereOnly) {
 TEST_F(Stages, PlainFrictionOfAllJointsIsFoundTogether) {
   const Model bare = without_effects(read_model("planar-2r"));
   ASSERT_TRUE(has_no_friction(bare));
-  Investigation x = investigation(bare, {});
+  DiagnosisState x = investigation(bare, {});
   add_plain_friction(x);
   int friction = 0;
   for (const Finding& f : x.d.findings) {
@@ -133,13 +133,13 @@ TEST_F(Stages, PlainFrictionOfAllJointsIsFoundTogether) {
 
 // What is left out of the fit is not left out of held-out errors, and few recordings keep enough blocks.
 TEST_F(Stages, HeldOutErrorsAreThoseOfEveryRow) {
-  const Investigation x = investigation(read_model("planar-2r"), {});
-  QuestionList list;
+  const DiagnosisState x = investigation(read_model("planar-2r"), {});
+  CandidateList list;
   list.wanted = {"joint_spring"};
-  const auto rows = [&](const std::vector<LeftOut>& parts) {
+  const auto rows = [&](const std::vector<ExcludedInterval>& parts) {
     IdentificationOptions how = x.options.identification;
-    how.preprocessing.left_out = parts;
-    const Inquiry q = prepare(x.start, x.train, x.test, list, how);
+    how.preprocessing.excluded_intervals = parts;
+    const CandidateData q = prepare(x.start, x.train, x.test, list, how);
     Eigen::Vector2d out(0.0, 0.0);  // of the first training recording, of the held-out one
     for (const auto& block : q.train[0].blocks) out[0] += block[0].rows();
     for (const auto& block : q.test[0].blocks) out[1] += block[0].rows();
@@ -158,7 +158,7 @@ TEST_F(Stages, HeldOutErrorsAreThoseOfEveryRow) {
 TEST_F(Stages, PlainFrictionIsAskedWhereTheFileHasNone) {
   ModelDescription d = read_model("planar-2r").description();
   d.effects.resize(2);  // the shoulder's
-  Investigation x = investigation(Model(std::move(d)), {});
+  DiagnosisState x = investigation(Model(std::move(d)), {});
   add_plain_friction(x);
   std::set<std::string> found;
   for (const Finding& f : x.d.findings) {
@@ -170,10 +170,10 @@ TEST_F(Stages, PlainFrictionIsAskedWhereTheFileHasNone) {
 
 // 40 ms is twice what anybody expects, and two joints have it: one cause, undone completely.
 TEST_F(Stages, ALargeDelayOfTheWholeArmIsUndone) {
-  Investigation x = investigation(read_model("planar-2r"), {"time_delay:arm:seconds=0.04"});
-  QuestionList list = x.list();
+  DiagnosisState x = investigation(read_model("planar-2r"), {"time_delay:arm:seconds=0.04"});
+  CandidateList list = x.list();
   list.wanted = {"time_delay"};
-  const Questions asked = ask(x, list, x.start);
+  const CandidateTests asked = prepare_tests(x, list, x.start);
   const Hypothesis* common = nullptr;
   for (const Hypothesis& h : asked.q.augmented.hypotheses) {
     if (!h.joint) common = &h;
@@ -190,7 +190,7 @@ TEST_F(Stages, ALargeDelayOfTheWholeArmIsUndone) {
 // the arm turns round; the position knows better.
 TEST_F(Stages, AVelocityOfMuchNoiseIsTakenFromThePosition) {
   for (const double noise : {1e-5, 0.3}) {
-    Investigation x{read_model("planar-2r"), {}, {}, {}, {}, {}, 0, {}, {}, {}};
+    DiagnosisState x{read_model("planar-2r"), {}, {}, {}, {}, {}, 0, {}, {}, {}};
     for (unsigned k = 1; k <= 2; ++k) x.train.push_back(record(k, {}, noise));
     x.options.identification.threads = 1;
     check_quality(x);
@@ -210,7 +210,7 @@ TEST_F(Stages, ASmoothStepOfTheModelsOwnFrictionIsARemarkAndNoCause) {
     if (term.effect == "coulomb_friction") term.values["slope"] = 20.0;
   }
   truth_ = Model(std::move(d));
-  Investigation x = investigation(read_model("planar-2r"), {});
+  DiagnosisState x = investigation(read_model("planar-2r"), {});
   select_causes(x);
   EXPECT_TRUE(x.d.findings.empty()) << x.d.findings.front().phrase;
   EXPECT_EQ(x.d.remarks.size(), 2U);
@@ -219,7 +219,7 @@ TEST_F(Stages, ASmoothStepOfTheModelsOwnFrictionIsARemarkAndNoCause) {
 
 // What is left of a delay after one correction is no second finding.
 TEST_F(Stages, OneChannelHasOneError) {
-  Investigation x = investigation(read_model("planar-2r"), {"time_delay:arm:seconds=0.04"});
+  DiagnosisState x = investigation(read_model("planar-2r"), {"time_delay:arm:seconds=0.04"});
   Finding half;
   half.cause = ChannelError{"time_delay", std::nullopt};
   half.parameters = {{"seconds", "s", 0.01, 0.009, 0.011}};
@@ -232,10 +232,10 @@ TEST_F(Stages, OneChannelHasOneError) {
 
 // A hypothesis that the data do not ask for is refused once it is applied, or moves nothing.
 TEST_F(Stages, ADelayThatIsNotThereIsNotCorrected) {
-  Investigation x = investigation(read_model("planar-2r"), {});
-  QuestionList list = x.list();
+  DiagnosisState x = investigation(read_model("planar-2r"), {});
+  CandidateList list = x.list();
   list.wanted = {"time_delay"};
-  const Questions asked = ask(x, list, x.start);
+  const CandidateTests asked = prepare_tests(x, list, x.start);
   for (const Hypothesis& h : asked.q.augmented.hypotheses) {
     const auto corrected = correct_channel(x, asked, h);
     if (corrected) {
@@ -243,7 +243,7 @@ TEST_F(Stages, ADelayThatIsNotThereIsNotCorrected) {
     }
   }
   x.refused.insert(asked.q.augmented.hypotheses.front());
-  EXPECT_EQ(ask(x, list, x.start).q.augmented.hypotheses.size(),
+  EXPECT_EQ(prepare_tests(x, list, x.start).q.augmented.hypotheses.size(),
             asked.q.augmented.hypotheses.size() - 1);
 }
 

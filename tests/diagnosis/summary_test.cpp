@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "diagnosis/findings/finding_words.hpp"
-#include "diagnosis/stages/investigation.hpp"
+#include "diagnosis/stages/diagnosis_state.hpp"
 
 // What a reader sees first, and what the held-out recordings hold against a finding.
 

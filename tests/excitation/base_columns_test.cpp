@@ -37,16 +37,16 @@ TEST(BaseColumns, EssentialOnesAddMoreThanTheShareAndOthersLess) {
   const MatrixXd W = unit_columns(arm, random_states(arm, 300));
   for (const double share : {0.001, 0.01, 0.1}) {
     const EssentialColumns e = essential_columns(arm, share);
-    EXPECT_EQ(static_cast<int>(e.kept.size() + e.left_out.size()), all.size());
+    EXPECT_EQ(static_cast<int>(e.kept.size() + e.non_essential.size()), all.size());
     // The states are others: a tenth either way.
     for (const int c : e.kept) EXPECT_GT(left_of(W, c, e.kept), 0.9 * 1e-3) << c;
-    for (const WeakColumn& weak : e.left_out) {
+    for (const WeakColumn& weak : e.non_essential) {
       EXPECT_LT(left_of(W, weak.column, e.kept), 1.1 * share) << weak.column;
       EXPECT_LE(weak.share, share);
     }
   }
-  EXPECT_EQ(essential_columns(arm, 0.01).left_out.size(), 2u);
-  EXPECT_TRUE(essential_columns(arm, 1e-6).left_out.empty());
+  EXPECT_EQ(essential_columns(arm, 0.01).non_essential.size(), 2u);
+  EXPECT_TRUE(essential_columns(arm, 1e-6).non_essential.empty());
 }
 
 TEST(BaseColumns, TheBestConditionedOnesSpanTheSameAndAreNoWorse) {

@@ -62,7 +62,7 @@ TEST(SlowPasses, KeepTheLimitsAndMoveOneJointAtATime) {
   }
 }
 
-// Long stretches at 1, sqrt(10) and 10 % of the largest speed in both directions, three reversals
+// Long segments at 1, sqrt(10) and 10 % of the largest speed in both directions, three reversals
 // in each pass.
 TEST(SlowPasses, HoldTheirSpeedsAndReverse) {
   const MotionSamples m = passes(Eigen::Vector2d(0.0, 0.1), 3);

@@ -43,7 +43,7 @@ Rows rows_of_arm(const Model& arm, const EffectTerm& term, int p, const Recordin
   const std::string name = standard_parameters(asked)[standard_parameters(asked).size() - channel_effect(term.effect)->parameters().size() + static_cast<size_t>(p)].name;
   const RegressorColumns columns(asked, unfiltered());
   Rows out;
-  for_each_stretch(asked, recording, unfiltered(), [&](const Stretch& s) {
+  for_each_segment(asked, recording, unfiltered(), [&](const Segment& s) {
     for (const JointRows& joint : columns.rows(s)) {
       VectorXd column = VectorXd::Zero(joint.b.size());
       for (size_t c = 0; c < joint.parameters.size(); ++c) {
@@ -129,12 +129,12 @@ TEST(ArmEffect, AnErrorInTheModelIsUndoneWhenRecordingsAreRead) {
   // And the file keeps it.
   aware = read_yaml(to_yaml(aware), "aware.yaml");
   const auto first = [](const Model& m, const Recording& r) {
-    std::vector<Stretch> all;
-    for_each_stretch(m, r, unfiltered(), [&all](const Stretch& s) { all.push_back(s); });
+    std::vector<Segment> all;
+    for_each_segment(m, r, unfiltered(), [&all](const Segment& s) { all.push_back(s); });
     return all.front();
   };
-  const Stretch undone = first(aware, wrong);
-  const Stretch truth = first(arm, clean);
+  const Segment undone = first(aware, wrong);
+  const Segment truth = first(arm, clean);
   EXPECT_TRUE(near(undone.q, truth.q, 1e-12));
   const Eigen::Index rows = undone.tau.rows() - 10;
   EXPECT_LT((undone.tau.topRows(rows) - truth.tau.topRows(rows)).norm(),

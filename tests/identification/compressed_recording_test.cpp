@@ -61,7 +61,7 @@ TEST(ACompressedRecording, HoldsTheSumOfSquaresOfItsRows) {
       true_parameters(arm) + 0.1 * random.vector(static_cast<int>(names.size()), -1, 1);
   VectorXd direct = VectorXd::Zero(4);
   double rows = 0.0;
-  for_each_stretch(arm, recording, options, [&](const Stretch& s) {
+  for_each_segment(arm, recording, options, [&](const Segment& s) {
     const std::vector<JointRows> all = columns.rows(s);
     for (size_t i = 0; i < 4; ++i) {
       VectorXd mine(all[i].A.cols());
@@ -100,7 +100,7 @@ TEST(ACompressedRecording, HasEightToSixteenBlocksHoweverLong) {
       most = std::max(most, block[0].rows());
       all += block[0].rows();
     }
-    EXPECT_LT(most, 0.2 * all) << "equal stretches";
+    EXPECT_LT(most, 0.2 * all) << "equal segments";
   }
 }
 

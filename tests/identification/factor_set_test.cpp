@@ -245,7 +245,7 @@ TEST(ManyMachines, FindWhatOneMachineFinds) {
     EXPECT_TRUE(near(many.train_error.maximum, one.train_error.maximum, 1e-12));
     ASSERT_EQ(many.train.size(), train.size());
     for (size_t k = 0; k < train.size(); ++k) EXPECT_EQ(many.train[k].source, train[k]);
-    EXPECT_TRUE(many.left_out.empty());
+    EXPECT_TRUE(many.unusable_recordings.empty());
   }
 }
 
@@ -287,10 +287,10 @@ TEST(ManyMachines, GoOnWithoutWhatCannotBeRead) {
   std::ofstream(broken) << "t,q1,q2\n0,zero,1\n";
   const Identification many =
       by_ranks(arm, {good[0], lost, good[1], broken, good[2]}, {good[0]}, 2);
-  ASSERT_EQ(many.left_out.size(), 2);
-  EXPECT_EQ(many.left_out[0].source, lost);
-  EXPECT_EQ(many.left_out[1].source, broken);
-  EXPECT_NE(many.left_out[1].why.find("broken.csv"), std::string::npos);
+  ASSERT_EQ(many.unusable_recordings.size(), 2);
+  EXPECT_EQ(many.unusable_recordings[0].source, lost);
+  EXPECT_EQ(many.unusable_recordings[1].source, broken);
+  EXPECT_NE(many.unusable_recordings[1].why.find("broken.csv"), std::string::npos);
   EXPECT_TRUE(same_answer(many, identify(arm, good, {good[0]}), 1e-12));
   int refused = 0;
   by_ranks(arm, {lost, broken}, {}, 3, &refused);

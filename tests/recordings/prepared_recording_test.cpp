@@ -23,9 +23,9 @@ Recording moving(const MotionSamples& m) {
   return r;
 }
 
-std::vector<Stretch> visited(const Model& arm, const std::string& path, const PreprocessingOptions& how) {
-  std::vector<Stretch> out;
-  for_each_stretch(arm, path, how, [&out](const Stretch& s) { out.push_back(s); });
+std::vector<Segment> visited(const Model& arm, const std::string& path, const PreprocessingOptions& how) {
+  std::vector<Segment> out;
+  for_each_segment(arm, path, how, [&out](const Segment& s) { out.push_back(s); });
   return out;
 }
 
@@ -41,10 +41,10 @@ class Prepared : public testing::Test {
 TEST_F(Prepared, IsTheSameAsStreamedAndMadeOnce) {
   PreprocessingOptions kept;
   kept.kept = std::make_shared<KeptRecordings>();
-  const std::vector<Stretch> streamed = visited(arm_, path_, {});
+  const std::vector<Segment> streamed = visited(arm_, path_, {});
   const long before = recordings_prepared();
   for (int turn = 0; turn < 3; ++turn) {
-    const std::vector<Stretch> again = visited(arm_, path_, kept);
+    const std::vector<Segment> again = visited(arm_, path_, kept);
     ASSERT_EQ(again.size(), streamed.size());
     for (size_t k = 0; k < again.size(); ++k) {
       EXPECT_EQ(again[k].q, streamed[k].q);
@@ -56,7 +56,7 @@ TEST_F(Prepared, IsTheSameAsStreamedAndMadeOnce) {
   EXPECT_EQ(recordings_prepared() - before, 1);
 }
 
-// Whatever changes a stretch makes it be prepared anew, and what does not, does not.
+// Whatever changes a segment makes it be prepared anew, and what does not, does not.
 TEST_F(Prepared, IsAnotherOneWhereASettingChangesIt) {
   PreprocessingOptions how;
   how.kept = std::make_shared<KeptRecordings>();
@@ -86,7 +86,7 @@ TEST_F(Prepared, IsAnotherOneWhereASettingChangesIt) {
   ModelDescription shown = arm_.description();
   shown.coordinates[1].recorded.torque_gain = 1.2;
   EXPECT_EQ(prepared(Model(shown), how), 1);
-  EXPECT_EQ(prepared(arm_, with([this](auto& o) { o.left_out.push_back({path_, -1, 1.0, 2.0, ""}); })), 0);
+  EXPECT_EQ(prepared(arm_, with([this](auto& o) { o.excluded_intervals.push_back({path_, -1, 1.0, 2.0, ""}); })), 0);
   EXPECT_EQ(prepared(arm_, with([](auto& o) { o.min_speed = 0.1; })), 0);
   EXPECT_EQ(prepared(arm_, how), 0);
 }

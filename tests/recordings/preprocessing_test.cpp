@@ -31,10 +31,10 @@ PreprocessingOptions unfiltered() {
   return o;
 }
 
-// The cores of all stretches behind each other.
+// The cores of all segments behind each other.
 struct Pass {
   PreparationFacts facts;
-  int stretches = 0;
+  int segments = 0;
   VectorXd time;
   MatrixXd q, dq, ddq, tau;
   std::vector<char> use;
@@ -48,9 +48,9 @@ void append(MatrixXd& to, const MatrixXd& from) {
 
 Pass pass(const Model& arm, const Recording& r, const PreprocessingOptions& options) {
   Pass p;
-  p.facts = for_each_stretch(arm, r, options, [&](const Stretch& s) {
+  p.facts = for_each_segment(arm, r, options, [&](const Segment& s) {
     const Eigen::Index n = s.core_end - s.core_begin;
-    ++p.stretches;
+    ++p.segments;
     p.time.conservativeResize(p.time.size() + n);
     p.time.tail(n) = s.time.segment(s.core_begin, n);
     append(p.q, s.q.middleRows(s.core_begin, n));
@@ -104,12 +104,12 @@ VectorXd even_time(Eigen::Index rows, double dt, double start = 0.0) {
   return VectorXd::LinSpaced(rows, start, start + static_cast<double>(rows - 1) * dt);
 }
 
-// ---- stretches
+// ---- segments
 // -----------------------------------------------------------------------------------------------------
 
-// The whole recording as one stretch, by the definition: filters over everything, then derivatives.
-Stretch one_piece(const Recording& r, const PreprocessingOptions& o) {
-  Stretch s;
+// The whole recording as one segment, by the definition: filters over everything, then derivatives.
+Segment one_piece(const Recording& r, const PreprocessingOptions& o) {
+  Segment s;
   s.dt = r.time[1] - r.time[0];
   s.start = r.time[0];
   s.time = r.time;
@@ -133,7 +133,7 @@ Stretch one_piece(const Recording& r, const PreprocessingOptions& o) {
   return s;
 }
 
-// A recording of more than three stretches, with noise in every signal so that cuts would show.
+// A recording of more than three segments, with noise in every signal so that cuts would show.
 Recording long_recording(const Model& arm) {
   MotionShape shape;
   shape.duration = 68.0;
@@ -170,13 +170,13 @@ PreprocessingOptions options_of(const Variant& v) {
 
 // A cut leaves 1e-9 of what the signals are in the core, beside the rounding of two derivatives
 // over 5 ms.
-TEST(Stretches, GiveTheSignalsOfOnePiece) {
+TEST(Segments, GiveTheSignalsOfOnePiece) {
   const Model arm = robot("scara");
   const Recording r = long_recording(arm);
   for (const Variant& v : variants()) {
     const Pass p = pass(arm, r, options_of(v));
-    ASSERT_GT(p.stretches, 2);
-    const Stretch whole = one_piece(r, options_of(v));
+    ASSERT_GT(p.segments, 2);
+    const Segment whole = one_piece(r, options_of(v));
     ASSERT_TRUE(near(p.time, whole.time, 1e-9));
     EXPECT_TRUE(near(p.q, whole.q, 1e-8));
     EXPECT_TRUE(near(p.dq, whole.dq, 1e-8 * (1.0 + whole.dq.cwiseAbs().maxCoeff())));
@@ -187,7 +187,7 @@ TEST(Stretches, GiveTheSignalsOfOnePiece) {
   }
 }
 
-TEST(Stretches, GiveTheRowsOfOnePiece) {
+TEST(Segments, GiveTheRowsOfOnePiece) {
   const Model arm = robot("scara");
   const Recording r = long_recording(arm);
   for (const Variant& v : variants()) {
@@ -195,7 +195,7 @@ TEST(Stretches, GiveTheRowsOfOnePiece) {
     const RegressorColumns columns(arm, options);
     const std::vector<JointRows> whole = columns.rows(one_piece(r, options));
     std::vector<MatrixXd> pieces(4);
-    for_each_stretch(arm, r, options, [&](const Stretch& s) {
+    for_each_segment(arm, r, options, [&](const Segment& s) {
       const std::vector<JointRows> rows = columns.rows(s);
       for (size_t i = 0; i < 4; ++i) {
         MatrixXd both(rows[i].A.rows(), rows[i].A.cols() + 1);
@@ -216,7 +216,7 @@ TEST(Stretches, GiveTheRowsOfOnePiece) {
   }
 }
 
-TEST(Stretches, TileTheGridWhateverTheLength) {
+TEST(Segments, TileTheGridWhateverTheLength) {
   const Model arm = robot("planar-2r");
   for (const Eigen::Index rows : {2, 50, 4095, 4096, 4097, 4600, 8192, 8193, 9000, 14000}) {
     for (const double cutoff : {0.0, 5.0}) {
@@ -251,7 +251,7 @@ TEST(ARecordingTimedFromElsewhere, GivesTheSameRows) {
   const auto rows_of = [&](const Recording& recording) {
     std::vector<JointRows> all;
     const RegressorColumns columns(arm, options);
-    for_each_stretch(arm, recording, options, [&](const Stretch& s) { all = columns.rows(s); });
+    for_each_segment(arm, recording, options, [&](const Segment& s) { all = columns.rows(s); });
     return all;
   };
   const std::vector<JointRows> here = rows_of(r);
@@ -361,7 +361,7 @@ TEST(Gaps, OfAnUnwantedSignalDoNotMatter) {
 // ---- edges and rows
 // ------------------------------------------------------------------------------------------------
 
-// Lengths that end shortly after a stretch does, and drops longer than a filter needs to settle.
+// Lengths that end shortly after a segment does, and drops longer than a filter needs to settle.
 TEST(Edges, AreDroppedWhereverTheStretchesEnd) {
   const Model arm = robot("planar-2r");
   const double dt = 0.005;

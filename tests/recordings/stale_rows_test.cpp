@@ -192,7 +192,7 @@ Seen seen(const Recording& r, StaleRows stale_rows) {
   options.stale_rows = stale_rows;
   std::vector<MatrixXd> pieces;
   Seen out;
-  out.facts = for_each_stretch(read_model("planar-2r"), r, options, [&](const Stretch& s) {
+  out.facts = for_each_segment(read_model("planar-2r"), r, options, [&](const Segment& s) {
     pieces.push_back(s.q.middleRows(s.core_begin, s.core_end - s.core_begin));
   });
   out.q.resize(0, 2);

@@ -54,7 +54,7 @@ TEST(ArmColumns, AreTheRowsOfAnIdentification) {
   arm = with_effect(arm, "load_dependent_friction", 1, {{"distance", 0.01}});
   arm = with_effect(arm, "transmission_compliance", 0);
   const int rows = 200;
-  Stretch s;
+  Segment s;
   s.dt = 0.01;
   s.time = VectorXd::LinSpaced(rows, 0.0, 0.01 * (rows - 1));
   s.q.resize(rows, 2);

@@ -124,15 +124,15 @@ class CooperativeController {
 
   // Commands return false and change nothing while targets are held or if a number is out of range.
 
-  /// Moves the object by `way` [m] in the leader's axes (6.2).
-  bool move(const Eigen::Vector3d& way, double duration) noexcept;
+  /// Moves the object by `displacement` [m] in the leader's axes (6.2).
+  bool move(const Eigen::Vector3d& displacement, double duration) noexcept;
   /// Rotates the object about its centroid (6.3) by Rz(gamma) Ry(beta) Rx(alpha) in the leader's
   /// axes. False while another rotation goes on.
   bool turn(const Eigen::Vector3d& alpha_beta_gamma, double duration) noexcept;
   /// Moves every follower away from the centroid, (6.4) with the sign that pulls.
-  bool tighten(double by, double duration) noexcept;
+  bool expand_grasp(double by, double duration) noexcept;
   /// Moves one arm relative to the object, for regrasping; in the world [m].
-  bool move_arm(int arm, const Eigen::Vector3d& way, double duration) noexcept;
+  bool move_arm(int arm, const Eigen::Vector3d& displacement, double duration) noexcept;
   /// Changes h_d of a member [N].
   bool set_force(int member, double force, double duration) noexcept;
   /// Switches the force control of a member on or off.

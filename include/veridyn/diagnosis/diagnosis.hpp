@@ -212,7 +212,7 @@ struct Diagnosis {
   std::vector<NotSupported> not_supported;
   std::vector<CannotTell> cannot_tell;
   std::vector<RecordingQuality> data_quality;
-  std::vector<LeftOut> left_out;   ///< intervals excluded because of a disturbance of the recording
+  std::vector<ExcludedInterval> excluded_intervals;   ///< intervals excluded because of a disturbance of the recording
   /// Actions of the diagnosis beside naming causes: velocities derived from positions, and
   /// constants of the model's own effects that changed in the extended model.
   std::vector<std::string> remarks;

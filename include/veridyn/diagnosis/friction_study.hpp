@@ -9,12 +9,12 @@
 
 namespace veridyn {
 
-/// Friction measured at one speed: the mean over all stretches of nearly constant speed whose mean
+/// Friction measured at one speed: the mean over all segments of nearly constant speed whose mean
 /// speeds differ by less than a tenth.
 struct FrictionAtSpeed {
   double velocity = 0.0;   ///< mean [rad/s], [m/s]
   double torque = 0.0;     ///< measured torque without that of bodies and offset [N m], [N]
-  double deviation = 0.0;  ///< scatter of that torque within the stretches
+  double deviation = 0.0;  ///< scatter of that torque within the segments
   double seconds = 0.0;    ///< in all
   int runs = 0;
 };

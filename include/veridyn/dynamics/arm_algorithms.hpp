@@ -340,7 +340,7 @@ struct ArmAlgorithms {
           continue;
         }
         Column<L> c = at.column[place.link];
-        if (!place.is_identity) recursion_detail::carry(place.T_link_body, c.w, c.v);
+        if (!place.is_identity) recursion_detail::transform_motion(place.T_link_body, c.w, c.v);
         // A whole pack may be stored where its surplus lanes fall into columns that are computed
         // later.
         const long left = 10L * (tree.bodies - b) * n;

@@ -39,7 +39,7 @@ inline BodyMotion<S> body_motion(const LinkState<S>& at, const BodyPlace& place)
   moved.omega = at.omega;
   moved.alpha = at.alpha;
   moved.accel = at.accel;
-  recursion_detail::carry(place.T_link_body, moved.omega, moved.alpha, moved.accel);
+  recursion_detail::transform_motion(place.T_link_body, moved.omega, moved.alpha, moved.accel);
   moved.E = spin(moved.omega, moved.alpha);
   return body_motion(moved);
 }

@@ -169,7 +169,7 @@ struct EssentialParameters {
   double plain_condition_number = 0.0;  ///< of the unscaled columns
   double range_condition_number = 0.0;  ///< of the columns divided by their range
   /// Regrouped parameters and what their columns would add; the largest first.
-  std::vector<std::pair<std::string, double>> left_out{};
+  std::vector<std::pair<std::string, double>> non_essential{};
 };
 
 /// An excitation trajectory and how good it is.

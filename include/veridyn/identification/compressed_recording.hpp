@@ -82,7 +82,7 @@ struct PredictionSeries {
 /// series of some thousand samples.
 ///
 /// @param without_excluded  if not null, set to the errors outside of the intervals that
-/// options.left_out excludes.
+/// options.excluded_intervals excludes.
 ErrorSums prediction_error(const Model& arm, const std::string& path,
                            const PreprocessingOptions& options, const VectorRef& values,
                            const std::vector<TorqueFacts>& joints,

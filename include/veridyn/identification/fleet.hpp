@@ -88,7 +88,7 @@ struct Fleet {
   std::vector<FleetOutlier> outliers;     ///< largest deviation first
   std::vector<FleetLeftOut> other_bodies; ///< arms that the shared bodies were not fitted to
   std::vector<UndeterminedArm> undetermined;  ///< arms that took no part
-  std::vector<UnusedRecording> left_out;  ///< files that could not be used
+  std::vector<UnusedRecording> unusable_recordings;  ///< files that could not be used
   std::vector<std::string> remarks;       ///< files whose velocities were taken from the positions
   std::optional<Model> model;  ///< the arm with `parameters`; nullopt where there is a reason
   std::string reason;  ///< reason for a missing model: fewer than three arms were left

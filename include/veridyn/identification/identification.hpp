@@ -86,7 +86,7 @@ struct RecordingError {
   PredictionError error;  ///< on every row, as recorded
   /// On every row, with repeated rows of a late publisher interpolated; empty where none was.
   PredictionError repaired;
-  /// Outside of the intervals that PreprocessingOptions::left_out excludes; empty where it excludes
+  /// Outside of the intervals that PreprocessingOptions::excluded_intervals excludes; empty where it excludes
   /// none of this recording.
   PredictionError without_excluded;
   FilledRows filled;
@@ -162,7 +162,7 @@ struct Identification {
   /// Sentences on friction added to that of the robot file, and on every velocity that was replaced
   /// by the derivative of the position, see choose_velocities.
   std::vector<std::string> remarks;
-  std::vector<UnusedRecording> left_out;  ///< recordings that could not be used
+  std::vector<UnusedRecording> unusable_recordings;  ///< recordings that could not be used
   std::optional<DriveGains> drive_gains;  ///< nullopt without known masses
   StageSeconds seconds;
 
@@ -183,7 +183,7 @@ Identification identify(const Model& arm, const Recordings& train, const Recordi
 bool has_all_values(const Model& arm);
 
 /// The arm with all its values declared as known.
-Model frozen(const Model& arm);
+Model with_fixed_parameters(const Model& arm);
 
 /// Evaluates an arm with values on recordings without any fit. Errors, noise floors, series and
 /// factors are filled as by identify(); the factors' right-hand sides are the residuals of the arm.

@@ -25,7 +25,7 @@ class Communicator {
 /// Each rank compresses its share, the factors are merged at rank 0 in a fixed binary tree and in
 /// the order of the list, and each rank measures the errors of its own recordings. The result is
 /// that of identify() on one machine, for any number of ranks. A recording that
-/// cannot be read or used is skipped and named in `left_out` of the result.
+/// cannot be read or used is skipped and named in `unusable_recordings` of the result.
 ///
 /// @param keep  called on every rank with its factors so far, from time to time, so that they
 /// survive the failure of a rank; and on rank 0 once with those of all ranks, `whole` is then true.

@@ -34,7 +34,7 @@ class RegressorColumns {
   }
 
   /// One JointRows per joint, from the usable samples of the segment's core.
-  std::vector<JointRows> rows(const Stretch& stretch) const;
+  std::vector<JointRows> rows(const Segment& segment) const;
 
   /// Joints first .. end - 1.
   struct Joints {
@@ -45,10 +45,10 @@ class RegressorColumns {
   std::vector<Joints> groups(Eigen::Index rows) const;
 
   /// Like rows() for the joints of one group, in its order.
-  std::vector<JointRows> rows(const Stretch& stretch, Joints joints) const;
+  std::vector<JointRows> rows(const Segment& segment, Joints joints) const;
 
   /// Measured torque with the filter of rows() and predict(), (rows x n).
-  MatrixXd filtered_torque(const Stretch& stretch) const;
+  MatrixXd filtered_torque(const Segment& segment) const;
 
   /// Modelled and measured torque, both with the same filter, for given parameters; rows outside
   /// the core or excluded ones are present. (rows x n) each.
@@ -56,21 +56,21 @@ class RegressorColumns {
     MatrixXd measured;
     MatrixXd modelled;
   };
-  Prediction predict(const Stretch& stretch, const VectorRef& values) const;
+  Prediction predict(const Segment& segment, const VectorRef& values) const;
 
-  /// True if the options exclude this instant of the joint; `left_out` in the options must belong
+  /// True if the options exclude this instant of the joint; `excluded_intervals` in the options must belong
   /// to this recording. @param time  [s] since the recording began.
-  bool left_out(int joint, double time) const;
+  bool is_excluded(int joint, double time) const;
 
  private:
-  std::vector<MatrixXd> raw_columns(const Stretch& stretch, Joints joints) const;
-  MatrixXd columns_of(const EffectTerm& term, const Stretch& stretch, MatrixXd& load) const;
-  MatrixXd torque(const Stretch& stretch, const VectorRef& values) const;
+  std::vector<MatrixXd> raw_columns(const Segment& segment, Joints joints) const;
+  MatrixXd columns_of(const EffectTerm& term, const Segment& segment, MatrixXd& load) const;
+  MatrixXd torque(const Segment& segment, const VectorRef& values) const;
   template <typename Put>
-  void for_channel_errors(const Stretch& stretch, const Put& put) const;
+  void for_channel_errors(const Segment& segment, const Put& put) const;
   void filter(MatrixXd& columns, double dt) const;
   void smooth_load(MatrixXd& load, double dt) const;
-  std::vector<Eigen::Index> kept_samples(const Stretch& stretch, Eigen::Index joint) const;
+  std::vector<Eigen::Index> kept_samples(const Segment& segment, Eigen::Index joint) const;
 
   Model arm_;
   PreprocessingOptions options_;

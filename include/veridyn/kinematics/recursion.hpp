@@ -125,7 +125,7 @@ inline Vec3<S> zero3() {
 
 /// Transforms omega, alpha and accel across the fixed pose T (Featherstone's motion transform X).
 template <typename S>
-inline void carry(const Posed& T, Vec3<S>& omega, Vec3<S>& alpha, Vec3<S>& accel) {
+inline void transform_motion(const Posed& T, Vec3<S>& omega, Vec3<S>& alpha, Vec3<S>& accel) {
   const auto p = constant<S>(T.p);
   const auto R = constant<S>(T.R);
   const Vec3<S> swept = cross(omega, p);
@@ -136,7 +136,7 @@ inline void carry(const Posed& T, Vec3<S>& omega, Vec3<S>& alpha, Vec3<S>& accel
 
 /// Transforms one column of a Jacobian across the fixed pose T.
 template <typename S>
-inline void carry(const Posed& T, Vec3<S>& w, Vec3<S>& v) {
+inline void transform_motion(const Posed& T, Vec3<S>& w, Vec3<S>& v) {
   const auto R = constant<S>(T.R);
   v = rotate_back(R, v + cross(w, constant<S>(T.p)));
   w = rotate_back(R, w);
@@ -225,7 +225,7 @@ inline void forward_step(const Links& tree, int k, const Vec3d& gravity, const W
     accel.z += at.dds;
   }
   if (!link.B_is_identity) {
-    d::carry(link.B, omega, alpha, accel);
+    d::transform_motion(link.B, omega, alpha, accel);
     at.E = spin(omega, alpha);
   }
   at.omega = omega;
@@ -286,7 +286,7 @@ inline void jacobian_step(const Links& tree, int k, const Workspace<S>& r) {
     const S own(static_cast<C>(i.coefficient));
     if (i.coefficient != 0.0 && link.type == JointType::kRevolute) c.w.z += own;
     if (i.coefficient != 0.0 && link.type == JointType::kPrismatic) c.v.z += own;
-    if (!link.B_is_identity) d::carry(link.B, c.w, c.v);
+    if (!link.B_is_identity) d::transform_motion(link.B, c.w, c.v);
     r.jacobian[m] = c;
   }
 }
@@ -320,7 +320,7 @@ inline void jacobian_rate_pass(const Links& tree, const Workspace<S>& r) {
           rate.v.x += c.w.y * at.ds;
           rate.v.y -= c.w.x * at.ds;
         }
-        if (!link.B_is_identity) d::carry(link.B, rate.w, rate.v);
+        if (!link.B_is_identity) d::transform_motion(link.B, rate.w, rate.v);
       }
       r.jacobian_rate[m] = rate;
     }

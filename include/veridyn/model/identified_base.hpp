@@ -19,7 +19,7 @@ struct IdentifiedParameter {
   /// where the unconstrained optimum is not physically consistent.
   double free = 0.0;
   /// This parameter's row of F, where F F' is the covariance of all `free` (jackknife over
-  /// clusters: phases of the motion or stretches of time, never single samples). One column per
+  /// clusters: phases of the motion or segments of time, never single samples). One column per
   /// cluster, as far as those are at most kClustersKept; empty if there were fewer than three.
   VectorXd scatter;
 };

@@ -33,7 +33,7 @@ enum class StaleRows { kFilled, kKept };
 
 /// An interval of a recording that is excluded from the fit and the errors of one joint, or of all:
 /// a contact, a local sticking.
-struct LeftOut {
+struct ExcludedInterval {
   std::string source;  ///< path of the recording
   int joint = -1;      ///< from 0; -1: all joints
   double from = 0.0;   ///< [s] since the recording began
@@ -66,7 +66,7 @@ struct PreprocessingOptions {
   double min_speed = 0.0;
   /// Keeps one sample in this many after the filter; 0: as many as four times the cut-off needs.
   int decimation = 0;
-  std::vector<LeftOut> left_out;
+  std::vector<ExcludedInterval> excluded_intervals;
   /// [s] by source: known periods of the motion (0: it does not repeat), which are then not
   /// detected again.
   std::map<std::string, double> known_periods;
@@ -97,7 +97,7 @@ RecordingOptions reading_of(const Model& arm, const PreprocessingOptions& option
 
 /// A segment of uniform samples with positions, velocities, accelerations and torques. Matrices are
 /// (rows x n), one contiguous column per joint.
-struct Stretch {
+struct Segment {
   double dt = 0.0;           ///< [s]
   double start = 0.0;        ///< [s] time of the recording's first sample
   VectorXd time;             ///< (rows) [s]
@@ -128,14 +128,14 @@ struct PreparationFacts {
 ///
 /// @throws InvalidInput  the file is bad, or has another number of joints than the arm, or neither
 /// torques nor (with drive gains in the robot file) currents.
-PreparationFacts for_each_stretch(const Model& arm, const std::string& path,
+PreparationFacts for_each_segment(const Model& arm, const std::string& path,
                                   const PreprocessingOptions& options,
-                                  const std::function<void(const Stretch&)>& visit);
+                                  const std::function<void(const Segment&)>& visit);
 
 /// The same for a recording in memory.
-PreparationFacts for_each_stretch(const Model& arm, const Recording& recording,
+PreparationFacts for_each_segment(const Model& arm, const Recording& recording,
                                   const PreprocessingOptions& options,
-                                  const std::function<void(const Stretch&)>& visit);
+                                  const std::function<void(const Segment&)>& visit);
 
 /// Number of filtered samples of which one is kept.
 int decimation(const PreprocessingOptions& options, double dt);

@@ -22,7 +22,7 @@ struct ReplayInput {
 /// The recording on its uniform grid, lightly low-passed, as in identification. A recorded velocity
 /// that is wrong in scale, late or coarser than its position's derivative is replaced by that
 /// derivative.
-/// @throws InvalidInput  as for_each_stretch().
+/// @throws InvalidInput  as for_each_segment().
 ReplayInput replay_input(const Model& arm, const std::string& recording, PreprocessingOptions how);
 
 /// Inputs of the model and signals to compare.

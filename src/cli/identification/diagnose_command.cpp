@@ -11,7 +11,7 @@
 #include "cli/options/sound_arguments.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 #include "veridyn/diagnosis/rest_diagnosis.hpp"
-#include "diagnosis/stages/investigation.hpp"
+#include "diagnosis/stages/diagnosis_state.hpp"
 #include "math/output_file.hpp"
 #include "model/effect_names.hpp"
 #include "veridyn/model/model_file.hpp"
@@ -40,7 +40,7 @@ void expect_known_effects(const std::vector<std::string>& names) {
 }
 
 void expect_known_places(const Model& arm, const std::vector<std::string>& names) {
-  for (const std::string& name : names) value_of("--effects", [&] { return asked_cause(arm, name); });
+  for (const std::string& name : names) value_of("--effects", [&] { return normalized_cause(arm, name); });
 }
 
 // The command that designs the next recording, with the robot as named here and with the recordings

@@ -34,7 +34,7 @@ ExitStatus run(const FleetRequest& request, const std::string& command_line) {
   options.threads = request.common.threads;
   options.progress = progress(request.common);
   const Fleet fleet = identify_fleet(arm, arms, options);
-  for (const UnusedRecording& r : fleet.left_out) say("warning: left out: " + r.why);
+  for (const UnusedRecording& r : fleet.unusable_recordings) say("warning: left out: " + r.why);
   if (!request.common.json.empty()) write_file(request.common.json, to_json(fleet));
   if (!request.common.report.empty()) write_file(request.common.report, to_page(fleet, command_line));
   if (!fleet.model) {

@@ -204,7 +204,7 @@ ExitStatus run_on_ranks(IdentifyRequest& request, const std::string& command_lin
     if (!first) options.progress = nullptr;
     const Identification id = identified_by_ranks(request, arm, options, ranks);
     if (first) {
-      for (const UnusedRecording& r : id.left_out) say("warning: left out: " + r.why);
+      for (const UnusedRecording& r : id.unusable_recordings) say("warning: left out: " + r.why);
     }
     if (id.parameters.size() == 0) {
       if (first) say(id.reason);

@@ -211,8 +211,8 @@ std::vector<Contact> find_contacts(const Identification& id, const Thresholds& l
   return out;
 }
 
-std::vector<LeftOut> left_out_rows(const std::vector<Contact>& contacts) {
-  std::vector<LeftOut> out;
+std::vector<ExcludedInterval> excluded_intervals(const std::vector<Contact>& contacts) {
+  std::vector<ExcludedInterval> out;
   for (const Contact& c : contacts)
     out.push_back({c.source, -1, c.from - numerics::kContactMargin,
                    c.to + numerics::kContactMargin, ExternalContact::kName});

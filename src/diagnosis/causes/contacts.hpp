@@ -24,7 +24,7 @@ struct Contact {
 std::vector<Contact> find_contacts(const Identification& id, const Thresholds& limits = {});
 
 /// The rows of these moments, for all joints.
-std::vector<LeftOut> left_out_rows(const std::vector<Contact>& contacts);
+std::vector<ExcludedInterval> excluded_intervals(const std::vector<Contact>& contacts);
 
 /// Adds a finding for every contact: time, link, efforts, and the held-out error outside of these
 /// intervals. @param seen  the arm on the recordings without these intervals.

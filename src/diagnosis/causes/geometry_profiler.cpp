@@ -54,7 +54,7 @@ GeometryProfiler::GeometryProfiler(const Model& arm, const std::vector<std::stri
   how.filtering = Filtering::kSignals;
   for (const std::string& path : train) {
     Fold fold;
-    for_each_stretch(arm, path, how, [&](const Stretch& s) { append(s, fold); });
+    for_each_segment(arm, path, how, [&](const Segment& s) { append(s, fold); });
     folds_.push_back(std::move(fold));
   }
   weights_ = VectorXd::Ones(arm.joints());
@@ -88,7 +88,7 @@ MatrixXd GeometryProfiler::without_parts(const std::array<Model, 3>& variants,
   return out;
 }
 
-void GeometryProfiler::append(const Stretch& s, Fold& fold) const {
+void GeometryProfiler::append(const Segment& s, Fold& fold) const {
   const auto step =
       std::max<Eigen::Index>(1, static_cast<Eigen::Index>(1.0 / (numerics::kGeometryRate * s.dt)));
   std::vector<Eigen::Index> kept;
@@ -109,7 +109,7 @@ void GeometryProfiler::append(const Stretch& s, Fold& fold) const {
 }
 
 // Evaluated on every sample, because a memory depends on all of them.
-MatrixXd GeometryProfiler::effects_along(const Stretch& s) const {
+MatrixXd GeometryProfiler::effects_along(const Segment& s) const {
   const MotionView motion(s.time, s.q, s.dq, s.ddq);
   MatrixXd load;
   MatrixXd out(motion.rows(), static_cast<Eigen::Index>(acts_on_.size()));

@@ -40,8 +40,8 @@ class GeometryProfiler {
   struct Sums;
   struct Parts;
 
-  void append(const Stretch& s, Fold& fold) const;
-  MatrixXd effects_along(const Stretch& s) const;
+  void append(const Segment& s, Fold& fold) const;
+  MatrixXd effects_along(const Segment& s) const;
   std::vector<Own> own_columns(const RegressorBatch& batch, const std::vector<int>& columns,
                                int bodies, int joints) const;
   static void add(double sign, const Sums& from, Sums& to);

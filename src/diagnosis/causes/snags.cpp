@@ -17,7 +17,7 @@ constexpr int kBins = 40;              // of the travel of all recordings
 constexpr int kFewest = 6;             // samples of a bin in either direction
 constexpr double kMargin = 0.5;  // bins on either side
 
-struct Way {
+struct TravelStatistics {
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();
   double speed = 0.0;
@@ -31,30 +31,30 @@ struct Way {
   double edge(double bin) const { return low + bin * (high - low) / kBins; }
 };
 
-Way way_of(const std::vector<const RecordingError*>& all, size_t joint) {
-  Way way;
+TravelStatistics travel_statistics(const std::vector<const RecordingError*>& all, size_t joint) {
+  TravelStatistics travel;
   for (const RecordingError* r : all) {
     for (size_t k = 0; k < r->series.time.size(); ++k) {
-      way.low = std::min(way.low, r->series.q[joint][k]);
-      way.high = std::max(way.high, r->series.q[joint][k]);
-      way.speed = std::max(way.speed, std::abs(r->series.dq[joint][k]));
-      way.torque2 += std::pow(r->series.measured[joint][k], 2);
-      way.samples += 1.0;
+      travel.low = std::min(travel.low, r->series.q[joint][k]);
+      travel.high = std::max(travel.high, r->series.q[joint][k]);
+      travel.speed = std::max(travel.speed, std::abs(r->series.dq[joint][k]));
+      travel.torque2 += std::pow(r->series.measured[joint][k], 2);
+      travel.samples += 1.0;
     }
   }
-  return way;
+  return travel;
 }
 
 // Half the difference of the mean residuals to and fro, per bin; NaN where one is missing.
-std::vector<double> friction_by_place(const PredictionSeries& x, size_t joint, const Way& way,
+std::vector<double> friction_by_place(const PredictionSeries& x, size_t joint, const TravelStatistics& travel,
                                       double moving_share) {
   std::vector<double> sum[2] = {std::vector<double>(kBins), std::vector<double>(kBins)};
   std::vector<int> count[2] = {std::vector<int>(kBins), std::vector<int>(kBins)};
   for (size_t k = 0; k < x.time.size(); ++k) {
     const double v = x.dq[joint][k];
-    if (std::abs(v) < moving_share * way.speed) continue;
+    if (std::abs(v) < moving_share * travel.speed) continue;
     const int side = v > 0.0 ? 1 : 0;
-    const auto bin = static_cast<size_t>(way.bin(x.q[joint][k]));
+    const auto bin = static_cast<size_t>(travel.bin(x.q[joint][k]));
     sum[side][bin] += x.measured[joint][k] - x.modelled[joint][k];
     ++count[side][bin];
   }
@@ -82,10 +82,10 @@ std::vector<std::vector<double>> excess(std::vector<std::vector<double>> frictio
 
 void snags_of(const std::vector<const RecordingError*>& all, size_t joint,
               const Thresholds& limits, std::vector<Snag>& out) {
-  const Way way = way_of(all, joint);
-  if (!(way.high > way.low)) return;
+  const TravelStatistics travel = travel_statistics(all, joint);
+  if (!(travel.high > travel.low)) return;
   std::vector<std::vector<double>> friction;
-  for (const RecordingError* r : all) friction.push_back(friction_by_place(r->series, joint, way, limits.moving_share));
+  for (const RecordingError* r : all) friction.push_back(friction_by_place(r->series, joint, travel, limits.moving_share));
   friction = excess(std::move(friction));
   std::vector<double> sizes;
   for (const auto& f : friction) {
@@ -94,7 +94,7 @@ void snags_of(const std::vector<const RecordingError*>& all, size_t joint,
     }
   }
   const double limit = std::max(limits.snag_prominence * numerics::kMadToDeviation * median(sizes),
-                                limits.snag_torque_share * std::sqrt(way.torque2 / way.samples));
+                                limits.snag_torque_share * std::sqrt(travel.torque2 / travel.samples));
   for (size_t r = 0; r < all.size(); ++r) {
     for (int b = 0; b < kBins; ++b) {
       if (!(friction[r][static_cast<size_t>(b)] > limit)) continue;
@@ -108,8 +108,8 @@ void snags_of(const std::vector<const RecordingError*>& all, size_t joint,
         sum += friction[r][static_cast<size_t>(--begin)];
       b = end;
       if (end - begin > limits.snag_widest * kBins) continue;
-      out.push_back({all[r]->source, static_cast<int>(joint), way.edge(begin - kMargin),
-                     way.edge(end + kMargin), sum / (end - begin)});
+      out.push_back({all[r]->source, static_cast<int>(joint), travel.edge(begin - kMargin),
+                     travel.edge(end + kMargin), sum / (end - begin)});
     }
   }
 }
@@ -144,8 +144,8 @@ std::string snag_text(const Snag& snag, const Coordinate& joint) {
       numerics::kThousand * snag.to, joint.prismatic ? "mm" : "mrad");
 }
 
-std::vector<LeftOut> left_out_rows(const std::vector<Snag>& snags, const Identification& id) {
-  std::vector<LeftOut> out;
+std::vector<ExcludedInterval> excluded_intervals(const std::vector<Snag>& snags, const Identification& id) {
+  std::vector<ExcludedInterval> out;
   for (const RecordingError* r : all_of(id)) {
     const PredictionSeries& x = r->series;
     for (const Snag& snag : snags) {

@@ -25,6 +25,6 @@ std::vector<Snag> find_snags(const Identification& id, const Thresholds& limits 
 std::string snag_text(const Snag& snag, const Coordinate& joint);
 
 /// The intervals in which a joint is within its snag.
-std::vector<LeftOut> left_out_rows(const std::vector<Snag>& snags, const Identification& id);
+std::vector<ExcludedInterval> excluded_intervals(const std::vector<Snag>& snags, const Identification& id);
 
 }  // namespace veridyn

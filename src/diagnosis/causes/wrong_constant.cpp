@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "diagnosis/evidence/numerics.hpp"
-#include "diagnosis/shapes/inquiry.hpp"
+#include "diagnosis/shapes/candidate_data.hpp"
 #include "identification/many_recordings.hpp"
 #include "veridyn/effects/cause.hpp"
 #include "math/student_t.hpp"
@@ -19,20 +19,20 @@ namespace {
 constexpr size_t kRivals = 5;
 
 // Gains of the best effects in place of a wrong constant.
-std::vector<std::pair<Hypothesis, double>> effects_instead(const Inquiry& q,
+std::vector<std::pair<Hypothesis, double>> effects_instead(const CandidateData& q,
                                                            const NormalBlocks& data,
                                                            const DiagnosisOptions& options) {
   DiagnosisOptions none = options;
   none.max_effects = 0;
   const Selection asked = select_effects(data, q.base, q.augmented.hypotheses, none);
-  std::vector<Evidence> all = asked.last_asked;
+  std::vector<Evidence> all = asked.last_evaluated;
   std::sort(all.begin(), all.end(),
             [](const Evidence& a, const Evidence& b) { return a.gain > b.gain; });
   std::vector<std::pair<Hypothesis, double>> out;
   std::set<Candidate> named;
   for (const Evidence& e : all) {
     const Hypothesis& h = q.augmented.hypotheses[static_cast<size_t>(e.hypothesis)];
-    if (e.absorbed || e.sign_broken || !named.insert(h).second) continue;
+    if (e.collinear || e.infeasible_sign || !named.insert(h).second) continue;
     out.emplace_back(h, e.gain);
   }
   return out;
@@ -40,7 +40,7 @@ std::vector<std::pair<Hypothesis, double>> effects_instead(const Inquiry& q,
 
 }  // namespace
 
-double correction_gain(const Model& corrected, const Inquiry& q, const NormalBlocks& data,
+double correction_gain(const Model& corrected, const CandidateData& q, const NormalBlocks& data,
                        const std::vector<std::string>& train, const IdentificationOptions& how) {
   std::vector<CompressedRecording> factors =
       compress_all(corrected, train, how.preprocessing, how.threads);
@@ -58,7 +58,7 @@ double correction_gain(const Model& corrected, const Inquiry& q, const NormalBlo
 
 std::optional<WrongConstant> wrong_constant(const Model& arm,
                                       const std::vector<GeometryFinding>& geometry,
-                                      const Inquiry& q, const NormalBlocks& data,
+                                      const CandidateData& q, const NormalBlocks& data,
                                       const std::vector<std::string>& train,
                                       const DiagnosisOptions& options) {
   if (geometry.empty()) return std::nullopt;

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "diagnosis/causes/geometry.hpp"
-#include "diagnosis/shapes/inquiry.hpp"
+#include "diagnosis/shapes/candidate_data.hpp"
 
 namespace veridyn {
 
@@ -18,7 +18,7 @@ struct WrongConstant {
 };
 
 /// The held-out gain of a corrected arm over the arm of q, measured like every other gain.
-double correction_gain(const Model& corrected, const Inquiry& q, const NormalBlocks& data,
+double correction_gain(const Model& corrected, const CandidateData& q, const NormalBlocks& data,
                        const std::vector<std::string>& train, const IdentificationOptions& how);
 
 /// The wrong constant that explains at least as much as any effect; tested before the effects,
@@ -28,7 +28,7 @@ double correction_gain(const Model& corrected, const Inquiry& q, const NormalBlo
 /// @param q         the arm as it stands with all effects, to compare with.
 std::optional<WrongConstant> wrong_constant(const Model& arm,
                                       const std::vector<GeometryFinding>& geometry,
-                                      const Inquiry& q, const NormalBlocks& data,
+                                      const CandidateData& q, const NormalBlocks& data,
                                       const std::vector<std::string>& train,
                                       const DiagnosisOptions& options);
 

@@ -88,8 +88,8 @@ ColumnSet Examiner::set_with(const std::vector<int>& chosen) const {
   return set;
 }
 
-std::unique_ptr<Examiner::Stand> Examiner::stand(const std::vector<int>& chosen) const {
-  auto out = std::make_unique<Stand>();
+std::unique_ptr<Examiner::BaselineFit> Examiner::baseline(const std::vector<int>& chosen) const {
+  auto out = std::make_unique<BaselineFit>();
   out->set = set_with(chosen);
   out->weights = joint_weights(data_, out->set);
   out->all = std::make_unique<BorderedFit>(out->set, out->weights, data_.total(), nullptr, nullptr);
@@ -117,15 +117,15 @@ bool Examiner::impossible(const Hypothesis& h, const ColumnSet& own, const Vecto
   return false;
 }
 
-Evidence Examiner::ask(int h, const Stand& before) const {
+Evidence Examiner::evaluate(int h, const BaselineFit& before) const {
   Evidence e;
   e.hypothesis = h;
   const ColumnSet& own = columns_[static_cast<size_t>(h)];
-  e.absorbed = own.empty();
-  if (e.absorbed) return e;
+  e.collinear = own.empty();
+  if (e.collinear) return e;
   const BorderedFit::Border whole = before.all->with(own);
-  e.absorbed = whole.new_share < options_.thresholds.new_share;
-  if (e.absorbed) return e;
+  e.collinear = whole.new_share < options_.thresholds.new_share;
+  if (e.collinear) return e;
   // The mean over folds and not the fall of the pooled error: one recording with a fault of its
   // own must not outvote the others.
   std::vector<double> falls;
@@ -144,20 +144,20 @@ Evidence Examiner::ask(int h, const Stand& before) const {
                                    held_out.residual2.segment(j, 1)));
     }
   }
-  e.sign_broken = impossible(hypothesis(h), own, whole.values, jackknife_deviations(without));
+  e.infeasible_sign = impossible(hypothesis(h), own, whole.values, jackknife_deviations(without));
   e.consistent = improve(falls) ||
                  (joint && (improve(own_falls) ||
                             signed_rank_p_value(own_falls) <= options_.thresholds.significance));
-  e.lasting =
+  e.stable =
       e.consistent || signed_rank_p_value(falls) <= options_.thresholds.significance;
   if (is_load(hypothesis(h)) && passes(e)) {
-    e.sign_broken = compact_share(data_, hypothesis(h), before.set, before.weights) <
+    e.infeasible_sign = compact_share(data_, hypothesis(h), before.set, before.weights) <
                     options_.thresholds.compact_load;
   }
   return e;
 }
 
-std::vector<BorderedFit> Examiner::without_clusters(const Stand& before) const {
+std::vector<BorderedFit> Examiner::without_clusters(const BaselineFit& before) const {
   std::vector<BorderedFit> out;
   out.reserve(static_cast<size_t>(data_.clusters()));
   for (int c = 0; c < data_.clusters(); ++c)
@@ -165,14 +165,14 @@ std::vector<BorderedFit> Examiner::without_clusters(const Stand& before) const {
   return out;
 }
 
-double Examiner::p_value(int h, const Stand& before,
-                         const std::vector<BorderedFit>& left_out) const {
+double Examiner::p_value(int h, const BaselineFit& before,
+                         const std::vector<BorderedFit>& without_cluster) const {
   const ColumnSet& columns = columns_[static_cast<size_t>(h)];
   if (columns.empty()) return 1.0;
   const VectorXd x = before.all->with(columns).values;
   MatrixXd solutions(x.size(), data_.clusters());
   for (int c = 0; c < data_.clusters(); ++c)
-    solutions.col(c) = left_out[static_cast<size_t>(c)].with(columns).values;
+    solutions.col(c) = without_cluster[static_cast<size_t>(c)].with(columns).values;
   const VectorXd std = jackknife_deviations(solutions);
   const Eigen::Index own = x.size();
   double best = 1.0;
@@ -185,8 +185,8 @@ double Examiner::p_value(int h, const Stand& before,
   return std::min(1.0, 2.0 * std::min(best, wald_p_value(x, solutions)));
 }
 
-std::vector<Evidence> Examiner::ask_all(const std::vector<int>& chosen) const {
-  const std::unique_ptr<Stand> before = stand(chosen);
+std::vector<Evidence> Examiner::evaluate_all(const std::vector<int>& chosen) const {
+  const std::unique_ptr<BaselineFit> before = baseline(chosen);
   std::vector<Evidence> all(hypotheses_.size());
   std::mutex told;
   int tested = 0;
@@ -197,14 +197,14 @@ std::vector<Evidence> Examiner::ask_all(const std::vector<int>& chosen) const {
     }
     Evidence& e = all[static_cast<size_t>(h)];
     e.hypothesis = h;
-    e.taken = std::find(chosen.begin(), chosen.end(), h) != chosen.end();
+    e.accepted = std::find(chosen.begin(), chosen.end(), h) != chosen.end();
     // A second constant of such a candidate would only bend the first one's curve.
     const Hypothesis& mine = hypothesis(h);
-    e.absorbed = !mine.repeats && !e.taken &&
+    e.collinear = !mine.repeats && !e.accepted &&
                  std::any_of(chosen.begin(), chosen.end(),
                              [&](int c) { return same_candidate(hypothesis(c), mine); });
-    if (e.absorbed) return;
-    if (!e.taken) e = ask(h, *before);
+    if (e.collinear) return;
+    if (!e.accepted) e = evaluate(h, *before);
   });
   return all;
 }
@@ -214,7 +214,7 @@ bool Examiner::passes(const Evidence& e) const {
 }
 
 bool Examiner::stays(const Evidence& e) const {
-  return !e.taken && !e.absorbed && !e.sign_broken && e.lasting &&
+  return !e.accepted && !e.collinear && !e.infeasible_sign && e.stable &&
          e.gain > options_.thresholds.smallest_gain;
 }
 

@@ -16,11 +16,11 @@ struct Evidence {
   int hypothesis = 0;
   double gain = 0.0;        ///< d: fall of the sum over joints of ln(held-out mean square error)
   bool consistent = false;  ///< the folds improve, of four or more all but one
-  bool lasting = false;     ///< they do, or by their signed ranks they do beyond chance
+  bool stable = false;     ///< they do, or by their signed ranks they do beyond chance
   double p_value = 1.0;
-  bool taken = false;     ///< it is accepted already
-  bool absorbed = false;  ///< its columns lie in the span of the others: these data cannot answer
-  bool sign_broken = false;  ///< a parameter significantly has an impossible sign
+  bool accepted = false;     ///< it is accepted already
+  bool collinear = false;  ///< its columns lie in the span of the others: these data cannot answer
+  bool infeasible_sign = false;  ///< a parameter significantly has an impossible sign
 };
 
 /// Column indices of a hypothesis; those of a body that the others do not span.
@@ -34,19 +34,19 @@ class Examiner {
            const std::vector<Hypothesis>& hypotheses, const DiagnosisOptions& options);
 
   /// The chosen columns, factored on all rows and on the rows outside of every fold.
-  struct Stand {
+  struct BaselineFit {
     ColumnSet set;
     VectorXd weights;
     std::unique_ptr<BorderedFit> all;
     std::vector<BorderedFit> folds;
   };
-  std::unique_ptr<Stand> stand(const std::vector<int>& chosen) const;
+  std::unique_ptr<BaselineFit> baseline(const std::vector<int>& chosen) const;
 
   /// Evaluates a hypothesis, without the Wald test.
-  Evidence ask(int hypothesis, const Stand& before) const;
+  Evidence evaluate(int hypothesis, const BaselineFit& before) const;
 
-  /// ask() for every hypothesis that is not chosen, beside the chosen ones.
-  std::vector<Evidence> ask_all(const std::vector<int>& chosen) const;
+  /// evaluate() for every hypothesis that is not chosen, beside the chosen ones.
+  std::vector<Evidence> evaluate_all(const std::vector<int>& chosen) const;
 
   /// True if the evidence suffices for acceptance.
   bool passes(const Evidence& e) const;
@@ -56,9 +56,9 @@ class Examiner {
   bool stays(const Evidence& e) const;
 
   /// The chosen columns on the rows outside of every cluster, for p_value().
-  std::vector<BorderedFit> without_clusters(const Stand& before) const;
-  double p_value(int hypothesis, const Stand& before,
-                 const std::vector<BorderedFit>& left_out) const;
+  std::vector<BorderedFit> without_clusters(const BaselineFit& before) const;
+  double p_value(int hypothesis, const BaselineFit& before,
+                 const std::vector<BorderedFit>& without_cluster) const;
 
   /// The largest p value that counts.
   double limit(int hypothesis) const;

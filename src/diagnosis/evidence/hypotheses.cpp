@@ -39,10 +39,10 @@ AxisMotion motion_along(const Model& arm, const Axis& axis,
 
 class Builder {
  public:
-  Builder(const Model& arm, const std::vector<CompressedRecording>& facts, const QuestionList& list)
+  Builder(const Model& arm, const std::vector<CompressedRecording>& facts, const CandidateList& list)
       : arm_(arm), facts_(facts), list_(list), description_(arm.description()) {}
 
-  void ask_all() {
+  void add_all() {
     for (const auto& [hypothesis, term] : list_.known) {
       Hypothesis h = hypothesis;
       h.part = TermIndex{description_.effects.size()};
@@ -53,7 +53,7 @@ class Builder {
     }
     Scope scope{list_.wanted, list_.changes, {}};
     for (int i = 0; i < arm_.joints(); ++i) scope.still.push_back(!moves(i));
-    for (const Candidate& candidate : candidates(arm_, scope)) ask(candidate);
+    for (const Candidate& candidate : candidates(arm_, scope)) add_candidate(candidate);
   }
 
   AugmentedModel take() {
@@ -80,7 +80,7 @@ class Builder {
     });
   }
 
-  void ask(const Candidate& c) {
+  void add_candidate(const Candidate& c) {
     if (is_load(c)) return add_payload(c);
     if (is_channel(c)) return add(c, {});
     if (is_change(c)) return add(c, arm_.effects()[c.own->value].values);
@@ -165,7 +165,7 @@ class Builder {
 
   const Model& arm_;
   const std::vector<CompressedRecording>& facts_;
-  const QuestionList& list_;
+  const CandidateList& list_;
   int payloads_ = 0;
   std::set<std::string> asked_;
   ModelDescription description_;
@@ -192,9 +192,9 @@ std::vector<std::string> columns_in(const std::vector<StandardParameter>& all,
 }
 
 AugmentedModel augmented_model(const Model& arm, const std::vector<CompressedRecording>& facts,
-                               const QuestionList& list) {
+                               const CandidateList& list) {
   Builder builder(arm, facts, list);
-  builder.ask_all();
+  builder.add_all();
   return builder.take();
 }
 

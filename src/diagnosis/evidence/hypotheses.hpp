@@ -53,7 +53,7 @@ struct AugmentedModel {
 };
 
 /// Hypotheses to test.
-struct QuestionList {
+struct CandidateList {
   std::vector<std::string> wanted;  ///< names of effects; empty: all
   /// The arm's values are facts: tests what changed since they were identified. Its own effects may
   /// have changed, and every link may have a payload.
@@ -74,6 +74,6 @@ std::vector<std::string> columns_in(const std::vector<StandardParameter>& all, c
 /// @param arm    with values, so that effects that depend on the load have one.
 /// @param facts  of the training recordings: ranges of motion, for grids of lengths and speeds.
 AugmentedModel augmented_model(const Model& arm, const std::vector<CompressedRecording>& facts,
-                               const QuestionList& list);
+                               const CandidateList& list);
 
 }  // namespace veridyn

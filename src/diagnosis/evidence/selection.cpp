@@ -54,8 +54,8 @@ class Selector {
         std::vector<int> others = chosen();
         const int own = others[k];
         others.erase(others.begin() + static_cast<long>(k));
-        const Evidence e = examiner_.ask(own, *examiner_.stand(others));
-        const double worth = e.absorbed ? -numerics::kHuge : e.gain;
+        const Evidence e = examiner_.evaluate(own, *examiner_.baseline(others));
+        const double worth = e.collinear ? -numerics::kHuge : e.gain;
         if (examiner_.stays(e) || worth >= least) continue;
         least = worth;
         weakest = k;
@@ -75,7 +75,7 @@ class Selector {
       std::vector<int> others = chosen();
       others.erase(std::find(others.begin(), others.end(), a.evidence.hypothesis));
       const double p = a.evidence.p_value;
-      a.evidence = examiner_.ask(a.evidence.hypothesis, *examiner_.stand(others));
+      a.evidence = examiner_.evaluate(a.evidence.hypothesis, *examiner_.baseline(others));
       a.evidence.p_value = p;
     }
     std::stable_sort(accepted_.begin(), accepted_.end(), [](const Accepted& a, const Accepted& b) {
@@ -114,22 +114,22 @@ class Selector {
   }
 
   bool add_one() {
-    std::vector<Evidence> all = examiner_.ask_all(chosen());
+    std::vector<Evidence> all = examiner_.evaluate_all(chosen());
     std::vector<Evidence> good;
     for (const Evidence& e : all) {
       if (may_be_taken(e)) good.push_back(e);
     }
     std::sort(good.begin(), good.end(),
               [](const Evidence& a, const Evidence& b) { return a.gain > b.gain; });
-    const std::unique_ptr<Examiner::Stand> before = examiner_.stand(chosen());
-    const std::vector<BorderedFit> left_out = examiner_.without_clusters(*before);
+    const std::unique_ptr<Examiner::BaselineFit> before = examiner_.baseline(chosen());
+    const std::vector<BorderedFit> without_cluster = examiner_.without_clusters(*before);
     std::vector<Evidence> sure;
     int tested = 0;
     for (Evidence& e : good) {
       if (tested++ >= static_cast<int>(options_.thresholds.tested_candidates) + static_cast<int>(sure.size()) ||
           (!sure.empty() && e.gain < options_.thresholds.rival_share * sure.front().gain))
         break;
-      e.p_value = examiner_.p_value(e.hypothesis, *before, left_out);
+      e.p_value = examiner_.p_value(e.hypothesis, *before, without_cluster);
       if (e.p_value < examiner_.limit(e.hypothesis)) sure.push_back(e);
     }
     if (sure.empty()) return false;
@@ -148,14 +148,14 @@ class Selector {
       std::vector<int> others = chosen();
       const int own = others[k];
       others.erase(others.begin() + static_cast<long>(k));
-      const std::vector<Evidence> all = examiner_.ask_all(others);
+      const std::vector<Evidence> all = examiner_.evaluate_all(others);
       Evidence best = all[static_cast<size_t>(own)];
       const double needed = std::max(best.gain, 0.0) + options_.thresholds.smallest_gain;
       for (const Evidence& e : all) {
         if (may_be_taken(e) && e.gain > std::max(needed, best.gain)) best = e;
       }
       if (best.hypothesis == own) continue;
-      const std::unique_ptr<Examiner::Stand> beside = examiner_.stand(others);
+      const std::unique_ptr<Examiner::BaselineFit> beside = examiner_.baseline(others);
       best.p_value =
           examiner_.p_value(best.hypothesis, *beside, examiner_.without_clusters(*beside));
       if (best.p_value < examiner_.limit(best.hypothesis)) accepted_[k].evidence = best;
@@ -170,8 +170,8 @@ class Selector {
       std::vector<int> others = chosen();
       const int own = others[k];
       others.erase(others.begin() + static_cast<long>(k));
-      const std::unique_ptr<Examiner::Stand> beside = examiner_.stand(others);
-      const Evidence e = examiner_.ask(own, *beside);
+      const std::unique_ptr<Examiner::BaselineFit> beside = examiner_.baseline(others);
+      const Evidence e = examiner_.evaluate(own, *beside);
       const double p = examiner_.p_value(own, *beside, examiner_.without_clusters(*beside));
       if (!examiner_.stays(e)) {
         dropped_.insert(own);
@@ -191,7 +191,7 @@ class Selector {
       std::vector<int> others = chosen();
       const int own = others[k];
       others.erase(others.begin() + static_cast<long>(k));
-      const std::unique_ptr<Examiner::Stand> beside = examiner_.stand(others);
+      const std::unique_ptr<Examiner::BaselineFit> beside = examiner_.baseline(others);
       double& p = accepted_[k].evidence.p_value;
       p = examiner_.p_value(own, *beside, examiner_.without_clusters(*beside));
       if (p < examiner_.limit(own) || p < most) continue;
@@ -207,17 +207,17 @@ class Selector {
   void give_p_values(std::vector<Evidence>& asked) const {
     std::map<Candidate, Evidence*> best;
     for (Evidence& e : asked) {
-      if (e.taken || e.absorbed) continue;
+      if (e.accepted || e.collinear) continue;
       Evidence*& of_candidate = best[examiner_.hypothesis(e.hypothesis)];
       if (of_candidate == nullptr || of_candidate->gain < e.gain) of_candidate = &e;
     }
     std::vector<Evidence*> list;
     for (const auto& [candidate, e] : best) list.push_back(e);
-    const std::unique_ptr<Examiner::Stand> with = examiner_.stand(chosen());
-    const std::vector<BorderedFit> left_out = examiner_.without_clusters(*with);
+    const std::unique_ptr<Examiner::BaselineFit> with = examiner_.baseline(chosen());
+    const std::vector<BorderedFit> without_cluster = examiner_.without_clusters(*with);
     parallel_for(static_cast<int>(list.size()), options_.identification.threads, [&](int k) {
       Evidence& e = *list[static_cast<size_t>(k)];
-      e.p_value = examiner_.p_value(e.hypothesis, *with, left_out);
+      e.p_value = examiner_.p_value(e.hypothesis, *with, without_cluster);
     });
   }
 
@@ -225,8 +225,8 @@ class Selector {
   // nothing: the rival is then not the cause (encompassing test of non-nested models).
   bool refuted(const Evidence& rival, int own, std::vector<int> others) const {
     others.push_back(rival.hypothesis);
-    const std::unique_ptr<Examiner::Stand> beside = examiner_.stand(others);
-    const Evidence e = examiner_.ask(own, *beside);
+    const std::unique_ptr<Examiner::BaselineFit> beside = examiner_.baseline(others);
+    const Evidence e = examiner_.evaluate(own, *beside);
     return examiner_.passes(e) && e.gain > options_.thresholds.refuting &&
            examiner_.p_value(own, *beside, examiner_.without_clusters(*beside)) <
                examiner_.limit(own);
@@ -239,17 +239,17 @@ class Selector {
     for (size_t k = 0; k < all.size(); ++k) {
       std::vector<int> others = all;
       others.erase(others.begin() + static_cast<long>(k));
-      const std::vector<Evidence> instead = examiner_.ask_all(others);
+      const std::vector<Evidence> instead = examiner_.evaluate_all(others);
       const double own_gain = instead[static_cast<size_t>(all[k])].gain;
       std::set<Candidate> named = {examiner_.hypothesis(all[k])};
       std::vector<Evidence> rivals;
       for (const Evidence& e : instead) {
-        const Evidence& left = out.last_asked[static_cast<size_t>(e.hypothesis)];
-        const bool same = left.absorbed || left.gain < options_.thresholds.own_cause * e.gain;
+        const Evidence& left = out.last_evaluated[static_cast<size_t>(e.hypothesis)];
+        const bool same = left.collinear || left.gain < options_.thresholds.own_cause * e.gain;
         const bool one_joint =
             examiner_.hypothesis(e.hypothesis).joint == examiner_.hypothesis(all[k]).joint;
         const double least = one_joint ? options_.thresholds.rival_same_joint : options_.thresholds.rival_elsewhere;
-        if (!left.taken && same && examiner_.passes(e) && e.gain >= least * own_gain)
+        if (!left.accepted && same && examiner_.passes(e) && e.gain >= least * own_gain)
           rivals.push_back(e);
       }
       std::sort(rivals.begin(), rivals.end(),
@@ -268,9 +268,9 @@ class Selector {
 
   Selection finish() {
     Selection out = fitted();
-    out.last_asked = examiner_.ask_all(chosen());
+    out.last_evaluated = examiner_.evaluate_all(chosen());
     find_rivals(out);
-    give_p_values(out.last_asked);
+    give_p_values(out.last_evaluated);
     return out;
   }
 

@@ -23,7 +23,7 @@ struct ShapeInterval {
 
 struct Selection {
   std::vector<Accepted> accepted;    ///< in order of discovery
-  std::vector<Evidence> last_asked;  ///< Evidence of every hypothesis beside the accepted ones
+  std::vector<Evidence> last_evaluated;  ///< Evidence of every hypothesis beside the accepted ones
   ColumnSet columns;                 ///< base columns and those of the accepted
   VectorXd values;                   ///< unscaled, over `columns`
   VectorXd standard_deviations;      ///< cluster jackknife

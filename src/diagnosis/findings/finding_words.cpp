@@ -52,7 +52,7 @@ std::string remark_on_size(const Hypothesis& h, const std::vector<double>& value
   return large ? "That is unusually large for an error of this kind." : "";
 }
 
-Finding channel_finding(const Inquiry& asked, const Hypothesis& h,
+Finding channel_finding(const CandidateData& asked, const Hypothesis& h,
                         const std::vector<double>& values, const VectorXd& half_widths) {
   const Model& arm = asked.augmented.model;
   const EffectTerm& term = term_of(arm, h);
@@ -71,7 +71,7 @@ Finding channel_finding(const Inquiry& asked, const Hypothesis& h,
   return f;
 }
 
-std::vector<Rival> rivals_of(const Inquiry& asked, const NormalBlocks& data, const Hypothesis& h,
+std::vector<Rival> rivals_of(const CandidateData& asked, const NormalBlocks& data, const Hypothesis& h,
                              const Accepted& accepted, bool changes) {
   std::vector<Rival> out;
   for (const Evidence& e : accepted.rivals) {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "diagnosis/shapes/inquiry.hpp"
+#include "diagnosis/shapes/candidate_data.hpp"
 
 namespace veridyn {
 
@@ -15,11 +15,11 @@ Finding finding_at(const Hypothesis& h);
 std::string remark_on_size(const Hypothesis& h, const std::vector<double>& values);
 
 /// A finding of a channel's error or a tilt that is undone already.
-Finding channel_finding(const Inquiry& asked, const Hypothesis& h,
+Finding channel_finding(const CandidateData& asked, const Hypothesis& h,
                         const std::vector<double>& values, const VectorXd& half_widths);
 
 /// Rivals of an accepted hypothesis, with what they gain.
-std::vector<Rival> rivals_of(const Inquiry& asked, const NormalBlocks& data, const Hypothesis& h,
+std::vector<Rival> rivals_of(const CandidateData& asked, const NormalBlocks& data, const Hypothesis& h,
                              const Accepted& accepted, bool changes);
 
 /// Values and intervals of a finding whose effects are part of an identified arm.

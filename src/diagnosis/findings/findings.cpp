@@ -26,7 +26,7 @@ constexpr size_t kListed = 60;  // of what the data rule out
 
 // Why a hypothesis that these data can answer was not accepted.
 std::string why_not(const Evidence& e, const DiagnosisOptions& limits) {
-  if (e.sign_broken) return "its value would have an impossible sign or size";
+  if (e.infeasible_sign) return "its value would have an impossible sign or size";
   if (e.gain <= 0.0) return "held-out data are predicted no better";
   if (e.gain <= limits.thresholds.smallest_gain) return "held-out data gain too little from it";
   if (!e.consistent) return "it helps in some of the held-out parts only";
@@ -35,7 +35,7 @@ std::string why_not(const Evidence& e, const DiagnosisOptions& limits) {
 
 }  // namespace
 
-FindingWriter::FindingWriter(const Inquiry& asked, const NormalBlocks& asked_data,
+FindingWriter::FindingWriter(const CandidateData& asked, const NormalBlocks& asked_data,
                              const Selection& selection, const Fit& fit,
                              const Identification& start, bool changes,
                              const DiagnosisOptions& limits)
@@ -43,7 +43,7 @@ FindingWriter::FindingWriter(const Inquiry& asked, const NormalBlocks& asked_dat
       asked_data_(asked_data),
       selection_(selection),
       fit_(fit),
-      q_(fit.inquiry),
+      q_(fit.candidate_data),
       data_(*fit.data),
       start_(start),
       changes_(changes),
@@ -289,18 +289,18 @@ std::vector<char> FindingWriter::own_constants() const {
 void FindingWriter::add_the_rest(Diagnosis& d) const {
   std::set<Candidate> known;
   for (size_t k = 0; k < selection_.accepted.size(); ++k) known.insert(accepted(k));
-  std::vector<Evidence> rest = selection_.last_asked;
-  const auto rank = [](const Evidence& e) { return e.taken ? 0 : e.absorbed ? 2 : 1; };
+  std::vector<Evidence> rest = selection_.last_evaluated;
+  const auto rank = [](const Evidence& e) { return e.accepted ? 0 : e.collinear ? 2 : 1; };
   std::stable_sort(rest.begin(), rest.end(), [&rank](const Evidence& a, const Evidence& b) {
     return rank(a) != rank(b) ? rank(a) < rank(b) : a.gain > b.gain;
   });
   for (const Evidence& e : rest) {
     const Hypothesis& h = asked_.augmented.hypotheses[static_cast<size_t>(e.hypothesis)];
     if (!known.insert(h).second || is_other_constant(h)) continue;
-    if (e.taken) {
+    if (e.accepted) {
       d.not_supported.push_back({h.cause, e.p_value,
                                  "other findings explain it once their constants are refined"});
-    } else if (e.absorbed) {
+    } else if (e.collinear) {
       const bool moves = !columns_of(asked_data_, h).empty();
       d.cannot_tell.push_back(
           {effect_of(h.cause), h.cause,

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "diagnosis/shapes/inquiry.hpp"
+#include "diagnosis/shapes/candidate_data.hpp"
 #include "diagnosis/shapes/refinement.hpp"
 #include "veridyn/diagnosis/payload.hpp"
 
@@ -16,7 +16,7 @@ class FindingWriter {
   /// @param asked  all hypotheses, with the factors of their columns and the selection. @param fit
   /// the accepted ones. @param start  baseline of the tests: its held-out errors are the first
   /// "before".
-  FindingWriter(const Inquiry& asked, const NormalBlocks& asked_data, const Selection& selection,
+  FindingWriter(const CandidateData& asked, const NormalBlocks& asked_data, const Selection& selection,
                 const Fit& fit, const Identification& start, bool changes,
                 const DiagnosisOptions& limits);
 
@@ -65,11 +65,11 @@ class FindingWriter {
   VectorXd fold_error(const ColumnSet& set, const VectorXd& w) const;
   const Hypothesis& accepted(size_t k) const;
   const Hypothesis& asked_hypothesis(const Hypothesis& h) const;
-  const Inquiry& asked_;
+  const CandidateData& asked_;
   const NormalBlocks& asked_data_;
   const Selection& selection_;
   const Fit& fit_;
-  const Inquiry& q_;  ///< The columns of the fit
+  const CandidateData& q_;  ///< The columns of the fit
   const NormalBlocks& data_;
   const Identification& start_;
   bool changes_;

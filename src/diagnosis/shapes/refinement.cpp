@@ -11,7 +11,7 @@ namespace veridyn {
 namespace {
 
 // Two terms of one candidate whose constants lie near each other.
-std::optional<size_t> second_twin(const Inquiry& asked, const Selection& selection,
+std::optional<size_t> second_twin(const CandidateData& asked, const Selection& selection,
                                   double near_duplicate) {
   const auto hypothesis = [&](size_t k) -> const Hypothesis& {
     return asked.augmented
@@ -35,7 +35,7 @@ std::optional<size_t> second_twin(const Inquiry& asked, const Selection& selecti
   return std::nullopt;
 }
 
-ColumnSet all_columns(const Inquiry& q, const NormalBlocks& data) {
+ColumnSet all_columns(const CandidateData& q, const NormalBlocks& data) {
   ColumnSet set = q.base;
   for (const Hypothesis& h : q.augmented.hypotheses) {
     const ColumnSet own = columns_of(data, h);
@@ -46,7 +46,7 @@ ColumnSet all_columns(const Inquiry& q, const NormalBlocks& data) {
 
 // Two memories of one joint at adjacent grid values may be a single one in between: one is dropped
 // if the other, refined alone, predicts held-out data as well.
-void merge_twins(const Identification& start, const Inquiry& asked, Selection& selection,
+void merge_twins(const Identification& start, const CandidateData& asked, Selection& selection,
                  bool changes, const std::vector<std::string>& train,
                  const DiagnosisOptions& options) {
   const IdentificationOptions& how = options.identification;
@@ -54,12 +54,12 @@ void merge_twins(const Identification& start, const Inquiry& asked, Selection& s
     return prepare(start, refine_shapes(start, asked, s, changes, train, how).model, changes, train,
                    {}, how);
   };
-  std::optional<Inquiry> two;
+  std::optional<CandidateData> two;
   while (const std::optional<size_t> second = second_twin(asked, selection, options.thresholds.near_duplicate)) {
     if (!two) two.emplace(refined(selection));
     Selection merged = selection;
     merged.accepted.erase(merged.accepted.begin() + static_cast<long>(*second));
-    Inquiry one = refined(merged);
+    CandidateData one = refined(merged);
     const NormalBlocks two_data(two->train, two->columns);
     const NormalBlocks one_data(one.train, one.columns);
     if (fold_gain(one_data, all_columns(one, one_data), two_data, all_columns(*two, two_data)) >
@@ -71,7 +71,7 @@ void merge_twins(const Identification& start, const Inquiry& asked, Selection& s
 }
 
 // The best challenger of an accepted hypothesis that has constants of its own and no part yet.
-const Evidence* challenger(const Inquiry& asked, const Accepted& a, const std::set<int>& taken) {
+const Evidence* challenger(const CandidateData& asked, const Accepted& a, const std::set<int>& taken) {
   const Evidence* best = nullptr;
   for (const auto* list : {&a.rivals, &a.refuted}) {
     for (const Evidence& e : *list) {
@@ -85,7 +85,7 @@ const Evidence* challenger(const Inquiry& asked, const Accepted& a, const std::s
 
 }  // namespace
 
-Fit fit_accepted(const Identification& start, const Inquiry& asked, Selection& selection,
+Fit fit_accepted(const Identification& start, const CandidateData& asked, Selection& selection,
                  bool changes, const std::vector<std::string>& train,
                  const std::vector<std::string>& test, const DiagnosisOptions& options) {
   const IdentificationOptions& how = options.identification;
@@ -96,13 +96,13 @@ Fit fit_accepted(const Identification& start, const Inquiry& asked, Selection& s
     const RefinedShapes refined =
         refine_shapes(start, asked, selection, changes, train, how, known);
     fit.emplace(Fit{prepare(start, refined.model, changes, train, test, how), std::nullopt, {}});
-    fit->data.emplace(fit->inquiry.train, fit->inquiry.columns);
-    const std::vector<Hypothesis>& hypotheses = fit->inquiry.augmented.hypotheses;
+    fit->data.emplace(fit->candidate_data.train, fit->candidate_data.columns);
+    const std::vector<Hypothesis>& hypotheses = fit->candidate_data.augmented.hypotheses;
     const std::vector<int> needed =
-        refined.anything ? still_needed(*fit->data, fit->inquiry.base, hypotheses, options)
+        refined.anything ? still_needed(*fit->data, fit->candidate_data.base, hypotheses, options)
                          : std::vector<int>();
     if (!refined.anything || needed.size() == hypotheses.size()) {
-      fit->selection = refit(*fit->data, fit->inquiry.base, hypotheses, options);
+      fit->selection = refit(*fit->data, fit->candidate_data.base, hypotheses, options);
       fit->selection.shapes = shape_intervals(start, asked, selection, changes, train, how, refined.shapes);
       return std::move(*fit);
     }
@@ -117,7 +117,7 @@ Fit fit_accepted(const Identification& start, const Inquiry& asked, Selection& s
 }
 
 std::vector<std::pair<Hypothesis, EffectTerm>> refined_rivals(
-    const Identification& start, const Inquiry& asked, const Selection& selection, bool changes,
+    const Identification& start, const CandidateData& asked, const Selection& selection, bool changes,
     const std::vector<std::string>& train, const IdentificationOptions& how) {
   Selection swapped = selection;
   std::set<int> taken;

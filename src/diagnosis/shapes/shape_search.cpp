@@ -93,11 +93,11 @@ double border(Iterator at, Iterator behind, double limit, double end) {
 
 class Refiner {
  public:
-  Refiner(const Identification& start, const Inquiry& asked, const Selection& selection,
+  Refiner(const Identification& start, const CandidateData& asked, const Selection& selection,
           bool changes, const std::vector<std::string>& train, const IdentificationOptions& how,
           const std::vector<Shapes>& known)
       : start_(start), asked_(asked), changes_(changes), train_(train), how_(how) {
-    arm_.emplace(changes ? frozen(*start.model) : *start.model);
+    arm_.emplace(changes ? with_fixed_parameters(*start.model) : *start.model);
     for (const Accepted& a : selection.accepted) {
       const Hypothesis& h = asked.augmented.hypotheses[static_cast<size_t>(a.evidence.hypothesis)];
       chosen_.push_back(h);
@@ -130,7 +130,7 @@ class Refiner {
   // the least one a difference is half of its slope's share, hence the factor of two.
   std::vector<ShapeInterval> profile() const {
     std::vector<Variant> variants = variants_at(numerics::kShapeProfile);
-    const Inquiry q =
+    const CandidateData q =
         prepare(start_, model_with(*arm_, asked_.augmented, variants), changes_, train_, {}, how_);
     const NormalBlocks data(q.train, q.columns);
     std::vector<ColumnSet> columns;
@@ -218,7 +218,7 @@ class Refiner {
 
   void run(const std::array<double, 6>& factors) {
     std::vector<Variant> variants = variants_at(factors);
-    const Inquiry q =
+    const CandidateData q =
         prepare(start_, model_with(*arm_, asked_.augmented, variants), changes_, train_, {}, how_);
     const NormalBlocks data(q.train, q.columns);
     std::vector<ColumnSet> columns;
@@ -254,7 +254,7 @@ class Refiner {
   }
 
   const Identification& start_;
-  const Inquiry& asked_;
+  const CandidateData& asked_;
   bool changes_;
   const std::vector<std::string>& train_;
   const IdentificationOptions& how_;
@@ -265,14 +265,14 @@ class Refiner {
 
 }  // namespace
 
-bool has_searched_shape(const Inquiry& asked, const Hypothesis& hypothesis) {
+bool has_searched_shape(const CandidateData& asked, const Hypothesis& hypothesis) {
   if (is_load(hypothesis)) return false;
   const EffectTerm& term = term_of(asked.augmented.model, hypothesis);
   return std::any_of(term.values.begin(), term.values.end(),
                      [&](const auto& value) { return searched(hypothesis, value.first); });
 }
 
-RefinedShapes refine_shapes(const Identification& start, const Inquiry& asked,
+RefinedShapes refine_shapes(const Identification& start, const CandidateData& asked,
                             const Selection& selection, bool changes,
                             const std::vector<std::string>& train, const IdentificationOptions& how,
                             const std::vector<Shapes>& known) {
@@ -282,7 +282,7 @@ RefinedShapes refine_shapes(const Identification& start, const Inquiry& asked,
   return {refiner.model(), refiner.shapes(), anything};
 }
 
-std::vector<ShapeInterval> shape_intervals(const Identification& start, const Inquiry& asked,
+std::vector<ShapeInterval> shape_intervals(const Identification& start, const CandidateData& asked,
                                            const Selection& selection, bool changes,
                                            const std::vector<std::string>& train,
                                            const IdentificationOptions& how, const std::vector<Shapes>& found) {

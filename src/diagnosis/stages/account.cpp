@@ -10,7 +10,7 @@
 #include "diagnosis/evidence/held_out.hpp"
 #include "diagnosis/findings/finding_words.hpp"
 #include "diagnosis/findings/next_experiment.hpp"
-#include "diagnosis/stages/investigation.hpp"
+#include "diagnosis/stages/diagnosis_state.hpp"
 #include "diagnosis/stages/asked_tables.hpp"
 #include "diagnosis/unnamed/dependence.hpp"
 #include "diagnosis/unnamed/tables.hpp"
@@ -85,15 +85,15 @@ bool acts_through(const Finding& f, const MotionSignal& signal) {
 
 class Account {
  public:
-  explicit Account(Investigation& x)
+  explicit Account(DiagnosisState& x)
       : x_(x),
         d_(x.d),
         limits_(x.options.thresholds),
         folds_(x.fold_errors(d_.extended).relative()),
         unnamed_(static_cast<size_t>(folds_.size()), 0.0),
         signals_(motion_signals(d_.extended, limits_)),
-        train_(motion_rows(d_.extended, d_.extended.train, d_.left_out, signals_)),
-        test_(motion_rows(d_.extended, d_.extended.test, d_.left_out, signals_)) {}
+        train_(motion_rows(d_.extended, d_.extended.train, d_.excluded_intervals, signals_)),
+        test_(motion_rows(d_.extended, d_.extended.test, d_.excluded_intervals, signals_)) {}
 
   // Withdraws names on joints with more than their floor: those small beside an unnamed dependence, which
   // biases them, and those without which smooth functions of signals that the effect does not act through
@@ -242,7 +242,7 @@ class Account {
     }
     if (effects.size() == before) return std::nullopt;
     description.identified.reset();
-    Identification out = x_.look(Model(std::move(description)));
+    Identification out = x_.fit(Model(std::move(description)));
     if (!out.model) return std::nullopt;
     return out;
   }
@@ -253,7 +253,7 @@ class Account {
   bool is_encompassed(const Finding& f, const Identification& without) const {
     const int j = f.joint->value;
     const auto rows = [&](const std::vector<RecordingError>& of) {
-      return motion_rows(without, of, d_.left_out, signals_);
+      return motion_rows(without, of, d_.excluded_intervals, signals_);
     };
     const std::vector<SmoothTerm> terms = smooth_terms(signals_, j, limits_);
     const Dependence found = find_dependence(j, rows(without.train), rows(without.test), terms, limits_);
@@ -328,7 +328,7 @@ class Account {
       ModelDescription description = so_far.model->description();
       description.identified.reset();
       description.effects.push_back(with_values(t));
-      Identification with = x_.look(Model(std::move(description)));
+      Identification with = x_.fit(Model(std::move(description)));
       if (!with.model) continue;
       Finding f;
       f.cause = NewEffect{UnnamedShape::kName, t.joint};
@@ -428,7 +428,7 @@ class Account {
     }
     if (!any) return {};
     description.identified.reset();
-    return x_.look(Model(std::move(description)));
+    return x_.fit(Model(std::move(description)));
   }
 
   // What held-out parts of the training recordings show, and enough of it.
@@ -480,7 +480,7 @@ class Account {
     return "what the findings leave over is no function of one or two signals of the recordings";
   }
 
-  Investigation& x_;
+  DiagnosisState& x_;
   Diagnosis& d_;
   const Thresholds& limits_;
   VectorXd folds_;               // error of the extended model on held-out parts of the training recordings
@@ -491,7 +491,7 @@ class Account {
 
 }  // namespace
 
-void account_for_errors(Investigation& x) {
+void account_for_errors(DiagnosisState& x) {
   x.d.joints.clear();
   if (!x.d.extended.model || x.d.extended.train.empty()) return;
   for (const auto* list : {&x.d.extended.train, &x.d.extended.test}) {

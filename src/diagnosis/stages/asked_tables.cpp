@@ -46,7 +46,7 @@ Hypothesis hypothesis_of(const EffectTerm& term, JointIndex joint, const std::st
 }
 
 // Adds values at the nodes with their intervals, except for nodes that the arm never reached.
-void add_nodes(const Questions& asked, const Selection& selection, const Hypothesis& h,
+void add_nodes(const CandidateTests& asked, const Selection& selection, const Hypothesis& h,
                const MotionSignal& s, UnnamedShape& shape) {
   const std::vector<EffectParameter> parameters = find_effect(kTabulatedForce).parameters();
   const double t = student_t_quantile(numerics::kOutside, selection.degrees_of_freedom);
@@ -73,10 +73,10 @@ void add_nodes(const Questions& asked, const Selection& selection, const Hypothe
 
 }  // namespace
 
-std::vector<AcceptedTable> ask_tables(const Investigation& x, const std::vector<MotionSignal>& signals,
+std::vector<AcceptedTable> ask_tables(const DiagnosisState& x, const std::vector<MotionSignal>& signals,
                                       const std::vector<int>& joints) {
   const Model& arm = *x.d.extended.model;
-  QuestionList list = x.list();
+  CandidateList list = x.list();
   list.wanted = {kTabulatedForce};
   std::vector<MotionSignal> of;
   for (const int j : joints) {
@@ -93,7 +93,7 @@ std::vector<AcceptedTable> ask_tables(const Investigation& x, const std::vector<
     }
   }
   if (list.known.empty() || !x.options.effects.empty()) return {};
-  const Questions asked = ask(x, list, x.d.extended);
+  const CandidateTests asked = prepare_tests(x, list, x.d.extended);
   const std::vector<Hypothesis>& all = asked.q.augmented.hypotheses;
   DiagnosisOptions options = x.options;
   options.max_effects = kMostTables;

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "diagnosis/stages/investigation.hpp"
+#include "diagnosis/stages/diagnosis_state.hpp"
 #include "diagnosis/unnamed/motion_signals.hpp"
 
 namespace veridyn {
@@ -19,7 +19,7 @@ struct AcceptedTable {
 /// Asks, as of any cause, for tables of single signals on some joints: positions of all joints, own
 /// velocity and load. What a regression of the residual cannot see because other parameters took it
 /// up shows here.
-std::vector<AcceptedTable> ask_tables(const Investigation& x, const std::vector<MotionSignal>& signals,
+std::vector<AcceptedTable> ask_tables(const DiagnosisState& x, const std::vector<MotionSignal>& signals,
                                       const std::vector<int>& joints);
 
 }  // namespace veridyn

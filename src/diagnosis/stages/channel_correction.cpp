@@ -20,7 +20,7 @@ struct Estimate {
   VectorXd half_widths;
 };
 
-std::optional<Estimate> estimate(const Questions& asked, const Hypothesis& h,
+std::optional<Estimate> estimate(const CandidateTests& asked, const Hypothesis& h,
                                  const DiagnosisOptions& options) {
   const ColumnSet own = columns_of(asked.data, h);
   if (own.empty()) return std::nullopt;
@@ -45,7 +45,7 @@ std::optional<Estimate> estimate(const Questions& asked, const Hypothesis& h,
 }
 
 // The same hypothesis for another arm.
-const Hypothesis* same(const Questions& asked, const Hypothesis& h) {
+const Hypothesis* same(const CandidateTests& asked, const Hypothesis& h) {
   for (const Hypothesis& other : asked.q.augmented.hypotheses) {
     if (same_candidate(other, h)) return &other;
   }
@@ -65,7 +65,7 @@ std::vector<double> together(const Hypothesis& h, const std::vector<double>& fir
   return out;
 }
 
-std::optional<CorrectedChannel> correct_channel(const Investigation& x, const Questions& asked,
+std::optional<CorrectedChannel> correct_channel(const DiagnosisState& x, const CandidateTests& asked,
                                                 const Hypothesis& h) {
   std::optional<Estimate> step = estimate(asked, h, x.options);
   if (!step) return std::nullopt;
@@ -82,7 +82,7 @@ std::optional<CorrectedChannel> correct_channel(const Investigation& x, const Qu
     bool better = false;
     for (int halving = 0; halving < kHalvings && !better; ++halving) {
       const Identification candidate =
-          x.look(with_channel_error(*out.corrected.model, step->term, step->values));
+          x.fit(with_channel_error(*out.corrected.model, step->term, step->values));
       better = candidate.model && log_training_error(candidate) < log_training_error(out.corrected);
       if (!better) {
         for (double& value : step->values) value *= 0.5;
@@ -93,9 +93,9 @@ std::optional<CorrectedChannel> correct_channel(const Investigation& x, const Qu
     if (!better) break;
     moved = true;
     out.values = together(h, out.values, step->values);
-    QuestionList list = x.list();
+    CandidateList list = x.list();
     list.wanted = {effect_of(h.cause)};
-    const Questions again = ask(x, list, out.corrected);
+    const CandidateTests again = prepare_tests(x, list, out.corrected);
     const Hypothesis* same_one = same(again, h);
     step = same_one == nullptr ? std::nullopt : estimate(again, *same_one, x.options);
   }

@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "diagnosis/stages/investigation.hpp"
+#include "diagnosis/stages/diagnosis_state.hpp"
 
 namespace veridyn {
 
@@ -20,7 +20,7 @@ struct CorrectedChannel {
 ///
 /// @param h      a hypothesis of asked.q that is a channel's error.
 /// @returns nothing if no step lowers the training error.
-std::optional<CorrectedChannel> correct_channel(const Investigation& x, const Questions& asked,
+std::optional<CorrectedChannel> correct_channel(const DiagnosisState& x, const CandidateTests& asked,
                                                 const Hypothesis& h);
 
 /// Two errors of one channel, one undone after the other: relative ones multiply, others add.

@@ -10,7 +10,7 @@
 #include "diagnosis/evidence/effect_facts.hpp"
 #include "diagnosis/findings/finding_words.hpp"
 #include "diagnosis/stages/channel_correction.hpp"
-#include "diagnosis/stages/investigation.hpp"
+#include "diagnosis/stages/diagnosis_state.hpp"
 #include "veridyn/effects/cause.hpp"
 
 // Compares wrong constants of the robot file with sensor errors and a tilt of the base, which have
@@ -22,7 +22,7 @@ namespace veridyn {
 namespace {
 
 // Channel errors whose gain beside the base is large enough to replace the constant.
-std::vector<Hypothesis> channels_in_question(const Investigation& x, const Questions& asked,
+std::vector<Hypothesis> channels_in_question(const DiagnosisState& x, const CandidateTests& asked,
                                              const WrongConstant& wrong) {
   std::vector<Hypothesis> out;
   for (const auto& [h, gain] : wrong.instead) {
@@ -34,11 +34,11 @@ std::vector<Hypothesis> channels_in_question(const Investigation& x, const Quest
   return out;
 }
 
-double p_value_beside_base(const Questions& asked, const Hypothesis& h,
+double p_value_beside_base(const CandidateTests& asked, const Hypothesis& h,
                            const DiagnosisOptions& options) {
   const std::vector<Hypothesis> one = {h};
   const Examiner examiner(asked.data, asked.q.base, one, options);
-  const auto base = examiner.stand({});
+  const auto base = examiner.baseline({});
   return examiner.p_value(0, *base, examiner.without_clusters(*base));
 }
 
@@ -48,8 +48,8 @@ Rival as_rival(const Model& arm, const Finding& wrong, double share) {
                                    numerics::kPercent * share)};
 }
 
-void correct(const Questions& asked, const Hypothesis& h, const CorrectedChannel& channel,
-             double gain, double p_value, const Finding& instead, Investigation& x) {
+void correct(const CandidateTests& asked, const Hypothesis& h, const CorrectedChannel& channel,
+             double gain, double p_value, const Finding& instead, DiagnosisState& x) {
   Finding f = channel_finding(asked.q, h, channel.values, channel.half_widths);
   f.gain = gain;
   f.p_value = p_value;
@@ -70,7 +70,7 @@ void correct(const Questions& asked, const Hypothesis& h, const CorrectedChannel
 
 // Applies the conditions of other causes: significance, and an interval without zero. A constant
 // that fails is reported as not supported.
-bool is_sure(const Finding& f, Investigation& x) {
+bool is_sure(const Finding& f, DiagnosisState& x) {
   const bool holds_zero =
       std::any_of(f.parameters.begin(), f.parameters.end(), [](const FoundParameter& p) {
         return p.name == "correction" && p.low <= 0.0 && p.high >= 0.0;
@@ -84,16 +84,16 @@ bool is_sure(const Finding& f, Investigation& x) {
 
 }  // namespace
 
-void correct_constants(Investigation& x) {
-  if (x.d.changes || !x.asks_for(KinematicError::kName)) return;
+void correct_constants(DiagnosisState& x) {
+  if (x.d.changes || !x.tests_effect(KinematicError::kName)) return;
   const Model arm = *x.start.model;
   std::vector<GeometryFinding> geometry =
       profile_geometry(arm, x.train, x.options.identification, x.options.thresholds);
   geometry.erase(std::remove_if(geometry.begin(), geometry.end(),
-                                [&x](const GeometryFinding& g) { return !x.asks_about(g.constant); }),
+                                [&x](const GeometryFinding& g) { return !x.tests_cause(g.constant); }),
                  geometry.end());
   if (geometry.empty()) return;
-  const Questions asked = ask(x, x.list(), x.start);
+  const CandidateTests asked = prepare_tests(x, x.list(), x.start);
   std::optional<WrongConstant> wrong =
       wrong_constant(arm, geometry, asked.q, asked.data, x.train, x.options);
   if (!wrong) return;
@@ -109,7 +109,7 @@ void correct_constants(Investigation& x) {
   }
   if (!is_sure(wrong->finding, x)) return;
   const Identification corrected =
-      x.look(with_constant(arm, geometry.front().constant, geometry.front().found));
+      x.fit(with_constant(arm, geometry.front().constant, geometry.front().found));
   if (!corrected.model) return;
   Finding& f = wrong->finding;
   f.test_before = x.start.test_error.relative;

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "diagnosis/evidence/instruments.hpp"
-#include "diagnosis/stages/investigation.hpp"
+#include "diagnosis/stages/diagnosis_state.hpp"
 #include "veridyn/identification/regressor_columns.hpp"
 
 // Noise in positions, velocities and accelerations biases least squares. Where a motion repeats, the
@@ -74,7 +74,7 @@ void pair_up(const Rows& rows, double period, int first_cluster, RepeatedRows& o
 }
 
 // Rows of all training recordings whose motion repeats.
-std::vector<RepeatedRows> repeated_rows(const Investigation& x, const Model& arm,
+std::vector<RepeatedRows> repeated_rows(const DiagnosisState& x, const Model& arm,
                                         const std::vector<int>& independent) {
   std::vector<RepeatedRows> out(static_cast<size_t>(arm.joints()));
   const PreprocessingOptions& how = x.options.identification.preprocessing;
@@ -83,12 +83,12 @@ std::vector<RepeatedRows> repeated_rows(const Investigation& x, const Model& arm
     if (r.period.seconds <= 0.0) continue;
     std::vector<Rows> joints(out.size());
     PreprocessingOptions of_one = how;
-    of_one.left_out.clear();
-    for (const LeftOut& part : how.left_out) {
-      if (part.source == r.source) of_one.left_out.push_back(part);
+    of_one.excluded_intervals.clear();
+    for (const ExcludedInterval& part : how.excluded_intervals) {
+      if (part.source == r.source) of_one.excluded_intervals.push_back(part);
     }
     const RegressorColumns columns(arm, of_one);
-    for_each_stretch(arm, r.source, of_one, [&](const Stretch& s) {
+    for_each_segment(arm, r.source, of_one, [&](const Segment& s) {
       const std::vector<JointRows> rows = columns.rows(s);
       for (size_t i = 0; i < joints.size(); ++i) append(rows[i], independent, joints[i]);
     });
@@ -101,7 +101,7 @@ std::vector<RepeatedRows> repeated_rows(const Investigation& x, const Model& arm
 
 }  // namespace
 
-void check_errors_in_variables(Investigation& x) {
+void check_errors_in_variables(DiagnosisState& x) {
   if (x.d.changes || !x.start.model) return;
   const Model& arm = *x.start.model;
   const std::vector<int> independent = base_parameters(arm).independent;

@@ -4,7 +4,7 @@
 
 #include "causes/candidates.hpp"
 #include "diagnosis/evidence/folds.hpp"
-#include "diagnosis/stages/investigation.hpp"
+#include "diagnosis/stages/diagnosis_state.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 
 // Causes that are asked about only where a joint's error depends on positions and has no name: names for
@@ -43,7 +43,7 @@ std::vector<std::string> later_causes(const Model& arm, const std::set<int>& joi
 
 // Names of forces that depend on positions and that held-out parts can do without, now that there is another
 // one: the last of them first.
-void drop_superfluous(Investigation& y, size_t before) {
+void drop_superfluous(DiagnosisState& y, size_t before) {
   VectorXd folds = y.fold_errors(y.d.extended).relative();
   for (size_t k = before; k-- > 0;) {
     const Finding f = y.d.findings[k];
@@ -79,13 +79,13 @@ void drop_superfluous(Investigation& y, size_t before) {
 
 }  // namespace
 
-bool ask_later_causes(Investigation& x) {
+bool ask_later_causes(DiagnosisState& x) {
   if (!x.options.effects.empty() || x.d.changes || !x.d.extended.model || x.d.provisional ||
       !x.d.moving_as_one.empty())
     return false;
   const std::set<int> joints = joints_in_question(x.d);
   if (joints.empty()) return false;
-  Investigation y = x;
+  DiagnosisState y = x;
   y.options.effects = later_causes(x.arm, joints);
   if (y.options.effects.empty()) return false;
   y.start = x.d.extended;

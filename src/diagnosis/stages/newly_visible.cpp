@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "diagnosis/evidence/numerics.hpp"
-#include "diagnosis/shapes/inquiry.hpp"
+#include "diagnosis/shapes/candidate_data.hpp"
 #include "math/student_t.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/regressor/base_parameters.hpp"
@@ -43,12 +43,12 @@ Model with_additions(const Model& arm, const std::vector<int>& bodies) {
 }
 
 // The correction evaluated again together with these additions.
-AugmentedModel asked_together(const Investigation& x, const Identification& corrected,
+AugmentedModel asked_together(const DiagnosisState& x, const Identification& corrected,
                               const Hypothesis& h, const std::vector<std::string>& names) {
   const Model& arm = *corrected.model;
-  QuestionList list = x.list();
+  CandidateList list = x.list();
   list.wanted = {effect_of(h.cause)};
-  AugmentedModel out = augmented_model(frozen(arm), corrected.factors, list);
+  AugmentedModel out = augmented_model(with_fixed_parameters(arm), corrected.factors, list);
   out.model = with_additions(out.model, arm.bodies());
   auto& all = out.hypotheses;
   all.erase(std::remove_if(all.begin(), all.end(),
@@ -71,10 +71,10 @@ AugmentedModel asked_together(const Investigation& x, const Identification& corr
 }
 
 // One step of both. False if the training error does not fall.
-bool step_together(const Investigation& x, const Hypothesis& h,
+bool step_together(const DiagnosisState& x, const Hypothesis& h,
                    const std::vector<std::string>& names, CorrectedChannel& channel) {
   const Model& arm = *channel.corrected.model;
-  const Inquiry q = prepare(channel.corrected, asked_together(x, channel.corrected, h, names), true,
+  const CandidateData q = prepare(channel.corrected, asked_together(x, channel.corrected, h, names), true,
                             x.train, {}, x.options.identification);
   const NormalBlocks data(q.train, q.columns);
   const Selection fit = refit(data, q.base, q.augmented.hypotheses, x.options);
@@ -98,7 +98,7 @@ bool step_together(const Investigation& x, const Hypothesis& h,
     (*frame.body->phi)[a->component] += fit.values[at];
   }
   const EffectTerm& term = term_of(q.augmented.model, own);
-  const Identification candidate = x.look(with_channel_error(Model(std::move(d)), term, values));
+  const Identification candidate = x.fit(with_channel_error(Model(std::move(d)), term, values));
   if (!candidate.model ||
       log_training_error(candidate) >= log_training_error(channel.corrected))
     return false;
@@ -131,7 +131,7 @@ std::vector<std::string> newly_visible(const Model& tilted, const Eigen::Vector3
   return out;
 }
 
-void estimate_newly_visible(const Investigation& x, const Hypothesis& h,
+void estimate_newly_visible(const DiagnosisState& x, const Hypothesis& h,
                             CorrectedChannel& channel) {
   const Eigen::Vector3d before = x.start.model->gravity();
   if (!x.d.changes || channel.corrected.model->gravity() == before) return;

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "diagnosis/stages/channel_correction.hpp"
-#include "diagnosis/stages/investigation.hpp"
+#include "diagnosis/stages/diagnosis_state.hpp"
 
 namespace veridyn {
 
@@ -25,6 +25,6 @@ std::vector<std::string> newly_visible(const Model& tilted, const Eigen::Vector3
 ///
 /// @param h        the hypothesis that was corrected.
 /// @param channel  its correction alone; unchanged where nothing is newly visible.
-void estimate_newly_visible(const Investigation& x, const Hypothesis& h, CorrectedChannel& channel);
+void estimate_newly_visible(const DiagnosisState& x, const Hypothesis& h, CorrectedChannel& channel);
 
 }  // namespace veridyn

@@ -3,7 +3,7 @@
 
 #include "causes/candidates.hpp"
 #include "diagnosis/findings/findings.hpp"
-#include "diagnosis/stages/investigation.hpp"
+#include "diagnosis/stages/diagnosis_state.hpp"
 
 // Adds plain friction to a robot file without friction, as manufacturers publish them, on all
 // joints together. Tested one at a time, the first joint's friction would be fitted to residuals
@@ -30,17 +30,17 @@ std::set<int> joints_without_friction(const Model& arm) {
 
 }  // namespace
 
-void add_plain_friction(Investigation& x) {
+void add_plain_friction(DiagnosisState& x) {
   if (x.d.changes) return;
   const std::set<int> joints = joints_without_friction(*x.start.model);
   if (joints.empty()) return;
-  QuestionList list = x.list();
+  CandidateList list = x.list();
   list.wanted.clear();
   for (const std::string& effect : elementary_effects()) {
-    if (x.asks_for(effect)) list.wanted.push_back(effect);
+    if (x.tests_effect(effect)) list.wanted.push_back(effect);
   }
   if (list.wanted.empty()) return;
-  Questions asked = ask(x, list, x.start);
+  CandidateTests asked = prepare_tests(x, list, x.start);
   auto& all = asked.q.augmented.hypotheses;
   all.erase(std::remove_if(all.begin(), all.end(),
                            [&](const Hypothesis& h) {
@@ -61,7 +61,7 @@ void add_plain_friction(Investigation& x) {
         x.d.findings[k].status == FindingStatus::kConfirmed)
       kept.insert(k - first);
   }
-  const Identification extended = kept.empty() ? x.start : x.look(writer.extended_arm(kept));
+  const Identification extended = kept.empty() ? x.start : x.fit(writer.extended_arm(kept));
   if (!extended.model) {
     x.d.findings.resize(first);
     return;

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "diagnosis/causes/contacts.hpp"
-#include "diagnosis/stages/investigation.hpp"
+#include "diagnosis/stages/diagnosis_state.hpp"
 #include "diagnosis/unnamed/dependence.hpp"
 #include "identification/velocity_choice.hpp"
 #include "math/parallel.hpp"
@@ -17,7 +17,7 @@ namespace veridyn {
 namespace {
 
 // A velocity that is no derivative of its position is taken from the position.
-void leave_wrong_velocities_out(Investigation& x) {
+void leave_wrong_velocities_out(DiagnosisState& x) {
   for (RecordingQuality& recording : x.d.data_quality) {
     for (QualityFinding& f : recording.findings) {
       if (makes_velocity_wrong(f)) f.sentence += "; the velocity of this joint is taken from its position";
@@ -26,7 +26,7 @@ void leave_wrong_velocities_out(Investigation& x) {
   derive_velocities(trust_in_velocities(x.d.data_quality).wrong, x.options.identification);
 }
 
-void say_that_it_is_derived(int joint, Investigation& x) {
+void say_that_it_is_derived(int joint, DiagnosisState& x) {
   for (const RecordingQuality& recording : x.d.data_quality) {
     for (const QualityFinding& f : recording.findings) {
       if (f.finding != "velocity_noise" || f.joint != joint + 1) continue;
@@ -38,7 +38,7 @@ void say_that_it_is_derived(int joint, Investigation& x) {
   }
 }
 
-std::vector<RecordingQuality> of_training(const Investigation& x) {
+std::vector<RecordingQuality> of_training(const DiagnosisState& x) {
   std::vector<RecordingQuality> out;
   for (const RecordingQuality& recording : x.d.data_quality) {
     if (std::find(x.train.begin(), x.train.end(), recording.file) != x.train.end())
@@ -50,7 +50,7 @@ std::vector<RecordingQuality> of_training(const Investigation& x) {
 // The sign of a noisy velocity flutters at low speed, and dry friction made of it looks like
 // something else. A velocity that is noisier than its position's derivative is taken from the
 // position where the joint's torque is predicted better by as much as a cause must gain.
-void choose_quieter_velocities(Investigation& x) {
+void choose_quieter_velocities(DiagnosisState& x) {
   const PreprocessingOptions& how = x.options.identification.preprocessing;
   if (how.velocity == VelocitySource::kDerived) return;
   const std::set<int> known(how.derive_velocity_of.begin(), how.derive_velocity_of.end());
@@ -60,7 +60,7 @@ void choose_quieter_velocities(Investigation& x) {
                                             [&](std::set<int> joints) {
                                               joints.insert(known.begin(), known.end());
                                               derive_velocities(joints, x.options.identification);
-                                              return x.look(x.arm);
+                                              return x.fit(x.arm);
                                             });
   if (!choice.fit) {
     derive_velocities(known, x.options.identification);
@@ -71,7 +71,7 @@ void choose_quieter_velocities(Investigation& x) {
 }
 
 // Stores the periods of the recordings, which are read many times.
-void remember_periods(Investigation& x) {
+void remember_periods(DiagnosisState& x) {
   IdentificationOptions& how = x.options.identification;
   std::map<std::string, double>& known = how.preprocessing.known_periods;
   for (const auto* list : {&x.d.baseline.train, &x.d.baseline.test}) {
@@ -106,17 +106,17 @@ void report(const Snag& snag, const Model& arm, Diagnosis& d) {
 
 }  // namespace
 
-void leave_out(const std::vector<LeftOut>& parts, Investigation& x) {
+void leave_out(const std::vector<ExcludedInterval>& parts, DiagnosisState& x) {
   IdentificationOptions& how = x.options.identification;
-  how.preprocessing.left_out.insert(how.preprocessing.left_out.end(), parts.begin(), parts.end());
+  how.preprocessing.excluded_intervals.insert(how.preprocessing.excluded_intervals.end(), parts.begin(), parts.end());
   if (how.test_preprocessing) {
-    auto& there = how.test_preprocessing->left_out;
+    auto& there = how.test_preprocessing->excluded_intervals;
     there.insert(there.end(), parts.begin(), parts.end());
   }
-  x.d.left_out.insert(x.d.left_out.end(), parts.begin(), parts.end());
+  x.d.excluded_intervals.insert(x.d.excluded_intervals.end(), parts.begin(), parts.end());
 }
 
-void check_quality(Investigation& x) {
+void check_quality(DiagnosisState& x) {
   std::vector<std::string> all = x.train;
   for (const std::string& path : x.test) {
     if (std::find(all.begin(), all.end(), path) == all.end()) all.push_back(path);
@@ -135,10 +135,10 @@ void check_quality(Investigation& x) {
   leave_wrong_velocities_out(x);
 }
 
-bool fit_baseline(Investigation& x) {
+bool fit_baseline(DiagnosisState& x) {
   const Model file = x.arm;
   const JointFriction friction = x.options.identification.friction;
-  x.d.baseline = x.look(x.arm);
+  x.d.baseline = x.fit(x.arm);
   if (!x.d.baseline.model) return false;
   // From now on the arm is the identified one, with added effects.
   const size_t given = file.effects().size();
@@ -156,7 +156,7 @@ bool fit_baseline(Investigation& x) {
   return true;
 }
 
-bool exclude_snags(const Identification& seen, Investigation& x) {
+bool exclude_snags(const Identification& seen, DiagnosisState& x) {
   if (!seen.model) return false;
   std::vector<Snag> snags = find_snags(seen, x.options.thresholds);
   snags.erase(std::remove_if(snags.begin(), snags.end(),
@@ -165,8 +165,8 @@ bool exclude_snags(const Identification& seen, Investigation& x) {
   if (snags.empty()) return false;
   for (const Snag& snag : snags) report(snag, x.arm, x.d);
   x.snags.insert(x.snags.end(), snags.begin(), snags.end());
-  leave_out(left_out_rows(snags, seen), x);
-  const Identification again = x.look(x.arm);
+  leave_out(excluded_intervals(snags, seen), x);
+  const Identification again = x.fit(x.arm);
   if (again.model) x.d.baseline = again;
   x.start = x.d.baseline;
   return true;
@@ -176,7 +176,7 @@ namespace {
 
 // True if smooth functions of the signals, as the other recordings give them, predict most of a burst: it
 // belongs to the motion and is no push.
-bool belongs_to_motion(const Contact& c, const Identification& seen, const Investigation& x) {
+bool belongs_to_motion(const Contact& c, const Identification& seen, const DiagnosisState& x) {
   std::vector<RecordingError> others;
   std::vector<RecordingError> own;
   for (const RecordingError& r : seen.train) (r.source == c.source ? own : others).push_back(r);
@@ -186,7 +186,7 @@ bool belongs_to_motion(const Contact& c, const Identification& seen, const Inves
   if (others.empty() || own.empty()) return false;
   const Thresholds& limits = x.options.thresholds;
   const std::vector<MotionSignal> signals = motion_signals(seen, limits);
-  const MotionRows rows = motion_rows(seen, others, x.d.left_out, signals);
+  const MotionRows rows = motion_rows(seen, others, x.d.excluded_intervals, signals);
   const MotionRows there = motion_rows(seen, own, {}, signals);
   const std::vector<SmoothTerm> terms = smooth_terms(signals, c.last_joint, limits);
   const Dependence found = find_dependence(c.last_joint, rows, there, terms, limits);
@@ -206,19 +206,19 @@ bool belongs_to_motion(const Contact& c, const Identification& seen, const Inves
 
 }  // namespace
 
-bool exclude_contacts(const Identification& seen, Investigation& x) {
-  if (!x.asks_for(ExternalContact::kName) || !seen.model) return false;
+bool exclude_contacts(const Identification& seen, DiagnosisState& x) {
+  if (!x.tests_effect(ExternalContact::kName) || !seen.model) return false;
   std::vector<Contact> contacts = find_contacts(seen, x.options.thresholds);
   contacts.erase(std::remove_if(contacts.begin(), contacts.end(),
                                 [&](const Contact& c) {
-                                  return !x.asks_about(ExternalContact{JointIndex{c.last_joint}}) ||
+                                  return !x.tests_cause(ExternalContact{JointIndex{c.last_joint}}) ||
                                          belongs_to_motion(c, seen, x);
                                 }),
                  contacts.end());
   if (contacts.empty()) return false;
   x.contacts = contacts.size();
-  leave_out(left_out_rows(contacts), x);
-  const Identification without = x.look(x.arm);
+  leave_out(excluded_intervals(contacts), x);
+  const Identification without = x.fit(x.arm);
   if (without.model) x.d.baseline = without;
   x.d.findings.clear();
   add_contacts(contacts, x.d.baseline, x.d);

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "diagnosis/stages/investigation.hpp"
+#include "diagnosis/stages/diagnosis_state.hpp"
 #include "math/correlated_columns.hpp"
 
 // Reports limits of the recordings that follow from the motion, before any test.
@@ -28,7 +28,7 @@ bool moves_at(const PredictionSeries& x, size_t k, const std::vector<double>& sp
 }
 
 void rests_of(const RecordingError& r, const std::vector<double>& speeds, const Thresholds& limits,
-              std::vector<LeftOut>& out) {
+              std::vector<ExcludedInterval>& out) {
   const PredictionSeries& x = r.series;
   size_t first = 0;
   while (first < x.time.size() && !moves_at(x, first, speeds, limits.moving_share)) ++first;
@@ -60,7 +60,7 @@ std::vector<std::vector<int>> moving_as_one(const Identification& id, const Thre
 
 }  // namespace
 
-void exclude_rests(Investigation& x) {
+void exclude_rests(DiagnosisState& x) {
   const Identification& seen = x.d.baseline;
   const bool has_series =
       std::all_of(seen.train.begin(), seen.train.end(), [&seen](const RecordingError& r) {
@@ -69,16 +69,16 @@ void exclude_rests(Investigation& x) {
   if (!has_series) return;
   x.d.moving_as_one = moving_as_one(seen, x.options.thresholds);
   const std::vector<double> speeds = fastest(seen.train, static_cast<size_t>(seen.model->joints()));
-  std::vector<LeftOut> rests;
+  std::vector<ExcludedInterval> rests;
   for (const RecordingError& r : seen.train) rests_of(r, speeds, x.options.thresholds, rests);
   if (rests.empty()) return;
   const IdentificationOptions before = x.options.identification;
-  const size_t parts = x.d.left_out.size();
+  const size_t parts = x.d.excluded_intervals.size();
   leave_out(rests, x);
-  const Identification without = x.look(x.arm);
+  const Identification without = x.fit(x.arm);
   if (!without.model) {  // too little is left
     x.options.identification = before;
-    x.d.left_out.resize(parts);
+    x.d.excluded_intervals.resize(parts);
     return;
   }
   x.d.baseline = without;

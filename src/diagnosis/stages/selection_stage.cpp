@@ -14,7 +14,7 @@
 #include "diagnosis/findings/right_to_a_name.hpp"
 #include "diagnosis/shapes/refinement.hpp"
 #include "diagnosis/stages/channel_correction.hpp"
-#include "diagnosis/stages/investigation.hpp"
+#include "diagnosis/stages/diagnosis_state.hpp"
 #include "diagnosis/stages/newly_visible.hpp"
 #include "diagnosis/findings/next_experiment.hpp"
 
@@ -26,7 +26,7 @@ constexpr int kSettling = 6;  // findings that may lose their names after the la
 constexpr int kChannels = 4;  // errors of channels that are corrected one after the other
 
 // One round of tests with the accepted hypotheses.
-struct Round : Questions {
+struct Round : CandidateTests {
   Selection selection;
   bool changed = true;  // the selection differs from the initial one
 };
@@ -40,7 +40,7 @@ std::vector<std::pair<Hypothesis, EffectTerm>> known_terms(const AugmentedModel&
 }
 
 // Indices of the fitted hypotheses in a longer list that begins with them.
-std::vector<int> same_ones(const AugmentedModel& fitted, const Inquiry& q) {
+std::vector<int> same_ones(const AugmentedModel& fitted, const CandidateData& q) {
   std::vector<int> out;
   for (const Hypothesis& h : fitted.hypotheses) {
     for (size_t k = 0; k < q.augmented.hypotheses.size(); ++k) {
@@ -55,7 +55,7 @@ std::vector<int> same_ones(const AugmentedModel& fitted, const Inquiry& q) {
 
 // Findings so far (constants, channels) count towards the limit; contacts and plain friction do
 // not.
-DiagnosisOptions for_the_rest(const Investigation& x) {
+DiagnosisOptions for_the_rest(const DiagnosisState& x) {
   DiagnosisOptions out = x.options;
   const size_t counted = x.d.findings.size() - x.contacts - x.fitted_by_start.size();
   out.max_effects -= static_cast<int>(counted);
@@ -63,8 +63,8 @@ DiagnosisOptions for_the_rest(const Investigation& x) {
 }
 
 // `accepted`: to begin with; their terms are among those that the questions know.
-Round answer(const Investigation& x, Questions asked, const AugmentedModel* accepted = nullptr) {
-  const Inquiry& q = asked.q;
+Round answer(const DiagnosisState& x, CandidateTests asked, const AugmentedModel* accepted = nullptr) {
+  const CandidateData& q = asked.q;
   const std::vector<int> initial =
       accepted == nullptr ? std::vector<int>() : same_ones(*accepted, q);
   Selection selection =
@@ -74,7 +74,7 @@ Round answer(const Investigation& x, Questions asked, const AugmentedModel* acce
   return {std::move(asked), std::move(selection), chosen != initial};
 }
 
-Fit fitted(const Investigation& x, Round& round) {
+Fit fitted(const DiagnosisState& x, Round& round) {
   return fit_accepted(x.start, round.q, round.selection, x.d.changes, x.train, x.test, x.options);
 }
 
@@ -94,7 +94,7 @@ auto same_channel(SomeDiagnosis& d, const Hypothesis& h) -> decltype(d.findings.
 
 // A channel error that was accepted first, one corrected before that needs more, or one too large
 // for its derivative.
-std::optional<size_t> channel_to_correct(const Investigation& x, const Round& round) {
+std::optional<size_t> channel_to_correct(const DiagnosisState& x, const Round& round) {
   for (size_t k = 0; k < round.selection.accepted.size(); ++k) {
     const Hypothesis& h = accepted(round, k);
     if (!is_channel(h)) continue;
@@ -124,7 +124,7 @@ bool gives_way(const Hypothesis& h, const Accepted& a, const std::vector<double>
 // Corrects a channel error that comes first before other tests: its columns are of first order, and
 // its residual would imitate other causes. True if the tests must be repeated: it was corrected, or
 // the recordings refused it.
-bool correct_first_channel(Investigation& x, const Round& round) {
+bool correct_first_channel(DiagnosisState& x, const Round& round) {
   const std::optional<size_t> at = channel_to_correct(x, round);
   if (!at) return false;
   const Hypothesis& h = accepted(round, *at);
@@ -179,20 +179,20 @@ bool correct_first_channel(Investigation& x, const Round& round) {
 }
 
 // The accepted ones against their rivals, all with refined constants.
-void challenge(const Investigation& x, QuestionList& list, std::optional<Round>& round,
+void challenge(const DiagnosisState& x, CandidateList& list, std::optional<Round>& round,
                std::optional<Fit>& fit) {
   const auto rivals = refined_rivals(x.start, round->q, round->selection, x.d.changes, x.train,
                                      x.options.identification);
   if (rivals.empty()) return;
-  list.known = known_terms(fit->inquiry.augmented);
+  list.known = known_terms(fit->candidate_data.augmented);
   list.known.insert(list.known.end(), rivals.begin(), rivals.end());
   round.reset();
-  round.emplace(answer(x, ask(x, list, x.start), &fit->inquiry.augmented));
+  round.emplace(answer(x, prepare_tests(x, list, x.start), &fit->candidate_data.augmented));
   if (round->changed) fit.emplace(fitted(x, *round));
 }
 
 // Updates values of effects that became part of the arm from the last fit.
-void refresh_findings(Investigation& x) {
+void refresh_findings(DiagnosisState& x) {
   for (const auto& [k, names] : x.fitted_by_start) {
     if (k < x.d.findings.size()) refresh(x.d.extended, names, x.d.findings[k]);
   }
@@ -201,7 +201,7 @@ void refresh_findings(Investigation& x) {
 // The errors along the way are of fits without physical conditions. What they contradict is asked once
 // more of the models themselves: with it, the error on held-out parts of the training recordings falls in
 // sum and on its own joint, or not.
-void ask_again(Investigation& x, size_t first, size_t count,
+void ask_again(DiagnosisState& x, size_t first, size_t count,
                const std::function<Identification(const std::set<size_t>&)>& fit,
                std::set<size_t>& kept) {
   VectorXd folds;  // of the extended model
@@ -230,10 +230,10 @@ void ask_again(Investigation& x, size_t first, size_t count,
 
 // Fits the kept findings and withdraws those that are then unsupported: sizes that may be zero or
 // exceed their joint's torque, or a joint that is predicted better without them.
-void settle(Investigation& x, FindingWriter& writer, size_t first, std::set<size_t>& kept) {
+void settle(DiagnosisState& x, FindingWriter& writer, size_t first, std::set<size_t>& kept) {
   const auto names = writer.parameter_names();
   const auto fit = [&](const std::set<size_t>& some) {
-    return some.empty() ? x.start : x.look(writer.extended_arm(some));
+    return some.empty() ? x.start : x.fit(writer.extended_arm(some));
   };
   const auto take_out = [&](size_t k, const std::string& why) {
     x.d.findings[first + k].status = FindingStatus::kNotConfirmed;
@@ -283,7 +283,7 @@ void settle(Investigation& x, FindingWriter& writer, size_t first, std::set<size
 
 // Plain friction that is nothing once the causes are there, where held-out parts of the training recordings
 // do without it.
-void drop_lost_friction(Investigation& x) {
+void drop_lost_friction(DiagnosisState& x) {
   if (x.options.extended == ExtendedModel::kAllFindings || !x.d.extended.model) return;
   const Model& arm = *x.d.extended.model;
   ModelDescription description = arm.description();
@@ -305,7 +305,7 @@ void drop_lost_friction(Investigation& x) {
                                }),
                 effects.end());
   description.identified.reset();
-  Identification without = x.look(Model(std::move(description)));
+  Identification without = x.fit(Model(std::move(description)));
   if (!without.model ||
       log_fall(x.fold_errors(x.d.extended).relative(), x.fold_errors(without).relative()) <
           -x.options.thresholds.held_out_worse)
@@ -317,7 +317,7 @@ void drop_lost_friction(Investigation& x) {
   }
 }
 
-void write_down(Investigation& x, const Round& round, const Fit& fit) {
+void write_down(DiagnosisState& x, const Round& round, const Fit& fit) {
   const auto& asked = round.q.augmented.hypotheses;
   x.d.hypotheses = static_cast<int>(std::set<Candidate>(asked.begin(), asked.end()).size());
   FindingWriter writer(round.q, round.data, round.selection, fit, x.start, x.d.changes, x.options);
@@ -346,23 +346,23 @@ void write_down(Investigation& x, const Round& round, const Fit& fit) {
 
 }  // namespace
 
-void select_causes(Investigation& x) {
-  QuestionList list = x.list();
+void select_causes(DiagnosisState& x) {
+  CandidateList list = x.list();
   if (asks_for_waves(list.wanted))
     list.ripple_orders = ripple_orders(x.start, x.options.thresholds);
-  std::optional<Round> round(answer(x, ask(x, list, x.start)));
+  std::optional<Round> round(answer(x, prepare_tests(x, list, x.start)));
   for (int turn = 0; turn < kChannels && correct_first_channel(x, *round); ++turn) {
     round.reset();  // its factors, before there are others
-    round.emplace(answer(x, ask(x, list, x.start)));
+    round.emplace(answer(x, prepare_tests(x, list, x.start)));
   }
   size_t selected = round->selection.accepted.size();
   std::optional<Fit> fit(fitted(x, *round));
   // Refined constants made some findings superfluous: hypotheses that they concealed are tested
   // once more.
   for (int cycle = 0; cycle < kCycles && round->selection.accepted.size() < selected; ++cycle) {
-    list.known = known_terms(fit->inquiry.augmented);
+    list.known = known_terms(fit->candidate_data.augmented);
     round.reset();
-    round.emplace(answer(x, ask(x, list, x.start), &fit->inquiry.augmented));
+    round.emplace(answer(x, prepare_tests(x, list, x.start), &fit->candidate_data.augmented));
     selected = round->selection.accepted.size();
     fit.emplace(fitted(x, *round));
   }

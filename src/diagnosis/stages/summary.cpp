@@ -2,7 +2,7 @@
 #include <numeric>
 
 #include "diagnosis/evidence/held_out.hpp"
-#include "diagnosis/stages/investigation.hpp"
+#include "diagnosis/stages/diagnosis_state.hpp"
 
 namespace veridyn {
 namespace {

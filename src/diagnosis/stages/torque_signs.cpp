@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "causes/candidates.hpp"
-#include "diagnosis/stages/investigation.hpp"
+#include "diagnosis/stages/diagnosis_state.hpp"
 #include "veridyn/effects/effect.hpp"
 
 // Friction dissipates power. Significantly negative friction, fitted without sign constraints,
@@ -17,7 +17,7 @@ struct Power {
   double variance = 0.0;
 };
 
-void report(Investigation& x, int joint, double deviations) {
+void report(DiagnosisState& x, int joint, double deviations) {
   const Coordinate& c = x.arm.coordinates()[static_cast<size_t>(joint)];
   QualityFinding f;
   f.file = x.train.front();
@@ -37,7 +37,7 @@ void report(Investigation& x, int joint, double deviations) {
 
 }  // namespace
 
-void check_torque_signs(Investigation& x) {
+void check_torque_signs(DiagnosisState& x) {
   if (x.d.changes || !x.start.model) return;
   const Model& arm = *x.start.model;
   const std::vector<StandardParameter> parameters = standard_parameters(arm);

@@ -137,7 +137,7 @@ std::vector<MotionSignal> motion_signals(const Identification& id, const Thresho
 }
 
 MotionRows motion_rows(const Identification& id, const std::vector<RecordingError>& recordings,
-                       const std::vector<LeftOut>& left_out, std::vector<MotionSignal> signals) {
+                       const std::vector<ExcludedInterval>& excluded_intervals, std::vector<MotionSignal> signals) {
   MotionRows out;
   out.signals = std::move(signals);
   const int n = id.model->joints();
@@ -181,7 +181,7 @@ MotionRows motion_rows(const Identification& id, const std::vector<RecordingErro
         out.residual(row, j) = x.measured[at][i] - x.modelled[at][i];
       }
       out.fold.push_back(fold_of(r, x.time[i], k, recordings.size()));
-      for (const LeftOut& part : left_out) {
+      for (const ExcludedInterval& part : excluded_intervals) {
         if (part.source != r.source || x.time[i] < part.from || x.time[i] > part.to) continue;
         for (int j = 0; j < n; ++j) {
           if (part.joint < 0 || part.joint == j) out.used(row, j) = false;

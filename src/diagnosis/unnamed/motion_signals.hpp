@@ -45,6 +45,6 @@ std::vector<MotionSignal> motion_signals(const Identification& id, const Thresho
 /// Rows of its training or test recordings, at a few times the filter's cut-off; recordings, or
 /// phases of the period of one to three of them, are the folds.
 MotionRows motion_rows(const Identification& id, const std::vector<RecordingError>& recordings,
-                       const std::vector<LeftOut>& left_out, std::vector<MotionSignal> signals);
+                       const std::vector<ExcludedInterval>& excluded_intervals, std::vector<MotionSignal> signals);
 
 }  // namespace veridyn

@@ -54,7 +54,7 @@ GainFit solved(const GainData& data, const std::vector<bool>& loaded,
 }
 
 // Solutions without one cluster each: x and p stacked, by clusters.
-MatrixXd left_out(const Clusters& clusters, const GainFit& fit) {
+MatrixXd delete_one_estimates(const Clusters& clusters, const GainFit& fit) {
   const size_t count = clusters.size();
   std::vector<std::vector<SquareRootInformation>> after(count);
   for (size_t c = count - 1; c > 0; --c) {
@@ -103,7 +103,7 @@ GainFit fit_gains(const GainData& data, const std::vector<KnownMass>& loads,
   const GainData::Columns columns = data.columns(loaded);
   const std::vector<GainEquation> equations = all_equations(clusters, columns);
   GainFit fit = solved(data, loaded, equations, columns);
-  fit.deviation = jackknife_deviations(left_out(clusters, fit));
+  fit.deviation = jackknife_deviations(delete_one_estimates(clusters, fit));
   const VectorXd shares = independent_shares(equations, fit.sigma, fit.solution);
   for (Eigen::Index j = 0; j < fit.joints(); ++j) {
     if (shares[j] < kUntied) fit.deviation[fit.solution.y.size() + j] = kInfinity;

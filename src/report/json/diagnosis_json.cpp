@@ -202,7 +202,7 @@ std::string to_json(const Diagnosis& d, const std::string& next_command) {
                                {"std", std::isfinite(n.deviation) ? Json(n.deviation) : Json()}});
   }
   out["excluded_intervals"] = Json::array();
-  for (const LeftOut& part : d.left_out) {
+  for (const ExcludedInterval& part : d.excluded_intervals) {
     out["excluded_intervals"].push_back({{"file", part.source},
                                          {"joint", part.joint + 1},
                                          {"from", part.from},

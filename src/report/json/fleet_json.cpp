@@ -61,7 +61,7 @@ std::string to_json(const Fleet& fleet) {
   for (const UndeterminedArm& u : fleet.undetermined)
     out["undetermined"].push_back({{"arm", u.arm}, {"why", u.why}});
   out["left_out_recordings"] = Json::array();
-  for (const UnusedRecording& r : fleet.left_out)
+  for (const UnusedRecording& r : fleet.unusable_recordings)
     out["left_out_recordings"].push_back({{"file", r.source}, {"why", r.why}});
   out["remarks"] = fleet.remarks;
   return written(out);

@@ -148,7 +148,7 @@ std::string to_json(const Identification& id) {
   out["noise_floor"] = {{"relative_error", json_list(id.noise_floor)},
                         {"source", id.noise_floor.size() > 0 ? "repeats" : "none"}};
   out["left_out_recordings"] = Json::array();
-  for (const UnusedRecording& r : id.left_out)
+  for (const UnusedRecording& r : id.unusable_recordings)
     out["left_out_recordings"].push_back({{"file", r.source}, {"why", r.why}});
   if (id.drive_gains) {
     out["drive_gains"] = drive_gains_json(id.drive_gains->joints);

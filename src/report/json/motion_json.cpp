@@ -57,7 +57,7 @@ Json essential_json(const EssentialParameters& p) {
               {"plain_condition_number", p.plain_condition_number},
               {"range_condition_number", p.range_condition_number}};
   out["left_out"] = Json::array();
-  for (const auto& [name, share] : p.left_out)
+  for (const auto& [name, share] : p.non_essential)
     out["left_out"].push_back({{"parameter", name}, {"share", share}});
   return out;
 }

@@ -12,7 +12,7 @@ namespace veridyn {
 
 /// Data of one run of tests: the arm with all hypotheses, and the factors of its columns on every
 /// recording, in blocks_that_fit().
-struct Inquiry {
+struct CandidateData {
   AugmentedModel augmented;
   std::vector<CompressedRecording> train, test;
   ColumnSet base;                    ///< columns that are fitted in any case
@@ -25,12 +25,12 @@ struct Inquiry {
 int blocks_that_fit(const Model& arm, int recordings);
 
 /// @param start  identified, or evaluated where the arm's values are facts.
-Inquiry prepare(const Identification& start, const std::vector<std::string>& train,
-                const std::vector<std::string>& test, const QuestionList& list,
+CandidateData prepare(const Identification& start, const std::vector<std::string>& train,
+                const std::vector<std::string>& test, const CandidateList& list,
                 const IdentificationOptions& how);
 
 /// The factors of base and hypotheses for another list of the same arm.
-Inquiry prepare(const Identification& start, AugmentedModel augmented, bool changes,
+CandidateData prepare(const Identification& start, AugmentedModel augmented, bool changes,
                 const std::vector<std::string>& train, const std::vector<std::string>& test,
                 const IdentificationOptions& how);
 

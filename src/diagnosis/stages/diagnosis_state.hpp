@@ -8,7 +8,7 @@
 
 #include "diagnosis/causes/snags.hpp"
 #include "diagnosis/evidence/numerics.hpp"
-#include "diagnosis/shapes/inquiry.hpp"
+#include "diagnosis/shapes/candidate_data.hpp"
 #include "identification/fold_errors.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 
@@ -17,11 +17,11 @@ namespace veridyn {
 /// Normalises an entry of DiagnosisOptions::effects: a cause with the names of its joint or frame,
 /// or the name of an effect. @throws InvalidInput  there is no such cause, or only a simulation
 /// supports it.
-std::string asked_cause(const Model& arm, const std::string& words);
+std::string normalized_cause(const Model& arm, const std::string& words);
 
 /// State of a diagnosis, passed from stage to stage. Every stage is a function of it, in its own
 /// file; run_stages() in diagnosis.cpp defines their order.
-struct Investigation {
+struct DiagnosisState {
   Model arm;
   std::vector<std::string> train, test;
   DiagnosisOptions options;
@@ -45,77 +45,77 @@ struct Investigation {
   std::vector<std::string> remarks = {};
 
   /// True if the effect is among those to test, at any place.
-  bool asks_for(const std::string& effect) const;
+  bool tests_effect(const std::string& effect) const;
 
   /// True if the cause is among those to test, at its place.
-  bool asks_about(const Cause& cause) const;
+  bool tests_cause(const Cause& cause) const;
 
   /// Fits an arm to the recordings, or evaluates it if its values are facts.
-  Identification look(const Model& any) const;
+  Identification fit(const Model& any) const;
 
   /// Errors of such an arm on held-out parts of the training recordings: what decides between arms.
   FoldErrors fold_errors(const Identification& id) const;
 
   /// The list of questions that all stages begin with.
-  QuestionList list() const;
+  CandidateList list() const;
 };
 
 /// Hypotheses of a list with the factors of their columns, without refused ones.
-struct Questions {
-  Inquiry q;
+struct CandidateTests {
+  CandidateData q;
   NormalBlocks data;
 };
 /// @param start  baseline of the tests; x.start unless a stage tries something.
-Questions ask(const Investigation& x, const QuestionList& list, const Identification& start);
+CandidateTests prepare_tests(const DiagnosisState& x, const CandidateList& list, const Identification& start);
 
 /// Sum over joints of ln(mean square) on the training recordings, on the rows that were fitted.
 double log_training_error(const Identification& id);
 
 /// Checks the quality of the recordings, and excludes channels that it finds faulty.
-void check_quality(Investigation& x);
+void check_quality(DiagnosisState& x);
 
 /// Fits the arm of the file. False if the data do not suffice: d.baseline.status has the reason.
-bool fit_baseline(Investigation& x);
+bool fit_baseline(DiagnosisState& x);
 
 /// Excludes rests at either end of the training recordings, reports joints whose motions are
 /// collinear, and fits the arm again if anything was excluded.
-void exclude_rests(Investigation& x);
+void exclude_rests(DiagnosisState& x);
 
 /// Leaves out parts of recordings from now on.
-void leave_out(const std::vector<LeftOut>& parts, Investigation& x);
+void leave_out(const std::vector<ExcludedInterval>& parts, DiagnosisState& x);
 
 /// Reports joints with significantly negative friction, which indicates a torque of the wrong sign.
-void check_torque_signs(Investigation& x);
+void check_torque_signs(DiagnosisState& x);
 
 /// Reports parameters that noise in the motion biases: the instrumental-variable estimate from
 /// repeats of the motion differs from least squares.
-void check_errors_in_variables(Investigation& x);
+void check_errors_in_variables(DiagnosisState& x);
 
 /// Leaves out local friction of single recordings that an arm shows. True if any is new.
-bool exclude_snags(const Identification& seen, Investigation& x);
+bool exclude_snags(const Identification& seen, DiagnosisState& x);
 
 /// Leaves out contacts that an arm shows, and names them. True if there are any.
-bool exclude_contacts(const Identification& seen, Investigation& x);
+bool exclude_contacts(const Identification& seen, DiagnosisState& x);
 
 /// Asks for viscous and Coulomb friction and an offset of all joints that have no friction in the
 /// file, together.
-void add_plain_friction(Investigation& x);
+void add_plain_friction(DiagnosisState& x);
 
 /// Corrects a wrong constant of the robot file, or the error of a channel that does as much.
-void correct_constants(Investigation& x);
+void correct_constants(DiagnosisState& x);
 
 /// Selects causes among all, corrects channels that come first, refines constants, weighs rivals,
 /// and writes down what was found.
-void select_causes(Investigation& x);
+void select_causes(DiagnosisState& x);
 
 /// After account_for_errors(): asks about causes that nobody asked about before, on joints whose error
 /// depends on positions without a name. True if one explains held-out parts of the training recordings as well
 /// as the curves did: it is a finding, and the account is to be made again.
-bool ask_later_causes(Investigation& x);
+bool ask_later_causes(DiagnosisState& x);
 
 /// Accounts for the residual of every joint, and for the signals on which it depends where no known
 /// cause has that shape.
-void account_for_errors(Investigation& x);
+void account_for_errors(DiagnosisState& x);
 
 /// Marks what the held-out recordings contradict, orders by what matters.
 void summarize(Diagnosis& d, const Thresholds& thresholds);

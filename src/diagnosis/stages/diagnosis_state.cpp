@@ -1,4 +1,4 @@
-#include "diagnosis/stages/investigation.hpp"
+#include "diagnosis/stages/diagnosis_state.hpp"
 
 #include "identification/velocity_choice.hpp"
 
@@ -9,7 +9,7 @@
 
 namespace veridyn {
 
-std::string asked_cause(const Model& arm, const std::string& words) {
+std::string normalized_cause(const Model& arm, const std::string& words) {
   if (split_cause(words).place.empty()) return words;
   const Cause cause = parse_cause(arm, words);
   const auto* constant = std::get_if<KinematicError>(&cause);
@@ -18,44 +18,44 @@ std::string asked_cause(const Model& arm, const std::string& words) {
   return to_text(arm, cause);
 }
 
-bool Investigation::asks_for(const std::string& effect) const {
+bool DiagnosisState::tests_effect(const std::string& effect) const {
   const std::vector<std::string>& some = options.effects;
   return some.empty() || std::any_of(some.begin(), some.end(), [&effect](const std::string& one) {
            return split_cause(one).effect == effect;
          });
 }
 
-bool Investigation::asks_about(const Cause& cause) const {
+bool DiagnosisState::tests_cause(const Cause& cause) const {
   const std::vector<std::string>& some = options.effects;
   return some.empty() || std::any_of(some.begin(), some.end(), [&](const std::string& one) {
            return one == effect_of(cause) || one == to_text(arm, cause);
          });
 }
 
-Identification Investigation::look(const Model& any) const {
+Identification DiagnosisState::fit(const Model& any) const {
   return d.changes ? evaluate(any, train, test, options.identification)
                    : identify(any, train, test, options.identification);
 }
 
-FoldErrors Investigation::fold_errors(const Identification& id) const {
+FoldErrors DiagnosisState::fold_errors(const Identification& id) const {
   return veridyn::fold_errors(id, options.identification,
                               d.changes ? FoldValues::kFacts : FoldValues::kFitted);
 }
 
-QuestionList Investigation::list() const {
-  QuestionList out;
+CandidateList DiagnosisState::list() const {
+  CandidateList out;
   for (const std::string& one : options.effects) out.wanted.push_back(split_cause(one).effect);
   out.changes = d.changes;
   out.limits = options.thresholds;
   return out;
 }
 
-Questions ask(const Investigation& x, const QuestionList& list, const Identification& start) {
-  Inquiry q = prepare(start, x.train, {}, list, x.options.identification);
+CandidateTests prepare_tests(const DiagnosisState& x, const CandidateList& list, const Identification& start) {
+  CandidateData q = prepare(start, x.train, {}, list, x.options.identification);
   auto& all = q.augmented.hypotheses;
   all.erase(std::remove_if(all.begin(), all.end(),
                            [&x](const Hypothesis& h) {
-                             return x.refused.count(h) != 0 || !x.asks_about(h.cause);
+                             return x.refused.count(h) != 0 || !x.tests_cause(h.cause);
                            }),
             all.end());
   NormalBlocks data(q.train, q.columns, NormalBlocks::EmptiedFactors());

@@ -1,4 +1,4 @@
-#include "diagnosis/shapes/inquiry.hpp"
+#include "diagnosis/shapes/candidate_data.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -38,7 +38,7 @@ std::vector<CompressedRecording> compress_to_fit(const Model& arm,
 PreprocessingOptions as_recorded(const IdentificationOptions& how) {
   PreprocessingOptions out = how.test_preprocessing.value_or(how.preprocessing);
   out.stale_rows = StaleRows::kKept;
-  out.left_out.clear();
+  out.excluded_intervals.clear();
   return out;
 }
 
@@ -56,10 +56,10 @@ int blocks_that_fit(const Model& arm, int recordings) {
   return std::max(fewest, static_cast<int>(kMostBytes / (bytes * std::max(1, recordings))));
 }
 
-Inquiry prepare(const Identification& start, AugmentedModel augmented, bool changes,
+CandidateData prepare(const Identification& start, AugmentedModel augmented, bool changes,
                 const std::vector<std::string>& train, const std::vector<std::string>& test,
                 const IdentificationOptions& how) {
-  Inquiry q{std::move(augmented), {}, {}, {}, {}};
+  CandidateData q{std::move(augmented), {}, {}, {}, {}};
   const int blocks = blocks_that_fit(*start.model, static_cast<int>(train.size()));
   q.train = compress_to_fit(q.augmented.model, train, how.preprocessing, blocks, how.threads);
   q.test = compress_to_fit(q.augmented.model, test, as_recorded(how), 1, how.threads);
@@ -76,10 +76,10 @@ Inquiry prepare(const Identification& start, AugmentedModel augmented, bool chan
   return q;
 }
 
-Inquiry prepare(const Identification& start, const std::vector<std::string>& train,
-                const std::vector<std::string>& test, const QuestionList& list,
+CandidateData prepare(const Identification& start, const std::vector<std::string>& train,
+                const std::vector<std::string>& test, const CandidateList& list,
                 const IdentificationOptions& how) {
-  const Model arm = list.changes ? frozen(*start.model) : *start.model;
+  const Model arm = list.changes ? with_fixed_parameters(*start.model) : *start.model;
   return prepare(start, augmented_model(arm, start.factors, list), list.changes, train, test, how);
 }
 
