@@ -39,7 +39,7 @@ void BoardEmulator::attach(BoardLoad* load) {
   load_or_none().advance(0.0, drives_.data(), motions_.data(), drives_.size());
   for (int b = 0; b < boards(); ++b) {
     for (int c = 0; c < kChannels; ++c) {
-      const ChannelMotion& motion = motions_[static_cast<size_t>(kChannels * b + c)];
+      const ChannelMotion& motion = motions_[kChannels * b + c];
       board(b).set_motion(c, motion);
       board(b).encoder(c).power_up(motion.counts, now_);
     }
@@ -67,7 +67,7 @@ void BoardEmulator::advance(Ticks now) noexcept {
     const Ticks step = std::min(now - now_, static_cast<Ticks>(kLongestStep * kTicksPerSecond));
     now_ += step;
     for (int k = 0; k < boards() * kChannels; ++k)
-      drives_[static_cast<size_t>(k)] = board(k / kChannels).drive(k % kChannels);
+      drives_[k] = board(k / kChannels).drive(k % kChannels);
     load_or_none().advance(static_cast<double>(step) / kTicksPerSecond, drives_.data(),
                            motions_.data(), drives_.size());
     chain.relays_closed = std::all_of(boards_.begin(), boards_.end(),
@@ -75,7 +75,7 @@ void BoardEmulator::advance(Ticks now) noexcept {
     for (int b = 0; b < boards(); ++b) {
       board(b).advance(now_, chain);
       for (int c = 0; c < kChannels; ++c)
-        board(b).set_motion(c, motions_[static_cast<size_t>(kChannels * b + c)]);
+        board(b).set_motion(c, motions_[kChannels * b + c]);
       if (board(b).reboot_requested) reboot(b);
     }
   }
@@ -135,7 +135,7 @@ Answer BoardEmulator::execute(const Request& request, ByteSpan reply) noexcept {
 // CRC is wrong.
 int BoardEmulator::reader_of(const Request& request) const noexcept {
   const bool local = (request.flags & kNoForward) != 0;
-  const BoardSetup& its = boards_[static_cast<size_t>(hub())].setup();
+  const BoardSetup& its = boards_[hub()].setup();
   const bool by_id = local && its.firmware >= 9;
   if (ethernet_only_) {
     if (!local) return -1;  // no board answers behind the hub

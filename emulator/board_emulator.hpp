@@ -68,8 +68,8 @@ class BoardEmulator {
   void advance(Ticks now) noexcept;
 
   int boards() const { return static_cast<int>(boards_.size()); }
-  EmulatedBoard& board(int place) { return boards_[static_cast<size_t>(place)]; }
-  int node_of(int place) const { return nodes_[static_cast<size_t>(place)]; }
+  EmulatedBoard& board(int place) { return boards_[place]; }
+  int node_of(int place) const { return nodes_[place]; }
   /// Restarts a board, which also resets the bus.
   void reboot(int place);
 

@@ -58,8 +58,8 @@ void EmulatedBoard::advance(Ticks now, const PowerChain& chain) noexcept {
   const Ticks period = static_cast<Ticks>(watchdog_period_) * kWatchdogTicks;
   if (period > 0 && now - last_write_ >= period) watchdog_tripped_ = true;
   for (int k = 0; k < kChannels; ++k) {
-    Channel& c = channels_[static_cast<size_t>(k)];
-    if (!faults.stuck[static_cast<size_t>(k)]) c.driven = c.dac;
+    Channel& c = channels_[k];
+    if (!faults.stuck[k]) c.driven = c.dac;
     check_current(c, measured_current(k));
     if (watchdog_tripped_ || c.tripped) c.disabled = true;
   }
@@ -143,8 +143,8 @@ void EmulatedBoard::apply_control(std::uint32_t word) noexcept {
   for (int k = 0; k < kChannels; ++k) {
     const bool masked = ((word >> (8 + k)) & 1U) != 0;
     const bool on = ((word >> k) & 1U) != 0;
-    if (enables_power || (masked && on)) clear_trip(channels_[static_cast<size_t>(k)]);
-    apply_amp(channels_[static_cast<size_t>(k)],
+    if (enables_power || (masked && on)) clear_trip(channels_[k]);
+    apply_amp(channels_[k],
               !masked ? AmpRequest::kKeep
               : on    ? AmpRequest::kOn
                       : AmpRequest::kOff,
@@ -158,33 +158,33 @@ void EmulatedBoard::apply_control(std::uint32_t word) noexcept {
 }
 
 bool EmulatedBoard::amp_on(int channel) const noexcept {
-  const Channel& c = channels_[static_cast<size_t>(channel)];
+  const Channel& c = channels_[channel];
   const bool held = now_ - good_since_ < kAmpHold;
   const bool late = setup_.io_expander && now_ - c.enabled_at < kAmpDelay;
-  return !c.disabled && supply_good_ && !held && !late && !faults.amp[static_cast<size_t>(channel)];
+  return !c.disabled && supply_good_ && !held && !late && !faults.amp[channel];
 }
 
 MotorDrive EmulatedBoard::drive(int channel) const noexcept {
-  const Channel& c = channels_[static_cast<size_t>(channel)];
+  const Channel& c = channels_[channel];
   MotorDrive d;
   d.powered = amp_on(channel);
   d.voltage_mode = c.mode == 1;
-  d.bits = d.powered ? static_cast<double>(faults.stuck[static_cast<size_t>(channel)] ? c.driven : c.dac) - kZeroCurrent : 0.0;
+  d.bits = d.powered ? static_cast<double>(faults.stuck[channel] ? c.driven : c.dac) - kZeroCurrent : 0.0;
   return d;
 }
 
 void EmulatedBoard::set_motion(int channel, const ChannelMotion& motion) noexcept {
-  Channel& c = channels_[static_cast<size_t>(channel)];
+  Channel& c = channels_[channel];
   c.motion = motion;
-  c.motion.pot_bits += noise(setup_.pot_noise) + faults.pot[static_cast<size_t>(channel)];
-  if (faults.pot_wire[static_cast<size_t>(channel)]) c.motion.pot_bits = 0.0;
+  c.motion.pot_bits += noise(setup_.pot_noise) + faults.pot[channel];
+  if (faults.pot_wire[channel]) c.motion.pot_bits = 0.0;
   c.motion.current_bits += noise(setup_.current_noise);
   c.encoder.move(motion.counts, now_);
 }
 
 std::uint16_t EmulatedBoard::measured_current(int channel) const noexcept {
-  const double bits = channels_[static_cast<size_t>(channel)].motion.current_bits +
-                      faults.current[static_cast<size_t>(channel)] + kZeroCurrent;
+  const double bits = channels_[channel].motion.current_bits +
+                      faults.current[channel] + kZeroCurrent;
   return static_cast<std::uint16_t>(std::clamp(std::round(bits), 0.0, 65535.0));
 }
 
@@ -200,7 +200,7 @@ Status EmulatedBoard::status() const noexcept {
            bit(faults.supply_fault, 15) | bit(rev8 && setup_.senses_chain && chain_live_, 14) |
            bit(rev8 && setup_.io_expander, 12);
   for (int k = 0; k < kChannels; ++k) {
-    const Channel& c = channels_[static_cast<size_t>(k)];
+    const Channel& c = channels_[k];
     s.word |= bit(amp_on(k), 8 + k) | bit(c.tripped, 4 + k);
     s.word |= bit(rev8 ? amp_on(k) : !c.disabled, k);
   }
@@ -209,10 +209,10 @@ Status EmulatedBoard::status() const noexcept {
 
 // Section 9.1.
 MotorStatus EmulatedBoard::motor_status(int channel) const noexcept {
-  const Channel& c = channels_[static_cast<size_t>(channel)];
+  const Channel& c = channels_[channel];
   const auto bit = [](bool set, int k) { return set ? 1U << k : 0U; };
   const bool on = amp_on(channel);
-  const bool fault = !c.disabled && faults.amp[static_cast<size_t>(channel)] && supply_good_ &&
+  const bool fault = !c.disabled && faults.amp[channel] && supply_good_ &&
                      now_ - good_since_ >= kAmpHold;
   MotorStatus m;
   m.word = bit(on, 29) | bit(!c.disabled, 28) | (static_cast<std::uint32_t>(c.mode) << 24) |
@@ -221,7 +221,7 @@ MotorStatus EmulatedBoard::motor_status(int channel) const noexcept {
 }
 
 ChannelFeedback EmulatedBoard::channel_feedback(int channel) const noexcept {
-  const Channel& c = channels_[static_cast<size_t>(channel)];
+  const Channel& c = channels_[channel];
   ChannelFeedback f;
   f.pot = static_cast<std::uint16_t>(std::clamp(std::round(c.motion.pot_bits), 0.0, 65535.0));
   f.current = measured_current(channel);
@@ -239,7 +239,7 @@ BoardFeedback EmulatedBoard::latch() noexcept {
   f.status = status();
   f.digital.word = digital_word();
   f.temperature.word = temperatures;
-  for (int k = 0; k < kChannels; ++k) f.channel[static_cast<size_t>(k)] = channel_feedback(k);
+  for (int k = 0; k < kChannels; ++k) f.channel[k] = channel_feedback(k);
   return f;
 }
 
@@ -248,7 +248,7 @@ std::uint32_t EmulatedBoard::digital_word() const noexcept {
       (faults.encoder_supply ? 1U << 31 : 0U) |
       (setup_.firmware >= 8 && setup_.io_expander && supply_good_ ? 1U << 28 : 0U) | (outputs_ << 12) | (digital_inputs & 0xFFFU);
   for (int k = 0; k < kChannels; ++k) {
-    const EmulatedEncoder& e = channels_[static_cast<size_t>(k)].encoder;
+    const EmulatedEncoder& e = channels_[k].encoder;
     word |= (e.line_a() ? 1U << (24 + k) : 0U) | (e.line_b() ? 1U << (20 + k) : 0U);
   }
   return word;

@@ -86,8 +86,8 @@ class EmulatedBoard {
   bool amp_on(int channel) const noexcept;
   bool watchdog_tripped() const { return watchdog_tripped_; }
   bool relay_closed() const { return relay_requested_ && !faults.relay_stuck_open; }
-  std::uint16_t dac(int channel) const { return channels_[static_cast<size_t>(channel)].dac; }
-  EmulatedEncoder& encoder(int channel) { return channels_[static_cast<size_t>(channel)].encoder; }
+  std::uint16_t dac(int channel) const { return channels_[channel].dac; }
+  EmulatedEncoder& encoder(int channel) { return channels_[channel].encoder; }
 
   /// Reboot by command 21:20 = 11; the emulator carries it out.
   bool reboot_requested = false;

@@ -23,7 +23,7 @@ void BoardEmulator::start_query(std::uint32_t word) noexcept {
   Ticks at = now_ + kFirstUpdate;
   for (const int place : by_id_) {
     EmulatedBoard& b = board(place);
-    HubSlot& slot = slots_[static_cast<size_t>(place)];
+    HubSlot& slot = slots_[place];
     if (((word >> b.setup().id) & 1U) == 0) continue;
     const int firmware = b.setup().firmware;
     const BoardFeedback feedback = b.latch();
@@ -66,7 +66,7 @@ void BoardEmulator::read_hub(QuadletSpan out) noexcept {
   for (const int place : by_id_) {
     const BoardSetup& setup = board(place).setup();
     if (((query_ >> setup.id) & 1U) == 0) continue;
-    const HubSlot& slot = slots_[static_cast<size_t>(place)];
+    const HubSlot& slot = slots_[place];
     const QuadletView block(ByteView{slot.now.data(), slot.now.size()});
     for (std::size_t k = 0; k < hub_quadlets(setup.firmware); ++k) out.set(at++, block[k]);
     all = all && !slot.pending && slot.sequence == static_cast<std::uint16_t>(query_ >> 16);

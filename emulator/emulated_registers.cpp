@@ -31,7 +31,7 @@ void fill(std::array<std::uint8_t, N>& prom, const std::string& text) {
 }  // namespace
 
 std::uint32_t EmulatedBoard::read_channel(int channel, int offset) const noexcept {
-  const Channel& c = channels_[static_cast<size_t>(channel)];
+  const Channel& c = channels_[channel];
   const ChannelFeedback f = channel_feedback(channel);
   switch (offset) {
     case address::kAnalog:
@@ -119,7 +119,7 @@ std::uint32_t EmulatedBoard::read(std::uint16_t where) const noexcept {
 }
 
 void EmulatedBoard::write_channel(int channel, int offset, std::uint32_t data) noexcept {
-  Channel& c = channels_[static_cast<size_t>(channel)];
+  Channel& c = channels_[channel];
   switch (offset) {
     case address::kDac: {
       BoardCommand one;  // the same word as in the block

@@ -145,7 +145,7 @@ void JoinedArms::move_hand() {
   const Eigen::Vector3d place{place_[0].load(), place_[1].load(), place_[2].load()};
   const Eigen::Vector3d force =
       hand_.stiffness * (place - tip.position) - hand_.damping * tip.velocity;
-  for (int i = 0; i < 3; ++i) hand_force_[static_cast<size_t>(i)].store(force[i]);
+  for (int i = 0; i < 3; ++i) hand_force_[i].store(force[i]);
   states_[k].update(world.q(hand_.arm), world.dq(hand_.arm));
   const Eigen::Vector3d in_base = R_world_base_[k].transpose() * force;
   tau_[k] += states_[k].tip().jacobian().topRows<3>().transpose() * in_base;
@@ -168,7 +168,7 @@ void JoinedArms::apply_faults() {
     for (int c = 0; c < kChannels; ++c) {
       if (begins(Kind::kEncoder)) boards.board(0).encoder(c).stuck = true;
       for (int b = 0; b < boards.boards() && begins(Kind::kStuck); ++b)
-        boards.board(b).faults.stuck[static_cast<size_t>(c)] = true;
+        boards.board(b).faults.stuck[c] = true;
     }
     if (begins(Kind::kJump))
       boards.board(sockets_[k].place).encoder(sockets_[k].channel).slip(slips_[k]);
@@ -176,7 +176,7 @@ void JoinedArms::apply_faults() {
 }
 
 std::unique_ptr<DatagramLink> JoinedArms::link(int arm) {
-  const std::uint16_t port = servers_[static_cast<size_t>(arm)]->port();
+  const std::uint16_t port = servers_[arm]->port();
   if (stepped_) return std::make_unique<SteppedLink>(port, *this);
   return std::make_unique<UdpLink>("127.0.0.1", port);
 }

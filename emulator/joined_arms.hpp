@@ -39,24 +39,24 @@ class JoinedArms final : public JoinedBoards, public SteppedClock {
   void serve() override;
   void pass(double seconds) override;
 
-  double tension(int member) const override { return tension_[static_cast<size_t>(member)].load(); }
-  double rate(int member) const override { return rate_[static_cast<size_t>(member)].load(); }
+  double tension(int member) const override { return tension_[member].load(); }
+  double rate(int member) const override { return rate_[member].load(); }
   double largest_force() const override { return largest_force_.load(); }
-  double push(int wall) const override { return push_[static_cast<size_t>(wall)].load(); }
+  double push(int wall) const override { return push_[wall].load(); }
   void take_by_hand(const Hand& hand, const Eigen::Vector3d& place) override {
     hand_ = hand;
     lead(place);
     led_.store(true);
   }
   void lead(const Eigen::Vector3d& place) override {
-    for (int i = 0; i < 3; ++i) place_[static_cast<size_t>(i)].store(place[i]);
+    for (int i = 0; i < 3; ++i) place_[i].store(place[i]);
   }
   Eigen::Vector3d hand_force() const override {
     return {hand_force_[0].load(), hand_force_[1].load(), hand_force_[2].load()};
   }
   void watch(std::function<void(const EmulatedInstant&)> watcher) override;
   void break_down(const EmulatedFault& fault) noexcept override {
-    if (fault.arm >= 0) faults_[static_cast<size_t>(fault.arm)].fetch_or(bit_of(fault.kind));
+    if (fault.arm >= 0) faults_[fault.arm].fetch_or(bit_of(fault.kind));
   }
 
  private:

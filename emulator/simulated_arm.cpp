@@ -92,7 +92,7 @@ void SimulatedArm::advance(double seconds, const MotorDrive* drives, ChannelMoti
   bool any = false;
   for (const std::size_t k : brake_channels_) motions[k].current_bits = drives[k].bits;
   for (Eigen::Index i = 0; i < effort_.size(); ++i) {
-    const Motor& motor = motors_[static_cast<std::size_t>(i)];
+    const Motor& motor = motors_[i];
     const MotorDrive& drive = drives[motor.channel];
     const bool driven = drive.powered && !drive.voltage_mode && motor.channel < channels;
     any = any || driven;
@@ -121,7 +121,7 @@ void SimulatedArm::advance(double seconds, const MotorDrive* drives, ChannelMoti
   pot_q_ = actuator_q_;
   if (actuator_to_pot_.size() > 0) pot_q_.noalias() = actuator_to_pot_ * actuator_q_;
   for (Eigen::Index i = 0; i < actuator_q_.size(); ++i) {
-    const Motor& motor = motors_[static_cast<std::size_t>(i)];
+    const Motor& motor = motors_[i];
     ChannelMotion& motion = motions[motor.channel];
     const ActuatorConfig& c = motor.config;
     motion.counts = actuator_q_[i] / c.bits_to_position;

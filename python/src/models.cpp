@@ -75,7 +75,7 @@ py::list effects(const Model& arm) {
 // Values of all standard parameters; NaN where the file has none.
 VectorXd parameters(const Model& arm) {
   const std::vector<StandardParameter> all = standard_parameters(arm);
-  VectorXd out(static_cast<Eigen::Index>(all.size()));
+  VectorXd out(all.size());
   const bool bodies = arm.inertial_values().has_value();
   for (size_t j = 0; j < all.size(); ++j) {
     const bool known = all[j].body >= 0
@@ -104,7 +104,7 @@ Shapes below: n coordinates, b bodies, p standard parameters.)")
                              [](const Model& arm) {
                                std::vector<std::string> out;
                                for (const int k : arm.bodies())
-                                 out.push_back(arm.frames()[static_cast<size_t>(k)].name);
+                                 out.push_back(arm.frames()[k].name);
                                return out;
                              },
                              "names of the frames that carry a body, in the order of `phi`")

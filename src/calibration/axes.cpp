@@ -45,11 +45,11 @@ void append(const HingeBundle& bundle, const std::vector<RigidBody>& bodies, Axe
     link.first = first + above.back();
     link.second = first + j;
     link.body =
-        bodies[static_cast<std::size_t>(tree.hinges[static_cast<std::size_t>(j)].a)].name;
+        bodies[tree.hinges[j].a].name;
     out.links.push_back(link);
   }
   for (const int b : tree.bodies)
-    out.shapes.emplace_back(bodies[static_cast<std::size_t>(b)].name, bundle.shape(b));
+    out.shapes.emplace_back(bodies[b].name, bundle.shape(b));
   out.used_frames = std::max(out.used_frames, bundle.frames());
   out.outliers += bundle.outliers();
   out.correlation = std::max(out.correlation, bundle.correlation());

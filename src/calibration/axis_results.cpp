@@ -25,13 +25,13 @@ constexpr double kSharePlane = 10.0 * kDegree;
 std::vector<int> frames_at_rest(const HingeBundle& bundle, int hinge) {
   const std::vector<int> above = bundle.above(hinge);
   const int n = bundle.frames();
-  std::vector<int> all(static_cast<std::size_t>(n));
-  for (int k = 0; k < n; ++k) all[static_cast<std::size_t>(k)] = k;
+  std::vector<int> all(n);
+  for (int k = 0; k < n; ++k) all[k] = k;
   if (above.empty()) return all;
   if (!bundle.tree().root_rests) return {};
   MatrixXd q(n, static_cast<Eigen::Index>(above.size()));
   for (std::size_t j = 0; j < above.size(); ++j)
-    q.col(static_cast<Eigen::Index>(j)) = bundle.angles(above[j]);
+    q.col(j) = bundle.angles(above[j]);
   const VectorXd own = bundle.angles(hinge);
   std::vector<int> best;
   double widest = 0.0;
@@ -107,10 +107,10 @@ double angle_between(const Line& a, const Line& b) {
 
 CalibratedAxis axis_result(const HingeBundle& bundle, const std::vector<RigidBody>& bodies,
                            int hinge) {
-  const Hinge& h = bundle.tree().hinges[static_cast<std::size_t>(hinge)];
+  const Hinge& h = bundle.tree().hinges[hinge];
   CalibratedAxis out;
-  out.a = h.a < 0 ? "world" : bodies[static_cast<std::size_t>(h.a)].name;
-  out.b = bodies[static_cast<std::size_t>(h.b)].name;
+  out.a = h.a < 0 ? "world" : bodies[h.a].name;
+  out.b = bodies[h.b].name;
   out.wobble = h.axis.wobble;
   out.play = h.axis.play;
   const VectorXd own = bundle.angles(hinge);
@@ -118,7 +118,7 @@ CalibratedAxis axis_result(const HingeBundle& bundle, const std::vector<RigidBod
   const std::vector<int> rest = frames_at_rest(bundle, hinge);
   out.frames = static_cast<int>(rest.size());
   const std::vector<int> above = bundle.above(hinge);
-  VectorXd mean = VectorXd::Zero(static_cast<Eigen::Index>(bundle.tree().hinges.size()));
+  VectorXd mean = VectorXd::Zero(bundle.tree().hinges.size());
   for (const int j : above) mean[j] = mean_over(bundle.angles(j), rest);
   // The line at the position where the joints above rested.
   const auto line_at = [&](const VectorXd& step, const VectorXd& angles) {
@@ -170,7 +170,7 @@ CalibratedLink link_result(const HingeBundle& bundle, int first, int second) {
   CalibratedLink out;
   const Line a = bundle.line(first);
   const Line b = bundle.line(second);
-  const Hinge& carried = bundle.tree().hinges[static_cast<std::size_t>(second)];
+  const Hinge& carried = bundle.tree().hinges[second];
   const Vector3d level = carried.a >= 0 ? Vector3d(bundle.shape(carried.a).rowwise().mean())
                                         : Vector3d(bundle.shape(carried.b).rowwise().mean());
   const Vector3d normal = a.direction.cross(b.direction);

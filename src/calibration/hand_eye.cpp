@@ -156,13 +156,13 @@ HandEye calibrate_hand_eye(const PoseCapture& A, const PoseCapture& B,
   } else {
     found = chosen(fits);
   }
-  if (found < 0 || !fits[static_cast<std::size_t>(found)].reason.empty()) {
-    out.reason = found >= 0 ? fits[static_cast<std::size_t>(found)].reason
+  if (found < 0 || !fits[found].reason.empty()) {
+    out.reason = found >= 0 ? fits[found].reason
                             : oriented ? fits[3].reason : fits.back().reason;
     return out;
   }
   out.form = kForms[found];
-  take(fits[static_cast<std::size_t>(found)], out);
+  take(fits[found], out);
   return out;
 }
 

@@ -215,7 +215,7 @@ std::string why_not(const Isometries& A, HandEyeForm form, double smallest_swing
   if (form == HandEyeForm::kCommonPoints) {
     MatrixXd a(3, static_cast<Eigen::Index>(A.size()));
     for (std::size_t k = 0; k < A.size(); ++k)
-      a.col(static_cast<Eigen::Index>(k)) = A[k].translation();
+      a.col(k) = A[k].translation();
     a.colwise() -= VectorXd(a.rowwise().mean());
     const VectorXd s = Eigen::JacobiSVD<MatrixXd>(a).singularValues();
     if (s[1] < std::max(1e-6, kNarrow * s[0]))

@@ -269,7 +269,7 @@ MatrixXd HingeBundle::shape(int body) const {
   const auto& unknowns = marker_unknown_[at(static_cast<int>(found - tree_.bodies.begin()))];
   MatrixXd out(3, static_cast<Eigen::Index>(unknowns.size()));
   for (std::size_t m = 0; m < unknowns.size(); ++m)
-    out.col(static_cast<Eigen::Index>(m)) = problem_.value(unknowns[m]);
+    out.col(m) = problem_.value(unknowns[m]);
   return out;
 }
 

@@ -42,7 +42,7 @@ void HingePath::evaluate(const double* const* x, double noise, double* r, double
   std::array<Matrix3d, kMostHinges> R;
   std::array<Vector3d, kMostHinges + 1> y;
   std::array<double, kMostHinges> angle{};
-  y[static_cast<std::size_t>(depth)] = Eigen::Map<const Vector3d>(x[0]);
+  y[depth] = Eigen::Map<const Vector3d>(x[0]);
   for (int i = depth - 1; i >= 0; --i) {
     const auto k = static_cast<std::size_t>(i);
     lines[k] = moved_line(start[k], plane[k], x[1 + i]);

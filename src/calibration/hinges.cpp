@@ -95,7 +95,7 @@ class Finder {
     return c;
   }
 
-  const RigidBody& body(int k) const { return bodies_[static_cast<std::size_t>(k)]; }
+  const RigidBody& body(int k) const { return bodies_[k]; }
   std::string name(int k) const { return k < 0 ? "world" : body(k).name; }
 
   int index(const std::string& wanted) const {
@@ -123,7 +123,7 @@ class Sets {
   bool join(int a, int b) {
     const int x = find(slot(a));
     const int y = find(slot(b));
-    parent_[static_cast<std::size_t>(x)] = y;
+    parent_[x] = y;
     return x != y;
   }
   bool same(int a, int b) { return find(slot(a)) == find(slot(b)); }
@@ -131,7 +131,7 @@ class Sets {
  private:
   int slot(int body) const { return body < 0 ? static_cast<int>(parent_.size()) - 1 : body; }
   int find(int x) {
-    while (parent_[static_cast<std::size_t>(x)] != x) x = parent_[static_cast<std::size_t>(x)];
+    while (parent_[x] != x) x = parent_[x];
     return x;
   }
   std::vector<int> parent_;

@@ -67,13 +67,13 @@ LinkChain::LinkChain(const LinkParameters& parameters, const Isometry3d& base,
   entry_parameter_.assign(parameters.entries().size(), -1);
   zero_parameter_.assign(static_cast<std::size_t>(arm.joints()), -1);
   for (int p = 0; p < parameters.size(); ++p) {
-    const LinkParameter& one = parameters.all()[static_cast<std::size_t>(p)];
-    if (one.kind == Kind::kEntry) entry_parameter_[static_cast<std::size_t>(one.index)] = p;
-    if (one.kind == Kind::kZero) zero_parameter_[static_cast<std::size_t>(one.index)] = p;
+    const LinkParameter& one = parameters.all()[p];
+    if (one.kind == Kind::kEntry) entry_parameter_[one.index] = p;
+    if (one.kind == Kind::kZero) zero_parameter_[one.index] = p;
     if (one.kind == Kind::kConstant) constants_.push_back(p);
   }
   for (const int k : parameters.path()) {
-    const Frame& frame = arm.frames()[static_cast<std::size_t>(k)];
+    const Frame& frame = arm.frames()[k];
     rest_.push_back(frame.dh ? Isometry3d::Identity()
                              : isometry(inverse(joint_placement(frame).origin) * frame.A));
   }
@@ -86,7 +86,7 @@ void LinkChain::set(const VectorRef& x) {
   Eigen::Matrix<double, 6, 1> base = Eigen::Matrix<double, 6, 1>::Zero();
   Eigen::Matrix<double, 6, 1> tool = base;
   for (int p = 0; p < parameters_.size(); ++p) {
-    const LinkParameter& one = parameters_.all()[static_cast<std::size_t>(p)];
+    const LinkParameter& one = parameters_.all()[p];
     if (one.kind == Kind::kBase) base[one.index] = x_[p];
     if (one.kind == Kind::kTool) tool[one.index] = x_[p];
   }
@@ -104,7 +104,7 @@ Isometry3d LinkChain::pose(const VectorRef& recorded, MatrixXd* J) const {
   sensors_.correct_positions(q);
   // Further correction by the parameters of the fit.
   for (Eigen::Index i = 0; i < q.size(); ++i) {
-    const int zero = zero_parameter_[static_cast<std::size_t>(i)];
+    const int zero = zero_parameter_[i];
     if (zero >= 0) q[i] -= x_[zero];
   }
   std::vector<Motion> motions(J == nullptr ? 0 : parameters_.entries().size());
@@ -117,7 +117,7 @@ Isometry3d LinkChain::pose(const VectorRef& recorded, MatrixXd* J) const {
   };
   std::vector<std::size_t> first_ratio;
   for (std::size_t f = 0; f < parameters_.path().size(); ++f) {
-    const Frame& frame = arm.frames()[static_cast<std::size_t>(parameters_.path()[f])];
+    const Frame& frame = arm.frames()[parameters_.path()[f]];
     const auto v = [&](std::size_t k) { return values_[static_cast<Eigen::Index>(entry + k)]; };
     const std::size_t own = frame.dh ? 4 : 6;
     const bool turns = frame.type == JointType::kRevolute;
@@ -185,7 +185,7 @@ Isometry3d LinkChain::pose(const VectorRef& recorded, MatrixXd* J) const {
     const Column column = effect(motions[k], p);
     double by_entry = 1.0;
     if (e.kind == EntryKind::kRatio) {
-      const int zero = zero_parameter_[static_cast<std::size_t>(e.coordinate)];
+      const int zero = zero_parameter_[e.coordinate];
       by_entry = q[e.coordinate];
       if (zero >= 0) J->col(zero) -= values_[static_cast<Eigen::Index>(k)] * column;
     }
@@ -196,7 +196,7 @@ Isometry3d LinkChain::pose(const VectorRef& recorded, MatrixXd* J) const {
     }
   }
   for (int k = 0; k < parameters_.size(); ++k) {
-    const LinkParameter& one = parameters_.all()[static_cast<std::size_t>(k)];
+    const LinkParameter& one = parameters_.all()[k];
     if (one.kind != Kind::kBase && one.kind != Kind::kTool) continue;
     const bool is_base = one.kind == Kind::kBase;
     Eigen::Matrix<double, 3, 1> unit = Vector3d::Zero();
@@ -204,7 +204,7 @@ Isometry3d LinkChain::pose(const VectorRef& recorded, MatrixXd* J) const {
     if (is_base && one.index < 3) {
       Vector3d w = Vector3d::Zero();
       for (int c = 0; c < parameters_.size(); ++c) {
-        const LinkParameter& other = parameters_.all()[static_cast<std::size_t>(c)];
+        const LinkParameter& other = parameters_.all()[c];
         if (other.kind == Kind::kBase && other.index < 3) w[other.index] = x_[c];
       }
       J->col(k) = effect({true, right_jacobian(-w) * unit, base_.translation()}, p);
@@ -213,7 +213,7 @@ Isometry3d LinkChain::pose(const VectorRef& recorded, MatrixXd* J) const {
     } else if (one.index < 3) {
       Vector3d w = Vector3d::Zero();
       for (int c = 0; c < parameters_.size(); ++c) {
-        const LinkParameter& other = parameters_.all()[static_cast<std::size_t>(c)];
+        const LinkParameter& other = parameters_.all()[c];
         if (other.kind == Kind::kTool && other.index < 3) w[other.index] = x_[c];
       }
       J->col(k) << body.linear() * right_jacobian(w) * unit, Vector3d::Zero();

@@ -48,18 +48,18 @@ VectorXd fitted_links(LinkChain& chain, const LinkData& data, const std::vector<
   if (active.empty()) return x;
   const VectorXd start = x;
   const bool oriented = data.poses->has_orientation;
-  VectorXd values(static_cast<Eigen::Index>(active.size()));
+  VectorXd values(active.size());
   for (std::size_t k = 0; k < active.size(); ++k)
     values[static_cast<Eigen::Index>(k)] = start[active[k]];
   LeastSquares problem;
   const int block = problem.add_unknown(values);
   const int size = oriented ? 6 : 3;
   for (const int row : data.rows) {
-    if (data.is_outlier[static_cast<std::size_t>(row)] != 0) continue;
+    if (data.is_outlier[row] != 0) continue;
     const Residual residual = [&, row](const double* const* v, double* r, double* const* J) {
       const VectorXd now = full(start, active, v[0]);
       if (now != chain.x()) chain.set(now);
-      const Isometry3d& measured = data.poses->poses[static_cast<std::size_t>(row)];
+      const Isometry3d& measured = data.poses->poses[row];
       const bool wanted = J != nullptr && J[0] != nullptr;
       MatrixXd by;
       const VectorXd q = data.poses->q.row(row);
@@ -94,7 +94,7 @@ VectorXd robustly_fitted_links(LinkChain& chain, LinkData& data, const std::vect
       const bool far = errors.position[k] > outlier * std::sqrt(3.0) * data.noise.position;
       const bool turned = data.poses->has_orientation &&
                           errors.angle[k] > outlier * std::sqrt(3.0) * data.noise.angle;
-      data.is_outlier[static_cast<std::size_t>(data.rows[k])] =
+      data.is_outlier[data.rows[k]] =
           round > 1 && (far || turned) ? 1 : 0;
     }
     if (round == kRounds) break;
@@ -108,7 +108,7 @@ LinkErrors link_errors(LinkChain& chain, const LinkData& data, const VectorRef& 
   LinkErrors out;
   for (const int row : data.rows) {
     const VectorXd q = data.poses->q.row(row);
-    const Rows e = error_of(chain.pose(q, nullptr), data.poses->poses[static_cast<std::size_t>(row)],
+    const Rows e = error_of(chain.pose(q, nullptr), data.poses->poses[row],
                             data.poses->has_orientation);
     out.angle.push_back(e.head<3>().norm());
     out.position.push_back(e.tail<3>().norm());
@@ -123,8 +123,8 @@ LinkNormal link_normal(LinkChain& chain, const LinkData& data, const VectorRef& 
   const bool oriented = data.poses->has_orientation;
   MatrixXd J;
   for (const int row : data.rows) {
-    if (data.is_outlier[static_cast<std::size_t>(row)] != 0) continue;
-    const Isometry3d& measured = data.poses->poses[static_cast<std::size_t>(row)];
+    if (data.is_outlier[row] != 0) continue;
+    const Isometry3d& measured = data.poses->poses[row];
     const VectorXd q = data.poses->q.row(row);
     Rows e = error_of(chain.pose(q, &J), measured, oriented);
     if (oriented) turn_into_error(e, measured, J);
@@ -145,7 +145,7 @@ double rms_of(const std::vector<double>& errors, const LinkData& data, bool with
   double sum = 0.0;
   double count = 0.0;
   for (std::size_t k = 0; k < errors.size(); ++k) {
-    if (!with_outliers && data.is_outlier[static_cast<std::size_t>(data.rows[k])] != 0) continue;
+    if (!with_outliers && data.is_outlier[data.rows[k]] != 0) continue;
     sum += errors[k] * errors[k];
     count += 1.0;
   }
@@ -207,8 +207,8 @@ void start_poses(const Model& arm, int frame, const PoseCapture& poses, bool bas
     MatrixXd from(3, n);
     MatrixXd to(3, n);
     for (Eigen::Index k = 0; k < n; ++k) {
-      from.col(k) = T[static_cast<std::size_t>(k)].translation();
-      to.col(k) = poses.poses[static_cast<std::size_t>(k)].translation();
+      from.col(k) = T[k].translation();
+      to.col(k) = poses.poses[k].translation();
     }
     base = fitted_pose(from, to);
     return;

@@ -58,7 +58,7 @@ bool mentions(const std::string& formula, const std::string& name) {
 LinkParameters::LinkParameters(const Model& arm, int frame, bool base_free, bool tool_free,
                                bool oriented)
     : arm_(arm) {
-  for (int k = frame; k >= 0; k = arm.frames()[static_cast<std::size_t>(k)].parent)
+  for (int k = frame; k >= 0; k = arm.frames()[k].parent)
     path_.insert(path_.begin(), k);
   collect_entries();
   collect_parameters(base_free, tool_free, oriented);
@@ -73,7 +73,7 @@ void LinkParameters::collect_entries() {
                         formula == formulas.end() ? "" : formula->second});
   };
   for (const int k : path_) {
-    const Frame& frame = arm_.frames()[static_cast<std::size_t>(k)];
+    const Frame& frame = arm_.frames()[k];
     const std::string place = "frames/" + frame.name;
     if (frame.dh) {
       add(k, EntryKind::kA, -1, frame.dh->a, place + "/dh/0");
@@ -94,7 +94,7 @@ void LinkParameters::collect_entries() {
       const double c = frame.variable.coefficients[i];
       if (c == 0.0) continue;
       add(k, EntryKind::kRatio, i, c,
-          place + joint + arm_.coordinates()[static_cast<std::size_t>(i)].name);
+          place + joint + arm_.coordinates()[i].name);
     }
   }
 }
@@ -124,17 +124,17 @@ void LinkParameters::collect_parameters(bool base_free, bool tool_free, bool ori
   std::vector<int> order;
   for (int k = 0; k < static_cast<int>(entries_.size()); ++k) order.push_back(k);
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
-    return rank(entries_[static_cast<std::size_t>(a)].kind) <
-           rank(entries_[static_cast<std::size_t>(b)].kind);
+    return rank(entries_[a].kind) <
+           rank(entries_[b].kind);
   });
   for (const int k : order) {
-    const LinkEntry& e = entries_[static_cast<std::size_t>(k)];
-    const std::string& frame = arm_.frames()[static_cast<std::size_t>(e.frame)].name;
+    const LinkEntry& e = entries_[k];
+    const std::string& frame = arm_.frames()[e.frame].name;
     if (e.kind != EntryKind::kRatio) {
       all_.push_back({Kind::kEntry, k, entry_name(e.kind), frame, is_angle(e.kind) ? "rad" : "m",
                       e.value});
     } else if (std::abs(e.value) != 1.0) {  // a joint that drives its own frame has no ratio
-      const std::string& joint = arm_.coordinates()[static_cast<std::size_t>(e.coordinate)].name;
+      const std::string& joint = arm_.coordinates()[e.coordinate].name;
       all_.push_back({Kind::kEntry, k, "ratio of " + joint, frame, "1", e.value});
     }
   }
@@ -143,7 +143,7 @@ void LinkParameters::collect_parameters(bool base_free, bool tool_free, bool ori
     if (e.kind == EntryKind::kRatio) used.insert(e.coordinate);
   }
   for (const int i : used) {
-    const Coordinate& c = arm_.coordinates()[static_cast<std::size_t>(i)];
+    const Coordinate& c = arm_.coordinates()[i];
     all_.push_back({Kind::kZero, i, "zero of " + c.name, "", c.prismatic ? "m" : "rad",
                     c.recorded.position_offset});
   }
@@ -153,7 +153,7 @@ std::map<std::string, double> LinkParameters::constants(const VectorRef& x) cons
   std::map<std::string, double> out = arm_.description().constants;
   std::set<std::string> set;
   for (int k = 0; k < size(); ++k) {
-    const LinkParameter& p = all_[static_cast<std::size_t>(k)];
+    const LinkParameter& p = all_[k];
     if (p.kind != Kind::kConstant || x[k] == 0.0) continue;
     out[p.name] = p.file + x[k];
     set.insert(p.name);
@@ -180,10 +180,10 @@ void LinkParameters::evaluate(const VectorRef& x, VectorXd& values, MatrixXd* by
   const std::map<std::string, double> c = constants(x);
   values.resize(count);
   for (Eigen::Index k = 0; k < count; ++k)
-    values[k] = entry_value(entries_[static_cast<std::size_t>(k)], c);
+    values[k] = entry_value(entries_[k], c);
   if (by_constant != nullptr) *by_constant = MatrixXd::Zero(count, size());
   for (int p = 0; p < size(); ++p) {
-    const LinkParameter& parameter = all_[static_cast<std::size_t>(p)];
+    const LinkParameter& parameter = all_[p];
     if (parameter.kind == Kind::kEntry) values[parameter.index] += x[p];
     if (parameter.kind != Kind::kConstant || by_constant == nullptr) continue;
     VectorXd up = x;
@@ -193,7 +193,7 @@ void LinkParameters::evaluate(const VectorRef& x, VectorXd& values, MatrixXd* by
     const std::map<std::string, double> high = constants(up);
     const std::map<std::string, double> low = constants(down);
     for (Eigen::Index k = 0; k < count; ++k) {
-      const LinkEntry& e = entries_[static_cast<std::size_t>(k)];
+      const LinkEntry& e = entries_[k];
       if (e.formula.empty()) continue;
       (*by_constant)(k, p) = (entry_value(e, high) - entry_value(e, low)) / (2.0 * kStep);
     }
@@ -215,7 +215,7 @@ Model LinkParameters::applied(const VectorRef& x) const {
       double& ratio = frame.variable.coefficients[i];
       const std::string joint = frame.type == JointType::kRevolute ? "/revolute/" : "/prismatic/";
       if (ratio != 0.0)
-        ratio = at(place + joint + d.coordinates[static_cast<std::size_t>(i)].name, ratio);
+        ratio = at(place + joint + d.coordinates[i].name, ratio);
     }
     if (!frame.dh) continue;
     frame.dh->a = at(place + "/dh/0", frame.dh->a);
@@ -229,7 +229,7 @@ Model LinkParameters::applied(const VectorRef& x) const {
   std::map<int, Vec3d> turns;
   for (std::size_t k = 0; k < entries_.size(); ++k) {
     const LinkEntry& e = entries_[k];
-    Frame& frame = d.frames[static_cast<std::size_t>(e.frame)];
+    Frame& frame = d.frames[e.frame];
     const double value = values[static_cast<Eigen::Index>(k)];
     if (!frame.dh && placed.count(e.frame) == 0) placed[e.frame] = joint_placement(frame);
     switch (e.kind) {
@@ -254,12 +254,12 @@ Model LinkParameters::applied(const VectorRef& x) const {
   }
   for (auto& [k, placement] : placed) {
     placement.origin.R = rotation_from_rpy(turns[k]);
-    place(d.frames[static_cast<std::size_t>(k)], placement);
+    place(d.frames[k], placement);
   }
   for (int p = 0; p < size(); ++p) {
-    const LinkParameter& parameter = all_[static_cast<std::size_t>(p)];
+    const LinkParameter& parameter = all_[p];
     if (parameter.kind == Kind::kZero)
-      d.coordinates[static_cast<std::size_t>(parameter.index)].recorded.position_offset += x[p];
+      d.coordinates[parameter.index].recorded.position_offset += x[p];
   }
   // Values identified with the old geometry keep their numbers and lose their statistics.
   d.identified.reset();

@@ -23,10 +23,10 @@ double loose(const LinkParameter& p) {
 }
 
 MatrixXd block(const MatrixXd& N, const std::vector<int>& rows, const std::vector<int>& columns) {
-  MatrixXd out(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(columns.size()));
+  MatrixXd out(rows.size(), static_cast<Eigen::Index>(columns.size()));
   for (Eigen::Index i = 0; i < out.rows(); ++i) {
     for (Eigen::Index j = 0; j < out.cols(); ++j)
-      out(i, j) = N(rows[static_cast<std::size_t>(i)], columns[static_cast<std::size_t>(j)]);
+      out(i, j) = N(rows[i], columns[j]);
   }
   return out;
 }
@@ -46,8 +46,8 @@ std::string made_of(const LinkParameters& parameters, const BaseParameters& base
   int count = 0;
   for (int i = 0; i < base.size(); ++i) {
     if (base.K(i, column) == 0.0 || ++count > 4) continue;
-    const int own = base.independent[static_cast<std::size_t>(i)];
-    names += (names.empty() ? "" : ", ") + parameters.all()[static_cast<std::size_t>(own)].full_name();
+    const int own = base.independent[i];
+    names += (names.empty() ? "" : ", ") + parameters.all()[own].full_name();
   }
   if (count > 4) names += fmt::format(" and {} more", count - 4);
   return names;
@@ -84,7 +84,7 @@ LinkChoice identifiable_links(const LinkParameters& parameters, const LinkNormal
   for (int k = 0; k < parameters.size(); ++k) {
     const bool chosen = std::binary_search(out.independent.begin(), out.independent.end(), k);
     if (chosen) continue;
-    out.why[static_cast<std::size_t>(k)] =
+    out.why[k] =
         scale[k] <= 1e-12 * scale.maxCoeff()
             ? "does not move the tracked frame in these poses"
             : "cannot be told from " + made_of(parameters, base, k);
@@ -95,7 +95,7 @@ LinkChoice identifiable_links(const LinkParameters& parameters, const LinkNormal
     double most = 1.0;
     for (std::size_t k = 0; k < out.independent.size(); ++k) {
       const LinkParameter& p =
-          parameters.all()[static_cast<std::size_t>(out.independent[k])];
+          parameters.all()[out.independent[k]];
       // Poses of base and tool are always needed.
       if (p.kind == LinkParameter::Kind::kBase || p.kind == LinkParameter::Kind::kTool) continue;
       const double share = 2.0 * s[static_cast<Eigen::Index>(k)] / loose(p);
@@ -104,8 +104,8 @@ LinkChoice identifiable_links(const LinkParameters& parameters, const LinkNormal
       worst = static_cast<int>(k);
     }
     if (worst < 0) break;
-    const int p = out.independent[static_cast<std::size_t>(worst)];
-    out.why[static_cast<std::size_t>(p)] = "hardly moves the tracked frame in these poses";
+    const int p = out.independent[worst];
+    out.why[p] = "hardly moves the tracked frame in these poses";
     out.independent.erase(out.independent.begin() + worst);
   }
   return out;
@@ -125,17 +125,17 @@ std::vector<LinkGain> gains(const LinkNormal& normal, const std::vector<int>& ac
   if (!active.empty()) {
     const MatrixXd C = block(normal.N, all, active);
     const MatrixXd inverse = inverse_of(normal.N, active);
-    VectorXd g_active(static_cast<Eigen::Index>(active.size()));
+    VectorXd g_active(active.size());
     for (std::size_t k = 0; k < active.size(); ++k)
       g_active[static_cast<Eigen::Index>(k)] = normal.g[active[k]];
     N -= C * inverse * C.transpose();
     g -= C * inverse * g_active;
   }
-  std::vector<LinkGain> out(static_cast<std::size_t>(p));
+  std::vector<LinkGain> out(p);
   for (int k = 0; k < p; ++k) {
     if (!(N(k, k) > kDependent * normal.N(k, k))) continue;
     if (std::find(active.begin(), active.end(), k) != active.end()) continue;
-    out[static_cast<std::size_t>(k)] = {g[k] * g[k] / N(k, k), -g[k] / N(k, k),
+    out[k] = {g[k] * g[k] / N(k, k), -g[k] / N(k, k),
                                         1.0 / std::sqrt(N(k, k))};
   }
   return out;

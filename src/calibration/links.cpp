@@ -38,7 +38,7 @@ int last_frame(const Model& arm) {
   int best = 0;
   for (std::size_t k = 0; k < depth.size(); ++k) {
     for (int i = 0; i < arm.joints(); ++i) depth[k] += arm.moves(static_cast<int>(k), i) ? 1 : 0;
-    if (depth[k] >= depth[static_cast<std::size_t>(best)]) best = static_cast<int>(k);
+    if (depth[k] >= depth[best]) best = static_cast<int>(k);
   }
   return best;
 }
@@ -55,8 +55,8 @@ struct Attachment {
 };
 
 std::vector<int> every_row(int frames) {
-  std::vector<int> out(static_cast<std::size_t>(frames));
-  for (int k = 0; k < frames; ++k) out[static_cast<std::size_t>(k)] = k;
+  std::vector<int> out(frames);
+  for (int k = 0; k < frames; ++k) out[k] = k;
   return out;
 }
 
@@ -75,7 +75,7 @@ Attachment attach(const Model& arm, int frame, const PoseCapture& poses, bool ba
   a.data.rows = every_row(poses.frames());
   a.data.is_outlier.assign(static_cast<std::size_t>(poses.frames()), 0);
   for (int k = 0; k < a.parameters->size(); ++k) {
-    const Kind kind = a.parameters->all()[static_cast<std::size_t>(k)].kind;
+    const Kind kind = a.parameters->all()[k].kind;
     if (kind == Kind::kBase || kind == Kind::kTool) a.attached.push_back(k);
   }
   a.start = VectorXd::Zero(a.parameters->size());
@@ -165,18 +165,18 @@ int best_gain(const LinkParameters& parameters, const std::vector<LinkGain>& gai
   int best = -1;
   double change = 0.0;
   for (int k = 0; k < parameters.size(); ++k) {
-    const LinkGain& one = gain[static_cast<std::size_t>(k)];
+    const LinkGain& one = gain[k];
     if (one.gain < (1.0 - kSameGain) * most || most == 0.0) continue;
-    const double own = relative_change(parameters.all()[static_cast<std::size_t>(k)], one);
+    const double own = relative_change(parameters.all()[k], one);
     if (best >= 0 && !(own < change)) continue;
     best = k;
     change = own;
   }
   rivals.clear();
   for (int k = 0; k < parameters.size(); ++k) {
-    if (k == best || gain[static_cast<std::size_t>(k)].gain < kRival * most) continue;
+    if (k == best || gain[k].gain < kRival * most) continue;
     rivals += (rivals.empty() ? "" : ", ") +
-              parameters.all()[static_cast<std::size_t>(k)].full_name();
+              parameters.all()[k].full_name();
   }
   return best;
 }
@@ -262,7 +262,7 @@ double serial_correlation(Attachment& a) {
         a.chain->pose(a.data.poses->q.row(row), nullptr).translation() -
         a.data.poses->poses[at].translation();
     for (int c = 0; c < 3; ++c)
-      series[static_cast<std::size_t>(c)].push_back(a.data.is_outlier[at] != 0 ? std::nan("")
+      series[c].push_back(a.data.is_outlier[at] != 0 ? std::nan("")
                                                                               : r[c]);
   }
   return correlation_factor(series);
@@ -278,14 +278,14 @@ void list_constants(const Attachment& a, const Explanation& e, const std::vector
   const double scale = std::sqrt(
       normal.chi2 / std::max(1.0, normal.residuals - 1.0 * active.size()) * out.correlation);
   for (int k = 0; k < a.parameters->size(); ++k) {
-    const LinkParameter& p = a.parameters->all()[static_cast<std::size_t>(k)];
+    const LinkParameter& p = a.parameters->all()[k];
     LinkConstant c;
     c.name = p.name;
     c.frame = p.frame;
     c.unit = p.unit;
     c.file = p.file;
     c.found = p.file + x[k];
-    c.why = a.choice.why[static_cast<std::size_t>(k)];
+    c.why = a.choice.why[k];
     const auto at = std::find(active.begin(), active.end(), k);
     double centre = c.found;
     double deviation = 0.0;
@@ -294,7 +294,7 @@ void list_constants(const Attachment& a, const Explanation& e, const std::vector
       deviation = s[at - active.begin()];
       c.changed = p.kind != Kind::kBase && p.kind != Kind::kTool;
     } else {
-      const LinkGain& one = more[static_cast<std::size_t>(k)];
+      const LinkGain& one = more[k];
       centre += one.step;
       deviation = one.deviation;
     }
@@ -319,7 +319,7 @@ std::string why_not(const Model& arm, const PoseCapture& poses) {
   const VectorXd range = poses.q.colwise().maxCoeff() - poses.q.colwise().minCoeff();
   std::string still;
   for (int i = 0; i < arm.joints(); ++i) {
-    const Coordinate& c = arm.coordinates()[static_cast<std::size_t>(i)];
+    const Coordinate& c = arm.coordinates()[i];
     if (range[i] > (c.prismatic ? 1e-3 : 0.01)) return "";
     still += (still.empty() ? "" : ", ") + c.name;
   }
@@ -340,7 +340,7 @@ LinksCalibration calibrate_links(const Model& arm, const PoseCapture& poses,
   LinksCalibration out;
   out.robot = arm.name();
   out.source = poses.source;
-  out.frame = arm.frames()[static_cast<std::size_t>(frame)].name;
+  out.frame = arm.frames()[frame].name;
   out.frames = poses.frames();
   out.reason = why_not(arm, poses);
   if (!out.reason.empty()) return out;

@@ -31,7 +31,7 @@ std::string verdict(const LinksCalibration& r) {
                                          : fmt::format("{} constants differ from the file and "
                                                        "explain all:\n", r.named.size());
   for (const int k : r.named) {
-    const LinkConstant& c = r.constants[static_cast<std::size_t>(k)];
+    const LinkConstant& c = r.constants[k];
     text += fmt::format("  {} is {} there; the poses ask for {} ({} to {}).{}\n", title(c),
                         shown(c.file, c.unit), shown(c.found, c.unit), shown(c.low, c.unit),
                         shown(c.high, c.unit), c.why.empty() ? "" : " It " + c.why + ".");

@@ -52,7 +52,7 @@ class Exchange {
   MatrixXd information(const std::vector<int>& which) const {
     MatrixXd N = prior_;
     for (const int k : which) {
-      const MatrixXd r = rows_[static_cast<std::size_t>(k)] * scale_.asDiagonal();
+      const MatrixXd r = rows_[k] * scale_.asDiagonal();
       N.noalias() += r.transpose() * r;
     }
     return N;
@@ -72,7 +72,7 @@ class Exchange {
     rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(k));
     const Eigen::LDLT<MatrixXd> solver(information(rest));
     const auto worth = [&](int candidate) {
-      const MatrixXd r = rows_[static_cast<std::size_t>(candidate)] * scale_.asDiagonal();
+      const MatrixXd r = rows_[candidate] * scale_.asDiagonal();
       const MatrixXd M = MatrixXd::Identity(r.rows(), r.rows()) + r * solver.solve(r.transpose());
       return M.ldlt().vectorD().cwiseMax(1e-300).array().log().sum();
     };
@@ -137,7 +137,7 @@ PoseDesign design_poses(const Model& arm, const PoseDesignOptions& options) {
   require(frame >= 0, "robot '", arm.name(), "': found no frame '", options.frame, "'.");
   PoseDesign out;
   out.robot = arm.name();
-  out.frame = arm.frames()[static_cast<std::size_t>(frame)].name;
+  out.frame = arm.frames()[frame].name;
   const MotionLimits limits = motion_limits(arm);
   const VectorXd middle = 0.5 * (limits.lower + limits.upper);
   const VectorXd half = 0.5 * options.limit_share * (limits.upper - limits.lower);
@@ -174,7 +174,7 @@ PoseDesign design_poses(const Model& arm, const PoseDesignOptions& options) {
   for (const MatrixXd& J : full) {
     rows.emplace_back(J.rows(), out.constants);
     for (int c = 0; c < out.constants; ++c)
-      rows.back().col(c) = J.col(choice.independent[static_cast<std::size_t>(c)]);
+      rows.back().col(c) = J.col(choice.independent[c]);
   }
   Exchange exchange(rows, options.poses, random);
   exchange.improve();
@@ -183,14 +183,14 @@ PoseDesign design_poses(const Model& arm, const PoseDesignOptions& options) {
   LinkNormal designed{MatrixXd::Zero(parameters.size(), parameters.size()),
                       VectorXd::Zero(parameters.size()), 0.0, 0};
   for (int k = 0; k < options.poses; ++k) {
-    const auto at = static_cast<std::size_t>(exchange.chosen[static_cast<std::size_t>(k)]);
+    const auto at = static_cast<std::size_t>(exchange.chosen[k]);
     poses.row(k) = q[at];
     designed.N.noalias() += full[at].transpose() * full[at];
   }
   const VectorXd s = deviations(designed, choice.independent);
   for (int c = 0; c < out.constants; ++c) {
     const LinkParameter& p =
-        parameters.all()[static_cast<std::size_t>(choice.independent[static_cast<std::size_t>(c)])];
+        parameters.all()[choice.independent[c]];
     out.predictions.push_back({p.frame.empty() ? p.name : p.name + " of " + p.frame, p.unit, s[c]});
   }
   order(limits, options.rest, poses, out);

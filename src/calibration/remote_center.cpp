@@ -120,7 +120,7 @@ class PivotFit {
       out_.points.emplace_back(out_.rcm + r);
       all += r.cwiseAbs2();
       for (int c = 0; c < 3; ++c)
-        series[static_cast<std::size_t>(c)].push_back(out_.is_outlier[k] != 0 ? NAN : r[c]);
+        series[c].push_back(out_.is_outlier[k] != 0 ? NAN : r[c]);
       if (out_.is_outlier[k] != 0) continue;
       squares += r.cwiseAbs2();
       chi2 += r.dot(information(poses_[k]) * r);

@@ -46,7 +46,7 @@ class BodyFit {
 
   MatrixXd::ColXpr place(Eigen::Index marker, Eigen::Index frame) {
     MatrixXd& path =
-        capture_.markers[static_cast<std::size_t>(body_.markers[static_cast<std::size_t>(marker)])]
+        capture_.markers[body_.markers[marker]]
             .position;
     return path.col(frame);
   }
@@ -82,8 +82,8 @@ class BodyFit {
   }
 
   std::string name(Eigen::Index marker) const {
-    return capture_.markers[static_cast<std::size_t>(
-                                body_.markers[static_cast<std::size_t>(marker)])]
+    return capture_.markers[
+                                body_.markers[marker]]
         .name;
   }
 
@@ -170,11 +170,11 @@ class BodyFit {
     MatrixXd from(3, static_cast<Eigen::Index>(which.size()));
     MatrixXd to = from;
     for (std::size_t a = 0; a < which.size(); ++a) {
-      from.col(static_cast<Eigen::Index>(a)) = body_.shape.col(which[a]);
-      to.col(static_cast<Eigen::Index>(a)) = seen.col(which[a]);
+      from.col(a) = body_.shape.col(which[a]);
+      to.col(a) = seen.col(which[a]);
     }
-    body_.pose[static_cast<std::size_t>(frame)] = fitted_pose(from, to);
-    body_.seen[static_cast<std::size_t>(frame)] = 1;
+    body_.pose[frame] = fitted_pose(from, to);
+    body_.seen[frame] = 1;
   }
 
   // True if another order of the names fits the distances; the columns then have that order.
@@ -225,7 +225,7 @@ class BodyFit {
       return;
     }
     const Eigen::Matrix3d R =
-        body_.pose[static_cast<std::size_t>(first - body_.seen.begin())].linear();
+        body_.pose[first - body_.seen.begin()].linear();
     body_.shape = (R * body_.shape).eval();
     std::vector<double> left;
     double used = 0.0;

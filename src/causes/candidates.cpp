@@ -62,8 +62,8 @@ Candidate load_on(const Model& arm, FrameIndex frame) {
 
 // The frame that a link's frames are fixed to, itself if it moves; nothing: it is fixed to the world.
 std::optional<FrameIndex> link_of(const Model& arm, int frame) {
-  while (frame >= 0 && arm.frames()[static_cast<size_t>(frame)].type == JointType::kFixed)
-    frame = arm.frames()[static_cast<size_t>(frame)].parent;
+  while (frame >= 0 && arm.frames()[frame].type == JointType::kFixed)
+    frame = arm.frames()[frame].parent;
   return frame < 0 ? std::nullopt : std::make_optional(FrameIndex{frame});
 }
 
@@ -94,7 +94,7 @@ class Enumeration {
     for (const Axis& axis : axes_of(arm_)) {
       const JointIndex joint{main_coordinate(axis)};
       if (static_cast<size_t>(joint.value) < scope_.still.size() &&
-          scope_.still[static_cast<size_t>(joint.value)])
+          scope_.still[joint.value])
         continue;
       for (const AxisEffect* effect : axis_effects()) add(*effect, axis, joint);
       for (const ChannelEffect* channel : channel_effects()) {

@@ -17,7 +17,7 @@ std::vector<bool> carriers(const Model& arm) {
   for (size_t k = out.size(); k-- > 0;) {
     const Frame& frame = arm.frames()[k];
     if (frame.body) out[k] = true;
-    if (out[k] && frame.parent >= 0) out[static_cast<size_t>(frame.parent)] = true;
+    if (out[k] && frame.parent >= 0) out[frame.parent] = true;
   }
   return out;
 }
@@ -28,13 +28,13 @@ std::vector<KinematicError> row_constants(const Model& arm) {
   std::vector<KinematicError> out;
   const std::vector<bool> carries = carriers(arm);
   for (int k = 0; k < static_cast<int>(arm.frames().size()); ++k) {
-    const Frame& frame = arm.frames()[static_cast<size_t>(k)];
-    if (!frame.dh || !carries[static_cast<size_t>(k)]) continue;
+    const Frame& frame = arm.frames()[k];
+    if (!frame.dh || !carries[k]) continue;
     for (const char* name : {"theta", "alpha", "a", "d"}) out.push_back({name, FrameIndex{k}});
     for (int i = 0; i < arm.joints(); ++i) {
       const double c = frame.variable.coefficients[i];
       if (c == 0.0 || std::abs(c) == 1.0) continue;
-      out.push_back({"ratio of " + arm.coordinates()[static_cast<size_t>(i)].name, FrameIndex{k}});
+      out.push_back({"ratio of " + arm.coordinates()[i].name, FrameIndex{k}});
     }
   }
   return out;

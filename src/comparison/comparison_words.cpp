@@ -47,7 +47,7 @@ std::string capitalised(std::string words) {
 
 std::string joint_text(const Model& arm, int joint) {
   return fmt::format("joint {} ({})", joint,
-                     arm.coordinates()[static_cast<size_t>(joint - 1)].name);
+                     arm.coordinates()[joint - 1].name);
 }
 
 std::string effect_sentence(const Model& arm, const EffectTerm& term, const StandardParameter& p,
@@ -57,7 +57,7 @@ std::string effect_sentence(const Model& arm, const EffectTerm& term, const Stan
   if (name.rfind("coulomb", 0) == 0 || name.rfind("stribeck", 0) == 0) name[0] -= 'a' - 'A';
   const BoundEffect bound(arm, term);
   std::string which = bound.parameter_count() > 1
-                          ? " (" + bound.parameters()[static_cast<size_t>(p.component)].name + ")"
+                          ? " (" + bound.parameters()[p.component].name + ")"
                           : "";
   std::string joints;
   for (int i = 0; i < arm.joints(); ++i) {
@@ -75,7 +75,7 @@ std::string effect_sentence(const Model& arm, const EffectTerm& term, const Stan
 // those with the same unit and at least a fifth of its change.
 std::string joints_text(const Model& arm, const VectorXd& torque, int main) {
   const auto unit = [&arm](int joint) {
-    return effort_unit(arm.coordinates()[static_cast<size_t>(joint - 1)]);
+    return effort_unit(arm.coordinates()[joint - 1]);
   };
   std::string out = fmt::format("{} changed by up to {} {}", joint_text(arm, main),
                                 number_text(torque[main - 1], 0.0), unit(main));
@@ -104,7 +104,7 @@ std::string inertial_sentence(const Model& arm, const StandardTorque& torque,
   }
   return out + fmt::format("{} feels it when the arm moves, {} {} rms over the standard motion.",
                            joint_text(arm, d.joint), number_text(d.torque[i], 0.0),
-                           effort_unit(arm.coordinates()[static_cast<size_t>(i)]));
+                           effort_unit(arm.coordinates()[i]));
 }
 
 }  // namespace
@@ -120,10 +120,10 @@ std::string number_text(double value, double deviation) {
 
 std::string parameter_sentence(const Model& arm, const StandardTorque& torque, int standard,
                                const ModelDifference& difference) {
-  const StandardParameter& p = torque.parameters()[static_cast<size_t>(standard)];
+  const StandardParameter& p = torque.parameters()[standard];
   return capitalised(
       p.effect >= 0
-          ? effect_sentence(arm, arm.effects()[static_cast<size_t>(p.effect)], p, difference)
+          ? effect_sentence(arm, arm.effects()[p.effect], p, difference)
           : inertial_sentence(arm, torque, p, standard, difference));
 }
 
@@ -140,7 +140,7 @@ std::string joint_sentence(const Model& arm, JointQuantity which, const ModelDif
       what = "the weight that rests on";
       break;
     case JointQuantity::kWeightSlope:
-      what = arm.coordinates()[static_cast<size_t>(d.joint - 1)].prismatic
+      what = arm.coordinates()[d.joint - 1].prismatic
                  ? "the part of the weight that follows the position of"
                  : "the part of the weight that follows the angle of";
       break;

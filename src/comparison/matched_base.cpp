@@ -28,7 +28,7 @@ VectorXd values_of(const Model& arm, const std::vector<StandardParameter>& param
             "' without values in robot '", arm.name(),
             "', expected a model that identify or diagnose wrote.");
   }
-  VectorXd out(static_cast<Eigen::Index>(parameters.size()));
+  VectorXd out(parameters.size());
   for (std::size_t j = 0; j < parameters.size(); ++j)
     out[static_cast<Eigen::Index>(j)] = parameters[j].value;
   return out;
@@ -36,12 +36,12 @@ VectorXd values_of(const Model& arm, const std::vector<StandardParameter>& param
 
 std::string expression_of(const VectorXd& row, Eigen::Index leading,
                           const std::vector<StandardParameter>& parameters) {
-  std::string out = parameters[static_cast<std::size_t>(leading)].name;
+  std::string out = parameters[leading].name;
   for (Eigen::Index j = 0; j < row.size(); ++j) {
     if (j == leading || row[j] == 0.0) continue;
     const std::string size = fmt::format("{:.6g}", std::abs(row[j]));
     out += row[j] < 0.0 ? " - " : " + ";
-    out += (size == "1" ? "" : size + " ") + parameters[static_cast<std::size_t>(j)].name;
+    out += (size == "1" ? "" : size + " ") + parameters[j].name;
   }
   return out;
 }
@@ -57,7 +57,7 @@ bool take_identified(const IdentifiedBase& file, const std::vector<StandardParam
   out.free.resize(rows);
   out.scatter.resize(rows, file.parameters.front().scatter.size());
   for (Eigen::Index r = 0; r < rows; ++r) {
-    const IdentifiedParameter& p = file.parameters[static_cast<std::size_t>(r)];
+    const IdentifiedParameter& p = file.parameters[r];
     double sum = 0.0;
     double size = std::abs(p.value);
     for (const auto& [name, coefficient] : p.combination) {
@@ -89,7 +89,7 @@ void make_canonical(BaseNumbers& numbers) {
   const auto count = numbers.K.rows();
   MatrixXd leading(count, count);
   for (Eigen::Index r = 0; r < count; ++r)
-    leading.col(r) = numbers.K.col(numbers.leading[static_cast<std::size_t>(r)]);
+    leading.col(r) = numbers.K.col(numbers.leading[r]);
   if (leading.isIdentity(1e-9)) return;
   const auto solve = [&leading](MatrixXd& columns) {
     for (Eigen::Index c = 0; c < columns.cols(); ++c)
@@ -123,8 +123,8 @@ BaseNumbers base_numbers(const Model& arm) {
   }
   make_canonical(out);
   for (Eigen::Index r = 0; r < out.K.rows(); ++r) {
-    const int leading = out.leading[static_cast<std::size_t>(r)];
-    const StandardParameter& p = parameters[static_cast<std::size_t>(leading)];
+    const int leading = out.leading[r];
+    const StandardParameter& p = parameters[leading];
     out.names.push_back(p.name);
     out.units.push_back(p.unit);
     out.expressions.push_back(expression_of(out.K.row(r).transpose(), leading, parameters));
@@ -157,10 +157,10 @@ MatchedBase matched_base(const Model& before, const BaseNumbers& a, const Model&
   const std::vector<Eigen::Index> at_b = columns_of(names.after, scale_after);
   // Columns of combinations, scaled alike, over the parameters of both.
   const auto scaled = [&](const MatrixXd& K, const std::vector<Eigen::Index>& at) {
-    MatrixXd out = MatrixXd::Zero(static_cast<Eigen::Index>(scale.size()), K.rows());
+    MatrixXd out = MatrixXd::Zero(scale.size(), K.rows());
     for (std::size_t j = 0; j < at.size(); ++j)
       out.row(at[j]) =
-          scale[static_cast<std::size_t>(at[j])] * K.col(static_cast<Eigen::Index>(j)).transpose();
+          scale[at[j]] * K.col(j).transpose();
     return out;
   };
   const MatrixXd in_a = scaled(a.K, at_a);
@@ -169,7 +169,7 @@ MatchedBase matched_base(const Model& before, const BaseNumbers& a, const Model&
   for (Eigen::Index r = 0; r < in_a.cols(); ++r) {
     const VectorXd w = least_norm(in_b, in_a.col(r));
     if ((in_b * w - in_a.col(r)).norm() > kInSpan * in_a.col(r).norm()) {
-      out.only_before.push_back(a.expressions[static_cast<std::size_t>(r)]);
+      out.only_before.push_back(a.expressions[r]);
       continue;
     }
     out.parameters.push_back({static_cast<int>(r), a.free[r], w.dot(b.free),
@@ -178,7 +178,7 @@ MatchedBase matched_base(const Model& before, const BaseNumbers& a, const Model&
   for (Eigen::Index r = 0; r < in_b.cols(); ++r) {
     const VectorXd w = least_norm(in_a, in_b.col(r));
     if ((in_a * w - in_b.col(r)).norm() > kInSpan * in_b.col(r).norm())
-      out.only_after.push_back(b.expressions[static_cast<std::size_t>(r)]);
+      out.only_after.push_back(b.expressions[r]);
   }
   return out;
 }

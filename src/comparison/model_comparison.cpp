@@ -25,7 +25,7 @@ struct Side {
   // The model's own values, restricted to one kind.
   template <typename Keep>
   VectorXd values(Keep keep) const {
-    VectorXd out(static_cast<Eigen::Index>(torque.parameters().size()));
+    VectorXd out(torque.parameters().size());
     for (size_t j = 0; j < torque.parameters().size(); ++j) {
       const StandardParameter& p = torque.parameters()[j];
       out[static_cast<Eigen::Index>(j)] = keep(p) ? p.value : 0.0;
@@ -36,7 +36,7 @@ struct Side {
   // Standard parameters with these base parameters: the leading ones are set to them, because their
   // columns equal those of the base parameters.
   VectorXd standard(const VectorRef& base) const {
-    VectorXd out = VectorXd::Zero(static_cast<Eigen::Index>(torque.parameters().size()));
+    VectorXd out = VectorXd::Zero(torque.parameters().size());
     for (size_t r = 0; r < numbers.leading.size(); ++r)
       out[numbers.leading[r]] = base[static_cast<Eigen::Index>(r)];
     return out;
@@ -98,7 +98,7 @@ std::vector<TorqueDifference> torque_differences(const Side& a, const Side& b, b
   const bool known = a.numbers.clusters > 0 || b.numbers.clusters > 0;
   std::vector<TorqueDifference> out;
   for (int i = 0; i < a.arm.joints(); ++i) {
-    const Coordinate& c = a.arm.coordinates()[static_cast<size_t>(i)];
+    const Coordinate& c = a.arm.coordinates()[i];
     out.push_back({c.name, effort_unit(c), rms_a[i], rms_b[i], difference[i],
                    rms_a[i] > 0.0 ? difference[i] / rms_a[i] : kNaN, known ? chance[i] : kNaN,
                    of_bodies[i], of_effects[i]});
@@ -124,7 +124,7 @@ ModelDifference parameter_difference(const MatchedParameter& m, const Side& a,
                                      const std::vector<TorqueDifference>& joints) {
   const auto row = static_cast<size_t>(m.row);
   const int standard = a.numbers.leading[row];
-  const StandardParameter& p = a.torque.parameters()[static_cast<size_t>(standard)];
+  const StandardParameter& p = a.torque.parameters()[standard];
   ModelDifference d;
   d.quantity = "parameter";
   d.name = a.numbers.names[row];
@@ -136,11 +136,11 @@ ModelDifference parameter_difference(const MatchedParameter& m, const Side& a,
   d.torque = std::abs(d.difference) * a.torque.rms_of(standard);
   d.joint = main_joint(d.torque, joints) + 1;
   if (p.effect >= 0) {
-    const EffectTerm& term = a.arm.effects()[static_cast<size_t>(p.effect)];
+    const EffectTerm& term = a.arm.effects()[p.effect];
     d.effect = term.effect;
     d.joint = main_coordinate(term.axis) + 1;
   }
-  d.coordinate = a.arm.coordinates()[static_cast<size_t>(d.joint - 1)].name;
+  d.coordinate = a.arm.coordinates()[d.joint - 1].name;
   d.sentence = parameter_sentence(a.arm, a.torque, standard, d);
   return d;
 }
@@ -187,7 +187,7 @@ std::vector<ModelDifference> joint_differences(const Side& a, const Side& b,
       const VectorXd u_a = a.torque.quantity(which, i);
       const VectorXd u_b = b.torque.quantity(which, i);
       if (u_a.isZero(0.0) && u_b.isZero(0.0)) continue;
-      const Coordinate& coordinate = a.arm.coordinates()[static_cast<size_t>(i)];
+      const Coordinate& coordinate = a.arm.coordinates()[i];
       ModelDifference d;
       d.quantity = name_of(which);
       d.unit = unit_of(which, coordinate);
@@ -196,7 +196,7 @@ std::vector<ModelDifference> joint_differences(const Side& a, const Side& b,
       d.before = u_a.dot(free_a);
       d.after = u_b.dot(free_b);
       const auto scatter = [](const Side& side, const VectorXd& u) {
-        VectorXd leading(static_cast<Eigen::Index>(side.numbers.leading.size()));
+        VectorXd leading(side.numbers.leading.size());
         for (size_t r = 0; r < side.numbers.leading.size(); ++r)
           leading[static_cast<Eigen::Index>(r)] = u[side.numbers.leading[r]];
         return VectorXd(side.numbers.scatter.transpose() * leading);

@@ -60,8 +60,8 @@ std::map<std::string, std::vector<int>> terms_by_place(const Model& arm) {
     out[place_of(arm, arm.effects()[e])].push_back(static_cast<int>(e));
   for (auto& [place, terms] : out) {
     std::stable_sort(terms.begin(), terms.end(), [&arm](int a, int b) {
-      return shape_of(arm, arm.effects()[static_cast<std::size_t>(a)]) <
-             shape_of(arm, arm.effects()[static_cast<std::size_t>(b)]);
+      return shape_of(arm, arm.effects()[a]) <
+             shape_of(arm, arm.effects()[b]);
     });
   }
   return out;
@@ -70,9 +70,9 @@ std::map<std::string, std::vector<int>> terms_by_place(const Model& arm) {
 // True if the shapes differ so little that the parameters keep their meaning.
 bool comparable(const Model& before, int term_before, const Model& after, int term_after) {
   const std::vector<double> a =
-      shape_of(before, before.effects()[static_cast<std::size_t>(term_before)]);
+      shape_of(before, before.effects()[term_before]);
   const std::vector<double> b =
-      shape_of(after, after.effects()[static_cast<std::size_t>(term_after)]);
+      shape_of(after, after.effects()[term_after]);
   for (std::size_t s = 0; s < a.size(); ++s) {
     if (std::abs(a[s] - b[s]) > kLike * std::max(std::abs(a[s]), std::abs(b[s]))) return false;
   }
@@ -85,7 +85,7 @@ std::vector<std::pair<const Frame*, const Frame*>> common_frames(const Model& be
   std::vector<std::pair<const Frame*, const Frame*>> out;
   for (const Frame& frame : before.frames()) {
     const int there = after.find_frame(frame.name);
-    if (there >= 0) out.emplace_back(&frame, &after.frames()[static_cast<std::size_t>(there)]);
+    if (there >= 0) out.emplace_back(&frame, &after.frames()[there]);
   }
   return out;
 }
@@ -118,8 +118,8 @@ void compare_effects(const Model& before, const Model& after, Differences& out) 
                                            count_a > count_b ? "before" : "after", place, times)});
     }
     for (std::size_t k = 0; k < std::min(count_a, count_b); ++k) {
-      const EffectTerm& ta = before.effects()[static_cast<std::size_t>(in_a->second[k])];
-      const EffectTerm& tb = after.effects()[static_cast<std::size_t>(in_b->second[k])];
+      const EffectTerm& ta = before.effects()[in_a->second[k]];
+      const EffectTerm& tb = after.effects()[in_b->second[k]];
       const std::vector<double> sa = shape_of(before, ta);
       const std::vector<double> sb = shape_of(after, tb);
       const std::vector<EffectShape> shapes = find_effect(ta.effect).shapes();
@@ -164,19 +164,19 @@ void compare_bodies(const Model& before, const Model& after, Differences& out) {
     const Model& arm = first ? before : after;
     const Model& other = first ? after : before;
     for (const int k : arm.bodies()) {
-      const Frame& frame = arm.frames()[static_cast<std::size_t>(k)];
+      const Frame& frame = arm.frames()[k];
       if (other.find_frame(frame.name) >= 0) continue;
       const std::string mass = frame.body->phi ? fmt::format(" ({:.4g} kg)", (*frame.body->phi)[0]) : "";
       out.push_back({"body", fmt::format("only the model {} has the body {}{} on {}.", first ? "before" : "after", frame.name, mass,
-                                         frame.parent < 0 ? "the world" : arm.frames()[static_cast<std::size_t>(frame.parent)].name)});
+                                         frame.parent < 0 ? "the world" : arm.frames()[frame.parent].name)});
     }
   }
 }
 
 void compare_coordinates(const Model& before, const Model& after, Differences& out) {
   for (int i = 0; i < before.joints(); ++i) {
-    const Coordinate& a = before.coordinates()[static_cast<std::size_t>(i)];
-    const Coordinate& b = after.coordinates()[static_cast<std::size_t>(i)];
+    const Coordinate& a = before.coordinates()[i];
+    const Coordinate& b = after.coordinates()[i];
     if (same(a.drive_gain, b.drive_gain)) continue;
     out.push_back({"drive_gain",
                    fmt::format("drive gain of {}: {:.5g} before and {:.5g} after; where currents "
@@ -193,7 +193,7 @@ void compare_coordinates(const Model& before, const Model& after, Differences& o
 }
 
 std::string parent_of(const Model& arm, const Frame& frame) {
-  return frame.parent < 0 ? std::string() : arm.frames()[static_cast<std::size_t>(frame.parent)].name;
+  return frame.parent < 0 ? std::string() : arm.frames()[frame.parent].name;
 }
 
 std::string robot_text(const Model& arm) {
@@ -207,8 +207,8 @@ void require_one_arm(const Model& before, const Model& after) {
   std::string odd;
   if (before.joints() != after.joints()) odd = "the number of coordinates differs";
   for (int i = 0; odd.empty() && i < before.joints(); ++i) {
-    const std::string& a = before.coordinates()[static_cast<std::size_t>(i)].name;
-    const std::string& b = after.coordinates()[static_cast<std::size_t>(i)].name;
+    const std::string& a = before.coordinates()[i].name;
+    const std::string& b = after.coordinates()[i].name;
     if (a != b) odd = fmt::format("coordinate {} is '{}' and '{}'", i + 1, a, b);
   }
   for (const bool first : {true, false}) {
@@ -271,18 +271,18 @@ void forget_parameters(const std::set<std::string>& gone, const std::vector<Stan
   }
   if (!leads) return;
   // Other parameters lead: as many independent columns as there are combinations.
-  MatrixXd K = MatrixXd::Zero(static_cast<Eigen::Index>(base.parameters.size()), static_cast<Eigen::Index>(kept.size()));
+  MatrixXd K = MatrixXd::Zero(base.parameters.size(), static_cast<Eigen::Index>(kept.size()));
   for (Eigen::Index r = 0; r < K.rows(); ++r) {
-    const auto& combination = base.parameters[static_cast<std::size_t>(r)].combination;
+    const auto& combination = base.parameters[r].combination;
     for (Eigen::Index j = 0; j < K.cols(); ++j) {
-      const auto found = combination.find(kept[static_cast<std::size_t>(j)].name);
+      const auto found = combination.find(kept[j].name);
       if (found != combination.end()) K(r, j) = found->second;
     }
   }
   const std::vector<Eigen::Index> leading = independent_columns(K);
   for (std::size_t r = 0; r < base.parameters.size() && r < leading.size(); ++r) {
-    base.parameters[r].name = kept[static_cast<std::size_t>(leading[r])].name;
-    base.parameters[r].unit = kept[static_cast<std::size_t>(leading[r])].unit;
+    base.parameters[r].name = kept[leading[r]].name;
+    base.parameters[r].unit = kept[leading[r]].unit;
   }
 }
 
@@ -293,7 +293,7 @@ Model without_frames_of_its_own(const Model& arm, const Model& other) {
   std::set<std::string> gone;
   for (const StandardParameter& p : standard_parameters(arm)) {
     if (p.body < 0) continue;
-    const Frame& frame = arm.frames()[static_cast<std::size_t>(arm.bodies()[static_cast<std::size_t>(p.body)])];
+    const Frame& frame = arm.frames()[arm.bodies()[p.body]];
     if (other.find_frame(frame.name) < 0) gone.insert(p.name);
   }
   // Frames that hang on one of them come after it, and are of its own as well.
@@ -306,15 +306,15 @@ Model without_frames_of_its_own(const Model& arm, const Model& other) {
       // Frames without a body that are fixed to one, such as a flange, pass it on.
       InertialParameters phi = moved(*frame.body->phi, frame);
       int carrier = frame.parent;
-      while (carrier >= 0 && !d.frames[static_cast<std::size_t>(carrier)].body &&
-             d.frames[static_cast<std::size_t>(carrier)].type == JointType::kFixed) {
-        phi = moved(phi, d.frames[static_cast<std::size_t>(carrier)]);
-        carrier = d.frames[static_cast<std::size_t>(carrier)].parent;
+      while (carrier >= 0 && !d.frames[carrier].body &&
+             d.frames[carrier].type == JointType::kFixed) {
+        phi = moved(phi, d.frames[carrier]);
+        carrier = d.frames[carrier].parent;
       }
-      require(carrier >= 0 && d.frames[static_cast<std::size_t>(carrier)].body && d.frames[static_cast<std::size_t>(carrier)].body->phi,
+      require(carrier >= 0 && d.frames[carrier].body && d.frames[carrier].body->phi,
               "compare: found the body ", frame.name, " of '", arm.name(),
               "' on a link without a body, expected two models of one arm.");
-      *d.frames[static_cast<std::size_t>(carrier)].body->phi += phi;
+      *d.frames[carrier].body->phi += phi;
     }
     d.frames.erase(d.frames.begin() + static_cast<long>(k));
     for (Frame& below : d.frames) {
@@ -353,13 +353,13 @@ MatchingNames matching_names(const Model& before, const Model& after) {
       for (std::size_t k = 0; k < terms.size(); ++k) {
         const bool foreign = !first && other != a.end() && k < other->second.size() &&
                              !comparable(before, other->second[k], after, terms[k]);
-        of_term[static_cast<std::size_t>(terms[k])] =
+        of_term[terms[k]] =
             fmt::format("{}#{}{}", place, k, foreign ? "'" : "");
       }
     }
     for (const StandardParameter& p : standard_parameters(arm)) {
       const std::string name = p.effect < 0 ? p.name + (first || one_geometry ? "" : "'")
-                                            : of_term[static_cast<std::size_t>(p.effect)] +
+                                            : of_term[p.effect] +
                                                   p.name.substr(p.name.rfind('.'));
       (first ? out.before : out.after).push_back(name);
     }

@@ -58,15 +58,15 @@ StandardTorque::StandardTorque(const Model& arm) : parameters_(standard_paramete
   for (Eigen::Index i = 0; i < arm.joints(); ++i) {
     motion.ddq.setZero();
     motion.ddq.col(i).setOnes();
-    speeding_up_.push_back(columns.rows(segment_of(motion))[static_cast<size_t>(i)]);
+    speeding_up_.push_back(columns.rows(segment_of(motion))[i]);
   }
 }
 
 MatrixXd StandardTorque::torque(const VectorRef& values) const {
   MatrixXd out(motion_.rows(), motion_.joints());
   for (Eigen::Index i = 0; i < motion_.joints(); ++i) {
-    const JointRows& rows = moving_[static_cast<size_t>(i)];
-    VectorXd own(static_cast<Eigen::Index>(rows.parameters.size()));
+    const JointRows& rows = moving_[i];
+    VectorXd own(rows.parameters.size());
     for (size_t p = 0; p < rows.parameters.size(); ++p)
       own[static_cast<Eigen::Index>(p)] = values[rows.parameters[p]];
     out.col(i) = rows.A * own;
@@ -77,30 +77,30 @@ MatrixXd StandardTorque::torque(const VectorRef& values) const {
 VectorXd StandardTorque::rms_of(int parameter) const {
   VectorXd out(motion_.joints());
   for (Eigen::Index i = 0; i < out.size(); ++i)
-    out[i] = rms(column(moving_[static_cast<size_t>(i)], parameter))[0];
+    out[i] = rms(column(moving_[i], parameter))[0];
   return out;
 }
 
 VectorXd StandardTorque::weight_of(int parameter) const {
   VectorXd out(motion_.joints());
   for (Eigen::Index i = 0; i < out.size(); ++i)
-    out[i] = column(resting_[static_cast<size_t>(i)], parameter).cwiseAbs().maxCoeff();
+    out[i] = column(resting_[i], parameter).cwiseAbs().maxCoeff();
   return out;
 }
 
 VectorXd StandardTorque::column_sizes() const {
-  VectorXd out(static_cast<Eigen::Index>(parameters_.size()));
+  VectorXd out(parameters_.size());
   for (Eigen::Index p = 0; p < out.size(); ++p) out[p] = rms_of(static_cast<int>(p)).norm();
   return out;
 }
 
 // The columns of bodies (or of effects) times a row of weights.
 VectorXd StandardTorque::projected(const JointRows& rows, const VectorXd& on, bool bodies) const {
-  VectorXd out = VectorXd::Zero(static_cast<Eigen::Index>(parameters_.size()));
+  VectorXd out = VectorXd::Zero(parameters_.size());
   for (size_t c = 0; c < rows.parameters.size(); ++c) {
     const int p = rows.parameters[c];
-    if ((parameters_[static_cast<size_t>(p)].effect < 0) != bodies) continue;
-    out[p] = on.dot(rows.A.col(static_cast<Eigen::Index>(c)));
+    if ((parameters_[p].effect < 0) != bodies) continue;
+    out[p] = on.dot(rows.A.col(c));
   }
   return out;
 }

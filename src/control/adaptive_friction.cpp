@@ -53,7 +53,7 @@ void AdaptiveFriction::update(const ArmState& arm, const VectorXd& missing, doub
   if (!options_.enabled || !(dt > 0.0) || !missing.allFinite() || !(friction.share() > 0.0)) return;
   for (int k = 0; k < friction.axes(); ++k) {
     const VectorXd& c = friction.axis(k);
-    Learned& axis = axes_[static_cast<size_t>(k)];
+    Learned& axis = axes_[k];
     // The mean over the cycle that `missing` belongs to: noise that lifts its end over the deadband
     // would make the acceleration of the chosen cycles too large.
     const double v = 0.5 * (axis.speed + c.dot(arm.dq()));

@@ -137,14 +137,14 @@ void CooperativeController::restart(const std::vector<Vector3d>& tips) noexcept 
 bool CooperativeController::move(const Vector3d& displacement, double duration) noexcept {
   if (!commands_allowed()) return false;
   scratch3_ =
-      centre_.goal() + options_.R_world_arm[static_cast<size_t>(options_.leader)].lazyProduct(displacement);
+      centre_.goal() + options_.R_world_arm[options_.leader].lazyProduct(displacement);
   return centre_.move_to(scratch3_, duration);
 }
 
 bool CooperativeController::turn(const Vector3d& euler, double duration) noexcept {
   if (!commands_allowed() || !angle_.arrived() || !euler.allFinite() || !(duration > 0.0))
     return false;
-  const Eigen::Matrix3d& R_leader = options_.R_world_arm[static_cast<size_t>(options_.leader)];
+  const Eigen::Matrix3d& R_leader = options_.R_world_arm[options_.leader];
   const Eigen::AngleAxisd whole(Eigen::AngleAxisd(euler.z(), Vector3d::UnitZ()) *
                                 Eigen::AngleAxisd(euler.y(), Vector3d::UnitY()) *
                                 Eigen::AngleAxisd(euler.x(), Vector3d::UnitX()));
@@ -170,7 +170,7 @@ bool CooperativeController::expand_grasp(double by, double duration) noexcept {
 bool CooperativeController::move_arm(int arm, const Vector3d& displacement, double duration) noexcept {
   if (!commands_allowed() || arm < 0 || arm >= arms()) return false;
   const Eigen::Matrix3d R = Eigen::AngleAxisd(angle_.x()[0], axis_).toRotationMatrix() * R_start_;
-  QuinticInterpolator& grip = grips_[static_cast<size_t>(arm)];
+  QuinticInterpolator& grip = grips_[arm];
   scratch3_ = grip.goal() + R.transpose().lazyProduct(displacement);
   return grip.move_to(scratch3_, duration);
 }
@@ -288,8 +288,8 @@ bool CooperativeController::drifts(size_t member, const ForceReading& reading,
                                    const CooperativeInput& input) noexcept {
   Watch& watch = watches_[member];
   const CooperativeMember& m = options_.members[member];
-  const Vector3d& from = input.position[static_cast<size_t>(m.from)];
-  const Vector3d& to = input.position[static_cast<size_t>(m.to)];
+  const Vector3d& from = input.position[m.from];
+  const Vector3d& to = input.position[m.to];
   const double length = (to - from).norm();
   if (!watch.compared || (wanted_.arrived() && !arrived_)) {
     watch.compared = true;
@@ -358,7 +358,7 @@ CooperativeState CooperativeController::judge(const CooperativeInput& input) noe
     const CooperativeMember& m = options_.members[k];
     if (makes_energy(k, reading, input)) return CooperativeState::kEnergyMade;
     const double length =
-        (input.position[static_cast<size_t>(m.to)] - input.position[static_cast<size_t>(m.from)])
+        (input.position[m.to] - input.position[m.from])
             .norm();
     if (reading.number >= 0 && is_stuck(k, reading, length)) return CooperativeState::kSensorStuck;
     if (reading.number >= 0 && jumps(k, reading, length)) return CooperativeState::kSensorJumped;
@@ -391,7 +391,7 @@ void CooperativeController::learn_lengths(const CooperativeInput& input) noexcep
     if (tracked_[k] == 0 || input.force[k].number < 0) continue;
     const CooperativeMember& m = options_.members[k];
     const Vector3d line =
-        input.position[static_cast<size_t>(m.to)] - input.position[static_cast<size_t>(m.from)];
+        input.position[m.to] - input.position[m.from];
     guard_.learn(static_cast<int>(k), line.norm(), input.force[k].force);
   }
 }
@@ -402,8 +402,8 @@ void CooperativeController::give_way(const CooperativeInput& input) noexcept {
     for (size_t k = 0; k < trackers_.size(); ++k) {
       const CooperativeMember& m = options_.members[k];
       // The length of a member needs both positions; without them only forces count.
-      if (input.located[static_cast<size_t>(m.from)] == 0 ||
-          input.located[static_cast<size_t>(m.to)] == 0)
+      if (input.located[m.from] == 0 ||
+          input.located[m.to] == 0)
         guard_.forget(static_cast<int>(k));
       if (tracked_[k] != 0 && !sensor_failed()) guard_.feel(static_cast<int>(k), input.force[k].force);
     }

@@ -20,7 +20,7 @@ double pick(const Deadband& deadband, bool prismatic) {
 double weighted(const BoundEffect& term, const EffectColumns& row) {
   double sum = 0.0;
   for (int p = 0; p < term.parameter_count(); ++p)
-    sum += row[static_cast<size_t>(p)] * term.values()[static_cast<size_t>(p)];
+    sum += row[p] * term.values()[p];
   return sum;
 }
 
@@ -68,7 +68,7 @@ void FrictionCompensation::reset() noexcept {
 
 bool FrictionCompensation::set_scale(int k, double scale) noexcept {
   if (k < 0 || k >= axes() || !(scale >= 0.0 && options_.share * scale <= 2.0)) return false;
-  axes_[static_cast<size_t>(k)].scale = scale;
+  axes_[k].scale = scale;
   return true;
 }
 
@@ -92,7 +92,7 @@ double FrictionCompensation::sliding(const Axis& axis, double direction, double 
 }
 
 double FrictionCompensation::sliding(int k, double direction, double speed) const noexcept {
-  return sliding(axes_[static_cast<size_t>(k)], direction, speed);
+  return sliding(axes_[k], direction, speed);
 }
 
 double FrictionCompensation::tank_level(const Axis& axis) noexcept {
@@ -101,7 +101,7 @@ double FrictionCompensation::tank_level(const Axis& axis) noexcept {
 }
 
 double FrictionCompensation::tank_level(int k) const noexcept {
-  return tank_level(axes_[static_cast<size_t>(k)]);
+  return tank_level(axes_[k]);
 }
 
 double FrictionCompensation::by_velocity(const Axis& axis, double v, double v_wanted,

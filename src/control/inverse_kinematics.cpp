@@ -30,7 +30,7 @@ InverseKinematics::InverseKinematics(const Model& arm, const Tip& tip,
           "InverseKinematics: found a tolerance, step or number of iterations that is not above "
           "zero.");
   for (int i = 0; i < arm.joints(); ++i) {
-    const Coordinate& c = arm.coordinates()[static_cast<size_t>(i)];
+    const Coordinate& c = arm.coordinates()[i];
     lower_[i] = c.limits.lower;
     upper_[i] = c.limits.upper;
     if (c.prismatic) unit_[i] = inverse_.length();

@@ -67,7 +67,7 @@ class Rows {
     MatrixXd J = out.jacobian;
     J.topRows(3) /= length_;
     for (Eigen::Index i = 0; i < J.cols(); ++i) {
-      if (table_.prismatic[static_cast<size_t>(i)]) J.col(i) *= length_;
+      if (table_.prismatic[i]) J.col(i) *= length_;
     }
     out.position = conditioning(J.topRows(3));
     out.pose = conditioning(J);
@@ -231,7 +231,7 @@ std::string KinematicTable::report() const {
                        p.x(), p.y(), p.z(), r.w(), r.x(), r.y(), r.z());
     out += "Joints";
     for (Eigen::Index i = 0; i < rows.front().q.size(); ++i)
-      out += fmt::format(" {} {:.6f}", joints[static_cast<size_t>(i)], rows.front().q[i]);
+      out += fmt::format(" {} {:.6f}", joints[i], rows.front().q[i]);
     out += ".\n";
   } else if (!rows.empty()) {
     out += fmt::format("Tip from {:.4g} to {:.4g} m off the base.\n", nearest, farthest);

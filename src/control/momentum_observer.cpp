@@ -23,11 +23,11 @@ FrictionOptions whole_friction() {
 // For each coordinate the first frame with a body that it moves, or the number of frames if there
 // is none.
 std::vector<int> first_frames(const Model& arm) {
-  std::vector<int> first(static_cast<size_t>(arm.joints()), static_cast<int>(arm.frames().size()));
+  std::vector<int> first(arm.joints(), static_cast<int>(arm.frames().size()));
   for (int i = 0; i < arm.joints(); ++i) {
     for (const int k : arm.bodies()) {
       if (!arm.moves(k, i)) continue;
-      first[static_cast<size_t>(i)] = k;
+      first[i] = k;
       break;
     }
   }
@@ -58,7 +58,7 @@ MomentumObserver::MomentumObserver(const Model& arm, const Tip& tip,
           " cycles, expected both above zero.");
   std::iota(order_.begin(), order_.end(), 0);
   std::stable_sort(order_.begin(), order_.end(), [this](int a, int b) {
-    return frames_[static_cast<size_t>(a)] > frames_[static_cast<size_t>(b)];
+    return frames_[a] > frames_[b];
   });
   for (int& frame : frames_) {
     if (frame == static_cast<int>(arm.frames().size())) frame = -1;
@@ -105,7 +105,7 @@ const VectorXd& MomentumObserver::update(const ArmState& arm, const VectorXd& ta
   inverse_.solve_wrench(r_, wrench_);
   coordinate_ = -1;
   for (const int i : order_) {
-    int& count = above_[static_cast<size_t>(i)];
+    int& count = above_[i];
     count = std::abs(r_[i]) > threshold_[i] ? std::min(count + 1, options_.cycles) : 0;
     if (coordinate_ < 0 && count >= options_.cycles) coordinate_ = i;
   }

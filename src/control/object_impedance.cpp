@@ -41,7 +41,7 @@ Vector3d turn_between(const Matrix3d& R, const Matrix3d& R_wanted) {
 ObjectImpedance::ObjectImpedance(const ObjectImpedanceOptions& options)
     : options_(options),
       reach_(0.0),
-      internal_(Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(options.grasps.size()),
+      internal_(Eigen::MatrixXd::Zero(options.grasps.size(),
                                       static_cast<Eigen::Index>(options.grasps.size()))),
       targets_(options.grasps.size()) {
   require(!options.grasps.empty(), "object impedance: found no grasps, expected at least one.");

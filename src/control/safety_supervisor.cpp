@@ -47,7 +47,7 @@ SafetyLimits safety_limits(const Model& arm, double torque) {
   limits.lower = limits.upper = limits.velocity = limits.torque = limits.tracking =
       VectorXd::Zero(n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const Coordinate& c = arm.coordinates()[static_cast<size_t>(i)];
+    const Coordinate& c = arm.coordinates()[i];
     limits.lower[i] = c.limits.lower;
     limits.upper[i] = c.limits.upper;
     limits.velocity[i] = c.limits.velocity;
@@ -305,10 +305,10 @@ void SafetySupervisor::act(const ArmState& arm, const VectorXd& tau, double dt) 
 
 void SafetySupervisor::note(const Finding& found) noexcept {
   for (int k = 0; k < events_; ++k) {
-    if (event_[static_cast<size_t>(k)].fault == found.fault) return;
+    if (event_[k].fault == found.fault) return;
   }
   if (events_ < static_cast<int>(event_.size()))
-    event_[static_cast<size_t>(events_++)] = {found.fault, found.joint, fault_for_};
+    event_[events_++] = {found.fault, found.joint, fault_for_};
 }
 
 const VectorXd& SafetySupervisor::update(const ArmState& arm, const SafetyInput& input,

@@ -20,7 +20,7 @@ double characteristic_length(const Model& arm, const Tip& tip) {
   int count = 0;
   for (int i = 0; i < arm.joints(); ++i) {
     const double swept = J.col(i).head<3>().squaredNorm();
-    if (arm.coordinates()[static_cast<size_t>(i)].prismatic || swept < 1e-12) continue;
+    if (arm.coordinates()[i].prismatic || swept < 1e-12) continue;
     sum += swept;
     ++count;
   }
@@ -40,7 +40,7 @@ TaskInverse::TaskInverse(const Model& arm, const Tip& tip, TaskRows rows,
           "TaskInverse: found a length of ", options.length, " m and a threshold of ",
           options.threshold, ", expected none below zero and a threshold above it.");
   for (int i = 0; i < arm.joints(); ++i) {
-    if (arm.coordinates()[static_cast<size_t>(i)].prismatic) unit_[i] = length_;
+    if (arm.coordinates()[i].prismatic) unit_[i] = length_;
   }
   U_.setIdentity();
   gain_.setZero();

@@ -52,7 +52,7 @@ void TetherGuard::forget(int member) noexcept {
 }
 
 void TetherGuard::feel(int member, double force) noexcept {
-  if (force < -options_.least_push) pushes_[static_cast<std::size_t>(member)] = 1;
+  if (force < -options_.least_push) pushes_[member] = 1;
 }
 
 void TetherGuard::learn(int member, double length, double force) noexcept {

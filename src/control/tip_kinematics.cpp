@@ -26,13 +26,13 @@ int tip_frame(const Model& arm, const Tip& tip) {
 // fixed.
 Model chain_to(const Model& arm, const Tip& tip) {
   std::vector<int> chain;
-  for (int k = tip_frame(arm, tip); k >= 0; k = arm.frames()[static_cast<size_t>(k)].parent)
+  for (int k = tip_frame(arm, tip); k >= 0; k = arm.frames()[k].parent)
     chain.insert(chain.begin(), k);
   ModelDescription out;
   out.name = arm.name();
   out.coordinates = arm.coordinates();
   for (size_t i = 0; i < chain.size(); ++i) {
-    Frame frame = arm.frames()[static_cast<size_t>(chain[i])];
+    Frame frame = arm.frames()[chain[i]];
     frame.parent = static_cast<int>(i) - 1;
     frame.body.reset();
     out.frames.push_back(std::move(frame));
@@ -68,12 +68,12 @@ std::string default_tip(const Model& arm) {
   std::vector<int> joints;  // above each frame, its own included
   int best = -1;
   for (const Frame& frame : arm.frames()) {
-    const int above = frame.parent < 0 ? 0 : joints[static_cast<size_t>(frame.parent)];
+    const int above = frame.parent < 0 ? 0 : joints[frame.parent];
     joints.push_back(above + (frame.type == JointType::kFixed ? 0 : 1));
-    if (best < 0 || joints.back() >= joints[static_cast<size_t>(best)])
+    if (best < 0 || joints.back() >= joints[best])
       best = static_cast<int>(joints.size()) - 1;
   }
-  return best < 0 ? "" : arm.frames()[static_cast<size_t>(best)].name;
+  return best < 0 ? "" : arm.frames()[best].name;
 }
 
 TipKinematics::TipKinematics(const Model& arm, const Tip& tip)

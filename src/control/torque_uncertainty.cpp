@@ -20,7 +20,7 @@ constexpr std::array<const char*, 10> kSymbols = {"m",   "hx",  "hy",  "hz",  "L
 
 int inertial_column(const Model& arm, const std::string& name) {
   for (size_t b = 0; b < arm.bodies().size(); ++b) {
-    const std::string& frame = arm.frames()[static_cast<size_t>(arm.bodies()[b])].name;
+    const std::string& frame = arm.frames()[arm.bodies()[b]].name;
     for (size_t k = 0; k < kSymbols.size(); ++k) {
       if (name == std::string(kSymbols[k]) + "_" + frame) return static_cast<int>(10 * b + k);
     }
@@ -88,9 +88,9 @@ void TorqueUncertainty::read_identified(const Model& arm) {
   }
   if (inertial.empty()) return;
   identified_ = true;
-  factor_ = MatrixXd::Zero(static_cast<Eigen::Index>(inertial.size()), factors);
+  factor_ = MatrixXd::Zero(inertial.size(), factors);
   for (size_t k = 0; k < inertial.size(); ++k)
-    factor_.row(static_cast<Eigen::Index>(k)).head(inertial[k]->scatter.size()) =
+    factor_.row(k).head(inertial[k]->scatter.size()) =
         inertial[k]->scatter.transpose();
   if (base.error.size() == arm.joints())
     unexplained_ = base.error.cwiseProduct(standard_torque(arm, friction_));
@@ -105,15 +105,15 @@ void TorqueUncertainty::add_parameters() noexcept {
   for (size_t k = 0; k < column_.size(); k = next) {
     const int body = column_[k] / 10;
     for (next = k; next < column_.size() && column_[next] / 10 == body;) ++next;
-    const int link = tree_.body_links[static_cast<size_t>(body)];
+    const int link = tree_.body_links[body];
     const BodyMotion<double> motion = body_motion(recursion_.link[link]);
     for (int m = links.link[link].first_support; m < links.link[link].end_support; ++m) {
       regressor_entries(motion, recursion_.jacobian[m],
-                        [&](int c, double value) { y[static_cast<size_t>(c)] = value; });
+                        [&](int c, double value) { y[c] = value; });
       const int i = links.support[m].coordinate;
       for (size_t at = k; at < next; ++at) {
         const auto row = static_cast<Eigen::Index>(at);
-        const double entry = y[static_cast<size_t>(column_[at] % 10)];
+        const double entry = y[column_[at] % 10];
         if (identified_)
           sum_.row(i) += entry * factor_.row(row);
         else

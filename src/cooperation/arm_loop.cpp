@@ -145,7 +145,7 @@ const VectorXd& ArmLoop::torque(const TipTarget& target, const Eigen::Vector3d& 
     adaptive_->update(state_, model_error_.missing(), period_, *friction_);
   asked_ = tau_;
   for (Eigen::Index i = 0; i < tau_.size(); ++i) {
-    const double limit = setup_.model.coordinates()[static_cast<size_t>(i)].limits.effort;
+    const double limit = setup_.model.coordinates()[i].limits.effort;
     if (std::isfinite(limit)) tau_[i] = std::clamp(tau_[i], -limit, limit);
   }
   sent(tau_);

@@ -24,7 +24,7 @@ VectorXd encoder_steps(const Model& model, const std::string& preset) {
   const SensorNoise noise = sensor_noise(preset);
   VectorXd out(model.joints());
   for (int i = 0; i < model.joints(); ++i) {
-    out[i] = model.coordinates()[static_cast<size_t>(i)].prismatic ? noise.encoder_step.prismatic
+    out[i] = model.coordinates()[i].prismatic ? noise.encoder_step.prismatic
                                                                    : noise.encoder_step.revolute;
   }
   return out;
@@ -105,12 +105,12 @@ void Experiment::add_walls() {
   for (size_t k = 0; k < scenario_.walls.size(); ++k) {
     const ScenarioWall& w = scenario_.walls[k];
     Wall wall;
-    wall.point = starts_[static_cast<size_t>(w.arm)] + w.point;
+    wall.point = starts_[w.arm] + w.point;
     wall.normal = w.normal;
     wall.stiffness = w.stiffness;
     wall.stiffening = w.stiffening;
     wall.damping = w.damping;
-    wall.touches = tips_[static_cast<size_t>(w.arm)];
+    wall.touches = tips_[w.arm];
     objects_.walls.push_back(wall);
     ForceSensorOptions sensor = w.sensor;
     sensor.seed = scenario_.seed + 2000 + static_cast<unsigned>(k);
@@ -160,11 +160,11 @@ void Experiment::begin(const ScenarioPhase& phase) {
 bool Experiment::command(const ScenarioCommand& c) {
   if (c.kind == ScenarioCommand::Kind::kRelease) {
     world_->detach(c.member);
-    held_[static_cast<size_t>(c.member)] = 0;
+    held_[c.member] = 0;
   }
   if (c.kind == ScenarioCommand::Kind::kTake) {
     world_->attach(c.member, world_->member(c.member).length);
-    held_[static_cast<size_t>(c.member)] = 1;
+    held_[c.member] = 1;
   }
   return give_command(c, *control_);
 }
@@ -216,18 +216,18 @@ void Experiment::read_contacts(double now) {
     wall_samples_[k] = wall_sensors_[k].read(now, wall_now_[k].force);
     double& reading = filtered_[sensors_.size() + k];
     reading += smoothing_ * (wall_samples_[k].force - reading);
-    forces_[static_cast<size_t>(walls_[k].touches.arm)] -= reading * walls_[k].normal;
+    forces_[walls_[k].touches.arm] -= reading * walls_[k].normal;
   }
   for (size_t b = 0; b < held_objects_.size(); ++b) {
     const std::vector<ScenarioBody::Grasp>& grasps = held_objects_[b].scenario().grasps;
     for (size_t g = 0; g < grasps.size(); ++g)
-      forces_[static_cast<size_t>(grasps[g].arm)] -=
+      forces_[grasps[g].arm] -=
           world_->grasp_force(static_cast<int>(b), static_cast<int>(g));
   }
 }
 
 double Experiment::wall_force(int wall) {
-  const Wall& w = walls_[static_cast<size_t>(wall)];
+  const Wall& w = walls_[wall];
   const World::PointMotion tip = world_->point(w.touches);
   return contact_force(w, -w.normal.dot(tip.position - w.point), -w.normal.dot(tip.velocity));
 }
@@ -262,8 +262,8 @@ bool Experiment::step() {
 // A joint that has left its range by the whole range, or whose arm flies: no arm follows any more.
 bool Experiment::is_lost() const {
   for (int k = 0; k < world_->arms(); ++k) {
-    if (limp_[static_cast<size_t>(k)] == 1) continue;  // a fault of the scenario
-    const std::vector<Coordinate>& joints = arms_[static_cast<size_t>(k)].coordinates();
+    if (limp_[k] == 1) continue;  // a fault of the scenario
+    const std::vector<Coordinate>& joints = arms_[k].coordinates();
     for (size_t i = 0; i < joints.size(); ++i) {
       const Limits& limits = joints[i].limits;
       const double q = world_->q(k)[static_cast<Eigen::Index>(i)];

@@ -30,12 +30,12 @@ class Experiment {
 
   World& world() { return *world_; }
   /// Model of the true arm.
-  const Model& real(int arm) const { return arms_[static_cast<size_t>(arm)]; }
+  const Model& real(int arm) const { return arms_[arm]; }
   int arms() const { return static_cast<int>(loops_.size()); }
   /// True place of an arm's tip in the world [m].
-  Eigen::Vector3d tip(int arm) const { return world_->point(tips_[static_cast<size_t>(arm)]).position; }
+  Eigen::Vector3d tip(int arm) const { return world_->point(tips_[arm]).position; }
   /// Torques that acted on an arm last [N m], [N].
-  const VectorXd& tau(int arm) const { return tau_[static_cast<size_t>(arm)]; }
+  const VectorXd& tau(int arm) const { return tau_[arm]; }
   /// True force of a wall on its arm now [N].
   double wall_force(int wall);
   const CooperativeController& controller() const { return *control_; }

@@ -7,7 +7,7 @@ using Eigen::Vector3d;
 
 Vector3d middle(const ScenarioBody& body, const std::vector<Vector3d>& tips) {
   Vector3d sum = Vector3d::Zero();
-  for (const ScenarioBody::Grasp& g : body.grasps) sum += tips[static_cast<size_t>(g.arm)];
+  for (const ScenarioBody::Grasp& g : body.grasps) sum += tips[g.arm];
   return sum / static_cast<double>(body.grasps.size());
 }
 
@@ -27,7 +27,7 @@ HeldObject::HeldObject(const ScenarioBody& body, const std::vector<Vector3d>& ti
   o.inertia = body.inertia;
   o.gravity = gravity;
   for (const ScenarioBody::Grasp& g : body.grasps)
-    o.grasps.push_back(tips[static_cast<size_t>(g.arm)] - centre);
+    o.grasps.push_back(tips[g.arm] - centre);
   o.wanted_mass = body.wanted_mass;
   o.damping = body.impedance_damping;
   o.stiffness = body.impedance_stiffness;
@@ -47,8 +47,8 @@ HeldBody HeldObject::in_world(const ScenarioBody& body, const std::vector<Vector
   out.position = middle(body, tips);
   for (const ScenarioBody::Grasp& g : body.grasps) {
     HeldBody::Grasp grasp;
-    grasp.held_by = held_by[static_cast<size_t>(g.arm)];
-    grasp.point_body = tips[static_cast<size_t>(g.arm)] - out.position;
+    grasp.held_by = held_by[g.arm];
+    grasp.point_body = tips[g.arm] - out.position;
     grasp.stiffness = g.stiffness;
     grasp.damping = g.damping;
     out.grasps.push_back(grasp);
@@ -78,7 +78,7 @@ void HeldObject::update(const CooperativeController& motion, const CooperativeIn
       impedance_->update(impedance_->estimate(positions_, velocities_), wanted_, Vector3d::Zero(),
                          Vector3d::Zero());
   for (size_t k = 0; k < body_.grasps.size(); ++k) {
-    TipTarget& target = targets[static_cast<size_t>(body_.grasps[k].arm)];
+    TipTarget& target = targets[body_.grasps[k].arm];
     target = hands[k];
     target.position += target.force / hand_stiffness_;
   }

@@ -26,7 +26,7 @@ MotionPlan plan_of(const Scenario& scenario) {
     const ScenarioModels models = scenario_models(scenario, k);
     VectorXd torque(models.known.joints());
     for (int i = 0; i < models.known.joints(); ++i)
-      torque[i] = models.known.coordinates()[static_cast<std::size_t>(i)].limits.effort;
+      torque[i] = models.known.coordinates()[i].limits.effort;
     arms.push_back({models.known, models.R_world_base_known, models.p_world_base_known, torque});
   }
   return {scenario, std::move(arms)};
@@ -169,7 +169,7 @@ class Live {
         const Vector3d tip = experiment_.tip(k);
         if (held_.size() <= static_cast<std::size_t>(k)) held_.push_back(tip);
         out_.moved_after_loss = std::max(out_.moved_after_loss,
-                                         (tip - held_[static_cast<std::size_t>(k)]).norm());
+                                         (tip - held_[k]).norm());
       }
     }
     if (out_.time >= told_) {
@@ -193,7 +193,7 @@ class Live {
                                    describe(experiment_.controller().state()));
     for (int k = 0; k < experiment_.arms(); ++k) {
       const Vector3d tip = experiment_.tip(k);
-      line += fmt::format(" {}={:.5f},{:.5f},{:.5f}", scenario_.arms[static_cast<std::size_t>(k)].name,
+      line += fmt::format(" {}={:.5f},{:.5f},{:.5f}", scenario_.arms[k].name,
                           tip.x(), tip.y(), tip.z());
     }
     for (std::size_t k = 0; k < scenario_.members.size(); ++k)

@@ -27,7 +27,7 @@ ImpedanceGains position_gains(const ScenarioControl& control) {
 
 double member_share(const Scenario& scenario, const ScenarioMember& member) {
   const auto is_stiff = [&](int arm) {
-    return scenario.arms[static_cast<size_t>(arm)].control == ArmControl::kPosition;
+    return scenario.arms[arm].control == ArmControl::kPosition;
   };
   return is_stiff(member.from) && is_stiff(member.to) ? 0.5 : 1.0;
 }
@@ -55,7 +55,7 @@ CooperativeOptions cooperative_options(const Scenario& scenario,
 }
 
 ForceSensorOptions sensor_options(const Scenario& scenario, int member) {
-  ForceSensorOptions sensor = scenario.members[static_cast<std::size_t>(member)].sensor;
+  ForceSensorOptions sensor = scenario.members[member].sensor;
   sensor.seed = scenario.seed + 1000 + static_cast<unsigned>(member);
   for (const ScenarioFault& fault : scenario.faults) {
     if (fault.member != member) continue;

@@ -11,7 +11,7 @@ namespace veridyn {
 Model with_parameter_errors(const Model& arm, double share, unsigned seed) {
   if (!(share > 0.0)) return arm;
   const std::vector<StandardParameter> parameters = standard_parameters(arm);
-  VectorXd phi(static_cast<Eigen::Index>(parameters.size()));
+  VectorXd phi(parameters.size());
   for (size_t k = 0; k < parameters.size(); ++k)
     phi[static_cast<Eigen::Index>(k)] = parameters[k].value;
   const BaseParameters base = base_parameters(arm);
@@ -19,7 +19,7 @@ Model with_parameter_errors(const Model& arm, double share, unsigned seed) {
   RandomNumbers random(seed, 77);
   for (int j = 0; j < base.size(); ++j) {
     const double sign = random.uniform() < 0.5 ? -1.0 : 1.0;
-    phi[base.independent[static_cast<size_t>(j)]] += sign * share * beta[j];
+    phi[base.independent[j]] += sign * share * beta[j];
   }
   const VectorXd none = VectorXd::Constant(phi.size(), std::numeric_limits<double>::quiet_NaN());
   return with_values(arm, phi, none);

@@ -26,7 +26,7 @@ InverseKinematicsOptions reach_options() {
 }
 
 Vector3d line_of(const CooperativeInput& seen, const ScenarioMember& m) {
-  return seen.position[static_cast<size_t>(m.to)] - seen.position[static_cast<size_t>(m.from)];
+  return seen.position[m.to] - seen.position[m.from];
 }
 
 std::string place(const Vector3d& x) { return text("(", x.x(), ", ", x.y(), ", ", x.z(), ") m"); }
@@ -45,8 +45,8 @@ MotionPlan::MotionPlan(const Scenario& scenario, std::vector<PlannedArm> arms)
                      TaskInverse(model, tip, TaskRows::kPosition), none, none, none, none});
   }
   for (const ScenarioWall& wall : scenario.walls) {
-    Arm& arm = arms_[static_cast<size_t>(wall.arm)];
-    arm.state.update(scenario.arms[static_cast<size_t>(wall.arm)].start, arm.none);
+    Arm& arm = arms_[wall.arm];
+    arm.state.update(scenario.arms[wall.arm].start, arm.none);
     walls_.push_back(arm.known.p_world_base +
                      arm.known.R_world_base * arm.state.tip().position() + wall.point);
   }
@@ -219,7 +219,7 @@ std::string MotionPlan::objection(State& state, std::size_t k) {
   }
   const double braking = SafetyLimits().braking;
   for (Eigen::Index i = 0; i < q.size(); ++i) {
-    const Coordinate& c = arm.known.model.coordinates()[static_cast<size_t>(i)];
+    const Coordinate& c = arm.known.model.coordinates()[i];
     const char* unit = c.prismatic ? "m" : "rad";
     if (std::abs(arm.dq[i]) > kSpeedShare * c.limits.velocity)
       return text("would move joint ", c.name, " with ", std::abs(arm.dq[i]), " ", unit,

@@ -80,7 +80,7 @@ PhaseFigures phase_figures(const Scenario& scenario, const ScenarioPhase& phase,
         figures_of(run.member[k], first, end, settled, 1.0 / scenario.control.rate));
     out.members.back().member = run.members[k];
   }
-  const ArmTrace& master = run.arm[static_cast<size_t>(scenario.master)];
+  const ArmTrace& master = run.arm[scenario.master];
   const MatrixXd off = (master.tip - master.motion).middleRows(first, end - first);
   out.position_error = off.rowwise().norm().maxCoeff();
   out.final_position_error = off.row(off.rows() - 1).norm();

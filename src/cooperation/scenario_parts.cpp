@@ -27,7 +27,7 @@ void check_arm(const ScenarioArm& arm, const Model& model) {
   require(arm.start.size() == model.joints(), "arm '", arm.name, "': found a start of ",
           arm.start.size(), " joints, expected the ", model.joints(), " of ", model.name(), ".");
   for (int i = 0; i < model.joints(); ++i) {
-    const Coordinate& c = model.coordinates()[static_cast<size_t>(i)];
+    const Coordinate& c = model.coordinates()[i];
     require(arm.start[i] >= c.limits.lower && arm.start[i] <= c.limits.upper, "arm '", arm.name,
             "': found joint ", c.name, " at ", arm.start[i], ", expected it within ",
             c.limits.lower, " to ", c.limits.upper, ".");

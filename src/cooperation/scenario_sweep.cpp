@@ -119,7 +119,7 @@ ScenarioSweepResult sweep_scenario(const Scenario& scenario, const std::string& 
   std::atomic<int> done{0};
   const auto count = static_cast<int>(out.points.size());
   parallel_for(count, threads, [&](int k) {
-    SweepPoint& point = out.points[static_cast<std::size_t>(k)];
+    SweepPoint& point = out.points[k];
     judge(run_scenario(at_point(scenario, point), engine), out.stable_error, point);
     const int now = ++done;
     if (progress) progress(static_cast<double>(now) / count);

@@ -53,7 +53,7 @@ void read_settings(const YamlNode& node, TeleoperationScenario& out) {
                                     [&](const ScenarioPhase& p) { return p.name == name; });
     if (phase == out.scenario.phases.end())
       entry.key_node.fail(entry.key_node.found(), "the name of a phase");
-    out.steps[static_cast<std::size_t>(phase - out.scenario.phases.begin())] =
+    out.steps[phase - out.scenario.phases.begin()] =
         read_step(entry.value, phase->duration);
   }
 }

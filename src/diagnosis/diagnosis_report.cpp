@@ -102,7 +102,7 @@ std::string joint_text(const Diagnosis& d, const JointVerdict& v) {
   const auto& joints = d.baseline.model->coordinates();
   std::string out =
       fmt::format("  joint {} ({}): {:.2f} = {:.2f} {} + {:.2f}: {}", v.joint.value + 1,
-                  joints[static_cast<size_t>(v.joint.value)].name, kPercent * v.held_out,
+                  joints[v.joint.value].name, kPercent * v.held_out,
                   kPercent * v.floor,
                   v.source == FloorSource::kRepeats ? "between repeats" : "that nothing predicts",
                   kPercent * v.removable, state_words(v.state));
@@ -130,7 +130,7 @@ std::string summary_text(const Diagnosis& d) {
 std::string worse_words(const Diagnosis& d, int joint) {
   const Eigen::Index i = joint - 1;
   const std::string name =
-      d.baseline.model ? d.baseline.model->coordinates()[static_cast<size_t>(i)].name : "";
+      d.baseline.model ? d.baseline.model->coordinates()[i].name : "";
   return fmt::format("the extended model is worse on joint {} ({}): {:.1f} -> {:.1f} % held out",
                      joint, name, kPercent * d.baseline.test_error.relative[i],
                      kPercent * d.extended.test_error.relative[i]);
@@ -143,7 +143,7 @@ std::string friction_table(const Diagnosis& d) {
   for (const JointNumber& n : d.friction) {
     if (n.joint != joint)
       out += fmt::format("{}  {:<22}", joint < 0 ? "" : "\n",
-                         d.extended.model->coordinates()[static_cast<size_t>(n.joint)].name);
+                         d.extended.model->coordinates()[n.joint].name);
     joint = n.joint;
     const std::string spread =
         std::isfinite(n.deviation) ? fmt::format(" +- {:.1g}", n.deviation) : std::string();

@@ -37,7 +37,7 @@ Travel travel_of(const Model& arm, const std::vector<Recording>& recordings) {
         count += 1.0;
       }
     }
-    const Coordinate& c = arm.coordinates()[static_cast<size_t>(i)];
+    const Coordinate& c = arm.coordinates()[i];
     if (travels(low, high, c.prismatic)) {
       out.moving.push_back(i);
     } else {
@@ -55,7 +55,7 @@ Recording of_joints(const Recording& r, const std::vector<int>& joints) {
     MatrixXd& some = out.*signal.values;
     some.resize(all.rows(), static_cast<Eigen::Index>(joints.size()));
     for (size_t k = 0; k < joints.size(); ++k)
-      some.col(static_cast<Eigen::Index>(k)) = all.col(joints[k]);
+      some.col(k) = all.col(joints[k]);
   }
   return out;
 }
@@ -63,7 +63,7 @@ Recording of_joints(const Recording& r, const std::vector<int>& joints) {
 MatrixXd torque_of(const Model& arm, const Recording& r) {
   if (r.tau.size() > 0 || r.current.size() == 0) return r.tau;
   MatrixXd tau = r.current;
-  for (int i = 0; i < arm.joints(); ++i) tau.col(i) *= arm.coordinates()[static_cast<size_t>(i)].drive_gain;
+  for (int i = 0; i < arm.joints(); ++i) tau.col(i) *= arm.coordinates()[i].drive_gain;
   return tau;
 }
 
@@ -96,7 +96,7 @@ std::vector<std::string> kinds_of_friction() {
 }
 
 std::vector<Ramp> ramps_of(const Model& arm, const Recording& r, const MatrixXd& tau, int joint) {
-  const Coordinate& c = arm.coordinates()[static_cast<size_t>(joint)];
+  const Coordinate& c = arm.coordinates()[joint];
   const VectorXd q = r.q.col(joint), effort = tau.col(joint);
   return find_ramps(c, r.time, q, effort, ramp_thresholds(c));
 }
@@ -106,7 +106,7 @@ bool is_of_ramps(const Model& arm, const Recording& r) {
   const MatrixXd tau = torque_of(arm, r);
   bool ramps = false;
   for (int i = 0; i < arm.joints(); ++i) {
-    const double speed = ramp_thresholds(arm.coordinates()[static_cast<size_t>(i)]).speed;
+    const double speed = ramp_thresholds(arm.coordinates()[i]).speed;
     if (sliding_share(r.time, r.q.col(i), speed) > 0.5) return false;
     ramps = ramps || (tau.size() > 0 && !ramps_of(arm, r, tau, i).empty());
   }
@@ -305,8 +305,8 @@ FrictionStudy study_friction(const Model& arm, const Recordings& recordings, con
   for (FrictionCurve& curve : friction_curves(out.fitted)) {
     JointFrictionStudy one;
     const int k = curve.joint;
-    one.joint = {travel.moving[static_cast<size_t>(k)]};
-    const Coordinate& c = open.coordinates()[static_cast<size_t>(k)];
+    one.joint = {travel.moving[k]};
+    const Coordinate& c = open.coordinates()[k];
     one.coordinate = c.name;
     one.unit = position_unit(c);
     one.effort = effort_unit(c);

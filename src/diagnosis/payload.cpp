@@ -137,12 +137,12 @@ PayloadReport find_on(const Model& model, const std::string& robot, const std::v
     });
     const std::string name = words_of(model, h.cause).frame;
     if (twin != asked.end()) {
-      out.links[static_cast<size_t>(twin - asked.begin())].others.push_back(name);
+      out.links[twin - asked.begin()].others.push_back(name);
       continue;
     }
     asked.push_back(&h);
     out.links.push_back(fit_payload(q.augmented, data, h));
-    out.links.back().gain = gains[static_cast<size_t>(&h - q.augmented.hypotheses.data())];
+    out.links.back().gain = gains[&h - q.augmented.hypotheses.data()];
   }
   put_best_first(model, limits, out.links);
   out.error_before = start.train_error.relative;

@@ -68,8 +68,8 @@ class RestDiagnosis {
       std::vector<RestFit> fits(open.size());
       parallel_for(static_cast<int>(open.size()), options_.identification.threads, [&](int k) {
         std::vector<EffectTerm> with = terms;
-        with.push_back(open[static_cast<size_t>(k)].term);
-        fits[static_cast<size_t>(k)] = fitted(with);
+        with.push_back(open[k].term);
+        fits[k] = fitted(with);
       });
       std::optional<size_t> best;
       for (size_t k = 0; k < open.size(); ++k) {
@@ -108,12 +108,12 @@ class RestDiagnosis {
     scope.wanted = forces_of_position(arm_);
     for (int i = 0; i < arm_.joints(); ++i) {
       const auto [low, high] = range(i);
-      scope.still.push_back(high - low <= limits_.still(arm_.coordinates()[static_cast<size_t>(i)].prismatic));
+      scope.still.push_back(high - low <= limits_.still(arm_.coordinates()[i].prismatic));
     }
     std::vector<RestQuestion> out;
     for (const Candidate& c : candidates(arm_, scope)) {
       if (c.own || !c.joint || (c.axis.coefficients.array() != 0.0).count() != 1) continue;
-      if (c.from && scope.still[static_cast<size_t>(c.from->value)]) continue;
+      if (c.from && scope.still[c.from->value]) continue;
       EffectTerm term;
       term.effect = effect_of(c.cause);
       term.axis = c.axis;
@@ -182,7 +182,7 @@ class RestDiagnosis {
     Finding f;
     f.cause = q.candidate.cause;
     f.joint = q.candidate.joint;
-    const bool slides = arm_.coordinates()[static_cast<size_t>(f.joint->value)].prismatic;
+    const bool slides = arm_.coordinates()[f.joint->value].prismatic;
     for (const EffectParameter& p : find_effect(q.term.effect).parameters())
       f.parameters.push_back({p.name, slides ? p.unit_prismatic : p.unit_revolute, 0.0, 0.0, 0.0});
     f.unit = f.parameters.front().unit;

@@ -50,9 +50,9 @@ RegressorBatch::RegressorBatch(const Model& arm)
       first_column_(tree_.bodies.size() * static_cast<size_t>(arm.joints()), -1) {
   for (size_t b = 0; b < tree_.bodies.size(); ++b) {
     if (tree_.bodies[b].link < 0) continue;
-    const Link& link = tree_.links[static_cast<size_t>(tree_.bodies[b].link)];
+    const Link& link = tree_.links[tree_.bodies[b].link];
     for (int m = link.first_support; m < link.end_support; ++m) {
-      const auto i = static_cast<size_t>(tree_.supports[static_cast<size_t>(m)].coordinate);
+      const auto i = static_cast<size_t>(tree_.supports[m].coordinate);
       first_column_[b * columns_.size() + i] = static_cast<int>(columns_[i].size());
       for (int c = 0; c < kBodyParameters; ++c)
         columns_[i].push_back(static_cast<int>(kBodyParameters * b) + c);
@@ -70,17 +70,17 @@ void RegressorBatch::evaluate(const MatrixRef& q, const MatrixRef& dq, const Mat
   const BatchInput in = input("RegressorBatch", joints(), q, dq, ddq);
   require(0 <= first && first <= end && end <= joints(), "RegressorBatch: joints ", first, " to ",
           end, " of ", joints(), ".");
-  Y.resize(static_cast<size_t>(joints()));
+  Y.resize(joints());
   for (int i = first; i < end; ++i) {
     const auto cols = static_cast<Eigen::Index>(columns(i).size());
     if (Y[i].rows() != in.rows || Y[i].cols() < cols) Y[i].resize(in.rows, cols);
   }
   const Links tree = tree_;
   const AlignedMemory workspace(arm_kernels().batch_workspace(tree));
-  std::vector<double*> data(static_cast<size_t>(joints()), nullptr);
+  std::vector<double*> data(joints(), nullptr);
   const ColumnsByJoint<double> out{data.data(), first_column_.data()};
   if (in.rows <= 2 * kBlockRows) {
-    for (int i = first; i < end; ++i) data[static_cast<size_t>(i)] = Y[i].data();
+    for (int i = first; i < end; ++i) data[i] = Y[i].data();
     arm_kernels().batch_regressor(tree, in, out, workspace.get());
     return;
   }
@@ -94,7 +94,7 @@ void RegressorBatch::evaluate(const MatrixRef& q, const MatrixRef& dq, const Mat
     const int rows = std::min(kBlockRows, in.rows - row);
     double* next = block;
     for (int i = first; i < end; ++i) {
-      data[static_cast<size_t>(i)] = next;
+      data[i] = next;
       next += columns(i).size() * static_cast<size_t>(rows);
     }
     const auto part = [row](const SampleColumns& of) {
@@ -103,7 +103,7 @@ void RegressorBatch::evaluate(const MatrixRef& q, const MatrixRef& dq, const Mat
     arm_kernels().batch_regressor(tree, {rows, part(in.q), part(in.dq), part(in.ddq)}, out,
                                      workspace.get());
     for (int i = first; i < end; ++i) {
-      const double* from = data[static_cast<size_t>(i)];
+      const double* from = data[i];
       const auto cols = static_cast<Eigen::Index>(columns(i).size());
       for (Eigen::Index c = 0; c < cols; ++c, from += rows)
         std::copy_n(from, rows, Y[i].data() + c * in.rows + row);
@@ -128,7 +128,7 @@ void RegressorBatch::gradient(const MatrixRef& q, const MatrixRef& dq, const Mat
           " joints, expected ", columns_.size(), ".");
   std::vector<const double*> data;
   for (int i = 0; i < joints(); ++i) {
-    const MatrixXd& w = weights[static_cast<size_t>(i)];
+    const MatrixXd& w = weights[i];
     const auto expected = static_cast<Eigen::Index>(columns(i).size());
     require(w.rows() == in.rows && w.cols() == expected, "RegressorBatch: the weights of joint ",
             i + 1, " are ", w.rows(), " x ", w.cols(), ", expected ", in.rows, " x ", expected,

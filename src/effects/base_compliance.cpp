@@ -113,7 +113,7 @@ class BaseCompliance final : public ArmEffect {
     ModelDescription out = on_free_base(arm);
     const auto n = static_cast<Eigen::Index>(arm.coordinates.size());
     for (int k = 0; k < 2; ++k) {
-      const double stiffness = 1.0 / std::max(values[static_cast<size_t>(k)], kRigid);
+      const double stiffness = 1.0 / std::max(values[k], kRigid);
       EffectTerm spring, damper;
       spring.effect = joint_spring().name();
       damper.effect = viscous_friction().name();

@@ -120,12 +120,12 @@ BoundEffect::BoundEffect(const Model& arm, const EffectTerm& term)
 }
 
 const std::string& BoundEffect::unit(int p) const {
-  const EffectParameter& parameter = parameters_[static_cast<size_t>(p)];
+  const EffectParameter& parameter = parameters_[p];
   return type_ == JointType::kPrismatic ? parameter.unit_prismatic : parameter.unit_revolute;
 }
 
 std::string BoundEffect::parameter_name(int p) const {
-  return effect_->name() + "(" + label_ + ")." + parameters_[static_cast<size_t>(p)].name;
+  return effect_->name() + "(" + label_ + ")." + parameters_[p].name;
 }
 
 namespace {

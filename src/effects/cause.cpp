@@ -37,7 +37,7 @@ bool is_in_row(const Model& arm, const Frame& frame, const std::string& name) {
   if (!frame.dh) return false;
   if (name == "theta" || name == "alpha" || name == "a" || name == "d") return true;
   for (int i = 0; i < arm.joints(); ++i) {
-    if (name == kRatioOf + arm.coordinates()[static_cast<size_t>(i)].name)
+    if (name == kRatioOf + arm.coordinates()[i].name)
       return frame.variable.coefficients[i] != 0.0;
   }
   return false;
@@ -53,7 +53,7 @@ double* number_of(DhRow& row, const std::string& name) {
 
 double& ratio_of(Frame& frame, const std::string& name, const ModelDescription& arm) {
   Eigen::Index i = 0;
-  while (name != kRatioOf + arm.coordinates[static_cast<size_t>(i)].name) ++i;
+  while (name != kRatioOf + arm.coordinates[i].name) ++i;
   return frame.variable.coefficients[i];
 }
 
@@ -65,12 +65,12 @@ double offset_of(const Frame& frame, const DhRow& row) {
 
 KinematicError find_constant(const Model& arm, const std::string& word, const std::string& where) {
   for (int k = 0; k < static_cast<int>(arm.frames().size()); ++k) {
-    const Frame& frame = arm.frames()[static_cast<size_t>(k)];
+    const Frame& frame = arm.frames()[k];
     const auto name = after(frame.name, word);
     if (name && is_in_row(arm, frame, *name)) return {*name, FrameIndex{k}};
   }
   for (int i = 0; i < arm.joints(); ++i) {
-    if (after(arm.coordinates()[static_cast<size_t>(i)].name, word) == KinematicError::kZero)
+    if (after(arm.coordinates()[i].name, word) == KinematicError::kZero)
       return {KinematicError::kZero, JointIndex{i}};
   }
   std::vector<std::string> names;
@@ -84,10 +84,10 @@ KinematicError find_constant(const Model& arm, const std::string& word, const st
 
 std::string place_of(const Model& arm, const Cause& cause) {
   const auto joint = [&arm](JointIndex i) {
-    return arm.coordinates()[static_cast<size_t>(i.value)].name;
+    return arm.coordinates()[i.value].name;
   };
   const auto frame = [&arm](FrameIndex k) {
-    return arm.frames()[static_cast<size_t>(k.value)].name;
+    return arm.frames()[k.value].name;
   };
   return std::visit(
       Overloaded{[&](const NewEffect& c) { return joint(c.joint); },
@@ -168,7 +168,7 @@ std::string to_text(const Model& arm, const Cause& cause) {
 double value_of(const KinematicError& error, const ModelDescription& arm) {
   const auto* of = std::get_if<FrameIndex>(&error.of);
   if (of == nullptr) return 0.0;
-  Frame frame = arm.frames[static_cast<size_t>(of->value)];
+  Frame frame = arm.frames[of->value];
   const double* number = number_of(*frame.dh, error.constant);
   return number != nullptr ? *number : ratio_of(frame, error.constant, arm);
 }
@@ -179,7 +179,7 @@ void set_value(const KinematicError& error, double value, ModelDescription& arm)
       frame.variable.offset += frame.variable.coefficients[joint->value] * value;
     return;
   }
-  Frame& frame = arm.frames[static_cast<size_t>(std::get<FrameIndex>(error.of).value)];
+  Frame& frame = arm.frames[std::get<FrameIndex>(error.of).value];
   DhRow row = *frame.dh;
   frame.variable.offset -= offset_of(frame, row);  // place() adds the new one
   double* number = number_of(row, error.constant);
@@ -241,14 +241,14 @@ CauseWords words_of(const Model& arm, const Cause& cause) {
   out.effect = effect_of(cause);
   const std::optional<JointIndex> joint = acting_joint(arm, cause);
   out.joint = joint ? joint->value + 1 : 0;
-  out.coordinate = joint ? arm.coordinates()[static_cast<size_t>(joint->value)].name : kWholeArm;
+  out.coordinate = joint ? arm.coordinates()[joint->value].name : kWholeArm;
   if (const auto frame = frame_of(cause))
-    out.frame = arm.frames()[static_cast<size_t>(frame->value)].name;
+    out.frame = arm.frames()[frame->value].name;
   if (const auto* constant = std::get_if<KinematicError>(&cause)) out.constant = constant->constant;
   if (const auto* contact = std::get_if<ExternalContact>(&cause)) {
     int k = 0;
     while (!arm.moves(k, contact->joint.value)) ++k;
-    out.frame = arm.frames()[static_cast<size_t>(k)].name;
+    out.frame = arm.frames()[k].name;
   }
   return out;
 }

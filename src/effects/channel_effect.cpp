@@ -37,7 +37,7 @@ EffectTerm& ArmEffect::term_of(ModelDescription& arm) const {
   }
   EffectTerm term;
   term.effect = name();
-  term.axis.coefficients = VectorXd::Zero(static_cast<Eigen::Index>(arm.coordinates.size()));
+  term.axis.coefficients = VectorXd::Zero(arm.coordinates.size());
   for (const EffectParameter& p : parameters()) term.values[p.name] = 0.0;
   arm.arm_effects.push_back(std::move(term));
   return arm.arm_effects.back();
@@ -94,7 +94,7 @@ Model with_arm_states(const Model& arm) {
   }
   out.arm_effects = std::move(without_states);
   for (EffectTerm& term : out.arm_effects)
-    term.axis.coefficients = VectorXd::Zero(static_cast<Eigen::Index>(out.coordinates.size()));
+    term.axis.coefficients = VectorXd::Zero(out.coordinates.size());
   return Model(std::move(out));
 }
 

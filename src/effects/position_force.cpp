@@ -16,7 +16,7 @@ void chebyshev_terms(double x, EffectColumns& row) noexcept {
   double now = x;
   for (int k = kFirstTerm; k < kFirstTerm + kTerms; ++k) {
     const double next = 2.0 * x * now - before;
-    row[static_cast<size_t>(k - kFirstTerm)] = next;
+    row[k - kFirstTerm] = next;
     before = now;
     now = next;
   }

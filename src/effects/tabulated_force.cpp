@@ -134,7 +134,7 @@ class TabulatedForce final : public AxisEffect, public WrittenInC {
     const double w = window(x, shape);
     for (int k = 0; k < kNodes; ++k) {
       if (k != kMiddle)
-        row[static_cast<size_t>(k - (k > kMiddle ? 1 : 0))] = w * std::max(0.0, 1.0 - std::abs(u - k));
+        row[k - (k > kMiddle ? 1 : 0)] = w * std::max(0.0, 1.0 - std::abs(u - k));
     }
   }
   std::vector<std::string> c_columns(const ShapeValues& shape) const override {

@@ -15,7 +15,7 @@ size_t tip_of(const Model& arm) {
   std::vector<int> joints;
   for (size_t k = 0; k < arm.frames().size(); ++k) {
     const Frame& frame = arm.frames()[k];
-    const int before = frame.parent < 0 ? 0 : joints[static_cast<size_t>(frame.parent)];
+    const int before = frame.parent < 0 ? 0 : joints[frame.parent];
     joints.push_back(before + (frame.type == JointType::kFixed ? 0 : 1));
     if (joints.back() < most) continue;
     most = joints.back();
@@ -58,7 +58,7 @@ class TipForce final : public ArmEffect {
     std::vector<MatrixXd> out(3);
     for (int k = 0; k < 3; ++k) {
       d.gravity = Eigen::Vector3d::Unit(k);
-      RegressorBatch(Model(d)).torques(motion.q, rest, rest, point, out[static_cast<size_t>(k)]);
+      RegressorBatch(Model(d)).torques(motion.q, rest, rest, point, out[k]);
     }
     return out;
   }

@@ -62,7 +62,7 @@ class Regression {
   // Restarts with the columns of the constant and the chosen terms.
   void reset() {
     Eigen::Index size = 1;
-    for (const ChosenTerm& c : model_.chosen) size += terms_[static_cast<size_t>(c.term)].size();
+    for (const ChosenTerm& c : model_.chosen) size += terms_[c.term].size();
     Z_.resize(rows_.response.size(), size);
     Z_.col(0).setOnes();
     P_ = MatrixXd::Zero(size, size);
@@ -137,7 +137,7 @@ class Regression {
   }
 
   Try attempt(int term) const {
-    const MatrixXd& C = columns_[static_cast<size_t>(term)];
+    const MatrixXd& C = columns_[term];
     const Eigen::Index m = Z_.cols();
     const Eigen::Index k = C.cols();
     std::vector<Sums> sums(folds());
@@ -192,16 +192,16 @@ class Regression {
     }
     if (good.empty()) return false;
     const auto worth = [this](const Try& t) {
-      return t.gain * terms_[static_cast<size_t>(t.term)].preference;
+      return t.gain * terms_[t.term].preference;
     };
     const auto best = std::max_element(good.begin(), good.end(), [&](const Try& a, const Try& b) {
       return worth(a) < worth(b);
     });
     ChosenTerm chosen{best->term, best->smoothing, best->gain, {}};
-    const size_t signals = terms_[static_cast<size_t>(best->term)].signals.size();
+    const size_t signals = terms_[best->term].signals.size();
     for (const Try& t : good) {
       if (t.term != best->term && t.gain >= options_.as_good * best->gain &&
-          terms_[static_cast<size_t>(t.term)].signals.size() == signals)
+          terms_[t.term].signals.size() == signals)
         chosen.as_good.push_back(t.term);
     }
     model_.chosen.push_back(std::move(chosen));
@@ -294,7 +294,7 @@ MatrixXd SmoothTerm::penalty() const {
 
 Eigen::Index AdditiveModel::first_of(const std::vector<SmoothTerm>& terms, size_t k) const {
   Eigen::Index at = 1;
-  for (size_t i = 0; i < k; ++i) at += terms[static_cast<size_t>(chosen[i].term)].size();
+  for (size_t i = 0; i < k; ++i) at += terms[chosen[i].term].size();
   return at;
 }
 
@@ -314,7 +314,7 @@ VectorXd predicted(const AdditiveModel& model, const std::vector<SmoothTerm>& te
                    const MatrixXd& signals) {
   VectorXd out = VectorXd::Constant(signals.rows(), model.coefficients[0]);
   for (size_t k = 0; k < model.chosen.size(); ++k) {
-    const SmoothTerm& term = terms[static_cast<size_t>(model.chosen[k].term)];
+    const SmoothTerm& term = terms[model.chosen[k].term];
     out += term.columns(signals) *
            model.coefficients.segment(model.first_of(terms, k), term.size());
   }

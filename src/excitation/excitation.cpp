@@ -124,7 +124,7 @@ std::function<bool(const MotionSamples&)> within_limits(const LimitSignals& sign
 std::vector<int> slow_joints(const Question& question, const Model& arm) {
   const std::set<int> asked(question.rival_joints.begin(), question.rival_joints.end());
   if (!asked.empty()) return {asked.begin(), asked.end()};
-  std::vector<int> all(static_cast<size_t>(arm.joints()));
+  std::vector<int> all(arm.joints());
   std::iota(all.begin(), all.end(), 0);
   return all;
 }
@@ -292,7 +292,7 @@ Excitation Design::run() {
   require(options_.duration * options_.rate < most, "excitation: found ", options_.duration,
           " s at ", options_.rate, " Hz, expected fewer than ", most,
           " rows, what this machine holds.");
-  std::vector<Found> found(static_cast<size_t>(options_.starts));
+  std::vector<Found> found(options_.starts);
   std::vector<Candidate> ends(found.size());
   if (options_.progress) options_.progress("searching", 0.0);
   parallel_for(options_.starts, options_.threads, [&](int start) {
@@ -305,7 +305,7 @@ Excitation Design::run() {
   const auto last =
       std::min_element(ends.begin(), ends.end(),
                        [&](const Candidate& a, const Candidate& b) { return rank(a) < rank(b); });
-  const Found& of_last = found[static_cast<size_t>(last - ends.begin())];
+  const Found& of_last = found[last - ends.begin()];
   const bool within = last->x.size() > 0;
   Excitation out{within ? ExcitationStatus::kDone : ExcitationStatus::kLimitsNotMet, arm_.name(),
                  options_.criterion, options_.solver,

@@ -27,7 +27,7 @@ std::vector<std::pair<std::string, double>> weakest_direction(
   const VectorXd direction = Eigen::SelfAdjointEigenSolver<MatrixXd>(scaled).eigenvectors().col(0);
   std::vector<std::pair<std::string, double>> out;
   for (int b = 0; b < regressor.size(); ++b) {
-    const auto column = static_cast<size_t>(regressor.base()[static_cast<size_t>(b)]);
+    const auto column = static_cast<size_t>(regressor.base()[b]);
     if (std::abs(direction[b]) > kNamedPart) out.emplace_back(names[column].name, direction[b]);
   }
   std::sort(out.begin(), out.end(),
@@ -41,7 +41,7 @@ void judge_motion(const Model& arm, const BaseRegressor& chosen, const MotionSam
                   const MotionSamples& random, const ExcitationOptions& options, Excitation& out) {
   const std::vector<StandardParameter> names = standard_parameters(arm);
   out.base_parameters = chosen.size();
-  for (const int c : chosen.base()) out.base.push_back(names[static_cast<size_t>(c)].name);
+  for (const int c : chosen.base()) out.base.push_back(names[c].name);
   const MatrixXd gram = chosen.gram(motion) / static_cast<double>(motion.rows());
   out.condition_number = scaled_condition_number(gram);
   out.plain_condition_number = plain_condition_number(gram);
@@ -70,7 +70,7 @@ EssentialParameters judge_essential(const Model& arm, const EssentialColumns& co
   out.plain_condition_number = plain_condition_number(gram);
   out.range_condition_number = range_condition_number(chosen.stacked(motion));
   for (const WeakColumn& weak : columns.non_essential)
-    out.non_essential.emplace_back(names[static_cast<size_t>(weak.column)].name, weak.share);
+    out.non_essential.emplace_back(names[weak.column].name, weak.share);
   return out;
 }
 

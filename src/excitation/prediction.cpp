@@ -72,7 +72,7 @@ TorqueNoise noise_of_efforts(const Model& arm, double share) {
   out.deviation = kOfRms * share * above_zero(out.deviation);
   bool limited = false;
   for (int i = 0; i < arm.joints(); ++i) {
-    const double effort = arm.coordinates()[static_cast<size_t>(i)].limits.effort;
+    const double effort = arm.coordinates()[i].limits.effort;
     if (!std::isfinite(effort)) continue;
     out.deviation[i] = share * effort;
     limited = true;
@@ -122,7 +122,7 @@ Prediction predict_identification(const Model& arm, const MotionSamples& motion,
   const VectorXd deviations = variances(sum).cwiseSqrt();
   std::vector<double> relative;
   for (int b = 0; b < regressor.size(); ++b) {
-    const StandardParameter& name = names[static_cast<size_t>(regressor.base()[static_cast<size_t>(b)])];
+    const StandardParameter& name = names[regressor.base()[b]];
     const double share = deviations[b] / std::abs(beta[b]);
     out.parameters.push_back({name.name, name.unit, beta[b], deviations[b], share});
     if (share < kBeyondCount) relative.push_back(share);

@@ -141,7 +141,7 @@ class CWriter {
     line(fmt::format("static const char* const {0}_parameter_names[{0}_parameters] = {{", name_));
     for (const int k : arm_.bodies()) {
       for (const char* symbol : kSymbols)
-        line(fmt::format("  \"{}_{}\",", symbol, plain(arm_.frames()[static_cast<std::size_t>(k)].name)));
+        line(fmt::format("  \"{}_{}\",", symbol, plain(arm_.frames()[k].name)));
     }
     line("};\n");
   }

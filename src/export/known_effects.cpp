@@ -66,7 +66,7 @@ PlacedEffects placed_effects(const std::vector<SimpleForce>& forces, int joints)
       out.across.push_back(f);
       continue;
     }
-    SimpleForce& sum = out.along[static_cast<std::size_t>(i)];
+    SimpleForce& sum = out.along[i];
     sum.offset += f.offset * s;
     sum.stiffness += f.stiffness * s * s;
     sum.damping += f.damping * s * s;

@@ -29,7 +29,7 @@ Eigen::Vector3d eigen(const Vec3d& v) {
 // A rod that connects the frame's joint, its origin and the joints attached to it.
 InertialVector rod(const Model& arm, int frame) {
   std::vector<Eigen::Vector3d> points = {Eigen::Vector3d::Zero(),
-                                         eigen(inverse(arm.frames()[static_cast<size_t>(frame)].B).p)};
+                                         eigen(inverse(arm.frames()[frame].B).p)};
   for (const Frame& child : arm.frames()) {
     if (child.parent == frame) points.push_back(eigen(child.A.p));
   }
@@ -60,14 +60,14 @@ InertialVector rod(const Model& arm, int frame) {
 // rod.
 InertialVector prior_of(const Model& arm, int frame, const std::optional<Model>& prior) {
   if (prior) {
-    const int there = prior->find_frame(arm.frames()[static_cast<size_t>(frame)].name);
+    const int there = prior->find_frame(arm.frames()[frame].name);
     if (there >= 0) {
-      const std::optional<Body>& body = prior->frames()[static_cast<size_t>(there)].body;
+      const std::optional<Body>& body = prior->frames()[there].body;
       if (body && body->phi && smallest_scaled_eigenvalue(pseudo_inertia(*body->phi)) > 1e-6)
         return *body->phi;
     }
   }
-  const Body& own = *arm.frames()[static_cast<size_t>(frame)].body;
+  const Body& own = *arm.frames()[frame].body;
   if (own.prior && (*own.prior)[0] > 0.0) return with_size(*own.prior, kSmallestRadius);
   return rod(arm, frame);
 }
@@ -83,7 +83,7 @@ bool all_possible(const VectorXd& phi) {
 Model with_phi(const Model& arm, const VectorXd& phi) {
   ModelDescription d = arm.description();
   for (size_t b = 0; b < arm.bodies().size(); ++b) {
-    d.frames[static_cast<size_t>(arm.bodies()[b])].body->phi =
+    d.frames[arm.bodies()[b]].body->phi =
         phi.segment<kBodyParameters>(static_cast<Eigen::Index>(kBodyParameters * b));
   }
   return Model(std::move(d));
@@ -93,7 +93,7 @@ Model with_phi(const Model& arm, const VectorXd& phi) {
 std::vector<Eigen::Index> free_columns(const Model& arm) {
   std::vector<Eigen::Index> out;
   for (size_t b = 0; b < arm.bodies().size(); ++b) {
-    if (arm.frames()[static_cast<size_t>(arm.bodies()[b])].body->fixed) continue;
+    if (arm.frames()[arm.bodies()[b]].body->fixed) continue;
     for (size_t c = 0; c < kBodyParameters; ++c)
       out.push_back(static_cast<Eigen::Index>(kBodyParameters * b + c));
   }
@@ -112,8 +112,8 @@ TorqueRows torque_rows(const BaseParameters& base, const VectorXd& phi,
   TorqueRows out{MatrixXd(base.K.rows(), columns), {}};
   VectorXd values(columns);
   for (Eigen::Index j = 0; j < columns; ++j) {
-    out.A.col(j) = base.K.col(free[static_cast<size_t>(j)]);
-    values[j] = phi[free[static_cast<size_t>(j)]];
+    out.A.col(j) = base.K.col(free[j]);
+    values[j] = phi[free[j]];
   }
   for (Eigen::Index r = 0; r < out.A.rows(); ++r) {
     const double norm = (out.A.row(r).transpose().cwiseProduct(scale)).norm();
@@ -125,7 +125,7 @@ TorqueRows torque_rows(const BaseParameters& base, const VectorXd& phi,
 
 // Magnitudes of a body's ten parameters.
 VectorXd sizes_of(const std::vector<InertialVector>& priors) {
-  VectorXd out(static_cast<Eigen::Index>(kBodyParameters * priors.size()));
+  VectorXd out(kBodyParameters * priors.size());
   for (size_t b = 0; b < priors.size(); ++b) {
     const double m = priors[b][0];
     const double J = 0.5 * (priors[b][4] + priors[b][6] + priors[b][9]);
@@ -141,7 +141,7 @@ std::vector<PortableBody> described(const Model& arm, const BaseParameters& base
                                     const VectorXd& before) {
   std::vector<PortableBody> out;
   for (size_t b = 0; b < arm.bodies().size(); ++b) {
-    const Frame& frame = arm.frames()[static_cast<size_t>(arm.bodies()[b])];
+    const Frame& frame = arm.frames()[arm.bodies()[b]];
     PortableBody body{frame.name, before[static_cast<Eigen::Index>(kBodyParameters * b)],
                       (*frame.body->phi)[0], {}};
     for (int c = 0; c < kBodyParameters; ++c) {
@@ -170,7 +170,7 @@ PortableModel portable_model(const Model& arm, const std::optional<Model>& prior
   FeasibleOptions options;
   std::vector<InertialVector> priors;
   for (size_t b = 0; b < arm.bodies().size(); ++b) {
-    if (arm.frames()[static_cast<size_t>(arm.bodies()[b])].body->fixed) continue;
+    if (arm.frames()[arm.bodies()[b]].body->fixed) continue;
     problem.body_columns.push_back(static_cast<int>(kBodyParameters * priors.size()));
     priors.push_back(prior_of(arm, arm.bodies()[b], prior));
   }
@@ -197,7 +197,7 @@ PortableModel portable_model(const Model& arm, const std::optional<Model>& prior
   out.arm = with_phi(arm, chosen);
   out.changed = true;
   const auto drawn = std::count_if(arm.bodies().begin(), arm.bodies().end(), [&](int k) {
-    const auto& own = arm.frames()[static_cast<size_t>(k)].body->prior;
+    const auto& own = arm.frames()[k].body->prior;
     return own && (*own)[0] > 0.0;
   });
   const std::string rod_words = "a rod of 5 cm diameter and the density of water along every ";

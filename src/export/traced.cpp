@@ -52,13 +52,13 @@ int TracedProgram::node(Kind kind, int a, int b) {
 }
 
 bool TracedProgram::is(int node, double value) const {
-  const Node& n = nodes_[static_cast<size_t>(node)];
+  const Node& n = nodes_[node];
   return n.kind == Kind::kConstant && n.value == value;
 }
 
 Traced TracedProgram::sum(int a, int b) {
-  const Node& x = nodes_[static_cast<size_t>(a)];
-  const Node& y = nodes_[static_cast<size_t>(b)];
+  const Node& x = nodes_[a];
+  const Node& y = nodes_[b];
   if (is(a, 0.0)) return Traced::of_node(b);
   if (is(b, 0.0)) return Traced::of_node(a);
   if (x.kind == Kind::kConstant && y.kind == Kind::kConstant) return Traced(x.value + y.value);
@@ -70,8 +70,8 @@ Traced TracedProgram::sum(int a, int b) {
 }
 
 Traced TracedProgram::difference(int a, int b) {
-  const Node& x = nodes_[static_cast<size_t>(a)];
-  const Node& y = nodes_[static_cast<size_t>(b)];
+  const Node& x = nodes_[a];
+  const Node& y = nodes_[b];
   if (a == b) return Traced(0.0);
   if (is(b, 0.0)) return Traced::of_node(a);
   if (is(a, 0.0)) return minus(b);
@@ -83,8 +83,8 @@ Traced TracedProgram::difference(int a, int b) {
 }
 
 Traced TracedProgram::product(int a, int b) {
-  const Node x = nodes_[static_cast<size_t>(a)];
-  const Node y = nodes_[static_cast<size_t>(b)];
+  const Node x = nodes_[a];
+  const Node y = nodes_[b];
   if (is(a, 0.0) || is(b, 0.0)) return Traced(0.0);
   if (is(a, 1.0)) return Traced::of_node(b);
   if (is(b, 1.0)) return Traced::of_node(a);
@@ -98,7 +98,7 @@ Traced TracedProgram::product(int a, int b) {
 }
 
 Traced TracedProgram::minus(int a) {
-  const Node x = nodes_[static_cast<size_t>(a)];
+  const Node x = nodes_[a];
   if (x.kind == Kind::kConstant) return Traced(-x.value);
   if (x.kind == Kind::kMinus) return Traced::of_node(x.a);
   if (x.kind == Kind::kDifference) return difference(x.b, x.a);
@@ -142,13 +142,13 @@ void sine_cosine(const Traced& x, Traced& sine, Traced& cosine) {
   TracedProgram& program = TracedProgram::open();
   int at = x.node();
   double side = 1.0, offset = 0.0;  // x = side * at + offset
-  const auto value = [&](int node) { return program.nodes_[static_cast<size_t>(node)].value; };
+  const auto value = [&](int node) { return program.nodes_[node].value; };
   const auto is_constant = [&](int node) {
-    return program.nodes_[static_cast<size_t>(node)].kind == Kind::kConstant;
+    return program.nodes_[node].kind == Kind::kConstant;
   };
   for (int before = -1; before != at;) {
     before = at;
-    const TracedProgram::Node& n = program.nodes_[static_cast<size_t>(at)];
+    const TracedProgram::Node& n = program.nodes_[at];
     if (n.kind == Kind::kMinus) {
       side = -side;
       at = n.a;
@@ -188,11 +188,11 @@ void sine_cosine(const Traced& x, Traced& sine, Traced& cosine) {
 // `around` is the precedence of the enclosing operator: 0 none, 1 a sum, 2 after a minus, 3 a
 // product, 4 a divisor.
 std::string TracedProgram::expression(int at, const std::vector<int>& uses, int around) const {
-  const Node& n = nodes_[static_cast<size_t>(at)];
+  const Node& n = nodes_[at];
   const auto part = [&](int child, int tightness) {
-    const Kind kind = nodes_[static_cast<size_t>(child)].kind;
+    const Kind kind = nodes_[child].kind;
     const bool leaf = kind == Kind::kConstant || kind == Kind::kInput;
-    if (!leaf && uses[static_cast<size_t>(child)] != 1) return fmt::format("t{}", child);
+    if (!leaf && uses[child] != 1) return fmt::format("t{}", child);
     return expression(child, uses, tightness);
   };
   const auto enclosed = [](bool needed, const std::string& inner) {
@@ -228,11 +228,11 @@ std::string TracedProgram::statements(
     const std::vector<std::pair<std::string, Traced>>& results) const {
   // Counts the uses of each node; children precede their parents.
   std::vector<int> uses(nodes_.size(), 0);
-  for (const auto& [name, value] : results) ++uses[static_cast<size_t>(value.node())];
+  for (const auto& [name, value] : results) ++uses[value.node()];
   for (size_t k = nodes_.size(); k-- > 0;) {
     if (uses[k] == 0) continue;
     for (const int child : {nodes_[k].a, nodes_[k].b}) {
-      if (child >= 0) ++uses[static_cast<size_t>(child)];
+      if (child >= 0) ++uses[child];
     }
   }
   // A node that is used once is inlined, unless the expression becomes too long.
@@ -247,9 +247,9 @@ std::string TracedProgram::statements(
     out += fmt::format("  const R t{} = {};\n", k, written);
   }
   for (const auto& [name, value] : results) {
-    const Kind kind = nodes_[static_cast<size_t>(value.node())].kind;
+    const Kind kind = nodes_[value.node()].kind;
     const bool leaf = kind == Kind::kConstant || kind == Kind::kInput;
-    const bool named = !leaf && uses[static_cast<size_t>(value.node())] > 1;
+    const bool named = !leaf && uses[value.node()] > 1;
     out += fmt::format("  {} = {};\n", name,
                        named ? fmt::format("t{}", value.node())
                              : expression(value.node(), uses, 0));

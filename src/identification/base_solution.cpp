@@ -15,7 +15,7 @@ namespace {
 std::vector<std::string> independent_columns(const BaseParameters& base,
                                              const std::vector<std::string>& names) {
   std::vector<std::string> out;
-  for (const int j : base.independent) out.push_back(names[static_cast<size_t>(j)]);
+  for (const int j : base.independent) out.push_back(names[j]);
   return out;
 }
 
@@ -55,7 +55,7 @@ MatrixXd jackknife(const std::vector<SquareRootInformation>& blocks,
   for (size_t b = 0; b < count; ++b) {
     SquareRootInformation rest = before;
     rest.merge(after[b]);
-    solutions.col(static_cast<Eigen::Index>(b)) = solve(rest);
+    solutions.col(b) = solve(rest);
     before.merge(blocks[b]);
   }
   return jackknife_factor(solutions);
@@ -120,8 +120,8 @@ VectorXd range_weights(const std::vector<CompressedRecording>& recordings) {
     double low = 1e300;
     double high = -1e300;
     for (const CompressedRecording& r : recordings) {
-      low = std::min(low, r.joints[static_cast<size_t>(i)].minimum);
-      high = std::max(high, r.joints[static_cast<size_t>(i)].maximum);
+      low = std::min(low, r.joints[i].minimum);
+      high = std::max(high, r.joints[i].maximum);
     }
     // No drive measures a torque range of machine epsilon; its reciprocal squared would overflow.
     if (high - low > std::numeric_limits<double>::epsilon()) weights[i] = 1.0 / (high - low);

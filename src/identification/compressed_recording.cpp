@@ -40,8 +40,8 @@ class Blocks {
     for (int i = 0; i < joints; ++i) {
       std::vector<std::string> mine;
       for (const int p : columns.parameters_of(i)) {
-        if (!columns.parameters()[static_cast<size_t>(p)].fixed)
-          mine.push_back(names[static_cast<size_t>(p)]);
+        if (!columns.parameters()[p].fixed)
+          mine.push_back(names[p]);
       }
       names_.push_back(std::move(mine));
     }
@@ -67,7 +67,7 @@ class Blocks {
     }
     while (blocks_.size() < last) blocks_.emplace_back(names_.begin(), names_.end());
     parallel_for(static_cast<int>(rows.size()), threads, [&](int i) {
-      absorb(static_cast<size_t>(first + i), rows[static_cast<size_t>(i)]);
+      absorb(static_cast<size_t>(first + i), rows[i]);
     });
   }
 
@@ -135,7 +135,7 @@ void absorb_all(const RegressorColumns& columns, const Segment& s, int threads, 
     const size_t count = std::min(kGroupsAtOnce, groups.size() - at);
     std::vector<std::vector<JointRows>> of_group(count);
     parallel_for(static_cast<int>(count), threads, [&](int g) {
-      of_group[static_cast<size_t>(g)] = columns.rows(s, groups[at + static_cast<size_t>(g)]);
+      of_group[g] = columns.rows(s, groups[at + static_cast<size_t>(g)]);
     });
     std::vector<JointRows> rows;
     for (std::vector<JointRows>& group : of_group)
@@ -153,7 +153,7 @@ double samples_of(const RegressorColumns& columns, const PreprocessingOptions& o
   const int step = decimation(options, s.dt);
   double out = 0.0;
   for (Eigen::Index k = s.core_begin; k < s.core_end; ++k) {
-    if (s.use[static_cast<size_t>(k)] == 0) continue;
+    if (s.use[k] == 0) continue;
     if (std::lround((s.time[k] - s.start) / s.dt) % step != 0) continue;
     for (int i = 0; i < s.dq.cols(); ++i)
       out += static_cast<double>(!columns.is_excluded(i, s.time[k] - s.start) &&
@@ -165,7 +165,7 @@ double samples_of(const RegressorColumns& columns, const PreprocessingOptions& o
 void add_facts(const Segment& s, const MatrixXd& tau, bool& first, PeriodFold& fold,
                std::vector<TorqueFacts>& joints) {
   for (Eigen::Index k = s.core_begin; k < s.core_end; ++k) {
-    if (s.use[static_cast<size_t>(k)] == 0) continue;
+    if (s.use[k] == 0) continue;
     fold.add(s.time[k] - s.start, tau, k);
     for (size_t j = 0; j < joints.size(); ++j) {
       TorqueFacts& joint = joints[j];
@@ -192,7 +192,7 @@ CompressedRecording run_compress(const Model& arm, const std::string& source,
   const RegressorColumns columns(arm, mine);
   Blocks blocks(columns, n, period.seconds);
   PeriodFold fold(n, period.seconds);
-  out.joints.resize(static_cast<size_t>(n));
+  out.joints.resize(n);
   bool first = true;
   const Visit visit = [&](const Segment& s) {
     if (wanted == Wanted::kFactors) {
@@ -237,7 +237,7 @@ class ThinnedPositions {
     const auto rows = static_cast<Eigen::Index>(time_.size());
     out.time = Eigen::Map<const VectorXd>(time_.data(), rows);
     out.q.resize(rows, q_.front().size());
-    for (Eigen::Index k = 0; k < rows; ++k) out.q.row(k) = q_[static_cast<size_t>(k)];
+    for (Eigen::Index k = 0; k < rows; ++k) out.q.row(k) = q_[k];
     return out;
   }
 
@@ -328,9 +328,9 @@ ErrorSums run_prediction(const Model& arm, const std::string& source,
   const Visit visit = [&](const Segment& s) {
     const RegressorColumns::Prediction p = columns.predict(s, values);
     for (Eigen::Index k = s.core_begin; k < s.core_end; ++k) {
-      if (s.use[static_cast<size_t>(k)] == 0) continue;
+      if (s.use[k] == 0) continue;
       for (int i = 0; i < n; ++i) {
-        const double slow = kMovingShare * joints[static_cast<size_t>(i)].largest_speed;
+        const double slow = kMovingShare * joints[i].largest_speed;
         const MovingSample moves =
             std::abs(s.dq(k, i)) > slow ? MovingSample::kYes : MovingSample::kNo;
         sums.add(i, p.measured(k, i), p.modelled(k, i), moves);
@@ -376,8 +376,8 @@ std::vector<CompressedRecording> compress_all(const Model& arm,
   std::vector<CompressedRecording> out(paths.size());
   const auto count = static_cast<int>(paths.size());
   parallel_for(count, threads, [&](int k) {
-    out[static_cast<size_t>(k)] =
-        compress(arm, paths[static_cast<size_t>(k)], options, threads_of_each(count, threads));
+    out[k] =
+        compress(arm, paths[k], options, threads_of_each(count, threads));
   });
   return out;
 }

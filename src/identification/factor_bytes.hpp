@@ -69,7 +69,7 @@ class ByteReader {
     return value;
   }
   VectorXd vector() {
-    VectorXd value(static_cast<Eigen::Index>(count(8)));
+    VectorXd value(count(8));
     for (Eigen::Index k = 0; k < value.size(); ++k) value[k] = real();
     return value;
   }

@@ -37,8 +37,8 @@ VectorXd fingerprint_of(const Model& arm) {
   RegressorBatch(arm).evaluate(q, dq, ddq, Y);
   VectorXd out = VectorXd::Zero(n + 1);
   for (int i = 0; i < n; ++i) {
-    for (Eigen::Index c = 0; c < Y[static_cast<std::size_t>(i)].cols(); ++c)
-      out[i] += Y[static_cast<std::size_t>(i)](0, c) * (1.0 + 0.01 * static_cast<double>(c));
+    for (Eigen::Index c = 0; c < Y[i].cols(); ++c)
+      out[i] += Y[i](0, c) * (1.0 + 0.01 * static_cast<double>(c));
   }
   double place = 1.0;
   for (const StandardParameter& p : standard_parameters(arm)) {
@@ -179,10 +179,10 @@ void require_joints(const FactorSet& factors, const Model& arm) {
     for (int i = 0; i < arm.joints() && !r.blocks.empty(); ++i) {
       std::vector<std::string> mine;
       for (const int p : columns.parameters_of(i)) {
-        const StandardParameter& parameter = parameters[static_cast<std::size_t>(p)];
+        const StandardParameter& parameter = parameters[p];
         if (!parameter.fixed) mine.push_back(parameter.name);
       }
-      require(r.blocks.front()[static_cast<std::size_t>(i)].columns() == mine, r.source,
+      require(r.blocks.front()[i].columns() == mine, r.source,
               ": the factors of joint ", i + 1, " have other parameters than robot '", arm.name(),
               "' (bodies, effects or facts differ).");
     }

@@ -100,7 +100,7 @@ class FleetSolver {
     VectorXd weights(problem_.joints());
     for (int i = 0; i < problem_.joints(); ++i) {
       weights[i] = 1.0 / std::max(1e-300, scale_of(i, [&](size_t a) {
-                                    const auto& f = arms_[a].joints[static_cast<size_t>(i)];
+                                    const auto& f = arms_[a].joints[i];
                                     return f.rhs_norm2() / std::max(1.0, f.rows());
                                   }));
     }
@@ -116,7 +116,7 @@ class FleetSolver {
       each_arm([&](size_t a) { fit_arm(a, at_beta); });
       for (int i = 0; i < problem_.joints(); ++i) {
         weights[i] = 1.0 / std::max(1e-300, scale_of(i, [&](size_t a) {
-                                      const auto& f = arms_[a].joints[static_cast<size_t>(i)];
+                                      const auto& f = arms_[a].joints[i];
                                       return fitted_[a].residual2[i] / std::max(1.0, f.rows());
                                     }));
       }
@@ -168,7 +168,7 @@ class FleetSolver {
     for (size_t g = 0; g < groups; ++g) {
       SquareRootInformation rest = before;
       rest.merge(after[g]);
-      without.col(static_cast<Eigen::Index>(g)) = solved(rest);
+      without.col(g) = solved(rest);
       before.merge(of_group[g]);
     }
     return jackknife_deviations(without);
@@ -245,14 +245,14 @@ std::string gain_name(const Model& arm, int joint) {
     if (sensor != nullptr && sensor->scales_torque())
       return to_text(arm, ChannelError{effect->name(), JointIndex{joint}});
   }
-  return arm.coordinates()[static_cast<size_t>(joint)].name;
+  return arm.coordinates()[joint].name;
 }
 
 int joint_of(const Model& arm, const std::string& parameter,
              const std::vector<StandardParameter>& parameters) {
   for (const StandardParameter& p : parameters) {
     if (p.name == parameter && p.effect >= 0)
-      return 1 + main_coordinate(arm.effects()[static_cast<size_t>(p.effect)].axis);
+      return 1 + main_coordinate(arm.effects()[p.effect].axis);
   }
   return 0;
 }
@@ -267,7 +267,7 @@ void add_members(const std::vector<ArmFactor>& arms, const FleetSolver& solver, 
     member.relative_error.resize(fleet.joints);
     member.alone_error.resize(fleet.joints);
     for (int i = 0; i < fleet.joints; ++i) {
-      const double torque2 = std::max(1e-300, arms[a].joints[static_cast<size_t>(i)].rhs_norm2());
+      const double torque2 = std::max(1e-300, arms[a].joints[i].rhs_norm2());
       member.relative_error[i] = std::sqrt(f.residual2[i] / torque2);
       member.alone_error[i] = std::sqrt(f.alone2[i] / torque2);
     }
@@ -365,7 +365,7 @@ Quantity quantity(const Model& arm, const FleetSolver& solver, const Fleet& flee
   Quantity out;
   for (const FleetMember& m : fleet.members) out.all.push_back(m.own[k]);
   FleetSpread& spread = out.spread;
-  spread.name = k < own ? problem.own()[static_cast<size_t>(k)] : gain_name(arm, k - own);
+  spread.name = k < own ? problem.own()[k] : gain_name(arm, k - own);
   for (const StandardParameter& p : problem.parameters())
     if (p.name == spread.name) spread.unit = p.unit;
   std::tie(spread.median, spread.spread) = centre_of(out.all);
@@ -418,21 +418,21 @@ void add_spreads(const Model& arm, const FleetSolver& solver, Fleet& fleet) {
 void add_parameters(const Model& arm, const FleetSolver& solver, Fleet& fleet) {
   const FleetProblem& problem = solver.problem();
   const std::vector<StandardParameter>& parameters = problem.parameters();
-  fleet.parameters = VectorXd::Zero(static_cast<Eigen::Index>(parameters.size()));
+  fleet.parameters = VectorXd::Zero(parameters.size());
   const VectorXd std = solver.deviations();
   Eigen::Index shared = 0;
   size_t own = 0;
   for (int j = 0; j < problem.base().size(); ++j) {
-    const int at = problem.base().independent[static_cast<size_t>(j)];
-    const StandardParameter& p = parameters[static_cast<size_t>(at)];
+    const int at = problem.base().independent[j];
+    const StandardParameter& p = parameters[at];
     if (p.effect >= 0) {
       const double median = fleet.spreads[own++].median;
       fleet.parameters[at] = std::isfinite(median) ? median : 0.0;
       continue;
     }
     fleet.parameters[at] = solver.beta()[shared];
-    fleet.base.push_back({problem.base().names[static_cast<size_t>(j)],
-                          problem.base().expressions[static_cast<size_t>(j)], p.unit,
+    fleet.base.push_back({problem.base().names[j],
+                          problem.base().expressions[j], p.unit,
                           solver.beta()[shared], std[shared]});
     ++shared;
   }

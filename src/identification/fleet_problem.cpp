@@ -22,7 +22,7 @@ FleetProblem::FleetProblem(const Model& arm, const std::vector<ArmFactor>& arms)
       base_(base_parameters(identifiable_factor(arm, 1), preferred_columns(parameters_))),
       joints_(arm.joints()) {
   for (const int j : base_.independent) {
-    const StandardParameter& p = parameters_[static_cast<size_t>(j)];
+    const StandardParameter& p = parameters_[j];
     (p.effect >= 0 ? own_ : shared_).push_back(p.name);
   }
 }
@@ -45,7 +45,7 @@ VectorXd FleetProblem::on_joint(const SquareRootInformation& factor, const Vecto
     value.emplace(own_[k], eta[static_cast<Eigen::Index>(k)]);
   VectorXd x = VectorXd::Zero(factor.size());
   for (int c = 0; c < factor.size(); ++c) {
-    const auto found = value.find(factor.columns()[static_cast<size_t>(c)]);
+    const auto found = value.find(factor.columns()[c]);
     if (found != value.end()) x[c] = found->second;
   }
   return x;
@@ -65,10 +65,10 @@ SquareRootInformation FleetProblem::of_arm(size_t arm, const VectorXd& weights,
   double rho2 = 0.0;
   double rows = 0.0;
   for (int i = 0; i < joints_; ++i) {
-    const SquareRootInformation& f = arms_[arm].joints[static_cast<size_t>(i)];
+    const SquareRootInformation& f = arms_[arm].joints[i];
     MatrixXd A = MatrixXd::Zero(f.size(), width);
     for (int c = 0; c < f.size(); ++c) {
-      const auto found = place.find(f.columns()[static_cast<size_t>(c)]);
+      const auto found = place.find(f.columns()[c]);
       if (found != place.end()) A.col(found->second) = weights[i] * f.R().col(c);
     }
     if (beta.size() > 0) A.col(own + i) = weights[i] * (f.R() * on_joint(f, beta, eta));
@@ -101,7 +101,7 @@ VectorXd FleetProblem::residual2(size_t arm, const VectorXd& beta, const VectorX
   const auto own = static_cast<Eigen::Index>(own_.size());
   VectorXd out(joints_);
   for (int i = 0; i < joints_; ++i) {
-    const SquareRootInformation& f = arms_[arm].joints[static_cast<size_t>(i)];
+    const SquareRootInformation& f = arms_[arm].joints[i];
     VectorXd x = on_joint(f, beta, eta);
     if (at_beta.size() > 0) x += eta[own + i] * on_joint(f, at_beta, at_eta);
     out[i] = f.residual2(x);

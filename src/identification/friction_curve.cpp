@@ -52,7 +52,7 @@ MatrixXd scatter_of(const Identification& id, const std::vector<std::string>& na
   MatrixXd F = MatrixXd::Zero(count, clusters + count);
   const std::vector<StandardParameter> all = standard_parameters(*id.model);
   for (Eigen::Index j = 0; j < count; ++j) {
-    const std::string& name = names[static_cast<std::size_t>(j)];
+    const std::string& name = names[j];
     bool alone = false;
     for (std::size_t b = 0; clusters > 0 && b < identified->parameters.size() && !alone; ++b) {
       const IdentifiedParameter& p = identified->parameters[b];

@@ -53,7 +53,7 @@ std::vector<std::string> undetermined_parameters(const BaseParameters& arm_base,
     const VectorXd row = wanted.col(j);
     const VectorXd rest = row - Q * (Q.transpose() * row);
     if (rest.norm() > 1e-5 * row.norm())
-      out.push_back(arm_base.expressions[static_cast<size_t>(j)]);
+      out.push_back(arm_base.expressions[j]);
   }
   return out;
 }
@@ -119,7 +119,7 @@ Bounds parameter_bounds(const Model& arm, const std::vector<StandardParameter>& 
     return VectorXd(sign * VectorXd::Unit(count, j));
   };
   for (Eigen::Index j = 0; j < count; ++j) {
-    const StandardParameter& p = parameters[static_cast<size_t>(j)];
+    const StandardParameter& p = parameters[j];
     if (p.fixed || p.effect < 0) continue;
     const double most = arm.description().box.effect_max;
     const bool signed_by_nature = std::isfinite(p.lower) && signs == EffectSigns::kPhysical;
@@ -168,8 +168,8 @@ FeasibleProblem feasible_problem(const Model& arm, const SquareRootInformation& 
   problem.G.resize(static_cast<Eigen::Index>(bounds.rows.size()), total.size());
   problem.h.resize(problem.G.rows());
   for (Eigen::Index r = 0; r < problem.G.rows(); ++r) {
-    problem.G.row(r) = bounds.rows[static_cast<size_t>(r)].transpose();
-    problem.h[r] = bounds.limits[static_cast<size_t>(r)];
+    problem.G.row(r) = bounds.rows[r].transpose();
+    problem.h[r] = bounds.limits[r];
   }
   return problem;
 }
@@ -198,7 +198,7 @@ std::optional<std::vector<InertialParameters>> priors_of(const Model& arm,
   bool any = false;
   for (const int first : problem.body_columns) {
     const Body& body =
-        *arm.frames()[static_cast<size_t>(arm.bodies()[static_cast<size_t>(first / kBodyParameters)])].body;
+        *arm.frames()[arm.bodies()[first / kBodyParameters]].body;
     const std::optional<InertialParameters> prior = maker_of(arm, body);
     out.push_back(prior ? with_size(*prior, kSmallestRadius) : InertialParameters::Zero());
     any = any || out.back()[0] > 0.0;
@@ -230,12 +230,12 @@ void solve_feasible(const Model& arm, const SquareRootInformation& total,
   id.duality_gap = result.duality_gap;
   id.certified = result.certificate == Certificate::kRigorous;
   for (const ActiveBody& active : result.active_bodies) {
-    const int body = problem.body_columns[static_cast<size_t>(active.body)] / kBodyParameters;
+    const int body = problem.body_columns[active.body] / kBodyParameters;
     id.active_constraints.push_back("pseudo-inertia of " + arm.frames()[arm.bodies()[body]].name +
                                     " is singular");
   }
   for (const ActiveRow& active : result.active_rows)
-    id.active_constraints.push_back(bounds.names[static_cast<size_t>(active.row)]);
+    id.active_constraints.push_back(bounds.names[active.row]);
   const bool pulled = prior && use == PriorUse::kPull;
   if (result.status == FeasibleStatus::kOptimal) return;
   if (pulled && result.feasible && result.duality_gap <= kGapWithPrior) return;
@@ -287,10 +287,10 @@ void keep_facts(const std::vector<StandardParameter>& parameters, VectorXd& valu
 void describe_base(const Model& arm, const BaseParameters& base, const VectorXd& beta,
                    const VectorXd& std, Identification& id) {
   const auto parameters = standard_parameters(arm);
-  id.parameter_deviations = VectorXd::Constant(static_cast<Eigen::Index>(parameters.size()), kNaN);
+  id.parameter_deviations = VectorXd::Constant(parameters.size(), kNaN);
   for (int j = 0; j < base.size(); ++j) {
-    const auto own = static_cast<size_t>(base.independent[static_cast<size_t>(j)]);
-    id.base.push_back({base.names[static_cast<size_t>(j)], base.expressions[static_cast<size_t>(j)],
+    const auto own = static_cast<size_t>(base.independent[j]);
+    id.base.push_back({base.names[j], base.expressions[j],
                        parameters[own].unit, beta[j], std[j]});
     if (base.classes[own] == Identifiability::kAlone)
       id.parameter_deviations[static_cast<Eigen::Index>(own)] = std[j];
@@ -386,13 +386,13 @@ void refit_with_instruments(const Model& arm, const std::vector<CompressedRecord
 using BlockList = std::vector<const std::vector<SquareRootInformation>*>;
 
 VectorXd squared_errors(const BlockList& blocks, const std::map<std::string, double>& values) {
-  VectorXd out = VectorXd::Zero(static_cast<Eigen::Index>(blocks.front()->size()));
+  VectorXd out = VectorXd::Zero(blocks.front()->size());
   for (const auto* block : blocks) {
     for (size_t i = 0; i < block->size(); ++i) {
       const SquareRootInformation& joint = (*block)[i];
       VectorXd x(joint.size());
       for (Eigen::Index c = 0; c < x.size(); ++c)
-        x[c] = values.at(joint.columns()[static_cast<size_t>(c)]);
+        x[c] = values.at(joint.columns()[c]);
       out[static_cast<Eigen::Index>(i)] += joint.residual2(x);
     }
   }
@@ -462,7 +462,7 @@ VectorXd squared_torques(const Identification& id, const VectorXd& rows) {
     size_t count = 0;
     for (const RecordingError& r : id.train) {
       if (r.series.measured.empty()) continue;
-      const std::vector<double>& torque = r.series.measured[static_cast<size_t>(j)];
+      const std::vector<double>& torque = r.series.measured[j];
       for (const double t : torque) sum += t * t;
       count += torque.size();
     }
@@ -501,7 +501,7 @@ FoldErrors fold_errors(const Identification& fitted, const IdentificationOptions
   const MatrixXd anchor = (kHardlyDetermined * total.column_norms()).asDiagonal();
   for (size_t part = 0; part < parts.size(); ++part) {
     Identification without;
-    without.parameters = VectorXd::Zero(static_cast<Eigen::Index>(names.size()));
+    without.parameters = VectorXd::Zero(names.size());
     if (values == FoldValues::kFitted) {
       SquareRootInformation rest(names);
       for (size_t other = 0; other < parts.size(); ++other) {
@@ -511,7 +511,7 @@ FoldErrors fold_errors(const Identification& fitted, const IdentificationOptions
       without.unconstrained_objective = fitted.unconstrained_objective;
       solve_feasible(arm, rest, options, PriorUse::kPull, without);
     }
-    out.error2.row(static_cast<Eigen::Index>(part)) =
+    out.error2.row(part) =
         squared_errors(parts[part], by_name(names, without.parameters)).transpose();
   }
   out.torque2 = squared_torques(fitted, rows);

@@ -32,7 +32,7 @@ MatrixXd compact(const MatrixXd& scatter) {
 // Root mean share of a cluster in the squares of a joint's columns, which does not depend on units.
 MatrixXd motion_of(const std::vector<CompressedRecording>& recordings, int clusters) {
   const auto n = static_cast<Eigen::Index>(recordings.front().joints.size());
-  std::vector<VectorXd> total(static_cast<size_t>(n));
+  std::vector<VectorXd> total(n);
   for (const CompressedRecording& r : recordings) {
     for (const auto& block : r.blocks) {
       for (size_t i = 0; i < block.size(); ++i) {
@@ -73,12 +73,12 @@ IdentifiedBase identified_base(const BaseParameters& base,
   const MatrixXd scatter = compact(solution.scatter);
   for (int j = 0; j < base.size(); ++j) {
     IdentifiedParameter p;
-    const auto own = static_cast<size_t>(base.independent[static_cast<size_t>(j)]);
+    const auto own = static_cast<size_t>(base.independent[j]);
     p.name = parameters[own].name;
     p.unit = parameters[own].unit;
     for (Eigen::Index c = 0; c < base.K.cols(); ++c) {
       if (base.K(j, c) == 0.0) continue;
-      p.combination[parameters[static_cast<size_t>(c)].name] = rounded(base.K(j, c));
+      p.combination[parameters[c].name] = rounded(base.K(j, c));
     }
     p.value = rounded(beta[j]);
     p.free = rounded(solution.beta[j]);

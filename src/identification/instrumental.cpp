@@ -33,7 +33,7 @@ struct SmoothMotion {
     const auto add = [&](double when) {
       const double place = (when - time[0]) / dt;
       const auto k = static_cast<Eigen::Index>(std::floor(place));
-      if (k < 0 || k + 1 >= time.size() || use[static_cast<size_t>(k)] == 0 || use[static_cast<size_t>(k + 1)] == 0) return;
+      if (k < 0 || k + 1 >= time.size() || use[k] == 0 || use[k + 1] == 0) return;
       const double share = place - static_cast<double>(k);
       q_out += (1.0 - share) * q.row(k).transpose() + share * q.row(k + 1).transpose();
       dq_out += (1.0 - share) * dq.row(k).transpose() + share * dq.row(k + 1).transpose();
@@ -67,12 +67,12 @@ SmoothMotion smooth_motion(const Model& arm, const CompressedRecording& recordin
     for (Eigen::Index k = s.core_begin; k < s.core_end; ++k) {
       time.push_back(s.time[k]);
       rows.push_back(s.q.row(k).transpose());
-      out.use.push_back(s.use[static_cast<size_t>(k)]);
+      out.use.push_back(s.use[k]);
     }
   });
   out.time = VectorXd::Map(time.data(), static_cast<Eigen::Index>(time.size()));
   out.q.resize(out.time.size(), arm.joints());
-  for (Eigen::Index k = 0; k < out.time.size(); ++k) out.q.row(k) = rows[static_cast<size_t>(k)].transpose();
+  for (Eigen::Index k = 0; k < out.time.size(); ++k) out.q.row(k) = rows[k].transpose();
   const double rate = 1.0 / out.dt;
   if (how.cutoff > 0.0 && how.cutoff < 0.45 * rate) ZeroPhaseFilter(how.cutoff, how.order, rate).apply(out.q);
   out.dq = differentiate(out.q, out.dt);
@@ -101,7 +101,7 @@ struct JointColumns {
 MatrixXd chosen(const JointRows& rows, const JointColumns& joint, const BaseParameters& base) {
   MatrixXd out(rows.A.rows(), joint.count());
   for (Eigen::Index c = 0; c < joint.count(); ++c) {
-    const int parameter = base.independent[static_cast<size_t>(joint.unknowns[static_cast<size_t>(c)])];
+    const int parameter = base.independent[joint.unknowns[c]];
     const auto at = std::find(rows.parameters.begin(), rows.parameters.end(), parameter) - rows.parameters.begin();
     out.col(c) = rows.A.col(at);
   }
@@ -181,9 +181,9 @@ CrossMoments cross_moments(const std::vector<SquareRootInformation>& block, cons
     const VectorXd g = block[i].R().transpose() * block[i].z();
     const Eigen::Index k = joints[i].count();
     for (Eigen::Index r = 0; r < k; ++r) {
-      const int row = joints[i].unknowns[static_cast<size_t>(r)];
+      const int row = joints[i].unknowns[r];
       for (Eigen::Index c = 0; c < k; ++c) {
-        const int column = joints[i].unknowns[static_cast<size_t>(c)];
+        const int column = joints[i].unknowns[c];
         const double size = scale[row] * scale[column];
         out.ZA(row, column) += w * G(k + r, c) / size;
         out.ZZ(row, column) += w * G(k + r, k + c) / size;
@@ -263,7 +263,7 @@ InstrumentalFit fit_with_instruments(const Model& arm, const std::vector<Compres
     rows += totals.back().rows();
     const VectorXd norms = totals.back().column_norms();
     for (Eigen::Index c = 0; c < joints[i].count(); ++c)
-      scale[joints[i].unknowns[static_cast<size_t>(c)]] += std::pow(weights[static_cast<Eigen::Index>(i)] * norms[c], 2);
+      scale[joints[i].unknowns[c]] += std::pow(weights[static_cast<Eigen::Index>(i)] * norms[c], 2);
   }
   scale = scale.cwiseSqrt().cwiseMax(1e-300);
   std::vector<CrossMoments> moments;
@@ -277,14 +277,14 @@ InstrumentalFit fit_with_instruments(const Model& arm, const std::vector<Compres
   out.solution = solve_base(recordings, weights, base, names);
   out.solution.beta = estimate(all, options.method, scale);
   std::vector<std::string> leading;
-  for (const int j : base.independent) leading.push_back(names[static_cast<size_t>(j)]);
+  for (const int j : base.independent) leading.push_back(names[j]);
   out.objective = weighted_total(recordings, weights, names).restricted(leading).residual2(out.solution.beta);
   out.solution.clusters = static_cast<int>(blocks.size());
   MatrixXd without(base.size(), static_cast<Eigen::Index>(blocks.size()));
   for (size_t b = 0; b < blocks.size(); ++b) {
     CrossMoments rest = all;
     rest.add(-1.0, moments[b]);
-    without.col(static_cast<Eigen::Index>(b)) = estimate(rest, options.method, scale);
+    without.col(b) = estimate(rest, options.method, scale);
   }
   out.solution.scatter = jackknife_factor(without);
   out.solution.std = out.solution.scatter.rowwise().norm();

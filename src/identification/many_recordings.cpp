@@ -38,10 +38,10 @@ std::vector<CompressedRecording> compress_many(const Model& arm,
   const auto count = static_cast<int>(paths.size());
   std::vector<CompressedRecording> out(paths.size());
   parallel_for(count, threads, [&](int k) {
-    CompressedRecording one = compress(arm, paths[static_cast<size_t>(k)], options,
+    CompressedRecording one = compress(arm, paths[k], options,
                                        threads_of_each(count, threads));
     merge_blocks(one, blocks_of_each(count));
-    out[static_cast<size_t>(k)] = std::move(one);
+    out[k] = std::move(one);
   });
   return out;
 }

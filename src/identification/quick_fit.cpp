@@ -34,7 +34,7 @@ VectorXd shares_of_halves(const CompressedRecording& c, int joint, const std::ve
   VectorXd all = left;
   for (std::size_t k = 0; k < c.blocks.size(); ++k) {
     const auto half = static_cast<Eigen::Index>(kHalves * k / c.blocks.size());
-    const SquareRootInformation own = c.blocks[k][static_cast<std::size_t>(joint)].restricted(names);
+    const SquareRootInformation own = c.blocks[k][joint].restricted(names);
     left[half] += own.residual2(beta);
     all[half] += own.rhs_norm2();
   }
@@ -59,7 +59,7 @@ QuickFitter::QuickFitter(const Model& arm, const PreprocessingOptions& options)
   parameters_ = standard_parameters(arm_);
   names_ = parameter_names(parameters_);
   const BaseParameters base = base_parameters(arm_);
-  for (const int j : base.independent) base_columns_.push_back(names_[static_cast<size_t>(j)]);
+  for (const int j : base.independent) base_columns_.push_back(names_[j]);
 }
 
 std::pair<int, double> QuickFitter::determined(const Recording& recording) const {
@@ -77,7 +77,7 @@ QuickFit QuickFitter::fit(const Recording& recording) const {
   SquareRootInformation total(names_);
   for (int i = 0; i < arm_.joints(); ++i) {
     SquareRootInformation joint(names_);
-    for (const auto& block : c.blocks) joint.merge(block[static_cast<size_t>(i)]);
+    for (const auto& block : c.blocks) joint.merge(block[i]);
     total.merge(joint, weights[i]);
     out.joints.push_back(std::move(joint));
   }
@@ -86,7 +86,7 @@ QuickFit QuickFitter::fit(const Recording& recording) const {
   out.unexplained = base.rho2() / std::max(base.rhs_norm2(), 1e-300);
   out.halves.resize(arm_.joints(), kHalves);
   for (int i = 0; i < arm_.joints(); ++i) {
-    const SquareRootInformation& joint = out.joints[static_cast<std::size_t>(i)];
+    const SquareRootInformation& joint = out.joints[i];
     out.halves.row(i) = shares_of_halves(c, i, base_columns_, beta).transpose();
     const SquareRootInformation own = joint.restricted(base_columns_);
     const double share = own.residual2(beta) / std::max(own.rhs_norm2(), 1e-300);
@@ -106,9 +106,9 @@ std::vector<QuickFitter::Friction> QuickFitter::frictions() const {
   std::vector<Friction> out;
   for (std::size_t j = 0; j < base_columns_.size(); ++j) {
     const auto known = std::find(names_.begin(), names_.end(), base_columns_[j]);
-    const StandardParameter& p = parameters_[static_cast<std::size_t>(known - names_.begin())];
+    const StandardParameter& p = parameters_[known - names_.begin()];
     if (p.effect < 0) continue;
-    const EffectTerm& term = arm_.effects()[static_cast<std::size_t>(p.effect)];
+    const EffectTerm& term = arm_.effects()[p.effect];
     const EffectTraits traits = find_effect(term.effect).traits();
     if (!traits.elementary || traits.role != EffectRole::kFriction) continue;
     out.push_back({term.axis.coefficients, static_cast<Eigen::Index>(j),

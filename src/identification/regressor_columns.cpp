@@ -23,7 +23,7 @@ RegressorColumns::RegressorColumns(const Model& arm, const PreprocessingOptions&
       first_of_effect_(arm.effects().size(), 0) {
   for (size_t p = 0; p < parameters_.size(); ++p) {
     if (parameters_[p].effect >= 0 && parameters_[p].component == 0)
-      first_of_effect_[static_cast<size_t>(parameters_[p].effect)] = static_cast<Eigen::Index>(p);
+      first_of_effect_[parameters_[p].effect] = static_cast<Eigen::Index>(p);
   }
   for (int i = 0; i < arm.joints(); ++i) {
     std::vector<int> mine = bodies_.columns(i);
@@ -97,7 +97,7 @@ MatrixXd RegressorColumns::columns_of(const EffectTerm& term, const Segment& s, 
 MatrixXd RegressorColumns::torque(const Segment& s, const VectorRef& values) const {
   MatrixXd tau, load;
   bodies_.torques(s.q, s.dq, s.ddq,
-                  values.head(static_cast<Eigen::Index>(kBodyParameters * arm_.bodies().size())), tau);
+                  values.head(kBodyParameters * arm_.bodies().size()), tau);
   for (size_t e = 0; e < arm_.effects().size(); ++e) {
     const EffectTerm& term = arm_.effects()[e];
     if (channel_effect(term.effect) != nullptr) continue;
@@ -123,7 +123,7 @@ void RegressorColumns::for_channel_errors(const Segment& s, const Put& put) cons
     const ChannelEffect* channel = channel_effect(term.effect);
     if (channel == nullptr) continue;
     if (!motion) {
-      VectorXd own(static_cast<Eigen::Index>(parameters_.size()));
+      VectorXd own(parameters_.size());
       for (size_t p = 0; p < parameters_.size(); ++p)
         own[static_cast<Eigen::Index>(p)] = parameters_[p].value;
       effort = torque(s, own);
@@ -161,7 +161,7 @@ std::vector<Eigen::Index> RegressorColumns::kept_samples(const Segment& s,
   for (Eigen::Index k = s.core_begin; k < s.core_end; ++k) {
     // Decimates on the time grid, so that the start of a segment does not matter.
     const long index = std::lround((s.time[k] - s.start) / s.dt);
-    if (s.use[static_cast<size_t>(k)] == 0 || index % step != 0) continue;
+    if (s.use[k] == 0 || index % step != 0) continue;
     if (is_excluded(static_cast<int>(joint), s.time[k] - s.start)) continue;
     if (std::abs(s.dq(k, joint)) >= options_.min_speed) kept.push_back(k);
   }
@@ -172,7 +172,7 @@ std::vector<RegressorColumns::Joints> RegressorColumns::groups(Eigen::Index rows
   std::vector<Joints> out;
   Eigen::Index columns = 0;
   for (int i = 0; i < arm_.joints(); ++i) {
-    const auto mine = static_cast<Eigen::Index>(of_joint_[static_cast<size_t>(i)].size());
+    const auto mine = static_cast<Eigen::Index>(of_joint_[i].size());
     if (out.empty() || (columns + mine) * rows > kGroupEntries) {
       out.push_back({i, i});
       columns = 0;
@@ -196,14 +196,14 @@ std::vector<JointRows> RegressorColumns::rows(const Segment& s, Joints joints) c
   const MatrixXd of_arm = arm_effect_torques(arm_, bodies_, s.q, s.dq, s.ddq, s.dt);
   std::vector<JointRows> out;
   for (int i = joints.first; i < joints.end; ++i) {
-    MatrixXd& mine = Y[static_cast<size_t>(i)];
+    MatrixXd& mine = Y[i];
     JointRows of;
     MatrixXd b = s.tau.col(i);
     if (of_arm.size() > 0) b -= of_arm.col(i);
     std::vector<Eigen::Index> free;
-    for (size_t p = 0; p < of_joint_[static_cast<size_t>(i)].size(); ++p) {
-      const int own = of_joint_[static_cast<size_t>(i)][p];
-      const StandardParameter& parameter = parameters_[static_cast<size_t>(own)];
+    for (size_t p = 0; p < of_joint_[i].size(); ++p) {
+      const int own = of_joint_[i][p];
+      const StandardParameter& parameter = parameters_[own];
       const auto column = static_cast<Eigen::Index>(p);
       if (parameter.fixed) {  // facts move to the right-hand side
         b -= parameter.value * mine.col(column);
@@ -225,11 +225,11 @@ std::vector<JointRows> RegressorColumns::rows(const Segment& s, Joints joints) c
     of.time.resize(rows);
     for (Eigen::Index c = 0; c < columns; ++c) {
       for (Eigen::Index k = 0; k < rows; ++k)
-        of.A(k, c) = mine(kept[static_cast<size_t>(k)], c);
+        of.A(k, c) = mine(kept[k], c);
     }
     for (Eigen::Index k = 0; k < rows; ++k) {
-      of.b[k] = b(kept[static_cast<size_t>(k)], 0);
-      of.time[k] = s.time[kept[static_cast<size_t>(k)]] - s.start;
+      of.b[k] = b(kept[k], 0);
+      of.time[k] = s.time[kept[k]] - s.start;
     }
     out.push_back(std::move(of));
     mine.resize(0, 0);

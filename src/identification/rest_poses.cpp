@@ -76,7 +76,7 @@ Recording corrected(const Model& arm, const Recording& r) {
 RestPoses poses_between_motions(const Model& arm, const Recording& r) {
   const int n = arm.joints();
   const auto moves = [&](Eigen::Index k, int j) {
-    const double still = arm.coordinates()[static_cast<size_t>(j)].prismatic ? kStillSliding : kStillTurning;
+    const double still = arm.coordinates()[j].prismatic ? kStillSliding : kStillTurning;
     return std::abs(r.dq(k, j)) > still;
   };
   RestPoses out;
@@ -104,9 +104,9 @@ RestPoses poses_between_motions(const Model& arm, const Recording& r) {
   out.tau.resize(rows, n);
   out.approach.resize(rows, n);
   for (Eigen::Index k = 0; k < rows; ++k) {
-    out.q.row(k) = q[static_cast<size_t>(k)];
-    out.tau.row(k) = tau[static_cast<size_t>(k)];
-    out.approach.row(k) = approach[static_cast<size_t>(k)];
+    out.q.row(k) = q[k];
+    out.tau.row(k) = tau[k];
+    out.approach.row(k) = approach[k];
   }
   return out;
 }
@@ -147,7 +147,7 @@ std::vector<JointRows> rows_of_poses(const Model& arm, const RestPoses& poses) {
   const std::vector<JointRows> still = all.rows(s);
   for (size_t i = 0; i < out.size(); ++i) {
     for (size_t p = 0; p < out[i].parameters.size(); ++p) {
-      const StandardParameter& parameter = all.parameters()[static_cast<size_t>(out[i].parameters[p])];
+      const StandardParameter& parameter = all.parameters()[out[i].parameters[p]];
       const auto column = static_cast<Eigen::Index>(p);
       if (parameter.effect < 0) out[i].A.col(column) = still[i].A.col(column);
     }
@@ -164,16 +164,16 @@ CompressedRecording compressed(const Model& arm, const RestPoses& poses) {
   out.facts.dt = 1.0;
   out.facts.samples = out.facts.rows_read = static_cast<long>(poses.poses());
   out.detached = true;
-  out.blocks.resize(static_cast<size_t>(blocks));
+  out.blocks.resize(blocks);
   for (size_t i = 0; i < rows.size(); ++i) {
     std::vector<std::string> mine;
-    for (const int p : rows[i].parameters) mine.push_back(names[static_cast<size_t>(p)]);
+    for (const int p : rows[i].parameters) mine.push_back(names[p]);
     for (Eigen::Index b = 0; b < blocks; ++b) {
       const Eigen::Index from = b * poses.poses() / blocks;
       const Eigen::Index count = (b + 1) * poses.poses() / blocks - from;
       SquareRootInformation factor(mine);
       factor.absorb(rows[i].A.middleRows(from, count), rows[i].b.segment(from, count));
-      out.blocks[static_cast<size_t>(b)].push_back(std::move(factor));
+      out.blocks[b].push_back(std::move(factor));
     }
     const auto j = static_cast<Eigen::Index>(i);
     TorqueFacts facts;
@@ -194,9 +194,9 @@ Model without_idle_effects(const Model& arm, const std::vector<RestPoses>& poses
   for (const RestPoses& some : poses) {
     for (const JointRows& joint : rows_of_poses(arm, some)) {
       for (size_t c = 0; c < joint.parameters.size(); ++c) {
-        const int effect = parameters[static_cast<size_t>(joint.parameters[c])].effect;
-        if (effect >= 0 && joint.A.col(static_cast<Eigen::Index>(c)).squaredNorm() > 0.0)
-          acts[static_cast<size_t>(effect)] = 1;
+        const int effect = parameters[joint.parameters[c]].effect;
+        if (effect >= 0 && joint.A.col(c).squaredNorm() > 0.0)
+          acts[effect] = 1;
       }
     }
   }
@@ -216,7 +216,7 @@ MatrixXd modelled(const Model& arm, const RestPoses& poses, const VectorXd& valu
   for (size_t i = 0; i < rows.size(); ++i) {
     VectorXd mine(rows[i].A.cols());
     for (Eigen::Index p = 0; p < mine.size(); ++p)
-      mine[p] = values[rows[i].parameters[static_cast<size_t>(p)]];
+      mine[p] = values[rows[i].parameters[p]];
     const auto j = static_cast<Eigen::Index>(i);
     out.col(j) = poses.tau.col(j) - rows[i].b + rows[i].A * mine;  // facts are on the side of b
   }
@@ -274,7 +274,7 @@ Model balls(const Model& arm) {
 
 bool has_prior(const Model& arm) {
   return std::any_of(arm.bodies().begin(), arm.bodies().end(), [&arm](int frame) {
-    return arm.frames()[static_cast<size_t>(frame)].body->prior.has_value();
+    return arm.frames()[frame].body->prior.has_value();
   });
 }
 
@@ -288,7 +288,7 @@ double quantile(VectorXd values, double share) {
 void say_bands(const Model& arm, const MatrixXd& residuals, bool approached, Identification& id) {
   std::string words;
   for (int i = 0; i < arm.joints(); ++i) {
-    const Coordinate& c = arm.coordinates()[static_cast<size_t>(i)];
+    const Coordinate& c = arm.coordinates()[i];
     const double band = quantile(residuals.col(i).cwiseAbs(), kBand);
     words += text(i > 0 ? ", " : "", c.name, " ", static_cast<double>(std::round(1e4 * band)) * 1e-4, " ",
                   c.prismatic ? "N" : "N m");

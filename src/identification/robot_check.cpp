@@ -117,7 +117,7 @@ class RobotCheck {
 
   void tell_what_hardly_moves() {
     for (int i = 0; i < joints() && recording_.rows() > 0; ++i) {
-      const Limits& limits = given_.coordinates()[static_cast<size_t>(i)].limits;
+      const Limits& limits = given_.coordinates()[i].limits;
       double lowest = kInfinity, highest = -kInfinity;
       for (const double q : recording_.q.col(i)) {
         if (!std::isfinite(q)) continue;
@@ -134,15 +134,15 @@ class RobotCheck {
   }
 
   int joints() const { return given_.joints(); }
-  bool moves(int i) const { return moves_[static_cast<size_t>(i)]; }
-  std::string joint(int i) const { return text("joint ", i + 1, " (", names_[static_cast<size_t>(i)], ")"); }
+  bool moves(int i) const { return moves_[i]; }
+  std::string joint(int i) const { return text("joint ", i + 1, " (", names_[i], ")"); }
 
   // Torques may be recorded as currents, to which the options then apply.
   bool amperes() const { return recording_.current.size() > 0; }
   std::string torque_name() const { return amperes() ? "i" : "tau"; }
   std::string torque_unit(int i) const {
     if (amperes()) return "A";
-    return given_.coordinates()[static_cast<size_t>(i)].prismatic ? "N" : "Nm";
+    return given_.coordinates()[i].prismatic ? "N" : "Nm";
   }
 
   void add(const std::string& finding, int joint, double value, const std::string& sentence) {
@@ -165,7 +165,7 @@ class RobotCheck {
 
   void accept(const SignalHypothesis& hypothesis, const QuickFit& fit) {
     if (hypothesis.finding == "torque_sign") {  // reported at the end, after the check of friction
-      turned_[static_cast<size_t>(hypothesis.joint) - 1] ^= 1;
+      turned_[hypothesis.joint - 1] ^= 1;
     } else {
       add(hypothesis.finding, hypothesis.joint, fit.unexplained,
           text(hypothesis.what, ": so the arm leaves ", percent(fit.unexplained),
@@ -231,7 +231,7 @@ class RobotCheck {
       const Limits& limits = coordinates[i].limits;
       if (!std::isfinite(limits.upper - limits.lower)) continue;
       const double margin = kBeyondLimits * (limits.upper - limits.lower);
-      const auto q = recording.q.col(static_cast<Eigen::Index>(i)).array();
+      const auto q = recording.q.col(i).array();
       out += (q < limits.lower - margin || q > limits.upper + margin).any() ? 1 : 0;
     }
     return out;
@@ -277,7 +277,7 @@ class RobotCheck {
   void add_angles(std::vector<SignalHypothesis>* all) const {
     std::vector<int> turning;
     for (int i = 0; i < joints(); ++i) {
-      if (!given_.coordinates()[static_cast<size_t>(i)].prismatic) turning.push_back(i);
+      if (!given_.coordinates()[i].prismatic) turning.push_back(i);
     }
     if (turning.empty()) return;
     const auto scale = [turning](MatrixXd* values) {
@@ -316,8 +316,8 @@ class RobotCheck {
     std::vector<char> wrong;
     for (int i = 0; i < joints(); ++i) wrong.push_back(friction_shows(i, -1) ? 1 : 0);
     for (int i = 0; i < joints(); ++i) {
-      if (!moves(i) || (!all && wrong[static_cast<size_t>(i)] == 0)) continue;
-      turned_[static_cast<size_t>(i)] ^= 1;
+      if (!moves(i) || (!all && wrong[i] == 0)) continue;
+      turned_[i] ^= 1;
       recording_.tau.col(i) *= -1.0;
       again = true;
     }
@@ -326,13 +326,13 @@ class RobotCheck {
 
   void check_signs_by_dissipation() {
     for (int i = 0; i < joints(); ++i) {
-      if (turned_[static_cast<size_t>(i)] == 0) continue;
+      if (turned_[i] == 0) continue;
       Recording back = recording_;  // with all but this joint corrected
       back.tau.col(i) *= -1.0;
       const QuickFit without = fitter_.fit(back);
       const bool fits =
           now_.misfit < without.misfit - kBetter && now_.unexplained < without.unexplained;
-      add("torque_sign", i + 1, now_.shares[static_cast<size_t>(i)],
+      add("torque_sign", i + 1, now_.shares[i],
           text("Torques of ", joint(i), " have the wrong sign: ",
                fits ? text("turned round, the arm leaves ", percent(now_.unexplained),
                            " of the torques' squares unexplained instead of ",
@@ -383,7 +383,7 @@ class RobotCheck {
 
   VectorXd gains() const {
     VectorXd out(joints());
-    for (int i = 0; i < joints(); ++i) out[i] = given_.coordinates()[static_cast<size_t>(i)].drive_gain;
+    for (int i = 0; i < joints(); ++i) out[i] = given_.coordinates()[i].drive_gain;
     return out;
   }
 
@@ -411,7 +411,7 @@ class RobotCheck {
   bool look_like_currents(const VectorXd& gains) const {
     double nearest = 0.0;
     for (int i = 0; i < joints(); ++i) {
-      const double limit = given_.coordinates()[static_cast<size_t>(i)].limits.effort;
+      const double limit = given_.coordinates()[i].limits.effort;
       if (!std::isfinite(limit) || gains[i] < 2.0) return false;
       double largest = 0.0;
       for (const double tau : recording_.tau.col(i)) {
@@ -445,18 +445,18 @@ class RobotCheck {
     const bool told = std::any_of(findings_.begin(), findings_.end(),
                                   [](const QualityFinding& f) { return f.finding == "current"; });
     if (told || !given_.inertial_values()) return;
-    VectorXd phi(static_cast<Eigen::Index>(fitter_.parameters().size()));
+    VectorXd phi(fitter_.parameters().size());
     for (Eigen::Index j = 0; j < phi.size(); ++j) {
-      const double value = fitter_.parameters()[static_cast<size_t>(j)].value;
+      const double value = fitter_.parameters()[j].value;
       phi[j] = std::isfinite(value) ? value : 0.0;
     }
     std::vector<double> ratios;
     bool as_currents = true;
     bool alien = false;
     for (int i = 0; i < joints(); ++i) {
-      const SquareRootInformation& f = now_.joints[static_cast<size_t>(i)];
+      const SquareRootInformation& f = now_.joints[i];
       const double ratio = factor_beside_friction(f, phi);
-      const double gain = given_.coordinates()[static_cast<size_t>(i)].drive_gain;
+      const double gain = given_.coordinates()[i].drive_gain;
       ratios.push_back(ratio);
       as_currents = as_currents && gain > 0.0 && ratio > 0.0 && std::abs(std::log(ratio * gain)) < std::log(1.5) &&
                     std::abs(std::log(gain)) > std::log(2.0);
@@ -516,7 +516,7 @@ std::vector<QualityFinding> check_against(const Model& arm, Recording recording,
     // Signs, exchanged joints and angles of currents are checked through their gains.
     recording.tau = recording.current;
     for (int i = 0; i < arm.joints(); ++i) {
-      const double gain = arm.coordinates()[static_cast<size_t>(i)].drive_gain;
+      const double gain = arm.coordinates()[i].drive_gain;
       if (gain > 0.0) recording.tau.col(i) *= gain;
     }
   }

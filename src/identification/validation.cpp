@@ -36,7 +36,7 @@ ErrorSums factor_errors(const Model& arm, const CompressedRecording& recording,
     for (size_t i = 0; i < block.size(); ++i) {
       VectorXd x(block[i].size());
       for (Eigen::Index c = 0; c < x.size(); ++c)
-        x[c] = values[index.at(block[i].columns()[static_cast<size_t>(c)])];
+        x[c] = values[index.at(block[i].columns()[c])];
       sums.torque2[static_cast<Eigen::Index>(i)] += block[i].rhs_norm2();
       sums.error2[static_cast<Eigen::Index>(i)] += block[i].residual2(x);
     }

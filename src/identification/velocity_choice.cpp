@@ -107,7 +107,7 @@ Identification with_chosen_velocities(
       });
   if (!choice.fit) return id;
   for (const int j : choice.better) {
-    const std::string& name = arm.coordinates()[static_cast<size_t>(j)].name;
+    const std::string& name = arm.coordinates()[j].name;
     choice.fit->remarks.push_back(text("dq", j + 1, " (", name,
                                        ") predicts the torque worse than the derivative of q",
                                        j + 1, ", which is used instead"));

@@ -8,8 +8,8 @@ namespace veridyn {
 /// T_world_link, after a forward_pass().
 inline Posed link_pose(const Tree& tree, const Workspace<double>& r, int link) {
   Posed T = identity_pose();
-  for (int k = link; k >= 0; k = tree.links[static_cast<size_t>(k)].parent) {
-    const Link& at = tree.links[static_cast<size_t>(k)];
+  for (int k = link; k >= 0; k = tree.links[k].parent) {
+    const Link& at = tree.links[k];
     const LinkState<double>& joint = r.link[k];
     Posed J = identity_pose();
     if (at.type == JointType::kRevolute)

@@ -8,7 +8,7 @@ MotionLimits motion_limits(const Model& arm) {
   const int n = arm.joints();
   MotionLimits out{VectorXd(n), VectorXd(n), VectorXd(n), VectorXd(n)};
   for (int i = 0; i < n; ++i) {
-    const Coordinate& coordinate = arm.coordinates()[static_cast<size_t>(i)];
+    const Coordinate& coordinate = arm.coordinates()[i];
     const Limits& limits = coordinate.limits;
     const double reach = coordinate.prismatic ? 0.1 : 1.0;
     const bool has_lower = std::isfinite(limits.lower);

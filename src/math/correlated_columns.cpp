@@ -23,16 +23,16 @@ std::vector<std::vector<int>> correlated_columns(const MatrixXd& values, double 
     products += x * x.transpose();
   }
   constexpr double kHardly = 1e-6;  // [rad] or [m] rms; smaller changes count as none
-  std::vector<char> taken(static_cast<size_t>(n), 0);
+  std::vector<char> taken(n, 0);
   std::vector<std::vector<int>> out;
   for (Eigen::Index i = 0; i < n; ++i) {
-    if (taken[static_cast<size_t>(i)] != 0 || std::sqrt(products(i, i) / rows) < kHardly) continue;
+    if (taken[i] != 0 || std::sqrt(products(i, i) / rows) < kHardly) continue;
     std::vector<int> group = {static_cast<int>(i)};
     for (Eigen::Index k = i + 1; k < n; ++k) {
-      if (taken[static_cast<size_t>(k)] != 0 || std::sqrt(products(k, k) / rows) < kHardly) continue;
+      if (taken[k] != 0 || std::sqrt(products(k, k) / rows) < kHardly) continue;
       if (std::abs(products(i, k)) < least * std::sqrt(products(i, i) * products(k, k))) continue;
       group.push_back(static_cast<int>(k));
-      taken[static_cast<size_t>(k)] = 1;
+      taken[k] = 1;
     }
     if (group.size() > 1) out.push_back(std::move(group));
   }

@@ -36,7 +36,7 @@ void parallel_for(int count, int threads, const std::function<void(int)>& body) 
     }
   };
   std::vector<std::thread> pool;
-  pool.reserve(static_cast<std::size_t>(std::max(0, workers)));
+  pool.reserve(std::max(0, workers));
   try {
     for (int w = 1; w < workers; ++w) pool.emplace_back(work);
   } catch (const std::system_error&) {

@@ -105,12 +105,12 @@ void SquareRootInformation::absorb(const MatrixRef& A, const VectorRef& b) {
 void SquareRootInformation::absorb(const MatrixRef& A, const VectorRef& b, int threads) {
   const auto pieces = static_cast<int>((A.rows() + kPieceRows - 1) / kPieceRows);
   if (pieces < 2 || A.rows() != b.size()) return absorb(A, b);
-  std::vector<SquareRootInformation> factors(static_cast<size_t>(pieces),
+  std::vector<SquareRootInformation> factors(pieces,
                                              SquareRootInformation(columns_));
   parallel_for(pieces, threads, [&](int p) {
     const Eigen::Index at = p * kPieceRows;
     const Eigen::Index n = std::min(kPieceRows, A.rows() - at);
-    factors[static_cast<size_t>(p)].absorb(A.middleRows(at, n), b.segment(at, n));
+    factors[p].absorb(A.middleRows(at, n), b.segment(at, n));
   });
   for (size_t step = 1; step < factors.size(); step *= 2) {
     for (size_t p = 0; p + step < factors.size(); p += 2 * step) factors[p].merge(factors[p + step]);
@@ -141,7 +141,7 @@ void SquareRootInformation::merge(const SquareRootInformation& other, double wei
   }
   Triangle triangle(*this, m);
   for (int j = 0; j < m; ++j)
-    triangle.set_column(place[static_cast<size_t>(j)], weight * other.R_.col(j).head(j + 1));
+    triangle.set_column(place[j], weight * other.R_.col(j).head(j + 1));
   triangle.set_column(k, weight * other.z_);
   // Row i begins at place[i]: the block is triangular only if the columns keep their order.
   triangle.update(std::is_sorted(place.begin(), place.end()));

@@ -63,10 +63,10 @@ void ZeroPhaseFilter::apply(MatrixXd& columns) const {
   sweep.work = memory.get(static_cast<size_t>((rows + 2 * pad) * kFilterLanes));
   std::array<double*, kFilterLanes> lanes{};
   std::vector<double> idle;  // workspace of lanes without a column
-  if (columns.cols() % kFilterLanes != 0) idle.resize(static_cast<size_t>(rows));
+  if (columns.cols() % kFilterLanes != 0) idle.resize(rows);
   for (Eigen::Index c = 0; c < columns.cols(); c += kFilterLanes) {
     for (int l = 0; l < kFilterLanes; ++l)
-      lanes[static_cast<size_t>(l)] =
+      lanes[l] =
           c + l < columns.cols() ? columns.data() + (c + l) * rows : idle.data();
     sweep.columns = lanes.data();
     filter_kernels().run(sweep);

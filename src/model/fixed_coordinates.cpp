@@ -47,7 +47,7 @@ void hold(Frame* frame) {
 Model with_fixed(const Model& arm, const std::map<std::string, double>& positions) {
   if (positions.empty()) return arm;
   VectorXd position = VectorXd::Zero(arm.joints());
-  std::vector<char> fixed(static_cast<std::size_t>(arm.joints()), 0);
+  std::vector<char> fixed(arm.joints(), 0);
   std::vector<std::string> names;
   for (const Coordinate& c : arm.coordinates()) names.push_back(c.name);
   for (const auto& [name, value] : positions) {
@@ -55,15 +55,15 @@ Model with_fixed(const Model& arm, const std::map<std::string, double>& position
     require(i >= 0, "found joint '", name, "'", did_you_mean(name, names), ", expected one of ",
             arm.name(), ": ", listed(names), ".");
     position[i] = value;
-    fixed[static_cast<std::size_t>(i)] = 1;
+    fixed[i] = 1;
   }
   ModelDescription d = arm.description();
   std::vector<int> kept;
   std::vector<Coordinate> coordinates;
   for (int i = 0; i < arm.joints(); ++i) {
-    if (fixed[static_cast<std::size_t>(i)] != 0) continue;
+    if (fixed[i] != 0) continue;
     kept.push_back(i);
-    coordinates.push_back(d.coordinates[static_cast<std::size_t>(i)]);
+    coordinates.push_back(d.coordinates[i]);
   }
   require(!kept.empty(), "found all joints of ", arm.name(), " fixed, expected one that moves.");
   d.coordinates = std::move(coordinates);

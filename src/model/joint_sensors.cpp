@@ -32,7 +32,7 @@ VectorXd delayed(const VectorXd& signal, const VectorXd& time, double delay) {
 
 JointSensors::JointSensors(const Model& arm) : JointSensors(channels_of(arm)) {
   for (Eigen::Index j = 0; j < drive_gain_.size(); ++j)
-    drive_gain_[j] = arm.coordinates()[static_cast<size_t>(j)].drive_gain;
+    drive_gain_[j] = arm.coordinates()[j].drive_gain;
 }
 
 JointSensors::JointSensors(std::vector<RecordedChannel> channels) : channels_(std::move(channels)) {
@@ -40,7 +40,7 @@ JointSensors::JointSensors(std::vector<RecordedChannel> channels) : channels_(st
   offset_ = delay_ = VectorXd::Zero(n);
   gain_ = drive_gain_ = VectorXd::Ones(n);
   for (Eigen::Index j = 0; j < n; ++j) {
-    const RecordedChannel& c = channels_[static_cast<size_t>(j)];
+    const RecordedChannel& c = channels_[j];
     require(c.torque_gain > 0.0 && std::isfinite(c.torque_gain) &&
                 std::isfinite(c.position_offset) && std::isfinite(c.torque_delay),
             "JointSensors: joint ", j + 1, " has a torque gain of ", c.torque_gain,
@@ -56,7 +56,7 @@ JointSensors::JointSensors(std::vector<RecordedChannel> channels) : channels_(st
 void JointSensors::require_drive_gains(const Model& arm, const std::string& where) const {
   for (int j = 0; j < joints(); ++j) {
     require(drive_gain_[j] != 0.0, where, ": found motor currents only, and robot '", arm.name(),
-            "' has no drive_gain for coordinate '", arm.coordinates()[static_cast<size_t>(j)].name,
+            "' has no drive_gain for coordinate '", arm.coordinates()[j].name,
             "'; drive gains (--drive-gains K,K,..., drive_gains= in Python) give the torque per ampere "
             "of each joint, known masses find it (--known-mass), and a robot file (info --yaml writes "
             "one) keeps it.");
@@ -74,8 +74,8 @@ void JointSensors::show(const VectorXd& time, MatrixXd& q, MatrixXd& tau) const 
 std::vector<std::string> JointSensors::in_words(const Model& arm) const {
   std::vector<std::string> out;
   for (int j = 0; j < joints(); ++j) {
-    const Coordinate& c = arm.coordinates()[static_cast<size_t>(j)];
-    const RecordedChannel& e = channels_[static_cast<size_t>(j)];
+    const Coordinate& c = arm.coordinates()[j];
+    const RecordedChannel& e = channels_[j];
     const std::string encoder = "the encoder of joint '" + c.name + "' shows ";
     const std::string torque = "the recorded torque of joint '" + c.name + "' is ";
     if (e.position_offset != 0.0)

@@ -175,7 +175,7 @@ Fitted capsule_of(const Points& points) {
 Points corners_of(const Points& points, const std::vector<std::array<int, 3>>& triangles) {
   std::vector<char> used(points.size(), 0);
   for (const auto& t : triangles)
-    for (const int c : t) used[static_cast<size_t>(c)] = 1;
+    for (const int c : t) used[c] = 1;
   Points out;
   for (size_t k = 0; k < points.size(); ++k)
     if (used[k] != 0) out.push_back(points[k]);
@@ -189,7 +189,7 @@ std::vector<Fitted> capsules_of(const Points& points, const std::vector<std::arr
   const Eigen::Vector3d along = whole.to - whole.from;
   std::vector<double> at;
   for (const auto& t : triangles)
-    at.push_back(along.dot(points[static_cast<size_t>(t[0])] + points[static_cast<size_t>(t[1])] + points[static_cast<size_t>(t[2])]) / 3.0);
+    at.push_back(along.dot(points[t[0]] + points[t[1]] + points[t[2]]) / 3.0);
   const auto [low, high] = std::minmax_element(at.begin(), at.end());
   const double middle = 0.5 * (*low + *high);
   std::vector<std::array<int, 3>> halves[2];
@@ -275,7 +275,7 @@ std::vector<Capsule> capsules_along_links(const Model& arm, double radius) {
   };
   for (const Frame& frame : arm.frames()) {
     // To the joint the way belongs to the parent, from there on to the frame.
-    add(frame.parent < 0 ? "world" : arm.frames()[static_cast<size_t>(frame.parent)].name, eigen(frame.A.p));
+    add(frame.parent < 0 ? "world" : arm.frames()[frame.parent].name, eigen(frame.A.p));
     add(frame.name, eigen(inverse(frame.B).p));
   }
   return out;

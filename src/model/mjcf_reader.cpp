@@ -268,7 +268,7 @@ class MjcfReader {
       Frame frame;
       frame.parent = parent;
       const int index = joint(joints[k], name, frame, T);
-      frame.name = last ? name : free_name(name + "__" + joints_[static_cast<std::size_t>(index)].name);
+      frame.name = last ? name : free_name(name + "__" + joints_[index].name);
       if (last) frame.B = frame.B * posed(T_body_frame);
       parent = static_cast<int>(model_.frames.size());
       add_frame(std::move(frame), index);
@@ -284,7 +284,7 @@ class MjcfReader {
     }
     moves = moves || !joints.empty();
     const Eigen::Isometry3d T_frame_body = T_body_frame.inverse(Eigen::Isometry);
-    model_.frames[static_cast<std::size_t>(parent)].body = inertia(node, T_frame_body, moves);
+    model_.frames[parent].body = inertia(node, T_frame_body, moves);
     children(node, parent, T_frame_body, moves);
   }
 
@@ -430,18 +430,18 @@ class MjcfReader {
   }
 
   double ref(int joint) const {
-    const FileJoint& j = joints_[static_cast<std::size_t>(joint)];
+    const FileJoint& j = joints_[joint];
     return (j.turns ? angle_ : 1.0) * number(j.node, "ref", 0.0);
   }
 
   double spring_reference(int joint) const {
-    const FileJoint& j = joints_[static_cast<std::size_t>(joint)];
+    const FileJoint& j = joints_[joint];
     return (j.turns ? angle_ : 1.0) * number(j.node, "springref", 0.0);
   }
 
   // Makes a joint follow others; only linear laws are joint variables.
   void follow(pugi::xml_node at, int joint, std::vector<FileJoint::Share> shares, double constant) {
-    FileJoint& j = joints_[static_cast<std::size_t>(joint)];
+    FileJoint& j = joints_[joint];
     if (j.follows) xml_.fail(at, "the joint '" + j.name + "' coupled twice", "at most one law for every joint");
     j.follows = true;
     j.shares = std::move(shares);
@@ -517,8 +517,8 @@ class MjcfReader {
         const auto gears = numbers(motor, "gear", 1, 6);
         const double gear = gears.empty() ? 1.0 : gears[0];
         const double most = largest_force(motor) * std::abs(gear);
-        force[static_cast<std::size_t>(j)] += most;
-        if (most == kInfinity) known[static_cast<std::size_t>(j)] = 0;
+        force[j] += most;
+        if (most == kInfinity) known[j] = 0;
         const auto bias = numbers(motor, "biasprm", 1, 10);
         const bool constant = bias.size() >= 1 && bias[0] != 0.0 && (bias.size() < 2 || bias[1] == 0.0) && (bias.size() < 3 || bias[2] == 0.0);
         if (constant && std::strcmp(given(motor, "biastype").value(), "affine") == 0) biases_.emplace_back(j, -gear * bias[0]);
@@ -549,7 +549,7 @@ class MjcfReader {
     for (std::size_t k = 0; k < model_.frames.size(); ++k) {
       Frame& frame = model_.frames[k];
       if (joint_of_frame_[k] < 0) continue;
-      const Axis& variable = variables_[static_cast<std::size_t>(joint_of_frame_[k])];
+      const Axis& variable = variables_[joint_of_frame_[k]];
       frame.variable.coefficients = variable.coefficients;
       frame.variable.offset += variable.offset;
     }
@@ -585,11 +585,11 @@ class MjcfReader {
         if (!forces) continue;
         if (kind == "spatial" || number(tendon, "armature", 0.0) != 0.0)
           xml_.fail(tendon, text("forces of a ", kind, kind == "fixed" ? " tendon with armature" : " tendon"), "forces of joints and fixed tendons");
-        Axis axis{VectorXd::Zero(static_cast<Eigen::Index>(model_.coordinates.size())), 0.0};
+        Axis axis{VectorXd::Zero(model_.coordinates.size()), 0.0};
         double initial = 0.0;  // length with all joints at their spring references
         for (const FileJoint::Share& s : terms(tendon)) {
-          axis.coefficients += s.coefficient * variables_[static_cast<std::size_t>(s.joint)].coefficients;
-          axis.offset += s.coefficient * variables_[static_cast<std::size_t>(s.joint)].offset;
+          axis.coefficients += s.coefficient * variables_[s.joint].coefficients;
+          axis.offset += s.coefficient * variables_[s.joint].offset;
           initial += s.coefficient * spring_reference(s.joint);
         }
         const auto lengths = numbers(tendon, "springlength", 1, 2);
@@ -601,7 +601,7 @@ class MjcfReader {
   }
 
   void constant_force(int joint, double value) {
-    Axis axis = variables_[static_cast<std::size_t>(joint)];
+    Axis axis = variables_[joint];
     axis.offset = 0.0;
     if (!axis.coefficients.isZero(0.0)) add_effect(model_, xml_.path(), "offset", axis, value);
   }

@@ -118,7 +118,7 @@ std::string position_unit(const Coordinate& coordinate) {
 }
 
 bool is_prismatic(const Model& arm, const Axis& axis) {
-  return arm.coordinates()[static_cast<size_t>(main_coordinate(axis))].prismatic;
+  return arm.coordinates()[main_coordinate(axis)].prismatic;
 }
 
 int main_coordinate(const Axis& axis) {

@@ -42,7 +42,7 @@ std::vector<std::string> physical_faults(const Model& arm) {
   std::vector<std::string> faults;
   if (arm.bodies().empty()) faults.push_back("no link has a body");
   for (const int k : arm.bodies()) {
-    const Frame& frame = arm.frames()[static_cast<std::size_t>(k)];
+    const Frame& frame = arm.frames()[k];
     if (!frame.body->phi || !moves_at_all(arm, k)) continue;
     const std::string fault = inertia_fault(frame.name, *frame.body->phi);
     if (!fault.empty()) faults.push_back(fault);
@@ -51,11 +51,11 @@ std::vector<std::string> physical_faults(const Model& arm) {
   for (int i = 0; i < arm.joints(); ++i) {
     double mass = 0.0;
     for (const int k : arm.bodies()) {
-      if (arm.moves(k, i)) mass += (*arm.frames()[static_cast<std::size_t>(k)].body->phi)[0];
+      if (arm.moves(k, i)) mass += (*arm.frames()[k].body->phi)[0];
     }
     if (!(mass > 0.0))
       faults.push_back(fmt::format("'{}' moves no mass",
-                                   arm.coordinates()[static_cast<std::size_t>(i)].name));
+                                   arm.coordinates()[i].name));
   }
   return faults;
 }

@@ -230,7 +230,7 @@ class SdfReader {
 
   int index_of(pugi::xml_node joint) const {
     int j = 0;
-    while (joints_[static_cast<std::size_t>(j)].node != joint) ++j;
+    while (joints_[j].node != joint) ++j;
     return j;
   }
 

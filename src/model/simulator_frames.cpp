@@ -64,10 +64,10 @@ std::vector<Axis> joint_variables(const XmlFile& xml, const std::vector<FileJoin
     progress = false;
     for (std::size_t j = 0; j < joints.size(); ++j) {
       bool ready = known[j] == 0;
-      for (const FileJoint::Share& s : joints[j].shares) ready = ready && known[static_cast<std::size_t>(s.joint)] != 0;
+      for (const FileJoint::Share& s : joints[j].shares) ready = ready && known[s.joint] != 0;
       if (!ready) continue;
       for (const FileJoint::Share& s : joints[j].shares) {
-        const Axis& leader = out[static_cast<std::size_t>(s.joint)];
+        const Axis& leader = out[s.joint];
         out[j].coefficients += s.coefficient * leader.coefficients;
         out[j].offset += s.coefficient * leader.offset;
       }

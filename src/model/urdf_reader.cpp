@@ -202,7 +202,7 @@ class UrdfReader {
 
   // s = c . q + s0 of a joint; that of a mimic joint follows from the joint that it mimics.
   Axis variable(const urdf::Joint& joint, std::size_t depth) const {
-    Axis axis{VectorXd::Zero(static_cast<Eigen::Index>(model_.coordinates.size())), 0.0};
+    Axis axis{VectorXd::Zero(model_.coordinates.size()), 0.0};
     if (!moves(joint)) return axis;
     if (!joint.mimic) {
       for (std::size_t i = 0; i < model_.coordinates.size(); ++i) {

@@ -25,10 +25,10 @@ int base_stream(const RawRecording& raw, const ChosenFields& chosen) {
   std::map<int, std::pair<int, std::size_t>> weight;
   for (const auto& places : chosen.places) {
     for (int signal = 0; signal < kSignalCount; ++signal) {
-      const int stream = places[static_cast<std::size_t>(signal)].stream;
+      const int stream = places[signal].stream;
       if (stream < 0) continue;
       weight[stream].first += signal == 0 ? 100 : 1;
-      weight[stream].second = raw.streams[static_cast<std::size_t>(stream)].rows();
+      weight[stream].second = raw.streams[stream].rows();
     }
   }
   return std::max_element(weight.begin(), weight.end(),
@@ -40,7 +40,7 @@ int base_stream(const RawRecording& raw, const ChosenFields& chosen) {
 // are further apart than usual.
 VectorXd interpolated(const RawStream& stream, std::size_t field, const StreamClock& clock,
                       std::int64_t shift, const std::vector<std::int64_t>& wanted) {
-  VectorXd out = VectorXd::Constant(static_cast<Eigen::Index>(wanted.size()), kGap);
+  VectorXd out = VectorXd::Constant(wanted.size(), kGap);
   const auto longest =
       static_cast<std::int64_t>(kLongStep * static_cast<double>(median_step(clock.time)));
   std::size_t next = 0;
@@ -86,7 +86,7 @@ class Assembler {
   const StreamClock& clock_of_stream(int stream) {
     auto found = clocks_.find(stream);
     if (found == clocks_.end()) {
-      const RawStream& rows = raw_.streams[static_cast<std::size_t>(stream)];
+      const RawStream& rows = raw_.streams[stream];
       const std::string where = rows.topic.empty() ? path_ : path_ + ": " + rows.topic;
       found = clocks_.emplace(stream, clock_of(rows, where)).first;
     }
@@ -103,7 +103,7 @@ class Assembler {
   }
 
   VectorXd column(const FieldPlace& place, int base) {
-    const RawStream& stream = raw_.streams[static_cast<std::size_t>(place.stream)];
+    const RawStream& stream = raw_.streams[place.stream];
     const auto field = static_cast<std::size_t>(place.field);
     const StreamClock& own = clock_of_stream(base);
     if (place.stream != base) {
@@ -116,7 +116,7 @@ class Assembler {
                                                                : 0;
       return interpolated(stream, field, other, shift, own.time);
     }
-    VectorXd out(static_cast<Eigen::Index>(own.rows.size()));
+    VectorXd out(own.rows.size());
     for (std::size_t k = 0; k < own.rows.size(); ++k)
       out[static_cast<Eigen::Index>(k)] = stream.at(own.rows[k], field);
     return out;
@@ -128,7 +128,7 @@ class Assembler {
     MatrixXd values;
     std::vector<std::string> missing;
     for (std::size_t j = 0; j < chosen_.places.size(); ++j) {
-      const FieldPlace& place = chosen_.places[j][static_cast<std::size_t>(signal)];
+      const FieldPlace& place = chosen_.places[j][signal];
       VectorXd one;
       if (place.found()) one = column(place, base);
       if (!place.found() || one.array().isNaN().all()) {
@@ -138,7 +138,7 @@ class Assembler {
       if (values.size() == 0)
         values = MatrixXd::Constant(one.size(), static_cast<Eigen::Index>(chosen_.places.size()), kGap);
       const double factor = factor_for(choice_, name, static_cast<int>(j) + 1);
-      values.col(static_cast<Eigen::Index>(j)) = factor == 1.0 ? one : VectorXd(factor * one);
+      values.col(j) = factor == 1.0 ? one : VectorXd(factor * one);
     }
     if (values.size() > 0 && !missing.empty()) {
       std::string joints;

@@ -189,7 +189,7 @@ void add_separate_efforts(const RawRecording& raw, const std::vector<std::string
                           ChosenFields* chosen) {
   const auto lacks = [&](int signal) {
     return std::none_of(chosen->places.begin(), chosen->places.end(),
-                        [&](const auto& p) { return p[static_cast<std::size_t>(signal)].found(); });
+                        [&](const auto& p) { return p[signal].found(); });
   };
   if (!lacks(kTau) || !lacks(kCurrent)) return;
   const std::size_t n = chosen->joints.size();
@@ -221,7 +221,7 @@ void add_separate_efforts(const RawRecording& raw, const std::vector<std::string
     }
     if (signal < 0 || fields.size() != n) continue;
     for (std::size_t j = 0; j < n; ++j)
-      chosen->places[j][static_cast<std::size_t>(signal)] = {static_cast<int>(s), fields[j]};
+      chosen->places[j][signal] = {static_cast<int>(s), fields[j]};
     chosen->remarks.push_back(text(signal == kTau ? "torques" : "currents", " are taken from ",
                                    stream.topic, ", its ", n, " numbers in the order of the joints."));
     return;
@@ -264,7 +264,7 @@ void name_bare_positions(const SignalChoice& choice, RawRecording* raw) {
     }
     if (match.empty() || std::find(match.begin(), match.end(), -1) != match.end()) continue;
     for (const int field : match) {
-      RawField& found = stream.fields[static_cast<std::size_t>(field)];
+      RawField& found = stream.fields[field];
       found.joint = found.path;
       found.signal = kQ;
     }
@@ -304,12 +304,12 @@ ChosenFields choose_fields(const RawRecording& given, const std::string& path,
     std::vector<std::string> topics = {c.topic};
     for (std::size_t j = 0; j < n; ++j) {
       const std::string recorded =
-          c.match[j] < 0 ? std::string() : c.recorded[static_cast<std::size_t>(c.match[j])];
+          c.match[j] < 0 ? std::string() : c.recorded[c.match[j]];
       chosen.recorded.push_back(recorded);
       chosen.joints.push_back(choice.joints.empty() ? recorded : choice.joints[j].name);
       if (recorded.empty()) continue;
       for (int signal = 0; signal < kSignalCount; ++signal) {
-        FieldPlace& place = chosen.places[j][static_cast<std::size_t>(signal)];
+        FieldPlace& place = chosen.places[j][signal];
         place = place_of(*raw, c.topic, recorded, signal);
         // Other chosen topics provide signals that the first lacks.
         for (const std::string& other : choice.topics) {
@@ -324,13 +324,13 @@ ChosenFields choose_fields(const RawRecording& given, const std::string& path,
     require(to.second < by_name.size() && from.joint < by_name.size(), path,
             ": --map: found joint ", std::max(to.second, from.joint) + 1, ", expected 1 to ",
             by_name.size(), ".");
-    chosen.places[to.second][static_cast<std::size_t>(to.first)] =
-        by_name[from.joint][static_cast<std::size_t>(from.signal)];
+    chosen.places[to.second][to.first] =
+        by_name[from.joint][from.signal];
   }
   for (std::size_t j = 0; j < chosen.places.size(); ++j) {
     for (int signal = 0; signal < kSignalCount; ++signal) {
       const FieldPlace place = map.place(signal, j);
-      if (place.found()) chosen.places[j][static_cast<std::size_t>(signal)] = place;
+      if (place.found()) chosen.places[j][signal] = place;
     }
   }
   return chosen;

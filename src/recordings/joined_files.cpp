@@ -30,7 +30,7 @@ RawStream stream_of(const std::string& file, const RecordingOptions& options, Re
   for (const RecordingSignal& signal : kRecordingSignals) {
     for (Eigen::Index j = 0; j < (r.*signal.values).cols(); ++j) {
       RawField field;
-      field.joint = facts->joints[static_cast<std::size_t>(j)];
+      field.joint = facts->joints[j];
       field.signal = static_cast<int>(&signal - kRecordingSignals);
       out.fields.push_back(field);
     }

@@ -51,10 +51,10 @@ std::vector<char> widened(const std::vector<char>& sound, Eigen::Index margin) {
   std::vector<char> use(sound.size(), 1);
   const auto n = static_cast<Eigen::Index>(sound.size());
   for (Eigen::Index i = 0; i < n; ++i) {
-    if (sound[static_cast<size_t>(i)] != 0) continue;
+    if (sound[i] != 0) continue;
     for (Eigen::Index j = std::max<Eigen::Index>(0, i - margin); j <= std::min(n - 1, i + margin);
          ++j)
-      use[static_cast<size_t>(j)] = 0;
+      use[j] = 0;
   }
   return use;
 }
@@ -81,12 +81,12 @@ Segment make_segment(const Model& arm, const UniformStream& stream, Eigen::Index
   const int blocks = stream.has_velocity() ? 3 : 2;
   if (stream.has_velocity()) s.dq.resize(rows, n);
   for (Eigen::Index i = 0; i < rows; ++i) {
-    const std::vector<double>& values = stream.samples()[static_cast<size_t>(i)];
+    const std::vector<double>& values = stream.samples()[i];
     s.time[i] = stream.start() + static_cast<double>(stream.first_index() + i) * s.dt;
     for (int j = 0; j < n; ++j) {
-      s.q(i, j) = values[static_cast<size_t>(j)];
-      if (stream.has_velocity()) s.dq(i, j) = values[static_cast<size_t>(n + j)];
-      s.tau(i, j) = values[static_cast<size_t>((blocks - 1) * n + j)];
+      s.q(i, j) = values[j];
+      if (stream.has_velocity()) s.dq(i, j) = values[n + j];
+      s.tau(i, j) = values[(blocks - 1) * n + j];
     }
   }
   undo_delays(stream.sensors(), s.dt, s.tau);
@@ -142,10 +142,10 @@ PreparationFacts run(const Model& arm, const std::string& name, UniformStream::S
     for (Eigen::Index i = s.core_begin; i < s.core_end; ++i) {
       const double t = s.time[i];
       const double tolerance = 1e-6 * dt;
-      facts.unused += static_cast<long>(s.use[static_cast<size_t>(i)] == 0);
+      facts.unused += static_cast<long>(s.use[i] == 0);
       if (t < t_begin - tolerance || t > t_end + tolerance ||
           t < stream.first_wanted_time() - tolerance || t > stream.last_wanted_time() + tolerance) {
-        s.use[static_cast<size_t>(i)] = 0;
+        s.use[i] = 0;
       }
     }
     facts.samples += static_cast<long>(s.core_end - s.core_begin);

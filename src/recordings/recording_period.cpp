@@ -125,7 +125,7 @@ class Differences {
   int longest() const { return longest_; }
 
   double operator()(int lag) {
-    double& value = values_[static_cast<std::size_t>(lag)];
+    double& value = values_[lag];
     if (value < 0.0) value = difference(grid_, lag, &scratch_);
     return value;
   }
@@ -144,13 +144,13 @@ class Differences {
     const double cap = kCap * most * 2.0 * static_cast<double>(columns);
     const double certain = most_sum + cap * static_cast<double>(count - kept);
     double cut_sum = 0.0;
-    scratch_.resize(static_cast<std::size_t>(count));
+    scratch_.resize(count);
     for (Eigen::Index s = 0; s < count; ++s) {
       const double* now = rows_.data() + s * times / count * columns;
       const double* then = now + lag * columns;
       double sum = 0.0;
       for (Eigen::Index j = 0; j < columns; ++j) sum += (then[j] - now[j]) * (then[j] - now[j]);
-      scratch_[static_cast<std::size_t>(s)] = sum;
+      scratch_[s] = sum;
       cut_sum += std::min(sum, cap);
       if (cut_sum > certain) return true;
     }

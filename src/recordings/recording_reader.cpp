@@ -71,7 +71,7 @@ class WithoutHeldJoints : public recordings::RowSource {
   RecordingFacts facts() const override {
     RecordingFacts out = whole_->facts();
     const std::vector<std::string> all = std::exchange(out.joints, {});
-    for (const int j : kept_) out.joints.push_back(all[static_cast<size_t>(j)]);
+    for (const int j : kept_) out.joints.push_back(all[j]);
     for (size_t k = 0; k < held_.size(); ++k) {
       const auto [low, high] = range_[k];
       if (std::max(-low, high) <= kHeldStill) continue;

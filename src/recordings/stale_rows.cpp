@@ -112,7 +112,7 @@ class Filling {
                                       length * raw_.dq(after, j), u)
                            : (1.0 - u) * m(before, j) + u * m(after, j);
     }
-    double& oldest = age_[static_cast<size_t>(row)];
+    double& oldest = age_[row];
     oldest = std::max(oldest, age);
   }
 

@@ -52,7 +52,7 @@ std::vector<int> leading_columns(const MatrixXd& A, const std::vector<int>& orde
     for (const int j : order) {
       VectorXd v = A.col(j);
       if (v.squaredNorm() == 0.0) continue;
-      const auto basis = Q.leftCols(static_cast<Eigen::Index>(chosen.size()));
+      const auto basis = Q.leftCols(chosen.size());
       v -= basis * (basis.transpose() * v);
       v -= basis * (basis.transpose() * v);
       if (v.norm() < threshold) continue;
@@ -60,7 +60,7 @@ std::vector<int> leading_columns(const MatrixXd& A, const std::vector<int>& orde
         too_many = true;
         break;
       }
-      Q.col(static_cast<Eigen::Index>(chosen.size())) = v / v.norm();
+      Q.col(chosen.size()) = v / v.norm();
       chosen.push_back(j);
     }
     if (!too_many && static_cast<int>(chosen.size()) == rank) return chosen;
@@ -85,7 +85,7 @@ std::string expression(const VectorXd& row, const std::vector<std::string>& name
     out += out.empty() ? (minus ? "-" : "") : (minus ? " - " : " + ");
     const std::string size = number(std::abs(row[j]));
     if (size != "1") out += size + " ";
-    out += names[static_cast<size_t>(j)];
+    out += names[j];
   }
   return out;
 }
@@ -94,16 +94,16 @@ void describe(BaseParameters& base, const VectorXd& norms, const std::vector<std
   const auto standard = static_cast<Eigen::Index>(names.size());
   base.classes.assign(names.size(), Identifiability::kInCombination);
   for (Eigen::Index j = 0; j < standard; ++j) {
-    if (norms[j] == 0.0) base.classes[static_cast<size_t>(j)] = Identifiability::kNot;
+    if (norms[j] == 0.0) base.classes[j] = Identifiability::kNot;
   }
   for (int i = 0; i < base.size(); ++i) {
-    const int own = base.independent[static_cast<size_t>(i)];
+    const int own = base.independent[i];
     const bool alone = (base.K.row(i).array() != 0.0).count() == 1;
-    if (alone) base.classes[static_cast<size_t>(own)] = Identifiability::kAlone;
-    base.names.push_back(names[static_cast<size_t>(own)]);
+    if (alone) base.classes[own] = Identifiability::kAlone;
+    base.names.push_back(names[own]);
     VectorXd row = base.K.row(i).transpose();
     // The leading parameter comes first.
-    std::string text = names[static_cast<size_t>(own)];
+    std::string text = names[own];
     row[own] = 0.0;
     const std::string rest = expression(row, names);
     if (!rest.empty()) text += rest[0] == '-' ? " - " + rest.substr(1) : " + " + rest;
@@ -140,17 +140,17 @@ BaseParameters base_parameters(const SquareRootInformation& factor,
   base.K = MatrixXd::Zero(rank, A.cols());
   MatrixXd independent(A.rows(), rank);
   for (int i = 0; i < rank; ++i)
-    independent.col(i) = A.col(base.independent[static_cast<size_t>(i)]);
+    independent.col(i) = A.col(base.independent[i]);
   const MatrixXd K = Eigen::HouseholderQR<MatrixXd>(independent).solve(A);
   for (Eigen::Index j = 0; j < A.cols(); ++j) {
     for (int i = 0; i < rank; ++i) {
       if (std::abs(K(i, j)) < kNegligible) continue;
-      base.K(i, j) = K(i, j) * norms[j] / norms[base.independent[static_cast<size_t>(i)]];
+      base.K(i, j) = K(i, j) * norms[j] / norms[base.independent[i]];
     }
   }
   for (int i = 0; i < rank; ++i) {
-    base.K.col(base.independent[static_cast<size_t>(i)]).setZero();
-    base.K(i, base.independent[static_cast<size_t>(i)]) = 1.0;
+    base.K.col(base.independent[i]).setZero();
+    base.K(i, base.independent[i]) = 1.0;
   }
   describe(base, norms, factor.columns());
   return base;
@@ -177,7 +177,7 @@ BaseParameters base_parameters_by_svd(const SquareRootInformation& factor, doubl
   // Step two: a permutation of the others with a regular V22, by pivoting on the rows of V2'.
   MatrixXd others(A.rows(), static_cast<Eigen::Index>(combined.size()));
   for (size_t j = 0; j < combined.size(); ++j)
-    others.col(static_cast<Eigen::Index>(j)) = A.col(combined[j]);
+    others.col(j) = A.col(combined[j]);
   const int wanted = rank - base.size();
   if (!combined.empty()) {
     const Eigen::BDCSVD<MatrixXd> svd2(others, Eigen::ComputeFullV);
@@ -185,7 +185,7 @@ BaseParameters base_parameters_by_svd(const SquareRootInformation& factor, doubl
     const Eigen::ColPivHouseholderQR<MatrixXd> pivots(W2.transpose());
     std::vector<char> dependent(combined.size(), 0);
     for (Eigen::Index j = 0; j < others.cols() - wanted; ++j)
-      dependent[static_cast<size_t>(pivots.colsPermutation().indices()[j])] = 1;
+      dependent[pivots.colsPermutation().indices()[j]] = 1;
     for (size_t j = 0; j < combined.size(); ++j) {
       if (dependent[j] == 0) base.independent.push_back(combined[j]);
     }
@@ -193,14 +193,14 @@ BaseParameters base_parameters_by_svd(const SquareRootInformation& factor, doubl
   std::sort(base.independent.begin(), base.independent.end());
   MatrixXd independent(A.rows(), rank);
   for (int i = 0; i < rank; ++i)
-    independent.col(i) = A.col(base.independent[static_cast<size_t>(i)]);
+    independent.col(i) = A.col(base.independent[i]);
   base.K = Eigen::ColPivHouseholderQR<MatrixXd>(independent).solve(A);
   for (Eigen::Index j = 0; j < A.cols(); ++j) {
     for (int i = 0; i < rank; ++i) {
       const double k = base.K(i, j);
       base.K(i, j) = std::abs(k) < kNegligible
                          ? 0.0
-                         : k * norms[j] / norms[base.independent[static_cast<size_t>(i)]];
+                         : k * norms[j] / norms[base.independent[i]];
     }
   }
   describe(base, norms, factor.columns());

@@ -29,12 +29,12 @@ std::vector<int> independent_columns(const MatrixXd& W, const std::vector<int>& 
   };
   for (const int c : taken) take(c);
   std::vector<int> chosen;
-  std::vector<char> there(static_cast<size_t>(W.cols()), 0);
+  std::vector<char> there(W.cols(), 0);
   while (chosen.size() < order.size()) {
     int best = -1;
     double most = std::max(least, kIndependent);
     for (const int c : order) {
-      const double norm = there[static_cast<size_t>(c)] ? 0.0 : left.col(c).norm();
+      const double norm = there[c] ? 0.0 : left.col(c).norm();
       if (norm > (1.0 + kTie) * most) {
         best = c;
         most = norm;
@@ -42,7 +42,7 @@ std::vector<int> independent_columns(const MatrixXd& W, const std::vector<int>& 
     }
     if (best < 0) break;
     take(best);
-    there[static_cast<size_t>(best)] = 1;
+    there[best] = 1;
     chosen.push_back(best);
   }
   return chosen;
@@ -64,7 +64,7 @@ void improve_choice(const MatrixXd& W, std::vector<int>& chosen) {
     Eigen::Index out = 0;
     Eigen::Index in = 0;
     if (T.cwiseAbs().maxCoeff(&out, &in) <= kWorthSwapping) return;
-    std::swap(chosen[static_cast<size_t>(out)], others[static_cast<size_t>(in)]);
+    std::swap(chosen[out], others[in]);
   }
 }
 

@@ -41,10 +41,10 @@ class TorqueColumn final : public ColumnSource {
     const bool whole = part_ == TorquePart::kWhole;
     MatrixXd tau;
     batch_.torques(m.q, whole ? m.dq : still, whole ? m.ddq : still, phi_, tau);
-    Y.resize(static_cast<size_t>(m.joints()));
+    Y.resize(m.joints());
     for (Eigen::Index i = 0; i < m.joints(); ++i) {
-      Y[static_cast<size_t>(i)].resize(m.rows(), joints_[i] != 0.0 ? 1 : 0);
-      if (joints_[i] != 0.0) Y[static_cast<size_t>(i)].col(0) = joints_[i] * tau.col(i);
+      Y[i].resize(m.rows(), joints_[i] != 0.0 ? 1 : 0);
+      if (joints_[i] != 0.0) Y[i].col(0) = joints_[i] * tau.col(i);
     }
   }
   void add_gradient(const MotionSamples& m, const std::vector<MatrixXd>& weights,
@@ -57,7 +57,7 @@ class TorqueColumn final : public ColumnSource {
     for (Eigen::Index d = 0; d < (whole ? 3 * n : n); ++d) {
       for (Eigen::Index i = 0; i < n; ++i) {
         if (joints_[i] == 0.0) continue;
-        slopes.col(d).array() += joints_[i] * weights[static_cast<size_t>(i)].col(0).array() *
+        slopes.col(d).array() += joints_[i] * weights[i].col(0).array() *
                                  by_state.col(d * n + i).array();
       }
     }

@@ -31,9 +31,9 @@ std::vector<AxisSample> axis_samples(const BoundEffect& effect, const MotionView
                                      const MatrixXd& load, double start) {
   const EffectTerm& term = effect.term();
   const Eigen::Index rows = motion.rows();
-  std::vector<AxisSample> out(static_cast<size_t>(rows));
+  std::vector<AxisSample> out(rows);
   for (Eigen::Index k = 0; k < rows; ++k) {
-    AxisSample& x = out[static_cast<size_t>(k)];
+    AxisSample& x = out[k];
     x.time = motion.time[k] - start;
     x.s = term.axis.offset;
     x.from_s = term.from ? term.from->offset : 0.0;
@@ -42,7 +42,7 @@ std::vector<AxisSample> axis_samples(const BoundEffect& effect, const MotionView
     for (Eigen::Index i = 0; i < axis.coefficients.size(); ++i) {
       const double c = axis.coefficients[i];
       if (c == 0.0) continue;
-      for (Eigen::Index k = 0; k < rows; ++k) out[static_cast<size_t>(k)].*sum += c * of(k, i);
+      for (Eigen::Index k = 0; k < rows; ++k) out[k].*sum += c * of(k, i);
     }
   };
   add(term.axis, motion.q, &AxisSample::s);
@@ -54,7 +54,7 @@ std::vector<AxisSample> axis_samples(const BoundEffect& effect, const MotionView
   }
   if (effect.traits().uses_load && load.rows() == rows) {
     const VectorXd effort = effort_along(term.axis, load);
-    for (Eigen::Index k = 0; k < rows; ++k) out[static_cast<size_t>(k)].load = effort[k];
+    for (Eigen::Index k = 0; k < rows; ++k) out[k].load = effort[k];
   }
   return out;
 }
@@ -68,7 +68,7 @@ MatrixXd columns_along(const BoundEffect& effect, const MotionView& motion, cons
   EffectColumns row{};
   for (const AxisSample& x : axis_samples(effect, motion, load, start)) {
     own.columns(x, row);
-    for (int p = 0; p < effect.parameter_count(); ++p) columns(k, p) = row[static_cast<size_t>(p)];
+    for (int p = 0; p < effect.parameter_count(); ++p) columns(k, p) = row[p];
     ++k;
   }
   return columns;

@@ -36,7 +36,7 @@ EffectColumns slope(const Rows& at, int count, double step) {
 
 double weighted(const EffectColumns& row, const double* weights, Eigen::Index stride, int count) {
   double sum = 0.0;
-  for (int p = 0; p < count; ++p) sum += row[static_cast<size_t>(p)] * weights[p * stride];
+  for (int p = 0; p < count; ++p) sum += row[p] * weights[p * stride];
   return sum;
 }
 
@@ -67,12 +67,12 @@ class EffectSource final : public ColumnSource {
     MatrixXd values(m.rows(), count());
     EffectState state{};
     for (Eigen::Index k = 0; k < m.rows(); ++k) {
-      const EffectColumns row = rounded(samples[static_cast<size_t>(k)], state);
-      for (int p = 0; p < count(); ++p) values(k, p) = row[static_cast<size_t>(p)];
+      const EffectColumns row = rounded(samples[k], state);
+      for (int p = 0; p < count(); ++p) values(k, p) = row[p];
     }
-    Y.resize(static_cast<size_t>(m.joints()));
+    Y.resize(m.joints());
     for (Eigen::Index i = 0; i < m.joints(); ++i) {
-      MatrixXd& to = Y[static_cast<size_t>(i)];
+      MatrixXd& to = Y[i];
       if (axis()[i] == 0.0) {
         to.resize(m.rows(), 0);
       } else {
@@ -85,7 +85,7 @@ class EffectSource final : public ColumnSource {
                     MatrixXd& slopes) const override {
     MatrixXd w = MatrixXd::Zero(m.rows(), count());
     for (Eigen::Index i = 0; i < m.joints(); ++i) {
-      if (axis()[i] != 0.0) w += axis()[i] * weights[static_cast<size_t>(i)];
+      if (axis()[i] != 0.0) w += axis()[i] * weights[i];
     }
     const std::vector<AxisSample> samples = along(m);
     MatrixXd by_input = MatrixXd::Zero(m.rows(), static_cast<Eigen::Index>(kInputs.size()));

@@ -57,7 +57,7 @@ std::string friction_remark(const Model& file, const Model& arm) {
   std::vector<std::string> rotors;
   for (const EffectTerm& term : arm.effects()) {
     if (is_rotor(term))
-      rotors.push_back(arm.coordinates()[static_cast<size_t>(main_coordinate(term.axis))].name);
+      rotors.push_back(arm.coordinates()[main_coordinate(term.axis)].name);
   }
   std::string with;
   for (size_t k = 0; k < rotors.size(); ++k) with += (k > 0 ? ", " : "") + rotors[k];
@@ -76,9 +76,9 @@ std::vector<JointNumber> plain_friction_of(const Model& arm) {
       const BoundEffect bound(arm, term);
       if (!bound.traits().elementary && !is_rotor(term)) continue;
       for (int p = 0; p < bound.parameter_count(); ++p) {
-        const std::string& name = bound.parameters()[static_cast<size_t>(p)].name;
+        const std::string& name = bound.parameters()[p].name;
         const auto deviation = term.deviations.find(name);
-        out.push_back({term.effect, name, bound.unit(p), i, bound.values()[static_cast<size_t>(p)],
+        out.push_back({term.effect, name, bound.unit(p), i, bound.values()[p],
                        deviation == term.deviations.end() ? kNaN : deviation->second});
       }
     }

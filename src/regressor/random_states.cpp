@@ -50,7 +50,7 @@ MotionSamples random_states(const Model& arm, int count, unsigned seed,
     }
   }
   for (int i = 0; i < n; ++i) {
-    const std::string& name = arm.coordinates()[static_cast<size_t>(i)].name;
+    const std::string& name = arm.coordinates()[i].name;
     if (std::find(still.begin(), still.end(), name) == still.end()) continue;
     out.q.col(i).setConstant(0.5 * (limits.lower[i] + limits.upper[i]));
     out.dq.col(i).setZero();

@@ -29,7 +29,7 @@ class SomeColumns final : public ColumnSource {
       const auto of_joint = places(static_cast<int>(i));
       Y[i].resize(motion.rows(), static_cast<Eigen::Index>(of_joint.size()));
       for (size_t k = 0; k < of_joint.size(); ++k)
-        Y[i].col(static_cast<Eigen::Index>(k)) = all[i].col(of_joint[k].second);
+        Y[i].col(k) = all[i].col(of_joint[k].second);
     }
   }
   void add_gradient(const MotionSamples& motion, const std::vector<MatrixXd>& weights,
@@ -41,7 +41,7 @@ class SomeColumns final : public ColumnSource {
       all.push_back(MatrixXd::Zero(motion.rows(), width));
       const auto of_joint = places(joint);
       for (size_t k = 0; k < of_joint.size(); ++k)
-        all[i].col(of_joint[k].second) = weights[i].col(static_cast<Eigen::Index>(k));
+        all[i].col(of_joint[k].second) = weights[i].col(k);
     }
     from_->add_gradient(motion, all, slopes);
   }

@@ -16,22 +16,22 @@ StackedColumns::StackedColumns(int joints, std::vector<std::shared_ptr<const Col
     }
     count_ += source->count();
   }
-  std::vector<int> all(static_cast<size_t>(count_));
+  std::vector<int> all(count_);
   std::iota(all.begin(), all.end(), 0);
   choose(all);
 }
 
 void StackedColumns::choose(const std::vector<int>& columns) {
-  std::vector<int> place(static_cast<size_t>(count_), -1);
+  std::vector<int> place(count_, -1);
   for (size_t c = 0; c < columns.size(); ++c)
-    place[static_cast<size_t>(columns[c])] = static_cast<int>(c);
+    place[columns[c]] = static_cast<int>(c);
   chosen_ = static_cast<int>(columns.size());
   for (size_t i = 0; i < places_.size(); ++i) {
     places_[i].clear();
     for (size_t s = 0; s < sources_.size(); ++s) {
       const std::vector<int>& of_joint = columns_[s][i];
       for (size_t c = 0; c < of_joint.size(); ++c) {
-        const int column = place[static_cast<size_t>(of_joint[c])];
+        const int column = place[of_joint[c]];
         if (column >= 0) places_[i].push_back({s, static_cast<int>(c), column});
       }
     }
@@ -49,7 +49,7 @@ MatrixXd StackedColumns::rows_of(size_t joint, const std::vector<std::vector<Mat
   const std::vector<Place>& places = places_[joint];
   MatrixXd W(rows, static_cast<Eigen::Index>(places.size()));
   for (size_t k = 0; k < places.size(); ++k) {
-    W.col(static_cast<Eigen::Index>(k)) = Y[places[k].source][joint].col(places[k].local);
+    W.col(k) = Y[places[k].source][joint].col(places[k].local);
   }
   return W;
 }
@@ -63,7 +63,7 @@ MatrixXd StackedColumns::stacked(const MotionSamples& motion) const {
       for (size_t c = 0; c < columns_[s][i].size(); ++c) {
         W.col(columns_[s][i][c])
             .segment(static_cast<Eigen::Index>(i) * motion.rows(), motion.rows()) =
-            Y[s][i].col(static_cast<Eigen::Index>(c));
+            Y[s][i].col(c);
       }
     }
   }
@@ -86,8 +86,8 @@ std::vector<MatrixXd> StackedColumns::joint_grams(const MotionSamples& motion) c
     const MatrixXd part = W.transpose() * W;
     for (Eigen::Index c = 0; c < part.cols(); ++c) {
       for (Eigen::Index r = 0; r < part.rows(); ++r) {
-        out[i](places_[i][static_cast<size_t>(r)].column,
-               places_[i][static_cast<size_t>(c)].column) = part(r, c);
+        out[i](places_[i][r].column,
+               places_[i][c].column) = part(r, c);
       }
     }
   }
@@ -116,13 +116,13 @@ MatrixXd StackedColumns::gradient(const MotionSamples& motion,
     MatrixXd part(count, count);
     for (Eigen::Index c = 0; c < count; ++c) {
       for (Eigen::Index r = 0; r < count; ++r) {
-        part(r, c) = by_gram[i](places[static_cast<size_t>(r)].column,
-                                places[static_cast<size_t>(c)].column);
+        part(r, c) = by_gram[i](places[r].column,
+                                places[c].column);
       }
     }
     const MatrixXd by_row = 2.0 * (rows_of(i, Y, motion.rows()) * part);
     for (size_t k = 0; k < places.size(); ++k) {
-      weights[places[k].source][i].col(places[k].local) = by_row.col(static_cast<Eigen::Index>(k));
+      weights[places[k].source][i].col(places[k].local) = by_row.col(k);
     }
   }
   MatrixXd slopes = MatrixXd::Zero(motion.rows(), 3 * motion.joints());

@@ -14,7 +14,7 @@ namespace {
 
 void append_channel_error(const Model& arm, const ChannelEffect& effect, int e,
                           std::vector<StandardParameter>& out) {
-  const EffectTerm& term = arm.effects()[static_cast<size_t>(e)];
+  const EffectTerm& term = arm.effects()[e];
   const std::vector<EffectParameter> own = effect.parameters();
   const bool metres = !term.axis.coefficients.isZero(0.0) && is_prismatic(arm, term.axis);
   for (size_t c = 0; c < own.size(); ++c) {
@@ -106,7 +106,7 @@ VectorXd standard_values(const Model& arm) {
   require(arm.inertial_values().has_value(), "'", arm.name(),
           "' has bodies without mass, com and inertia; what they are says how large an error is.");
   const std::vector<StandardParameter> parameters = standard_parameters(arm);
-  VectorXd out(static_cast<Eigen::Index>(parameters.size()));
+  VectorXd out(parameters.size());
   for (size_t k = 0; k < parameters.size(); ++k)
     out[static_cast<Eigen::Index>(k)] = parameters[k].value;
   return out;

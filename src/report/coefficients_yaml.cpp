@@ -23,7 +23,7 @@ std::string coefficients_yaml(const Excitation& e) {
                      e.robot, e.trajectory.frequency(), e.trajectory.harmonics(), e.periods);
   for (Eigen::Index i = 0; i < e.trajectory.joints(); ++i) {
     out += fmt::format("  - name: {}\n    q0: {:.17g}\n    a: {}\n    b: {}\n",
-                       e.joints[static_cast<size_t>(i)], e.trajectory.q0()[i],
+                       e.joints[i], e.trajectory.q0()[i],
                        list(e.trajectory.a().row(i)), list(e.trajectory.b().row(i)));
   }
   return out;

@@ -94,9 +94,9 @@ std::string class_list(const RobotInfo& info, const char* title, Identifiability
 RobotInfo robot_info(const Model& arm) {
   RobotInfo info{arm, standard_parameters(arm), base_parameters(arm), {}};
   if (!has_all_values(arm)) return info;
-  VectorXd phi(static_cast<Eigen::Index>(info.parameters.size()));
+  VectorXd phi(info.parameters.size());
   for (Eigen::Index j = 0; j < phi.size(); ++j)
-    phi[j] = info.parameters[static_cast<std::size_t>(j)].value;
+    phi[j] = info.parameters[j].value;
   info.base_values = info.base.K * phi;
   return info;
 }

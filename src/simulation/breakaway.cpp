@@ -105,7 +105,7 @@ Breakaway breakaway(Engine& engine, const Model& arm, const ReplayInput& input,
           "breakaway: found ", rows, " x ", input.motion.joints(), " positions and ",
           input.tau.rows(), " x ", input.tau.cols(), " efforts, expected rows of ", arm.joints(),
           " joints of both.");
-  RampThresholds limit = ramp_thresholds(arm.coordinates()[static_cast<size_t>(joint)]);
+  RampThresholds limit = ramp_thresholds(arm.coordinates()[joint]);
   if (options.way > 0.0) limit.way = options.way;
   if (options.speed > 0.0) limit.speed = options.speed;
   limit.rest = options.rest;
@@ -119,7 +119,7 @@ Breakaway breakaway(Engine& engine, const Model& arm, const ReplayInput& input,
   std::vector<double> simulated[2];
   const VectorXd q = input.motion.q.col(joint);
   const VectorXd tau = input.tau.col(joint);
-  for (const Ramp& ramp : find_ramps(arm.coordinates()[static_cast<size_t>(joint)], time, q, tau,
+  for (const Ramp& ramp : find_ramps(arm.coordinates()[joint], time, q, tau,
                                      limit)) {
     BreakawayEvent event;
     event.rest_from = time[ramp.rest] - time[0];

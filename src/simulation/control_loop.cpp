@@ -68,7 +68,7 @@ class Loop {
     if (limit_.size() == 0) {
       limit_ = VectorXd(n_);
       for (Eigen::Index i = 0; i < n_; ++i)
-        limit_[i] = arm.coordinates()[static_cast<size_t>(i)].limits.effort;
+        limit_[i] = arm.coordinates()[i].limits.effort;
     }
     integral_ = velocity_ = motors_ = whole_ = error_ = VectorXd::Zero(n_);
     if (!options.model) return;
@@ -191,7 +191,7 @@ int run_away(const VectorXd& q, const VectorXd& wanted, const VectorXd& range) {
 
 std::string EngineRun::why(const Model& arm) const {
   const std::string who =
-      joint >= 0 ? "joint " + arm.coordinates()[static_cast<size_t>(joint)].name : "the arm";
+      joint >= 0 ? "joint " + arm.coordinates()[joint].name : "the arm";
   return fmt::format("stopped at {:.6g} s: {} {}", stopped_at, who, describe(status));
 }
 

@@ -41,7 +41,7 @@ Model with_sensible_effects(const Model& arm, double least_effort) {
     const MatrixXd columns = term_columns(arm, term, motion, rigid, kSubsteps);
     for (size_t p = 0; p < parameters.size(); ++p) {
       if (std::find(missing.begin(), missing.end(), parameters[p].name) == missing.end()) continue;
-      const double size = rms(columns.col(static_cast<Eigen::Index>(p)));
+      const double size = rms(columns.col(p));
       // An effect that this motion does not excite (some shapes need more) gets no force.
       term.values[parameters[p].name] = size > 0.0 ? part / size : 0.0;
     }

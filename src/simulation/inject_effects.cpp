@@ -77,7 +77,7 @@ class Injector {
   }
 
   const Coordinate& coordinate(JointIndex joint) const {
-    return out_.arm.coordinates()[static_cast<size_t>(joint.value)];
+    return out_.arm.coordinates()[joint.value];
   }
 
   void inject(const HiddenEffect& hidden, const ChannelError& cause) {
@@ -134,7 +134,7 @@ class Injector {
     const Eigen::Vector3d place(v["x"], v["y"], v["z"]);
     const InertialParameters load =
         inertial_parameters(v["mass"], place, Eigen::Matrix<double, 6, 1>::Zero());
-    std::optional<Body>& body = arm.frames[static_cast<size_t>(cause.frame.value)].body;
+    std::optional<Body>& body = arm.frames[cause.frame.value].body;
     if (!body) {
       body = Body{};
       body->phi = InertialParameters::Zero();

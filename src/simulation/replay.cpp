@@ -39,7 +39,7 @@ VectorXd relative_error(const MatrixXd& found, const MatrixXd& expected,
   VectorXd error = VectorXd::Zero(found.cols());
   VectorXd size = error;
   for (Eigen::Index k = 0; k < found.rows(); ++k) {
-    if (use[static_cast<size_t>(k)] == 0) continue;
+    if (use[k] == 0) continue;
     error += (found.row(k) - expected.row(k)).cwiseAbs2().transpose();
     size += expected.row(k).cwiseAbs2().transpose();
   }
@@ -51,7 +51,7 @@ void compare_motion(const ReplayInput& input, Replay& out) {
   out.motion_rms = out.motion_max = VectorXd::Zero(n);
   long count = 0;
   for (Eigen::Index k = 0; k < out.run.motion.rows(); ++k) {
-    if (input.use[static_cast<size_t>(k)] == 0) continue;
+    if (input.use[k] == 0) continue;
     const VectorXd off = (out.run.motion.q.row(k) - input.motion.q.row(k)).transpose();
     out.motion_rms += off.cwiseAbs2();
     out.motion_max = out.motion_max.cwiseMax(off.cwiseAbs());

@@ -25,7 +25,7 @@ ReplayInput replay_input(const Model& arm, const std::string& recording, Preproc
     const Eigen::Index count = s.core_end - s.core_begin;
     for (Eigen::Index k = first; k < first + count; ++k) {
       time.push_back(s.time[k]);
-      out.use.push_back(s.use[static_cast<size_t>(k)]);
+      out.use.push_back(s.use[k]);
     }
     const MatrixXd* all[] = {&s.q, &s.dq, &s.ddq, &s.tau};
     for (size_t m = 0; m < 4; ++m) pieces[m].emplace_back(all[m]->middleRows(first, count));

@@ -33,7 +33,7 @@ RandomNumbers stream(unsigned seed, Stream kind, Eigen::Index joint) {
 }
 
 double amount(const Model& arm, const JointAmount& of, Eigen::Index joint) {
-  return arm.coordinates()[static_cast<size_t>(joint)].prismatic ? of.prismatic : of.revolute;
+  return arm.coordinates()[joint].prismatic ? of.prismatic : of.revolute;
 }
 
 // A function of time with its first two derivatives.

@@ -10,7 +10,7 @@ namespace {
 VectorXd encoder_steps(const Model& arm, const SensorNoise& noise) {
   VectorXd steps(arm.joints());
   for (int i = 0; i < arm.joints(); ++i) {
-    const bool slides = arm.coordinates()[static_cast<size_t>(i)].prismatic;
+    const bool slides = arm.coordinates()[i].prismatic;
     steps[i] = slides ? noise.encoder_step.prismatic : noise.encoder_step.revolute;
   }
   return steps;

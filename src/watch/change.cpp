@@ -41,7 +41,7 @@ ChangeFinder::ChangeFinder(const Model& arm, const std::vector<Hypothesis>& hypo
                            const WatchOptions& options)
     : arm_(arm), hypotheses_(hypotheses), options_(options), noise_(arm, hypotheses),
       quantiles_(static_cast<int>(hypotheses.size()), static_cast<int>(std::size(kMemories))),
-      known_(VectorXd::Zero(static_cast<Eigen::Index>(hypotheses.size()))) {
+      known_(VectorXd::Zero(hypotheses.size())) {
   for (const double seconds : kMemories) {
     Memory m;
     m.seconds = seconds;
@@ -172,13 +172,13 @@ void ChangeFinder::set_bounds() {
   for (const Frame& f : arm_.frames())
     if (f.body && f.body->phi) mass += std::abs((*f.body->phi)[0]);
   for (Eigen::Index h = 0; h < known_.size(); ++h) {
-    const Hypothesis& one = hypotheses_[static_cast<size_t>(h)];
+    const Hypothesis& one = hypotheses_[h];
     if (is_load(one.of)) {
       largest_[h] = one.companion ? 0.0 : mass;
       continue;
     }
     const int joint = one.of.joint ? one.of.joint->value : 0;
-    const Coordinate& c = arm_.coordinates()[static_cast<size_t>(joint)];
+    const Coordinate& c = arm_.coordinates()[joint];
     const Effect& effect = find_effect(effect_of(one.of.cause));
     const EffectParameter p = effect.parameters().front();
     largest_[h] = c.prismatic ? p.largest_prismatic : p.largest_revolute;
@@ -188,7 +188,7 @@ void ChangeFinder::set_bounds() {
   }
   least_ = -largest_;
   for (Eigen::Index h = 0; h < known_.size(); ++h) {  // friction does not fall below zero
-    const Hypothesis& one = hypotheses_[static_cast<size_t>(h)];
+    const Hypothesis& one = hypotheses_[h];
     if (!one.along_axis()) continue;
     const Effect& effect = find_effect(effect_of(one.of.cause));
     if (!effect.traits().uses_velocity) continue;
@@ -225,7 +225,7 @@ void ChangeFinder::emit_present(double now) {
   WatchEvent e = event(c, WatchStage::kPresent, now);
   add_rivals(all, c.score, e);
   emit(std::move(e));
-  if (hypotheses_[static_cast<size_t>(c.score.hypothesis)].along_axis()) return;
+  if (hypotheses_[c.score.hypothesis].along_axis()) return;
   for (Step& step : quiet_)
     step.residual -= step.columns(Eigen::all, c.score.columns) * c.score.size;
   compensate(c.score, 1.0);
@@ -248,7 +248,7 @@ void ChangeFinder::detect(double now, WatchState& state) {
     hypothesis = static_cast<int>(at);
     memory = m;
   }
-  state.suspect = hypothesis >= 0 ? to_text(arm_, hypotheses_[static_cast<size_t>(hypothesis)].of.cause) : "";
+  state.suspect = hypothesis >= 0 ? to_text(arm_, hypotheses_[hypothesis].of.cause) : "";
   above_ = state.strength > 1.0 ? above_ + 1 : 0;
   if (open_ || above_ < kAboveInARow || now < refractory_until_) return;
   if (refining_ && ask_again(now)) return;
@@ -273,7 +273,7 @@ std::vector<Score> ChangeFinder::scores(const Change& change,
   std::vector<Score> out;
   const double price = quantiles_.dispersion() * std::log(static_cast<double>(steps.size()));
   for (int h = 0; h < static_cast<int>(hypotheses_.size()); ++h) {
-    const Hypothesis& one = hypotheses_[static_cast<size_t>(h)];
+    const Hypothesis& one = hypotheses_[h];
     if (one.companion) continue;
     const Score alone = best_onset(steps, h, least_[h], largest_[h],
                                    change.alarm - change.lookback, change.alarm);
@@ -308,7 +308,7 @@ void ChangeFinder::isolate(double now, bool last) {
     return;
   }
   const auto effect = [&](const Score& s) {
-    return effect_of(hypotheses_[static_cast<size_t>(s.hypothesis)].of.cause);
+    return effect_of(hypotheses_[s.hypothesis].of.cause);
   };
   double next = still ? ended.gain : 0.0;  // of another effect
   for (const Score& s : scores) {
@@ -341,7 +341,7 @@ void ChangeFinder::compensate(const Score& score, double share) {
 }
 
 WatchEvent ChangeFinder::event(const Change& c, WatchStage stage, double now) const {
-  const Hypothesis& h = hypotheses_[static_cast<size_t>(c.score.hypothesis)];
+  const Hypothesis& h = hypotheses_[c.score.hypothesis];
   WatchEvent e;
   e.id = c.id;
   e.stage = stage;
@@ -363,7 +363,7 @@ void ChangeFinder::add_rivals(const std::vector<Score>& scores, const Score& bes
   const double phi = quantiles_.dispersion();
   for (const Score& s : scores) {
     if (s.hypothesis == best.hypothesis || best.gain - s.gain > phi * kOdds) continue;
-    const Cause& other = hypotheses_[static_cast<size_t>(s.hypothesis)].of.cause;
+    const Cause& other = hypotheses_[s.hypothesis].of.cause;
     e.rivals.push_back({other, to_text(arm_, other), 0.5 * (best.gain - s.gain) / phi});
   }
 }
@@ -400,7 +400,7 @@ void ChangeFinder::push_is_over(const Push& push, double now) {
   const Change c = *open_;
   open_.reset();
   const int j = push.last_joint ? push.last_joint->value : 0;
-  const Coordinate& joint = arm_.coordinates()[static_cast<size_t>(j)];
+  const Coordinate& joint = arm_.coordinates()[j];
   WatchEvent e = event(c, now - push.to < kPushEnds ? WatchStage::kNamed : WatchStage::kOver, now);
   e.cause = ExternalContact{{j}};
   e.since = push.from;

@@ -154,7 +154,7 @@ Push best_push(const std::deque<WhiteStep>& steps, const std::vector<int>& offse
   for (size_t o = 0; o < steps.size(); ++o) {
     if (steps[o].time < earliest || steps[o].time > latest) continue;
     double settled = 0.0;  // of completed segments
-    VectorXd A = VectorXd::Zero(static_cast<Eigen::Index>(n)), b = A, all_A = A, all_b = A;
+    VectorXd A = VectorXd::Zero(n), b = A, all_A = A, all_b = A;
     double segment = steps[o].time;
     for (size_t k = o; k < steps.size() && steps[k].time <= end; ++k) {
       double open = 0.0;

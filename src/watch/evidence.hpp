@@ -34,7 +34,7 @@ class Quantiles {
 
   /// (hypotheses) statistic beyond which memory m raises an alarm; infinite until enough is
   /// learned.
-  const VectorXd& threshold(int memory) const { return threshold_[static_cast<size_t>(memory)]; }
+  const VectorXd& threshold(int memory) const { return threshold_[memory]; }
   /// Dispersion of the statistics relative to white innovations, the mean of all hypotheses over
   /// the middle memory; and its degrees of freedom.
   double dispersion() const { return dispersion_; }

@@ -14,7 +14,7 @@ constexpr double kRestShare = 0.03;
 std::string unit_of(const Model& arm, const Candidate& c) {
   if (is_load(c)) return "kg";
   const EffectParameter p = find_effect(effect_of(c.cause)).parameters().front();
-  const bool slides = arm.coordinates()[static_cast<size_t>(c.joint ? c.joint->value : 0)].prismatic;
+  const bool slides = arm.coordinates()[c.joint ? c.joint->value : 0].prismatic;
   return slides ? p.unit_prismatic : p.unit_revolute;
 }
 
@@ -31,7 +31,7 @@ std::vector<FrameIndex> load_frames(const Model& arm, const std::vector<std::str
   for (int k = 0; links.empty() && k < static_cast<int>(arm.frames().size()); ++k) {
     bool moves = false;
     for (int i = 0; i < arm.joints(); ++i) moves = moves || arm.moves(k, i);
-    if (moves && (is_last(arm, k) || arm.frames()[static_cast<size_t>(k)].body)) out.push_back({k});
+    if (moves && (is_last(arm, k) || arm.frames()[k].body)) out.push_back({k});
   }
   return out;
 }
@@ -41,7 +41,7 @@ Model with_bodies(const Model& arm, const std::vector<FrameIndex>& frames) {
   ModelDescription d = arm.description();
   d.effects.clear();
   for (const FrameIndex k : frames) {
-    std::optional<Body>& body = d.frames[static_cast<size_t>(k.value)].body;
+    std::optional<Body>& body = d.frames[k.value].body;
     if (!body) body.emplace();
   }
   return Model(std::move(d));
@@ -178,7 +178,7 @@ MatrixXd Hypotheses::load_column(int body, int parameter, Eigen::Index rows) con
     const std::vector<int>& of_joint = loads_.columns(i);
     const auto at =
         std::find(of_joint.begin(), of_joint.end(), kBodyParameters * body + parameter);
-    if (at != of_joint.end()) column.col(i) = Y_[static_cast<size_t>(i)].col(at - of_joint.begin());
+    if (at != of_joint.end()) column.col(i) = Y_[i].col(at - of_joint.begin());
   }
   return column;
 }

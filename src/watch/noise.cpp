@@ -25,7 +25,7 @@ NoiseModel::NoiseModel(const Model& arm, const std::vector<Hypothesis>& hypothes
     : n_(arm.joints()),
       ar_(MatrixXd::Zero(arm.joints(), kOrder)),
       deviation_(VectorXd::Ones(arm.joints())),
-      today_(VectorXd::Zero(static_cast<Eigen::Index>(hypotheses.size()))),
+      today_(VectorXd::Zero(hypotheses.size())),
       scale_(VectorXd::Ones(arm.joints())) {
   for (size_t h = 0; h < hypotheses.size(); ++h) {
     const Hypothesis& one = hypotheses[h];
@@ -136,23 +136,23 @@ void NoiseModel::fit_today(const std::vector<Step>& quiet) {
   for (const Step& s : quiet) {
     const WhiteStep w = whiten(s, none);
     for (Eigen::Index p = 0; p < count; ++p) {
-      const int h = daily_[static_cast<size_t>(p)];
-      const int j = joint_of_[static_cast<size_t>(p)];
+      const int h = daily_[p];
+      const int j = joint_of_[p];
       b[p] += w.X(j, h) * w.e[j];
       for (Eigen::Index o = 0; o < count; ++o) {
-        const int other = daily_[static_cast<size_t>(o)];
-        if (joint_of_[static_cast<size_t>(o)] == j) A(p, o) += w.X(j, h) * w.X(j, other);
+        const int other = daily_[o];
+        if (joint_of_[o] == j) A(p, o) += w.X(j, h) * w.X(j, other);
       }
     }
   }
   past_.clear();
   for (Eigen::Index p = 0; p < count; ++p) {
-    const int j = joint_of_[static_cast<size_t>(p)];
-    const double prior = kDailyShare * scale_[j] / speed_of_[static_cast<size_t>(p)];
+    const int j = joint_of_[p];
+    const double prior = kDailyShare * scale_[j] / speed_of_[p];
     A(p, p) += 1.0 / std::max(prior * prior, 1e-24);
   }
   const VectorXd x = A.ldlt().solve(b);
-  for (Eigen::Index p = 0; p < count; ++p) today_[daily_[static_cast<size_t>(p)]] = x[p];
+  for (Eigen::Index p = 0; p < count; ++p) today_[daily_[p]] = x[p];
 }
 
 WhiteStep NoiseModel::whiten(const Step& step, const VectorXd& known) {
@@ -162,7 +162,7 @@ WhiteStep NoiseModel::whiten(const Step& step, const VectorXd& known) {
   out.e = rest(step, known);
   out.X = step.columns;
   for (size_t l = 0; l < past_.size(); ++l) {
-    const VectorXd a = ar_.col(static_cast<Eigen::Index>(l));
+    const VectorXd a = ar_.col(l);
     out.e -= a.cwiseProduct(rest(past_[l], known));
     out.X -= a.asDiagonal() * past_[l].columns;
   }

@@ -164,13 +164,13 @@ void SmoothedRows::look_for_jump() {
   std::vector<PositionJump> found;
   for (int j = 0; j < arm_.joints(); ++j) {
     const Gain gain = gained(j, begin, end);
-    int& wait = wait_[static_cast<size_t>(j)];
+    int& wait = wait_[j];
     if (wait > 0) {
       --wait;
       continue;
     }
     const double spread = std::sqrt(spread2_[j]);
-    const bool slides = arm_.coordinates()[static_cast<size_t>(j)].prismatic;
+    const bool slides = arm_.coordinates()[j].prismatic;
     const double least = std::max({kJumpDeviations * spread, kJumpOverLargest * largest_[j],
                                    kJumpOfWay * gain.way, kSmallestJump[slides ? 1 : 0]});
     if (tell_jumps_ && std::abs(gain.size) > least) {
@@ -194,7 +194,7 @@ void SmoothedRows::look_for_jump() {
 
 SmoothedRows::Gain SmoothedRows::gained(int j, int begin, int end) const {
   Gain out;
-  const auto row = [this](int k) -> const Row& { return grid_[static_cast<size_t>(k)]; };
+  const auto row = [this](int k) -> const Row& { return grid_[k]; };
   const auto step = [&](int k) {  // from sample k - 1 to k, minus the integrated velocity
     return row(k).q[j] - row(k - 1).q[j] - 0.5 * dt_ * (row(k - 1).dq[j] + row(k).dq[j]);
   };
@@ -224,31 +224,31 @@ SmoothedRows::Gain SmoothedRows::gained(int j, int begin, int end) const {
 void SmoothedRows::take_off(const PositionJump& jump, int end) {
   if (on_jump) on_jump(jump);
   for (int k = 0; k <= end; ++k) {
-    Row& row = grid_[static_cast<size_t>(k)];
+    Row& row = grid_[k];
     if (row.t >= jump.time - 0.5 * dt_) row.q[jump.joint] -= jump.size;
   }
   offset_[jump.joint] += jump.size;
-  wait_[static_cast<size_t>(jump.joint)] = 2 * reach_;
+  wait_[jump.joint] = 2 * reach_;
 }
 
 void SmoothedRows::smooth() {
   const int n = arm_.joints();
   const int count = 2 * half_ + 1;
   SmoothedRow out;
-  out.time = grid_[static_cast<size_t>(half_)].t;
+  out.time = grid_[half_].t;
   out.q = VectorXd::Zero(n);
   out.dq = VectorXd::Zero(n);
   out.ddq = VectorXd::Zero(n);
-  out.tau = grid_[static_cast<size_t>(half_)].tau;
+  out.tau = grid_[half_].tau;
   for (int i = 0; i < count; ++i) {
-    const Row& row = grid_[static_cast<size_t>(i)];
+    const Row& row = grid_[i];
     out.q += value_[i] * row.q;
     out.dq += has_velocity_ ? VectorXd(value_[i] * row.dq) : VectorXd(slope_[i] * row.q);
     out.ddq += has_velocity_ ? VectorXd(slope_[i] * row.dq) : VectorXd(curve_[i] * row.q);
   }
   for (int j = 0; j < n; ++j) {  // delayed torques are shifted forward
     out.tau[j] = sensors_.torque_at(j, half_, count, dt_, [&](Eigen::Index k) {
-      return grid_[static_cast<size_t>(k)].tau[j];
+      return grid_[k].tau[j];
     });
   }
   if (on_row) on_row(out);

@@ -22,7 +22,7 @@ void StepBuilder::finish() {
   StepMotion motion{VectorXd(count), MatrixXd(count, n), MatrixXd(count, n), MatrixXd(count, n)};
   MatrixXd tau(count, n);
   for (Eigen::Index k = 0; k < count; ++k) {
-    const SmoothedRow& row = rows_[static_cast<size_t>(k)];
+    const SmoothedRow& row = rows_[k];
     motion.time[k] = row.time;
     motion.q.row(k) = row.q.transpose();
     motion.dq.row(k) = row.dq.transpose();
@@ -38,10 +38,10 @@ void StepBuilder::finish() {
   step.rest_friction2 = answer_.rest_friction.colwise().mean().transpose().cwiseAbs2();
   step.parts.resize(n, static_cast<Eigen::Index>(answer_.parts.size()));
   for (size_t p = 0; p < answer_.parts.size(); ++p)
-    step.parts.col(static_cast<Eigen::Index>(p)) = answer_.parts[p].colwise().mean().transpose();
+    step.parts.col(p) = answer_.parts[p].colwise().mean().transpose();
   step.columns.resize(n, hypotheses_.size());
   for (int h = 0; h < hypotheses_.size(); ++h)
-    step.columns.col(h) = answer_.columns[static_cast<size_t>(h)].colwise().mean().transpose();
+    step.columns.col(h) = answer_.columns[h].colwise().mean().transpose();
   step.follows = follows_;
   follows_ = true;
   rows_.clear();

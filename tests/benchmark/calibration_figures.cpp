@@ -37,7 +37,7 @@ struct Tally {
   void print() {
     std::sort(errors.begin(), errors.end());
     const auto at = [&](double share) {
-      return scale * errors[static_cast<size_t>(share * static_cast<double>(errors.size() - 1))];
+      return scale * errors[share * static_cast<double>(errors.size() - 1)];
     };
     fmt::print("{:<34} median {:8.4f} {}, 95 % {:8.4f}, worst {:8.4f}; interval holds in {:5.1f} % of {}\n",
                name, at(0.5), unit, at(0.95), at(1.0), 100.0 * inside / errors.size(), errors.size());
@@ -130,7 +130,7 @@ void constants(unsigned seeds) {
         beta.add(c.found - truth.description().constants.at("beta"), 0.5 * (c.high - c.low));
     }
     if (found.named.size() == 1)
-      named += found.constants[static_cast<size_t>(found.named[0])].name == "beta" ? 1 : 0;
+      named += found.constants[found.named[0]].name == "beta" ? 1 : 0;
   }
   beta.print();
   fmt::print("beta alone is named in {} of {}\n", named, seeds);

@@ -85,7 +85,7 @@ double seconds_of(clockid_t clock) {
 }
 
 double at_share(const std::vector<double>& sorted, double share) {
-  return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
+  return sorted[share * static_cast<double>(sorted.size() - 1)];
 }
 
 struct Beat {

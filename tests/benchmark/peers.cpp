@@ -308,7 +308,7 @@ void add_dynamics(nlohmann::json& rows) {
     dynamics.inverse_dynamics_derivatives(s.q[k], s.dq[k], s.ddq[k], tau, torque);
   })};
   const ExportedC code(arm);
-  std::vector<double> out(static_cast<size_t>(Y.size()));
+  std::vector<double> out(Y.size());
   std::vector<double> other(out.size());
   const auto three = [&](void* f, size_t k) {
     reinterpret_cast<ThreeIn>(f)(s.q[k].data(), s.dq[k].data(), s.ddq[k].data(), out.data());
@@ -404,7 +404,7 @@ void add_factors(nlohmann::json& rows) {
                        MatrixXd R = MatrixXd::Zero(n, n);
                        MatrixXd B(m, n);
                        MatrixXd T(nb, n);
-                       std::vector<double> work(static_cast<size_t>(nb * n));
+                       std::vector<double> work(nb * n);
                        int info = 0;
                        for (int k = 0; k < kBlocks; ++k) {
                          B.leftCols(kColumns) = A;

@@ -106,7 +106,7 @@ TEST(Axes, WhatTheMarkersCannotShowIsSaid) {
 
   MarkerCapture line = capture;
   for (int m = 3; m < 6; ++m)
-    line.markers[static_cast<size_t>(m)].position =
+    line.markers[m].position =
         capture.markers[3].position +
         (m - 3) * 0.3 * (capture.markers[4].position - capture.markers[3].position);
   AxesOptions pair;

@@ -17,7 +17,7 @@ std::string pose_csv(const PoseCapture& poses) {
   for (Eigen::Index i = 0; i < poses.q.cols(); ++i) out += fmt::format(",q{}", i + 1);
   out += ",x,y,z,qw,qx,qy,qz\n";
   for (int k = 0; k < poses.frames(); ++k) {
-    const Eigen::Isometry3d& T = poses.poses[static_cast<size_t>(k)];
+    const Eigen::Isometry3d& T = poses.poses[k];
     const Eigen::Quaterniond q(T.linear());
     out += fmt::format("{}", poses.time[k]);
     for (Eigen::Index i = 0; i < poses.q.cols(); ++i) out += fmt::format(",{:.10g}", poses.q(k, i));

@@ -64,8 +64,8 @@ TEST(Links, PosesAndDerivativesOfTheChain) {
       difference << internal::rotation_vector(high.linear() * low.linear().transpose()) / 2e-6,
           (high.translation() - low.translation()) / 2e-6;
       EXPECT_LT((difference - J.col(p)).norm(), 1e-6 * (1.0 + J.col(p).norm()))
-          << robot << ": " << parameters.all()[static_cast<size_t>(p)].name << " of "
-          << parameters.all()[static_cast<size_t>(p)].frame;
+          << robot << ": " << parameters.all()[p].name << " of "
+          << parameters.all()[p].frame;
     }
     // The arm with these numbers written into it has the same poses.
     chain.set(x);
@@ -73,7 +73,7 @@ TEST(Links, PosesAndDerivativesOfTheChain) {
     Eigen::Isometry3d written;
     VectorXd q_true = q;
     for (int i = 0; i < arm.joints(); ++i)
-      q_true[i] -= applied.coordinates()[static_cast<size_t>(i)].recorded.position_offset;
+      q_true[i] -= applied.coordinates()[i].recorded.position_offset;
     written.matrix() = frame_pose(applied, q_true, frame).matrix();
     EXPECT_TRUE((chain.base() * written * chain.tool()).isApprox(at, 1e-9)) << robot;
   }
@@ -89,7 +89,7 @@ TEST(Links, AWrongBetaIsFoundAndNamed) {
   const LinksCalibration found = calibrate_links(file, poses, options);
   ASSERT_EQ(found.status, CalibrationStatus::kDone) << found.reason;
   ASSERT_EQ(found.named.size(), 1U) << found.report();
-  EXPECT_EQ(found.constants[static_cast<size_t>(found.named[0])].name, "beta") << found.report();
+  EXPECT_EQ(found.constants[found.named[0]].name, "beta") << found.report();
   const LinkConstant& c = constant(found, "beta");
   EXPECT_NEAR(c.found, beta, 0.02 * kDegree);
   EXPECT_LE(c.low, beta);
@@ -120,7 +120,7 @@ TEST(Links, AWrongRatioOfTheCounterweightIsFoundWithBaseAndToolUnknown) {
 TEST(Links, ALengthAndAnEncoderZeroOfASixJointArm) {
   const Model file = read_model("ur10e");
   ModelDescription d = file.description();
-  Frame& forearm = d.frames[static_cast<size_t>(file.find_frame("forearm"))];
+  Frame& forearm = d.frames[file.find_frame("forearm")];
   DhRow row = *forearm.dh;
   row.a += 0.003;
   forearm.variable.offset = 0.0;
@@ -223,8 +223,8 @@ TEST(PoseDesign, StaysWithinLimitsAndTellsMore) {
   ASSERT_EQ(design.status, CalibrationStatus::kDone) << design.reason;
   EXPECT_GT(design.gain, 1.1);
   for (int i = 0; i < arm.joints(); ++i) {
-    EXPECT_LE(design.q.col(i).maxCoeff(), arm.coordinates()[static_cast<size_t>(i)].limits.upper);
-    EXPECT_GE(design.q.col(i).minCoeff(), arm.coordinates()[static_cast<size_t>(i)].limits.lower);
+    EXPECT_LE(design.q.col(i).maxCoeff(), arm.coordinates()[i].limits.upper);
+    EXPECT_GE(design.q.col(i).minCoeff(), arm.coordinates()[i].limits.lower);
   }
   for (Eigen::Index k = 1; k < design.time.size(); ++k) EXPECT_GT(design.time[k], design.time[k - 1]);
   options.poses = 3;

@@ -84,7 +84,7 @@ TEST_F(Identify, WithoutATestRecordingThereIsNoTestError) {
 TEST_F(Identify, EveryMethodFindsTheValuesThatMadeTheRecording) {
   const Model arm = read_model("planar-2r");
   const std::vector<StandardParameter> parameters = standard_parameters(arm);
-  VectorXd truth(static_cast<Eigen::Index>(parameters.size()));
+  VectorXd truth(parameters.size());
   for (std::size_t j = 0; j < parameters.size(); ++j) {
     truth[static_cast<Eigen::Index>(j)] = parameters[j].value;
   }
@@ -93,7 +93,7 @@ TEST_F(Identify, EveryMethodFindsTheValuesThatMadeTheRecording) {
     const json out = result({"--method", method, "--filter-cutoff", "10", "--quiet"});
     ASSERT_EQ(out["base_parameters"].size(), static_cast<std::size_t>(beta.size()));
     for (Eigen::Index j = 0; j < beta.size(); ++j) {
-      const json& b = out["base_parameters"][static_cast<std::size_t>(j)];
+      const json& b = out["base_parameters"][j];
       EXPECT_NEAR(b["value"].get<double>(), beta[j], 0.01 * beta.cwiseAbs().maxCoeff())
           << method << " " << b["expression"];
     }

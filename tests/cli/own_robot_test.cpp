@@ -101,19 +101,19 @@ TEST_F(OwnRobot, BodiesStayNearThoseOfTheMaker) {
   save(id, folder().path("near.yaml"));
   const Model model = read_model(folder().path("near.yaml"));
   for (const int k : model.bodies()) {
-    const Body& body = *model.frames()[static_cast<size_t>(k)].body;
-    const Body& drawn = *maker.frames()[static_cast<size_t>(k)].body;
+    const Body& body = *model.frames()[k].body;
+    const Body& drawn = *maker.frames()[k].body;
     ASSERT_TRUE(body.prior.has_value());
     EXPECT_LT(((*body.prior) - (*drawn.phi)).norm(), 1e-9 * drawn.phi->norm());
-    EXPECT_LT((*body.phi)[0], 3.0 * (*drawn.phi)[0]) << model.frames()[static_cast<size_t>(k)].name;
-    EXPECT_GT((*body.phi)[0], (*drawn.phi)[0] / 3.0) << model.frames()[static_cast<size_t>(k)].name;
+    EXPECT_LT((*body.phi)[0], 3.0 * (*drawn.phi)[0]) << model.frames()[k].name;
+    EXPECT_GT((*body.phi)[0], (*drawn.phi)[0] / 3.0) << model.frames()[k].name;
   }
   const std::string urdf = folder().path("out.urdf");
   ASSERT_EQ(run_tool({"export", folder().path("near.yaml"), "--urdf", urdf, "--quiet"}).status, 0);
   const Model exported = read_model(urdf);
   for (const int k : maker.bodies()) {
-    const Frame& drawn = maker.frames()[static_cast<size_t>(k)];
-    const Frame& out = exported.frames()[static_cast<size_t>(exported.find_frame(drawn.name))];
+    const Frame& drawn = maker.frames()[k];
+    const Frame& out = exported.frames()[exported.find_frame(drawn.name)];
     EXPECT_LT((*out.body->phi)[0], 3.0 * (*drawn.body->phi)[0]) << drawn.name;
   }
 }

@@ -108,7 +108,7 @@ nlohmann::json json_of(const std::string& path) {
 std::string planar_recording(double seconds, double shoulder, double elbow) {
   const Model arm = read_model("planar-2r");
   const std::vector<StandardParameter> parameters = standard_parameters(arm);
-  VectorXd values(static_cast<Eigen::Index>(parameters.size()));
+  VectorXd values(parameters.size());
   for (std::size_t j = 0; j < parameters.size(); ++j) {
     values[static_cast<Eigen::Index>(j)] = parameters[j].value;
   }

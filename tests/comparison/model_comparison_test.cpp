@@ -31,7 +31,7 @@ Model with_statistics(const Model& arm, double deviation, int clusters, unsigned
   d.identified = IdentifiedBase{};
   d.identified->clusters = clusters;
   for (int r = 0; r < base.size(); ++r) {
-    const auto own = static_cast<size_t>(base.independent[static_cast<size_t>(r)]);
+    const auto own = static_cast<size_t>(base.independent[r]);
     IdentifiedParameter p;
     p.name = parameters[own].name;
     p.unit = parameters[own].unit;

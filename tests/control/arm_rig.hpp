@@ -36,7 +36,7 @@ class ArmRig {
         motors_(q_),
         all_(q_) {
     for (int i = 0; i < real.joints(); ++i) {
-      const Coordinate& c = real.coordinates()[static_cast<size_t>(i)];
+      const Coordinate& c = real.coordinates()[i];
       step_[i] = c.prismatic ? 1.29e-6 : 7.72e-6;  // the dVRK's encoders
       limit_[i] = c.limits.effort;
     }

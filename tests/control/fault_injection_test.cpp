@@ -133,7 +133,7 @@ class Loop {
     EXPECT_EQ(rig_.cycle(motors_), StepStatus::kOk);
     most_force_ = std::max(most_force_, rig_.force().norm());
     for (int i = 0; i < 3; ++i) {
-      const Limits& l = real_.coordinates()[static_cast<size_t>(i)].limits;
+      const Limits& l = real_.coordinates()[i].limits;
       const double q = rig_.engine().q()[i];
       least_room_ = std::min(least_room_, std::min(q - l.lower, l.upper - q) / (l.upper - l.lower));
       fastest_ = std::max(fastest_, std::abs(rig_.engine().dq()[i]) / largest_speed(i));

@@ -160,7 +160,7 @@ Touched move_and_touch(const Model& real, const std::string& frame, const Eigen:
     if (!pushes && observer.contact()) ++out.false_alarms;
     if (pushes && observer.contact()) {
       out.found = true;
-      out.frame = real.frames()[static_cast<size_t>(observer.frame())].name;
+      out.frame = real.frames()[observer.frame()].name;
     }
     EXPECT_TRUE(r.allFinite());
   }

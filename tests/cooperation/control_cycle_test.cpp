@@ -94,19 +94,19 @@ TEST(ControlCycle, TakesNoMemoryAndLittleTime) {
   Cycle cycle;
   cycle.q = cycle.start;
   cycle.run(0);
-  std::vector<float> times(static_cast<size_t>(cycles()));
+  std::vector<float> times(cycles());
   const long before = malloc_count();
   for (long k = 0; k < cycles(); ++k) {
     const double begun = cpu_us();
     cycle.run(k + 1);
-    times[static_cast<size_t>(k)] = static_cast<float>(cpu_us() - begun);
+    times[k] = static_cast<float>(cpu_us() - begun);
   }
   EXPECT_EQ(malloc_count(), before);
   EXPECT_TRUE(std::isfinite(cycle.sum));
   EXPECT_EQ(cycle.control.state(), CooperativeState::kTracking) << describe(cycle.control.state());
   std::sort(times.begin(), times.end());
   const auto at = [&](double share) {
-    return times[static_cast<size_t>(share * static_cast<double>(times.size() - 1))];
+    return times[share * static_cast<double>(times.size() - 1)];
   };
   RecordProperty("median_us", std::to_string(at(0.5)));
   RecordProperty("p9999_us", std::to_string(at(0.9999)));

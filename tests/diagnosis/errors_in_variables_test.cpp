@@ -91,7 +91,7 @@ TEST_F(ErrorsInVariables, NoiseInVelocitiesIsToldWithTheBetterEstimate) {
     EXPECT_DOUBLE_EQ(told[0].share, told[0].value / base.size());
     int seen = 0;
     for (int k = 0; k < base.size(); ++k) {
-      const std::regex words(" " + names[static_cast<size_t>(base.independent[static_cast<size_t>(k)])] +
+      const std::regex words(" " + names[base.independent[k]] +
                              " (\\S+) against (\\S+) \\(p = (\\S+)\\)");
       std::smatch found_words;
       if (!std::regex_search(told[0].sentence, found_words, words)) continue;

@@ -144,7 +144,7 @@ TEST_F(Stages, AConstantIsRefinedFromTheGridToTheTruth) {
       select_effects(asked.data, asked.q.base, asked.q.augmented.hypotheses, x.options);
   ASSERT_EQ(selection.accepted.size(), 1U);
   const auto distance_of = [](const AugmentedModel& model, int k) {
-    return term_of(model.model, model.hypotheses[static_cast<size_t>(k)]).values.at("distance");
+    return term_of(model.model, model.hypotheses[k]).values.at("distance");
   };
   const double coarse =
       distance_of(asked.q.augmented, selection.accepted[0].evidence.hypothesis);
@@ -163,14 +163,14 @@ TEST_F(Stages, AConstantIsRefinedFromTheGridToTheTruth) {
                   .empty());  // itself is none
   int other = 0;
   while (other == selection.accepted[0].evidence.hypothesis ||
-         !has_searched_shape(asked.q, asked.q.augmented.hypotheses[static_cast<size_t>(other)]))
+         !has_searched_shape(asked.q, asked.q.augmented.hypotheses[other]))
     ++other;
   rivalled.accepted[0].rivals[0].hypothesis = other;
   const auto rivals =
       refined_rivals(x.start, asked.q, rivalled, false, x.train, x.options.identification);
   ASSERT_EQ(rivals.size(), 1U);
   EXPECT_TRUE(same_candidate(rivals[0].first,
-                             asked.q.augmented.hypotheses[static_cast<size_t>(other)]));
+                             asked.q.augmented.hypotheses[other]));
 }
 
 // Two memories of one joint beside the hidden one, a value of the grid to either side.

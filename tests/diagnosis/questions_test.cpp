@@ -129,7 +129,7 @@ TEST(EffectFacts, PhrasesOfChannelsKnowSlidesFromHinges) {
     EffectTerm term;
     term.effect = "encoder_offset";
     term.axis.coefficients = VectorXd::Unit(arm.joints(), i);
-    const bool slide = arm.coordinates()[static_cast<size_t>(i)].prismatic;
+    const bool slide = arm.coordinates()[i].prismatic;
     slides += static_cast<int>(slide);
     const std::string words = channel_phrase(arm, term, {0.002});
     EXPECT_NE(words.find(slide ? "2 mm too large" : "2 mrad too large"), std::string::npos) << words;

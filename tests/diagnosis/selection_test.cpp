@@ -92,7 +92,7 @@ Selection selected(const Columns& columns, const std::vector<Hypothesis>& asked,
 std::vector<std::string> accepted(const Selection& s, const std::vector<Hypothesis>& asked) {
   std::vector<std::string> out;
   for (const Accepted& a : s.accepted)
-    out.push_back(asked[static_cast<size_t>(a.evidence.hypothesis)].columns.front());
+    out.push_back(asked[a.evidence.hypothesis].columns.front());
   return out;
 }
 
@@ -124,7 +124,7 @@ TEST(Selection, WhatExplainsTheSameIsARivalAndACauseOfItsOwnIsNone) {
   const Selection s = selected(columns, asked);
   ASSERT_EQ(accepted(s, asked), (Names{"cause", "other"}));
   ASSERT_EQ(s.accepted[0].rivals.size(), 1U);
-  EXPECT_EQ(asked[static_cast<size_t>(s.accepted[0].rivals[0].hypothesis)].columns.front(), "alike");
+  EXPECT_EQ(asked[s.accepted[0].rivals[0].hypothesis].columns.front(), "alike");
   EXPECT_LT(s.accepted[0].rivals[0].gain, s.accepted[0].evidence.gain);
   EXPECT_TRUE(s.accepted[0].refuted.empty());
   EXPECT_TRUE(s.accepted[1].rivals.empty());
@@ -138,7 +138,7 @@ TEST(Selection, ARivalThatLeavesAClearPartToTheCauseIsRefuted) {
   EXPECT_TRUE(s.accepted[0].rivals.empty());
   ASSERT_EQ(s.accepted[0].refuted.size(), 1U);
   const Evidence& alike = s.accepted[0].refuted[0];
-  EXPECT_EQ(asked[static_cast<size_t>(alike.hypothesis)].columns.front(), "alike");
+  EXPECT_EQ(asked[alike.hypothesis].columns.front(), "alike");
   EXPECT_GT(alike.gain, 0.6 * s.accepted[0].evidence.gain);
 }
 
@@ -150,7 +150,7 @@ TEST(Selection, WhatStillGainsBesideTheFindingIsNoRival) {
   const Selection s = selected(columns, asked, one);
   ASSERT_EQ(accepted(s, asked), (Names{"cause"}));
   ASSERT_EQ(s.accepted[0].rivals.size(), 1U);
-  EXPECT_EQ(asked[static_cast<size_t>(s.accepted[0].rivals[0].hypothesis)].columns.front(), "alike");
+  EXPECT_EQ(asked[s.accepted[0].rivals[0].hypothesis].columns.front(), "alike");
 }
 
 TEST(Selection, StopsAtTheLargestNumber) {

@@ -37,7 +37,7 @@ TEST(Summary, TheFewThatExplainMostComeFirst) {
   EXPECT_EQ(effect_of(d.findings[1].cause), "large");
   EXPECT_EQ(effect_of(d.findings[2].cause), "middling");
   EXPECT_FALSE(d.findings[3].main);
-  for (int k = 0; k < 4; ++k) EXPECT_EQ(d.findings[static_cast<size_t>(k)].rank, k + 1);
+  for (int k = 0; k < 4; ++k) EXPECT_EQ(d.findings[k].rank, k + 1);
   EXPECT_NEAR(d.summary.explained_by_main, 0.91, 1e-12);
   EXPECT_NEAR(d.summary.explained_by_all, 1.0 - 0.05 * 0.05 / 0.04, 1e-12);
   EXPECT_TRUE(d.summary.worse_joints.empty());

@@ -18,7 +18,7 @@ namespace {
 VectorXd within_limits(const ArmFacts& arm, Random& random) {
   VectorXd q(arm.kinematic_joints());
   for (int k = 0; k < q.size(); ++k) {
-    const ArmJoint& joint = arm.joints[static_cast<std::size_t>(k)];
+    const ArmJoint& joint = arm.joints[k];
     q[k] = random.in(joint.lower, joint.upper);
   }
   return q;

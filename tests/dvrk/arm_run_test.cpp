@@ -283,8 +283,8 @@ TEST(LightArm, MovesOnTheNominalBoardsOfPsm1) {
   }
   PidGains gains{VectorXd::Zero(7), VectorXd::Zero(7), VectorXd::Zero(7)};
   for (int j = 0; j < 7; ++j) {
-    gains.p[j] = facts.actuators[static_cast<size_t>(j)].kp;
-    gains.d[j] = facts.actuators[static_cast<size_t>(j)].kd;
+    gains.p[j] = facts.actuators[j].kp;
+    gains.d[j] = facts.actuators[j].kd;
   }
   for (const bool pid : {true, false}) {
     Plant plant(model);

@@ -28,7 +28,7 @@ TEST_P(OnEveryHomedArm, HomingFindsWhereTheArmStands) {
   const MatrixXd K = facts.coupling(GetParam().instrument);
   VectorXd start(robot.size());
   for (int i = 0; i < robot.size(); ++i) {
-    const ActuatorConfig& a = robot.actuators[static_cast<std::size_t>(i)];
+    const ActuatorConfig& a = robot.actuators[i];
     start[i] = a.lower + (0.4 + 0.02 * i) * (a.upper - a.lower);  // the sixth stands at zero
   }
   Bench bench(robot, K, start);
@@ -42,12 +42,12 @@ TEST_P(OnEveryHomedArm, HomingFindsWhereTheArmStands) {
   bench.idle(0.01);
   VectorXd grain(robot.size());
   for (int i = 0; i < robot.size(); ++i) {
-    const ActuatorConfig& a = robot.actuators[static_cast<std::size_t>(i)];
+    const ActuatorConfig& a = robot.actuators[i];
     grain[i] = std::abs(a.volts_to_position.scale * a.bits_to_volts.scale);
   }
   if (robot.pots_to_actuators.size() > 0) grain = robot.pots_to_actuators.cwiseAbs() * grain;
   for (int i = 0; i < robot.size(); ++i) {
-    grain[i] += 2.0 * std::abs(robot.actuators[static_cast<std::size_t>(i)].bits_to_position);
+    grain[i] += 2.0 * std::abs(robot.actuators[i].bits_to_position);
     EXPECT_NEAR(bench.arm.state().actuator_q[i], start[i], grain[i]) << i;
   }
   EXPECT_TRUE(near(bench.arm.state().q, K * bench.arm.state().actuator_q, 1e-12));

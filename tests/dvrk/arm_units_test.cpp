@@ -65,7 +65,7 @@ class OnEveryCoupling : public testing::TestWithParam<CoupledArm> {
 TEST_P(OnEveryCoupling, PowerIsTheSameOnBothSides) {
   ArmUnits units(robot, K);
   Random random(5);
-  std::vector<RawActuator> raw(static_cast<std::size_t>(n));
+  std::vector<RawActuator> raw(n);
   BoardArmState state(n);
   for (int trial = 0; trial < 20; ++trial) {
     for (RawActuator& r : raw) {
@@ -85,14 +85,14 @@ TEST_P(OnEveryCoupling, PowerIsTheSameOnBothSides) {
 TEST_P(OnEveryCoupling, TorqueComesBackToHalfABit) {
   ArmUnits units(robot, K);
   Random random(6);
-  std::vector<RawActuator> raw(static_cast<std::size_t>(n));
+  std::vector<RawActuator> raw(n);
   BoardArmState state(n);
   ArmCommand command(n);
   for (int trial = 0; trial < 20; ++trial) {
     VectorXd currents(n);
     VectorXd actuator_tau(n);
     for (int i = 0; i < n; ++i) {
-      const ActuatorConfig& a = robot.actuators[static_cast<std::size_t>(i)];
+      const ActuatorConfig& a = robot.actuators[i];
       currents[i] = random.in(-0.95, 0.95) * a.max_current;
       actuator_tau[i] = currents[i] / a.effort_to_amps;
     }
@@ -102,7 +102,7 @@ TEST_P(OnEveryCoupling, TorqueComesBackToHalfABit) {
     EXPECT_FALSE(command.clipped);
     EXPECT_TRUE(near(command.tau, tau, 1e-9));
     for (int i = 0; i < n; ++i)
-      raw[static_cast<std::size_t>(i)].current = command.bits[static_cast<std::size_t>(i)];
+      raw[i].current = command.bits[i];
     units.read(raw.data(), state);
     const double half_bit = 0.5 / 5242.88;
     EXPECT_TRUE(near(state.current, currents, half_bit * 1.0001));
@@ -113,8 +113,8 @@ TEST_P(OnEveryCoupling, TorqueComesBackToHalfABit) {
 TEST_P(OnEveryCoupling, PreloadedEncodersStandWhereThePotsAre) {
   ArmUnits units(robot, K);
   Random random(7);
-  std::vector<RawActuator> raw(static_cast<std::size_t>(n));
-  std::vector<std::uint32_t> words(static_cast<std::size_t>(n));
+  std::vector<RawActuator> raw(n);
+  std::vector<std::uint32_t> words(n);
   BoardArmState state(n);
   VectorXd actuator_q(n);
   for (int trial = 0; trial < 20; ++trial) {
@@ -122,10 +122,10 @@ TEST_P(OnEveryCoupling, PreloadedEncodersStandWhereThePotsAre) {
     units.pot_positions(pots, actuator_q);
     units.preload_words(actuator_q, words.data());
     for (int i = 0; i < n; ++i)
-      raw[static_cast<std::size_t>(i)].encoder.position = words[static_cast<std::size_t>(i)];
+      raw[i].encoder.position = words[i];
     units.read(raw.data(), state);
     for (int i = 0; i < n; ++i) {
-      const double count = std::abs(robot.actuators[static_cast<std::size_t>(i)].bits_to_position);
+      const double count = std::abs(robot.actuators[i].bits_to_position);
       EXPECT_NEAR(state.actuator_q[i], actuator_q[i], 0.5001 * count);
     }
     EXPECT_TRUE(near(state.q, K * state.actuator_q, 1e-12));
@@ -161,7 +161,7 @@ TEST(ArmUnits, TheMasterArmsCouplingByHand) {
   // The pots of these joints give these motors.
   VectorXd pots(7);
   for (int i = 0; i < 7; ++i) {
-    const ActuatorConfig& a = robot.actuators[static_cast<std::size_t>(i)];
+    const ActuatorConfig& a = robot.actuators[i];
     pots[i] = a.bits_to_volts.inverse(a.volts_to_position.inverse(state.q[i]));
   }
   VectorXd from_pots(7);

@@ -51,7 +51,7 @@ TEST_P(BoardDrills, HoldThenReleaseThenOff) {
     const BoardCooperationRun done = on_emulated_boards(scenario, {{drill.kind, arm, kAt}});
     ASSERT_EQ(done.end, BoardEnd::kFault) << done.report();
     EXPECT_EQ(done.faulty_arm, arm) << done.why;
-    EXPECT_NE(done.why.find("arm " + scenario.arms[static_cast<size_t>(arm)].name + ": "),
+    EXPECT_NE(done.why.find("arm " + scenario.arms[arm].name + ": "),
               std::string::npos);
     EXPECT_NE(done.why.find(drill.why), std::string::npos) << done.why;
     EXPECT_FALSE(done.met());

@@ -281,7 +281,7 @@ TEST_P(BoardEmulatorOfEveryFirmware, CommandsArriveAndFeedbackTellsThem) {
   EXPECT_EQ(f.status.board(), 7);
   for (int c = 0; c < kChannels; ++c) {
     EXPECT_TRUE(f.status.amp_on(c));
-    EXPECT_EQ(f.channel[static_cast<size_t>(c)].current, 0x8123);
+    EXPECT_EQ(f.channel[c].current, 0x8123);
     EXPECT_EQ(bench.read(1, address::of_channel(c, address::kDac)) & 0xFFFF, 0x8123U);
     EXPECT_EQ(bench.emulator.board(0).dac(c), kZeroCurrent);
   }

@@ -111,7 +111,7 @@ TEST(GravityChain, TheErrorOfAnArmThatIsNoChainIsStated) {
   for (int trial = 0; trial < 2000; ++trial) {
     VectorXd q = VectorXd::Zero(6);
     for (int k = 0; k < 3; ++k) {
-      const Limits& limits = askew.coordinates()[static_cast<std::size_t>(k)].limits;
+      const Limits& limits = askew.coordinates()[k].limits;
       q[k] = random.in(limits.lower, limits.upper);
     }
     const VectorXd error =

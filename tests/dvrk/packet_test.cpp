@@ -202,7 +202,7 @@ TEST(Requests, CommandsAreBuiltFromTheirMeaning) {
   for (int b = 0; b < 2; ++b) {
     both[b].board = static_cast<std::uint8_t>(6 + b);
     for (int k = 0; k < kChannels; ++k)
-      both[b].channel[static_cast<size_t>(k)] = {true, false, AmpRequest::kKeep, 0,
+      both[b].channel[k] = {true, false, AmpRequest::kKeep, 0,
                                                  static_cast<std::uint16_t>(0x8010 + 0x10 * k)};
   }
   EXPECT_EQ(encoded(block_write(63, 54, both, 2, 8, buffer)), hex("19.7", "3 write all"));
@@ -225,7 +225,7 @@ TEST(Feedback, SaysWhatTheTableOfTheSpecificationSays) {
   EXPECT_TRUE(f.digital.home(0));
   EXPECT_FALSE(f.digital.home(1));
   for (int k = 0; k < kChannels; ++k) {
-    const ChannelFeedback& c = f.channel[static_cast<size_t>(k)];
+    const ChannelFeedback& c = f.channel[k];
     EXPECT_EQ(encoder_counts(c.encoder.position), 1000 * (k + 1));
     EXPECT_EQ(c.pot, 0x8000 + 0x100 * k);
     EXPECT_EQ(c.current, 0x8010 + 0x10 * k);

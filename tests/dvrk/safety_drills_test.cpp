@@ -93,7 +93,7 @@ class Observer {
       states_.emplace_back(real, Tip{scenario.arms[k].frame, scenario.arms[k].offset});
       VectorXd speed(real.joints());
       for (int i = 0; i < real.joints(); ++i)
-        speed[i] = real.coordinates()[static_cast<std::size_t>(i)].limits.velocity;
+        speed[i] = real.coordinates()[i].limits.velocity;
       speeds_.push_back(speed);
     }
   }
@@ -326,7 +326,7 @@ TEST_P(SafetyDrills, NothingMovesThatShouldStand) {
   for (std::size_t k = 0; k < arms.size(); ++k) {
     VectorXd torque(scenario.arms[k].start.size());
     for (Eigen::Index i = 0; i < torque.size(); ++i) {
-      const ActuatorConfig& a = arms[k].robot.actuators[static_cast<std::size_t>(i)];
+      const ActuatorConfig& a = arms[k].robot.actuators[i];
       torque[i] = std::abs(a.max_current / a.effort_to_amps);
     }
     const Observer::Bounds one = observer.bounds(k, torque, 1.0 / scenario.control.rate);

@@ -118,7 +118,7 @@ TEST_P(OnEveryArm, TheRegressorWritesEveryEntry) {
   for (int i = 0; i < joints(); ++i) {
     for (size_t c = 0; c < batch.columns(i).size(); ++c)
       expected(i, batch.columns(i)[c]) =
-          of_batch[static_cast<size_t>(i)](0, static_cast<Eigen::Index>(c));
+          of_batch[i](0, static_cast<Eigen::Index>(c));
   }
   EXPECT_TRUE(near(Y, expected, kRounding * (1.0 + expected.norm())));
 }
@@ -190,7 +190,7 @@ TEST_P(OnEveryArm, WholeTurnsDoNotMatter) {
   VectorXd here(joints());
   dynamics.gravity_torques(s.q, here);
   for (int i = 0; i < joints(); ++i) {
-    if (!arm().coordinates()[static_cast<size_t>(i)].prismatic) s.q[i] += 2.0 * M_PI * 1048576.0;
+    if (!arm().coordinates()[i].prismatic) s.q[i] += 2.0 * M_PI * 1048576.0;
   }
   VectorXd there(joints());
   dynamics.gravity_torques(s.q, there);

@@ -50,11 +50,11 @@ struct Taped {
   // Derivatives of this number by every entry of the tape.
   std::vector<double> gradient() const {
     std::vector<double> by(tape.size(), 0.0);
-    if (at >= 0) by[static_cast<size_t>(at)] = 1.0;
+    if (at >= 0) by[at] = 1.0;
     for (size_t k = tape.size(); k-- > 0;) {
       const Entry& e = tape[k];
-      if (e.a >= 0) by[static_cast<size_t>(e.a)] += by[k] * e.da;
-      if (e.b >= 0) by[static_cast<size_t>(e.b)] += by[k] * e.db;
+      if (e.a >= 0) by[e.a] += by[k] * e.da;
+      if (e.b >= 0) by[e.b] += by[k] * e.db;
     }
     return by;
   }

@@ -45,7 +45,7 @@ TEST(Cause, PrintsWhatItReads) {
   for (const auto& [name, value] : arm.description().constants)
     causes.emplace_back(KinematicError{name});
   for (int k = 0; k < static_cast<int>(arm.frames().size()); ++k) {
-    if (arm.frames()[static_cast<size_t>(k)].dh)
+    if (arm.frames()[k].dh)
       causes.emplace_back(KinematicError{"theta", FrameIndex{k}});
   }
   for (int i = 0; i < arm.joints(); ++i)
@@ -65,7 +65,7 @@ TEST(Cause, PrintsWhatItReads) {
 TEST(Cause, ReadsJointsByNumberFromOneOrByName) {
   const Model arm = psm();
   for (int i = 0; i < arm.joints(); ++i) {
-    const std::string name = arm.coordinates()[static_cast<size_t>(i)].name;
+    const std::string name = arm.coordinates()[i].name;
     EXPECT_EQ(joint_of(parse_cause(arm, "backlash:" + std::to_string(i + 1)))->value, i);
     EXPECT_EQ(joint_of(parse_cause(arm, "backlash:" + name))->value, i);
   }

@@ -92,10 +92,10 @@ TEST(AsymmetricFriction, IsForwardsMinusBackwards) {
 // Columns 1 (torque_offset), |sign(ds)| / 2, |ds| / 2: the first two are apart at rest only.
 TEST(AsymmetricFriction, CannotBeToldFromAnOffsetUnlessSomeSamplesAreAtRest) {
   const auto rank = [](const std::vector<double>& speeds) {
-    MatrixXd A(static_cast<Eigen::Index>(speeds.size()), 3);
+    MatrixXd A(speeds.size(), 3);
     for (Eigen::Index k = 0; k < A.rows(); ++k) {
       const EffectColumns row =
-          columns_of("asymmetric_friction", moving(0, speeds[static_cast<size_t>(k)]));
+          columns_of("asymmetric_friction", moving(0, speeds[k]));
       A.row(k) << 1.0, row[0], row[1];
     }
     const Eigen::Matrix3d G =

@@ -135,7 +135,7 @@ TEST_P(EveryAxisEffect, LooksAtTheLoadAndAtTheSourceOnlyIfItSaysSo) {
 TEST_P(EveryAxisEffect, HasAPhraseForEitherKindOfAxisWithoutAnOpenUnit) {
   for (const Axis& axis : {yaw_axis(), insertion_axis()}) {
     const BoundEffect e(bare_arm({}), term_of(GetParam(), axis));
-    const std::vector<double> values(static_cast<size_t>(e.parameter_count()), 0.25);
+    const std::vector<double> values(e.parameter_count(), 0.25);
     const std::string phrase = e.phrase(values);
     EXPECT_GT(phrase.size(), 10U);
     EXPECT_EQ(phrase.find(kSourceUnit), std::string::npos) << phrase;

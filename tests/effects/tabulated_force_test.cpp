@@ -21,7 +21,7 @@ double force(const AxisSample& x, ShapeValues shape, double (*curve)(double)) {
   int column = 0;
   for (int k = 0; k < kTableNodes; ++k) {
     if (k != kTableNodes / 2)
-      sum += row[static_cast<size_t>(column++)] * (curve(table_node(kLow, kHigh, k)) - curve(kMiddle));
+      sum += row[column++] * (curve(table_node(kLow, kHigh, k)) - curve(kMiddle));
   }
   return sum;
 }

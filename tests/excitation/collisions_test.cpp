@@ -189,7 +189,7 @@ TEST(Collisions, SlopesAreThoseOfDifferences) {
       const VectorXd difference = (values(q + step).first - values(q - step).first).transpose() / 2e-6;
       for (Eigen::Index s = 0; s < difference.size(); ++s) {
         if (at_q(0, s) < -0.06) continue;  // axes that nearly cross have no direction
-        EXPECT_NEAR(slopes[static_cast<size_t>(s)](0, i), difference[s], 1e-4) << k << " " << s;
+        EXPECT_NEAR(slopes[s](0, i), difference[s], 1e-4) << k << " " << s;
       }
     }
   }
@@ -253,8 +253,8 @@ TEST(Collisions, CapsulesHoldBoxesCylindersAndMeshes) {
     for (int k = 0; k < 20; ++k) {
       double u = random.uniform(), v = random.uniform();
       if (u + v > 1.0) u = 1.0 - u, v = 1.0 - v;
-      const auto& a = shape.points[static_cast<size_t>(t[0])];
-      inside.push_back(a + u * (shape.points[static_cast<size_t>(t[1])] - a) + v * (shape.points[static_cast<size_t>(t[2])] - a));
+      const auto& a = shape.points[t[0]];
+      inside.push_back(a + u * (shape.points[t[1]] - a) + v * (shape.points[t[2]] - a));
     }
   }
   expect_held(shape, inside);

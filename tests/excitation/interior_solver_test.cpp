@@ -38,7 +38,7 @@ struct Problem final : NonlinearProgram {
   const std::vector<std::pair<int, int>>& pattern() const override { return entries; }
   VectorXd jacobian(const VectorXd& x) override {
     const MatrixXd all = J(x);
-    VectorXd out(static_cast<Eigen::Index>(entries.size()));
+    VectorXd out(entries.size());
     for (size_t e = 0; e < entries.size(); ++e)
       out[static_cast<Eigen::Index>(e)] = all(entries[e].first, entries[e].second);
     return out;

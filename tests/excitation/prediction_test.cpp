@@ -45,7 +45,7 @@ TEST(Prediction, IsTheScatterOfLeastSquares) {
   ASSERT_EQ(static_cast<int>(p.parameters.size()), regressor.size());
   MatrixXd W = regressor.stacked(motion);
   VectorXd beta(regressor.size());
-  for (int b = 0; b < beta.size(); ++b) beta[b] = p.parameters[static_cast<size_t>(b)].value;
+  for (int b = 0; b < beta.size(); ++b) beta[b] = p.parameters[b].value;
   const VectorXd tau = W * beta;
   VectorXd sigma(W.rows());
   for (int i = 0; i < 2; ++i) {
@@ -68,7 +68,7 @@ TEST(Prediction, IsTheScatterOfLeastSquares) {
   for (int b = 0; b < beta.size(); ++b) {
     // The scatter of 400 copies is known to 3.5 %; the last row shares an instant with the first.
     const double scatter = std::sqrt(square[b] / copies);
-    EXPECT_NEAR(p.parameters[static_cast<size_t>(b)].deviation / scatter, 1.0, 0.13) << b;
+    EXPECT_NEAR(p.parameters[b].deviation / scatter, 1.0, 0.13) << b;
   }
 }
 

@@ -117,7 +117,7 @@ TEST(WorkspaceLimits, TorquesStayBelowTheEffortOfAnArmWithValues) {
   const Excitation free = optimise_excitation(arm, small_search());
   const VectorXd before = largest(free);
   for (int i = 0; i < arm.joints(); ++i)
-    strong.coordinates[static_cast<size_t>(i)].limits.effort = 0.9 * before[i];
+    strong.coordinates[i].limits.effort = 0.9 * before[i];
   const Excitation e = optimise_excitation(Model(strong), small_search());
   ASSERT_EQ(e.status, ExcitationStatus::kDone);
   const VectorXd after = largest(e);
@@ -128,7 +128,7 @@ TEST(WorkspaceLimits, WhatCannotBeMetIsMeasured) {
   const Model arm = read_model("planar-2r");
   ExcitationOptions options = small_search();
   const int last = static_cast<int>(arm.frames().size()) - 1;
-  const std::string tip = arm.frames()[static_cast<size_t>(last)].name;
+  const std::string tip = arm.frames()[last].name;
   options.workspace.boxes = {{tip, {50.0, -kInfinity, -kInfinity}, {51.0, kInfinity, kInfinity}}};
   const Excitation e = optimise_excitation(arm, options);
   EXPECT_EQ(e.status, ExcitationStatus::kLimitsNotMet);

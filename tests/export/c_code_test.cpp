@@ -102,7 +102,7 @@ template <typename Real>
 MatrixXd matrix(const Numbers<Real>& by_rows, Eigen::Index rows) {
   const auto cols = static_cast<Eigen::Index>(by_rows.size()) / rows;
   MatrixXd out(rows, cols);
-  for (Eigen::Index k = 0; k < out.size(); ++k) out(k / cols, k % cols) = by_rows[static_cast<size_t>(k)];
+  for (Eigen::Index k = 0; k < out.size(); ++k) out(k / cols, k % cols) = by_rows[k];
   return out;
 }
 

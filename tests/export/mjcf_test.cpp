@@ -106,7 +106,7 @@ TEST_P(Mjcf, HasTheFramesOfTheArm) {
   VectorXd::Map(exported.data->qpos, exported.model->nq) = exported.S * q;
   mj_kinematics(exported.model.get(), exported.data.get());
   for (int k = 0; k < static_cast<int>(arm.frames().size()); ++k) {
-    const Frame& frame = arm.frames()[static_cast<std::size_t>(k)];
+    const Frame& frame = arm.frames()[k];
     const int site = mj_name2id(exported.model.get(), mjOBJ_SITE, frame.name.c_str());
     ASSERT_GE(site, 0) << frame.name;
     const Eigen::Isometry3d T = frame_pose(arm, q, k);

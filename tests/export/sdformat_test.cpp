@@ -42,7 +42,7 @@ void expect_as_libsdformat(const Model& arm, const sdf::Model& model) {
     ignition::math::Pose3d pose;
     ASSERT_TRUE(link.SemanticPose().Resolve(pose, "__model__").empty());
     EXPECT_TRUE(near(frame_pose(arm, zero, frame).matrix(), (T_world_model * eigen_pose(pose)).matrix(), 1e-12)) << link.Name();
-    const auto& body = arm.frames()[static_cast<std::size_t>(frame)].body;
+    const auto& body = arm.frames()[frame].body;
     if (!body) {
       EXPECT_LT(link.Inertial().MassMatrix().Mass(), 1e-8) << link.Name();
       continue;
@@ -73,7 +73,7 @@ void expect_as_libsdformat(const Model& arm, const sdf::Model& model) {
     const Eigen::Isometry3d T = frame_pose(arm, zero, moved);
     const Eigen::Isometry3d U = frame_pose(arm, q, moved);
     const Eigen::Vector3d u = T_world_model.linear() * Eigen::Vector3d(axis.X(), axis.Y(), axis.Z());
-    if (arm.coordinates()[static_cast<std::size_t>(i)].prismatic) {
+    if (arm.coordinates()[i].prismatic) {
       EXPECT_TRUE(near(Eigen::Vector3d(U.translation() - T.translation()), 0.3 * u, 1e-12)) << joint.Name();
     } else {
       EXPECT_TRUE(near(Eigen::Matrix3d(U.linear()), Eigen::AngleAxisd(0.3, u) * T.linear(), 1e-12)) << joint.Name();

@@ -48,7 +48,7 @@ class TemporaryFolder {
 MatrixXd permutation(const Model& a, const Model& b) {
   MatrixXd P = MatrixXd::Zero(a.joints(), b.joints());
   for (int i = 0; i < a.joints(); ++i) {
-    const int j = b.find_coordinate(a.coordinates()[static_cast<std::size_t>(i)].name);
+    const int j = b.find_coordinate(a.coordinates()[i].name);
     if (j >= 0) P(i, j) = 1.0;
   }
   return P;
@@ -120,7 +120,7 @@ TEST_P(SimulatorFiles, MjcfIsReadBackAsTheArm) {
   expect_same_torques(arm, read);
   EXPECT_EQ(read.effects().size(), arm.effects().size());
   for (const Coordinate& c : arm.coordinates()) {
-    const Coordinate& other = read.coordinates()[static_cast<std::size_t>(read.find_coordinate(c.name))];
+    const Coordinate& other = read.coordinates()[read.find_coordinate(c.name)];
     EXPECT_EQ(other.prismatic, c.prismatic);
     EXPECT_EQ(other.limits.effort, c.limits.effort);
     const bool both = std::isfinite(c.limits.lower) && std::isfinite(c.limits.upper);
@@ -185,7 +185,7 @@ TEST(StrangersMjcf, IsReadWithItsClassesUnitsAndActuators) {
   EXPECT_EQ(term_of(arm, "coulomb_friction", 2), nullptr);
   EXPECT_EQ(term_of(arm, "rotor_inertia", 2)->values.at("inertia"), 0.01);  // class main
   EXPECT_NEAR(term_of(arm, "joint_spring", 1)->axis.offset, -20 * M_PI / 180, 1e-15);
-  const Frame& finger = arm.frames()[static_cast<std::size_t>(arm.find_frame("finger"))];
+  const Frame& finger = arm.frames()[arm.find_frame("finger")];
   EXPECT_EQ(finger.variable.coefficients[3], -0.5);
   EXPECT_NEAR(finger.variable.offset, 0.02, 1e-15);  // 0.01 + 0.02 - 0.5 reach, less its reference
   EXPECT_GE(arm.find_frame("mark"), 0);
@@ -216,7 +216,7 @@ TEST(StrangersSdf, IsReadWithItsRelativePoses) {
   EXPECT_EQ(term_of(arm, "viscous_friction", 0)->values.at("coefficient"), 0.3);
   EXPECT_EQ(term_of(arm, "coulomb_friction", 0)->values.at("level"), 0.7);
   EXPECT_EQ(term_of(arm, "joint_spring", 0)->axis.offset, -0.2);
-  const Frame& tool = arm.frames()[static_cast<std::size_t>(arm.find_frame("tool"))];
+  const Frame& tool = arm.frames()[arm.find_frame("tool")];
   ASSERT_TRUE(tool.body.has_value());  // SDFormat's own values
   EXPECT_EQ((*tool.body->phi)[0], 1.0);
   // base: model, mount and base one after the other, with Rz Ry Rx of roll, pitch and yaw.

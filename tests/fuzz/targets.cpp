@@ -194,7 +194,7 @@ std::string probe_arm_facts(std::string_view bytes) {
 std::string probe_gravity(std::string_view bytes) {
   return refusal_or([&] {
     const dvrk::GravityChain chain = dvrk::read_gravity_json(std::string(bytes), "gravity.json");
-    dvrk::gravity_torques(chain, VectorXd::Zero(static_cast<Eigen::Index>(chain.rows.size())));
+    dvrk::gravity_torques(chain, VectorXd::Zero(chain.rows.size()));
     return std::string();
   });
 }

@@ -70,7 +70,7 @@ double rms(const VectorXd& x) {
 void add_friction(const Bench& bench, int number, IdealRecording& out) {
   const double viscosity = viscosity_factor(bench.trouble, bench.seed, place_in_time(number));
   for (int i = 0; i < bench.arm.joints; ++i) {
-    const JointFriction& f = bench.friction[static_cast<size_t>(i)];
+    const JointFriction& f = bench.friction[i];
     const double fastest = out.rows.dq.col(i).cwiseAbs().maxCoeff();
     const double width = step_width(bench.trouble, bench.seed, i, fastest);
     for (Eigen::Index r = 0; r < out.tau.rows(); ++r) {
@@ -103,7 +103,7 @@ Bench make_bench(const std::string& name, unsigned seed) {
   const MatrixXd rigid = bench.arm.torques(rows.q, rows.dq, rows.ddq);
   Draw other(seed, "joints of " + name);
   for (int i = 0; i < bench.arm.joints; ++i) {
-    const bool slides = robot.coordinates()[static_cast<size_t>(i)].prismatic;
+    const bool slides = robot.coordinates()[i].prismatic;
     const double effort = rms(rigid.col(i)) + (slides ? 1.0 : 0.1);
     JointFriction f;
     f.coulomb = other.in(0.05, 0.15) * effort;
@@ -137,7 +137,7 @@ IdealRecording ideal_recording(const Bench& bench, const std::vector<Cause>& cau
       const MatrixXd columns = cause_columns(cause, motion, out.rows, out.rigid.col(cause.joint));
       for (size_t p = 0; p < names.size(); ++p)
         out.tau.col(cause.joint) +=
-            cause.values.at(names[p]) * columns.col(static_cast<Eigen::Index>(p));
+            cause.values.at(names[p]) * columns.col(p);
     } else if (cause.effect == "external_contact") {
       std::map<std::string, double> values = cause.values;
       draw_contact_time(values, motion.duration(), bench.seed, number);
@@ -183,7 +183,7 @@ void write_recording(const Bench& bench, const IdealRecording& ideal, unsigned s
   MatrixXd dq = ideal.rows.dq;
   MatrixXd tau = ideal.tau;
   for (Eigen::Index i = 0; i < q.cols(); ++i) {
-    const JointSensors& s = bench.sensors[static_cast<size_t>(i)];
+    const JointSensors& s = bench.sensors[i];
     for (double& x : q.col(i)) x = std::round(x / s.encoder_step) * s.encoder_step;
     for (double& x : dq.col(i)) x += s.velocity_noise * draw.normal();
     tau.col(i) += torque_noise(s.torque_noise * rms(ideal.tau.col(i)), rows, draw);

@@ -41,7 +41,7 @@ class Draw {
   template <typename T>
   void shuffle(std::vector<T>& v) {
     for (int k = static_cast<int>(v.size()) - 1; k > 0; --k)
-      std::swap(v[static_cast<std::size_t>(k)], v[static_cast<std::size_t>(below(k + 1))]);
+      std::swap(v[k], v[below(k + 1)]);
   }
 
  private:

@@ -37,9 +37,9 @@ bool lists(const NamedFinding& f, const std::string& effect) {
 // The name of the frame that moves a frame: all that are fixed to it carry the same loads.
 std::string link_of(const Model& arm, const std::string& frame) {
   int k = arm.find_frame(frame);
-  while (k >= 0 && arm.frames()[static_cast<size_t>(k)].type == JointType::kFixed)
-    k = arm.frames()[static_cast<size_t>(k)].parent;
-  return k >= 0 ? arm.frames()[static_cast<size_t>(k)].name : "";
+  while (k >= 0 && arm.frames()[k].type == JointType::kFixed)
+    k = arm.frames()[k].parent;
+  return k >= 0 ? arm.frames()[k].name : "";
 }
 
 // A load's finding stands for all links that carry it alike: they are among its rivals.
@@ -164,7 +164,7 @@ class Fight {
     const Model& robot = hidden_.bench.robot;
     out.hidden = describe(cause, robot);
     CaseFiles files = write_case(hidden_, folder_, request_.reach);
-    files.train.resize(static_cast<size_t>(request_.ordinary), files.train.back());
+    files.train.resize(request_.ordinary, files.train.back());
     const Diagnosis before = ask(files);
     out.before = answer(robot, before, cause, other);
     out.words_before = words(before);

@@ -72,7 +72,7 @@ class Hider {
     const std::vector<JointFriction> friction = hidden_.bench.friction;
     for (JointFriction& f : hidden_.bench.friction) f = {};
     for (const int i : joints) {
-      const JointFriction& f = friction[static_cast<size_t>(i)];
+      const JointFriction& f = friction[i];
       hidden_.causes.push_back({"viscous_friction", i, -1, "", "", {{"coefficient", f.viscous}}});
       hidden_.causes.push_back({"coulomb_friction", i, -1, "", "", {{"level", f.coulomb}}});
     }
@@ -143,7 +143,7 @@ class Hider {
     }
     out.middle = 0.5 * (low + high);
     out.travel = high - low;
-    out.slides = hidden_.bench.robot.coordinates()[static_cast<size_t>(joint)].prismatic;
+    out.slides = hidden_.bench.robot.coordinates()[joint].prismatic;
     return out;
   }
 
@@ -153,7 +153,7 @@ class Hider {
     const std::string& e = cause.effect;
     const bool slides =
         cause.joint >= 0 &&
-        hidden_.bench.robot.coordinates()[static_cast<size_t>(cause.joint)].prismatic;
+        hidden_.bench.robot.coordinates()[cause.joint].prismatic;
     if (e == "torque_gain") {
       v["gain"] = 1.0 + draw_.sign() * draw_.in(0.05, 0.10) * scale;
       v["error"] = v["gain"] - 1.0;
@@ -217,7 +217,7 @@ class Hider {
     const std::vector<std::string> names = linear_parameters(cause.effect);
     for (const std::string& name : names) cause.values[name] = 0.0;
     const std::vector<MatrixXd> columns = columns_of(cause);
-    VectorXd weights(static_cast<Eigen::Index>(names.size()));
+    VectorXd weights(names.size());
     const bool any_sign =
         cause.effect == "torque_ripple" || cause.effect == "cable_coupling" ||
         cause.effect == "asymmetric_friction" || cause.effect == "position_dependent_friction" ||
@@ -241,13 +241,13 @@ class Hider {
         wanted / std::sqrt(square / static_cast<double>(columns.size())),
         (cause.effect == "stribeck_friction" ? kHighestPeak / 0.1 : INFINITY) * wanted / peak);
     for (Eigen::Index p = 0; p < weights.size(); ++p)
-      cause.values[names[static_cast<size_t>(p)]] = size * weights[p];
+      cause.values[names[p]] = size * weights[p];
     if (is_declared(cause.effect) && request_.mode == Mode::kChanged) keep_positive(cause, bench);
   }
 
   // Friction that changes may fall as well, but not below nothing.
   void keep_positive(Cause& cause, const Bench& bench) {
-    const JointFriction& f = bench.friction[static_cast<size_t>(cause.joint)];
+    const JointFriction& f = bench.friction[cause.joint];
     if (cause.effect == "torque_offset") return;
     const bool viscous = cause.effect == "viscous_friction";
     double& change = cause.values[viscous ? "coefficient" : "level"];
@@ -345,7 +345,7 @@ CaseFiles write_case(const HiddenCase& hidden, const std::string& folder, double
 }
 
 std::string describe(const Cause& cause, const Model& robot) {
-  const auto name = [&](int i) { return robot.coordinates()[static_cast<size_t>(i)].name; };
+  const auto name = [&](int i) { return robot.coordinates()[i].name; };
   std::string out = cause.effect;
   if (!cause.frame.empty()) out += " on " + cause.frame;
   if (!cause.constant.empty()) out += " (" + cause.constant + ")";

@@ -49,7 +49,7 @@ TEST(Motion, KeepsToTheLimitsAndRepeatsButForTheControllersError) {
     EXPECT_LE(motion.duration(), 30.0);
     const Motion::Rows rows = motion.sampled(kRate);
     for (int i = 0; i < bench.arm.joints; ++i) {
-      const Limits& limits = bench.robot.coordinates()[static_cast<size_t>(i)].limits;
+      const Limits& limits = bench.robot.coordinates()[i].limits;
       EXPECT_GE(rows.q.col(i).minCoeff(), limits.lower) << arm;
       EXPECT_LE(rows.q.col(i).maxCoeff(), limits.upper) << arm;
       EXPECT_LE(rows.dq.col(i).cwiseAbs().maxCoeff(), 1.02 * limits.velocity) << arm;
@@ -108,7 +108,7 @@ MatrixXd library_columns(const Bench& bench, const Cause& cause, const Motion::R
     x.load = load[r];
     EffectColumns row{};
     bound.columns(x, row);
-    for (int p = 0; p < bound.parameter_count(); ++p) out(r, p) = row[static_cast<size_t>(p)];
+    for (int p = 0; p < bound.parameter_count(); ++p) out(r, p) = row[p];
   }
   return out;
 }
@@ -135,8 +135,8 @@ TEST(Causes, MeanWhatTheLibrarysEffectsMean) {
     for (size_t p = 0; p < names.size(); ++p) {
       for (size_t k = 0; k < parameters.size(); ++k) {
         if (parameters[k].name != names[p]) continue;
-        const VectorXd a = mine.col(static_cast<Eigen::Index>(p));
-        const VectorXd b = theirs.col(static_cast<Eigen::Index>(k));
+        const VectorXd a = mine.col(p);
+        const VectorXd b = theirs.col(k);
         EXPECT_LT(rms(a - b), (effect == "transmission_compliance" ? 0.05 : 0.025) * rms(b))
             << effect << " " << names[p];
         EXPECT_GT(rms(b), 0.0) << effect << " " << names[p];

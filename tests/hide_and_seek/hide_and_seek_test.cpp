@@ -151,7 +151,7 @@ TEST(TemperatureDrift, IsSmallFromTheModelToTodayAndNoMistakeToName) {
     const HiddenCase hidden = hide(asked);
     ASSERT_FALSE(hidden.also_true.empty());
     for (const Cause& warmer : hidden.also_true) {
-      const double before = hidden.bench.friction[static_cast<size_t>(warmer.joint)].viscous;
+      const double before = hidden.bench.friction[warmer.joint].viscous;
       const double now = warmer.values.at("now") / before;
       EXPECT_GT(now, 0.85);
       EXPECT_LT(now, 0.96);

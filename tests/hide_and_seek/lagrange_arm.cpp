@@ -53,7 +53,7 @@ std::vector<Matrix4d> LagrangeArm::poses(const VectorXd& q) const {
         turn_z_shift_z(link.theta + (link.slides ? 0.0 : s), link.d + (link.slides ? s : 0.0));
     const Matrix4d along_x = turn_x_shift_x(link.alpha, link.a);
     const Matrix4d T = link.modified ? Matrix4d(along_x * along_z) : Matrix4d(along_z * along_x);
-    out[k] = link.parent < 0 ? T : Matrix4d(out[static_cast<size_t>(link.parent)] * T);
+    out[k] = link.parent < 0 ? T : Matrix4d(out[link.parent] * T);
   }
   return out;
 }
@@ -93,7 +93,7 @@ void LagrangeArm::for_each_force(const VectorXd& q, const VectorXd& dq, const Ve
 VectorXd LagrangeArm::torque(const VectorXd& q, const VectorXd& dq, const VectorXd& ddq) const {
   VectorXd tau = VectorXd::Zero(joints);
   for_each_force(q, dq, ddq, [&](int i, int k, const Matrix4d& W) {
-    tau[i] += links[static_cast<size_t>(k)].moments.cwiseProduct(W).sum();
+    tau[i] += links[k].moments.cwiseProduct(W).sum();
   });
   return tau;
 }
@@ -108,8 +108,8 @@ MatrixXd LagrangeArm::regressor(const VectorXd& q, const VectorXd& dq, const Vec
   MatrixXd Y = MatrixXd::Zero(joints, columns);
   for_each_force(q, dq, ddq, [&](int i, int k, const Matrix4d& W) {
     for (int p = 0; p < kMoments; ++p) {
-      const auto [r, c] = kMomentEntries[static_cast<size_t>(p)];
-      Y(i, first[static_cast<size_t>(k)] + p) = r == c ? W(r, r) : W(r, c) + W(c, r);
+      const auto [r, c] = kMomentEntries[p];
+      Y(i, first[k] + p) = r == c ? W(r, r) : W(r, c) + W(c, r);
     }
   });
   return Y;

@@ -135,7 +135,7 @@ State Motion::at(double t) const {
   State s{VectorXd(n), VectorXd(n), VectorXd(n)};
   const Value f = fade(t, duration_);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const Joint& joint = joints_[static_cast<size_t>(i)];
+    const Joint& joint = joints_[i];
     const Value v = given_.time.size() > 0 ? between(given_, i, t) : sum(joint.wanted, t);
     const Value e = sum(joint.deviation, t);
     s.q[i] = joint.centre + v.x + f.x * e.x;

@@ -108,10 +108,10 @@ OutsideCause draw_outside(const Bench& bench, const std::string& name, unsigned 
   for (int k = 1; k <= 2; ++k)
     plain.push_back(ideal_recording(bench, {}, Motion(bench.robot, bench.seed, k), k));
   const int n = bench.arm.joints;
-  std::vector<Range> range(static_cast<size_t>(n));
+  std::vector<Range> range(n);
   for (const IdealRecording& x : plain) {
     for (int i = 0; i < n; ++i) {
-      Range& r = range[static_cast<size_t>(i)];
+      Range& r = range[i];
       r.low = std::min(r.low, x.rows.q.col(i).minCoeff());
       r.high = std::max(r.high, x.rows.q.col(i).maxCoeff());
       r.fastest = std::max(r.fastest, x.rows.dq.col(i).cwiseAbs().maxCoeff());
@@ -123,7 +123,7 @@ OutsideCause draw_outside(const Bench& bench, const std::string& name, unsigned 
   if (!whole) c.joint = draw.below(n);
   if (name == "crosstalk" || name == "distant_friction")
     c.from = (c.joint + 1 + draw.below(n - 1)) % n;
-  const Range own = range[static_cast<size_t>(std::max(c.joint, 0))];
+  const Range own = range[std::max(c.joint, 0)];
   if (name == "end_stop") {
     c.place = own.low + draw.in(0.7, 0.85) * own.travel();
     c.width = 0.2 * own.travel();
@@ -137,7 +137,7 @@ OutsideCause draw_outside(const Bench& bench, const std::string& name, unsigned 
     c.width = draw.in(0.06, 0.1) * own.travel();
     c.words = {"position_force"};
   } else if (name == "distant_friction") {
-    const Range other = range[static_cast<size_t>(c.from)];
+    const Range other = range[c.from];
     c.place = other.middle();
     c.width = 0.5 * other.travel();
   } else if (name == "one_way_damper") {
@@ -200,7 +200,7 @@ OutsideScore score_outside(const OutsideCause& cause, const Diagnosis& d, const 
   const VectorXd& before = d.baseline.test_error.relative;
   int joint = cause.joint;
   if (joint < 0) (before.cwiseAbs2() - clean.cwiseAbs2()).maxCoeff(&joint);
-  const JointVerdict& v = d.joints[static_cast<size_t>(joint)];
+  const JointVerdict& v = d.joints[joint];
   out.state = name_of(v.state);
   out.silent = v.state == JointState::kAtFloor && before[joint] > 1.3 * clean[joint];
   const double removable = before[joint] * before[joint] - clean[joint] * clean[joint];

@@ -11,17 +11,17 @@ std::vector<char> loaded(const LagrangeArm& arm) {
   std::vector<char> out(arm.links.size(), 0);
   for (size_t k = arm.links.size(); k-- > 0;) {
     if (arm.links[k].has_body) out[k] = 1;
-    if (out[k] != 0 && arm.links[k].parent >= 0) out[static_cast<size_t>(arm.links[k].parent)] = 1;
+    if (out[k] != 0 && arm.links[k].parent >= 0) out[arm.links[k].parent] = 1;
   }
   return out;
 }
 
 // How many links a coordinate moves by itself.
 std::vector<int> uses(const LagrangeArm& arm) {
-  std::vector<int> out(static_cast<size_t>(arm.joints), 0);
+  std::vector<int> out(arm.joints, 0);
   for (const Link& link : arm.links) {
     for (int i = 0; i < arm.joints; ++i)
-      out[static_cast<size_t>(i)] += static_cast<int>(link.ratios[i] != 0.0);
+      out[i] += static_cast<int>(link.ratios[i] != 0.0);
   }
   return out;
 }
@@ -40,7 +40,7 @@ std::vector<Cause> wrong_constants(const LagrangeArm& arm) {
     bool zero_of_an_encoder = false;
     for (int i = 0; i < arm.joints; ++i) {
       const double c = link.ratios[i];
-      zero_of_an_encoder |= c != 0.0 && count[static_cast<size_t>(i)] == 1;
+      zero_of_an_encoder |= c != 0.0 && count[i] == 1;
       if (c != 0.0 && std::abs(c) != 1.0) add("ratio", i);
     }
     add("a", -1);
@@ -94,7 +94,7 @@ void forget_friction(Bench& bench, const Cause& cause) {
   };
   d.effects.erase(std::remove_if(d.effects.begin(), d.effects.end(), is_it), d.effects.end());
   bench.robot = Model(std::move(d));
-  JointFriction& f = bench.friction[static_cast<size_t>(cause.joint)];
+  JointFriction& f = bench.friction[cause.joint];
   if (cause.effect == "viscous_friction") f.viscous = 0.0;
   if (cause.effect == "coulomb_friction") f.coulomb = 0.0;
   if (cause.effect == "torque_offset") f.offset = 0.0;

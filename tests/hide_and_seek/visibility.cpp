@@ -48,7 +48,7 @@ VectorXd predicted(const Bench& bench, const IdealRecording& ideal, Eigen::Index
   VectorXd tau = known ? VectorXd(ideal.rigid.row(r))
                        : bench.arm.torque(q, dq, ideal.rows.ddq.row(r).transpose());
   for (int i = 0; i < bench.arm.joints; ++i) {
-    const JointFriction& f = bench.friction[static_cast<size_t>(i)];
+    const JointFriction& f = bench.friction[i];
     tau[i] += f.viscous * dq[i] + f.coulomb * direction(dq[i]) + f.offset;
   }
   return tau;
@@ -57,7 +57,7 @@ VectorXd predicted(const Bench& bench, const IdealRecording& ideal, Eigen::Index
 // What the causes add to the recorded torques, at the kept rows and without what a filter removes.
 MatrixXd hidden_torque(const Bench& bench, const IdealRecording& ideal,
                        const std::vector<Eigen::Index>& kept) {
-  MatrixXd out(static_cast<Eigen::Index>(kept.size()), bench.arm.joints);
+  MatrixXd out(kept.size(), bench.arm.joints);
   if (ideal.nominal && ideal.q == ideal.rows.q) {
     MatrixXd all = ideal.tau;
     for (Eigen::Index r = 0; r < all.rows(); ++r) all.row(r) -= predicted(bench, ideal, r);
@@ -65,7 +65,7 @@ MatrixXd hidden_torque(const Bench& bench, const IdealRecording& ideal,
     return out;
   }
   for (size_t k = 0; k < kept.size(); ++k)  // smooth, and dear
-    out.row(static_cast<Eigen::Index>(k)) =
+    out.row(k) =
         ideal.tau.row(kept[k]) - predicted(bench, ideal, kept[k]).transpose();
   return out;
 }
@@ -122,7 +122,7 @@ Visibility visibility(const Bench& bench, const std::vector<IdealRecording>& ide
   const VectorXd torque = (power / static_cast<double>(ideal.size())).cwiseSqrt();
   VectorXd noise(n);
   for (int i = 0; i < n; ++i)
-    noise[i] = std::sqrt(kInBand) * bench.sensors[static_cast<size_t>(i)].torque_noise * torque[i];
+    noise[i] = std::sqrt(kInBand) * bench.sensors[i].torque_noise * torque[i];
   VectorXd b(count * n);
   MatrixXd A(absorb ? count * n : 0, absorb ? columns.front().cols() : 0);
   Eigen::Index at = 0;

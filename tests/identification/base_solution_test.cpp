@@ -59,7 +59,7 @@ Data data(int blocks, double noise, unsigned seed, double second = 1.0) {
         const VectorXd b =
             A * Eigen::Vector4d(1.0, -2.0, 0.5, 0.0) +
             (i == 1 ? second : 1.0) * noise * random.vector(rows, -1, 1);
-        SquareRootInformation f(Names{names()[static_cast<size_t>(i)], "p2", "p3"});
+        SquareRootInformation f(Names{names()[i], "p2", "p3"});
         MatrixXd mine(rows, 3);
         mine << A.col(i), A.rightCols(2);
         f.absorb(mine, b);

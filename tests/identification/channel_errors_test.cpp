@@ -47,8 +47,8 @@ Rows rows_of_arm(const Model& arm, const EffectTerm& term, int p, const Recordin
     for (const JointRows& joint : columns.rows(s)) {
       VectorXd column = VectorXd::Zero(joint.b.size());
       for (size_t c = 0; c < joint.parameters.size(); ++c) {
-        if (columns.parameters()[static_cast<size_t>(joint.parameters[c])].name == name)
-          column = joint.A.col(static_cast<Eigen::Index>(c));
+        if (columns.parameters()[joint.parameters[c]].name == name)
+          column = joint.A.col(c);
       }
       const Eigen::Index at = out.tau.size();
       out.tau.conservativeResize(at + joint.b.size());

@@ -66,7 +66,7 @@ TEST(ACompressedRecording, HoldsTheSumOfSquaresOfItsRows) {
     for (size_t i = 0; i < 4; ++i) {
       VectorXd mine(all[i].A.cols());
       for (Eigen::Index p = 0; p < mine.size(); ++p)
-        mine[p] = x[all[i].parameters[static_cast<size_t>(p)]];
+        mine[p] = x[all[i].parameters[p]];
       direct[static_cast<Eigen::Index>(i)] += (all[i].A * mine - all[i].b).squaredNorm();
       rows += static_cast<double>(all[i].b.size());
     }
@@ -134,7 +134,7 @@ TEST(ACompressedRecording, LeavesOutSlowRows) {
   const CompressedRecording c = compress(arm, r, options);
   for (int i = 0; i < 2; ++i) {
     double rows = 0.0;
-    for (const auto& block : c.blocks) rows += block[static_cast<size_t>(i)].rows();
+    for (const auto& block : c.blocks) rows += block[i].rows();
     long fast = 0;
     for (Eigen::Index k = 0; k < r.rows(); k += 10) fast += std::abs(r.dq(k, i)) >= 0.4 ? 1 : 0;
     EXPECT_NEAR(rows, static_cast<double>(fast), 2.0) << "joint " << i;
@@ -152,7 +152,7 @@ TEST(ACompressedRecording, KnowsRangesOfTorqueSpeedAndPosition) {
   const MatrixXd tau = low_passed(r.tau, options, 200.0);
   const CompressedRecording c = compress(arm, r, options);
   for (int i = 0; i < 4; ++i) {
-    const TorqueFacts& f = c.joints[static_cast<size_t>(i)];
+    const TorqueFacts& f = c.joints[i];
     EXPECT_NEAR(f.minimum, tau.col(i).minCoeff(), 1e-6 * (1.0 + std::abs(f.minimum)));
     EXPECT_NEAR(f.maximum, tau.col(i).maxCoeff(), 1e-6 * (1.0 + std::abs(f.maximum)));
     // The ends of the light filter are good to a few per cent of what changes in its 20 ms.

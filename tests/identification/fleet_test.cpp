@@ -44,7 +44,7 @@ Simulated fleet(int arms, int odd, const Change& change, unsigned seed = 3) {
   Random random(seed);
   Simulated out;
   for (int a = 0; a < arms; ++a) {
-    VectorXd factors = VectorXd::Ones(static_cast<Eigen::Index>(parameters.size()));
+    VectorXd factors = VectorXd::Ones(parameters.size());
     for (size_t p = 0; p < parameters.size(); ++p)
       if (parameters[p].effect >= 0)
         factors[static_cast<Eigen::Index>(p)] = 1.0 + 0.05 * random.in(-1, 1);
@@ -231,7 +231,7 @@ TEST(AFleet, IsTheLeastSquaresSolutionOfTheBlockArrow) {
   MatrixXd A = MatrixXd::Zero(count * factors[0].size(), count * own + shared);
   VectorXd b(A.rows());
   for (Eigen::Index a = 0; a < count; ++a) {
-    const SquareRootInformation& f = factors[static_cast<size_t>(a)];
+    const SquareRootInformation& f = factors[a];
     A.block(a * f.size(), a * own, f.size(), own) = f.R().leftCols(own);
     A.block(a * f.size(), count * own, f.size(), shared) = f.R().rightCols(shared);
     b.segment(a * f.size(), f.size()) = f.z();
@@ -239,7 +239,7 @@ TEST(AFleet, IsTheLeastSquaresSolutionOfTheBlockArrow) {
   const VectorXd x = Eigen::ColPivHouseholderQR<MatrixXd>(A).solve(b);
   EXPECT_TRUE(near(beta, VectorXd(x.tail(shared)), 1e-8 * (1.0 + x.tail(shared).norm())));
   for (Eigen::Index a = 0; a < count; ++a)
-    EXPECT_TRUE(near(problem.own_values(factors[static_cast<size_t>(a)], beta),
+    EXPECT_TRUE(near(problem.own_values(factors[a], beta),
                      VectorXd(x.segment(a * own, own)), 1e-7 * (1.0 + x.norm())));
 }
 

@@ -55,7 +55,7 @@ std::vector<GainEquation> equations(double noise, unsigned seed, double known = 
 VectorXd sigma(const std::vector<GainEquation>& all, double noise) {
   VectorXd out(3);
   for (int j = 0; j < 3; ++j)
-    out[j] = std::max(noise, 1e-3) * all[static_cast<size_t>(j)].z.norm() / std::sqrt(kRows);
+    out[j] = std::max(noise, 1e-3) * all[j].z.norm() / std::sqrt(kRows);
   return out;
 }
 

@@ -50,7 +50,7 @@ std::map<std::string, double> true_base(const Model& arm) {
   const BaseParameters base = base_parameters(arm);
   const VectorXd beta = base.K * true_parameters(arm);
   std::map<std::string, double> out;
-  for (int j = 0; j < base.size(); ++j) out[base.expressions[static_cast<size_t>(j)]] = beta[j];
+  for (int j = 0; j < base.size(); ++j) out[base.expressions[j]] = beta[j];
   return out;
 }
 

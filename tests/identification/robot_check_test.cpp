@@ -173,7 +173,7 @@ TEST_F(AMistakenRecording, OfCurrentsIsSeenByGainsThatDiffer) {
   Recording r = recorded("elbow-6r", 10);
   ModelDescription d = arm_->description();
   for (int i = 0; i < 6; ++i) {
-    d.coordinates[static_cast<size_t>(i)].drive_gain = 12.0 - i;
+    d.coordinates[i].drive_gain = 12.0 - i;
     r.tau.col(i) /= 12.0 - i;
   }
   arm_.emplace(Model(std::move(d)));

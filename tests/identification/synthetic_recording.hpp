@@ -97,7 +97,7 @@ inline MatrixXd noise_like(const MatrixXd& tau, double share, unsigned seed) {
 /// All standard parameters as the arm's file has them.
 inline VectorXd true_parameters(const Model& arm) {
   const std::vector<StandardParameter> parameters = standard_parameters(arm);
-  VectorXd out(static_cast<Eigen::Index>(parameters.size()));
+  VectorXd out(parameters.size());
   for (size_t j = 0; j < parameters.size(); ++j)
     out[static_cast<Eigen::Index>(j)] = parameters[j].value;
   return out;

@@ -17,8 +17,8 @@ namespace {
 TEST(ParallelFor, CallsTheBodyOnceForEveryIndex) {
   for (const int threads : {0, 1, 2, 7, 100}) {
     for (const int count : {0, 1, 3, 1000}) {
-      std::vector<std::atomic<int>> calls(static_cast<size_t>(count));
-      parallel_for(count, threads, [&](int i) { ++calls[static_cast<size_t>(i)]; });
+      std::vector<std::atomic<int>> calls(count);
+      parallel_for(count, threads, [&](int i) { ++calls[i]; });
       for (const auto& c : calls) EXPECT_EQ(c, 1) << threads << " threads, count " << count;
     }
   }

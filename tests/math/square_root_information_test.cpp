@@ -177,7 +177,7 @@ TEST(TheFactor, RestrictedIsTheFactorOfTheseColumns) {
     Rows some{MatrixXd(300, static_cast<Eigen::Index>(wanted.size())), p.b};
     Names columns;
     for (size_t j = 0; j < wanted.size(); ++j) {
-      some.A.col(static_cast<Eigen::Index>(j)) = p.A.col(wanted[j]);
+      some.A.col(j) = p.A.col(wanted[j]);
       columns.push_back("x" + std::to_string(wanted[j]));
     }
     EXPECT_TRUE(same(f.restricted(columns), factor_of(some, columns)));

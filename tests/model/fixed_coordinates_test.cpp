@@ -22,7 +22,7 @@ TEST_P(OnEverySampleArm, WithAJointHeldMovesLikeTheWholeArmWithItAtRest) {
   Random random(7);
   for (int held = 0; held < arm.joints(); ++held) {
     const double place = random.in(-0.5, 0.5);
-    const Model rest = with_fixed(arm, {{arm.coordinates()[static_cast<size_t>(held)].name, place}});
+    const Model rest = with_fixed(arm, {{arm.coordinates()[held].name, place}});
     ASSERT_EQ(rest.joints(), arm.joints() - 1);
     RigidBodyDynamics whole(arm, *arm.inertial_values());
     RigidBodyDynamics part(rest, *rest.inertial_values());

@@ -255,7 +255,7 @@ TEST_P(OnEveryRobot, UrdfKeepsInertias) {
   const Model before = identified(arm().description());
   const Model after = through_urdf(before);
   for (const Frame& frame : before.frames()) {
-    const auto& body = after.frames()[static_cast<std::size_t>(after.find_frame(frame.name))].body;
+    const auto& body = after.frames()[after.find_frame(frame.name)].body;
     ASSERT_EQ(body.has_value(), frame.body.has_value());
     if (!body) continue;
     EXPECT_TRUE(near(*body->phi, *frame.body->phi, kPoseRounding));

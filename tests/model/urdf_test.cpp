@@ -103,10 +103,10 @@ TEST_F(UrdfFile, CoordinatesKeepTheOrderOfTheFile) {
 
 TEST_F(UrdfFile, MimicJointsBecomeAffineJointVariables) {
   const Model arm = read(kGripper);
-  const Frame& right = arm.frames()[static_cast<std::size_t>(arm.find_frame("right"))];
+  const Frame& right = arm.frames()[arm.find_frame("right")];
   EXPECT_TRUE(near(right.variable.coefficients, Eigen::Vector2d(0, -0.5), 0.0));
   EXPECT_EQ(right.variable.offset, 0.2);
-  const Frame& tip = arm.frames()[static_cast<std::size_t>(arm.find_frame("tip"))];
+  const Frame& tip = arm.frames()[arm.find_frame("tip")];
   EXPECT_TRUE(near(tip.variable.coefficients, Eigen::Vector2d(0, -5), 0.0));
   EXPECT_EQ(tip.variable.offset, 3.0);
 }
@@ -126,7 +126,7 @@ TEST_F(UrdfFile, InertialsAreTurnedIntoTheLinkFrame) {
   const Model arm = read(kGripper);
   InertialParameters phi;  // turned so that x goes to y, y to z and z to x
   phi << 2, 0.2, 0, 0, 0.04, 0, 0.03 + 2 * 0.01, 0, 0.001, 0.02 + 2 * 0.01;
-  EXPECT_TRUE(near(*arm.frames()[static_cast<std::size_t>(arm.find_frame("turret"))].body->phi, phi,
+  EXPECT_TRUE(near(*arm.frames()[arm.find_frame("turret")].body->phi, phi,
                    1e-15));
 }
 
@@ -231,7 +231,7 @@ TEST_F(UrdfFile, DeepElementsAreRefusedBeforeTheParserRecurses) {
 std::vector<std::string> faults_with(const Model& arm, const std::string& link, double mass,
                                      const Eigen::Matrix<double, 6, 1>& inertia) {
   ModelDescription changed = arm.description();
-  changed.frames[static_cast<std::size_t>(arm.find_frame(link))].body->phi =
+  changed.frames[arm.find_frame(link)].body->phi =
       inertial_parameters(mass, {0.1, 0, 0}, inertia);
   return physical_faults(Model(changed));
 }

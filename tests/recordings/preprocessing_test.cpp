@@ -326,7 +326,7 @@ TEST(Gaps, AreNotUsedNorWhatLeansOnThem) {
         return k >= first - margin / 0.005 - 1e-6 && k <= last + margin / 0.005 + 1e-6;
       };
       const bool gap = within(1000, 1002) || within(2000, 2039) || within(2500, 2501);
-      EXPECT_EQ(p.use[static_cast<size_t>(k)] == 0, gap) << "row " << k << ", cut-off " << cutoff;
+      EXPECT_EQ(p.use[k] == 0, gap) << "row " << k << ", cut-off " << cutoff;
       unused += gap ? 1 : 0;
     }
     EXPECT_EQ(p.facts.unused, unused);

@@ -61,8 +61,8 @@ TEST(APeriod, IsFoundBetweenRestsAndInIrregularTime) {
   kept.time.resize(static_cast<int>(rows.size()));
   kept.q.resize(static_cast<int>(rows.size()), 3);
   for (int k = 0; k < kept.rows(); ++k) {
-    kept.time[k] = irregular.time[rows[static_cast<std::size_t>(k)]];
-    kept.q.row(k) = irregular.q.row(rows[static_cast<std::size_t>(k)]);
+    kept.time[k] = irregular.time[rows[k]];
+    kept.q.row(k) = irregular.q.row(rows[k]);
   }
   EXPECT_NEAR(detect_period(kept).seconds, 5.0, 1e-3);
 }

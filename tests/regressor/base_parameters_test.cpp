@@ -40,7 +40,7 @@ MatrixXd row_space(const MatrixXd& K, const VectorXd& scale) {
 MatrixXd independent_columns(const MatrixXd& Y, const BaseParameters& base) {
   MatrixXd out(Y.rows(), base.size());
   for (int i = 0; i < base.size(); ++i)
-    out.col(i) = Y.col(base.independent[static_cast<size_t>(i)]);
+    out.col(i) = Y.col(base.independent[i]);
   return out;
 }
 
@@ -128,8 +128,8 @@ TEST_P(OfEveryRobot, TheClassesSayWhatTheTorquesKnow) {
     const Identifiability expected = !acts   ? Identifiability::kNot
                                      : known ? Identifiability::kAlone
                                              : Identifiability::kInCombination;
-    EXPECT_EQ(static_cast<int>(base_.classes[static_cast<size_t>(j)]), static_cast<int>(expected))
-        << standard_parameters(arm_)[static_cast<size_t>(j)].name;
+    EXPECT_EQ(static_cast<int>(base_.classes[j]), static_cast<int>(expected))
+        << standard_parameters(arm_)[j].name;
   }
 }
 
@@ -139,9 +139,9 @@ TEST_P(OfEveryRobot, TheyAreNamedAfterTheirIndependentParameter) {
   const std::vector<std::string> names = parameter_names(standard_parameters(arm_));
   ASSERT_EQ(base_.names.size(), static_cast<size_t>(base_.size()));
   for (size_t i = 0; i < base_.names.size(); ++i) {
-    EXPECT_EQ(base_.names[i], names[static_cast<size_t>(base_.independent[i])]);
+    EXPECT_EQ(base_.names[i], names[base_.independent[i]]);
     EXPECT_EQ(base_.expressions[i].rfind(base_.names[i], 0), 0U) << base_.expressions[i];
-    const auto terms = (base_.K.row(static_cast<Eigen::Index>(i)).array() != 0.0).count();
+    const auto terms = (base_.K.row(i).array() != 0.0).count();
     const bool plain = base_.expressions[i] == base_.names[i];
     EXPECT_EQ(plain, terms == 1) << base_.expressions[i];
   }

@@ -83,7 +83,7 @@ TEST(ArmColumns, AreTheRowsOfAnIdentification) {
   const VectorXd values = Random(17).vector(static_cast<int>(W.cols()), -1.0, 1.0);
   const MatrixXd modelled = columns.predict(s, values).modelled;
   for (int i = 0; i < 2; ++i) {
-    const JointRows& own = joints[static_cast<size_t>(i)];
+    const JointRows& own = joints[i];
     for (Eigen::Index k = 0; k < own.A.rows(); ++k) {
       double sum = 0.0;
       for (size_t c = 0; c < own.parameters.size(); ++c)
@@ -97,7 +97,7 @@ TEST(ArmColumns, AreTheRowsOfAnIdentification) {
         const auto row = static_cast<Eigen::Index>(std::lround(own.time[k] / s.dt));
         const double expected = W(i * rows + row, own.parameters[c]);
         ASSERT_NEAR(own.A(k, static_cast<Eigen::Index>(c)), expected, 1e-9 * (1 + std::abs(expected)))
-            << i << " " << k << " " << columns.parameters()[static_cast<size_t>(own.parameters[c])].name;
+            << i << " " << k << " " << columns.parameters()[own.parameters[c]].name;
       }
     }
   }

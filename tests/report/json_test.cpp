@@ -19,7 +19,7 @@ TEST(InfoJson, CoefficientsAreThoseOfTheBaseParameters) {
   const RobotInfo info = robot_info(read_model("psm-3dof"));
   const json out = json::parse(to_json(info));
   for (int j = 0; j < info.base.size(); ++j) {
-    const json& coefficients = out["base_parameters"][static_cast<std::size_t>(j)]["coefficients"];
+    const json& coefficients = out["base_parameters"][j]["coefficients"];
     std::size_t nonzero = 0;
     for (std::size_t p = 0; p < info.parameters.size(); ++p) {
       const double k = info.base.K(j, static_cast<Eigen::Index>(p));

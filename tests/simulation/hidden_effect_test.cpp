@@ -140,8 +140,8 @@ TEST(HiddenEffect, NumbersOfRowsAndZerosAreConstantsToo) {
       inject_effects(wrist, {parse_hidden_effect("coupling_error:wrist_pitch.ratio of pitch_motor:change=0.5")});
   const int k = wrist.find_frame("wrist_pitch");
   const int i = wrist.find_coordinate("pitch_motor");
-  EXPECT_NEAR(ratio.arm.frames()[static_cast<size_t>(k)].variable.coefficients[i],
-              wrist.frames()[static_cast<size_t>(k)].variable.coefficients[i] + 0.5, 1e-12);
+  EXPECT_NEAR(ratio.arm.frames()[k].variable.coefficients[i],
+              wrist.frames()[k].variable.coefficients[i] + 0.5, 1e-12);
 }
 
 TEST(HiddenEffect, AWrongConstantIsAnotherArm) {

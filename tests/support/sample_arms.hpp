@@ -68,8 +68,8 @@ class ArmBuilder {
   }
 
   std::vector<double> unit(int coordinate) const {
-    std::vector<double> c(static_cast<size_t>(joints()), 0.0);
-    c[static_cast<size_t>(coordinate)] = 1.0;
+    std::vector<double> c(joints(), 0.0);
+    c[coordinate] = 1.0;
     return c;
   }
 
@@ -130,7 +130,7 @@ inline Model random_serial(const std::string& types, unsigned seed) {
   arm.description().gravity = arm.random().vector(3, -6.0, 6.0);
   for (int i = 0; i < n; ++i) {
     const JointType type =
-        types[static_cast<size_t>(i)] == 'R' ? JointType::kRevolute : JointType::kPrismatic;
+        types[i] == 'R' ? JointType::kRevolute : JointType::kPrismatic;
     const Posed A = arm.random().pose(0.4);
     const Posed B = i % 2 == 0 ? identity_pose() : arm.random().pose(0.2);
     arm.link(i - 1, type, arm.unit(i), arm.random().in(-1, 1), A, B);

@@ -50,7 +50,7 @@ class AdaptiveFriction {
               FrictionCompensation& friction) noexcept;
 
   /// k: what is compensated, as a share of the identified friction.
-  double share(int axis) const { return axes_[static_cast<size_t>(axis)].share; }
+  double share(int axis) const { return axes_[axis].share; }
 
  private:
   struct Learned {

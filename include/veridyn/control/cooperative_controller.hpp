@@ -169,7 +169,7 @@ class CooperativeController {
   }
   bool arrived() const { return centre_.arrived() && angle_.arrived(); }
   double wanted_force(int member) const { return wanted_.x()[member]; }
-  double correction(int member) const { return trackers_[static_cast<size_t>(member)].value(); }
+  double correction(int member) const { return trackers_[member].value(); }
   int arms() const { return static_cast<int>(targets_.size()); }
 
  private:

@@ -75,22 +75,22 @@ class FrictionCompensation {
   void reset() noexcept;
 
   int axes() const { return static_cast<int>(axes_.size()); }
-  const VectorXd& axis(int k) const { return axes_[static_cast<size_t>(k)].c; }
+  const VectorXd& axis(int k) const { return axes_[k].c; }
 
-  bool prismatic(int k) const { return axes_[static_cast<size_t>(k)].prismatic; }
+  bool prismatic(int k) const { return axes_[k].prismatic; }
   double share() const { return options_.share; }
 
   /// Scales the friction of one axis, see AdaptiveFriction. Returns false unless the scale times the
   /// share is in 0 .. 2.
   bool set_scale(int k, double scale) noexcept;
-  double scale(int k) const { return axes_[static_cast<size_t>(k)].scale; }
+  double scale(int k) const { return axes_[k].scale; }
 
   /// Sliding force of the identified friction along axis k at `speed` in direction +-1, without
   /// share and scale, at the position of the last update().
   double sliding(int k, double direction, double speed) const noexcept;
 
   /// Compensation along axis k at the last update() [N m], [N].
-  double force(int k) const { return axes_[static_cast<size_t>(k)].force; }
+  double force(int k) const { return axes_[k].force; }
 
   /// Content of the energy tank of axis k as a share of its capacity, 0 to 1.
   double tank_level(int k) const noexcept;

@@ -59,7 +59,7 @@ class MomentumObserver {
   /// The outermost coordinate whose torque is above its threshold; -1: no contact.
   int coordinate() const { return coordinate_; }
   /// Index in the model of the frame that is named, or -1.
-  int frame() const { return coordinate_ < 0 ? -1 : frames_[static_cast<size_t>(coordinate_)]; }
+  int frame() const { return coordinate_ < 0 ? -1 : frames_[coordinate_]; }
 
  private:
   MomentumObserverOptions options_;

@@ -148,7 +148,7 @@ class SafetySupervisor {
 
   /// Faults in the order of detection, each kind once; [0] is the first.
   int events() const { return events_; }
-  const SafetyEvent& event(int k) const { return event_[static_cast<std::size_t>(k)]; }
+  const SafetyEvent& event(int k) const { return event_[k]; }
 
  private:
   struct Finding {

@@ -67,9 +67,9 @@ class TaskInverse {
   void solve_wrench(const VectorXd& tau, Vector6d& h) noexcept;
 
   /// Holds coordinate i: from the next update() on its column counts as zero, until release().
-  void hold(int i) noexcept { held_[static_cast<size_t>(i)] = 1; }
+  void hold(int i) noexcept { held_[i] = 1; }
   void release() noexcept { std::fill(held_.begin(), held_.end(), char{0}); }
-  bool held(int i) const noexcept { return held_[static_cast<size_t>(i)] != 0; }
+  bool held(int i) const noexcept { return held_[i] != 0; }
 
   int rows() const { return rows_; }
   double length() const { return length_; }

@@ -68,9 +68,9 @@ class TetherGuard {
   void update(const std::vector<Eigen::Vector3d>& position, const std::vector<char>& healthy,
               double force) noexcept;
 
-  const Motion& motion(int arm) const { return motions_[static_cast<std::size_t>(arm)]; }
+  const Motion& motion(int arm) const { return motions_[arm]; }
   /// [m] unloaded length; NaN: not yet known
-  double free_length(int member) const { return lengths_[static_cast<std::size_t>(member)]; }
+  double free_length(int member) const { return lengths_[member]; }
 
  private:
   struct Seen {  ///< motion of a tip, estimated from its positions

@@ -23,7 +23,7 @@ class RegressorBatch {
 
   /// Columns of the regressor that can differ from zero for a joint: ten for each body that it
   /// moves, ascending, in 0 .. 10 * bodies - 1. See torque_regressor().
-  const std::vector<int>& columns(int joint) const { return columns_[static_cast<size_t>(joint)]; }
+  const std::vector<int>& columns(int joint) const { return columns_[joint]; }
 
   /// Y[i](r, c): torque of joint i in sample r per unit of inertial parameter columns(i)[c].
   ///

@@ -30,7 +30,7 @@ class RegressorColumns {
 
   const std::vector<StandardParameter>& parameters() const { return parameters_; }
   const std::vector<int>& parameters_of(int joint) const {
-    return of_joint_[static_cast<size_t>(joint)];
+    return of_joint_[joint];
   }
 
   /// One JointRows per joint, from the usable samples of the segment's core.

@@ -34,7 +34,7 @@ struct Tree {
   void add_body(int link, const Posed& T_link_body = identity_pose()) {
     int next = -1;
     if (link >= 0) {
-      int& last = links[static_cast<std::size_t>(link)].body;
+      int& last = links[link].body;
       next = last;
       last = static_cast<int>(bodies.size());
     }
@@ -99,13 +99,13 @@ inline int Tree::add_link(int parent, JointType type, const std::vector<JointCoe
     if (type == JointType::kFixed) own = 0.0;
     int above = -1;
     if (parent >= 0) {
-      const Link& up = links[static_cast<std::size_t>(parent)];
+      const Link& up = links[parent];
       for (int m = up.first_support; m < up.end_support; ++m) {
-        if (supports[static_cast<std::size_t>(m)].coordinate == i) above = m;
+        if (supports[m].coordinate == i) above = m;
       }
     }
     if (own == 0.0 && above < 0) continue;
-    int& first = first_moved[static_cast<std::size_t>(i)];
+    int& first = first_moved[i];
     if (first < 0) first = k;
     supports.push_back({i, above, own});
     if (own == 0.0) continue;

@@ -35,7 +35,7 @@ JointGains gains_of(const Model& arm, double frequency) {
 SafetyLimits limits_of(const Model& arm, const CrtkOptions& o) {
   SafetyLimits limits = safety_limits(arm, o.effort);
   for (int i = 0; i < arm.joints(); ++i) {
-    const bool slides = arm.coordinates()[static_cast<std::size_t>(i)].prismatic;
+    const bool slides = arm.coordinates()[i].prismatic;
     if (!std::isfinite(limits.velocity[i]) || limits.velocity[i] <= 0.0)
       limits.velocity[i] = o.velocity * (slides ? kSliding : 1.0);
   }

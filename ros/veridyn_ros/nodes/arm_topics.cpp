@@ -94,7 +94,7 @@ void ArmTopics::joints(const Event<sensor_msgs::JointState>& event, Kind kind) {
   const std::vector<double>& values = kind == Kind::kServoJf ? m.effort : m.position;
   Command c = command(event, kind, age_of(m.header));
   c.count = static_cast<int>(std::min<std::size_t>(values.size(), kMostJoints + 1));
-  for (int i = 0; i < std::min(c.count, kMostJoints); ++i) c.joints[i] = values[static_cast<std::size_t>(i)];
+  for (int i = 0; i < std::min(c.count, kMostJoints); ++i) c.joints[i] = values[i];
   push(c);
 }
 

@@ -68,14 +68,14 @@ std::string line_of(const ScenarioCommand& c, const Scenario& scenario) {
   using Kind = ScenarioCommand::Kind;
   std::ostringstream out;
   out.precision(17);
-  const auto member = [&] { return c.member < 0 ? std::string() : scenario.members[static_cast<std::size_t>(c.member)].name; };
+  const auto member = [&] { return c.member < 0 ? std::string() : scenario.members[c.member].name; };
   const auto way = [&] { out << c.way.x() << ' ' << c.way.y() << ' ' << c.way.z() << ' ' << c.over; };
   switch (c.kind) {
     case Kind::kMove: out << "move ", way(); break;
     case Kind::kTurn: out << "turn ", way(); break;
     case Kind::kTighten: out << "tighten " << c.amount << ' ' << c.over; break;
     case Kind::kForce: out << "force " << member() << ' ' << c.amount << ' ' << c.over; break;
-    case Kind::kMoveArm: out << "arm " << scenario.arms[static_cast<std::size_t>(c.arm)].name << ' ', way(); break;
+    case Kind::kMoveArm: out << "arm " << scenario.arms[c.arm].name << ' ', way(); break;
     case Kind::kRelease: out << "release " << member(); break;
     case Kind::kTake: out << "take " << member(); break;
   }

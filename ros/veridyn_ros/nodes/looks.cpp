@@ -25,7 +25,7 @@ constexpr double kSame = 1e-6;      // [m]
 VectorXd posture(const Model& arm, double share) {
   VectorXd q(arm.joints());
   for (int i = 0; i < arm.joints(); ++i) {
-    const Limits& l = arm.coordinates()[static_cast<std::size_t>(i)].limits;
+    const Limits& l = arm.coordinates()[i].limits;
     const double range = l.upper - l.lower;
     q[i] = std::isfinite(range) ? l.lower + share * range : share;
   }
@@ -57,7 +57,7 @@ UrdfAppearance rods(const Model& arm) {
     const Vector3d there = (at(low, parent).inverse() * at(low, own)).translation();
     const Vector3d later = (at(high, parent).inverse() * at(high, own)).translation();
     if ((there - later).norm() < kSame) {
-      const std::string link = parent < 0 ? "world" : arm.frames()[static_cast<std::size_t>(parent)].name;
+      const std::string link = parent < 0 ? "world" : arm.frames()[parent].name;
       if (there.norm() > kShortest) out[link] += shape(there, "steel", 0.012);
       continue;
     }

@@ -20,7 +20,7 @@ constexpr int kBadInput = 3;
 VectorXd middle(const Model& arm) {
   VectorXd q = VectorXd::Zero(arm.joints());
   for (int i = 0; i < arm.joints(); ++i) {
-    const Limits& l = arm.coordinates()[static_cast<std::size_t>(i)].limits;
+    const Limits& l = arm.coordinates()[i].limits;
     const double m = 0.5 * (l.lower + l.upper);
     if (std::isfinite(m)) q[i] = m;
   }

@@ -28,7 +28,7 @@ Eigen::Isometry3d pose_of(const VectorXd& v, bool oriented) {
 void add_pose(const CapturedObject& object, MarkerCapture& out) {
   const std::array<const char*, 4> names = {"origin", "x", "y", "z"};
   for (int m = 0; m < 4; ++m) {
-    CapturedMarker marker{object.name, names[static_cast<std::size_t>(m)],
+    CapturedMarker marker{object.name, names[m],
                           object.values.topRows<3>()};
     for (Eigen::Index k = 0; k < object.values.cols(); ++k) {
       const VectorXd v = object.values.col(k);
@@ -146,7 +146,7 @@ PoseCapture read_poses(const std::string& path, const CaptureOptions& options) {
   out.time = Eigen::Map<const VectorXd>(time.data(), static_cast<Eigen::Index>(time.size()));
   out.q.resize(out.frames(), table.q.cols());
   for (int k = 0; k < out.frames() && out.q.cols() > 0; ++k)
-    out.q.row(k) = table.q.row(out.rows[static_cast<std::size_t>(k)]);
+    out.q.row(k) = table.q.row(out.rows[k]);
   return out;
 }
 

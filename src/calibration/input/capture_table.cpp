@@ -108,7 +108,7 @@ class Reader {
       if (c.kind == Kind::kTime) time = number(fields[k], k);
       if (c.kind == Kind::kBodyName) body = fields[k];
       if (c.kind == Kind::kObjectName) name = fields[k];
-      if (c.kind == Kind::kJoint) q[static_cast<std::size_t>(c.index)] = number(fields[k], k);
+      if (c.kind == Kind::kJoint) q[c.index] = number(fields[k], k);
     }
     const bool has_time = has(Kind::kTime);
     require(!has_time || !std::isnan(time), path_, ":", lines_.number(),
@@ -167,7 +167,7 @@ class Reader {
     out.q.resize(frames, static_cast<Eigen::Index>(joints_));
     for (Eigen::Index k = 0; k < frames; ++k) {
       for (Eigen::Index i = 0; i < out.q.cols(); ++i)
-        out.q(k, i) = q_[static_cast<std::size_t>(k)][static_cast<std::size_t>(i)];
+        out.q(k, i) = q_[k][i];
     }
     for (Object& o : objects_) {
       o.values.resize(kComponents * times_.size(), kNaN);
@@ -182,7 +182,7 @@ class Reader {
   void check_values(CaptureTable& table) const {
     for (CapturedObject& o : table.objects) {
       for (Eigen::Index k = 0; k < o.values.cols(); ++k) {
-        const std::string at = text(path_, ":", lines_of_[static_cast<std::size_t>(k)]);
+        const std::string at = text(path_, ":", lines_of_[k]);
         auto quaternion = o.values.col(k).tail<4>();
         if (o.has_orientation && quaternion.allFinite()) {
           const double norm = quaternion.norm();

@@ -45,7 +45,7 @@ void print(const dvrk::IoConfig& config) {
     for (const dvrk::BoardSerial& own : robot.board_serials)
       fmt::print("  board {:>2} has the serial number {}\n", own.board, own.serial);
     for (int k = 0; k < robot.size(); ++k)
-      print_actuator(robot.actuators[static_cast<std::size_t>(k)], k);
+      print_actuator(robot.actuators[k], k);
   }
   fmt::print("{} digital inputs, {} digital outputs, {} instrument chips\n",
              config.digital_inputs.size(), config.digital_outputs.size(),

@@ -68,8 +68,8 @@ VectorXd start_of(const DvrkRequest& request, const Model& model) {
                  request.start.size(), " numbers, expected ", n, ", one per joint of ",
                  model.name());
     for (int j = 0; j < n; ++j) {
-      const Coordinate& c = model.coordinates()[static_cast<size_t>(j)];
-      const double q = request.start[static_cast<size_t>(j)];
+      const Coordinate& c = model.coordinates()[j];
+      const double q = request.start[j];
       expect_value(!(q < c.limits.lower || q > c.limits.upper), "--start", "found ", q, " for ",
                    c.name, ", expected ", c.limits.lower, " to ", c.limits.upper, ", its limits");
     }
@@ -77,7 +77,7 @@ VectorXd start_of(const DvrkRequest& request, const Model& model) {
   }
   VectorXd q = VectorXd::Zero(n);
   for (int j = 0; j < n; ++j) {
-    const Limits& limits = model.coordinates()[static_cast<size_t>(j)].limits;
+    const Limits& limits = model.coordinates()[j].limits;
     const double room = kStopsBeyond * (limits.upper - limits.lower);
     if (limits.lower + room > 0.0 || limits.upper - room < 0.0)
       q[j] = 0.5 * (limits.lower + limits.upper);
@@ -173,7 +173,7 @@ void attach_models(const DvrkRequest& request, const std::vector<dvrk::BoardSetu
     arm.load->set_sensors(JointSensors(model));
     VectorXd lower(model.joints()), upper(model.joints());
     for (int j = 0; j < model.joints(); ++j) {
-      const Limits& limits = model.coordinates()[static_cast<size_t>(j)].limits;
+      const Limits& limits = model.coordinates()[j].limits;
       const double range = limits.upper - limits.lower;
       const double beyond = std::isfinite(range) ? kStopsBeyond * range : 0.0;
       lower[j] = limits.lower - beyond;

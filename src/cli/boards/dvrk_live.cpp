@@ -39,7 +39,7 @@ std::string table(ArmSession& arm) {
                                 "q [rad, m]", "dq [1/s]", "tau [N m, N]", "i [A]", "pot", "amp");
   for (int j = 0; j < arm.size(); ++j) {
     const dvrk::BoardFeedback& board = arm.board_of(j);
-    const int axis = arm.robot().actuators[static_cast<size_t>(j)].axis;
+    const int axis = arm.robot().actuators[j].axis;
     out += fmt::format("{:>5} {:>12.5f} {:>12.5f} {:>12.4f} {:>10.4f} {:>12.5f} {:>4}\n", j + 1,
                        state.q[j], state.dq[j], state.tau[j], state.current[j], state.pot_q[j],
                        board.status.amp_on(axis) ? "on" : "off");

@@ -31,8 +31,8 @@ PidGains gains_of(const DvrkRequest& request, const DvrkArm& arm) {
   if (is_known) {
     const dvrk::ArmFacts facts = dvrk::read_arm(name);
     for (int j = 0; j < n; ++j) {
-      gains.p[j] = facts.actuators[static_cast<size_t>(j)].kp;
-      gains.d[j] = facts.actuators[static_cast<size_t>(j)].kd;
+      gains.p[j] = facts.actuators[j].kp;
+      gains.d[j] = facts.actuators[j].kd;
     }
   }
   if (request.model.empty()) return gains;
@@ -111,7 +111,7 @@ VectorXd largest_errors(const DvrkRequest& request, const dvrk::RobotConfig& rob
   expect_value(given.size() == 1, "--largest-error", "found ", given.size(),
                " numbers, expected one, or ", robot.size(), ", one per joint of ", robot.name);
   for (int i = 0; i < robot.size(); ++i) {
-    if (!robot.actuators[static_cast<size_t>(i)].prismatic) all[i] = given.front();
+    if (!robot.actuators[i].prismatic) all[i] = given.front();
   }
   return all;
 }

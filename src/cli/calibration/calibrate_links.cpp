@@ -51,7 +51,7 @@ std::string compared(const std::string& file, const LinksCalibration& links) {
   if (zero.empty()) return "Torques ask for no other constant.";
   std::string named;
   for (const int k : links.named) {
-    const LinkConstant& c = links.constants[static_cast<std::size_t>(k)];
+    const LinkConstant& c = links.constants[k];
     named += (named.empty() ? "" : ", ") + c.name + (c.frame.empty() ? "" : " of frame " + c.frame);
   }
   return "Torques name a zero (" + zero + "), poses " +

@@ -69,7 +69,7 @@ std::string boards_json(const dvrk::BoardCooperationRun& done, const Scenario& s
   nlohmann::ordered_json out = nlohmann::ordered_json::parse(to_json(done.run, scenario));
   const auto arm = [&]() -> nlohmann::ordered_json {
     if (done.faulty_arm < 0) return nullptr;
-    return scenario.arms[static_cast<std::size_t>(done.faulty_arm)].name;
+    return scenario.arms[done.faulty_arm].name;
   };
   out["boards"] = {{"done", done.end == dvrk::BoardEnd::kDone},
                    {"reason", done.why},

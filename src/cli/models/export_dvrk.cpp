@@ -64,7 +64,7 @@ void print_static_torques(const dvrk::GravityChain& chain, const std::string& pa
   VectorXd rest = VectorXd::Zero(n);
   VectorXd all = VectorXd::Zero(n);
   for (Eigen::Index s = 0; s < measured.q.rows(); ++s) {
-    VectorXd q = VectorXd::Zero(static_cast<Eigen::Index>(chain.rows.size()));
+    VectorXd q = VectorXd::Zero(chain.rows.size());
     q.head(n) = measured.q.row(s).head(n);
     const VectorXd tau = dvrk::gravity_torques(chain, q);
     for (Eigen::Index i = 0; i < n; ++i) {
@@ -75,7 +75,7 @@ void print_static_torques(const dvrk::GravityChain& chain, const std::string& pa
   const double samples = static_cast<double>(measured.q.rows());
   fmt::print("{}: {} samples at rest\n", path, measured.q.rows());
   for (Eigen::Index i = 0; i < n; ++i) {
-    const dvrk::GravityRow& row = chain.rows[static_cast<std::size_t>(i)];
+    const dvrk::GravityRow& row = chain.rows[i];
     fmt::print("  {:<12} {:.4g} {unit} rms, without gravity {:.4g} {unit}\n", row.joint,
                std::sqrt(all[i] / samples), std::sqrt(rest[i] / samples),
                fmt::arg("unit", row.prismatic ? "N" : "N m"));

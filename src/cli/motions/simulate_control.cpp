@@ -229,7 +229,7 @@ ExitStatus run_controlled(const SimulateRequest& request, const Model& arm,
   std::string report = simulation_report(request, done.recording);
   const MatrixXd& q = done.run.motion.q;
   for (int i = 0; i < arm.joints(); ++i) {
-    const Coordinate& c = arm.coordinates()[static_cast<size_t>(i)];
+    const Coordinate& c = arm.coordinates()[i];
     const VectorXd off = (q.col(i) - wanted.q.col(i).head(q.rows())).cwiseAbs();
     report += fmt::format("joint {} ({}): at most {:.3g} {} off its set point", i + 1, c.name,
                           1e3 * off.maxCoeff(), c.prismatic ? "mm" : "mrad");

@@ -34,7 +34,7 @@ std::string replay_report(const SimulateRequest& request, const Model& arm, cons
                                 request.replay, arm.name(), request.drive, r.run.motion.rows(),
                                 r.run.motion.time[r.run.motion.rows() - 1] - r.run.motion.time[0]);
   for (int i = 0; i < arm.joints(); ++i) {
-    const Coordinate& c = arm.coordinates()[static_cast<size_t>(i)];
+    const Coordinate& c = arm.coordinates()[i];
     out += fmt::format("joint {} ({}): ", i + 1, c.name);
     if (request.drive != "torques") {
       out += fmt::format(
@@ -52,7 +52,7 @@ std::string replay_report(const SimulateRequest& request, const Model& arm, cons
 // range, after which a comparison is meaningless.
 bool lost(const Model& arm, const Replay& r) {
   for (int i = 0; i < arm.joints(); ++i) {
-    const Coordinate& c = arm.coordinates()[static_cast<size_t>(i)];
+    const Coordinate& c = arm.coordinates()[i];
     const double range = c.limits.upper - c.limits.lower;
     if (!std::isfinite(range) || r.motion_max[i] <= range) continue;
     say(fmt::format("the arm is lost: joint {} ends up to {:.3g} {unit} off the recorded motion, "
@@ -102,7 +102,7 @@ ExitStatus run_breakaway(const SimulateRequest& request, const Model& arm,
   }
   expect_value(options.joint >= 0, "--breakaway", "found the joint '", request.breakaway,
                "', expected a coordinate of ", arm.name(), " or its number");
-  const Coordinate& c = arm.coordinates()[static_cast<size_t>(options.joint)];
+  const Coordinate& c = arm.coordinates()[options.joint];
   options.speed = request.breakaway_speed;
   const auto engine = make_engine(request.engine, arm);
   PreprocessingOptions how = request.preprocessing;

@@ -98,7 +98,7 @@ Model read_robot(const std::string& robot, const CommonOptions& options, SignalC
   const Model whole = read_model(robot);
   const Model arm = value_of("--fix", [&] { return with_fixed(whole, options.fixed); });
   for (int i = 0; signals != nullptr && i < whole.joints(); ++i) {
-    const Coordinate& c = whole.coordinates()[static_cast<std::size_t>(i)];
+    const Coordinate& c = whole.coordinates()[i];
     const auto fixed = options.fixed.find(c.name);
     if (fixed != options.fixed.end())
       signals->held.push_back({i + 1, {c.name, c.prismatic}, fixed->second});

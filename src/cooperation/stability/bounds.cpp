@@ -29,7 +29,7 @@ StabilityBounds bound_stability(const Scenario& scenario, int samples, int threa
   StabilityBounds out;
   out.samples = samples;
   out.share = scenario.model_error;
-  std::vector<double> radius(static_cast<size_t>(samples)), factor(radius);
+  std::vector<double> radius(samples), factor(radius);
   parallel_for(samples, threads, [&](int k) {
     const auto seed = static_cast<unsigned>(k + 1);
     const auto i = static_cast<size_t>(k);

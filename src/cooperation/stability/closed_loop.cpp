@@ -96,10 +96,10 @@ void ClosedLoop::lay_out(const LinearPoint& point, const Scenario& scenario) {
 }
 
 void ClosedLoop::prepare_arm(int k, const Scenario& scenario) {
-  Arm& a = arm_[static_cast<size_t>(k)];
-  const LinearArm& arm = point_.arms[static_cast<size_t>(k)];
+  Arm& a = arm_[k];
+  const LinearArm& arm = point_.arms[k];
   const ScenarioControl& c = scenario.control;
-  a.gives_way = scenario.arms[static_cast<size_t>(k)].control == ArmControl::kImpedance;
+  a.gives_way = scenario.arms[k].control == ArmControl::kImpedance;
   const ImpedanceGains gains = a.gives_way ? impedance_gains(c) : position_gains(c);
   a.mass_inverse = gains.mass.head<3>().cwiseInverse().asDiagonal();
   a.damping = gains.damping.head<3>().asDiagonal();
@@ -116,19 +116,19 @@ void ClosedLoop::prepare_arm(int k, const Scenario& scenario) {
 }
 
 void ClosedLoop::prepare_element(int k, const Scenario& scenario) {
-  Element& e = element_[static_cast<size_t>(k)];
-  const LinearElement& at = point_.elements[static_cast<size_t>(k)];
+  Element& e = element_[k];
+  const LinearElement& at = point_.elements[k];
   const ScenarioControl& c = scenario.control;
   const auto members = static_cast<int>(scenario.members.size());
   if (c.force_cutoff > 0.0)
     e.smoothing = 1.0 - std::exp(-2.0 * M_PI * c.force_cutoff * period_);
   if (k >= members) {
-    const ScenarioWall& wall = scenario.walls[static_cast<size_t>(k - members)];
+    const ScenarioWall& wall = scenario.walls[k - members];
     e.stiffness = wall.stiffness;
     e.damping = wall.damping;
     return;
   }
-  const ScenarioMember& m = scenario.members[static_cast<size_t>(k)];
+  const ScenarioMember& m = scenario.members[k];
   e.stiffness = m.stiffness;
   e.damping = m.damping;
   e.law = m.law;
@@ -138,20 +138,20 @@ void ClosedLoop::prepare_element(int k, const Scenario& scenario) {
   e.share_from = from_gives ? share : 0.0;
   e.share_to = to_gives ? share : 0.0;
   const int giving = to_gives ? m.to : m.from;
-  const Arm& arm = arm_[static_cast<size_t>(giving)];
+  const Arm& arm = arm_[giving];
   const Eigen::Vector3d u =
-      point_.arms[static_cast<size_t>(giving)].R_world_base.transpose() * at.u;
+      point_.arms[giving].R_world_base.transpose() * at.u;
   e.value = arm.gives_way ? at.force / (share * u.dot(arm.stiffness * u)) : at.force / m.stiffness;
   e.x_f = states_++;
 }
 
 MatrixXd ClosedLoop::line_map(int k) const {
-  const LinearElement& at = point_.elements[static_cast<size_t>(k)];
+  const LinearElement& at = point_.elements[k];
   MatrixXd L = MatrixXd::Zero(3, joints_);
   const auto add = [&](int arm, double sign) {
     if (arm < 0) return;
-    const Arm& a = arm_[static_cast<size_t>(arm)];
-    L.middleCols(a.q, a.n) += sign * point_.arms[static_cast<size_t>(arm)].J;
+    const Arm& a = arm_[arm];
+    L.middleCols(a.q, a.n) += sign * point_.arms[arm].J;
   };
   add(at.from, -1.0);
   add(at.to, 1.0);
@@ -196,12 +196,12 @@ VectorXd ClosedLoop::tension_row(int element) const {
 }
 
 bool ClosedLoop::arrives(int element, long k) const {
-  const Element& e = element_[static_cast<size_t>(element)];
+  const Element& e = element_[element];
   return sampled(e, k - e.delay);
 }
 
 VectorXd ClosedLoop::reading_row(int element, long k) const {
-  const Element& e = element_[static_cast<size_t>(element)];
+  const Element& e = element_[element];
   if (e.delay == 0 && arrives(element, k)) return tension_row(element);
   VectorXd row = VectorXd::Zero(states_);
   row[e.delay > 0 && arrives(element, k) ? e.line + e.delay - 1 : e.held] = 1.0;
@@ -282,8 +282,8 @@ void ClosedLoop::advance(long k, MatrixXd& X) const {
     MatrixXd line = MatrixXd::Zero(3, columns), line_rate = line;
     const auto add = [&](int arm, double sign) {
       if (arm < 0) return;
-      line += sign * tip[static_cast<size_t>(arm)];
-      line_rate += sign * tip_rate[static_cast<size_t>(arm)];
+      line += sign * tip[arm];
+      line_rate += sign * tip_rate[arm];
     };
     add(at.from, -1.0);
     add(at.to, 1.0);
@@ -301,13 +301,13 @@ void ClosedLoop::advance(long k, MatrixXd& X) const {
     }
     const MatrixXd turned = (line - at.u * (u * line)) / at.length;  // of the unit vector
     const MatrixXd force = at.u * reading + at.force * turned;
-    if (at.from >= 0) exerted[static_cast<size_t>(at.from)] -= force;
-    if (at.to >= 0) exerted[static_cast<size_t>(at.to)] += force;
+    if (at.from >= 0) exerted[at.from] -= force;
+    if (at.to >= 0) exerted[at.to] += force;
     if (e.x_f < 0) continue;
     const MatrixXd value = law(k, e, reading, u * line_rate, fresh, X);
     const MatrixXd way = at.u * value + e.value * turned;
-    if (at.from >= 0) target[static_cast<size_t>(at.from)] -= e.share_from * way;
-    if (at.to >= 0) target[static_cast<size_t>(at.to)] += e.share_to * way;
+    if (at.from >= 0) target[at.from] -= e.share_from * way;
+    if (at.to >= 0) target[at.to] += e.share_to * way;
   }
   // Arms.
   MatrixXd applied(joints_, columns);
@@ -356,7 +356,7 @@ MatrixXd ClosedLoop::map() const {
     const double gain = e.law.kind == ForceLaw::Kind::kProportional
                             ? settings_.integral * e.law.gain
                             : settings_.increment_gain;
-    const bool attached = point_.elements[static_cast<size_t>(&e - element_.data())].attached;
+    const bool attached = point_.elements[&e - element_.data()].attached;
     if (e.x_f >= 0 && (gain <= 0.0 || !attached)) X.row(e.x_f).setZero();
     if (attached) continue;
     X.middleRows(e.line, e.delay).setZero();

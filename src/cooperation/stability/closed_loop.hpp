@@ -56,7 +56,7 @@ class ClosedLoop {
   const MatrixXd& torque_input() const { return input_; }
   int joints() const { return joints_; }
 
-  int correction_row(int element) const { return element_[static_cast<size_t>(element)].x_f; }
+  int correction_row(int element) const { return element_[element].x_f; }
   /// (states): the true force of an element.
   VectorXd tension_row(int element) const;
   /// (states): what the force law of an element reads in cycle k, before the cycle; without filter.

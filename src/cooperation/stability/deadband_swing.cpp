@@ -24,7 +24,7 @@ double critical_gain(const LinearPoint& point, const Scenario& scenario) {
 }  // namespace
 
 DeadbandSwing deadband_swing(const LinearPoint& point, const Scenario& scenario, int index) {
-  const ScenarioMember& m = scenario.members[static_cast<size_t>(index)];
+  const ScenarioMember& m = scenario.members[index];
   DeadbandSwing out;
   out.member = m.name;
   const double samples = std::min(m.sensor.rate, scenario.control.rate);
@@ -51,10 +51,10 @@ DeadbandSwing deadband_swing(const LinearPoint& point, const Scenario& scenario,
   const int row = loop.correction_row(index);
   VectorXd x = VectorXd::Zero(loop.states());
   // The force starts at zero: the correction lacks the stretch of the member.
-  const double start = point.elements[static_cast<size_t>(index)].force / m.stiffness;
+  const double start = point.elements[index].force / m.stiffness;
   x[row] = -start;
   const auto settling = static_cast<long>(kSettling * scenario.control.rate) / cycles * cycles;
-  for (long k = 0; k < settling; ++k) x = (A[static_cast<size_t>(k % cycles)] * x).eval();
+  for (long k = 0; k < settling; ++k) x = (A[k % cycles] * x).eval();
   const auto steps = static_cast<long>(kLongest * scenario.control.rate);
   const auto last = steps - static_cast<long>(kLast * scenario.control.rate);
   const VectorXd tension = loop.tension_row(index);

@@ -32,7 +32,7 @@ GainRecommendation recommend_gains(const Scenario& scenario, double phase_deg) {
       scenario.members.begin(), scenario.members.end(), [&](const ScenarioMember& m) {
         const auto is = [&](int arm) {
           return arm != scenario.master &&
-                 scenario.arms[static_cast<size_t>(arm)].control == ArmControl::kImpedance;
+                 scenario.arms[arm].control == ArmControl::kImpedance;
         };
         return is(m.from) || is(m.to);
       });
@@ -97,7 +97,7 @@ StepResponses step_responses(const Scenario& scenario) {
     if (k % every == 0) {
       out.time.push_back(static_cast<double>(k) * loop.period());
       for (int m = 0; m < count; ++m)
-        out.force[static_cast<size_t>(m)].push_back(loop.tension_row(m).dot(X.col(0)));
+        out.force[m].push_back(loop.tension_row(m).dot(X.col(0)));
     }
     loop.advance(begin + k, X);
   }

@@ -66,8 +66,8 @@ class Points {
     for (const ScenarioPhase& phase : scenario_.phases) {
       for (const ScenarioCommand& c : phase.commands) {
         give_command(c, *control_);
-        if (c.kind == ScenarioCommand::Kind::kRelease) held_[static_cast<size_t>(c.member)] = 0;
-        if (c.kind == ScenarioCommand::Kind::kTake) held_[static_cast<size_t>(c.member)] = 1;
+        if (c.kind == ScenarioCommand::Kind::kRelease) held_[c.member] = 0;
+        if (c.kind == ScenarioCommand::Kind::kTake) held_[c.member] = 1;
       }
       const auto half = std::max(1L, std::lround(0.5 * phase.duration / kPeriod));
       for (int part = 0; part < 2; ++part) {
@@ -93,8 +93,8 @@ class Points {
 
   LinearElement member(size_t k) const {
     const ScenarioMember& m = scenario_.members[k];
-    const Vector3d line = input_->position[static_cast<size_t>(m.to)] -
-                          input_->position[static_cast<size_t>(m.from)];
+    const Vector3d line = input_->position[m.to] -
+                          input_->position[m.from];
     LinearElement e;
     e.from = m.from;
     e.to = m.to;

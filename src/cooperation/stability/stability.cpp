@@ -198,7 +198,7 @@ StabilityMap map_stability(const Scenario& scenario, const ParameterRange& a,
   out.radius.resize(columns * out.b_values.size());
   out.stable.resize(out.radius.size());
   parallel_for(static_cast<int>(out.b_values.size()), threads, [&](int j) {
-    const Scenario row = with_parameter(scenario, b.name, out.b_values[static_cast<size_t>(j)]);
+    const Scenario row = with_parameter(scenario, b.name, out.b_values[j]);
     for (std::size_t i = 0; i < columns; ++i) {
       const std::size_t k = i + columns * static_cast<size_t>(j);
       out.radius[k] =

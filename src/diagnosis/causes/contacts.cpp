@@ -57,7 +57,7 @@ double rest_friction(const Model& arm, const PredictionSeries& x, size_t joint, 
   const MatrixXd zero = MatrixXd::Zero(2 * kPass, arm.joints());
   MotionSamples pass{VectorXd::Zero(2 * kPass), zero, zero, zero};
   for (int j = 0; j < arm.joints(); ++j)
-    pass.q.col(j).setConstant(median(x.q[static_cast<size_t>(j)]));
+    pass.q.col(j).setConstant(median(x.q[j]));
   for (Eigen::Index k = 0; k < kPass; ++k) {
     const double s = *low + (*high - *low) * static_cast<double>(k) / (kPass - 1);
     pass.q(k, i) = pass.q(2 * kPass - 1 - k, i) = s;
@@ -72,7 +72,7 @@ double rest_friction(const Model& arm, const PredictionSeries& x, size_t joint, 
     if (effect.traits().role != EffectRole::kFriction) continue;
     const MatrixXd columns = columns_along(effect, pass, load, 0.0);
     for (int p = 0; p < effect.parameter_count(); ++p)
-      sum += term.axis.coefficients[i] * effect.values()[static_cast<size_t>(p)] * columns.col(p);
+      sum += term.axis.coefficients[i] * effect.values()[p] * columns.col(p);
   }
   return sum.cwiseAbs().maxCoeff();
 }
@@ -145,7 +145,7 @@ bool repeats(const PredictionSeries& x, const std::vector<Residual>& joints, con
     const auto begin = std::lower_bound(x.time.begin(), x.time.end(), from) - x.time.begin();
     const auto end = std::upper_bound(x.time.begin(), x.time.end(), to) - x.time.begin();
     for (auto k = begin; k < end; ++k)
-      there = std::max(there, std::abs(joints[joint].r[static_cast<size_t>(k)]));
+      there = std::max(there, std::abs(joints[joint].r[k]));
     if (there > limits.contact_repeats * size) return true;
   }
   return false;
@@ -168,7 +168,7 @@ void contacts_in(const Model& arm, const RecordingError& recording, const Thresh
     c.to = x.time[span.end - 1];
     if (c.to - c.from < limits.contact_shortest) continue;
     share += (c.to - c.from) / duration;
-    c.effort = VectorXd::Zero(static_cast<Eigen::Index>(n));
+    c.effort = VectorXd::Zero(n);
     bool again = false;
     for (size_t i = 0; i < n; ++i) {
       double most = 0.0;
@@ -224,7 +224,7 @@ namespace {
 std::string efforts_words(const Model& arm, const Contact& c) {
   std::string out;
   for (Eigen::Index i = 0; i <= c.last_joint; ++i) {
-    const Coordinate& joint = arm.coordinates()[static_cast<size_t>(i)];
+    const Coordinate& joint = arm.coordinates()[i];
     out += fmt::format("{}{:.2g} {} on joint {} ({})", i == 0 ? "" : ", ", c.effort[i],
                        effort_unit(joint), i + 1, joint.name);
   }
@@ -240,7 +240,7 @@ void add_contacts(const std::vector<Contact>& contacts, const Identification& se
     f.rank = static_cast<int>(d.findings.size()) + 1;
     f.cause = ExternalContact{{c.last_joint}};
     f.joint = JointIndex{c.last_joint};
-    const Coordinate& joint = arm.coordinates()[static_cast<size_t>(c.last_joint)];
+    const Coordinate& joint = arm.coordinates()[c.last_joint];
     f.source = c.source;
     f.unit = effort_unit(joint);
     const double effort = c.effort[c.last_joint];

@@ -144,13 +144,13 @@ std::vector<char> longest_chain(const Model& arm) {
   size_t last = 0;
   for (size_t k = 0; k < depth.size(); ++k) {
     const Frame& frame = arm.frames()[k];
-    depth[k] = (frame.parent < 0 ? 0 : depth[static_cast<size_t>(frame.parent)]) +
+    depth[k] = (frame.parent < 0 ? 0 : depth[frame.parent]) +
                static_cast<int>(frame.type != JointType::kFixed);
     if (depth[k] > depth[last]) last = k;
   }
   std::vector<char> out(depth.size(), 0);
-  for (int k = static_cast<int>(last); k >= 0; k = arm.frames()[static_cast<size_t>(k)].parent)
-    out[static_cast<size_t>(k)] = 1;
+  for (int k = static_cast<int>(last); k >= 0; k = arm.frames()[k].parent)
+    out[k] = 1;
   return out;
 }
 
@@ -165,8 +165,8 @@ std::vector<GeometryFinding> profile_geometry(const Model& arm,
   const auto base = static_cast<int>(GeometryProfiler::independent(arm).size());
   std::vector<GeometryFinding> all(constants.size());
   parallel_for(static_cast<int>(constants.size()), options.threads, [&](int k) {
-    all[static_cast<size_t>(k)] =
-        profile(arm, constants[static_cast<size_t>(k)], profiler, base, limits);
+    all[k] =
+        profile(arm, constants[k], profiler, base, limits);
   });
   all.erase(std::remove_if(all.begin(), all.end(),
                            [&limits](const GeometryFinding& f) { return f.gain < 0.5 * limits.smallest_gain; }),
@@ -183,7 +183,7 @@ std::vector<GeometryFinding> profile_geometry(const Model& arm,
     const bool tied = a.gain > tie && b.gain > tie;
     if (!tied) return a.gain > b.gain;
     const auto in_main_chain = [&](const GeometryFinding& f) {
-      return main_chain[static_cast<size_t>(std::get<FrameIndex>(f.constant.of).value)];
+      return main_chain[std::get<FrameIndex>(f.constant.of).value];
     };
     return in_main_chain(a) < in_main_chain(b);
   });

@@ -77,7 +77,7 @@ MatrixXd GeometryProfiler::without_parts(const std::array<Model, 3>& variants,
   for (size_t v = 0; v < variants.size(); ++v) {
     const Parts parts = sums_of_parts(variants[v], columns, parts_of_each(recordings()));
     const Sums all = total(parts.sums);
-    out.conservativeResize(static_cast<Eigen::Index>(parts.sums.size()), 3);
+    out.conservativeResize(parts.sums.size(), 3);
     for (size_t k = 0; k < parts.sums.size(); ++k) {
       Sums rest = all;
       add(-1.0, parts.sums[k], rest);
@@ -93,7 +93,7 @@ void GeometryProfiler::append(const Segment& s, Fold& fold) const {
       std::max<Eigen::Index>(1, static_cast<Eigen::Index>(1.0 / (numerics::kGeometryRate * s.dt)));
   std::vector<Eigen::Index> kept;
   for (Eigen::Index k = s.core_begin; k < s.core_end; ++k) {
-    if (s.use[static_cast<size_t>(k)] != 0 && k % step == 0) kept.push_back(k);
+    if (s.use[k] != 0 && k % step == 0) kept.push_back(k);
   }
   const auto grow = [&kept](MatrixXd& to, const MatrixXd& from) {
     const Eigen::Index at = to.rows();
@@ -127,14 +127,14 @@ MatrixXd GeometryProfiler::effects_along(const Segment& s) const {
 std::vector<GeometryProfiler::Own> GeometryProfiler::own_columns(const RegressorBatch& batch,
                                                                  const std::vector<int>& columns,
                                                                  int bodies, int joints) const {
-  std::vector<Own> out(static_cast<size_t>(joints));
+  std::vector<Own> out(joints);
   for (int i = 0; i < joints; ++i) {
-    Own& own = out[static_cast<size_t>(i)];
+    Own& own = out[i];
     const std::vector<int>& mine = batch.columns(i);
     for (size_t c = 0; c < columns.size(); ++c) {
       const bool effect = columns[c] >= bodies;
       const auto found = std::lower_bound(mine.begin(), mine.end(), columns[c]);
-      if (effect ? acts_on_[static_cast<size_t>(columns[c] - bodies)][i] == 0.0
+      if (effect ? acts_on_[columns[c] - bodies][i] == 0.0
                  : found == mine.end() || *found != columns[c])
         continue;
       own.places.push_back(static_cast<Eigen::Index>(c));
@@ -168,7 +168,7 @@ GeometryProfiler::Parts GeometryProfiler::sums_of_parts(const Model& variant,
   const int n = variant.joints();
   Parts out{own_columns(batch, columns, bodies, n), {}};
   for (const Fold& fold : folds_) {
-    std::vector<MatrixXd> Y(static_cast<size_t>(n));
+    std::vector<MatrixXd> Y(n);
     batch.evaluate(fold.q, fold.dq, fold.ddq, Y);
     const size_t first = out.sums.size();
     const Eigen::Index rows = fold.q.rows();
@@ -178,9 +178,9 @@ GeometryProfiler::Parts GeometryProfiler::sums_of_parts(const Model& variant,
       const Own& own = out.own[at];
       MatrixXd A(rows, static_cast<Eigen::Index>(own.from.size()));
       for (Eigen::Index c = 0; c < A.cols(); ++c) {
-        const Eigen::Index from = own.from[static_cast<size_t>(c)];
+        const Eigen::Index from = own.from[c];
         if (from < 0)
-          A.col(c) = acts_on_[static_cast<size_t>(-1 - from)][i] * fold.effects.col(-1 - from);
+          A.col(c) = acts_on_[-1 - from][i] * fold.effects.col(-1 - from);
         else
           A.col(c) = Y[at].col(from);
       }
@@ -211,7 +211,7 @@ VectorXd GeometryProfiler::mean_squares(const std::vector<Own>& own, const Sums&
     const std::vector<Eigen::Index>& places = own[i].places;  // ascending: below stays below
     const double w = weights_[static_cast<Eigen::Index>(i)];
     for (size_t c = 0; c < places.size(); ++c) {
-      const auto column = sums.G[i].col(static_cast<Eigen::Index>(c));
+      const auto column = sums.G[i].col(c);
       g[places[c]] += w * sums.g[i][static_cast<Eigen::Index>(c)];
       for (size_t r = c; r < places.size(); ++r)
         G(places[r], places[c]) += w * column[static_cast<Eigen::Index>(r)];
@@ -222,9 +222,9 @@ VectorXd GeometryProfiler::mean_squares(const std::vector<Own>& own, const Sums&
   VectorXd out = sums.b2;
   for (Eigen::Index i = 0; i < out.size(); ++i) {
     const auto at = static_cast<size_t>(i);
-    VectorXd mine(static_cast<Eigen::Index>(own[at].places.size()));
+    VectorXd mine(own[at].places.size());
     for (Eigen::Index c = 0; c < mine.size(); ++c)
-      mine[c] = x[own[at].places[static_cast<size_t>(c)]];
+      mine[c] = x[own[at].places[c]];
     const VectorXd Gx = sums.G[at].selfadjointView<Eigen::Lower>() * mine;
     out[i] = std::max(out[i] + mine.dot(Gx) - 2.0 * mine.dot(sums.g[at]), 0.0);
   }

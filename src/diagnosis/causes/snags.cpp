@@ -97,15 +97,15 @@ void snags_of(const std::vector<const RecordingError*>& all, size_t joint,
                                 limits.snag_torque_share * std::sqrt(travel.torque2 / travel.samples));
   for (size_t r = 0; r < all.size(); ++r) {
     for (int b = 0; b < kBins; ++b) {
-      if (!(friction[r][static_cast<size_t>(b)] > limit)) continue;
+      if (!(friction[r][b] > limit)) continue;
       int end = b + 1;
-      double sum = friction[r][static_cast<size_t>(b)];
+      double sum = friction[r][b];
       // The snag extends while the excess stays above half of the limit.
-      while (end < kBins && friction[r][static_cast<size_t>(end)] > 0.5 * limit)
-        sum += friction[r][static_cast<size_t>(end++)];
+      while (end < kBins && friction[r][end] > 0.5 * limit)
+        sum += friction[r][end++];
       int begin = b;
-      while (begin > 0 && friction[r][static_cast<size_t>(begin - 1)] > 0.5 * limit)
-        sum += friction[r][static_cast<size_t>(--begin)];
+      while (begin > 0 && friction[r][begin - 1] > 0.5 * limit)
+        sum += friction[r][--begin];
       b = end;
       if (end - begin > limits.snag_widest * kBins) continue;
       out.push_back({all[r]->source, static_cast<int>(joint), travel.edge(begin - kMargin),
@@ -150,7 +150,7 @@ std::vector<ExcludedInterval> excluded_intervals(const std::vector<Snag>& snags,
     const PredictionSeries& x = r->series;
     for (const Snag& snag : snags) {
       if (snag.source != r->source) continue;
-      const std::vector<double>& q = x.q[static_cast<size_t>(snag.joint)];
+      const std::vector<double>& q = x.q[snag.joint];
       for (size_t k = 0; k < q.size(); ++k) {
         if (q[k] < snag.from || q[k] > snag.to) continue;
         const double begin = x.time[k];

@@ -31,7 +31,7 @@ std::vector<std::pair<Hypothesis, double>> effects_instead(const CandidateData& 
   std::vector<std::pair<Hypothesis, double>> out;
   std::set<Candidate> named;
   for (const Evidence& e : all) {
-    const Hypothesis& h = q.augmented.hypotheses[static_cast<size_t>(e.hypothesis)];
+    const Hypothesis& h = q.augmented.hypotheses[e.hypothesis];
     if (e.collinear || e.infeasible_sign || !named.insert(h).second) continue;
     out.emplace_back(h, e.gain);
   }
@@ -51,7 +51,7 @@ double correction_gain(const Model& corrected, const CandidateData& q, const Nor
   ColumnSet base;
   for (const int j : base_parameters(corrected).independent) {
     base.push_back(static_cast<int>(columns.size()));
-    columns.push_back(names[static_cast<size_t>(j)]);
+    columns.push_back(names[j]);
   }
   return fold_gain(data, q.base, NormalBlocks(factors, columns), base);
 }

@@ -11,9 +11,9 @@ namespace {
 MatrixXd gathered(const JointSquares& G, const OwnColumns& rows, const OwnColumns& columns) {
   MatrixXd out(rows.size(), columns.size());
   for (Eigen::Index c = 0; c < out.cols(); ++c) {
-    const auto column = G.values().col(columns.in_joint[static_cast<size_t>(c)]);
+    const auto column = G.values().col(columns.in_joint[c]);
     for (Eigen::Index r = 0; r < out.rows(); ++r)
-      out(r, c) = column[rows.in_joint[static_cast<size_t>(r)]];
+      out(r, c) = column[rows.in_joint[r]];
   }
   return out;
 }
@@ -21,14 +21,14 @@ MatrixXd gathered(const JointSquares& G, const OwnColumns& rows, const OwnColumn
 VectorXd gathered(const VectorXd& g, const ColumnSet& set, const OwnColumns& rows) {
   VectorXd out(rows.size());
   for (Eigen::Index r = 0; r < out.size(); ++r)
-    out[r] = g[set[static_cast<size_t>(rows.in_set[static_cast<size_t>(r)])]];
+    out[r] = g[set[rows.in_set[r]]];
   return out;
 }
 
 // Entries of a vector over the whole set that act on a joint.
 VectorXd seen(const VectorXd& x, const OwnColumns& own) {
   VectorXd out(own.size());
-  for (Eigen::Index r = 0; r < out.size(); ++r) out[r] = x[own.in_set[static_cast<size_t>(r)]];
+  for (Eigen::Index r = 0; r < out.size(); ++r) out[r] = x[own.in_set[r]];
   return out;
 }
 
@@ -69,7 +69,7 @@ BorderedFit::BorderedFit(const ColumnSet& set, const VectorXd& weights,
 MatrixXd BorderedFit::weighted(const ColumnSet& rows, const std::vector<OwnColumns>& own_rows,
                                const ColumnSet& columns,
                                const std::vector<OwnColumns>& own_columns) const {
-  MatrixXd out = MatrixXd::Zero(static_cast<Eigen::Index>(rows.size()),
+  MatrixXd out = MatrixXd::Zero(rows.size(),
                                 static_cast<Eigen::Index>(columns.size()));
   for (size_t j = 0; j < sums_.G.size(); ++j) {
     const double w = weights_[static_cast<Eigen::Index>(j)];
@@ -80,11 +80,11 @@ MatrixXd BorderedFit::weighted(const ColumnSet& rows, const std::vector<OwnColum
 }
 
 VectorXd BorderedFit::weighted(const ColumnSet& rows) const {
-  VectorXd out = VectorXd::Zero(static_cast<Eigen::Index>(rows.size()));
+  VectorXd out = VectorXd::Zero(rows.size());
   for (size_t j = 0; j < sums_.g.size(); ++j) {
     const double w = weights_[static_cast<Eigen::Index>(j)];
     for (Eigen::Index r = 0; r < out.size(); ++r) {
-      const int row = rows[static_cast<size_t>(r)];
+      const int row = rows[r];
       out[r] += w * (sums_.g[j][row] - (without_ != nullptr ? without_->g[j][row] : 0.0));
     }
   }

@@ -32,7 +32,7 @@ ColumnSet independent(const NormalBlocks& data, const ColumnSet& all, double new
   for (const JointSquares& G : data.total().G) {
     for (Eigen::Index r = 0; r < k; ++r) {
       for (Eigen::Index c = 0; c < k; ++c)
-        S(r, c) += G(all[static_cast<size_t>(r)], all[static_cast<size_t>(c)]);
+        S(r, c) += G(all[r], all[c]);
     }
   }
   // First moments pin a small load best, then inertia, mass last.
@@ -41,7 +41,7 @@ ColumnSet independent(const NormalBlocks& data, const ColumnSet& all, double new
   for (Eigen::Index at = 1; at <= k; ++at) {
     const Eigen::Index c = at % k;
     if (S(c, c) <= new_share * diagonal[c]) continue;
-    out.push_back(all[static_cast<size_t>(c)]);
+    out.push_back(all[c]);
     const VectorXd column = S.col(c);
     S -= column * column.transpose() / column[c];
   }
@@ -54,7 +54,7 @@ ColumnSet columns_of(const NormalBlocks& data, const Hypothesis& hypothesis) {
   ColumnSet out;
   for (const std::string& name : hypothesis.columns) {
     for (int k = 0; k < data.columns(); ++k) {
-      if (data.names()[static_cast<size_t>(k)] == name && data.scale()[k] > 0.0) out.push_back(k);
+      if (data.names()[k] == name && data.scale()[k] > 0.0) out.push_back(k);
     }
   }
   return is_load(hypothesis) ? independent(data, out, numerics::kLoadRank) : out;
@@ -75,7 +75,7 @@ Examiner::Examiner(const NormalBlocks& data, const ColumnSet& base,
 // A single recording has only eight clusters: the folds decide there, except for causes that one
 // motion can imitate; the names are provisional.
 double Examiner::limit(int h) const {
-  const Hypothesis& hypothesis = hypotheses_[static_cast<size_t>(h)];
+  const Hypothesis& hypothesis = hypotheses_[h];
   const bool strict = several_recordings() || hypothesis.extrapolates;
   return options_.thresholds.significance / ((strict ? asked_ : 1.0) * hypothesis.tried);
 }
@@ -83,8 +83,8 @@ double Examiner::limit(int h) const {
 ColumnSet Examiner::set_with(const std::vector<int>& chosen) const {
   ColumnSet set = base_;
   for (const int h : chosen)
-    set.insert(set.end(), columns_[static_cast<size_t>(h)].begin(),
-               columns_[static_cast<size_t>(h)].end());
+    set.insert(set.end(), columns_[h].begin(),
+               columns_[h].end());
   return set;
 }
 
@@ -120,7 +120,7 @@ bool Examiner::impossible(const Hypothesis& h, const ColumnSet& own, const Vecto
 Evidence Examiner::evaluate(int h, const BaselineFit& before) const {
   Evidence e;
   e.hypothesis = h;
-  const ColumnSet& own = columns_[static_cast<size_t>(h)];
+  const ColumnSet& own = columns_[h];
   e.collinear = own.empty();
   if (e.collinear) return e;
   const BorderedFit::Border whole = before.all->with(own);
@@ -135,7 +135,7 @@ Evidence Examiner::evaluate(int h, const BaselineFit& before) const {
   for (size_t f = 0; f < before.folds.size(); ++f) {
     const BorderedFit::Border held_out = before.folds[f].with(own);
     const double d = log_fall(before.folds[f].residual2(), held_out.residual2);
-    without.col(static_cast<Eigen::Index>(f)) = held_out.values;
+    without.col(f) = held_out.values;
     e.gain += d / static_cast<double>(folds_.size());
     falls.push_back(d);
     if (joint) {
@@ -159,7 +159,7 @@ Evidence Examiner::evaluate(int h, const BaselineFit& before) const {
 
 std::vector<BorderedFit> Examiner::without_clusters(const BaselineFit& before) const {
   std::vector<BorderedFit> out;
-  out.reserve(static_cast<size_t>(data_.clusters()));
+  out.reserve(data_.clusters());
   for (int c = 0; c < data_.clusters(); ++c)
     out.emplace_back(before.set, before.weights, data_.total(), &data_.cluster(c), nullptr);
   return out;
@@ -167,12 +167,12 @@ std::vector<BorderedFit> Examiner::without_clusters(const BaselineFit& before) c
 
 double Examiner::p_value(int h, const BaselineFit& before,
                          const std::vector<BorderedFit>& without_cluster) const {
-  const ColumnSet& columns = columns_[static_cast<size_t>(h)];
+  const ColumnSet& columns = columns_[h];
   if (columns.empty()) return 1.0;
   const VectorXd x = before.all->with(columns).values;
   MatrixXd solutions(x.size(), data_.clusters());
   for (int c = 0; c < data_.clusters(); ++c)
-    solutions.col(c) = without_cluster[static_cast<size_t>(c)].with(columns).values;
+    solutions.col(c) = without_cluster[c].with(columns).values;
   const VectorXd std = jackknife_deviations(solutions);
   const Eigen::Index own = x.size();
   double best = 1.0;
@@ -195,7 +195,7 @@ std::vector<Evidence> Examiner::evaluate_all(const std::vector<int>& chosen) con
       const std::lock_guard<std::mutex> lock(told);
       options_.testing(++tested, hypotheses());
     }
-    Evidence& e = all[static_cast<size_t>(h)];
+    Evidence& e = all[h];
     e.hypothesis = h;
     e.accepted = std::find(chosen.begin(), chosen.end(), h) != chosen.end();
     // A second constant of such a candidate would only bend the first one's curve.
@@ -227,7 +227,7 @@ VectorXd Examiner::deviations(const ColumnSet& set, const VectorXd& weights, dou
   if (!several_recordings() || folds_.size() < 3) return of_clusters;
   without.resize(rows, static_cast<Eigen::Index>(folds_.size()));
   for (size_t f = 0; f < folds_.size(); ++f)
-    without.col(static_cast<Eigen::Index>(f)) =
+    without.col(f) =
         data_.solve(set, weights, data_.total(), folds_[f]);
   const double recordings = static_cast<double>(folds_.size()) - 1.0;
   const double wider = student_t_quantile(numerics::kOutside, recordings) /

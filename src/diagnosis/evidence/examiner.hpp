@@ -72,7 +72,7 @@ class Examiner {
   VectorXd deviations(const ColumnSet& set, const VectorXd& weights, double freedom) const;
 
   const NormalBlocks& data() const { return data_; }
-  const Hypothesis& hypothesis(int h) const { return hypotheses_[static_cast<size_t>(h)]; }
+  const Hypothesis& hypothesis(int h) const { return hypotheses_[h]; }
   int hypotheses() const { return static_cast<int>(hypotheses_.size()); }
 
  private:

@@ -41,9 +41,9 @@ std::vector<std::vector<int>> make_folds(const NormalBlocks& data) {
     for (int c = 0; c < data.clusters(); ++c) folds.push_back({c});
     return folds;
   }
-  folds.resize(static_cast<size_t>(recordings));
+  folds.resize(recordings);
   for (int c = 0; c < data.clusters(); ++c)
-    folds[static_cast<size_t>(data.recording_of(c))].push_back(c);
+    folds[data.recording_of(c)].push_back(c);
   return recordings < kMany ? halves(folds) : folds;
 }
 

@@ -23,9 +23,9 @@ AxisMotion motion_along(const Model& arm, const Axis& axis,
   for (Eigen::Index i = 0; i < axis.coefficients.size(); ++i) {
     const double c = axis.coefficients[i];
     if (c == 0.0 || facts.empty()) continue;
-    TorqueFacts all = facts.front().joints[static_cast<size_t>(i)];
+    TorqueFacts all = facts.front().joints[i];
     for (const CompressedRecording& r : facts) {
-      const TorqueFacts& joint = r.joints[static_cast<size_t>(i)];
+      const TorqueFacts& joint = r.joints[i];
       all.lowest = std::min(all.lowest, joint.lowest);
       all.highest = std::max(all.highest, joint.highest);
       all.largest_speed = std::max(all.largest_speed, joint.largest_speed);
@@ -74,9 +74,9 @@ class Builder {
 
   bool moves(int joint) const {
     const double still =
-        list_.limits.still(arm_.coordinates()[static_cast<size_t>(joint)].prismatic);
+        list_.limits.still(arm_.coordinates()[joint].prismatic);
     return std::any_of(facts_.begin(), facts_.end(), [&](const CompressedRecording& r) {
-      return r.joints[static_cast<size_t>(joint)].travel() > still;
+      return r.joints[joint].travel() > still;
     });
   }
 
@@ -149,7 +149,7 @@ class Builder {
     const FrameIndex on = *frame_of(c.cause);
     Frame load;
     load.name =
-        std::string(AddedLoad::kName) + "@" + arm_.frames()[static_cast<size_t>(on.value)].name;
+        std::string(AddedLoad::kName) + "@" + arm_.frames()[on.value].name;
     load.parent = on.value;
     load.variable.coefficients = VectorXd::Zero(arm_.joints());
     load.body = Body{};

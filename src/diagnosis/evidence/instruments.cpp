@@ -45,7 +45,7 @@ std::vector<Moments> moments_of(const std::vector<RepeatedRows>& joints, const V
     const RepeatedRows& rows = joints[j];
     const double w = weights[static_cast<Eigen::Index>(j)];
     for (Eigen::Index r = 0; r < rows.b.size(); ++r) {
-      const auto cluster = static_cast<size_t>(rows.cluster[static_cast<size_t>(r)]);
+      const auto cluster = static_cast<size_t>(rows.cluster[r]);
       while (out.size() <= cluster) out.emplace_back(scale.size());
       const VectorXd a = rows.A.row(r).transpose().cwiseQuotient(scale);
       const VectorXd z = rows.Z.row(r).transpose().cwiseQuotient(scale);
@@ -83,7 +83,7 @@ InstrumentalEstimate compare_with_instruments(const std::vector<RepeatedRows>& j
   for (size_t c = 0; c < clusters.size(); ++c) {
     Moments rest = all;
     rest.add(-1.0, clusters[c]);
-    without.col(static_cast<Eigen::Index>(c)) = instrumental(rest) - least_squares(rest);
+    without.col(c) = instrumental(rest) - least_squares(rest);
   }
   out.deviation = jackknife_deviations(without);
   out.p_value = VectorXd::Ones(scale.size());

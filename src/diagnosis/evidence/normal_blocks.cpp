@@ -40,7 +40,7 @@ PlacesOfJoints places_of(const std::vector<CompressedRecording>& recordings,
       for (const auto& block : recording.blocks) {
         for (const std::string& name : block[j].columns()) {
           const auto found = index.find(name);
-          if (found != index.end()) places->local_of[static_cast<size_t>(found->second)] = 0;
+          if (found != index.end()) places->local_of[found->second] = 0;
         }
       }
     }
@@ -61,7 +61,7 @@ void enter(const SquareRootInformation& factor, const std::unordered_map<std::st
   std::vector<int> from;
   std::vector<int> to;
   for (int a = 0; a < factor.size(); ++a) {
-    const auto found = index.find(factor.columns()[static_cast<size_t>(a)]);
+    const auto found = index.find(factor.columns()[a]);
     if (found == index.end()) continue;
     from.push_back(a);
     to.push_back(G.local(found->second));
@@ -122,7 +122,7 @@ NormalBlocks::NormalBlocks(const std::vector<CompressedRecording>& recordings,
     for (size_t j = 0; j < s.G.size(); ++j) {
       VectorXd own(s.G[j].values().rows());
       for (Eigen::Index c = 0; c < own.size(); ++c)
-        own[c] = inverse[s.G[j].columns()[static_cast<size_t>(c)]];
+        own[c] = inverse[s.G[j].columns()[c]];
       s.G[j].values().array() *= (own * own.transpose()).array();
       s.g[j].array() *= inverse.array();
     }
@@ -151,7 +151,7 @@ VectorXd NormalBlocks::solve(const ColumnSet& set, const VectorXd& weights, cons
     const double w = weights[j];
     const OwnColumns own(set, sums.G[at]);
     for (size_t c = 0; c < own.in_set.size(); ++c) {
-      const int column = set[static_cast<size_t>(own.in_set[c])];
+      const int column = set[own.in_set[c]];
       const auto of_sums = sums.G[at].values().col(own.in_joint[c]);
       b[own.in_set[c]] +=
           w * (sums.g[at][column] - (without != nullptr ? without->g[at][column] : 0.0));
@@ -179,7 +179,7 @@ VectorXd NormalBlocks::residual2(const ColumnSet& set, const VectorXd& x, const 
     for (size_t c = 0; c < own.in_set.size(); ++c) {
       const double mine = x[own.in_set[c]];
       const auto column = sums.G[at].values().col(own.in_joint[c]);
-      linear += mine * sums.g[at][set[static_cast<size_t>(own.in_set[c])]];
+      linear += mine * sums.g[at][set[own.in_set[c]]];
       double sum = 0.5 * column[own.in_joint[c]] * mine;
       for (size_t r = c + 1; r < own.in_set.size(); ++r)
         sum += column[own.in_joint[r]] * x[own.in_set[r]];

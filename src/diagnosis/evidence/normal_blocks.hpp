@@ -23,7 +23,7 @@ class JointSquares {
 
   explicit JointSquares(std::shared_ptr<const Places> places)
       : places_(std::move(places)),
-        values_(MatrixXd::Zero(static_cast<Eigen::Index>(places_->column_of.size()),
+        values_(MatrixXd::Zero(places_->column_of.size(),
                                static_cast<Eigen::Index>(places_->column_of.size()))) {}
 
   /// Entry for two columns by their global indices.
@@ -34,7 +34,7 @@ class JointSquares {
   }
 
   /// Place of a column among the joint's own, or -1.
-  int local(int column) const { return places_->local_of[static_cast<size_t>(column)]; }
+  int local(int column) const { return places_->local_of[column]; }
   const std::vector<int>& columns() const { return places_->column_of; }
 
   /// Entries over the joint's own columns.
@@ -80,7 +80,7 @@ class NormalBlocks {
   int joints() const { return joints_; }
   int clusters() const { return static_cast<int>(clusters_.size()); }
   const std::vector<std::string>& names() const { return names_; }
-  int recording_of(int cluster) const { return recording_of_[static_cast<size_t>(cluster)]; }
+  int recording_of(int cluster) const { return recording_of_[cluster]; }
 
   /// Norm by which a column was divided; zero where it never acts.
   const VectorXd& scale() const { return scale_; }
@@ -93,7 +93,7 @@ class NormalBlocks {
     VectorXd rows;                ///< per joint
   };
   const Sums& total() const { return total_; }
-  const Sums& cluster(int c) const { return clusters_[static_cast<size_t>(c)]; }
+  const Sums& cluster(int c) const { return clusters_[c]; }
 
   /// Least squares of the columns with joint weights; rows are `sums` minus `without` (if not
   /// null).

@@ -86,7 +86,7 @@ class LoadProblem {
 
   VectorXd scale() const {
     VectorXd out(kBodyParameters);
-    for (int c = 0; c < kBodyParameters; ++c) out[c] = data_.scale()[load_[static_cast<size_t>(c)]];
+    for (int c = 0; c < kBodyParameters; ++c) out[c] = data_.scale()[load_[c]];
     return out;
   }
 
@@ -103,11 +103,11 @@ class LoadProblem {
     for (int j = 0; j < data_.joints(); ++j) {
       const auto at = static_cast<size_t>(j);
       for (Eigen::Index r = 0; r < k; ++r) {
-        const int row = columns[static_cast<size_t>(r)];
+        const int row = columns[r];
         out.b[r] += weights_[j] * (data_.total().g[at][row] -
                                    (cluster < 0 ? 0.0 : data_.cluster(cluster).g[at][row]));
         for (Eigen::Index c = 0; c < k; ++c) {
-          const int column = columns[static_cast<size_t>(c)];
+          const int column = columns[c];
           out.A(r, c) +=
               weights_[j] * (data_.total().G[at](row, column) -
                              (cluster < 0 ? 0.0 : data_.cluster(cluster).G[at](row, column)));
@@ -166,7 +166,7 @@ PayloadEstimate fit_payload(const AugmentedModel& asked, const NormalBlocks& dat
   const LoadCost whole = problem.without(-1);
   const PointLoad main = fit_point_load(whole, nullptr);
   PayloadEstimate out;
-  out.frame = asked.model.frames()[static_cast<size_t>(frame.value)].name;
+  out.frame = asked.model.frames()[frame.value].name;
   out.phi = main.phi;
   out.mass = main.mass();
   out.moment = main.moment();
@@ -205,7 +205,7 @@ PayloadEstimate fit_payload(const AugmentedModel& asked, const NormalBlocks& dat
   out.inertia_half_width = half.tail<6>();
   out.seen = seen_directions(whole, main);
   for (int k = 0; k < 3; ++k) {
-    if (out.seen[static_cast<size_t>(k)]) continue;
+    if (out.seen[k]) continue;
     out.com_half_width[k] = payload.reach;
     out.moment_half_width[k] = out.mass_high * payload.reach;
   }
@@ -239,10 +239,10 @@ bool same_torques(const NormalBlocks& data, const Hypothesis& a, const Hypothesi
   VectorXd BB = VectorXd::Zero(k);
   for (const JointSquares& G : data.total().G) {
     for (Eigen::Index r = 0; r < k; ++r) {
-      BB[r] += G(B[static_cast<size_t>(r)], B[static_cast<size_t>(r)]);
+      BB[r] += G(B[r], B[r]);
       for (Eigen::Index c = 0; c < k; ++c) {
-        AA(r, c) += G(A[static_cast<size_t>(r)], A[static_cast<size_t>(c)]);
-        AB(r, c) += G(A[static_cast<size_t>(r)], B[static_cast<size_t>(c)]);
+        AA(r, c) += G(A[r], A[c]);
+        AB(r, c) += G(A[r], B[c]);
       }
     }
   }

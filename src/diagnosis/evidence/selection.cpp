@@ -39,7 +39,7 @@ class Selector {
     out.values.resize(x.size());
     out.standard_deviations.resize(x.size());
     for (Eigen::Index k = 0; k < x.size(); ++k) {
-      const double scale = std::max(data.scale()[out.columns[static_cast<size_t>(k)]], numerics::kTiny);
+      const double scale = std::max(data.scale()[out.columns[k]], numerics::kTiny);
       out.values[k] = x[k] / scale;
       out.standard_deviations[k] = std[k] / scale;
     }
@@ -149,7 +149,7 @@ class Selector {
       const int own = others[k];
       others.erase(others.begin() + static_cast<long>(k));
       const std::vector<Evidence> all = examiner_.evaluate_all(others);
-      Evidence best = all[static_cast<size_t>(own)];
+      Evidence best = all[own];
       const double needed = std::max(best.gain, 0.0) + options_.thresholds.smallest_gain;
       for (const Evidence& e : all) {
         if (may_be_taken(e) && e.gain > std::max(needed, best.gain)) best = e;
@@ -216,7 +216,7 @@ class Selector {
     const std::unique_ptr<Examiner::BaselineFit> with = examiner_.baseline(chosen());
     const std::vector<BorderedFit> without_cluster = examiner_.without_clusters(*with);
     parallel_for(static_cast<int>(list.size()), options_.identification.threads, [&](int k) {
-      Evidence& e = *list[static_cast<size_t>(k)];
+      Evidence& e = *list[k];
       e.p_value = examiner_.p_value(e.hypothesis, *with, without_cluster);
     });
   }
@@ -240,11 +240,11 @@ class Selector {
       std::vector<int> others = all;
       others.erase(others.begin() + static_cast<long>(k));
       const std::vector<Evidence> instead = examiner_.evaluate_all(others);
-      const double own_gain = instead[static_cast<size_t>(all[k])].gain;
+      const double own_gain = instead[all[k]].gain;
       std::set<Candidate> named = {examiner_.hypothesis(all[k])};
       std::vector<Evidence> rivals;
       for (const Evidence& e : instead) {
-        const Evidence& left = out.last_evaluated[static_cast<size_t>(e.hypothesis)];
+        const Evidence& left = out.last_evaluated[e.hypothesis];
         const bool same = left.collinear || left.gain < options_.thresholds.own_cause * e.gain;
         const bool one_joint =
             examiner_.hypothesis(e.hypothesis).joint == examiner_.hypothesis(all[k]).joint;

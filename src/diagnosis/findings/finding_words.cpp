@@ -75,7 +75,7 @@ std::vector<Rival> rivals_of(const CandidateData& asked, const NormalBlocks& dat
                              const Accepted& accepted, bool changes) {
   std::vector<Rival> out;
   for (const Evidence& e : accepted.rivals) {
-    const Hypothesis& other = asked.augmented.hypotheses[static_cast<size_t>(e.hypothesis)];
+    const Hypothesis& other = asked.augmented.hypotheses[e.hypothesis];
     const bool same = is_load(h) && is_load(other) && same_torques(data, h, other);
     out.push_back({other.cause,
                    same ? "moves so alike that torques cannot tell which link carries it"

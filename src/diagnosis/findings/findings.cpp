@@ -68,7 +68,7 @@ std::vector<double> FindingWriter::values_of(const Hypothesis& h) const {
   for (const std::string& name : h.columns) {
     double value = 0.0;
     for (size_t k = 0; k < fit_.selection.columns.size(); ++k) {
-      if (data_.names()[static_cast<size_t>(fit_.selection.columns[k])] == name)
+      if (data_.names()[fit_.selection.columns[k]] == name)
         value = fit_.selection.values[static_cast<Eigen::Index>(k)];
     }
     out.push_back(value);
@@ -87,7 +87,7 @@ std::vector<FoundParameter> FindingWriter::payload_parameters(const Hypothesis& 
     const double lever = p.moment.norm();
     double half = 0.0;
     for (int c = 0; c < 3; ++c) {
-      if (p.seen[static_cast<size_t>(c)]) half = std::hypot(half, p.moment_half_width[c]);
+      if (p.seen[c]) half = std::hypot(half, p.moment_half_width[c]);
     }
     out.push_back({"moment", "kg m", lever, std::max(0.0, lever - half), lever + half});
     return out;
@@ -116,7 +116,7 @@ std::vector<FoundParameter> FindingWriter::parameters_of(const Hypothesis& h) co
     const std::string name = find_effect(term.effect).parameters()[at].name;
     FoundParameter found{name, parameter.unit, 0.0, 0.0, 0.0};
     for (size_t k = 0; k < fit_.selection.columns.size(); ++k) {
-      if (data_.names()[static_cast<size_t>(fit_.selection.columns[k])] != parameter.name) continue;
+      if (data_.names()[fit_.selection.columns[k]] != parameter.name) continue;
       const auto column = static_cast<Eigen::Index>(k);
       found.value = fit_.selection.values[column];
       const double half =
@@ -295,7 +295,7 @@ void FindingWriter::add_the_rest(Diagnosis& d) const {
     return rank(a) != rank(b) ? rank(a) < rank(b) : a.gain > b.gain;
   });
   for (const Evidence& e : rest) {
-    const Hypothesis& h = asked_.augmented.hypotheses[static_cast<size_t>(e.hypothesis)];
+    const Hypothesis& h = asked_.augmented.hypotheses[e.hypothesis];
     if (!known.insert(h).second || is_other_constant(h)) continue;
     if (e.accepted) {
       d.not_supported.push_back({h.cause, e.p_value,

@@ -25,7 +25,7 @@ bool is_size(const std::string& effect, const std::string& name) {
 double largest_torque(const Identification& fitted, int joint) {
   double out = 0.0;
   for (const CompressedRecording& r : fitted.factors) {
-    const TorqueFacts& facts = r.joints[static_cast<size_t>(joint)];
+    const TorqueFacts& facts = r.joints[joint];
     out = std::max({out, std::abs(facts.minimum), std::abs(facts.maximum)});
   }
   return out;

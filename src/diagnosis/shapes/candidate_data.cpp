@@ -26,10 +26,10 @@ std::vector<CompressedRecording> compress_to_fit(const Model& arm,
   std::vector<CompressedRecording> out(paths.size());
   const auto count = static_cast<int>(paths.size());
   parallel_for(count, threads, [&](int k) {
-    CompressedRecording one = compress(arm, paths[static_cast<size_t>(k)], options,
+    CompressedRecording one = compress(arm, paths[k], options,
                                        threads_of_each(count, threads));
     merge_blocks(one, blocks);
-    out[static_cast<size_t>(k)] = std::move(one);
+    out[k] = std::move(one);
   });
   return out;
 }
@@ -68,7 +68,7 @@ CandidateData prepare(const Identification& start, AugmentedModel augmented, boo
     const std::vector<std::string> names = parameter_names(standard_parameters(arm));
     for (const int j : base_parameters(arm).independent) {
       q.base.push_back(static_cast<int>(q.columns.size()));
-      q.columns.push_back(names[static_cast<size_t>(j)]);
+      q.columns.push_back(names[j]);
     }
   }
   for (const Hypothesis& h : q.augmented.hypotheses)

@@ -15,7 +15,7 @@ std::optional<size_t> second_twin(const CandidateData& asked, const Selection& s
                                   double near_duplicate) {
   const auto hypothesis = [&](size_t k) -> const Hypothesis& {
     return asked.augmented
-        .hypotheses[static_cast<size_t>(selection.accepted[k].evidence.hypothesis)];
+        .hypotheses[selection.accepted[k].evidence.hypothesis];
   };
   for (size_t second = 1; second < selection.accepted.size(); ++second) {
     for (size_t first = 0; first < second; ++first) {
@@ -75,7 +75,7 @@ const Evidence* challenger(const CandidateData& asked, const Accepted& a, const 
   const Evidence* best = nullptr;
   for (const auto* list : {&a.rivals, &a.refuted}) {
     for (const Evidence& e : *list) {
-      const Hypothesis& h = asked.augmented.hypotheses[static_cast<size_t>(e.hypothesis)];
+      const Hypothesis& h = asked.augmented.hypotheses[e.hypothesis];
       if (!has_searched_shape(asked, h) || taken.count(e.hypothesis) != 0) continue;
       if (best == nullptr || best->gain < e.gain) best = &e;
     }
@@ -109,8 +109,8 @@ Fit fit_accepted(const Identification& start, const CandidateData& asked, Select
     std::vector<Accepted> kept;
     known.clear();
     for (const int k : needed) {
-      kept.push_back(selection.accepted[static_cast<size_t>(k)]);
-      known.push_back(refined.shapes[static_cast<size_t>(k)]);
+      kept.push_back(selection.accepted[k]);
+      known.push_back(refined.shapes[k]);
     }
     selection.accepted = std::move(kept);
   }

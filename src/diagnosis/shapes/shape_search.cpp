@@ -35,8 +35,8 @@ AugmentedModel model_with(const Model& arm, const AugmentedModel& asked,
   for (Variant& v : variants) {
     Hypothesis& h = v.hypothesis;
     if (const auto* body = std::get_if<BodyIndex>(&h.part)) {
-      const int frame = asked.model.bodies()[static_cast<size_t>(body->value)];
-      d.frames.push_back(asked.model.frames()[static_cast<size_t>(frame)]);
+      const int frame = asked.model.bodies()[body->value];
+      d.frames.push_back(asked.model.frames()[frame]);
       h.part = BodyIndex{bodies++};
       continue;
     }
@@ -99,7 +99,7 @@ class Refiner {
       : start_(start), asked_(asked), changes_(changes), train_(train), how_(how) {
     arm_.emplace(changes ? with_fixed_parameters(*start.model) : *start.model);
     for (const Accepted& a : selection.accepted) {
-      const Hypothesis& h = asked.augmented.hypotheses[static_cast<size_t>(a.evidence.hypothesis)];
+      const Hypothesis& h = asked.augmented.hypotheses[a.evidence.hypothesis];
       chosen_.push_back(h);
       shapes_.emplace_back();
       if (is_load(h)) continue;
@@ -179,7 +179,7 @@ class Refiner {
   double one_wave(JointIndex joint) const {
     double travel = numerics::kSmallestTravel;
     for (const CompressedRecording& r : start_.factors)
-      travel = std::max(travel, r.joints[static_cast<size_t>(joint.value)].travel());
+      travel = std::max(travel, r.joints[joint.value].travel());
     return 2.0 * M_PI / travel;
   }
 

@@ -160,7 +160,7 @@ class Account {
     for (const JointVerdict& v : d_.joints) left.push_back(v.left);
     keep(left);
     for (JointVerdict& v : d_.joints) {
-      v.left = left[static_cast<size_t>(v.joint.value)];
+      v.left = left[v.joint.value];
       v.floor = std::min(v.floor, v.left);
       v.removable = v.held_out - v.floor;
     }
@@ -168,19 +168,19 @@ class Account {
 
   void run() {
     const int n = d_.extended.model->joints();
-    std::vector<Dependence> found(static_cast<size_t>(n));
-    std::vector<std::vector<SmoothTerm>> terms(static_cast<size_t>(n));
+    std::vector<Dependence> found(n);
+    std::vector<std::vector<SmoothTerm>> terms(n);
     parallel_for(n, x_.options.identification.threads, [&](int j) {
       const auto at = static_cast<size_t>(j);
       terms[at] = smooth_terms(signals_, j, limits_);
       found[at] = find_dependence(j, train_, test_, terms[at], limits_);
     });
     std::vector<double> left;
-    for (int j = 0; j < n; ++j) left.push_back(add_findings(found[static_cast<size_t>(j)], terms[static_cast<size_t>(j)]));
+    for (int j = 0; j < n; ++j) left.push_back(add_findings(found[j], terms[j]));
     const VectorXd named = d_.extended.test_error.relative;
     add_asked_tables(left);
     for (int j = 0; j < n; ++j)
-      d_.joints.push_back(verdict_of(j, found[static_cast<size_t>(j)], error_of(named, j), left[static_cast<size_t>(j)]));
+      d_.joints.push_back(verdict_of(j, found[j], error_of(named, j), left[j]));
   }
 
  private:
@@ -209,14 +209,14 @@ class Account {
   bool is_small(const Finding& f) const {
     if (!is_withdrawable(f) || !has_unnamed(f.joint->value)) return false;
     const int j = f.joint->value;
-    const double unnamed = unnamed_[static_cast<size_t>(j)] * folds_[j] * folds_[j];
+    const double unnamed = unnamed_[j] * folds_[j] * folds_[j];
     const double own = f.folds_before[j] * f.folds_before[j] - f.folds_after[j] * f.folds_after[j];
     return own < limits_.small_beside_unnamed * unnamed;
   }
 
   bool may_stand_for_another(const Finding& f) const {
     if (!is_withdrawable(f) || find_effect(effect_of(f.cause)).traits().elementary) return false;
-    const JointState state = d_.joints[static_cast<size_t>(f.joint->value)].state;
+    const JointState state = d_.joints[f.joint->value].state;
     return state == JointState::kUnnamed || state == JointState::kCannotTell;
   }
 
@@ -258,13 +258,13 @@ class Account {
     const std::vector<SmoothTerm> terms = smooth_terms(signals_, j, limits_);
     const Dependence found = find_dependence(j, rows(without.train), rows(without.test), terms, limits_);
     if (!is_clear(found)) return false;
-    const std::vector<int>& main = terms[static_cast<size_t>(found.model.chosen.front().term)].signals;
+    const std::vector<int>& main = terms[found.model.chosen.front().term].signals;
     const bool own = std::all_of(main.begin(), main.end(), [&](int s) {
-      return acts_through(f, signals_[static_cast<size_t>(s)]);
+      return acts_through(f, signals_[s]);
     });
     if (own) return false;
     const double left = without_share(x_.fold_errors(without).relative()[j], found.predicted_of_folds.back());
-    const double so_far = unnamed_[static_cast<size_t>(j)];
+    const double so_far = unnamed_[j];
     return left <= without_share(folds_[j], has_unnamed(j) ? so_far : limits_.unnamed_share);
   }
 
@@ -274,7 +274,7 @@ class Account {
     const double before = error_of(d_.extended.test_error.relative, j);
     double error = before;
     if (!is_clear(found) || !x_.options.effects.empty()) return error;
-    double& so_far = unnamed_[static_cast<size_t>(j)];
+    double& so_far = unnamed_[j];
     double of_test = 0.0;
     error = without_share(before, std::max(0.0, found.predicted_of_test.back()));
     for (size_t k = 0; k < found.model.chosen.size(); ++k) {
@@ -347,8 +347,8 @@ class Account {
       t.shape.share = gained_share(f.test_before, f.test_after, j);
       f.phrase = phrase_of(t.shape, share, f.held_out());
       f.shape = std::move(t.shape);
-      unnamed_[static_cast<size_t>(j)] = share;
-      left[static_cast<size_t>(j)] = std::min(left[static_cast<size_t>(j)], error_of(f.test_after, j));
+      unnamed_[j] = share;
+      left[j] = std::min(left[j], error_of(f.test_after, j));
       folds = f.folds_after;
       so_far = std::move(with);
       d_.findings.push_back(std::move(f));
@@ -364,7 +364,7 @@ class Account {
     for (const CurvePoint& p : t.shape.curve) {
       for (int k = 0; k < kTableNodes; ++k) {
         if (k == kTableNodes / 2 || p.at.front() != table_node(term.values.at("low"), term.values.at("high"), k)) continue;
-        term.values[parameters[static_cast<size_t>(k > kTableNodes / 2 ? k - 1 : k)].name] = p.value;
+        term.values[parameters[k > kTableNodes / 2 ? k - 1 : k].name] = p.value;
       }
     }
     return term;
@@ -410,7 +410,7 @@ class Account {
         const int j = d_.findings[k].joint->value;
         if (worse.count(j) != 0) continue;
         d_.findings[k].shape->kept = true;
-        left[static_cast<size_t>(j)] = error_of(with.test_error.relative, j);
+        left[j] = error_of(with.test_error.relative, j);
       }
       d_.extended = with;
       return;

@@ -57,9 +57,9 @@ void add_nodes(const CandidateTests& asked, const Selection& selection, const Hy
       shape.curve.push_back(std::move(point));
       continue;
     }
-    const std::string& name = h.columns[static_cast<size_t>(p++)];
+    const std::string& name = h.columns[p++];
     for (size_t c = 0; c < selection.columns.size(); ++c) {
-      if (asked.data.names()[static_cast<size_t>(selection.columns[c])] != name) continue;
+      if (asked.data.names()[selection.columns[c]] != name) continue;
       const auto at = static_cast<Eigen::Index>(c);
       const double half = t * selection.standard_deviations[at];
       point.value = selection.values[at];

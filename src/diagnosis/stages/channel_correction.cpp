@@ -27,13 +27,13 @@ std::optional<Estimate> estimate(const CandidateTests& asked, const Hypothesis& 
   const Selection fit = refit(asked.data, asked.q.base, {h}, options);
   const double t = student_t_quantile(numerics::kOutside, fit.degrees_of_freedom);
   Estimate out{term_of(asked.q.augmented.model, h), {}, {}};
-  out.half_widths = VectorXd::Zero(static_cast<Eigen::Index>(h.columns.size()));
+  out.half_widths = VectorXd::Zero(h.columns.size());
   const auto first = static_cast<Eigen::Index>(fit.columns.size() - own.size());
   Eigen::Index p = 0;
   for (const std::string& name : h.columns) {  // a column that is nothing everywhere is not among `own`
     double value = 0.0;
     for (size_t k = 0; k < own.size(); ++k) {
-      if (asked.data.names()[static_cast<size_t>(own[k])] != name) continue;
+      if (asked.data.names()[own[k]] != name) continue;
       const Eigen::Index at = first + static_cast<Eigen::Index>(k);
       value = fit.values[at];
       out.half_widths[p] = t * fit.standard_deviations[at];

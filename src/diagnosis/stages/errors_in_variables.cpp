@@ -34,8 +34,8 @@ void append(const JointRows& from, const std::vector<int>& independent, Rows& to
   for (size_t k = 0; k < independent.size(); ++k) {
     for (size_t c = 0; c < from.parameters.size(); ++c) {
       if (from.parameters[c] == independent[k])
-        to.A.bottomRows(more).col(static_cast<Eigen::Index>(k)) =
-            from.A.col(static_cast<Eigen::Index>(c));
+        to.A.bottomRows(more).col(k) =
+            from.A.col(c);
     }
   }
 }
@@ -63,7 +63,7 @@ void pair_up(const Rows& rows, double period, int first_cluster, RepeatedRows& o
   out.Z.conservativeResize(start + more, rows.A.cols());
   out.b.conservativeResize(start + more);
   for (Eigen::Index k = 0; k < more; ++k) {
-    const auto [own, other] = pairs[static_cast<size_t>(k)];
+    const auto [own, other] = pairs[k];
     out.A.row(start + k) = rows.A.row(own);
     out.Z.row(start + k) = rows.A.row(other);
     out.b[start + k] = rows.b[own];
@@ -76,7 +76,7 @@ void pair_up(const Rows& rows, double period, int first_cluster, RepeatedRows& o
 // Rows of all training recordings whose motion repeats.
 std::vector<RepeatedRows> repeated_rows(const DiagnosisState& x, const Model& arm,
                                         const std::vector<int>& independent) {
-  std::vector<RepeatedRows> out(static_cast<size_t>(arm.joints()));
+  std::vector<RepeatedRows> out(arm.joints());
   const PreprocessingOptions& how = x.options.identification.preprocessing;
   int recordings = 0;
   for (const CompressedRecording& r : x.start.factors) {
@@ -108,7 +108,7 @@ void check_errors_in_variables(DiagnosisState& x) {
   const std::vector<RepeatedRows> joints = repeated_rows(x, arm, independent);
   VectorXd weights(arm.joints());
   for (Eigen::Index i = 0; i < weights.size(); ++i) {
-    const RepeatedRows& rows = joints[static_cast<size_t>(i)];
+    const RepeatedRows& rows = joints[i];
     if (rows.b.size() < 2 * static_cast<Eigen::Index>(independent.size())) return;
     const double error = x.start.train_error.relative[i] * rows.b.norm();
     weights[i] = static_cast<double>(rows.b.size()) / std::max(error * error, numerics::kTiny);
@@ -139,7 +139,7 @@ void check_errors_in_variables(DiagnosisState& x) {
   for (size_t k = 0; k < std::min(kNamed, differ.size()); ++k) {
     const Eigen::Index at = differ[k];
     f.sentence += fmt::format("{} {} {:.4g} against {:.4g} (p = {:.0e})", k == 0 ? ":" : ",",
-                              names[static_cast<size_t>(independent[static_cast<size_t>(at)])],
+                              names[independent[at]],
                               found.least_squares[at], found.instrumental[at], found.p_value[at]);
   }
   for (RecordingQuality& q : x.d.data_quality) {

@@ -32,7 +32,7 @@ Model with_additions(const Model& arm, const std::vector<int>& bodies) {
   ModelDescription d = arm.description();
   for (const int at : bodies) {
     Frame more;
-    more.name = kAddition + d.frames[static_cast<size_t>(at)].name;
+    more.name = kAddition + d.frames[at].name;
     more.parent = at;
     more.variable.coefficients = VectorXd::Zero(arm.joints());
     more.body = Body{};
@@ -90,11 +90,11 @@ bool step_together(const DiagnosisState& x, const Hypothesis& h,
       channel.half_widths[at] = t * fit.standard_deviations[at];
       continue;
     }
-    const std::string& name = data.names()[static_cast<size_t>(fit.columns[k])];
+    const std::string& name = data.names()[fit.columns[k]];
     const auto a = std::find_if(all.begin(), all.end(),
                                 [&name](const StandardParameter& p) { return p.name == name; });
     const size_t body = static_cast<size_t>(a->body) - arm.bodies().size();
-    Frame& frame = d.frames[static_cast<size_t>(arm.bodies()[body])];
+    Frame& frame = d.frames[arm.bodies()[body]];
     (*frame.body->phi)[a->component] += fit.values[at];
   }
   const EffectTerm& term = term_of(q.augmented.model, own);
@@ -118,7 +118,7 @@ std::vector<std::string> newly_visible(const Model& tilted, const Eigen::Vector3
   // by the earlier independent ones.
   MatrixXd unknown = now.K;
   for (int r = 0; r < before.size(); ++r) {
-    const VectorXd makes_up = now.K.col(before.independent[static_cast<size_t>(r)]);
+    const VectorXd makes_up = now.K.col(before.independent[r]);
     unknown -= makes_up * before.K.row(r);
   }
   const double least = numerics::kSameAxis * unknown.norm();
@@ -126,7 +126,7 @@ std::vector<std::string> newly_visible(const Model& tilted, const Eigen::Vector3
   std::vector<std::string> out;
   for (int k = 0; k < now.size(); ++k) {
     if (unknown.row(k).norm() > least)
-      out.push_back(names[static_cast<size_t>(now.independent[static_cast<size_t>(k)])]);
+      out.push_back(names[now.independent[k]]);
   }
   return out;
 }

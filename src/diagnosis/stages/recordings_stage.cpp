@@ -89,7 +89,7 @@ bool is_known(const Snag& snag, const std::vector<Snag>& known) {
 }
 
 void report(const Snag& snag, const Model& arm, Diagnosis& d) {
-  const Coordinate& joint = arm.coordinates()[static_cast<size_t>(snag.joint)];
+  const Coordinate& joint = arm.coordinates()[snag.joint];
   QualityFinding f;
   f.file = snag.source;
   f.finding = "snag";
@@ -125,9 +125,9 @@ void check_quality(DiagnosisState& x) {
   const PreprocessingOptions& how = x.options.identification.preprocessing;
   x.d.data_quality.resize(all.size());
   parallel_for(static_cast<int>(all.size()), x.options.identification.threads, [&](int k) {
-    const std::string& name = all[static_cast<size_t>(k)];
+    const std::string& name = all[k];
     const Recording* there = find_in_memory(how.in_memory, name);
-    RecordingQuality& quality = x.d.data_quality[static_cast<size_t>(k)];
+    RecordingQuality& quality = x.d.data_quality[k];
     quality = there != nullptr ? check_recording(*there)
                                : check_rows(name, open_rows(name, reading_of(x.arm, how), how.kept.get()));
     quality.file = name;

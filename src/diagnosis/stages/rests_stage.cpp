@@ -50,9 +50,9 @@ std::vector<std::vector<int>> moving_as_one(const Identification& id, const Thre
   for (int j = 0; j < n; ++j) {
     Eigen::Index row = 0;
     for (const RecordingError& r : id.train) {
-      for (const double value : r.series.q[static_cast<size_t>(j)]) q(row++, j) = value;
+      for (const double value : r.series.q[j]) q(row++, j) = value;
     }
-    const bool slides = id.model->coordinates()[static_cast<size_t>(j)].prismatic;
+    const bool slides = id.model->coordinates()[j].prismatic;
     if (rows > 0 && q.col(j).maxCoeff() - q.col(j).minCoeff() <= limits.still(slides)) q.col(j).setZero();
   }
   return correlated_columns(q, limits.move_as_one);

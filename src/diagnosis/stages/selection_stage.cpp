@@ -80,7 +80,7 @@ Fit fitted(const DiagnosisState& x, Round& round) {
 
 const Hypothesis& accepted(const Round& round, size_t k) {
   return round.q.augmented
-      .hypotheses[static_cast<size_t>(round.selection.accepted[k].evidence.hypothesis)];
+      .hypotheses[round.selection.accepted[k].evidence.hypothesis];
 }
 
 // The finding of the same error of the same channel, or nullptr.

@@ -18,7 +18,7 @@ struct Power {
 };
 
 void report(DiagnosisState& x, int joint, double deviations) {
-  const Coordinate& c = x.arm.coordinates()[static_cast<size_t>(joint)];
+  const Coordinate& c = x.arm.coordinates()[joint];
   QualityFinding f;
   f.file = x.train.front();
   f.finding = "torque_sign";
@@ -47,19 +47,19 @@ void check_torque_signs(DiagnosisState& x) {
   const std::vector<int> independent = base_parameters(arm).independent;
   for (const int j : independent) {
     base.push_back(static_cast<int>(columns.size()));
-    columns.push_back(names[static_cast<size_t>(j)]);
+    columns.push_back(names[j]);
   }
   const NormalBlocks data(x.start.factors, columns);
   const Selection fit = refit(data, base, {}, x.options);
-  std::vector<Power> joints(static_cast<size_t>(arm.joints()));
+  std::vector<Power> joints(arm.joints());
   for (size_t k = 0; k < independent.size(); ++k) {
-    const int e = parameters[static_cast<size_t>(independent[k])].effect;
-    if (e < 0 || !is_friction(arm.effects()[static_cast<size_t>(e)].effect)) continue;
-    const Axis& axis = arm.effects()[static_cast<size_t>(e)].axis;
+    const int e = parameters[independent[k]].effect;
+    if (e < 0 || !is_friction(arm.effects()[e].effect)) continue;
+    const Axis& axis = arm.effects()[e].axis;
     if ((axis.coefficients.array() != 0.0).count() != 1) continue;
     const auto at = static_cast<Eigen::Index>(k);
     const double size = data.scale()[at];
-    Power& p = joints[static_cast<size_t>(main_coordinate(axis))];
+    Power& p = joints[main_coordinate(axis)];
     p.sum += size * fit.values[at];
     p.variance += std::pow(size * fit.standard_deviations[at], 2);
   }

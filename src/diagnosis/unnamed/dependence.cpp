@@ -56,12 +56,12 @@ class Terms {
 
  private:
   int count() const { return static_cast<int>(signals_.size()); }
-  SignalKind kind(int k) const { return signals_[static_cast<size_t>(k)].kind; }
-  bool is_own(int k) const { return signals_[static_cast<size_t>(k)].joint == joint_; }
+  SignalKind kind(int k) const { return signals_[k].kind; }
+  bool is_own(int k) const { return signals_[k].joint == joint_; }
 
   int find(SignalKind kind, int joint) const {
     for (int k = 0; k < count(); ++k) {
-      const MotionSignal& s = signals_[static_cast<size_t>(k)];
+      const MotionSignal& s = signals_[k];
       if (s.kind == kind && s.joint == joint) return k;
     }
     return -1;
@@ -74,7 +74,7 @@ class Terms {
   }
 
   void add_one(int k) {
-    const MotionSignal& s = signals_[static_cast<size_t>(k)];
+    const MotionSignal& s = signals_[k];
     if (!is_own(k) && has_step(s.kind) && s.kind == SignalKind::kHistory) return;
     const BasisKind basis = has_step(s.kind) ? BasisKind::kSided : BasisKind::kSmooth;
     out_.push_back({{k}, {basis_of(s, basis, kIntervals)}, preference({k})});
@@ -82,15 +82,15 @@ class Terms {
 
   void add_on_sides(int k, int direction) {
     out_.push_back({{k, direction},
-                    {basis_of(signals_[static_cast<size_t>(k)], BasisKind::kSmooth, kIntervalsOnSides),
-                     basis_of(signals_[static_cast<size_t>(direction)], BasisKind::kSides, 1)},
+                    {basis_of(signals_[k], BasisKind::kSmooth, kIntervalsOnSides),
+                     basis_of(signals_[direction], BasisKind::kSides, 1)},
                     preference({k, direction})});
   }
 
   void add_product(int k, int l) {
     out_.push_back({{k, l},
-                    {basis_of(signals_[static_cast<size_t>(k)], BasisKind::kSmooth, kIntervalsOfTwo),
-                     basis_of(signals_[static_cast<size_t>(l)], BasisKind::kSmooth, kIntervalsOfTwo)},
+                    {basis_of(signals_[k], BasisKind::kSmooth, kIntervalsOfTwo),
+                     basis_of(signals_[l], BasisKind::kSmooth, kIntervalsOfTwo)},
                     preference({k, l})});
   }
 
@@ -107,7 +107,7 @@ std::vector<Eigen::Index> rows_in_folds(const MotionRows& rows, int joint) {
     if (rows.used(r, joint)) out.push_back(r);
   }
   std::stable_sort(out.begin(), out.end(), [&rows](Eigen::Index a, Eigen::Index b) {
-    return rows.fold[static_cast<size_t>(a)] < rows.fold[static_cast<size_t>(b)];
+    return rows.fold[a] < rows.fold[b];
   });
   return out;
 }
@@ -119,11 +119,11 @@ FoldedRows folded(const MotionRows& rows, int joint, const std::vector<Eigen::In
   out.response.resize(count);
   int fold = -1;
   for (Eigen::Index k = 0; k < count; ++k) {
-    const Eigen::Index r = order[static_cast<size_t>(k)];
+    const Eigen::Index r = order[k];
     out.signals.row(k) = rows.values.row(r);
     out.response[k] = rows.residual(r, joint);
-    if (rows.fold[static_cast<size_t>(r)] == fold) continue;
-    fold = rows.fold[static_cast<size_t>(r)];
+    if (rows.fold[r] == fold) continue;
+    fold = rows.fold[r];
     out.fold_begin.push_back(k);
   }
   out.fold_begin.push_back(count);
@@ -180,13 +180,13 @@ UnnamedShape shape_of(const Dependence& found, size_t k, const MotionRows& train
                       const std::vector<SmoothTerm>& terms) {
   UnnamedShape out;
   const ChosenTerm& chosen = found.model.chosen[k];
-  const SmoothTerm& term = terms[static_cast<size_t>(chosen.term)];
+  const SmoothTerm& term = terms[chosen.term];
   for (const int s : term.signals)
-    out.signals.push_back(train.signals[static_cast<size_t>(s)].name);
+    out.signals.push_back(train.signals[s].name);
   for (const int other : chosen.as_good) {
     std::vector<std::string> names;
-    for (const int s : terms[static_cast<size_t>(other)].signals)
-      names.push_back(train.signals[static_cast<size_t>(s)].name);
+    for (const int s : terms[other].signals)
+      names.push_back(train.signals[s].name);
     out.as_good.push_back(std::move(names));
   }
   // A grid over the signals, without the outermost hundredth; of a direction its two sides.
@@ -214,7 +214,7 @@ UnnamedShape shape_of(const Dependence& found, size_t k, const MotionRows& train
     grids.push_back(std::move(grid));
   }
   const size_t second = grids.size() > 1 ? grids[1].size() : 1;
-  MatrixXd at = MatrixXd::Zero(static_cast<Eigen::Index>(grids[0].size() * second), train.values.cols());
+  MatrixXd at = MatrixXd::Zero(grids[0].size() * second, train.values.cols());
   Eigen::Index row = 0;
   for (size_t b = 0; b < second; ++b) {
     for (const double x : grids[0]) {
@@ -233,7 +233,7 @@ UnnamedShape shape_of(const Dependence& found, size_t k, const MotionRows& train
   for (Eigen::Index r = 0; r < at.rows(); ++r) {
     CurvePoint p;
     for (const int s : term.signals) {
-      const MotionSignal& signal = train.signals[static_cast<size_t>(s)];
+      const MotionSignal& signal = train.signals[s];
       p.at.push_back(signal.kind == SignalKind::kHistory
                          ? travel_of_history(at(r, s), signal.unit_travel)
                          : at(r, s));
@@ -244,7 +244,7 @@ UnnamedShape shape_of(const Dependence& found, size_t k, const MotionRows& train
     out.curve.push_back(std::move(p));
   }
   std::vector<MotionSignal> of;
-  for (const int s : term.signals) of.push_back(train.signals[static_cast<size_t>(s)]);
+  for (const int s : term.signals) of.push_back(train.signals[s]);
   for (const MotionSignal& s : of) out.units.push_back(s.unit);
   out.on_sides = term.bases.size() > 1 && term.bases[1].kind() == BasisKind::kSides;
   out.words = shape_words(out, of);

@@ -78,7 +78,7 @@ std::vector<double> along(const MotionSignal& signal, const PredictionSeries& x,
 double rest_speed_of(const Identification& id, int joint) {
   double fastest = 0.0;
   for (const RecordingError& r : id.train)
-    fastest = std::max(fastest, largest(r.series.dq[static_cast<size_t>(joint)]));
+    fastest = std::max(fastest, largest(r.series.dq[joint]));
   return fastest * numerics::kReversalShare;
 }
 
@@ -119,7 +119,7 @@ std::vector<MotionSignal> motion_signals(const Identification& id, const Thresho
     if (s.high > s.low) out.push_back(std::move(s));
   };
   for (int i = 0; i < arm.joints(); ++i) {
-    const bool slides = arm.coordinates()[static_cast<size_t>(i)].prismatic;
+    const bool slides = arm.coordinates()[i].prismatic;
     add(SignalKind::kPosition, i, slides, 1.0);
     if (out.empty() || out.back().joint != i) continue;
     const double travel = out.back().high - out.back().low;
@@ -159,7 +159,7 @@ MotionRows motion_rows(const Identification& id, const std::vector<RecordingErro
   out.residual.resize(rows, n);
   out.measured.resize(rows, n);
   out.used.setConstant(rows, n, true);
-  out.fold.reserve(static_cast<size_t>(rows));
+  out.fold.reserve(rows);
   Eigen::Index first = 0;
   for (size_t k = 0; k < recordings.size(); ++k) {
     const RecordingError& r = recordings[k];

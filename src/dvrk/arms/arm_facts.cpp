@@ -21,7 +21,7 @@ Posed pose_of(const Eigen::Matrix4d& T) {
 
 ActuatorConfig nominal_actuator(const ArmActuator& facts, const std::vector<int>& boards) {
   ActuatorConfig actuator;
-  actuator.board = boards[static_cast<std::size_t>(facts.board)];
+  actuator.board = boards[facts.board];
   actuator.axis = facts.axis;
   actuator.prismatic = facts.prismatic;
   actuator.amps_to_bits = {facts.direction * kNominalAmpsToBits.scale, kNominalAmpsToBits.offset};

@@ -43,7 +43,7 @@ MatrixXd read_square(const YamlNode& node) {
   const auto n = static_cast<Eigen::Index>(rows.size());
   MatrixXd matrix(n, n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const std::vector<double> row = rows[static_cast<std::size_t>(i)].numbers(
+    const std::vector<double> row = rows[i].numbers(
         rows.size(), text(n, " numbers, as many as there are rows"));
     matrix.row(i) = Eigen::Map<const Eigen::RowVectorXd>(row.data(), n);
   }
@@ -96,7 +96,7 @@ void read_brake(const YamlNode& node, const std::vector<int>& boards,
   node.allow_keys({"actuator", "board", "axis", "release", "release_time", "released", "engaged"});
   const int which = whole(node.at("actuator"), 0, static_cast<int>(actuators.size()) - 1);
   BrakeConfig brake;
-  brake.board = boards[static_cast<std::size_t>(whole(node.at("board"), 0, 1))];
+  brake.board = boards[whole(node.at("board"), 0, 1)];
   brake.axis = whole(node.at("axis"), 0, 3);
   brake.amps_to_bits = kNominalAmpsToBits;
   brake.bits_to_amps = kNominalBitsToAmps;
@@ -105,7 +105,7 @@ void read_brake(const YamlNode& node, const std::vector<int>& boards,
   brake.released_current = node.at("released").positive_number();
   brake.engaged_current = node.at("engaged").number();
   brake.max_current = brake.release_current;
-  actuators[static_cast<std::size_t>(which)].brake = brake;
+  actuators[which].brake = brake;
 }
 
 Eigen::Matrix4d read_tip(const YamlNode& node) {

@@ -99,7 +99,7 @@ void ArmUnits::write(const VectorXd& tau, ArmCommand& command) noexcept {
   command.clipped = false;
   command.valid = true;
   for (int i = 0; i < size(); ++i) {
-    const ActuatorConfig& actuator = actuators_[static_cast<std::size_t>(i)];
+    const ActuatorConfig& actuator = actuators_[i];
     const double wanted = actuator.effort_to_amps * effort_[i];
     command.current[i] = std::clamp(wanted, -actuator.max_current, actuator.max_current);
     if (command.current[i] != wanted) command.clipped = true;
@@ -127,7 +127,7 @@ void ArmUnits::convert_currents(ArmCommand& command) noexcept {
 
 void ArmUnits::pot_positions(const VectorXd& mean_bits, VectorXd& actuator_q) noexcept {
   for (int i = 0; i < size(); ++i) {
-    const ActuatorConfig& actuator = actuators_[static_cast<std::size_t>(i)];
+    const ActuatorConfig& actuator = actuators_[i];
     pot_[i] = actuator.volts_to_position(actuator.bits_to_volts(mean_bits[i]));
   }
   actuator_q.noalias() = robot_.pots_to_actuators * pot_;
@@ -135,7 +135,7 @@ void ArmUnits::pot_positions(const VectorXd& mean_bits, VectorXd& actuator_q) no
 
 void ArmUnits::preload_words(const VectorXd& actuator_q, std::uint32_t* words) const noexcept {
   for (int i = 0; i < size(); ++i) {
-    const double counts = actuator_q[i] / actuators_[static_cast<std::size_t>(i)].bits_to_position;
+    const double counts = actuator_q[i] / actuators_[i].bits_to_position;
     // Held at the ends here, so that no conversion overflows; NaN: zero.
     const double held = std::isnan(counts) ? 0.0 : std::clamp(counts, -1e8, 1e8);
     words[i] = preload_word(std::llround(held));

@@ -35,7 +35,7 @@ std::vector<EffortScale> corrected_scales(const Model& model, const ArmFacts& ar
     scale.before = robot.actuators[k].effort_to_amps;
     scale.scale = scale.before;
     const int i = model.find_coordinate(scale.actuator);
-    if (i >= 0) correct(model.coordinates()[static_cast<std::size_t>(i)], scale);
+    if (i >= 0) correct(model.coordinates()[i], scale);
     scales.push_back(scale);
   }
   return scales;

@@ -33,7 +33,7 @@ struct Match {
 Match match_joints(const Model& model, const Model& chain, const ArmFacts& arm) {
   Match match;
   for (int k = 0; k < chain.joints(); ++k) {
-    const int i = model.find_coordinate(chain.coordinates()[static_cast<size_t>(k)].name);
+    const int i = model.find_coordinate(chain.coordinates()[k].name);
     if (i < 0) continue;
     match.coordinates.push_back(i);
     match.rows.push_back(k);
@@ -77,12 +77,12 @@ class Sampler {
     VectorXd q = VectorXd::Zero(model_.joints());
     VectorXd q_chain = VectorXd::Zero(chain_.joints());
     for (int i = 0; i < model_.joints(); ++i) {
-      const Limits& limits = model_.coordinates()[static_cast<size_t>(i)].limits;
+      const Limits& limits = model_.coordinates()[i].limits;
       if (std::isfinite(limits.lower + limits.upper)) q[i] = 0.5 * (limits.lower + limits.upper);
     }
     for (std::size_t k = 0; k < match_.rows.size(); ++k) {
-      const Limits& own = model_.coordinates()[static_cast<size_t>(match_.coordinates[k])].limits;
-      const Limits& facts = chain_.coordinates()[static_cast<size_t>(match_.rows[k])].limits;
+      const Limits& own = model_.coordinates()[match_.coordinates[k]].limits;
+      const Limits& facts = chain_.coordinates()[match_.rows[k]].limits;
       const double lower = std::max(own.lower, facts.lower);
       const double upper = std::min(own.upper, facts.upper);
       const bool overlap = lower < upper;
@@ -130,7 +130,7 @@ VectorXd solve(const Samples& samples, const std::vector<int>& independent, Vect
   for (const int c : independent) chosen[c] = 0.0;
   MatrixXd Y(samples.Y.rows(), static_cast<Eigen::Index>(independent.size()));
   for (std::size_t k = 0; k < independent.size(); ++k)
-    Y.col(static_cast<Eigen::Index>(k)) = samples.Y.col(independent[k]);
+    Y.col(k) = samples.Y.col(independent[k]);
   const VectorXd x = Y.colPivHouseholderQr().solve(samples.tau - samples.Y * chosen);
   for (std::size_t k = 0; k < independent.size(); ++k)
     chosen[independent[k]] = x[static_cast<Eigen::Index>(k)];
@@ -184,7 +184,7 @@ VectorXd moments_of(const std::vector<GravityRow>& rows) {
 }
 
 VectorXd largest_per_joint(const VectorXd& values, std::size_t joints) {
-  VectorXd largest = VectorXd::Zero(static_cast<Eigen::Index>(joints));
+  VectorXd largest = VectorXd::Zero(joints);
   for (Eigen::Index k = 0; k < values.size(); ++k) {
     double& entry = largest[k % largest.size()];
     entry = std::max(entry, std::abs(values[k]));
@@ -205,7 +205,7 @@ std::vector<std::string> holding_effects(const Model& model) {
   for (const EffectTerm& term : model.effects()) {
     if (term.values.empty() || !find_effect(term.effect).traits().holds_at_rest) continue;
     names.push_back(term.effect + "(" +
-                    model.coordinates()[static_cast<size_t>(main_coordinate(term.axis))].name +
+                    model.coordinates()[main_coordinate(term.axis)].name +
                     ")");
   }
   return names;
@@ -234,7 +234,7 @@ GravityChain fit_gravity_chain(const Model& model, const ArmFacts& arm) {
   result.left_out = holding_effects(model);
   for (std::size_t k = 0; k < match.rows.size(); ++k) {
     const auto i = static_cast<Eigen::Index>(k);
-    result.joints.push_back(model.coordinates()[static_cast<size_t>(match.coordinates[k])].name);
+    result.joints.push_back(model.coordinates()[match.coordinates[k]].name);
     require(result.largest_error[i] <= kTolerance * result.largest_torque[i] + kNoTorque, "model '",
             model.name(), "': gravity of ", result.joints.back(), " differs by ",
             result.largest_error[i], " of ", result.largest_torque[i], " from any chain of the ",
@@ -253,7 +253,7 @@ VectorXd gravity_torques(const GravityChain& chain, const VectorRef& q) {
   const Model links = chain_with_bodies(arm, chain.gravity);
   VectorXd phi = VectorXd::Zero(kBodyParameters * n);
   for (Eigen::Index k = 0; k < n; ++k) {
-    const GravityRow& row = chain.rows[static_cast<size_t>(k)];
+    const GravityRow& row = chain.rows[k];
     phi[kBodyParameters * k] = row.mass;
     phi.segment<3>(kBodyParameters * k + 1) = row.mass * row.com;
   }

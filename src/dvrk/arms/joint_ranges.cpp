@@ -19,7 +19,7 @@ JointRanges<n>::JointRanges(const ArmFacts& arm) {
     if (!joint.dh || k == n) continue;
     lower[k] = joint.lower;
     upper[k] = joint.upper;
-    turns[static_cast<std::size_t>(k++)] = !joint.prismatic;
+    turns[k++] = !joint.prismatic;
   }
 }
 
@@ -27,7 +27,7 @@ template <int n>
 void JointRanges<n>::wrap(Eigen::Matrix<double, n, 1>& q,
                           const Eigen::Matrix<double, n, 1>& near) const noexcept {
   for (int k = 0; k < n; ++k) {
-    if (!turns[static_cast<std::size_t>(k)]) continue;
+    if (!turns[k]) continue;
     q[k] += kTurn * std::round((near[k] - q[k]) / kTurn);
     const double above = q[k] - upper[k] - kSlack;
     const double below = lower[k] - kSlack - q[k];

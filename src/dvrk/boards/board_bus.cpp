@@ -68,7 +68,7 @@ bool BoardBus::one_group() const noexcept {
 }
 
 void BoardBus::set_zero(int b, int channel, std::uint16_t bits) noexcept {
-  boards_[static_cast<size_t>(b)].zero[static_cast<size_t>(channel)] = bits;
+  boards_[b].zero[channel] = bits;
 }
 
 // ---- reading

@@ -88,29 +88,29 @@ class BoardBus {
   CycleProtocol protocol() const { return protocol_; }
   bool ethernet_only() const { return ethernet_only_; }
   int boards() const { return static_cast<int>(boards_.size()); }
-  const BoardInfo& info(int b) const { return boards_[static_cast<size_t>(b)].info; }
+  const BoardInfo& info(int b) const { return boards_[b].info; }
   const FaultLog& faults() const { return log_; }
   FaultLog& faults() { return log_; }
 
   /// Reads all boards. @returns whether all of them are valid.
   bool read() noexcept;
-  bool valid(int b) const { return boards_[static_cast<size_t>(b)].valid; }
-  const BoardFeedback& feedback(int b) const { return boards_[static_cast<size_t>(b)].feedback; }
+  bool valid(int b) const { return boards_[b].valid; }
+  const BoardFeedback& feedback(int b) const { return boards_[b].feedback; }
   /// Cycles in a row without a valid read.
-  int lost_reads(int b) const { return boards_[static_cast<size_t>(b)].lost_reads; }
+  int lost_reads(int b) const { return boards_[b].lost_reads; }
   /// Reason for the loss of the last one.
-  Condition loss(int b) const { return boards_[static_cast<size_t>(b)].loss; }
+  Condition loss(int b) const { return boards_[b].loss; }
   /// Cycles in a row in which a command was not found in the motor status; on Rev 7 in the
   /// registers of its channels, one of them every few cycles.
-  int lost_writes(int b) const { return boards_[static_cast<size_t>(b)].lost_writes; }
+  int lost_writes(int b) const { return boards_[b].lost_writes; }
   /// The board has restarted: watchdog and preloads are those of power-up.
-  bool rebooted(int b) const { return boards_[static_cast<size_t>(b)].rebooted; }
+  bool rebooted(int b) const { return boards_[b].rebooted; }
   bool link_lost() const { return link_lost_; }
   /// Why the boards are looked for again, while they are.
   Condition unrest() const { return unrest_; }
 
   /// Command of the next write(), which resets it to "nothing".
-  BoardCommand& command(int b) { return boards_[static_cast<size_t>(b)].command; }
+  BoardCommand& command(int b) { return boards_[b].command; }
   /// Sends all commands; keeps the watchdogs alive even without commands. While nodes are unknown,
   /// sends switch_off(false) instead.
   void write() noexcept;

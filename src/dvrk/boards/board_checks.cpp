@@ -76,7 +76,7 @@ void BoardSession::check_temperature(int b, const BoardFeedback& f) noexcept {
 }
 
 void BoardSession::check_channel(int b, int c, const BoardFeedback& f) noexcept {
-  const ChannelFeedback& one = f.channel[static_cast<size_t>(c)];
+  const ChannelFeedback& one = f.channel[c];
   const bool rev8 = bus_.info(b).firmware >= 8;
   if (had_power() && (f.status.current_trip(c) || (rev8 && one.motor.current_trip())))
     note(Condition::kCurrentTrip, Reaction::kAmpsOff, b, c, f.status.word);
@@ -91,7 +91,7 @@ void BoardSession::check_channel(int b, int c, const BoardFeedback& f) noexcept 
 void BoardSession::check_amp(int b, int c, const BoardFeedback& f) noexcept {
   ChannelState& state = channel(b, c);
   const double now = link_.now();
-  const MotorStatus motor = f.channel[static_cast<size_t>(c)].motor;
+  const MotorStatus motor = f.channel[c].motor;
   if (checked_ == PowerState::kOn && bus_.info(b).firmware >= 8 && motor.amp_fault()) {
     note(Condition::kAmpOff, Reaction::kAmpsOff, b, c, motor.word);
     return;
@@ -109,7 +109,7 @@ void BoardSession::check_amp(int b, int c, const BoardFeedback& f) noexcept {
 void BoardSession::check_current(int b, int c, const BoardFeedback& f) noexcept {
   ChannelState& state = channel(b, c);
   const ChannelSafety& s = safety(b, c);
-  const double current = f.channel[static_cast<size_t>(c)].current - s.zero_feedback;
+  const double current = f.channel[c].current - s.zero_feedback;
   double least = 0.0, most = 0.0;
   double margin = f.status.power_requested() ? kDisabledLimit : kUnpoweredLimit;
   const bool driven = checked_ == PowerState::kOn && f.status.amp_on(c);
@@ -124,12 +124,12 @@ void BoardSession::check_current(int b, int c, const BoardFeedback& f) noexcept 
   state.excess_cycles = excess ? state.excess_cycles + 1 : 0;
   if (state.excess_cycles > (driven ? options_.follow.cycles : options_.current_cycles))
     note(Condition::kOutOfBounds, Reaction::kPowerOff, b, c,
-         f.channel[static_cast<size_t>(c)].current);
+         f.channel[c].current);
 }
 
 // #24
 void BoardSession::check_encoder(int b, int c, const BoardFeedback& f) noexcept {
-  const EncoderWords& words = f.channel[static_cast<size_t>(c)].encoder;
+  const EncoderWords& words = f.channel[c].encoder;
   const bool overflow = encoder_overflow(words.position);
   const bool error = bus_.info(b).firmware >= 7 && encoder_error(words.period);
   if (!overflow && !error) return;

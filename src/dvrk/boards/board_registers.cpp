@@ -104,7 +104,7 @@ std::string BoardBus::qla_serial(int b) {
   QuadletView block;
   if (!write_register(b, address::kQlaPromCommand, kReadFromStart | (kQuadlets - 1))) return "";
   link_.wait(kReading);
-  if (exchange_.read_block(route(boards_[static_cast<size_t>(b)]), address::kQlaPromData, kQuadlets,
+  if (exchange_.read_block(route(boards_[b]), address::kQlaPromData, kQuadlets,
                            options_.reply_timeout, block) != ReadResult::kOk)
     return "";
   std::string out;

@@ -70,7 +70,7 @@ void BoardBus::find_hub() {
 // Section 5 #7. A node that does not answer is not there.
 void BoardBus::probe(int node, double timeout) noexcept {
   const Route route = route_to(node);
-  BoardInfo& info = scan_.found[static_cast<size_t>(node)];
+  BoardInfo& info = scan_.found[node];
   info = BoardInfo();
   std::uint32_t firmware = 0, git = 0;
   exchange_.expect_silence(true);
@@ -204,7 +204,7 @@ void BoardBus::start() {
   for (int node = 0; node < kScannedNodes; ++node) probe(node, options_.reply_timeout);
   if (!all_found()) {  // a datagram may have been lost
     for (int node = 0; node < kScannedNodes; ++node) {
-      if (scan_.found[static_cast<size_t>(node)].node < 0) probe(node, options_.reply_timeout);
+      if (scan_.found[node].node < 0) probe(node, options_.reply_timeout);
     }
   }
   require(!exchange_.generation_changed(), "boards: the bus was reset during the scan.");

@@ -36,7 +36,7 @@ BoardSession::BoardSession(DatagramLink& link, const SessionOptions& options)
     : link_(link), options_(options), bus_(link, options.bus), channels_(options.channels) {
   require(options.watchdog > 0.0 && options.watchdog <= 0.34, "boards: found a watchdog of ",
           options.watchdog, " s, expected more than 0 and at most 0.34.");
-  channels_.resize(static_cast<size_t>(bus_.boards()));
+  channels_.resize(bus_.boards());
   states_.resize(channels_.size());
   for (int b = 0; b < bus_.boards(); ++b) {
     for (int c = 0; c < kChannels; ++c) {
@@ -158,7 +158,7 @@ void BoardSession::set_command(int b, int c, double bits) noexcept {
 void BoardSession::command_off(int b) noexcept {
   BoardCommand& command = bus_.command(b);
   for (int c = 0; c < kChannels; ++c) {
-    command.channel[static_cast<size_t>(c)] = {true, false, AmpRequest::kOff, 0,
+    command.channel[c] = {true, false, AmpRequest::kOff, 0,
                                                safety(b, c).zero_command};
   }
   command.control = control::kAmpsOff;
@@ -177,7 +177,7 @@ void BoardSession::command_channels(int b, AmpRequest amp) noexcept {
     state.held = value;
     std::rotate(state.sent.begin(), state.sent.end() - 1, state.sent.end());
     state.sent.front() = value;
-    bus_.command(b).channel[static_cast<size_t>(c)] = {true, false, amp, 0, value};
+    bus_.command(b).channel[c] = {true, false, amp, 0, value};
   }
 }
 
@@ -248,9 +248,9 @@ const char* BoardSession::power_on() noexcept {
     }
     for (int c = 0; c < kChannels; ++c) {
       if (!safety(b, c).used) continue;
-      if (safety(b, c).watch_pot_rail && at_rail(f.channel[static_cast<size_t>(c)].pot))
+      if (safety(b, c).watch_pot_rail && at_rail(f.channel[c].pot))
         return "a pot is at the end of its range: outside, or its wire is gone";
-      const EncoderWords& words = f.channel[static_cast<size_t>(c)].encoder;
+      const EncoderWords& words = f.channel[c].encoder;
       if (encoder_overflow(words.position)) return "an encoder has run over";
       if (bus_.info(b).firmware >= 7 && encoder_error(words.period))
         return "an encoder reports an error";

@@ -150,10 +150,10 @@ class BoardSession {
   };
 
   const ChannelSafety& safety(int b, int c) const {
-    return channels_[static_cast<size_t>(b)][static_cast<size_t>(c)];
+    return channels_[b][c];
   }
   ChannelState& channel(int b, int c) {
-    return states_[static_cast<size_t>(b)][static_cast<size_t>(c)];
+    return states_[b][c];
   }
   bool had_power() const { return checked_ == PowerState::kAmps || checked_ == PowerState::kOn; }
   bool on_the_way() const { return state_ != PowerState::kOff && state_ != PowerState::kFault; }

@@ -90,13 +90,13 @@ bool BoardBus::switch_off_by_register(int b, Off what) noexcept {
 }
 
 bool BoardBus::read_register(int b, std::uint16_t where, std::uint32_t& value) noexcept {
-  return exchange_.read(route(boards_[static_cast<size_t>(b)]), where, options_.reply_timeout,
+  return exchange_.read(route(boards_[b]), where, options_.reply_timeout,
                         value) == ReadResult::kOk;
 }
 
 bool BoardBus::write_register(int b, std::uint16_t where, std::uint32_t value) noexcept {
   if (listens()) return false;
-  return exchange_.write(route(boards_[static_cast<size_t>(b)]), where, value);
+  return exchange_.write(route(boards_[b]), where, value);
 }
 
 bool BoardBus::write_checked(int b, std::uint16_t where, std::uint32_t value) noexcept {
@@ -118,7 +118,7 @@ bool BoardBus::set_watchdog(double seconds) noexcept {
   bool all = true;
   for (int b = 0; b < boards(); ++b) {
     all = write_checked(b, address::kWatchdog, watchdog_counts_) && all;
-    boards_[static_cast<size_t>(b)].rebooted = false;
+    boards_[b].rebooted = false;
   }
   return all;
 }

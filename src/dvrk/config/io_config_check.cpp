@@ -62,7 +62,7 @@ void check_io_config(const IoConfig& config, const std::string& file) {
     require(robot.io_only || robot.size() > 0, file, ": Robot ", robot.name,
             ": found no actuator, expected at least one.");
     for (int k = 0; k < robot.size(); ++k) {
-      const ActuatorConfig& actuator = robot.actuators[static_cast<std::size_t>(k)];
+      const ActuatorConfig& actuator = robot.actuators[k];
       const std::string who = text("Robot ", robot.name, "/Actuator ", k);
       channels.take(actuator.board, actuator.axis, who);
       require_current_within_converter(actuator.amps_to_bits, actuator.max_current, file, who);

@@ -68,7 +68,7 @@ class Reader {
     const std::vector<std::string> hardware{"QLA1", "DQLA", "dRA1"};
     node.word("HardwareVersion");
     robot.hardware =
-        hardware[static_cast<std::size_t>(node.choice("HardwareVersion", hardware, 0))];
+        hardware[node.choice("HardwareVersion", hardware, 0)];
     robot.serial = node.word("SN", "");
     if (node.has("BoardSerials")) read_board_serials(node.at("BoardSerials"), robot);
     robot.io_only =
@@ -189,7 +189,7 @@ class Reader {
       PotTolerance tolerance;
       tolerance.axis = item.whole("Axis", 0, robot.size() - 1);
       if (tolerance.axis != k) item.fail(text("axis ", tolerance.axis), text("axis ", k, " here"));
-      const bool prismatic = robot.actuators[static_cast<std::size_t>(k)].prismatic;
+      const bool prismatic = robot.actuators[k].prismatic;
       tolerance.distance = unit_factor(item, prismatic, json_) * item.not_negative("Distance", 0.0);
       tolerance.latency = item.not_negative("Latency", 0.0);
       robot.pot_tolerances.push_back(tolerance);
@@ -237,7 +237,7 @@ class Reader {
                       (node.flag("trigger_when_released", true) ? 2 : 0);
     const int by_flags[] = {3, 1, 2, 0};
     input.trigger =
-        triggers[static_cast<std::size_t>(node.choice("Trigger", triggers, by_flags[flags]))];
+        triggers[node.choice("Trigger", triggers, by_flags[flags])];
     input.debounce = seconds(node, "Debounce", 0.0);
     input.debounce_click = seconds(node, "DebounceClick", 0.2 * input.debounce);
     input.skip_first_run = node.flag("SkipFirstRun", false);
@@ -270,7 +270,7 @@ IoConfig read(const std::string& content, const std::string& file, ConfigFormat 
   config.remarks = unused(tree, source);
   for (const RobotConfig& robot : config.robots) {
     for (int k = 0; k < robot.size(); ++k) {
-      const ActuatorConfig& a = robot.actuators[static_cast<std::size_t>(k)];
+      const ActuatorConfig& a = robot.actuators[k];
       if (robot.io_only || a.amps_to_bits.scale * a.bits_to_position > 0.0) continue;
       config.remarks.push_back(text(file, ": ", robot.name, " actuator ", k,
                                     ": the scales of current and of position differ in sign; with "

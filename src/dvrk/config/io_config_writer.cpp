@@ -105,7 +105,7 @@ class Writer {
     }
     if (!robot.has_encoder_preload) add_flag(tree, "HasEncoderPreload", false);
     for (int k = 0; k < robot.size(); ++k)
-      add_item(tree, actuator_tree(robot.actuators[static_cast<std::size_t>(k)], k));
+      add_item(tree, actuator_tree(robot.actuators[k], k));
     const bool pots = robot.pots_to_actuators.size() > 0 || !robot.pot_tolerances.empty() ||
                       !robot.pot_lookup_table.empty();
     if (pots) tree.members.push_back(potentiometers(robot));
@@ -181,7 +181,7 @@ class Writer {
     if (!robot.pot_lookup_table.empty()) add_text(tree, "LookupTable", robot.pot_lookup_table);
     if (robot.pots_to_actuators.size() > 0) add_matrix(tree, robot.pots_to_actuators);
     for (const PotTolerance& tolerance : robot.pot_tolerances) {
-      const bool prismatic = robot.actuators[static_cast<std::size_t>(tolerance.axis)].prismatic;
+      const bool prismatic = robot.actuators[tolerance.axis].prismatic;
       ConfigTree item = element("Tolerance");
       add_number(item, "Axis", tolerance.axis);
       add_number(item, "Distance", in_file(tolerance.distance, prismatic));

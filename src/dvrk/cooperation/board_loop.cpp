@@ -140,7 +140,7 @@ std::vector<ArmAfterFault> BoardLoop::after_fault() const {
 std::string BoardLoop::words(const char* what, int arm, int joint) const {
   const auto k = static_cast<size_t>(arm);
   const std::string where =
-      joint >= 0 ? " (joint " + sides_[k]->models().known.coordinates()[static_cast<size_t>(joint)].name + ")" : "";
+      joint >= 0 ? " (joint " + sides_[k]->models().known.coordinates()[joint].name + ")" : "";
   return "arm " + scenario_.arms[k].name + ": " + what + where;
 }
 

@@ -93,12 +93,12 @@ void BoardSide::begin(const Scenario& scenario, std::size_t index) {
 VectorXd BoardSide::largest_torque() const {
   VectorXd out(joints_);
   for (int i = 0; i < joints_; ++i) {
-    const ActuatorConfig& a = session_.robot().actuators[static_cast<size_t>(i)];
+    const ActuatorConfig& a = session_.robot().actuators[i];
     out[i] = std::abs(a.max_current / a.effort_to_amps);
   }
   sensors_.correct_torques(out);
   for (int i = 0; i < joints_; ++i)
-    out[i] = std::min(out[i], models_.known.coordinates()[static_cast<size_t>(i)].limits.effort);
+    out[i] = std::min(out[i], models_.known.coordinates()[i].limits.effort);
   return out;
 }
 

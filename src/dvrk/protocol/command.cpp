@@ -76,7 +76,7 @@ bool find_rev7(QuadletView blocks, int board, int firmware, BoardCommand& comman
 std::uint32_t control_word(const BoardCommand& command) noexcept {
   std::uint32_t word = command.control;
   for (int k = 0; k < kChannels; ++k) {
-    const AmpRequest amp = command.channel[static_cast<std::size_t>(k)].amp;
+    const AmpRequest amp = command.channel[k].amp;
     if (amp == AmpRequest::kKeep) continue;
     word |= 1U << (8 + k);
     word &= ~(1U << k);

@@ -45,7 +45,7 @@ VectorXd default_largest_errors(const RobotConfig& robot) {
   VectorXd out(robot.size());
   for (int i = 0; i < robot.size(); ++i)
     out[i] =
-        robot.actuators[static_cast<size_t>(i)].prismatic ? kLargestErrorSliding : kLargestError;
+        robot.actuators[i].prismatic ? kLargestErrorSliding : kLargestError;
   return out;
 }
 
@@ -54,7 +54,7 @@ VectorXd largest_torques(const ArmSession& arm) {
   const int n = arm.size();
   VectorXd effort(n);
   for (int i = 0; i < n; ++i) {
-    const ActuatorConfig& a = arm.robot().actuators[static_cast<size_t>(i)];
+    const ActuatorConfig& a = arm.robot().actuators[i];
     effort[i] = a.max_current / std::abs(a.effort_to_amps);
   }
   const MatrixXd& K = arm.coupling();

@@ -86,8 +86,8 @@ SessionOptions session_options(const RobotConfig& robot, const ArmSessionOptions
   const std::vector<Socket> sockets = sockets_of(robot);
   for (std::size_t k = 0; k < sockets.size(); ++k) {
     const ActuatorConfig& actuator = robot.actuators[k];
-    ChannelSafety& safety = options.channels[static_cast<std::size_t>(sockets[k].place)]
-                                            [static_cast<std::size_t>(sockets[k].channel)];
+    ChannelSafety& safety = options.channels[sockets[k].place]
+                                            [sockets[k].channel];
     guard_current(actuator.amps_to_bits, actuator.bits_to_amps, actuator.max_current, safety);
     safety.counts_to_position = {actuator.bits_to_position, 0.0};
     const LinearScale& volts = actuator.bits_to_volts;
@@ -103,7 +103,7 @@ SessionOptions session_options(const RobotConfig& robot, const ArmSessionOptions
     const Socket at = socket(options.bus.boards, brake.board, brake.axis);
     guard_current(
         brake.amps_to_bits, brake.bits_to_amps, brake.max_current,
-        options.channels[static_cast<std::size_t>(at.place)][static_cast<std::size_t>(at.channel)]);
+        options.channels[at.place][at.channel]);
   }
   return options;
 }
@@ -175,7 +175,7 @@ bool ArmSession::needs_homing() noexcept {
 void ArmSession::read_raw() noexcept {
   for (std::size_t k = 0; k < raw_.size(); ++k) {
     const BoardFeedback& board = boards_.bus().feedback(sockets_[k].place);
-    const ChannelFeedback& channel = board.channel[static_cast<std::size_t>(sockets_[k].channel)];
+    const ChannelFeedback& channel = board.channel[sockets_[k].channel];
     raw_[k] = {channel.encoder, channel.pot, channel.current, board.seconds()};
   }
 }
@@ -194,7 +194,7 @@ void ArmSession::set_torques(const VectorXd& tau) noexcept {
 }
 
 const BoardFeedback& ArmSession::board_of(int actuator) const {
-  return boards_.bus().feedback(sockets_[static_cast<std::size_t>(actuator)].place);
+  return boards_.bus().feedback(sockets_[actuator].place);
 }
 
 bool ArmSession::ready() const {
@@ -242,7 +242,7 @@ std::string ArmSession::average_pots(VectorXd& mean) {
       read_raw();
       ++readings;
       for (int i = 0; i < size(); ++i) {
-        const double pot = raw_[static_cast<std::size_t>(i)].pot;
+        const double pot = raw_[i].pot;
         mean[i] += (pot - mean[i]) / readings;
         low[i] = std::min(low[i], pot);
         high[i] = std::max(high[i], pot);
@@ -254,7 +254,7 @@ std::string ArmSession::average_pots(VectorXd& mean) {
   if (readings < options_.pot_readings)
     return text("only ", readings, " of ", options_.pot_readings, " reads were valid");
   for (int i = 0; i < size(); ++i) {
-    const ActuatorConfig& actuator = units_.robot().actuators[static_cast<std::size_t>(i)];
+    const ActuatorConfig& actuator = units_.robot().actuators[i];
     if (at_rail(mean[i]))
       return text("the pot of actuator ", i, " reads ", actuator.bits_to_volts(mean[i]),
                   " V, an end of its range: the arm stands outside, or a wire is gone");

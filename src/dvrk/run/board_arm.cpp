@@ -40,8 +40,8 @@ Wiring wiring_of(const BoardArmOptions& options) {
   require(out.coupling.rows() == n, options.config, ": found ", n, " actuators, expected ",
           out.coupling.rows(), ", as ", name, " has.");
   for (int j = 0; j < n; ++j) {
-    out.kp[j] = facts.actuators[static_cast<std::size_t>(j)].kp;
-    out.kd[j] = facts.actuators[static_cast<std::size_t>(j)].kd;
+    out.kp[j] = facts.actuators[j].kp;
+    out.kd[j] = facts.actuators[j].kd;
   }
   return out;
 }

@@ -165,7 +165,7 @@ std::string ModelController::why() const {
 }
 
 const std::string& ModelController::name_of(Eigen::Index joint) const {
-  return model_.coordinates()[static_cast<size_t>(joint)].name;
+  return model_.coordinates()[joint].name;
 }
 
 // Singular values are those of TaskInverse: metres count in characteristic lengths.
@@ -173,7 +173,7 @@ void ModelController::require_tip_led(const MotionSamples& motion) const {
   const Eigen::Index n = q_.size(), directions = std::min<Eigen::Index>(3, n);
   VectorXd unit = VectorXd::Constant(n, 1.0 / impedance_.inverse().length());
   for (Eigen::Index j = 0; j < n; ++j) {
-    if (model_.coordinates()[static_cast<size_t>(j)].prismatic) unit[j] = 1.0;
+    if (model_.coordinates()[j].prismatic) unit[j] = 1.0;
   }
   TipKinematics path = path_;
   VectorXd q = VectorXd::Zero(n);

@@ -27,14 +27,14 @@ MotionCheck::MotionCheck(const ArmSession& arm, const MotionController& controll
   const MotionLimits limits = controller.limits();
   const auto n = static_cast<Eigen::Index>(arm.size());
   for (Eigen::Index j = 0; j < std::min(joints, limits.lower.size()); ++j)
-    guards_.push_back({text("joint ", limits.names[static_cast<size_t>(j)]),
+    guards_.push_back({text("joint ", limits.names[j]),
                        "limits of the robot file",
                        VectorXd::Unit(n, j),
                        {limits.lower[j], limits.upper[j]},
                        limits.velocity[j]});
   const MatrixXd& to_actuator = arm.units().joint_to_actuator();
   for (int i = 0; i < arm.size(); ++i) {
-    const PositionRange range = soft_limits(arm.robot().actuators[static_cast<size_t>(i)]);
+    const PositionRange range = soft_limits(arm.robot().actuators[i]);
     actuators_.push_back(range);
     const VectorXd row = to_actuator.row(i).transpose();
     // An actuator that other joints move as well has an unknown position.

@@ -105,7 +105,7 @@ bool MotionRun::follows() {
   const VectorXd& most = options_.largest_error;
   const double share = (wanted_.q - arm_.state().q).cwiseAbs().cwiseQuotient(most).maxCoeff(&joint);
   if (share <= 1.0) return true;
-  const bool slides = arm_.robot().actuators[static_cast<size_t>(joint)].prismatic;
+  const bool slides = arm_.robot().actuators[joint].prismatic;
   return end(text("joint ", joint + 1, " is ", share * most[joint], slides ? " m" : " rad",
                   " off its set point",
                   arm_.command().clipped ? ", with a current at its limit" : ""));

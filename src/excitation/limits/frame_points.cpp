@@ -27,24 +27,24 @@ void FramePoints::move_to(const VectorXd& q) {
     if (link.type == JointType::kPrismatic) J.p.z = recursion_.link[k].s;
     const Posed T_parent = link.A * J * link.B;
     T_world_[k] =
-        link.parent < 0 ? T_parent : T_world_[static_cast<size_t>(link.parent)] * T_parent;
+        link.parent < 0 ? T_parent : T_world_[link.parent] * T_parent;
   }
 }
 
 Eigen::Vector3d FramePoints::point(int frame, const Eigen::Vector3d& in_frame) const {
   if (frame < 0) return in_frame;
-  const Posed& T = T_world_[static_cast<size_t>(tree_.link_of_frame[static_cast<size_t>(frame)])];
+  const Posed& T = T_world_[tree_.link_of_frame[frame]];
   return eigen(T.p) + eigen(rotate(T.R, Vec3d{in_frame.x(), in_frame.y(), in_frame.z()}));
 }
 
 MatrixXd FramePoints::point_slope(int frame, const Eigen::Vector3d& in_frame) const {
   MatrixXd slope = MatrixXd::Zero(3, tree_.joints);
   if (frame < 0) return slope;
-  const auto k = static_cast<size_t>(tree_.link_of_frame[static_cast<size_t>(frame)]);
+  const auto k = static_cast<size_t>(tree_.link_of_frame[frame]);
   const Vec3d r{in_frame.x(), in_frame.y(), in_frame.z()};
   for (int m = tree_.links[k].first_support; m < tree_.links[k].end_support; ++m) {
     const Column<double>& c = recursion_.jacobian[m];
-    slope.col(tree_.supports[static_cast<size_t>(m)].coordinate) =
+    slope.col(tree_.supports[m].coordinate) =
         eigen(rotate(T_world_[k].R, c.v + cross(c.w, r)));
   }
   return slope;

@@ -23,7 +23,7 @@ LimitSignals::LimitSignals(const Model& arm, const MotionLimits& joints,
   const auto each = [&](const char* what, const char* per, const VectorXd& lower,
                         const VectorXd& upper, const VectorXd& scale) {
     for (int i = 0; i < joints_; ++i) {
-      const Coordinate& c = arm.coordinates()[static_cast<size_t>(i)];
+      const Coordinate& c = arm.coordinates()[i];
       signals_.push_back(
           {text(what, " of ", c.name), position_unit(c) + per, lower[i], upper[i], scale[i]});
     }
@@ -38,7 +38,7 @@ LimitSignals::LimitSignals(const Model& arm, const MotionLimits& joints,
 
 void LimitSignals::add_stops(const MotionLimits& joints) {
   for (int i = 0; i < joints_; ++i) {
-    const Coordinate& c = arm_.coordinates()[static_cast<size_t>(i)];
+    const Coordinate& c = arm_.coordinates()[i];
     const double room = kRoomOfSupervisor * (joints.upper[i] - joints.lower[i]);
     signals_.push_back({text("stop of ", c.name), position_unit(c), joints.lower[i] + room,
                         joints.upper[i] - room, joints.upper[i] - joints.lower[i]});
@@ -51,7 +51,7 @@ void LimitSignals::add_torques(const Model& powered) {
           "excitation: torques are limited, but the arm '", powered.name(),
           "' has no inertial values or other joints.");
   for (int i = 0; i < joints_; ++i) {
-    const Coordinate& c = powered.coordinates()[static_cast<size_t>(i)];
+    const Coordinate& c = powered.coordinates()[i];
     const double most = c.limits.effort;
     if (!std::isfinite(most)) continue;
     torque_joints_.push_back(i);
@@ -163,8 +163,8 @@ MatrixXd LimitSignals::torques(const MotionSamples& motion) const {
   for (size_t e = 0; e < effects_.size(); ++e) {
     effects_[e]->evaluate(motion, Y);
     for (Eigen::Index i = 0; i < tau.cols(); ++i) {
-      if (Y[static_cast<size_t>(i)].cols() > 0)
-        tau.col(i) += Y[static_cast<size_t>(i)] * effect_values_[e];
+      if (Y[i].cols() > 0)
+        tau.col(i) += Y[i] * effect_values_[e];
     }
   }
   return tau;

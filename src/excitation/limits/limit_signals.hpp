@@ -39,7 +39,7 @@ class LimitSignals {
 
   int count() const { return static_cast<int>(signals_.size()); }
   int joints() const { return joints_; }
-  const LimitSignal& operator[](int k) const { return signals_[static_cast<size_t>(k)]; }
+  const LimitSignal& operator[](int k) const { return signals_[k]; }
 
   /// Signals after q, dq, ddq, (rows x count() - 3 n).
   MatrixXd values(const MotionSamples& motion) const;

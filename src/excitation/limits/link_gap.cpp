@@ -63,8 +63,8 @@ double outside(const Obstacle& box, const Eigen::Vector3d& p, Eigen::Vector3d* d
 
 // The frame that moves last on the way to a frame: frames of one mover are one rigid body.
 int mover_of(const Model& arm, int frame) {
-  while (frame >= 0 && arm.frames()[static_cast<size_t>(frame)].type == JointType::kFixed)
-    frame = arm.frames()[static_cast<size_t>(frame)].parent;
+  while (frame >= 0 && arm.frames()[frame].type == JointType::kFixed)
+    frame = arm.frames()[frame].parent;
   return frame;
 }
 
@@ -98,7 +98,7 @@ std::vector<RigidBody> rigid_bodies(const Model& arm, const std::vector<Capsule>
 
 bool joined_by_one_joint(const Model& arm, int a, int b) {
   const auto before = [&](int mover) {
-    return mover < 0 ? -2 : mover_of(arm, arm.frames()[static_cast<size_t>(mover)].parent);
+    return mover < 0 ? -2 : mover_of(arm, arm.frames()[mover].parent);
   };
   return before(a) == b || before(b) == a;
 }
@@ -106,7 +106,7 @@ bool joined_by_one_joint(const Model& arm, int a, int b) {
 VectorXd random_posture(const Model& arm, RandomNumbers& random) {
   VectorXd q(arm.joints());
   for (int i = 0; i < arm.joints(); ++i) {
-    const Limits& limits = arm.coordinates()[static_cast<size_t>(i)].limits;
+    const Limits& limits = arm.coordinates()[i].limits;
     const double lower = std::isfinite(limits.lower) ? limits.lower : -M_PI;
     const double upper = std::isfinite(limits.upper) ? limits.upper : M_PI;
     q[i] = random.uniform(lower, upper);

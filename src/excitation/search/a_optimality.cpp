@@ -37,11 +37,11 @@ VectorXd parameter_sizes(const Model& arm, const BaseRegressor& regressor) {
   const std::vector<MatrixXd> grams = regressor.columns()->joint_grams(random_states(arm, kStates));
   VectorXd square(arm.joints());
   for (Eigen::Index i = 0; i < square.size(); ++i)
-    square[i] = beta.dot(grams[static_cast<size_t>(i)] * beta) / kStates;
+    square[i] = beta.dot(grams[i] * beta) / kStates;
   const double none = std::max(1e-300, kNoTorque2 * square.maxCoeff());
   VectorXd by_one = VectorXd::Zero(beta.size());  // squared torque of one unit, relative
   for (Eigen::Index i = 0; i < square.size(); ++i)
-    by_one += grams[static_cast<size_t>(i)].diagonal() / kStates / std::max(square[i], none);
+    by_one += grams[i].diagonal() / kStates / std::max(square[i], none);
   return beta.cwiseAbs().cwiseMax(kFloorOfTorque *
                                   by_one.cwiseMax(1e-300).cwiseSqrt().cwiseInverse());
 }

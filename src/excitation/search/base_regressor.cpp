@@ -38,7 +38,7 @@ BaseRegressor::BaseRegressor(const Model& arm, const std::vector<int>& base, dou
   scale_.resize(size());
   for (int b = 0; b < size(); ++b) {
     scale_[b] =
-        W.col(base_[static_cast<size_t>(b)]).norm() / std::sqrt(static_cast<double>(states));
+        W.col(base_[b]).norm() / std::sqrt(static_cast<double>(states));
   }
   const MatrixXd R = W(Eigen::all, base_).householderQr().matrixQR().topRows(size());
   orthogonal_ = std::sqrt(static_cast<double>(states)) *

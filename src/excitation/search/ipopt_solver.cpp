@@ -70,8 +70,8 @@ class IpoptProgram final : public Ipopt::TNLP {
       return true;
     }
     for (Index k = 0; k < count; ++k) {
-      rows[k] = program_.pattern()[static_cast<size_t>(k)].first;
-      columns[k] = program_.pattern()[static_cast<size_t>(k)].second;
+      rows[k] = program_.pattern()[k].first;
+      columns[k] = program_.pattern()[k].second;
     }
     return true;
   }
@@ -109,7 +109,7 @@ class IpoptProgram final : public Ipopt::TNLP {
   VectorXd lagrangian(const VectorXd& gradient, const VectorXd& jacobian, const VectorXd& multipliers) const {
     VectorXd out = gradient;
     for (Eigen::Index e = 0; e < jacobian.size(); ++e) {
-      const auto [row, column] = program_.pattern()[static_cast<size_t>(e)];
+      const auto [row, column] = program_.pattern()[e];
       out[column] += multipliers[row] * jacobian[e];
     }
     return out;

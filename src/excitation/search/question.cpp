@@ -26,7 +26,7 @@ VectorXd torque_sizes(const Model& arm) {
     return size;
   }
   for (int i = 0; i < arm.joints(); ++i) {
-    const double effort = arm.coordinates()[static_cast<size_t>(i)].limits.effort;
+    const double effort = arm.coordinates()[i].limits.effort;
     if (!std::isfinite(effort)) return VectorXd::Ones(arm.joints());
     size[i] = effort;
   }

@@ -41,7 +41,7 @@ using Columns = std::vector<std::shared_ptr<const ColumnSource>>;
 Columns body_on_frame(const Model& arm, FrameIndex frame, const std::vector<int>& kept) {
   ModelDescription only = arm.description();
   for (Frame& f : only.frames) f.body.reset();
-  only.frames[static_cast<size_t>(frame.value)].body = Body{};
+  only.frames[frame.value].body = Body{};
   only.effects.clear();
   return {some_columns(body_columns(Model(std::move(only))), kept)};
 }
@@ -85,7 +85,7 @@ AxisMotion within_limits(const Model& arm, JointIndex joint) {
   const MotionLimits limits = motion_limits(arm);
   AxisMotion m;
   const int i = joint.value;
-  if (arm.coordinates()[static_cast<size_t>(i)].prismatic) m.type = JointType::kPrismatic;
+  if (arm.coordinates()[i].prismatic) m.type = JointType::kPrismatic;
   m.middle = 0.5 * (limits.lower[i] + limits.upper[i]);
   m.travel = limits.upper[i] - limits.lower[i];
   m.speed = limits.velocity[i];
@@ -116,7 +116,7 @@ std::vector<EffectTerm> effect_terms(const Model& arm, const std::string& effect
 }
 
 std::vector<int> numbers(int first, int count) {
-  std::vector<int> out(static_cast<size_t>(count));
+  std::vector<int> out(count);
   std::iota(out.begin(), out.end(), first);
   return out;
 }
@@ -124,7 +124,7 @@ std::vector<int> numbers(int first, int count) {
 // Relative sizes of the parameters: 1 kg within 0.1 m, or equal torques.
 VectorXd sizes_of(const KnownRival& rival, const MatrixXd& W, const std::vector<int>& columns,
                   int first) {
-  VectorXd out(static_cast<Eigen::Index>(columns.size()));
+  VectorXd out(columns.size());
   for (size_t k = 0; k < columns.size(); ++k) {
     const int parameter = columns[k] - first;
     const double of_load = parameter == 0 ? 1.0 : parameter < 4 ? 0.1 : 0.01;

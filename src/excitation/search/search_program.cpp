@@ -83,14 +83,14 @@ VectorXd GridConstraints::values(const VectorXd& x) const {
 VectorXd GridConstraints::jacobian(const VectorXd& x) const {
   const int n = space_.joints();
   const int p = space_.per_joint();
-  VectorXd out(static_cast<Eigen::Index>(pattern_.size()));
+  VectorXd out(pattern_.size());
   out.head(constant_.size()) = constant_;
   if (constant_.size() == out.size()) return out;
   const std::vector<MatrixXd> slopes = signals_.slopes(space_.samples(basis_, x));
   Eigen::Index next = constant_.size();
   for (const int k : kept_) {
     if (k < 3 * n) continue;
-    const MatrixXd& by_state = slopes[static_cast<size_t>(k - 3 * n)];
+    const MatrixXd& by_state = slopes[k - 3 * n];
     for (Eigen::Index t = 0; t < basis_.time.size(); ++t) {
       for (int i = 0; i < n; ++i) {
         const double unit = space_.size_of(i) / signals_[k].scale;
@@ -111,7 +111,7 @@ GridConstraints::Violation GridConstraints::violation(const VectorXd& values) co
   const Eigen::Index instants = basis_.time.size();
   for (Eigen::Index row = 0; row < values.size(); ++row) {
     const double size = std::max(values[row] - upper_[row], lower_[row] - values[row]);
-    if (size > worst.size) worst = {size, kept_[static_cast<size_t>(row / instants)]};
+    if (size > worst.size) worst = {size, kept_[row / instants]};
   }
   return worst;
 }
@@ -186,7 +186,7 @@ VectorXd WidestViolation::constraints(const VectorXd& x) {
 VectorXd WidestViolation::jacobian(const VectorXd& x) {
   const VectorXd inner = limits_.jacobian(x.head(variables_));
   const Eigen::Index rows = limits_.lower().size() - limits_.joint_rows();
-  VectorXd out(static_cast<Eigen::Index>(pattern_.size()));
+  VectorXd out(pattern_.size());
   out << inner, VectorXd::Constant(rows, -1.0), inner, VectorXd::Constant(rows, 1.0);
   return out;
 }

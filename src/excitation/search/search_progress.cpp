@@ -22,7 +22,7 @@ SearchProgress::SearchProgress(Listener listener, int searches, int steps)
 void SearchProgress::step(int search, const std::string& news) {
   if (!listener_) return;
   const std::lock_guard<std::mutex> lock(guard_);
-  int& done = done_[static_cast<size_t>(search)];
+  int& done = done_[search];
   done = std::min(done + 1, steps_);
   const auto now = std::chrono::steady_clock::now();
   if (std::chrono::duration<double>(now - told_).count() < kSilence) return;
@@ -34,7 +34,7 @@ void SearchProgress::step(int search, const std::string& news) {
 void SearchProgress::over(int search) {
   if (!listener_) return;
   const std::lock_guard<std::mutex> lock(guard_);
-  done_[static_cast<size_t>(search)] = steps_;
+  done_[search] = steps_;
 }
 
 void SearchProgress::tell(const std::string& news) {

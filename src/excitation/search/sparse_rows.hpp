@@ -12,13 +12,13 @@ class SparseRows {
  public:
   SparseRows(const std::vector<std::pair<int, int>>& pattern, Eigen::Index rows)
       : begin_(static_cast<size_t>(rows) + 1, 0) {
-    for (const auto& entry : pattern) ++begin_[static_cast<size_t>(entry.first) + 1];
+    for (const auto& entry : pattern) ++begin_[entry.first + 1];
     for (size_t r = 1; r < begin_.size(); ++r) begin_[r] += begin_[r - 1];
     std::vector<size_t> next(begin_.begin(), begin_.end() - 1);
     place_.resize(pattern.size());
     column_.resize(pattern.size());
     for (size_t e = 0; e < pattern.size(); ++e) {
-      const size_t to = next[static_cast<size_t>(pattern[e].first)]++;
+      const size_t to = next[pattern[e].first]++;
       place_[e] = static_cast<Eigen::Index>(to);
       column_[to] = pattern[e].second;
     }

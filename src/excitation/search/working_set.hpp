@@ -23,8 +23,8 @@ class WorkingSet final : public NonlinearProgram {
     int added = 0;
     for (Eigen::Index r = 0; r < c.size(); ++r) {
       const bool close = c[r] > whole_.upper()[r] - near || c[r] < whole_.lower()[r] + near;
-      if (!close || chosen_[static_cast<size_t>(r)]) continue;
-      chosen_[static_cast<size_t>(r)] = true;
+      if (!close || chosen_[r]) continue;
+      chosen_[r] = true;
       ++added;
     }
     if (added > 0 || rows_.empty()) rebuild();
@@ -42,7 +42,7 @@ class WorkingSet final : public NonlinearProgram {
 
  private:
   static VectorXd at(const VectorXd& all, const std::vector<Eigen::Index>& places) {
-    VectorXd out(static_cast<Eigen::Index>(places.size()));
+    VectorXd out(places.size());
     for (size_t k = 0; k < places.size(); ++k) out[static_cast<Eigen::Index>(k)] = all[places[k]];
     return out;
   }
@@ -61,7 +61,7 @@ class WorkingSet final : public NonlinearProgram {
     upper_ = at(whole_.upper(), rows_);
     const auto& all = whole_.pattern();
     for (size_t e = 0; e < all.size(); ++e) {
-      const int row = place[static_cast<size_t>(all[e].first)];
+      const int row = place[all[e].first];
       if (row < 0) continue;
       pattern_.emplace_back(row, all[e].second);
       entries_.push_back(static_cast<Eigen::Index>(e));

@@ -98,7 +98,7 @@ void find_centre(const GainFit& fit, int load, MountedLoad& mounted) {
   const std::vector<std::string>& unknown = fit.columns.unknown;
   Eigen::Vector3d centre;
   for (int i = 0; i < 3; ++i) {
-    const std::string& name = names[static_cast<size_t>(i + 1)];
+    const std::string& name = names[i + 1];
     const std::vector<std::string>& alone = fit.columns.alone;
     if (std::find(alone.begin(), alone.end(), name) == alone.end()) return;
     const auto at = std::find(unknown.begin(), unknown.end(), name) - unknown.begin();
@@ -129,7 +129,7 @@ DriveGains described(const Model& arm, const std::vector<std::string>& recording
   const double t = student_t_quantile(0.05, std::max(1, out.clusters - 1));
   const VectorXd weight = data.weight_torque(0);
   for (Eigen::Index j = 0; j < fit.joints(); ++j) {
-    DriveGain gain = gain_of(arm.coordinates()[static_cast<size_t>(j)], fit.solution.p()[j],
+    DriveGain gain = gain_of(arm.coordinates()[j], fit.solution.p()[j],
                              fit.p_deviation(j), t);
     gain.share = fit.mass_share[j];
     if (!gain.identifiable) gain.reason = why_not(gain, weight[j] > kNoWeight);

@@ -66,7 +66,7 @@ GainData::GainData(const Model& arm, const std::vector<std::string>& recordings,
                    const PreprocessingOptions& preprocessing, int threads)
     : load_of_(load_of), loads_(loads), recordings_(recordings.size()) {
   for (const int load : load_of) {
-    arms_.push_back(arm_with_load(arm, loads[static_cast<size_t>(load)], load));
+    arms_.push_back(arm_with_load(arm, loads[load], load));
     std::vector<StandardParameter> parameters = standard_parameters(arms_.back());
     // Facts of the file are known values here as well.
     const std::vector<StandardParameter> own = standard_parameters(arm);
@@ -107,7 +107,7 @@ std::vector<std::string> GainData::load_columns(int load) {
 
 std::string GainData::column_name(const StandardParameter& p, size_t recording) const {
   if (p.effect < 0 || p.fixed) return p.name;
-  const std::string& effect = arms_[recording].effects()[static_cast<size_t>(p.effect)].effect;
+  const std::string& effect = arms_[recording].effects()[p.effect].effect;
   return lasting(effect) ? p.name : text(p.name, " in recording ", recording + 1);
 }
 
@@ -152,7 +152,7 @@ GainData::Columns GainData::columns(const std::vector<bool>& loaded) const {
       const std::string name = column_name(p, r);
       if (p.fixed) out.known[name] = p.value;
       if (p.name == of_load.front())
-        out.known[name] = loads_[static_cast<size_t>(load_of_[r])].mass;
+        out.known[name] = loads_[load_of_[r]].mass;
       if (out.known.count(name) > 0) continue;
       kept.push_back(p.name);
       names.push_back(name);
@@ -164,21 +164,21 @@ GainData::Columns GainData::columns(const std::vector<bool>& loaded) const {
   std::vector<int> preference;
   for (const int wanted : {0, 1, 2}) {
     for (int c = 0; c < structure.size(); ++c) {
-      if (rank.at(structure.columns()[static_cast<size_t>(c)]) == wanted) preference.push_back(c);
+      if (rank.at(structure.columns()[c]) == wanted) preference.push_back(c);
     }
   }
   const BaseParameters base = base_parameters(structure, preference);
   for (const int c : base.independent) {
-    const std::string& name = structure.columns()[static_cast<size_t>(c)];
+    const std::string& name = structure.columns()[c];
     out.unknown.push_back(name);
-    if (base.classes[static_cast<size_t>(c)] == Identifiability::kAlone) out.alone.push_back(name);
+    if (base.classes[c] == Identifiability::kAlone) out.alone.push_back(name);
   }
   return out;
 }
 
 VectorXd GainData::weight_torque(int load) const {
   const auto at = std::find(load_of_.begin(), load_of_.end(), load) - load_of_.begin();
-  const Model& arm = arms_[static_cast<size_t>(at)];
+  const Model& arm = arms_[at];
   const int n = arm.joints();
   const Eigen::Index mass =
       kBodyParameters * (static_cast<Eigen::Index>(arm.bodies().size()) - 1);  // the last body
@@ -196,14 +196,14 @@ VectorXd GainData::weight_torque(int load) const {
 GainEquation gain_equation(const SquareRootInformation& factor, const GainData::Columns& columns) {
   std::unordered_map<std::string, Eigen::Index> index;
   for (int c = 0; c < factor.size(); ++c)
-    index.emplace(factor.columns()[static_cast<size_t>(c)], static_cast<Eigen::Index>(c));
+    index.emplace(factor.columns()[c], static_cast<Eigen::Index>(c));
   GainEquation out;
   out.U = MatrixXd::Zero(factor.size(), static_cast<Eigen::Index>(columns.unknown.size()));
   out.k = VectorXd::Zero(factor.size());
   for (size_t u = 0; u < columns.unknown.size(); ++u) {
     const auto found = index.find(columns.unknown[u]);
     if (found != index.end())
-      out.U.col(static_cast<Eigen::Index>(u)) = factor.R().col(found->second);
+      out.U.col(u) = factor.R().col(found->second);
   }
   for (const auto& [name, value] : columns.known) {
     const auto found = index.find(name);

@@ -67,7 +67,7 @@ MatrixXd delete_one_estimates(const Clusters& clusters, const GainFit& fit) {
     std::vector<SquareRootInformation> rest = before;
     if (c + 1 < count) add(rest, after[c]);
     const GainSolution s = solve_gains(equations_of(rest, fit.columns), fit.sigma, fit.solution);
-    out.col(static_cast<Eigen::Index>(c)) << s.y / s.scale, s.p();
+    out.col(c) << s.y / s.scale, s.p();
     add(before, clusters[c]);
   }
   return out;
@@ -81,10 +81,10 @@ VectorXd mass_shares(const GainData& data, const Clusters& clusters,
     const size_t recording = data.recording_of_cluster(c);
     if (!fit.loaded[recording]) continue;
     const int load = data.load_of(recording);
-    const double mass = loads[static_cast<size_t>(load)].mass;
+    const double mass = loads[load].mass;
     const std::string column = GainData::load_columns(load).front();
     for (Eigen::Index j = 0; j < fit.joints(); ++j) {
-      const SquareRootInformation& factor = clusters[c][static_cast<size_t>(j)];
+      const SquareRootInformation& factor = clusters[c][j];
       const auto at = std::find(factor.columns().begin(), factor.columns().end(), column);
       current2[j] += factor.rhs_norm2();
       if (at == factor.columns().end()) continue;

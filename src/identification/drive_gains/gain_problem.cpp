@@ -40,7 +40,7 @@ double cost_at(const std::vector<GainEquation>& equations, const VectorRef& sigm
   const VectorXd residual = residual_current(equations, at);
   double cost = 0.0;
   for (Eigen::Index j = 0; j < residual.size(); ++j)
-    cost += equations[static_cast<size_t>(j)].rows * std::pow(residual[j] / sigma[j], 2);
+    cost += equations[j].rows * std::pow(residual[j] / sigma[j], 2);
   return cost;
 }
 
@@ -61,7 +61,7 @@ MatrixXd jacobian(const std::vector<GainEquation>& equations, const VectorRef& s
   MatrixXd A = MatrixXd::Zero(total_rows(equations) + spare, unknowns + 1 + n);
   Eigen::Index row = 0;
   for (Eigen::Index j = 0; j < n; ++j) {
-    const GainEquation& e = equations[static_cast<size_t>(j)];
+    const GainEquation& e = equations[j];
     const Eigen::Index count = e.z.size();
     A.block(row, 0, count, unknowns) = at.ratio[j] / sigma[j] * e.U;
     A.block(row, unknowns, count, 1) = at.ratio[j] / sigma[j] * e.k;
@@ -80,7 +80,7 @@ VectorXd step_at(const std::vector<GainEquation>& equations, const VectorRef& si
   VectorXd b = VectorXd::Zero(A.rows());
   Eigen::Index row = 0;
   for (Eigen::Index j = 0; j < at.ratio.size(); ++j) {
-    const GainEquation& e = equations[static_cast<size_t>(j)];
+    const GainEquation& e = equations[j];
     b.segment(row, e.z.size()) = (e.z - current_of(e, at, j)) / sigma[j];
     row += e.z.size();
   }
@@ -99,10 +99,10 @@ VectorXd linear_solution(const std::vector<GainEquation>& equations, const Vecto
   VectorXd b(A.rows());
   Eigen::Index row = 0;
   for (Eigen::Index j = 0; j < n; ++j) {
-    const GainEquation& e = equations[static_cast<size_t>(j)];
+    const GainEquation& e = equations[j];
     const Eigen::Index count = e.z.size();
     A.block(row, 0, count, unknowns) = weights[j] * e.U;
-    const bool fixed = given[static_cast<size_t>(j)] != 0;
+    const bool fixed = given[j] != 0;
     if (!fixed) A.block(row, unknowns + j, count, 1) = -weights[j] * e.z;
     b.segment(row, count) = weights[j] * ((fixed ? 1.0 : 0.0) * e.z - e.k);
     row += count;
@@ -110,7 +110,7 @@ VectorXd linear_solution(const std::vector<GainEquation>& equations, const Vecto
   const VectorXd scale = scale_columns(A);
   VectorXd out = scale.cwiseProduct(VectorXd(Eigen::ColPivHouseholderQR<MatrixXd>(A).solve(b)));
   for (Eigen::Index j = 0; j < n; ++j) {
-    if (given[static_cast<size_t>(j)] != 0) out[unknowns + j] = 1.0;
+    if (given[j] != 0) out[unknowns + j] = 1.0;
   }
   return out;
 }
@@ -134,9 +134,9 @@ VectorXd independent_shares(const std::vector<GainEquation>& equations, const Ve
 }
 
 VectorXd residual_current(const std::vector<GainEquation>& equations, const GainSolution& at) {
-  VectorXd out(static_cast<Eigen::Index>(equations.size()));
+  VectorXd out(equations.size());
   for (Eigen::Index j = 0; j < out.size(); ++j) {
-    const GainEquation& e = equations[static_cast<size_t>(j)];
+    const GainEquation& e = equations[j];
     const double sum = (current_of(e, at, j) - e.z).squaredNorm() + e.rho2;
     out[j] = std::sqrt(sum / std::max(e.rows, 1.0));
   }
@@ -147,7 +147,7 @@ GainSolution start_gains(const std::vector<GainEquation>& equations, const Vecto
   const Eigen::Index unknowns = equations.front().U.cols();
   const auto n = static_cast<Eigen::Index>(equations.size());
   const VectorXd currents = sigma.cwiseInverse();
-  std::vector<char> given(static_cast<size_t>(n), 0);
+  std::vector<char> given(n, 0);
   given = without_scale(linear_solution(equations, currents, given).tail(n));
   VectorXd solution = linear_solution(equations, currents, given);
   // Torque errors are K times current errors: weighted with the gains found before.
@@ -160,7 +160,7 @@ GainSolution start_gains(const std::vector<GainEquation>& equations, const Vecto
   GainSolution out;
   double best = -1.0;
   for (Eigen::Index j = 0; j < n; ++j) {
-    const double felt = equations[static_cast<size_t>(j)].k.norm() / (std::abs(gain[j]) * sigma[j]);
+    const double felt = equations[j].k.norm() / (std::abs(gain[j]) * sigma[j]);
     if (felt <= best) continue;
     best = felt;
     out.reference = static_cast<int>(j);

@@ -157,7 +157,7 @@ class ModelWriter {
     std::vector<std::string> parts;
     for (int i = 0; i < arm_.joints(); ++i) {
       if (c[i] == 0.0 && !(i == 0 && c.isZero(0.0))) continue;
-      const std::string& name = d_.coordinates[static_cast<std::size_t>(i)].name;
+      const std::string& name = d_.coordinates[i].name;
       parts.push_back(quoted_if_needed(name) + ": " + numbers_.number(place + "/" + name, c[i]));
     }
     return "{" + listed(parts) + "}";
@@ -166,7 +166,7 @@ class ModelWriter {
   std::string frame_text(const Frame& frame) const {
     const std::string place = "frames/" + frame.name;
     const std::string parent =
-        frame.parent < 0 ? "world" : d_.frames[static_cast<std::size_t>(frame.parent)].name;
+        frame.parent < 0 ? "world" : d_.frames[frame.parent].name;
     std::vector<std::string> parts{"name: " + quoted_if_needed(frame.name),
                                    "parent: " + quoted_if_needed(parent)};
     const std::optional<DhRow> row = row_of(frame);

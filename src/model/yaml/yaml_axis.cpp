@@ -12,7 +12,7 @@ int index_of(const std::vector<std::string>& names, const std::string& name) {
 }
 
 Axis read_axis(const YamlNode& node, const std::vector<std::string>& coordinates) {
-  Axis axis{VectorXd::Zero(static_cast<Eigen::Index>(coordinates.size())), 0.0};
+  Axis axis{VectorXd::Zero(coordinates.size()), 0.0};
   const std::string expected = "{coordinate: coefficient, ...} over " + listed(coordinates);
   const std::vector<YamlNode::Entry> entries = node.entries(expected);
   if (entries.empty()) node.fail("an empty map", expected);

@@ -69,7 +69,7 @@ InertialParameters read_deviations(const YamlNode& node) {
   }
   node.allow_keys(inertial_parameter_names());
   for (Eigen::Index i = 0; i < kBodyParameters; ++i) {
-    if (const auto value = node.find(inertial_parameter_names()[static_cast<std::size_t>(i)])) {
+    if (const auto value = node.find(inertial_parameter_names()[i])) {
       deviations[i] = deviation(*value);
     }
   }

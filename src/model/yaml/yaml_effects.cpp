@@ -23,7 +23,7 @@ class EffectReader {
     }
     term.where = list_item.where();
     const YamlNode node = list_item.placed(text("effects/", index));
-    term.axis.coefficients = VectorXd::Zero(static_cast<Eigen::Index>(coordinates_.size()));
+    term.axis.coefficients = VectorXd::Zero(coordinates_.size());
     for (const YamlNode::Entry& entry : node.entries("an effect")) read_effect_key(entry, term);
     if (!node.find("axis") && !node.find("frame") && !may_lack_axis(term.effect)) {
       node.fail("no axis", "axis: {coordinate: coefficient}, along which " + term.effect + " acts");

@@ -51,9 +51,9 @@ class FrameReader {
  private:
   Frame read_frame(const YamlNode& node, int k) const {
     Frame frame;
-    frame.name = names_[static_cast<std::size_t>(k)];
+    frame.name = names_[k];
     frame.parent = parent_index(node.at("parent"), k);
-    frame.variable.coefficients = VectorXd::Zero(static_cast<Eigen::Index>(coordinates_.size()));
+    frame.variable.coefficients = VectorXd::Zero(coordinates_.size());
     read_joint(node, frame);
     if (const auto dh = node.find("dh")) {
       place_by_row(node, *dh, frame);
@@ -65,7 +65,7 @@ class FrameReader {
   }
 
   int parent_index(const YamlNode& node, int k) const {
-    const std::string& parent = parents_[static_cast<std::size_t>(k)];
+    const std::string& parent = parents_[k];
     if (parent == "world") return -1;
     const int p = index_of(names_, parent);
     if (p >= 0 && p < k) return p;
@@ -78,16 +78,16 @@ class FrameReader {
     const std::string cycle = cycle_through(k);
     if (!cycle.empty()) node.fail("a cycle of parents (" + cycle + ")", "a tree");
     node.fail("the parent '" + parent + "', which stands after its child '" +
-                  names_[static_cast<std::size_t>(k)] + "'",
+                  names_[k] + "'",
               "parents before children");
   }
 
   // "a -> b -> a" if the parents of frame k lead back to it.
   std::string cycle_through(int k) const {
-    std::string path = names_[static_cast<std::size_t>(k)];
+    std::string path = names_[k];
     int at = k;
     for (std::size_t step = 0; step < names_.size(); ++step) {
-      const std::string& parent = parents_[static_cast<std::size_t>(at)];
+      const std::string& parent = parents_[at];
       at = index_of(names_, parent);
       if (at < 0) return "";
       path += " -> " + parent;

@@ -12,7 +12,7 @@ namespace {
 
 VectorXd read_numbers(const YamlNode& node, const std::string& expected) {
   const std::vector<YamlNode> items = node.items(expected);
-  VectorXd out(static_cast<Eigen::Index>(items.size()));
+  VectorXd out(items.size());
   for (std::size_t i = 0; i < items.size(); ++i) {
     out[static_cast<Eigen::Index>(i)] = items[i].number();
   }
@@ -27,7 +27,7 @@ MatrixXd read_motion(const YamlNode& node, int clusters, int joints) {
   for (std::size_t c = 0; c < rows.size(); ++c) {
     const std::vector<double> row =
         rows[c].numbers(static_cast<std::size_t>(joints), text(joints, " numbers, one per joint"));
-    out.row(static_cast<Eigen::Index>(c)) =
+    out.row(c) =
         Eigen::Map<const Eigen::RowVectorXd>(row.data(), joints);
   }
   return out;

@@ -77,7 +77,7 @@ class Collector {
 
   void message(int channel, std::int64_t recorded, std::string_view bytes) {
     if (channel < 0) return;
-    Entry& entry = *entries_[static_cast<std::size_t>(channel)];
+    Entry& entry = *entries_[channel];
     RawTopic& topic = topics_[entry.topic];
     recorded = std::clamp(recorded, std::int64_t{0}, recordings::kLargestTime);
     topic.first = topic.messages == 0 ? recorded : std::min(topic.first, recorded);

@@ -115,17 +115,17 @@ int TopicDecoder::leaf_of(const std::string& path) {
 }
 
 void TopicDecoder::number(int leaf, double value) {
-  std::vector<double>& numbers = leaves_[static_cast<std::size_t>(leaf)].numbers;
+  std::vector<double>& numbers = leaves_[leaf].numbers;
   if (numbers.size() < kLongestArray) numbers.push_back(value);
 }
 
 void TopicDecoder::text(int leaf, std::string_view value) {
-  if (leaves_[static_cast<std::size_t>(leaf)].role == Role::kNames && names_.size() < kLongestArray)
+  if (leaves_[leaf].role == Role::kNames && names_.size() < kLongestArray)
     names_.emplace_back(value.substr(0, 200));
 }
 
 void TopicDecoder::time(int leaf, std::int64_t nanoseconds) {
-  if (stamp_ == 0 && leaves_[static_cast<std::size_t>(leaf)].role == Role::kStamp)
+  if (stamp_ == 0 && leaves_[leaf].role == Role::kStamp)
     stamp_ = nanoseconds > recordings::kLargestTime ? 0 : nanoseconds;
 }
 

@@ -40,7 +40,7 @@ class RowParser {
       if (slot == CsvLayout::kIgnored) {
         skip_field();
       } else {
-        (*row)[static_cast<std::size_t>(slot)] = number(column);
+        (*row)[slot] = number(column);
       }
     }
     if (layout_.separator == ' ') skip_blanks();
@@ -118,7 +118,7 @@ class RowParser {
     const char* stop = comma;
     while (stop != end_ && !ends_number(*stop)) ++stop;
     std::string field(p_, stop);
-    field[static_cast<std::size_t>(comma - p_)] = '.';
+    field[comma - p_] = '.';
     double value = 0.0;
     const auto [rest, error] = std::from_chars(field.data(), field.data() + field.size(), value);
     p_ = stop;
@@ -228,7 +228,7 @@ RecordingFacts CsvRows::facts() const {
     const auto named = static_cast<std::size_t>(joint) <= options.signals.joints.size();
     facts.joints.push_back(
         named && options.signals.joints.size() == static_cast<std::size_t>(layout.joints)
-            ? options.signals.joints[static_cast<std::size_t>(joint) - 1].name
+            ? options.signals.joints[joint - 1].name
             : std::to_string(joint));
   }
   if (repeated > 0)
@@ -284,7 +284,7 @@ void CsvRows::set_factors() {
     factors[CsvLayout::kTime] = unit_factor("t", unit->second).value_or(1.0);
   for (std::size_t s = 0; s < layout.has_signal.size(); ++s) {
     for (int joint = 0; joint < layout.joints; ++joint)
-      factors[static_cast<std::size_t>(layout.slot(static_cast<int>(s), joint))] =
+      factors[layout.slot(static_cast<int>(s), joint)] =
           factor_for(options.signals, kRecordingSignals[s].name, joint + 1);
   }
   for (const double factor : factors) any = any || factor != 1.0;
@@ -394,7 +394,7 @@ Recording CsvRows::next(int rows) {
     for (std::size_t s = 0; s < layout.has_signal.size(); ++s) {
       if (!layout.has_signal[s]) continue;
       MatrixXd& values = piece.*kRecordingSignals[s].values;
-      const double* from = &row[static_cast<std::size_t>(layout.slot(static_cast<int>(s), 0))];
+      const double* from = &row[layout.slot(static_cast<int>(s), 0)];
       for (int joint = 0; joint < layout.joints; ++joint) values(count, joint) = from[joint];
     }
     ++count;

@@ -123,7 +123,7 @@ class Table {
         raw_.streams.emplace_back();
         raw_.streams.back().topic = split.topic;
       }
-      RawStream& stream = raw_.streams[static_cast<std::size_t>(at->second)];
+      RawStream& stream = raw_.streams[at->second];
       RawField field = field_of(split.path);
       if (split.topic.empty()) field.path = header_.names[k];
       factors_[k] = factor_of(k, field, &told);
@@ -193,7 +193,7 @@ class Table {
             field.joint.find_first_not_of("0123456789") != std::string::npos)
           continue;
         const auto column = names_column_.find(std::stoi(field.joint));
-        if (column != names_column_.end()) field.joint = fields[static_cast<std::size_t>(column->second)];
+        if (column != names_column_.end()) field.joint = fields[column->second];
       }
     }
     names_column_.clear();
@@ -219,7 +219,7 @@ class Table {
     }
     std::string time;
     if (header_.time.recorded >= 0) {
-      time = (*fields)[static_cast<std::size_t>(header_.time.recorded)];
+      time = (*fields)[header_.time.recorded];
       if (header_.separator != ',') std::replace(time.begin(), time.end(), ',', '.');
       if (time.empty() || time == "nan" || time == "NaN") {
         ++skipped_;
@@ -227,16 +227,16 @@ class Table {
       }
       require(nanoseconds_of(time, 1).has_value(), lines_.path(), ":", lines_.number(), ":",
               header_.time.recorded + 1, ": found '", time.substr(0, 40), "' in column ",
-              header_.names[static_cast<std::size_t>(header_.time.recorded)],
+              header_.names[header_.time.recorded],
               ", expected a time.");
     }
     std::int64_t stamp = 0;
     if (header_.time.stamped >= 0)
-      stamp = nanoseconds_of((*fields)[static_cast<std::size_t>(header_.time.stamped)], 1).value_or(0);
+      stamp = nanoseconds_of((*fields)[header_.time.stamped], 1).value_or(0);
     if (std::abs(stamp) > kLargestTime) stamp = 0;
     std::int64_t fraction = 0;
     if (header_.time.nanoseconds >= 0)
-      fraction = nanoseconds_of((*fields)[static_cast<std::size_t>(header_.time.nanoseconds)], 1).value_or(0);
+      fraction = nanoseconds_of((*fields)[header_.time.nanoseconds], 1).value_or(0);
     const std::size_t at = times_.size();
     times_.push_back(std::move(time));
     fractions_.push_back(fraction);
@@ -259,10 +259,10 @@ class Table {
       return std::llround(unit_factor("t", given->second).value_or(1.0) * 1e9);
     if (header_.time.unit != 0) return header_.time.unit;
     if (!header_.units.empty()) {
-      const std::string unit = bare_unit(header_.units[static_cast<std::size_t>(header_.time.recorded)]);
+      const std::string unit = bare_unit(header_.units[header_.time.recorded]);
       if (const auto factor = unit_factor("t", unit)) return std::llround(*factor * 1e9);
     }
-    const std::string in_name = unit_in(header_.names[static_cast<std::size_t>(header_.time.recorded)]);
+    const std::string in_name = unit_in(header_.names[header_.time.recorded]);
     if (const auto factor = unit_factor("t", in_name)) return std::llround(*factor * 1e9);
     std::vector<double> steps;
     bool whole = true;

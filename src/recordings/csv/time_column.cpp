@@ -71,7 +71,7 @@ TimeColumns time_columns(const std::vector<std::string>& names, const std::strin
     columns.nanoseconds = fraction;
     columns.unit = kSecond;
   }
-  if (columns.recorded >= 0 && names[static_cast<std::size_t>(columns.recorded)] == "%time")
+  if (columns.recorded >= 0 && names[columns.recorded] == "%time")
     columns.unit = 1;
   if (columns.recorded < 0 && columns.stamped >= 0) {
     columns.recorded = columns.stamped;

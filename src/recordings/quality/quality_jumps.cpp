@@ -33,7 +33,7 @@ bool JumpTally::is_jump(const Recording& rows, int k, int joint) const {
     const double fastest = rows.dq.col(joint).segment(k - 2, 5).cwiseAbs().maxCoeff();
     around = std::max(around, step_ * fastest);
   }
-  return step(k) > joints_[static_cast<std::size_t>(joint)].tolerance + 4.0 * around;
+  return step(k) > joints_[joint].tolerance + 4.0 * around;
 }
 
 void JumpTally::add(const Piece& piece) {

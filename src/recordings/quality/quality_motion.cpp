@@ -41,7 +41,7 @@ void check_motion(const Head& head, Findings* findings) {
     return;
   }
   for (int j = 0; j < head.rows.joints(); ++j) {
-    if (head.moves[static_cast<std::size_t>(j)]) continue;
+    if (head.moves[j]) continue;
     const std::vector<double> q = column_of(head.rows.q, j);
     const double range = between_quantiles(q, 0.01, 0.99);
     if (std::isnan(range)) continue;
@@ -53,7 +53,7 @@ void check_motion(const Head& head, Findings* findings) {
   for (const std::vector<int>& group : correlated_columns(head.rows.q)) {
     std::vector<int> moving;
     for (const int j : group) {
-      if (head.moves[static_cast<std::size_t>(j)]) moving.push_back(j);
+      if (head.moves[j]) moving.push_back(j);
     }
     if (moving.size() < 2) continue;
     findings->add(Severity::kWarning, "move_as_one", {"q", moving.front() + 1}, {},
@@ -76,7 +76,7 @@ void check_start_up(const Head& head, Findings* findings) {
       const double usual = quantile({sizes.begin() + kLatest, sizes.end()}, 0.9);
       int loud = 0;
       for (int w = 0; w < kLatest && w <= loud + 1; ++w) {
-        if (sizes[static_cast<std::size_t>(w)] > kLoud * usual) loud = w + 1;
+        if (sizes[w] > kLoud * usual) loud = w + 1;
       }
       if (loud < kShortest || usual <= 0.0) continue;
       const double ratio = *std::max_element(sizes.begin(), sizes.begin() + loud) / usual;

@@ -135,7 +135,7 @@ void ClipTally::conclude(Findings* findings) const {
 void check_saturated_plateaus(const Head& head, Findings* findings) {
   for (const Load& load : loads_of(head.rows)) {
     for (int j = 0; j < head.rows.joints(); ++j) {
-      if (!head.moves[static_cast<std::size_t>(j)]) continue;
+      if (!head.moves[j]) continue;
       for (const double sign : {1.0, -1.0}) {
         const VectorXd values =
             (sign * load.values->col(j)).array().isNaN().select(0.0, sign * load.values->col(j));

@@ -104,7 +104,7 @@ void RowTally::add(const Piece& piece) {
     stale_ += stale_run_ > 0 ? 1 : 0;
     longest_stale_ = std::max(longest_stale_, stale_run_);
     for (int j = 0; j < piece.rows.joints(); ++j) {
-      beyond_[static_cast<std::size_t>(j)] += std::abs(piece.rows.q(k, j)) > 2.0 * kTurn ? 1 : 0;
+      beyond_[j] += std::abs(piece.rows.q(k, j)) > 2.0 * kTurn ? 1 : 0;
     }
   }
   std::size_t c = 0;

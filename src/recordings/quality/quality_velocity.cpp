@@ -79,7 +79,7 @@ void check_quantised(const Head& head, int joint, const VelocityFit& fit, Findin
   std::vector<double> steps;
   std::vector<double> changes;
   for (int k = 2; k < dq.size(); ++k) {
-    if (head.stale[static_cast<std::size_t>(k)] || head.stale[static_cast<std::size_t>(k) - 1])
+    if (head.stale[k] || head.stale[k - 1])
       continue;
     steps.push_back(std::abs(dq[k] - dq[k - 1]));
     if (steps.back() > 0.0) changes.push_back(steps.back());
@@ -201,7 +201,7 @@ void check_velocities(const Head& head, Findings* findings) {
   std::vector<int> joints;
   std::vector<VelocityFit> fits;
   for (int j = 0; j < head.rows.joints(); ++j) {
-    if (!head.moves[static_cast<std::size_t>(j)] || (head.rows.dq.col(j).array() == 0.0).all())
+    if (!head.moves[j] || (head.rows.dq.col(j).array() == 0.0).all())
       continue;
     const VelocityFit fit = velocity_fit(head, j);
     check_quantised(head, j, fit, findings);

@@ -79,7 +79,7 @@ double factor_for(const SignalChoice& choice, const std::string& signal, int joi
   if (unit.empty()) return 1.0;
   const bool known = static_cast<std::size_t>(joint) <= choice.joints.size() && joint > 0;
   if (known) {
-    const bool slides = choice.joints[static_cast<std::size_t>(joint) - 1].prismatic;
+    const bool slides = choice.joints[joint - 1].prismatic;
     if ((slides && turns_only(unit)) || (!slides && slides_only(unit))) return 1.0;
   }
   return unit_factor(signal, unit).value_or(1.0);

@@ -151,7 +151,7 @@ std::string to_json(const LinksCalibration& r, const std::string& model_file,
   }
   out["named"] = Json::array();
   for (const int k : r.named) {
-    const LinkConstant& c = r.constants[static_cast<std::size_t>(k)];
+    const LinkConstant& c = r.constants[k];
     out["named"].push_back({{"name", c.name},
                             {"frame", c.frame},
                             {"file", c.file},

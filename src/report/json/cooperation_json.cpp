@@ -61,9 +61,9 @@ Json settings_json(const Scenario& s) {
                    (arm.control == ArmControl::kPosition ? ", position" : ", impedance"));
   }
   Json out = {{"arms", arms},
-              {"leader", s.arms[static_cast<std::size_t>(s.master)].name},
+              {"leader", s.arms[s.master].name},
               // Key of earlier versions.
-              {"master", s.arms[static_cast<std::size_t>(s.master)].name},
+              {"master", s.arms[s.master].name},
               {"seed", s.seed},
               {"model_error", s.model_error},
               {"encoder", s.encoder},

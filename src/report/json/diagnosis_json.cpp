@@ -71,7 +71,7 @@ Json verdict_json(const Diagnosis& d, const JointVerdict& v) {
               {"unnamed", v.extended - v.left},
               {"left", v.left - v.floor}};
   if (d.baseline.model)
-    out["coordinate"] = d.baseline.model->coordinates()[static_cast<size_t>(v.joint.value)].name;
+    out["coordinate"] = d.baseline.model->coordinates()[v.joint.value].name;
   if (!v.why.empty()) out["why"] = v.why;
   return out;
 }
@@ -194,7 +194,7 @@ std::string to_json(const Diagnosis& d, const std::string& next_command) {
   out["friction"] = Json::array();
   for (const JointNumber& n : d.friction) {
     out["friction"].push_back({{"joint", n.joint + 1},
-                               {"coordinate", d.extended.model->coordinates()[static_cast<std::size_t>(n.joint)].name},
+                               {"coordinate", d.extended.model->coordinates()[n.joint].name},
                                {"effect", n.effect},
                                {"parameter", n.parameter},
                                {"unit", n.unit},

@@ -195,7 +195,7 @@ std::string to_json(const Breakaway& found, const Model& arm) {
   const auto number = [](double x) { return std::isfinite(x) ? Json(x) : Json(); };
   Json out = json_head("simulate");
   out["robot"] = arm.name();
-  const Coordinate& c = arm.coordinates()[static_cast<std::size_t>(found.joint)];
+  const Coordinate& c = arm.coordinates()[found.joint];
   out["joint"] = found.joint + 1;
   out["coordinate"] = c.name;
   out["unit"] = c.prismatic ? "N" : "N m";

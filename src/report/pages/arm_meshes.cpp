@@ -78,7 +78,7 @@ Triangles on_coarse_grid(const Triangles& fine, double cell) {
     where.push_back(place->second);
   }
   for (const auto& t : fine.corners) {
-    const std::array<int, 3> c = {where[static_cast<size_t>(t[0])], where[static_cast<size_t>(t[1])], where[static_cast<size_t>(t[2])]};
+    const std::array<int, 3> c = {where[t[0]], where[t[1]], where[t[2]]};
     if (c[0] != c[1] && c[1] != c[2] && c[2] != c[0]) out.corners.push_back(c);
   }
   return out;
@@ -104,9 +104,9 @@ Triangles thinned(const Triangles& whole, int most) {
 Json mesh_json(int frame, const LinkShape& shape, const Triangles& surface) {
   const auto n = static_cast<Eigen::Index>(surface.points.size());
   MatrixXd points(n, 3);
-  for (Eigen::Index k = 0; k < n; ++k) points.row(k) = (shape.pose * surface.points[static_cast<size_t>(k)]).transpose();
+  for (Eigen::Index k = 0; k < n; ++k) points.row(k) = (shape.pose * surface.points[k]).transpose();
   VectorXd corners(3 * static_cast<Eigen::Index>(surface.corners.size()));
-  for (Eigen::Index k = 0; k < corners.size(); ++k) corners[k] = surface.corners[static_cast<size_t>(k / 3)][static_cast<size_t>(k % 3)];
+  for (Eigen::Index k = 0; k < corners.size(); ++k) corners[k] = surface.corners[k / 3][k % 3];
   return {{"frame", frame}, {"colour", shape.colour}, {"x", packed(points.col(0))}, {"y", packed(points.col(1))},
           {"z", packed(points.col(2))}, {"corners", packed(corners)}};
 }

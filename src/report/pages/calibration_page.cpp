@@ -61,7 +61,7 @@ void add_histogram(Json& series, const std::string& name, const std::string& uni
   std::vector<int> counts(kBins, 0);
   for (const double v : values) {
     const int bin = static_cast<int>(std::floor((v - low) / (high - low) * kBins));
-    if (bin >= 0 && bin < kBins) ++counts[static_cast<std::size_t>(bin)];
+    if (bin >= 0 && bin < kBins) ++counts[bin];
   }
   series["histograms"].push_back({{"name", name},
                                   {"unit", unit},
@@ -121,7 +121,7 @@ std::string to_page(const LinksCalibration& r, const std::string& command,
   if (r.explained) {
     verdict = r.named.empty() ? "No constant differs from the file." : "Wrong in the file: ";
     for (std::size_t k = 0; k < r.named.size(); ++k) {
-      const LinkConstant& c = r.constants[static_cast<std::size_t>(r.named[k])];
+      const LinkConstant& c = r.constants[r.named[k]];
       verdict += (k > 0 ? ", " : "") + c.name + (c.frame.empty() ? "" : " of " + c.frame);
     }
     if (!r.named.empty()) verdict += ".";

@@ -79,7 +79,7 @@ Json parameters_of(const Model& arm) {
     if (!term.frame.empty() || !has_axis_effect(term.effect)) continue;
     const BoundEffect effect(arm, term);
     for (int p = 0; p < effect.parameter_count(); ++p) {
-      const std::string& name = effect.parameters()[static_cast<std::size_t>(p)].name;
+      const std::string& name = effect.parameters()[p].name;
       if (term.values.count(name) == 0) continue;
       const auto deviation = term.deviations.find(name);
       out.push_back({{"name", effect.parameter_name(p)},

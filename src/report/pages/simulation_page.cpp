@@ -22,7 +22,7 @@ std::string unit_of(const Coordinate& c) {
 // NaN for excluded rows, so that no line is drawn there.
 VectorXd in_use(VectorXd values, const std::vector<char>& use) {
   for (Eigen::Index k = 0; k < values.size(); ++k) {
-    if (use[static_cast<size_t>(k)] == 0) values[k] = NAN;
+    if (use[k] == 0) values[k] = NAN;
   }
   return values;
 }
@@ -90,7 +90,7 @@ std::string to_page(const Replay& replay, const Model& arm, const ReplayInput& i
   Json joints = Json::array();
   for (int i = 0; i < arm.joints(); ++i)
     joints.push_back(
-        replay_joint(replay, input, arm.coordinates()[static_cast<size_t>(i)], i, step));
+        replay_joint(replay, input, arm.coordinates()[i], i, step));
   return run_page(arm, run, replay.run.motion.time, ": replayed", to_json(replay, arm), joints);
 }
 
@@ -101,7 +101,7 @@ std::string to_page(const ControlledRecording& controlled, const MotionSamples& 
   const Eigen::Index step = curve_step(q.rows());
   Json joints = Json::array();
   for (int i = 0; i < arm.joints(); ++i) {
-    const Coordinate& c = arm.coordinates()[static_cast<size_t>(i)];
+    const Coordinate& c = arm.coordinates()[i];
     Json plots = plots_of(c, "wanted", wanted.q.col(i).head(q.rows()), q.col(i), step);
     plots.push_back(
         plot_json("time", "Torque", effort_unit(c),
@@ -124,7 +124,7 @@ std::string to_page(const Breakaway& found, const Model& arm, const ReplayInput&
         {{"recorded", way_over_effort(time, q, tau, e.rest_from, e.recorded_at)},
          {"simulated", way_over_effort(time, found.simulated_q, tau, e.rest_from, slid)}});
   }
-  const Coordinate& c = arm.coordinates()[static_cast<size_t>(found.joint)];
+  const Coordinate& c = arm.coordinates()[found.joint];
   Json series = series_of(run.command, arm);
   series["source"] = run.source;
   series["way_unit"] = unit_of(c);

@@ -12,9 +12,9 @@ Json watched_joint(const WatchedSource& source, Eigen::Index joint, const std::s
   const auto rows = static_cast<Eigen::Index>(source.states.size());
   VectorXd torque(rows), rest(rows), q(rows);
   for (Eigen::Index k = 0; k < rows; ++k) {
-    torque[k] = source.states[static_cast<std::size_t>(k)].torque[joint];
-    rest[k] = source.states[static_cast<std::size_t>(k)].residual[joint];
-    const VectorXd& position = source.states[static_cast<std::size_t>(k)].position;
+    torque[k] = source.states[k].torque[joint];
+    rest[k] = source.states[k].residual[joint];
+    const VectorXd& position = source.states[k].position;
     q[k] = joint < position.size() ? position[joint] : NAN;
   }
   const Eigen::Index step = curve_step(rows);
@@ -37,13 +37,13 @@ std::string to_page(const std::vector<WatchedSource>& sources, const Model& arm,
   Json series = series_of(command, arm);
   if (!sources.empty() && !sources.back().states.empty()) {
     const WatchedSource& source = sources.back();
-    VectorXd time(static_cast<Eigen::Index>(source.states.size()));
+    VectorXd time(source.states.size());
     for (std::size_t k = 0; k < source.states.size(); ++k)
       time[static_cast<Eigen::Index>(k)] = source.states[k].time;
     Json joints = Json::array();
     for (int j = 0; j < arm.joints(); ++j)
       joints.push_back(
-          watched_joint(source, j, effort_unit(arm.coordinates()[static_cast<std::size_t>(j)])));
+          watched_joint(source, j, effort_unit(arm.coordinates()[j])));
     series["recordings"].push_back({{"source", source.source},
                                     {"role", "watched"},
                                     {"time", times(time, curve_step(time.size()))},

@@ -98,7 +98,7 @@ class Range {
 std::string where(const Model& arm, const VectorXd& q) {
   std::string out;
   for (int i = 0; i < arm.joints(); ++i) {
-    const Coordinate& c = arm.coordinates()[static_cast<size_t>(i)];
+    const Coordinate& c = arm.coordinates()[i];
     out += fmt::format("{}{} {:.4g} {}", i > 0 ? ", " : "", c.name, q[i], position_unit(c));
   }
   return out;
@@ -132,7 +132,7 @@ std::string without_inertia(const Model& arm, RigidBodyDynamics& rigid, const Pl
   };
   const Candidate found = range.lowest(seconds);
   if (seconds(found.q) > kShortest) return "";
-  const Coordinate& c = arm.coordinates()[static_cast<size_t>(joint)];
+  const Coordinate& c = arm.coordinates()[joint];
   return fmt::format(
       "joint {} of '{}' has {:.2g} {} of inertia at {}, too little beside its friction; expected a "
       "body or a rotor_inertia that is not zero.",

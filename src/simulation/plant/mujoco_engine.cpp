@@ -62,7 +62,7 @@ std::string joint_name(int link) {
 void write_children(const Tree& tree, const VectorXd& phi, int parent, const Posed& before,
                     std::ostream& out) {
   for (int k = 0; k < static_cast<int>(tree.links.size()); ++k) {
-    const Link& link = tree.links[static_cast<size_t>(k)];
+    const Link& link = tree.links[k];
     if (link.parent != parent) continue;
     const bool turns = link.type == JointType::kRevolute;
     Posed at_zero = identity_pose();
@@ -169,11 +169,11 @@ class MujocoEngine final : public Engine {
     data_.reset(mj_makeData(model_.get()));
     S_ = MatrixXd::Zero(model_->nv, n_);
     for (int k = 0; k < static_cast<int>(tree.links.size()); ++k) {
-      const Link& link = tree.links[static_cast<size_t>(k)];
+      const Link& link = tree.links[k];
       if (link.type == JointType::kFixed) continue;
       const int joint = mj_name2id(model_.get(), mjOBJ_JOINT, joint_name(k).c_str());
       for (int e = link.first_coefficient; e < link.end_coefficient; ++e) {
-        const JointCoefficient& share = tree.coefficients[static_cast<size_t>(e)];
+        const JointCoefficient& share = tree.coefficients[e];
         S_(model_->jnt_dofadr[joint], share.coordinate) += share.coefficient;
       }
     }

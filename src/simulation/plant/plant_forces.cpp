@@ -24,7 +24,7 @@ double PlantForces::force(const Term& term, const AxisSample& x, EffectState& st
   term.effect->columns(x, term.shape, state, row);
   double sum = 0.0;
   for (int p = 0; p < term.parameters; ++p) {
-    sum += row[static_cast<size_t>(p)] * term.values[static_cast<size_t>(p)];
+    sum += row[p] * term.values[p];
   }
   return sum;
 }
@@ -144,7 +144,7 @@ AxisSample PlantForces::sample(const Term& term, double time, const double* q,
     x.from_s = term.from_offset + along(term.from, q);
     x.from_ds = along(term.from, dq);
   }
-  if (term.load >= 0) x.load = loads_[static_cast<size_t>(term.load)].value;
+  if (term.load >= 0) x.load = loads_[term.load].value;
   return x;
 }
 
@@ -188,14 +188,14 @@ double PlantForces::set_loads(const double* rigid_torques) {
 
 double PlantForces::sliding(int k, double time, const double* q, double velocity,
                             int direction) const {
-  const Dry& dry = dry_[static_cast<size_t>(k)];
+  const Dry& dry = dry_[k];
   double sum = direction * dry.constant;
   for (const Term& term : dry.terms) {
     AxisSample x;
     x.time = time;
     x.s = term.offset + along(term.axis, q);
     x.ds = direction * std::max(direction * velocity, kRestSpeed);
-    if (term.load >= 0) x.load = loads_[static_cast<size_t>(term.load)].value;
+    if (term.load >= 0) x.load = loads_[term.load].value;
     EffectState none{};
     sum += force(term, x, none);
   }

@@ -49,9 +49,9 @@ class PlantForces {
 
   /// Directions of dry friction; entry k acts along axis(k).
   int dry() const { return static_cast<int>(dry_.size()); }
-  const double* axis(int k) const { return dry_[static_cast<size_t>(k)].direction.data(); }
+  const double* axis(int k) const { return dry_[k].direction.data(); }
   double velocity(int k, const double* dq) const {
-    return along(dry_[static_cast<size_t>(k)].line, dq);
+    return along(dry_[k].line, dq);
   }
 
   /// The sliding force of axis k in `direction` (+1, -1) at this speed.
@@ -65,7 +65,7 @@ class PlantForces {
   /// Number of directions with memory of the path.
   int memories() const { return static_cast<int>(memories_.size()); }
   double memory_velocity(int k, const double* dq) const {
-    return along(memories_[static_cast<size_t>(k)], dq);
+    return along(memories_[k], dq);
   }
 
  private:

@@ -100,7 +100,7 @@ void Sticking::solve_box(const double* y_free) {
   for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
     double change = 0.0;
     for (size_t c = 0; c < rest_.size(); ++c) {
-      double& lambda = lambda_[static_cast<size_t>(rest_[c])];
+      double& lambda = lambda_[rest_[c]];
       const double wanted = lambda + dot(white(c), y, n_) / norms_[c];
       const double step = std::clamp(wanted, bounds_[c].lower, bounds_[c].upper) - lambda;
       if (step == 0.0) continue;
@@ -129,13 +129,13 @@ void Sticking::invert() {
   cholesky_in_place(square_.data(), rank);
   for (size_t c = 0; c < rest_.size(); ++c) {
     for (int i = 0; i < rank; ++i)
-      residual_[static_cast<size_t>(i)] = dot(basis(static_cast<size_t>(i)), axis(rest_[c]), n_);
+      residual_[i] = dot(basis(static_cast<size_t>(i)), axis(rest_[c]), n_);
     solve_lower(square_.data(), rank, residual_.data());
     solve_lower_transposed(square_.data(), rank, residual_.data());
     double* share = shares_.data() + c * n;
     std::fill(share, share + n, 0.0);
     for (int i = 0; i < rank; ++i)
-      add_scaled(residual_[static_cast<size_t>(i)], basis(static_cast<size_t>(i)), n_, share);
+      add_scaled(residual_[i], basis(static_cast<size_t>(i)), n_, share);
   }
 }
 
@@ -146,13 +146,13 @@ void Sticking::invert() {
 bool Sticking::stays(const double* held) {
   std::copy(held, held + n_, residual_.begin());
   for (const int k : rest_)
-    add_scaled(-lambda_[static_cast<size_t>(k)], axis(k), n_, residual_.data());
+    add_scaled(-lambda_[k], axis(k), n_, residual_.data());
   for (size_t c = 0; c < rest_.size(); ++c) {
-    next_[c] = lambda_[static_cast<size_t>(rest_[c])] +
+    next_[c] = lambda_[rest_[c]] +
                dot(shares_.data() + c * static_cast<size_t>(n_), residual_.data(), n_);
     if (!(next_[c] >= bounds_[c].lower && next_[c] <= bounds_[c].upper)) return false;
   }
-  for (size_t c = 0; c < rest_.size(); ++c) lambda_[static_cast<size_t>(rest_[c])] = next_[c];
+  for (size_t c = 0; c < rest_.size(); ++c) lambda_[rest_[c]] = next_[c];
   return true;
 }
 
@@ -165,17 +165,17 @@ void Sticking::decide(const PlantForces& forces, const double* L, double time, c
     return;
   }
   for (size_t c = 0; c < rest_.size(); ++c) {
-    decided_[static_cast<size_t>(rest_[c])] = 1;
+    decided_[rest_[c]] = 1;
     bounds_[c] = forces.at_rest(rest_[c], time, q);
   }
   solve_lower(L, n_, b);
   std::copy(b, b + n_, free_.begin());
   hold(L, b);
-  for (int i = 0; i < n_; ++i) free_[static_cast<size_t>(i)] -= b[i];
+  for (int i = 0; i < n_; ++i) free_[i] -= b[i];
   multiply_lower(L, n_, free_.data());
   if (stays(free_.data())) return;
   solve_lower(L, n_, free_.data());
-  for (int i = 0; i < n_; ++i) b[i] += free_[static_cast<size_t>(i)];
+  for (int i = 0; i < n_; ++i) b[i] += free_[i];
   release(L, b);
   hold(L, b);
 }
@@ -189,7 +189,7 @@ void Sticking::release(const double* L, double* y) {
     std::copy(axis(k), axis(k) + n_, white(c));
     solve_lower(L, n_, white(c));
     norms_[c] = dot(white(c), white(c), n_);
-    double& lambda = lambda_[static_cast<size_t>(k)];
+    double& lambda = lambda_[k];
     lambda = std::clamp(lambda, bounds_[c].lower, bounds_[c].upper);
     if (!std::isfinite(lambda)) lambda = 0.0;
     add_scaled(-lambda, white(c), n_, residual_.data());

@@ -25,8 +25,8 @@ class Sticking {
   explicit Sticking(const PlantForces& forces, int joints);
 
   /// +1, -1: slides that way; 0: at rest.
-  int direction(int k) const { return direction_[static_cast<size_t>(k)]; }
-  void set_direction(int k, int direction) { direction_[static_cast<size_t>(k)] = direction; }
+  int direction(int k) const { return direction_[k]; }
+  void set_direction(int k, int direction) { direction_[k] = direction; }
 
   /// Clears the forces of previous instants.
   void reset() { std::fill(lambda_.begin(), lambda_.end(), 0.0); }
@@ -47,8 +47,8 @@ class Sticking {
   void hold(const double* L, double* y);
 
   /// True if axis k was at rest at the last decide(), which found this force for it.
-  bool decided(int k) const { return decided_[static_cast<size_t>(k)] != 0; }
-  double force(int k) const { return lambda_[static_cast<size_t>(k)]; }
+  bool decided(int k) const { return decided_[k] != 0; }
+  double force(int k) const { return lambda_[k]; }
 
  private:
   void collect();  // computes rest_ and its derived members

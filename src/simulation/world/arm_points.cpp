@@ -36,19 +36,19 @@ void ArmPoints::move_to(const VectorXd& q, const VectorXd& dq) noexcept {
     Posed J = identity_pose();
     if (link.type == JointType::kRevolute) J.R = rotation_z(recursion_.link[k].s);
     if (link.type == JointType::kPrismatic) J.p.z = recursion_.link[k].s;
-    const Posed& above = link.parent < 0 ? base_ : T_world_[static_cast<size_t>(link.parent)];
+    const Posed& above = link.parent < 0 ? base_ : T_world_[link.parent];
     T_world_[k] = above * link.A * J * link.B;
   }
 }
 
 ArmPoints::Point ArmPoints::point(int frame, const Eigen::Vector3d& offset) const noexcept {
-  const auto k = static_cast<size_t>(tree_.link_of_frame[static_cast<size_t>(frame)]);
+  const auto k = static_cast<size_t>(tree_.link_of_frame[frame]);
   const Posed& T = T_world_[k];
   const Link& link = tree_.links[k];
   const Vec3d at = vec(offset);
   Vec3d v{0, 0, 0};
   for (int m = link.first_support; m < link.end_support; ++m) {
-    v = v + dq_[tree_.supports[static_cast<size_t>(m)].coordinate] *
+    v = v + dq_[tree_.supports[m].coordinate] *
                 accelerated(recursion_.jacobian[m], at);
   }
   return {eigen(T.p + rotate(T.R, at)), eigen(rotate(T.R, v))};
@@ -56,22 +56,22 @@ ArmPoints::Point ArmPoints::point(int frame, const Eigen::Vector3d& offset) cons
 
 void ArmPoints::add_force(int frame, const Eigen::Vector3d& offset, const Eigen::Vector3d& force,
                           double share, VectorXd& tau) const noexcept {
-  const auto k = static_cast<size_t>(tree_.link_of_frame[static_cast<size_t>(frame)]);
+  const auto k = static_cast<size_t>(tree_.link_of_frame[frame]);
   const Link& link = tree_.links[k];
   const Vec3d in_link = rotate_back(T_world_[k].R, vec(force));
   const Vec3d at = vec(offset);
   for (int m = link.first_support; m < link.end_support; ++m) {
-    tau[tree_.supports[static_cast<size_t>(m)].coordinate] +=
+    tau[tree_.supports[m].coordinate] +=
         share * dot(accelerated(recursion_.jacobian[m], at), in_link);
   }
 }
 
 void ArmPoints::jacobian(int frame, const Eigen::Vector3d& offset, MatrixXd& J) const noexcept {
-  const auto k = static_cast<size_t>(tree_.link_of_frame[static_cast<size_t>(frame)]);
+  const auto k = static_cast<size_t>(tree_.link_of_frame[frame]);
   const Link& link = tree_.links[k];
   J.setZero();
   for (int m = link.first_support; m < link.end_support; ++m) {
-    J.col(tree_.supports[static_cast<size_t>(m)].coordinate) =
+    J.col(tree_.supports[m].coordinate) =
         eigen(rotate(T_world_[k].R, accelerated(recursion_.jacobian[m], vec(offset))));
   }
 }

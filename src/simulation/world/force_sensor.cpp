@@ -51,16 +51,16 @@ ForceSample ForceSensor::read(double time, double force) noexcept {
   // If the loop's period is longer than the sensor's, one sample is taken at its start.
   if (time + kSameTime >= static_cast<double>(s.taken) / s.options.rate) {
     const ForceSample sample{s.measured(force), time, s.taken};
-    s.ring[static_cast<size_t>(s.taken % size)] = sample;
+    s.ring[s.taken % size] = sample;
     const long due = static_cast<long>(std::floor((time + kSameTime) * s.options.rate));
     for (long k = s.taken + 1; k <= due; ++k) {  // the missed ones repeat it
-      s.ring[static_cast<size_t>(k % size)] = {sample.force, time, k};
+      s.ring[k % size] = {sample.force, time, k};
     }
     s.taken = std::max(s.taken, due) + 1;
     s.arrived = std::max(s.arrived, s.taken - size);
   }
   while (s.arrived < s.taken) {
-    const ForceSample& next = s.ring[static_cast<size_t>(s.arrived % size)];
+    const ForceSample& next = s.ring[s.arrived % size];
     if (next.time + s.options.delay > time + kSameTime) break;
     if (next.time < s.options.stale_from) {
       const bool stuck = next.time >= s.options.stuck_from && s.latest.number >= 0;

@@ -77,7 +77,7 @@ void World::State::check(const Attachment& at, const char* what) const {
           at.arm, ", expected one of ", arms.size(), " from 0, or -1 for the world.");
   require(at.offset.allFinite(), "world: found ", what, " at a point that is not finite.");
   if (at.arm < 0) return;
-  const Model& model = arms[static_cast<size_t>(at.arm)].model;
+  const Model& model = arms[at.arm].model;
   require(at.frame >= 0 && at.frame < static_cast<int>(model.frames().size()), "world: found ",
           what, " at frame ", at.frame, ", expected one of the ", model.frames().size(),
           " frames of '", model.name(), "'.");
@@ -158,7 +158,7 @@ int World::State::choose_substeps(double dt) {
       damping_rate += damping * mobility;
     };
     const auto of = [&](const Attachment& at) {
-      return at.arm < 0 ? 0.0 : arms[static_cast<size_t>(at.arm)].mobility(at);
+      return at.arm < 0 ? 0.0 : arms[at.arm].mobility(at);
     };
     for (const Member& m : objects.members) add(m.stiffness, m.damping, of(m.from) + of(m.to));
     for (const Wall& w : objects.walls) {
@@ -240,7 +240,7 @@ int World::substeps() const {
   return state_->count;
 }
 const Engine& World::engine(int arm) const {
-  return *state_->arms.at(static_cast<size_t>(arm)).engine;
+  return *state_->arms.at(arm).engine;
 }
 const VectorXd& World::q(int arm) const {
   return engine(arm).q();
@@ -249,7 +249,7 @@ const VectorXd& World::dq(int arm) const {
   return engine(arm).dq();
 }
 const World::MemberState& World::member(int index) const {
-  return state_->members.at(static_cast<size_t>(index));
+  return state_->members.at(index);
 }
 World::PointMotion World::point(const Attachment& at) {
   state_->check(at, "a point");
@@ -261,7 +261,7 @@ double World::work_on_objects() const {
 
 void World::set_state(int arm, const VectorRef& q, const VectorRef& dq) {
   State& s = *state_;
-  s.arms.at(static_cast<size_t>(arm)).engine->set_state(q, dq);
+  s.arms.at(arm).engine->set_state(q, dq);
   s.time = s.work = 0.0;
   s.until_review = 0;
   s.settle();
@@ -269,19 +269,19 @@ void World::set_state(int arm, const VectorRef& q, const VectorRef& dq) {
 
 void World::hit(int arm, const VectorRef& q, const VectorRef& dq) {
   State& s = *state_;
-  s.arms.at(static_cast<size_t>(arm)).engine->set_state(q, dq);
+  s.arms.at(arm).engine->set_state(q, dq);
   s.until_review = 0;
   s.settle();
 }
 
 void World::detach(int member) {
-  state_->objects.members.at(static_cast<size_t>(member)).attached = false;
+  state_->objects.members.at(member).attached = false;
   state_->settle();
 }
 
 void World::attach(int member, double rest_length) {
   require_positive(rest_length, "a rest length", "member");
-  Member& m = state_->objects.members.at(static_cast<size_t>(member));
+  Member& m = state_->objects.members.at(member);
   m.attached = true;
   m.rest_length = rest_length;
   state_->settle();

@@ -9,13 +9,13 @@ namespace veridyn {
 
 World::PointMotion World::State::point(const Attachment& at) const {
   if (at.arm < 0) return {at.offset, Eigen::Vector3d::Zero()};
-  const ArmPoints::Point p = arms[static_cast<size_t>(at.arm)].points.point(at.frame, at.offset);
+  const ArmPoints::Point p = arms[at.arm].points.point(at.frame, at.offset);
   return {p.position, p.velocity};
 }
 
 void World::State::push(const Attachment& at, const Eigen::Vector3d& force, double share) {
   if (at.arm < 0) return;
-  Arm& arm = arms[static_cast<size_t>(at.arm)];
+  Arm& arm = arms[at.arm];
   arm.points.add_force(at.frame, at.offset, force, share, arm.external);
 }
 
@@ -115,9 +115,9 @@ void World::State::move_bodies(double h) {
 
 Eigen::Vector3d World::grasp_force(int body, int grasp) const {
   const State& s = *state_;
-  const State::BodyMotion& b = s.bodies.at(static_cast<size_t>(body));
-  const HeldBody& what = s.objects.bodies[static_cast<size_t>(body)];
-  const HeldBody::Grasp& g = what.grasps.at(static_cast<size_t>(grasp));
+  const State::BodyMotion& b = s.bodies.at(body);
+  const HeldBody& what = s.objects.bodies[body];
+  const HeldBody::Grasp& g = what.grasps.at(grasp);
   if (!g.attached) return Eigen::Vector3d::Zero();
   const PointMotion hand = s.point(g.held_by);
   const Eigen::Vector3d arm = b.R * g.point_body;
@@ -126,20 +126,20 @@ Eigen::Vector3d World::grasp_force(int body, int grasp) const {
 }
 
 HeldBody World::body(int index) const {
-  HeldBody out = state_->objects.bodies.at(static_cast<size_t>(index));
-  out.position = state_->bodies[static_cast<size_t>(index)].p;
-  out.rotation = state_->bodies[static_cast<size_t>(index)].R;
+  HeldBody out = state_->objects.bodies.at(index);
+  out.position = state_->bodies[index].p;
+  out.rotation = state_->bodies[index].R;
   return out;
 }
 
 Eigen::Vector3d World::body_velocity(int index) const {
-  return state_->bodies.at(static_cast<size_t>(index)).v;
+  return state_->bodies.at(index).v;
 }
 
 Eigen::Vector3d World::body_spin(int index) const {
   const State& s = *state_;
-  return s.bodies.at(static_cast<size_t>(index))
-      .spin(s.objects.bodies[static_cast<size_t>(index)].inertia);
+  return s.bodies.at(index)
+      .spin(s.objects.bodies[index].inertia);
 }
 
 double World::object_energy() const {

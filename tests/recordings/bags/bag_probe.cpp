@@ -20,7 +20,7 @@ long probe_container(std::string_view bytes) {
   };
   sink.message = [&](int channel, std::int64_t recorded, std::string_view message) {
     if (channel < 0) return;
-    TopicDecoder& decoder = *decoders[static_cast<std::size_t>(channel)];
+    TopicDecoder& decoder = *decoders[channel];
     if (decoder.problem().empty()) decoder.add(recorded, message);
     ++messages;
   };

@@ -29,7 +29,7 @@ class Values : public ValueSink {
   std::map<std::string, std::int64_t> times;
 
  private:
-  const std::string& path(int leaf) const { return plan_.paths[static_cast<std::size_t>(leaf)]; }
+  const std::string& path(int leaf) const { return plan_.paths[leaf]; }
   const MessagePlan& plan_;
 };
 
@@ -175,7 +175,7 @@ TEST(AnLz4Frame, IsUnpacked) {
       inflate("lz4", bytes_of_file(sample("vectors/roslz4_incompressible.lz4")), 1000);
   EXPECT_TRUE(stored.whole);
   ASSERT_EQ(stored.bytes.size(), 9u);
-  for (int k = 0; k < 9; ++k) EXPECT_EQ(stored.bytes[static_cast<std::size_t>(k)], k);
+  for (int k = 0; k < 9; ++k) EXPECT_EQ(stored.bytes[k], k);
   EXPECT_FALSE(inflate("lz4", bytes_of_file(sample("vectors/roslz4_abcd10.lz4")), 39).whole);
 }
 

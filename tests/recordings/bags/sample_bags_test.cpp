@@ -56,7 +56,7 @@ TEST_P(OnEverySampleBag, AllRowsHaveTheirTrueValues) {
   ASSERT_EQ(r.rows(), GetParam().rows);
   const std::vector<TrueRow> truth = true_rows();
   for (int k = 0; k < r.rows(); ++k) {
-    const TrueRow& row = truth[static_cast<std::size_t>(k)];
+    const TrueRow& row = truth[k];
     ASSERT_NEAR(r.time[k], row.stamp, 1e-12) << "row " << k;
     for (int joint = 0; joint < 3; ++joint) {
       ASSERT_EQ(r.q(k, joint), row.position[joint]) << "row " << k;
