@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "cooperation/end_stops.hpp"
-#include "cooperation/scenario_models.hpp"
+#include "cooperation/scenario/scenario_models.hpp"
 #include "dvrk/run/arm_session.hpp"
 
 namespace veridyn::dvrk {

@@ -7,7 +7,7 @@
 #include "end_stops.hpp"
 #include "loop_gains.hpp"
 #include "phase_commands.hpp"
-#include "scenario_models.hpp"
+#include "cooperation/scenario/scenario_models.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/simulation/sensor_noise.hpp"
 

@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "math/excerpt.hpp"
-#include "control/udp_port.hpp"
+#include "control/sensors/udp_port.hpp"
 #include "model/suggestion.hpp"
 #include "veridyn/cooperation/live.hpp"
 #include "veridyn/math/require.hpp"

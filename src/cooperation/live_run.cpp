@@ -7,7 +7,7 @@
 
 #include "experiment.hpp"
 #include "motion_plan.hpp"
-#include "scenario_models.hpp"
+#include "cooperation/scenario/scenario_models.hpp"
 #include "veridyn/cooperation/live.hpp"
 #include "veridyn/math/require.hpp"
 

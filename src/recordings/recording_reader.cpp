@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "recordings/csv/csv_table.hpp"
-#include "recordings/import.hpp"
-#include "recordings/joined_files.hpp"
+#include "recordings/fields/import.hpp"
+#include "recordings/fields/joined_files.hpp"
 #include "recordings/csv/row_source.hpp"
 #include "recordings/signals/units.hpp"
 #include "veridyn/math/require.hpp"

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "calibration/link_chain.hpp"
+#include "calibration/links/link_chain.hpp"
 #include "simulated_capture.hpp"
 #include "veridyn/calibration/pose_design.hpp"
 #include "veridyn/kinematics/kinematics.hpp"

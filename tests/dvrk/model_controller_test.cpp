@@ -1,4 +1,4 @@
-#include "dvrk/run/model_controller.hpp"
+#include "dvrk/run/controllers/model_controller.hpp"
 
 #include <gtest/gtest.h>
 

@@ -10,8 +10,8 @@
 
 #include "dvrk/rig.hpp"
 #include "dvrk/run/cycle_clock.hpp"
-#include "dvrk/run/row_file.hpp"
-#include "dvrk/run/row_keeper.hpp"
+#include "dvrk/run/rows/row_file.hpp"
+#include "dvrk/run/rows/row_keeper.hpp"
 #include "veridyn/recordings/recording.hpp"
 
 // Rows on their way to the disk, the boards' time, and the clock of the loop.

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "cooperation/scenario_models.hpp"
+#include "cooperation/scenario/scenario_models.hpp"
 #include "emulator/joined_arms.hpp"
 #include "dvrk/board_bench.hpp"
 #include "veridyn/control/arm_state.hpp"

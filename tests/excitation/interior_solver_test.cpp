@@ -6,8 +6,8 @@
 #include <functional>
 #include <limits>
 
-#include "excitation/search/nonlinear_program.hpp"
-#include "excitation/search/sparse_rows.hpp"
+#include "excitation/solvers/nonlinear_program.hpp"
+#include "excitation/solvers/sparse_rows.hpp"
 #include "support/near.hpp"
 #include "support/random.hpp"
 

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "identification/fleet_problem.hpp"
+#include "identification/fleet/fleet_problem.hpp"
 #include "identification/synthetic_recording.hpp"
 #include "support/near.hpp"
 #include "veridyn/math/require.hpp"

@@ -7,7 +7,7 @@
 #include <fstream>
 
 #include "recordings/arrays/array_recording.hpp"
-#include "recordings/import.hpp"
+#include "recordings/fields/import.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/recordings/recording.hpp"
 

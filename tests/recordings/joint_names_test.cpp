@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "recordings/signals/joint_fields.hpp"
-#include "recordings/joint_match.hpp"
+#include "recordings/fields/joint_match.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::recordings {

@@ -8,7 +8,7 @@
 #include "cli/options/messages.hpp"
 #include "cli/options/option_checks.hpp"
 #include "dvrk/arms/arm_facts.hpp"
-#include "dvrk/run/model_controller.hpp"
+#include "dvrk/run/controllers/model_controller.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/simulation/simulate_recording.hpp"

@@ -10,7 +10,7 @@
 #include "math/output_file.hpp"
 #include "cli/options/messages.hpp"
 #include "cli/options/option_checks.hpp"
-#include "cooperation/scenario_models.hpp"
+#include "cooperation/scenario/scenario_models.hpp"
 #include "emulator/joined_arms.hpp"
 #include "dvrk/arms/arm_facts.hpp"
 #include "dvrk/cooperation/board_cooperation.hpp"

@@ -6,7 +6,7 @@
 #include "cli/cooperation/cooperate_boards.hpp"
 #include "cli/options/messages.hpp"
 #include "cli/options/option_checks.hpp"
-#include "cooperation/scenario_models.hpp"
+#include "cooperation/scenario/scenario_models.hpp"
 #include "cli/options/sound_arguments.hpp"
 #include "veridyn/cooperation/live.hpp"
 #include "veridyn/cooperation/scenario_run.hpp"

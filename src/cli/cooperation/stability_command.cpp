@@ -6,7 +6,7 @@
 #include "cli/options/common_options.hpp"
 #include "cli/options/messages.hpp"
 #include "cli/options/option_checks.hpp"
-#include "cooperation/scenario_models.hpp"
+#include "cooperation/scenario/scenario_models.hpp"
 #include "veridyn/cooperation/stability.hpp"
 #include "math/output_file.hpp"
 #include "report/json/stability_json.hpp"

@@ -2,7 +2,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "cooperation/scenario_parts.hpp"
+#include "cooperation/scenario/scenario_parts.hpp"
 #include "veridyn/cooperation/stability.hpp"
 #include "kinematics/motion_limits.hpp"
 #include "veridyn/math/require.hpp"

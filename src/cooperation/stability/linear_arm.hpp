@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "cooperation/scenario_models.hpp"
+#include "cooperation/scenario/scenario_models.hpp"
 #include "veridyn/control/tip_kinematics.hpp"
 #include "veridyn/cooperation/scenario.hpp"
 

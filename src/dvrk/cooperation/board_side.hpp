@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "cooperation/arm_loop.hpp"
-#include "cooperation/scenario_models.hpp"
+#include "cooperation/scenario/scenario_models.hpp"
 #include "veridyn/control/momentum_observer.hpp"
 #include "veridyn/control/safety_supervisor.hpp"
 #include "veridyn/model/joint_sensors.hpp"

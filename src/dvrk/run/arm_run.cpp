@@ -7,9 +7,9 @@
 #include "cycle_clock.hpp"
 #include "motion_check.hpp"
 #include "motion_run.hpp"
-#include "pid_controller.hpp"
-#include "row_file.hpp"
-#include "row_keeper.hpp"
+#include "dvrk/run/controllers/pid_controller.hpp"
+#include "dvrk/run/rows/row_file.hpp"
+#include "dvrk/run/rows/row_keeper.hpp"
 #include "run_end.hpp"
 #include "veridyn/math/require.hpp"
 

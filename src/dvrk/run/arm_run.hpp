@@ -6,7 +6,7 @@
 
 #include "dvrk/run/arm_session.hpp"
 #include "dvrk/run/loop_timing.hpp"
-#include "dvrk/run/motion_controller.hpp"
+#include "dvrk/run/controllers/motion_controller.hpp"
 #include "veridyn/math/motion_samples.hpp"
 #include "veridyn/recordings/recording.hpp"
 #include "veridyn/simulation/control_loop.hpp"

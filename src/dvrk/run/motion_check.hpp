@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "veridyn/control/computed_torque.hpp"
-#include "control/position_limit.hpp"
+#include "control/safety/position_limit.hpp"
 #include "dvrk/run/arm_session.hpp"
-#include "dvrk/run/motion_controller.hpp"
+#include "dvrk/run/controllers/motion_controller.hpp"
 #include "veridyn/math/motion_samples.hpp"
 
 namespace veridyn::dvrk {

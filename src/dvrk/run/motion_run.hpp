@@ -6,8 +6,8 @@
 
 #include "cycle_clock.hpp"
 #include "motion_check.hpp"
-#include "row_file.hpp"
-#include "row_keeper.hpp"
+#include "dvrk/run/rows/row_file.hpp"
+#include "dvrk/run/rows/row_keeper.hpp"
 #include "set_points.hpp"
 #include "dvrk/run/arm_run.hpp"
 

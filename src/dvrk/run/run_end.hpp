@@ -3,7 +3,7 @@
 #include <string>
 
 #include "cycle_clock.hpp"
-#include "row_file.hpp"
+#include "dvrk/run/rows/row_file.hpp"
 #include "dvrk/run/arm_run.hpp"
 
 // End of runs and recordings.

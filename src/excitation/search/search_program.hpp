@@ -4,7 +4,7 @@
 
 #include "excitation/limits/limit_signals.hpp"
 #include "excitation/search/motion_objective.hpp"
-#include "excitation/search/nonlinear_program.hpp"
+#include "excitation/solvers/nonlinear_program.hpp"
 
 namespace veridyn {
 

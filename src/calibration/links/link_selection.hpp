@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "calibration/links/link_fit.hpp"
+
+namespace veridyn::internal {
+
+/// Identifiable parameters of a set of poses.
+struct LinkChoice {
+  std::vector<int> independent;  ///< parameters that can be fitted together
+  std::vector<std::string> why;  ///< by parameter: reason for excluding it; empty: included
+  double rank_gap = 0.0;
+};
+
+/// Independent columns in the order of the parameters, by the code for base parameters; then, if
+/// `leave_out_loose`, parameters whose uncertainty would be too large are removed one by one, worst
+/// first.
+LinkChoice identifiable_links(const LinkParameters& parameters, const LinkNormal& normal,
+                              bool leave_out_loose = true);
+
+/// Deviations of the active parameters, (active), for residuals of variance one.
+VectorXd deviations(const LinkNormal& normal, const std::vector<int>& active);
+
+/// Effect of adding one parameter at a minimum over the active ones.
+struct LinkGain {
+  double gain = 0.0;       ///< decrease of the sum of squares
+  double step = 0.0;       ///< change of the parameter
+  double deviation = 0.0;  ///< its standard deviation, for residuals of variance one; 0: no column
+};
+std::vector<LinkGain> gains(const LinkNormal& normal, const std::vector<int>& active);
+
+}  // namespace veridyn::internal

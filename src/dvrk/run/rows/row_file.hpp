@@ -1,0 +1,54 @@
+#pragma once
+
+#include <atomic>
+#include <string>
+#include <thread>
+
+#include "dvrk/run/rows/row_keeper.hpp"
+
+namespace veridyn::dvrk {
+
+/// Writes the recording to a file during the run: a thread of ordinary priority appends the rows of
+/// a RowKeeper, so that a killed program leaves nearly all of them. The first line says that the
+/// recording is incomplete until finish().
+///
+/// Devices and pipes are not followed; finish() alone writes them.
+class RowFile {
+ public:
+  /// @param path  empty: nothing is written. @param joints  that are written, from the first on.
+  RowFile(std::string path, const RowKeeper& rows, Eigen::Index joints);
+  ~RowFile();
+  RowFile(const RowFile&) = delete;
+  RowFile& operator=(const RowFile&) = delete;
+
+  /// Writing failed; error() has the reason. Earlier rows are kept.
+  bool failed() const { return failed_.load(std::memory_order_relaxed); }
+
+  /// Writes the last rows, and the first line: "# remark", or none if it is empty. Call it once.
+  void finish(const std::string& remark);
+
+  /// After finish(): rows in the file, and why there are not all.
+  Eigen::Index rows() const { return written_; }
+  const std::string& error() const { return error_; }
+
+ private:
+  void follow();
+  void append();
+  void open();
+  bool put(const std::string& bytes);
+  void stop();
+  void remark_in_place(const std::string& remark);
+  void copy_rows(const std::string& remark) const;
+
+  std::string path_;
+  const RowKeeper& keeper_;
+  Eigen::Index joints_;
+  int file_ = -1;
+  bool followed_ = false;  // a regular file
+  Eigen::Index written_ = 0;
+  std::string text_, error_;
+  std::atomic<bool> failed_{false}, ends_{false};
+  std::thread thread_;
+};
+
+}  // namespace veridyn::dvrk

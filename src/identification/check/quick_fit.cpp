@@ -1,0 +1,148 @@
+#include "identification/check/quick_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "effects/plain_friction.hpp"
+#include "identification/base_solution.hpp"
+#include "veridyn/effects/effect.hpp"
+#include "veridyn/identification/compressed_recording.hpp"
+#include "veridyn/regressor/base_parameters.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr int kHalves = 2;
+constexpr double kSmallestShare = 1e-3;  // of a joint's squared torque; smaller shares are noise
+
+// The arm with plain friction on every coordinate and all parameters free: facts of the file do not
+// hold for wrongly recorded signals.
+Model with_everything_open(const Model& arm) {
+  ModelDescription d = with_plain_friction(arm).description();
+  for (EffectTerm& term : d.effects) term.fixed = false;
+  for (Frame& frame : d.frames) {
+    if (frame.body) frame.body->fixed = false;
+  }
+  d.identified.reset();
+  return Model(std::move(d));
+}
+
+// Share of a joint's squared torques that the parameters leave unexplained in each half of the blocks.
+VectorXd shares_of_halves(const CompressedRecording& c, int joint, const std::vector<std::string>& names,
+                          const VectorXd& beta) {
+  VectorXd left = VectorXd::Zero(kHalves);
+  VectorXd all = left;
+  for (std::size_t k = 0; k < c.blocks.size(); ++k) {
+    const auto half = static_cast<Eigen::Index>(kHalves * k / c.blocks.size());
+    const SquareRootInformation own = c.blocks[k][joint].restricted(names);
+    left[half] += own.residual2(beta);
+    all[half] += own.rhs_norm2();
+  }
+  return left.cwiseQuotient(all.cwiseMax(1e-300));
+}
+
+}  // namespace
+
+// Plain friction along an axis s = c . q: constant against ds, or proportional to it.
+struct QuickFitter::Friction {
+  VectorXd axis;
+  Eigen::Index parameter;  // index among the base parameters
+  bool dry;
+};
+
+QuickFitter::QuickFitter(const Model& arm, const PreprocessingOptions& options)
+    : arm_(with_everything_open(arm)), options_(options) {
+  options_.excluded_intervals.clear();
+  options_.first_row = 0;
+  options_.row_count = -1;
+  options_.min_speed = 0.0;
+  parameters_ = standard_parameters(arm_);
+  names_ = parameter_names(parameters_);
+  const BaseParameters base = base_parameters(arm_);
+  for (const int j : base.independent) base_columns_.push_back(names_[j]);
+}
+
+std::pair<int, double> QuickFitter::determined(const Recording& recording) const {
+  const std::vector<CompressedRecording> c = {compress(arm_, recording, options_)};
+  const VectorXd weights = range_weights(c);
+  const BaseParameters found =
+      base_parameters(weighted_total(c, weights, names_), preferred_columns(parameters_));
+  return {found.size(), solve_base(c, weights, found, names_).condition_number_scaled};
+}
+
+QuickFit QuickFitter::fit(const Recording& recording) const {
+  const CompressedRecording c = compress(arm_, recording, options_);
+  QuickFit out;
+  const VectorXd weights = range_weights({c});
+  SquareRootInformation total(names_);
+  for (int i = 0; i < arm_.joints(); ++i) {
+    SquareRootInformation joint(names_);
+    for (const auto& block : c.blocks) joint.merge(block[i]);
+    total.merge(joint, weights[i]);
+    out.joints.push_back(std::move(joint));
+  }
+  const SquareRootInformation base = total.restricted(base_columns_);
+  const VectorXd beta = base.R().triangularView<Eigen::Upper>().solve(base.z());
+  out.unexplained = base.rho2() / std::max(base.rhs_norm2(), 1e-300);
+  out.halves.resize(arm_.joints(), kHalves);
+  for (int i = 0; i < arm_.joints(); ++i) {
+    const SquareRootInformation& joint = out.joints[i];
+    out.halves.row(i) = shares_of_halves(c, i, base_columns_, beta).transpose();
+    const SquareRootInformation own = joint.restricted(base_columns_);
+    const double share = own.residual2(beta) / std::max(own.rhs_norm2(), 1e-300);
+    out.misfit += std::log(std::max(share, kSmallestShare));
+    out.shares.push_back(share);
+  }
+  const MatrixXd power = friction_power(recording);
+  out.friction = power * beta;
+  const MatrixXd spread = base.R().triangularView<Eigen::Upper>().transpose().solve(power.transpose());
+  for (int i = 0; i < arm_.joints(); ++i)
+    out.friction_significance.push_back(std::abs(out.friction[i]) /
+                       std::max(spread.col(i).norm() * std::sqrt(base.rho2()), 1e-300));
+  return out;
+}
+
+std::vector<QuickFitter::Friction> QuickFitter::frictions() const {
+  std::vector<Friction> out;
+  for (std::size_t j = 0; j < base_columns_.size(); ++j) {
+    const auto known = std::find(names_.begin(), names_.end(), base_columns_[j]);
+    const StandardParameter& p = parameters_[known - names_.begin()];
+    if (p.effect < 0) continue;
+    const EffectTerm& term = arm_.effects()[p.effect];
+    const EffectTraits traits = find_effect(term.effect).traits();
+    if (!traits.elementary || traits.role != EffectRole::kFriction) continue;
+    out.push_back({term.axis.coefficients, static_cast<Eigen::Index>(j),
+                   traits.dry == DryFriction::kConstant});
+  }
+  return out;
+}
+
+// Power that friction takes from each joint, by base parameter (joints x base), relative to rms
+// torque times rms speed; several axes may share a joint.
+MatrixXd QuickFitter::friction_power(const Recording& recording) const {
+  const std::vector<Friction> all = frictions();
+  MatrixXd power = MatrixXd::Zero(arm_.joints(), base_size());
+  VectorXd speed2 = VectorXd::Zero(arm_.joints());
+  VectorXd torque2 = speed2;
+  for (Eigen::Index k = 1; k < recording.time.size(); ++k) {
+    VectorXd v = recording.q.row(k) - recording.q.row(k - 1);
+    v /= recording.time[k] - recording.time[k - 1];
+    if (recording.dq.size() > 0) v = recording.dq.row(k);
+    const VectorXd tau = recording.tau.row(k);
+    if (!v.allFinite() || !tau.allFinite()) continue;
+    for (const Friction& f : all) {
+      const double ds = f.axis.dot(v);
+      const double shape = f.dry ? (ds > 0.0 ? 1.0 : ds < 0.0 ? -1.0 : 0.0) : ds;
+      power.col(f.parameter) += shape * f.axis.cwiseProduct(v);
+    }
+    speed2 += v.cwiseAbs2();
+    torque2 += tau.cwiseAbs2();
+  }
+  for (int i = 0; i < arm_.joints(); ++i) {
+    const double scale = std::sqrt(torque2[i] * speed2[i]);
+    power.row(i) *= scale > 0.0 ? 1.0 / scale : 0.0;
+  }
+  return power;
+}
+
+}  // namespace veridyn

@@ -1,0 +1,527 @@
+#include "veridyn/identification/verdict.hpp"
+#include "veridyn/identification/robot_check.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "effects/plain_friction.hpp"
+#include "identification/check/quick_fit.hpp"
+#include "math/dense.hpp"
+#include "math/numbers.hpp"
+#include "math/parallel.hpp"
+#include "recordings/kept_recordings.hpp"
+#include "recordings/quality/quality_checks.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr int kMostRows = 5000;  // 25 s at 200 Hz; more rows add nothing new
+constexpr int kFewestRows = 300;
+constexpr double kWorstCondition = 2e4;  // columns scaled; whole recordings of a PSM have 4600
+// The misfit is the sum over the joints of the logarithm of the unexplained share of a joint's
+// squared torque, so that a joint that fits badly anyway does not hide another. A hypothesis about
+// mistaken signals must lower it by the first number, as if one joint's share fell to 0.4 of its
+// value; drive gains differ little from joint to joint, and so do their fits.
+constexpr double kBetter = 0.9;
+constexpr double kGainsBetter = 0.3;
+// Share of a joint; below it for all joints, no joints are exchanged.
+constexpr double kWellFitted = 0.02;
+// Power lost to friction, relative to rms torque times rms speed, that determines its sign: above
+// the first number, and above the second times the rms share of the unexplained torque, which may
+// do work of its own.
+constexpr double kFrictionShare = 0.03;
+constexpr double kFrictionAboveRest = 0.3;
+// Significance of friction: without it the rms misfit rises by at least this share; in the first
+// seconds of a motion other parameters may absorb it. Real recordings of a PSM have 0.27 to 2.3.
+constexpr double kFrictionSignificance = 0.25;
+// Share of a joint's range by which a position may lie outside of its limits.
+constexpr double kBeyondLimits = 0.05;
+const double kDegree = std::acos(-1.0) / 180.0;
+
+using Change = std::function<void(Recording*)>;
+
+// One hypothesis about mistaken signals.
+struct SignalHypothesis {
+  std::string finding;
+  int joint = 0;  // from 1; 0: all
+  std::string what;
+  std::string option;
+  Change mend;
+  int second = 0;      // from 1; 0: none
+  bool whole = false;  // of both joints everything is exchanged
+
+  // True if at most one of both can hold. That torques of two joints are exchanged and that their motions
+  // are is one mistake, seen from either side.
+  bool excludes(const SignalHypothesis& other) const {
+    if (second != 0 && joint == other.joint && second == other.second && !whole && !other.whole) return false;
+    const auto concerns = [&other](int k) { return k != 0 && (k == other.joint || k == other.second); };
+    return joint == 0 || other.joint == 0 || concerns(joint) || concerns(second);
+  }
+};
+
+void swap_columns(MatrixXd* values, int i, int j) {
+  if (values->cols() > 0) values->col(i).swap(values->col(j));
+}
+
+std::string percent(double share) {
+  return text(quality::number(100.0 * share), " %");
+}
+
+class RobotCheck {
+ public:
+  RobotCheck(const Model& arm, Recording recording, const PreprocessingOptions& options)
+      : given_(arm), recording_(std::move(recording)), fitter_(arm, options) {
+    for (const Coordinate& c : arm.coordinates()) names_.push_back(c.name);
+    moves_ = quality::Head(recording_).moves;
+  }
+
+  std::vector<QualityFinding> run() {
+    tell_what_hardly_moves();
+    if (!is_identifiable()) return std::move(findings_);
+    now_ = fitter_.fit(recording_);
+    turned_.assign(static_cast<size_t>(joints()), 0);
+    // Accepts the best hypothesis, then the best further one.
+    while (static_cast<int>(findings_.size()) < joints() && accept_best(hypotheses(), kBetter)) {
+    }
+    check_that_friction_dissipates();
+    check_signs_by_dissipation();
+    take_currents();
+    compare_with_values();
+    return std::move(findings_);
+  }
+
+ private:
+  // True if the base parameters are identifiable; otherwise wrong signals would fit as well as
+  // right ones.
+  bool is_identifiable() {
+    if (std::none_of(moves_.begin(), moves_.end(), [](bool moves) { return moves; })) {
+      warn_of_small_efforts();
+      return false;
+    }
+    const auto [determined, condition] = fitter_.determined(recording_);
+    if (determined >= fitter_.base_size() && condition < kWorstCondition) return true;
+    add("not_compared", 0, determined,
+        text("Signs, order and units of the joints are not compared with ", given_.name(),
+             ": the recording ", determined < fitter_.base_size() ? "determines " : "hardly tells apart ",
+             determined, " of its ", fitter_.base_size(), " base parameters."));
+    findings_.back().severity = Severity::kInfo;
+    warn_of_small_efforts();
+    return false;
+  }
+
+  void tell_what_hardly_moves() {
+    for (int i = 0; i < joints() && recording_.rows() > 0; ++i) {
+      const Limits& limits = given_.coordinates()[i].limits;
+      double lowest = kInfinity, highest = -kInfinity;
+      for (const double q : recording_.q.col(i)) {
+        if (!std::isfinite(q)) continue;
+        lowest = std::min(lowest, q);
+        highest = std::max(highest, q);
+      }
+      const double share = (highest - lowest) / (limits.upper - limits.lower);
+      if (!moves(i) || !std::isfinite(limits.upper - limits.lower) || !(share < kHardlyMoves)) continue;
+      add("hardly_moves", i + 1, share,
+          text("In its first ", quality::number(recording_.time[recording_.rows() - 1] - recording_.time[0]), " s ", joint(i),
+               " moves over ", percent(share), " of its range: little of its friction and inertia can be identified."));
+      findings_.back().severity = Severity::kWarning;
+    }
+  }
+
+  int joints() const { return given_.joints(); }
+  bool moves(int i) const { return moves_[i]; }
+  std::string joint(int i) const { return text("joint ", i + 1, " (", names_[i], ")"); }
+
+  // Torques may be recorded as currents, to which the options then apply.
+  bool amperes() const { return recording_.current.size() > 0; }
+  std::string torque_name() const { return amperes() ? "i" : "tau"; }
+  std::string torque_unit(int i) const {
+    if (amperes()) return "A";
+    return given_.coordinates()[i].prismatic ? "N" : "Nm";
+  }
+
+  void add(const std::string& finding, int joint, double value, const std::string& sentence) {
+    QualityFinding f;
+    f.file = recording_.source;
+    f.finding = finding;
+    f.joint = joint;
+    f.share = quality::kNone;
+    f.value = value;
+    f.severity = Severity::kFault;
+    f.sentence = sentence;
+    findings_.push_back(std::move(f));
+  }
+
+  QuickFit tried(const SignalHypothesis& hypothesis) const {
+    Recording changed = recording_;
+    hypothesis.mend(&changed);
+    return fitter_.fit(changed);
+  }
+
+  void accept(const SignalHypothesis& hypothesis, const QuickFit& fit) {
+    if (hypothesis.finding == "torque_sign") {  // reported at the end, after the check of friction
+      turned_[hypothesis.joint - 1] ^= 1;
+    } else {
+      add(hypothesis.finding, hypothesis.joint, fit.unexplained,
+          text(hypothesis.what, ": so the arm leaves ", percent(fit.unexplained),
+               " of the torques' squares unexplained instead of ", percent(now_.unexplained), "; ",
+               hypothesis.option, " mends it."));
+    }
+    hypothesis.mend(&recording_);
+    now_ = fit;
+  }
+
+  // Accepts the best hypothesis if it is much better than the recording as it is and than every other
+  // one that excludes it. Hypotheses that come close to each other are what joints that move alike make
+  // of a torque that the arm does not explain.
+  bool accept_best(const std::vector<SignalHypothesis>& hypotheses, double better) {
+    std::vector<QuickFit> fits(hypotheses.size());
+    std::vector<char> possible(hypotheses.size());
+    parallel_for(static_cast<int>(hypotheses.size()), 0, [&](int k) {
+      const auto at = static_cast<size_t>(k);
+      fits[at] = tried(hypotheses[at]);
+      possible[at] = is_possible(hypotheses[at]) ? 1 : 0;
+    });
+    const auto gains = [&](size_t k) {
+      return fits[k].misfit <= now_.misfit - better && fits[k].unexplained < now_.unexplained;
+    };
+    std::optional<size_t> best;
+    for (size_t k = 0; k < hypotheses.size(); ++k) {
+      const bool first = !best || possible[k] > possible[*best];
+      if (gains(k) && (first || (possible[k] == possible[*best] && fits[k].misfit < fits[*best].misfit))) best = k;
+    }
+    if (!best) return false;
+    if (possible[*best] == 0) {
+      say_perhaps(hypotheses[*best], fits[*best], "as recorded, all positions lie within the limits of the joints");
+      return false;
+    }
+    const bool sign = hypotheses[*best].finding == "torque_sign";  // the commonest mistake, for which its gain is enough
+    for (size_t k = 0; !sign && k < hypotheses.size(); ++k) {
+      if (k == *best || possible[k] == 0 || !hypotheses[*best].excludes(hypotheses[k])) continue;
+      if (fits[k].misfit > fits[*best].misfit + better) continue;
+      say_perhaps(hypotheses[*best], fits[*best], "another exchange does nearly as well, so that none of them is sure");
+      return false;
+    }
+    if (!sign && !holds_throughout(hypotheses[*best], fits[*best])) {
+      say_perhaps(hypotheses[*best], fits[*best], "a joint that it concerns is explained no better in a half of the recording");
+      return false;
+    }
+    accept(hypotheses[*best], fits[*best]);
+    return true;
+  }
+
+  // True if either half of the recording explains every joint concerned better than before.
+  bool holds_throughout(const SignalHypothesis& hypothesis, const QuickFit& fit) const {
+    for (const int k : {hypothesis.joint, hypothesis.second}) {
+      if (k == 0) continue;
+      if ((fit.halves.row(k - 1).array() > now_.halves.row(k - 1).array()).any()) return false;
+    }
+    return true;
+  }
+
+  // Number of joints whose positions leave their limits.
+  static int beyond_limits(const Recording& recording, const std::vector<Coordinate>& coordinates) {
+    int out = 0;
+    for (size_t i = 0; i < coordinates.size(); ++i) {
+      const Limits& limits = coordinates[i].limits;
+      if (!std::isfinite(limits.upper - limits.lower)) continue;
+      const double margin = kBeyondLimits * (limits.upper - limits.lower);
+      const auto q = recording.q.col(i).array();
+      out += (q < limits.lower - margin || q > limits.upper + margin).any() ? 1 : 0;
+    }
+    return out;
+  }
+
+  // The limits of the joints admit the positions that follow, no worse than those recorded; degrees also
+  // need positions that are none in radians.
+  bool is_possible(const SignalHypothesis& hypothesis) const {
+    const int as_recorded = beyond_limits(recording_, given_.coordinates());
+    if (hypothesis.finding == "degrees") return as_recorded > 0 || !has_limits();
+    Recording changed = recording_;
+    hypothesis.mend(&changed);
+    return beyond_limits(changed, given_.coordinates()) <= as_recorded;
+  }
+
+  bool has_limits() const {
+    return std::any_of(given_.coordinates().begin(), given_.coordinates().end(), [](const Coordinate& c) {
+      return !c.prismatic && std::isfinite(c.limits.upper - c.limits.lower);
+    });
+  }
+
+  void say_perhaps(const SignalHypothesis& hypothesis, const QuickFit& fit, const std::string& but) {
+    if (hypothesis.what.empty()) return;  // a sign: friction is asked next
+    std::string what = hypothesis.what;
+    what.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(what.front())));
+    add(hypothesis.finding, hypothesis.joint, fit.unexplained,
+        text("Perhaps ", what, ": so the arm leaves ", percent(fit.unexplained), " of the torques' squares unexplained instead of ",
+             percent(now_.unexplained), ", but ", but, "."));
+    findings_.back().severity = Severity::kInfo;
+  }
+
+  std::vector<SignalHypothesis> hypotheses() const {
+    std::vector<SignalHypothesis> all;
+    add_angles(&all);
+    for (int i = 0; i < joints(); ++i) {
+      if (moves(i))
+        all.push_back({"torque_sign", i + 1, "", "", [i](Recording* r) { r->tau.col(i) *= -1.0; }});
+    }
+    if (*std::max_element(now_.shares.begin(), now_.shares.end()) > kWellFitted) add_swaps(&all);
+    return all;
+  }
+
+  void add_angles(std::vector<SignalHypothesis>* all) const {
+    std::vector<int> turning;
+    for (int i = 0; i < joints(); ++i) {
+      if (!given_.coordinates()[i].prismatic) turning.push_back(i);
+    }
+    if (turning.empty()) return;
+    const auto scale = [turning](MatrixXd* values) {
+      for (const int i : turning) {
+        if (values->cols() > 0) values->col(i) *= kDegree;
+      }
+    };
+    all->push_back({"degrees", 0, "Positions are degrees", "--units q=deg",
+                    [scale](Recording* r) { scale(&r->q); }});
+    if (recording_.dq.size() > 0)
+      all->push_back({"degrees", 0, "Positions and velocities are degrees", "--units q=deg,dq=deg/s",
+                      [scale](Recording* r) {
+                        scale(&r->q);
+                        scale(&r->dq);
+                      }});
+  }
+
+  bool friction_shows(int i, int sign) const {
+    const auto joint = static_cast<size_t>(i);
+    const double rest = kFrictionAboveRest * std::sqrt(now_.shares[joint]);
+    return moves(i) && sign * now_.friction[i] > std::max(kFrictionShare, rest) &&
+           now_.friction_significance[joint] > kFrictionSignificance;
+  }
+
+  void check_that_friction_dissipates() {
+    // Checks the sign of all torques, or of joints without coupling, by dissipation: friction takes
+    // energy. A joint without visible friction follows the others if these agree.
+    int taking = 0;
+    int giving = 0;
+    for (int i = 0; i < joints(); ++i) {
+      taking += friction_shows(i, 1) ? 1 : 0;
+      giving += friction_shows(i, -1) ? 1 : 0;
+    }
+    const bool all = taking == 0 && 2 * giving > joints();
+    bool again = false;
+    std::vector<char> wrong;
+    for (int i = 0; i < joints(); ++i) wrong.push_back(friction_shows(i, -1) ? 1 : 0);
+    for (int i = 0; i < joints(); ++i) {
+      if (!moves(i) || (!all && wrong[i] == 0)) continue;
+      turned_[i] ^= 1;
+      recording_.tau.col(i) *= -1.0;
+      again = true;
+    }
+    if (again) now_ = fitter_.fit(recording_);
+  }
+
+  void check_signs_by_dissipation() {
+    for (int i = 0; i < joints(); ++i) {
+      if (turned_[i] == 0) continue;
+      Recording back = recording_;  // with all but this joint corrected
+      back.tau.col(i) *= -1.0;
+      const QuickFit without = fitter_.fit(back);
+      const bool fits =
+          now_.misfit < without.misfit - kBetter && now_.unexplained < without.unexplained;
+      add("torque_sign", i + 1, now_.shares[i],
+          text("Torques of ", joint(i), " have the wrong sign: ",
+               fits ? text("turned round, the arm leaves ", percent(now_.unexplained),
+                           " of the torques' squares unexplained instead of ",
+                           percent(without.unexplained))
+                    : "its friction would give energy instead of taking it",
+               "; --units ", torque_name(), i + 1, "=-", torque_unit(i), " mends it."));
+    }
+  }
+
+  void add_swaps(std::vector<SignalHypothesis>* all) const {
+    const bool dq = recording_.dq.size() > 0;
+    for (int i = 0; i < joints(); ++i) {
+      for (int j = i + 1; j < joints(); ++j) {
+        if (!moves(i) || !moves(j)) continue;
+        const std::string a = std::to_string(i + 1);
+        const std::string b = std::to_string(j + 1);
+        const std::string pair = joint(i) + " and " + joint(j);
+        const std::string t = torque_name();
+        const std::string torques = t + a + "=" + t + b + "," + t + b + "=" + t + a;
+        std::string motion = "q" + a + "=q" + b + ",q" + b + "=q" + a;
+        if (dq) motion += ",dq" + a + "=dq" + b + ",dq" + b + "=dq" + a;
+        const auto swap_torques = [i, j](Recording* r) { swap_columns(&r->tau, i, j); };
+        const auto swap_motion = [i, j](Recording* r) {
+          swap_columns(&r->q, i, j);
+          swap_columns(&r->dq, i, j);
+          swap_columns(&r->ddq, i, j);
+        };
+        all->push_back({"swapped_joints", i + 1, "The torques of " + pair + " are swapped",
+                        "--map " + torques, swap_torques, j + 1});
+        all->push_back({"swapped_joints", i + 1,
+                        "Positions and velocities of " + pair + " are swapped", "--map " + motion,
+                        swap_motion, j + 1});
+        all->push_back({"swapped_joints", i + 1, "The whole of " + pair + " is swapped",
+                        "--map " + motion + "," + torques, [=](Recording* r) {
+                          swap_torques(r);
+                          swap_motion(r);
+                        }, j + 1, true});
+      }
+    }
+  }
+
+  bool has_gains() const {
+    return std::all_of(given_.coordinates().begin(), given_.coordinates().end(),
+                       [](const Coordinate& c) { return c.drive_gain > 0.0; });
+  }
+
+  bool may_be_currents() const { return has_gains() && !amperes() && joints() > 1; }
+
+  VectorXd gains() const {
+    VectorXd out(joints());
+    for (int i = 0; i < joints(); ++i) out[i] = given_.coordinates()[i].drive_gain;
+    return out;
+  }
+
+  bool warn_of_small_efforts() {
+    if (!may_be_currents() || !look_like_currents(gains())) return false;
+    add("current", 0, quality::kNone,
+        text("All efforts are so small beside the limits of ", given_.name(),
+             " that they may be motor currents, as the drivers of Universal Robots publish them: "
+             "if they are, --units tau=A mends it."));
+    findings_.back().severity = Severity::kWarning;
+    return true;
+  }
+
+  void take_currents() {
+    if (!may_be_currents() || warn_of_small_efforts()) return;
+    const VectorXd gains = this->gains();
+    // Equal gains would fit torques as well.
+    if (gains.maxCoeff() < 1.05 * gains.minCoeff()) return;
+    accept_best({{"current", 0, "Efforts are motor currents", "--units tau=A",
+                  [gains](Recording* r) { r->tau = r->tau * gains.asDiagonal(); }}},
+                kGainsBetter);
+  }
+
+  // True if every joint's largest effort is below the current at its torque limit.
+  bool look_like_currents(const VectorXd& gains) const {
+    double nearest = 0.0;
+    for (int i = 0; i < joints(); ++i) {
+      const double limit = given_.coordinates()[i].limits.effort;
+      if (!std::isfinite(limit) || gains[i] < 2.0) return false;
+      double largest = 0.0;
+      for (const double tau : recording_.tau.col(i)) {
+        if (std::isfinite(tau)) largest = std::max(largest, std::abs(tau));
+      }
+      nearest = std::max(nearest, largest * gains[i] / limit);
+    }
+    return nearest < 1.0;
+  }
+
+  // Factor between the torques of an arm's values and the recorded ones, for arms without friction
+  // of their own beside fitted friction: at low gravity most of a joint's torque is friction.
+  double factor_beside_friction(const SquareRootInformation& f, const VectorXd& phi) const {
+    std::vector<Eigen::Index> open;
+    if (has_no_friction(given_)) {
+      for (size_t j = 0; j < fitter_.parameters().size(); ++j)
+        if (fitter_.parameters()[j].effect >= 0) open.push_back(static_cast<Eigen::Index>(j));
+    }
+    MatrixXd columns(f.R().rows(), 1 + static_cast<Eigen::Index>(open.size()));
+    columns.col(0) = f.R() * phi;
+    if (columns.col(0).norm() < 1e-300) return 1.0;
+    for (size_t k = 0; k < open.size(); ++k)
+      columns.col(1 + static_cast<Eigen::Index>(k)) = f.R().col(open[k]);
+    const VectorXd norms = columns.colwise().norm().transpose().cwiseMax(1e-300);
+    const MatrixXd scaled = columns * norms.cwiseInverse().asDiagonal();
+    return least_norm(scaled, f.z())[0] / norms[0];
+  }
+
+  // Compares torques with those of an arm with values, by one factor per joint.
+  void compare_with_values() {
+    const bool told = std::any_of(findings_.begin(), findings_.end(),
+                                  [](const QualityFinding& f) { return f.finding == "current"; });
+    if (told || !given_.inertial_values()) return;
+    VectorXd phi(fitter_.parameters().size());
+    for (Eigen::Index j = 0; j < phi.size(); ++j) {
+      const double value = fitter_.parameters()[j].value;
+      phi[j] = std::isfinite(value) ? value : 0.0;
+    }
+    std::vector<double> ratios;
+    bool as_currents = true;
+    bool alien = false;
+    for (int i = 0; i < joints(); ++i) {
+      const SquareRootInformation& f = now_.joints[i];
+      const double ratio = factor_beside_friction(f, phi);
+      const double gain = given_.coordinates()[i].drive_gain;
+      ratios.push_back(ratio);
+      as_currents = as_currents && gain > 0.0 && ratio > 0.0 && std::abs(std::log(ratio * gain)) < std::log(1.5) &&
+                    std::abs(std::log(gain)) > std::log(2.0);
+      alien = alien || ratio < 0.5 || ratio > 2.0;
+    }
+    if (!alien) return;
+    std::string list;
+    for (const double ratio : ratios) list += (list.empty() ? "" : ", ") + quality::number(ratio);
+    if (as_currents) {
+      add("current", 0, quality::kNone,
+          text("Efforts are ", list, " times the torques of ", given_.name(),
+               ", as motor currents are; --units tau=A mends it."));
+    } else {
+      add("torque_scale", 0, quality::kNone,
+          text("Efforts are ", list, " times the torques of ", given_.name(), ", joint by joint; --units tells if they are in other units (tau=mNm, tau=A)."));
+      findings_.back().severity = Severity::kWarning;
+    }
+  }
+
+  const Model& given_;
+  Recording recording_;
+  QuickFitter fitter_;
+  std::vector<std::string> names_;
+  QuickFit now_;
+  std::vector<bool> moves_;   // joints that can be checked
+  std::vector<char> turned_;  // joints whose torques were reversed
+  std::vector<QualityFinding> findings_;
+};
+
+}  // namespace
+
+std::vector<QualityFinding> check_against(const Model& arm, const std::string& path,
+                                          const PreprocessingOptions& options) {
+  RecordingOptions reading = reading_of(arm, options);
+  reading.first_row = std::max(0L, options.first_row);
+  reading.row_count = options.row_count < 0 ? kMostRows : std::min<long>(options.row_count, kMostRows);
+  Recording recording = read_rows(path, reading, options.kept.get());
+  recording.source = path;
+  PreprocessingOptions rest = options;
+  rest.first_row = 0;
+  rest.row_count = -1;
+  return check_against(arm, std::move(recording), rest);
+}
+
+std::vector<QualityFinding> check_against(const Model& arm, Recording recording,
+                                          const PreprocessingOptions& options) {
+  require(recording.joints() == arm.joints(), recording.source, ": found ", recording.joints(),
+          " joints, but '", arm.name(), "' has ", arm.joints(),
+          recording.joints() < arm.joints() ? " (files with a part of the joints each are one recording: a.csv+b.csv)." : ".");
+  const long first = std::min<long>(options.first_row, recording.rows());
+  const long wanted = options.row_count < 0 ? kMostRows : std::min<long>(options.row_count, kMostRows);
+  const long count = std::min(wanted, recording.rows() - first);
+  if (first > 0 || count < recording.rows())
+    recording = rows_of(recording, static_cast<int>(first), static_cast<int>(count));
+  if (recording.rows() < kFewestRows) return {};
+  if (recording.tau.size() == 0 && recording.current.size() > 0) {
+    // Signs, exchanged joints and angles of currents are checked through their gains.
+    recording.tau = recording.current;
+    for (int i = 0; i < arm.joints(); ++i) {
+      const double gain = arm.coordinates()[i].drive_gain;
+      if (gain > 0.0) recording.tau.col(i) *= gain;
+    }
+  }
+  if (recording.tau.size() == 0) return {};
+  return RobotCheck(arm, std::move(recording), options).run();
+}
+
+}  // namespace veridyn

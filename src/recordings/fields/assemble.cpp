@@ -1,0 +1,216 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+
+#include "recordings/fields/choose_fields.hpp"
+#include "math/median.hpp"
+#include "recordings/fields/import.hpp"
+#include "recordings/fields/stream_clock.hpp"
+#include "recordings/signals/units.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn::recordings {
+namespace {
+
+constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
+// [ns] larger times count from 1970.
+constexpr std::int64_t kSinceAges = 100000000LL * 1000000000LL;
+// In median steps: other streams are interpolated across shorter steps only.
+constexpr double kLongStep = 2.5;
+
+// The stream that has the most columns; the longest of these.
+int base_stream(const RawRecording& raw, const ChosenFields& chosen) {
+  std::map<int, std::pair<int, std::size_t>> weight;
+  for (const auto& places : chosen.places) {
+    for (int signal = 0; signal < kSignalCount; ++signal) {
+      const int stream = places[signal].stream;
+      if (stream < 0) continue;
+      weight[stream].first += signal == 0 ? 100 : 1;
+      weight[stream].second = raw.streams[stream].rows();
+    }
+  }
+  return std::max_element(weight.begin(), weight.end(),
+                          [](const auto& a, const auto& b) { return a.second < b.second; })
+      ->first;
+}
+
+// A column of another stream at the times of the base, by linear interpolation; NaN where its rows
+// are further apart than usual.
+VectorXd interpolated(const RawStream& stream, std::size_t field, const StreamClock& clock,
+                      std::int64_t shift, const std::vector<std::int64_t>& wanted) {
+  VectorXd out = VectorXd::Constant(wanted.size(), kGap);
+  const auto longest =
+      static_cast<std::int64_t>(kLongStep * static_cast<double>(median_step(clock.time)));
+  std::size_t next = 0;
+  for (std::size_t k = 0; k < wanted.size(); ++k) {
+    const std::int64_t t = wanted[k] + shift;
+    while (next < clock.time.size() && clock.time[next] < t) ++next;
+    const auto at = static_cast<Eigen::Index>(k);
+    if (next < clock.time.size() && clock.time[next] == t) {
+      out[at] = stream.at(clock.rows[next], field);
+    } else if (next > 0 && next < clock.time.size() &&
+               clock.time[next] - clock.time[next - 1] <= longest) {
+      const double share = static_cast<double>(t - clock.time[next - 1]) /
+                           static_cast<double>(clock.time[next] - clock.time[next - 1]);
+      out[at] = (1.0 - share) * stream.at(clock.rows[next - 1], field) +
+                share * stream.at(clock.rows[next], field);
+    }
+  }
+  return out;
+}
+
+class Assembler {
+ public:
+  Assembler(const RawRecording& raw, const std::string& path, const SignalChoice& choice)
+      : raw_(raw), path_(path), choice_(choice), chosen_(choose_fields(raw, path, choice)) {}
+
+  Imported assemble() {
+    const int base = base_stream(raw_, chosen_);
+    const StreamClock& clock = clock_of_stream(base);
+    require(!clock.time.empty(), path_, ": found no row with positions, expected some.");
+    Imported out;
+    out.recording.source = path_;
+    set_time(clock.time, &out);
+    for (int signal = 0; signal < kSignalCount; ++signal) {
+      out.recording.*kRecordingSignals[signal].values = values_of(signal, base, &out.facts);
+    }
+    require(out.recording.q.size() > 0, path_, ": found no positions of all joints, expected some.");
+    efforts_in_amperes(&out);
+    tell(base, &out.facts);
+    return out;
+  }
+
+ private:
+  const StreamClock& clock_of_stream(int stream) {
+    auto found = clocks_.find(stream);
+    if (found == clocks_.end()) {
+      const RawStream& rows = raw_.streams[stream];
+      const std::string where = rows.topic.empty() ? path_ : path_ + ": " + rows.topic;
+      found = clocks_.emplace(stream, clock_of(rows, where)).first;
+    }
+    return found->second;
+  }
+
+  void set_time(const std::vector<std::int64_t>& time, Imported* out) const {
+    const bool since_ages = time.front() > kSinceAges;
+    const std::int64_t zero = since_ages ? time.front() : 0;
+    if (since_ages) out->facts.start = static_cast<double>(zero) * 1e-9;
+    out->recording.time.resize(static_cast<Eigen::Index>(time.size()));
+    for (std::size_t k = 0; k < time.size(); ++k)
+      out->recording.time[static_cast<Eigen::Index>(k)] = static_cast<double>(time[k] - zero) * 1e-9;
+  }
+
+  VectorXd column(const FieldPlace& place, int base) {
+    const RawStream& stream = raw_.streams[place.stream];
+    const auto field = static_cast<std::size_t>(place.field);
+    const StreamClock& own = clock_of_stream(base);
+    if (place.stream != base) {
+      // Recording times lag the stamps by the base's usual delay.
+      const StreamClock& other = clock_of_stream(place.stream);
+      const bool own_stamps = own.recorded_after != 0;
+      const bool other_stamps = other.recorded_after != 0;
+      const std::int64_t shift = own_stamps && !other_stamps   ? own.recorded_after
+                                 : !own_stamps && other_stamps ? -other.recorded_after
+                                                               : 0;
+      return interpolated(stream, field, other, shift, own.time);
+    }
+    VectorXd out(own.rows.size());
+    for (std::size_t k = 0; k < own.rows.size(); ++k)
+      out[static_cast<Eigen::Index>(k)] = stream.at(own.rows[k], field);
+    return out;
+  }
+
+  // (rows x joints), or empty if the file lacks the signal.
+  MatrixXd values_of(int signal, int base, RecordingFacts* facts) {
+    const std::string name = kRecordingSignals[signal].name;
+    MatrixXd values;
+    std::vector<std::string> missing;
+    for (std::size_t j = 0; j < chosen_.places.size(); ++j) {
+      const FieldPlace& place = chosen_.places[j][signal];
+      VectorXd one;
+      if (place.found()) one = column(place, base);
+      if (!place.found() || one.array().isNaN().all()) {
+        missing.push_back(chosen_.joints[j]);
+        continue;
+      }
+      if (values.size() == 0)
+        values = MatrixXd::Constant(one.size(), static_cast<Eigen::Index>(chosen_.places.size()), kGap);
+      const double factor = factor_for(choice_, name, static_cast<int>(j) + 1);
+      values.col(j) = factor == 1.0 ? one : VectorXd(factor * one);
+    }
+    if (values.size() > 0 && !missing.empty()) {
+      std::string joints;
+      for (const std::string& joint : missing) joints += (joints.empty() ? "" : ", ") + joint;
+      const bool can_do_without = signal == 1 || signal == 2;
+      facts->remarks.push_back(text("the recording has no ", name, " of ", joints,
+                                    can_do_without ? ": that of the other joints is left out, too."
+                                                   : ": these rows are gaps."));
+      if (can_do_without) values.resize(0, 0);
+    }
+    return values;
+  }
+
+  // Treats efforts as currents where the user declared them so.
+  void efforts_in_amperes(Imported* out) const {
+    if (!is_current_unit(unit_of(choice_, "tau", 0)) || out->recording.tau.size() == 0) return;
+    out->recording.current = std::move(out->recording.tau);
+    out->recording.tau.resize(0, 0);
+  }
+
+  void tell(int base, RecordingFacts* facts) {
+    facts->format = raw_.format;
+    facts->joints = chosen_.joints;
+    for (std::size_t j = 0; j < choice_.joints.size() && j < chosen_.recorded.size(); ++j)
+      facts->matched.push_back({choice_.joints[j].name, chosen_.recorded[j]});
+    for (const RawTopic& topic : raw_.topics) {
+      TopicFacts t;
+      t.name = topic.name;
+      t.type = topic.type;
+      t.messages = topic.messages;
+      t.undecoded = topic.undecoded;
+      if (topic.messages > 1 && topic.last > topic.first)
+        t.rate = static_cast<double>(topic.messages - 1) / (static_cast<double>(topic.last - topic.first) * 1e-9);
+      for (std::size_t s = 0; s < raw_.streams.size(); ++s) {
+        if (raw_.streams[s].topic != topic.name) continue;
+        t.used = t.used || uses(static_cast<int>(s));
+        for (const RawField& field : raw_.streams[s].fields) {
+          if (field.signal >= 0 && std::find(t.joints.begin(), t.joints.end(), field.joint) == t.joints.end())
+            t.joints.push_back(field.joint);
+        }
+      }
+      facts->topics.push_back(std::move(t));
+    }
+    std::vector<std::string> remarks = raw_.remarks;
+    remarks.insert(remarks.end(), chosen_.remarks.begin(), chosen_.remarks.end());
+    const std::vector<std::string>& clock = clock_of_stream(base).remarks;
+    remarks.insert(remarks.end(), clock.begin(), clock.end());
+    remarks.insert(remarks.end(), facts->remarks.begin(), facts->remarks.end());
+    facts->remarks = std::move(remarks);
+  }
+
+  bool uses(int stream) const {
+    for (const auto& places : chosen_.places) {
+      for (const FieldPlace& place : places) {
+        if (place.stream == stream) return true;
+      }
+    }
+    return false;
+  }
+
+  const RawRecording& raw_;
+  const std::string& path_;
+  const SignalChoice& choice_;
+  ChosenFields chosen_;
+  std::map<int, StreamClock> clocks_;
+};
+
+}  // namespace
+
+Imported assemble(const RawRecording& raw, const std::string& path, const SignalChoice& choice) {
+  require_known_units(choice);
+  return Assembler(raw, path, choice).assemble();
+}
+
+}  // namespace veridyn::recordings

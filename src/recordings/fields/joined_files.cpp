@@ -1,0 +1,121 @@
+#include "recordings/fields/joined_files.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <set>
+
+#include "math/words.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn::recordings {
+namespace {
+
+constexpr double kNanoseconds = 1e9;
+
+// One file with the names of its own joints, in the units of the file.
+RawStream stream_of(const std::string& file, const RecordingOptions& options, RecordingFacts* facts) {
+  RecordingOptions plain = options;
+  plain.first_row = 0;
+  plain.row_count = -1;
+  plain.signals.joints.clear();
+  plain.signals.held.clear();
+  const auto only_time = [](std::map<std::string, std::string>* of) {
+    for (auto at = of->begin(); at != of->end();) at = at->first == "t" ? std::next(at) : of->erase(at);
+  };
+  only_time(&plain.signals.map);
+  only_time(&plain.signals.units);
+  const Recording r = read_recording(file, plain, *facts);
+  RawStream out;
+  for (const RecordingSignal& signal : kRecordingSignals) {
+    for (Eigen::Index j = 0; j < (r.*signal.values).cols(); ++j) {
+      RawField field;
+      field.joint = facts->joints[j];
+      field.signal = static_cast<int>(&signal - kRecordingSignals);
+      out.fields.push_back(field);
+    }
+  }
+  const double start = facts->start;
+  for (int row = 0; row < r.rows(); ++row) {
+    out.recorded.push_back(std::llround(start * kNanoseconds) + std::llround(r.time[row] * kNanoseconds));
+    for (const RecordingSignal& signal : kRecordingSignals) {
+      const MatrixXd& values = r.*signal.values;
+      for (Eigen::Index j = 0; j < values.cols(); ++j) out.values.push_back(values(row, j));
+    }
+  }
+  return out;
+}
+
+// Numbers joints on from file to file where each file counts its own from 1.
+void tell_joints_apart(const std::vector<std::string>& files, std::vector<RawStream>* streams) {
+  std::set<std::string> all;
+  std::size_t count = 0;
+  bool numbers = true;
+  for (std::size_t s = 0; s < streams->size(); ++s) {
+    std::set<std::string> own;
+    for (const RawField& f : (*streams)[s].fields) own.insert(f.joint);
+    count += own.size();
+    for (const std::string& name : own) {
+      numbers = numbers && is_number(name);
+      const bool fresh = all.insert(name).second;
+      require(fresh || numbers, files[s], ": found joint ", name, ", expected one that no file before it has.");
+    }
+  }
+  if (all.size() == count) return;
+  int before = 0;
+  for (RawStream& stream : *streams) {
+    int most = 0;
+    for (RawField& f : stream.fields) {
+      const int number = std::stoi(f.joint);
+      most = std::max(most, number);
+      f.joint = std::to_string(before + number);
+    }
+    before += most;
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> files_joined_by(const std::string& path) {
+  std::error_code ignored;
+  if (path.find('+') == std::string::npos || std::filesystem::exists(path, ignored)) return {};
+  std::vector<std::string> out(1);
+  for (const char c : path) {
+    if (c == '+') {
+      out.emplace_back();
+    } else {
+      out.back() += c;
+    }
+  }
+  const bool any = std::any_of(out.begin(), out.end(), [&ignored](const std::string& file) {
+    return std::filesystem::exists(file, ignored);
+  });
+  return any ? out : std::vector<std::string>();
+}
+
+std::shared_ptr<const Imported> import_joined(const std::string& path, const std::vector<std::string>& files,
+                                              const RecordingOptions& options) {
+  RawRecording raw;
+  raw.format = "joined files";
+  for (const std::string& file : files) {
+    RecordingFacts facts;
+    raw.streams.push_back(stream_of(file, options, &facts));
+    for (const std::string& remark : facts.remarks) raw.remarks.push_back(file + ": " + remark);
+  }
+  tell_joints_apart(files, &raw.streams);
+  for (RawStream& stream : raw.streams) {
+    for (RawField& f : stream.fields) f.path = kRecordingSignals[f.signal].name + f.joint;
+  }
+  Imported out = assemble(raw, path, options.signals);
+  const auto& q = out.recording.q;
+  int first = 0;
+  int end = out.recording.rows();
+  while (first < end && !q.row(first).allFinite()) ++first;
+  while (end > first && !q.row(end - 1).allFinite()) --end;
+  require(end - first > 1, path, ": found no time that all ", files.size(),
+          " files have in common, expected recordings of one motion with one clock.");
+  out.recording = rows_of(out.recording, first, end - first);
+  return std::make_shared<const Imported>(std::move(out));
+}
+
+}  // namespace veridyn::recordings
