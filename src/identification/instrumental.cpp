@@ -113,9 +113,9 @@ using BlocksOfJoints = std::vector<std::vector<SquareRootInformation>>;  // [blo
 void absorb(const Model& arm, const CompressedRecording& recording, const IdentificationOptions& options,
             const BaseParameters& base, const std::vector<JointColumns>& joints, BlocksOfJoints& blocks) {
   PreprocessingOptions how = options.preprocessing;
-  how.left_out.erase(std::remove_if(how.left_out.begin(), how.left_out.end(),
+  how.excluded_intervals.erase(std::remove_if(how.excluded_intervals.begin(), how.excluded_intervals.end(),
                                     [&](const ExcludedInterval& part) { return part.source != recording.source; }),
-                     how.left_out.end());
+                     how.excluded_intervals.end());
   const SmoothMotion smooth = smooth_motion(arm, recording, how);
   const RegressorColumns columns(arm, how);
   const size_t first = blocks.size();

@@ -66,7 +66,7 @@ void drop_superfluous(DiagnosisState& y, size_t before) {
                   effects.end());
     if (effects.size() == terms) continue;
     description.identified.reset();
-    Identification without = y.look(Model(std::move(description)));
+    Identification without = y.fit(Model(std::move(description)));
     if (!without.model) continue;
     const VectorXd left = y.fold_errors(without).relative();
     if (log_fall(folds, left) < -y.options.thresholds.smallest_gain) continue;
