@@ -18,6 +18,7 @@
 #include "recordings/recording_probe.hpp"
 #include "recordings/samples.hpp"
 #include "support/file_in_memory.hpp"
+#include "support/stranger_files.hpp"
 #include "veridyn/calibration/capture.hpp"
 #include "veridyn/control/load_cell.hpp"
 #include "veridyn/cooperation/live.hpp"
@@ -26,6 +27,7 @@
 #include "veridyn/identification/fleet.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
+#include "veridyn/model/simulator_files.hpp"
 #include "veridyn/model/urdf.hpp"
 
 namespace veridyn {
@@ -124,6 +126,15 @@ Seeds urdf_seeds() {
   Seeds out = files("examples/own_robot", {".urdf"});
   for (const char* robot : {"planar-2r", "scara", "kuka-lwr4"}) out.push_back(to_urdf(read_model(robot)));
   return out;
+}
+
+template <Model (*kRead)(const std::string&)>
+std::string probe_simulation(std::string_view bytes) {
+  const FileInMemory file(bytes);
+  return refusal_or([&] {
+    to_yaml(kRead(file.path()));
+    return std::string();
+  });
 }
 
 std::string probe_signals(std::string_view bytes) {
@@ -345,6 +356,8 @@ const std::vector<FuzzTarget>& fuzz_targets() {
       {"robot", probe_robot, [] { return files("data/robots", {".yaml"}); }},
       {"model", probe_robot, [] { return Seeds{model_seeds()[0]}; }},
       {"urdf", probe_urdf, urdf_seeds},
+      {"mjcf", probe_simulation<read_mjcf>, [] { return Seeds{kStrangerMjcf}; }},
+      {"sdf", probe_simulation<read_sdf>, [] { return Seeds{kStrangerSdf}; }},
       {"csv", probe_signals,
        [] {
          Seeds out = files("tests/recordings/samples", {".csv"});

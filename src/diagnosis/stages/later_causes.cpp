@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <set>
 
 #include "causes/candidates.hpp"
@@ -107,8 +108,15 @@ bool ask_later_causes(DiagnosisState& x) {
   const bool found = std::any_of(all.begin() + static_cast<long>(before), all.end(), [](const Finding& f) {
     return f.status == FindingStatus::kConfirmed;
   });
-  // The name says as much as the curves did, or more.
-  if (!found || !y.d.extended.model || log_fall(unnamed, y.fold_errors(y.d.extended).relative()) < 0.0) return false;
+  if (!found || !y.d.extended.model) return false;
+  // The name says as much as the curves did where they stood, and makes no joint worse.
+  const VectorXd named = y.fold_errors(y.d.extended).relative();
+  const VectorXd extended = x.fold_errors(x.d.extended).relative();
+  const double least = x.options.thresholds.smallest_gain;
+  for (Eigen::Index j = 0; j < named.size(); ++j) {
+    const bool asked = joints.count(static_cast<int>(j)) != 0;
+    if (2.0 * std::log(named[j] / (asked ? unnamed[j] : extended[j])) > least) return false;
+  }
   all.erase(std::remove_if(all.begin() + static_cast<long>(before), all.end(),
                            [](const Finding& f) { return f.status != FindingStatus::kConfirmed; }),
             all.end());
