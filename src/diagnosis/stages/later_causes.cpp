@@ -109,13 +109,11 @@ bool ask_later_causes(DiagnosisState& x) {
     return f.status == FindingStatus::kConfirmed;
   });
   if (!found || !y.d.extended.model) return false;
-  // The name says as much as the curves did where they stood, and makes no joint worse.
+  // The name says as much as the curves did, over all joints and on each that had one.
   const VectorXd named = y.fold_errors(y.d.extended).relative();
-  const VectorXd extended = x.fold_errors(x.d.extended).relative();
-  const double least = x.options.thresholds.smallest_gain;
-  for (Eigen::Index j = 0; j < named.size(); ++j) {
-    const bool asked = joints.count(static_cast<int>(j)) != 0;
-    if (2.0 * std::log(named[j] / (asked ? unnamed[j] : extended[j])) > least) return false;
+  if (log_fall(unnamed, named) < 0.0) return false;
+  for (const int j : joints) {
+    if (2.0 * std::log(named[j] / unnamed[j]) > x.options.thresholds.smallest_gain) return false;
   }
   all.erase(std::remove_if(all.begin() + static_cast<long>(before), all.end(),
                            [](const Finding& f) { return f.status != FindingStatus::kConfirmed; }),
