@@ -172,5 +172,14 @@ TEST(HideAndSeek, CausesThatAreOnNoListBringNoOtherName) {
   }
 }
 
+// A force on the tip is asked about only because a joint's error depends on positions without a name; then it
+// takes the place of the curve.
+TEST(HideAndSeek, AForceOnTheTipIsNamedAfterTheCurveThatItExplains) {
+  const OutsideScore score = outside_score({}, "pick-scara", "tip_force", 1);
+  EXPECT_TRUE(score.worded);
+  EXPECT_EQ(score.false_names, 0);
+  EXPECT_GT(score.explained, 0.98);
+}
+
 }  // namespace
 }  // namespace veridyn::seek
