@@ -170,13 +170,10 @@ bool is_channel(const Candidate& c) {
 }
 
 bool is_asked_later(const Effect& effect, const Model& arm) {
+  const bool of_arm = dynamic_cast<const ChannelEffect*>(&effect) != nullptr;
   // With more parameters than joints it would be nearly any function of the positions.
-  if (const auto* channel = dynamic_cast<const ChannelEffect*>(&effect))
-    return !channel->asked_unnamed() || static_cast<int>(channel->parameters().size()) > arm.joints();
-  const std::vector<EffectShape> shapes = effect.shapes();
-  return std::any_of(shapes.begin(), shapes.end(), [](const EffectShape& s) {
-    return !s.searched && s.scale == ShapeScale::kAbsolute && s.grid.size() > 1;
-  });
+  return !effect.asked_unnamed() ||
+         (of_arm && static_cast<int>(effect.parameters().size()) > arm.joints());
 }
 
 std::vector<Candidate> candidates(const Model& arm, const Scope& scope) {

@@ -51,9 +51,9 @@ struct Scope {
 /// each axis, loads.
 std::vector<Candidate> candidates(const Model& arm, const Scope& scope);
 
-/// True if it is tested by name only, or where a joint's error depends on positions without a name: one of
-/// its constants is a choice, as of an end of the travel, or it is of the whole arm and imitates many others.
-/// Each is a question more, by which all others would have to be more certain.
+/// True if it is tested by name only, or where a joint's error depends on positions without a name: what
+/// Effect::asked_unnamed() says, and a channel effect with more parameters than the arm has joints.
+/// Each further candidate demands more certainty from all others.
 bool is_asked_later(const Effect& effect, const Model& arm);
 
 /// Those that may begin while the arm moves: what every joint has and no day has from the day before,

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <functional>
 #include <set>
+#include <vector>
 
 #include "dynamics/principal_body.hpp"
 #include "known_effects.hpp"
@@ -24,10 +25,6 @@ namespace {
 // Values of a model and of a file that differ by less, relative to the largest of a body's, are the
 // same: rounding of one conversion.
 constexpr double kSameValue = 1e-12;
-
-std::size_t at(int i) {
-  return static_cast<std::size_t>(i);
-}
 
 std::string quaternion_text(const Eigen::Matrix3d& R) {
   const Eigen::Quaterniond q(R);
@@ -64,14 +61,14 @@ class UpdatedSimulation {
   void bodies(const std::function<void(const Frame& mine, const Frame& there)>& change,
               const std::function<bool(const Frame& mine)>& add) {
     for (const int k : arm_.bodies()) {
-      const Frame& mine = arm_.frames()[at(k)];
+      const Frame& mine = arm_.frames()[k];
       const int there = in_file_.find_frame(mine.name);
       if (there < 0) {
         const bool added = mine.type == JointType::kFixed && mine.parent >= 0 && add(mine);
         (added ? out_.changed : out_.left_out).push_back((added ? "a new body " : "the body ") + mine.name);
         continue;
       }
-      const Frame& theirs = in_file_.frames()[at(there)];
+      const Frame& theirs = in_file_.frames()[there];
       const InertialParameters none = InertialParameters::Zero();
       const InertialParameters& before = theirs.body ? *theirs.body->phi : none;
       const InertialParameters& now = *mine.body->phi;
@@ -88,10 +85,10 @@ class UpdatedSimulation {
     const PlacedEffects now = placed_effects(mine.forces, arm_.joints());
     const PlacedEffects there = placed_effects(known_effects(in_file_).forces, in_file_.joints());
     for (int i = 0; i < arm_.joints(); ++i) {
-      const std::string& name = arm_.coordinates()[at(i)].name;
+      const std::string& name = arm_.coordinates()[i].name;
       const int j = in_file_.find_coordinate(name);
-      const SimpleForce& a = now.along[at(i)];
-      const SimpleForce& b = there.along[at(j)];
+      const SimpleForce& a = now.along[i];
+      const SimpleForce& b = there.along[j];
       const auto one = [&](const char* what, double value, double before) {
         if (std::abs(value - before) <= kSameValue * std::abs(value)) return;
         if (shared(j) || tied(name, what)) {
@@ -157,10 +154,18 @@ class UpdatedSimulation {
     return std::move(out_);
   }
 
-  pugi::xml_node find(const char* element, const std::string& name) const {
-    return root_.find_node([&](const pugi::xml_node& n) {
+  static pugi::xml_node find_in(pugi::xml_node tree, const char* element, const std::string& name) {
+    return tree.find_node([&](const pugi::xml_node& n) {
       return std::strcmp(n.name(), element) == 0 && name == n.attribute("name").value();
     });
+  }
+
+  // An element of the arm itself: other sections and models may use its names for other things.
+  pugi::xml_node find(const char* element, const std::string& name) const {
+    for (const pugi::xml_node tree : trees_) {
+      if (const pugi::xml_node found = find_in(tree, element, name)) return found;
+    }
+    return {};
   }
 
   const Model& arm_;
@@ -168,6 +173,7 @@ class UpdatedSimulation {
   const std::string& path_;
   pugi::xml_document document_;
   pugi::xml_node root_;
+  std::vector<pugi::xml_node> trees_;  // the arm's bodies and joints are in these
   UpdatedFile out_;
 };
 
@@ -175,6 +181,7 @@ class UpdatedMjcf : public UpdatedSimulation {
  public:
   UpdatedMjcf(const Model& arm, const Model& in_file, const std::string& path)
       : UpdatedSimulation(arm, in_file, path, "mujoco") {
+    for (const pugi::xml_node world : root_.children("worldbody")) trees_.push_back(world);
     for (const pugi::xml_node compiler : root_.children("compiler")) {
       if (const pugi::xml_attribute angle = compiler.attribute("angle")) degrees_ = std::strcmp(angle.value(), "radian") != 0;
       if (std::strcmp(compiler.attribute("inertiafromgeom").value(), "true") == 0) from_geoms_ = compiler;
@@ -244,12 +251,12 @@ class UpdatedMjcf : public UpdatedSimulation {
   bool add_body(const Frame& mine) {
     Posed T = mine.A * mine.B;
     int carrier = mine.parent;
-    pugi::xml_node above = find("body", arm_.frames()[at(carrier)].name);
+    pugi::xml_node above = find("body", arm_.frames()[carrier].name);
     // A site is a fixed frame on its body.
-    while (!above && arm_.frames()[at(carrier)].type == JointType::kFixed && arm_.frames()[at(carrier)].parent >= 0) {
-      T = arm_.frames()[at(carrier)].A * arm_.frames()[at(carrier)].B * T;
-      carrier = arm_.frames()[at(carrier)].parent;
-      above = find("body", arm_.frames()[at(carrier)].name);
+    while (!above && arm_.frames()[carrier].type == JointType::kFixed && arm_.frames()[carrier].parent >= 0) {
+      T = arm_.frames()[carrier].A * arm_.frames()[carrier].B * T;
+      carrier = arm_.frames()[carrier].parent;
+      above = find("body", arm_.frames()[carrier].name);
     }
     if (!above) return false;
     T = frame_in_body(above) * T;
@@ -263,7 +270,7 @@ class UpdatedMjcf : public UpdatedSimulation {
 
   void change_joint(const std::string& joint, const char* value, double now) {
     const std::string what = value;
-    const bool angle = what == "spring" && !arm_.coordinates()[at(arm_.find_coordinate(joint))].prismatic;
+    const bool angle = what == "spring" && !arm_.coordinates()[arm_.find_coordinate(joint)].prismatic;
     const char* name = what == "friction" ? "frictionloss" : what == "spring" ? "springref" : value;
     set_attribute(find("joint", joint), name, xml_number(angle && degrees_ ? now * 180.0 / M_PI : now));
   }
@@ -275,7 +282,9 @@ class UpdatedMjcf : public UpdatedSimulation {
 class UpdatedSdf : public UpdatedSimulation {
  public:
   UpdatedSdf(const Model& arm, const Model& in_file, const std::string& path)
-      : UpdatedSimulation(arm, in_file, path, "sdf") {}
+      : UpdatedSimulation(arm, in_file, path, "sdf") {
+    trees_.push_back(find_in(root_, "model", in_file.name()));
+  }
 
   UpdatedFile file() {
     bodies([this](const Frame& mine, const Frame&) { inertial(find("link", mine.name), *mine.body->phi); },
@@ -303,7 +312,7 @@ class UpdatedSdf : public UpdatedSimulation {
   }
 
   bool add_link(const Frame& mine) {
-    const std::string parent = arm_.frames()[at(mine.parent)].name;
+    const std::string parent = arm_.frames()[mine.parent].name;
     pugi::xml_node above = find("link", parent);
     if (!above) return false;
     const Posed T = mine.A * mine.B;

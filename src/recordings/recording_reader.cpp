@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <filesystem>
 #include <cmath>
 #include <memory>
 #include <utility>
@@ -111,10 +112,19 @@ std::unique_ptr<recordings::RowSource> rows_in(const std::string& path,
   return std::make_unique<ImportedRows>(std::move(whole), options);
 }
 
-// A held joint may be recorded or not.
+// True for what can be opened once: a pipe, a socket, a terminal.
+bool is_read_once(const std::string& path) {
+  std::error_code ignored;
+  const std::filesystem::file_type type = std::filesystem::status(path, ignored).type();
+  return type == std::filesystem::file_type::fifo || type == std::filesystem::file_type::socket ||
+         type == std::filesystem::file_type::character;
+}
+
+// A held joint may be recorded or not. Which it is shows when the file is read, so that a pipe is taken
+// to have no held joint.
 std::unique_ptr<recordings::RowSource> rows_of_arm(const std::string& path, const RecordingOptions& options) {
   const SignalChoice& choice = options.signals;
-  if (choice.held.empty()) return rows_in(path, options);
+  if (choice.held.empty() || is_read_once(path)) return rows_in(path, options);
   RecordingOptions all = options;
   for (const HeldJoint& h : choice.held)
     all.signals.joints.insert(all.signals.joints.begin() + h.number - 1, h.joint);

@@ -97,6 +97,29 @@ TEST_F(SimulationFile, MjcfTakesTheValuesAndKeepsTheRest) {
   EXPECT_TRUE(updated.left_out.empty()) << updated.left_out.front();
 }
 
+// An equality called as a joint is, and a resting model with a link called as one of the arm's, stand before
+// the arm: neither is taken for it.
+TEST_F(SimulationFile, NamesThatOthersHaveTooAreTheArms) {
+  std::string content = kStrangerMjcf;
+  const std::string equality = "<equality><joint joint1";
+  content.erase(content.find(equality), content.find("</equality>") + 11 - content.find(equality));
+  content.insert(content.find("  <worldbody>"), "  <equality><joint name=\"pitch\" joint1=\"follower\" joint2=\"reach\" polycoef=\"0.02 -0.5 0 0 0\"/></equality>\n");
+  const std::string mjcf = write("arm.xml", content);
+  ModelDescription d = read_model(mjcf).description();
+  for (EffectTerm& term : d.effects) {
+    if (term.effect == "viscous_friction" && term.axis.coefficients[1] == 1.0) term.values["coefficient"] = 0.9;
+  }
+  const UpdatedFile updated = updated_mjcf(Model(d), mjcf);
+  EXPECT_EQ(updated.changed, std::vector<std::string>{"damping of pitch"});
+  expect_same_torques(Model(d), read_model(write("new.xml", updated.xml)));
+
+  content = kStrangerSdf;
+  content.replace(content.find("<link name=\"plane\""), 18, "<link name=\"upper\"");
+  const std::string sdf = write("arm.sdf", content);
+  const Model after = extended(read_model(sdf), "upper");
+  expect_same_torques(after, read_model(write("new.sdf", updated_sdf(after, sdf).xml)));
+}
+
 // A load on a site, such as a flange, becomes a body of the body that carries the site.
 TEST_F(SimulationFile, ALoadOnASiteIsAdded) {
   const std::string path = write("arm.xml", kStrangerMjcf);

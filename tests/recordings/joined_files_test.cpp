@@ -1,10 +1,12 @@
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <thread>
 
 #include "recordings/arrays/array_recording.hpp"
 #include "recordings/fields/import.hpp"
@@ -127,6 +129,26 @@ TEST_F(Joined, AHeldJointNeedNotBeRecorded) {
   RecordingOptions options;
   options.signals = with_held(0.1);
   expect_joints(read_recording(file("a.csv", 0, 1) + "+" + file("c.csv", 2, 1), options), {0, 2});
+}
+
+// A pipe cannot be opened again to find out whether it has the joint.
+TEST_F(Joined, AHeldJointNeedNotBeInAPipe) {
+  RecordingOptions options;
+  options.signals = with_held(0.1);
+  const std::string both = folder_.path("both.csv");
+  write_recording(read_recording(file("a.csv", 0, 1) + "+" + file("c.csv", 2, 1)), both);
+  const std::string pipe = folder_.path("pipe");
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  std::thread writer([&] { std::ofstream(pipe) << std::ifstream(both).rdbuf(); });
+  expect_joints(read_recording(pipe, options), {0, 2});
+  writer.join();
+}
+
+TEST_F(Joined, LongNumbersOfJointsAreNames) {
+  std::string paths[2];
+  for (int k = 0; k < 2; ++k)
+    paths[k] = folder_.write(std::string(1, char('a' + k)) + ".csv", "t,q99999999999,tau99999999999\n0,1,2\n0.01,2,3\n0.02,3,4\n");
+  EXPECT_THROW(read_recording(paths[0] + "+" + paths[1]), InvalidInput);
 }
 
 TEST(Arrays, NamedByAMapHaveTheirLongerDimensionAsTheTime) {

@@ -49,10 +49,6 @@ class ChannelEffect : public Effect {
   /// True if one cause may put the same error on all joints, such as a common clock or amplifier.
   virtual bool can_be_common() const { return false; }
 
-  /// True if a diagnosis tests it by default; false: only on request, because it can imitate many
-  /// other causes.
-  virtual bool asked_unnamed() const { return true; }
-
   /// True if the torque of joint i depends on it; `joint` is the one whose channel has the error,
   /// or kAllJoints where all have the same one (can_be_common()).
   virtual bool acts_on(int i, int joint) const = 0;

@@ -136,6 +136,10 @@ class Effect {
   /// do.
   virtual std::vector<ActiveRange> active_ranges(const ShapeValues& /*shape*/) const { return {}; }
 
+  /// True if a diagnosis tests it by default. False: on request, or on joints whose error depends on
+  /// positions without a name, because it can imitate many other causes.
+  virtual bool asked_unnamed() const { return true; }
+
   /// Describes the identified effect for a technician, to continue "Joint 3 has": "0.50 N of
   /// friction with memory: after a reversal it builds up over 0.14 mm".
   ///

@@ -12,6 +12,7 @@ namespace veridyn::recordings {
 namespace {
 
 constexpr double kNanoseconds = 1e9;
+constexpr std::size_t kDigits = 4;  // of a joint's number, at most
 
 // One file with the names of its own joints, in the units of the file.
 RawStream stream_of(const std::string& file, const RecordingOptions& options, RecordingFacts* facts) {
@@ -56,7 +57,7 @@ void tell_joints_apart(const std::vector<std::string>& files, std::vector<RawStr
     for (const RawField& f : (*streams)[s].fields) own.insert(f.joint);
     count += own.size();
     for (const std::string& name : own) {
-      numbers = numbers && is_number(name);
+      numbers = numbers && is_number(name) && name.size() <= kDigits;
       const bool fresh = all.insert(name).second;
       require(fresh || numbers, files[s], ": found joint ", name, ", expected one that no file before it has.");
     }
