@@ -7,6 +7,7 @@ shift 2
 fuzzer=$folder/veridyn_fuzzer
 # Libraries of others look at what malloc() returns; ours throw.
 export ASAN_OPTIONS=allocator_may_return_null=1 UBSAN_OPTIONS=print_stacktrace=1
+export LSAN_OPTIONS=suppressions=$PWD/tests/fuzz/leaks.txt:print_suppressions=0
 [ $# -gt 0 ] || set -- $("$fuzzer" --targets)
 mkdir -p "$folder/findings"
 broken=0

@@ -44,6 +44,7 @@ MUTANTS = [
     ("watch/change.cpp", "constexpr double kReversalShare = 0.3;", "constexpr double kReversalShare = 0.0;", ["watch"]),
     ("recordings/kept_recordings.cpp", "wanted < 0 || wanted > bytes_left_", "wanted < 0", ["recordings", "diagnosis"]),
     ("recordings/kept_recordings.cpp", "bytes_left_ -= wanted;", "", ["recordings", "diagnosis"]),
+    ("recordings/files/whole_file.cpp", "size_ <= kLargestRead", "false", ["recordings"]),
     ("identification/shortfall.cpp", "travel = std::max(travel, r.joints[i].travel())", "travel = r.joints[i].travel()", ["identification"]),
     ("identification/many/factor_set.cpp", "require(version == kVersion", "require(true", ["identification"]),
     ("identification/many/factor_set.cpp", "require(a.settings == b.settings", "require(true", ["identification"]),
