@@ -9,6 +9,7 @@ into BUILD/mutants and linked in front of the library; what survives is compiled
 other files of its unit, where the compiler may have inlined it. The status is the number of survivors.
 MUTANTS_LAUNCHER is put in front of compilers.
 """
+import json
 import os
 import re
 import shlex
@@ -84,8 +85,7 @@ OPERATORS = {" < ": " >= ", " > ": " <= ", " <= ": " > ", " >= ": " < ", " && ":
 
 def generated(source, count):
     """`count` breaks of a file as (offset, length, replacement, line), evenly over its operators."""
-    with open(os.path.join(ROOT, "src", source)) as file:
-        content = file.read()
+    content = read(os.path.join(ROOT, "src", source))
     pattern = re.compile("|".join(re.escape(o) for o in sorted(OPERATORS, key=len, reverse=True)))
     sites = []
     start = 0
@@ -103,8 +103,7 @@ def all_mutants(words):
     for source, old, new, tests in MUTANTS:
         if words and not any(word in source or word in tests for word in words):
             continue
-        with open(os.path.join(ROOT, "src", source)) as file:
-            content = file.read()
+        content = read(os.path.join(ROOT, "src", source))
         if content.count(old) != 1:
             sys.exit(f"{source}: found {content.count(old)} times what a mutant changes, expected it once: {old}")
         yield source, content.replace(old, new), f"{old.strip()} -> {new.strip() or 'nothing'}", tests
@@ -124,36 +123,35 @@ def command_for(build, target):
     return lines.strip().splitlines()[-1]
 
 
-def compile_lines(build):
+def read(path):
+    with open(path) as file:
+        return file.read()
+
+
+def commands(build):
+    """Files that are compiled, each with its command."""
     with open(os.path.join(build, "compile_commands.json")) as file:
-        return [line.strip() for line in file.read().splitlines() if line.strip().startswith('"command"')]
+        return [(entry["file"], entry["command"]) for entry in json.load(file)]
 
 
 def compiled(build, source, content, folder, whole_unit=False):
     """The object of a changed source, with the flags of its component; None if it does not compile."""
-    lines = compile_lines(build)
     path = os.path.join(folder, os.path.basename(source))
     with open(path, "w") as file:
         file.write(content)
     original = os.path.join(ROOT, "src", source)
-    alone = [line for line in lines if line.rstrip('",').endswith("/src/" + source)]
-    group = [line for line in lines if "/Unity/unity_files" + source.split("/")[0] + "_" in line]
+    group = [(unit, command) for unit, command in commands(build)
+             if unit == original or "/Unity/unity_files" + source.split("/")[0] + "_" in unit]
+    group.sort(key=lambda one: one[0] != original)
     if whole_unit:
-        units = {shlex.split(line.rstrip('",'))[-1]: line for line in group}
-        for unit, line in units.items():
-            with open(unit) as file:
-                text = file.read()
-            if original in text:
-                path = os.path.join(folder, "unit_" + os.path.basename(source))
-                with open(path, "w") as file:
-                    file.write(text.replace(original, os.path.join(folder, os.path.basename(source))))
-                command = line
-                break
-        else:
+        group = [(unit, command) for unit, command in group if unit != original and original in read(unit)]
+        if not group:
             return None
-    else:
-        command = (alone or group)[0]
-    words = shlex.split(command[len('"command": "'):].rstrip('",').replace('\\"', '"').replace("\\\\", "\\"))
+        text = read(group[0][0]).replace(original, path)
+        path = os.path.join(folder, "unit_" + os.path.basename(source))
+        with open(path, "w") as file:
+            file.write(text)
+    words = shlex.split(group[0][1])
     out = path[:-4] + ".o"
     words[words.index("-o") + 1] = out
     words[words.index("-c") + 1] = path
