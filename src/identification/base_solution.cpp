@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "math/median.hpp"
+#include "math/singular_values.hpp"
 #include "math/clustered_statistics.hpp"
 
 namespace veridyn {
@@ -34,7 +35,7 @@ VectorXd solve(const SquareRootInformation& factor) {
 }
 
 double condition(const MatrixXd& A) {
-  const VectorXd s = Eigen::BDCSVD<MatrixXd>(A).singularValues();
+  const VectorXd s = singular_values(A);
   return s[s.size() - 1] > 0.0 ? s[0] / s[s.size() - 1] : std::numeric_limits<double>::infinity();
 }
 
