@@ -44,6 +44,11 @@ struct DiagnosisState {
   /// Remarks on the recordings, which outlive another run of the questions.
   std::vector<std::string> remarks = {};
 
+  /// Channel errors of single joints that the last select_causes() accepted beyond their usual size, and
+  /// whether it is to refuse such.
+  std::vector<NotSupported> unusual = {};
+  bool usual_channels_only = false;
+
   /// True if the effect is among those to test, at any place.
   bool tests_effect(const std::string& effect) const;
 
