@@ -44,18 +44,6 @@ Model with_constant(const Model& arm, const FrameConstant& constant, double valu
   return Model(std::move(d));
 }
 
-std::string unit_of(const FrameConstant& constant) {
-  switch (constant.number) {
-    case FrameNumber::kA:
-    case FrameNumber::kD:
-    case FrameNumber::kX:
-    case FrameNumber::kY:
-    case FrameNumber::kZ: return "m";
-    case FrameNumber::kRatio: return "1";
-    default: return "rad";
-  }
-}
-
 std::string words_for(const Model& arm, const FrameConstant& constant) {
   return name_of(arm, constant) + (constant.joint ? " in frame " : " of frame ") +
          arm.frames()[constant.frame.value].name;

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "veridyn/effects/cause.hpp"
+#include "effects/kinematic_error.hpp"
 
 namespace veridyn {
 
@@ -16,9 +16,6 @@ double value_in(const Model& arm, const FrameConstant& constant);
 
 /// The arm with one constant replaced.
 Model with_constant(const Model& arm, const FrameConstant& constant, double value);
-
-/// "rad", "m", or "1" of a ratio.
-std::string unit_of(const FrameConstant& constant);
 
 /// "theta of frame counterweight_rail".
 std::string words_for(const Model& arm, const FrameConstant& constant);

@@ -195,6 +195,18 @@ std::string name_of(const Model& arm, const FrameConstant& constant) {
   return constant.joint ? word + arm.coordinates()[constant.joint->value].name : word;
 }
 
+std::string unit_of(const FrameConstant& constant) {
+  switch (constant.number) {
+    case FrameNumber::kA:
+    case FrameNumber::kD:
+    case FrameNumber::kX:
+    case FrameNumber::kY:
+    case FrameNumber::kZ: return "m";
+    case FrameNumber::kRatio: return "1";
+    default: return "rad";
+  }
+}
+
 std::string formula_key(const Model& arm, const FrameConstant& constant) {
   const Frame& frame = arm.frames()[constant.frame.value];
   const std::string key = "frames/" + frame.name;

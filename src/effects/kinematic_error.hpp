@@ -14,6 +14,9 @@ std::vector<FrameConstant> constants_of(const Model& arm, FrameIndex frame);
 /// "theta", "yaw", "ratio of pitch".
 std::string name_of(const Model& arm, const FrameConstant& constant);
 
+/// "rad", "m", or "1" of a ratio.
+std::string unit_of(const FrameConstant& constant);
+
 /// The key of its formula in ModelDescription::formulas: "frames/elbow/dh/0".
 std::string formula_key(const Model& arm, const FrameConstant& constant);
 

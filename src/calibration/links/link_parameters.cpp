@@ -5,7 +5,6 @@
 #include <map>
 #include <set>
 
-#include "causes/row_constants.hpp"
 #include "effects/kinematic_error.hpp"
 #include "model/expression.hpp"
 
@@ -53,7 +52,7 @@ void LinkParameters::collect_entries() {
   for (const int k : path_) {
     for (const FrameConstant& constant : constants_of(arm_, {k})) {
       const auto formula = formulas.find(formula_key(arm_, constant));
-      entries_.push_back({constant, value_in(arm_, constant),
+      entries_.push_back({constant, value_of({constant}, arm_.description()),
                           formula == formulas.end() ? "" : formula->second});
     }
   }
