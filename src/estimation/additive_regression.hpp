@@ -39,7 +39,7 @@ struct AdditiveOptions {
 
 /// A chosen term of an additive model, and the alternatives that would have done as well.
 struct ChosenTerm {
-  int term = -1;
+  int term = 0;
   double smoothing = 0.0;
   double gain = 0.0;          ///< when it was chosen
   std::vector<int> as_good;   ///< equivalent terms
