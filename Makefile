@@ -129,6 +129,13 @@ memcheck: build
 mutants: build
 	@python3 tests/mutants/mutants.py $(BUILD) $(ROOM)
 
+# clang-tidy with the checks of .clang-tidy, over all sources or SOURCES="src/watch/*.cpp".
+SOURCES ?= $(shell find src -name '*.cpp')
+tidy: build
+	@cmake/install-packages.sh cmake/debian-packages-fuzz.txt
+	@mkdir -p $(BUILD)/tidy && sed 's/-Winvalid-pch//g; s/-include [^ ]*cmake_pch.hxx//g' $(BUILD)/compile_commands.json >$(BUILD)/tidy/compile_commands.json
+	@echo $(SOURCES) | xargs -n 1 -P $(JOBS) clang-tidy -p $(BUILD)/tidy --quiet --extra-arg=-Qunused-arguments --extra-arg=-Wno-everything
+
 # Functions that programs link with, in tests/structure/symbols.txt; a test notices one that went away.
 symbols: build
 	@python3 tests/structure/symbols.py write $(BUILD)
