@@ -68,6 +68,7 @@ deb: packages
 	@cmake --build $(BUILD) -j $(JOBS) --target veridyn_tool --target veridyn_python --target veridyn_libraries
 	@cd $(BUILD) && cpack -B packages >cpack.log || { cat cpack.log; exit 1; }
 	@ls $(BUILD)/packages/*.deb
+	@if command -v lintian >/dev/null; then lintian --allow-root $(BUILD)/packages/*.deb || true; fi
 
 # The book as a site with search and the reference of the C++ headers: $(BUILD)/site/html/index.html. Dead links are errors.
 docs:
