@@ -49,7 +49,7 @@ TEST(SingularValues, OfGradedAndSingularMatrices) {
 TEST(SingularValues, OfNothing) {
   EXPECT_EQ(singular_values(MatrixXd(0, 0)).size(), 0);
   EXPECT_EQ(singular_values(MatrixXd::Zero(4, 4)), VectorXd::Zero(4));
-  EXPECT_EQ(singular_values(MatrixXd::Constant(1, 1, -3.0))[0], 3.0);
+  EXPECT_DOUBLE_EQ(singular_values(MatrixXd::Constant(1, 1, -3.0))[0], 3.0);
   EXPECT_TRUE(std::isnan(singular_values(MatrixXd::Constant(2, 2, NAN))[1]));
 }
 
