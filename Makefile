@@ -68,6 +68,7 @@ deb: packages
 	@cmake --build $(BUILD) -j $(JOBS) --target veridyn_tool --target veridyn_python --target veridyn_libraries
 	@cd $(BUILD) && cpack -B packages >cpack.log || { cat cpack.log; exit 1; }
 	@ls $(BUILD)/packages/*.deb
+	@if command -v lintian >/dev/null; then lintian --allow-root $(BUILD)/packages/*.deb || true; fi
 
 # The book as a site with search and the reference of the C++ headers: $(BUILD)/site/html/index.html. Dead links are errors.
 docs:
@@ -128,6 +129,13 @@ memcheck: build
 # Small breaks of the sources, each of which tests must notice; survivors are listed. ROOM="watch dvrk_io ...".
 mutants: build
 	@python3 tests/mutants/mutants.py $(BUILD) $(ROOM)
+
+# clang-tidy with the checks of .clang-tidy, over all sources or SOURCES="src/watch/*.cpp".
+SOURCES ?= $(shell find src -name '*.cpp')
+tidy: build
+	@cmake/install-packages.sh cmake/debian-packages-fuzz.txt
+	@mkdir -p $(BUILD)/tidy && sed 's/-Winvalid-pch//g; s/-include [^ ]*cmake_pch.hxx//g' $(BUILD)/compile_commands.json >$(BUILD)/tidy/compile_commands.json
+	@echo $(SOURCES) | xargs -n 1 -P $(JOBS) clang-tidy -p $(BUILD)/tidy --quiet --extra-arg=-Qunused-arguments --extra-arg=-Wno-everything
 
 # Functions that programs link with, in tests/structure/symbols.txt; a test notices one that went away.
 symbols: build

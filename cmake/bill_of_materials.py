@@ -18,25 +18,27 @@ IN_PAGES = ["libjs-dygraphs", "libjs-three"]
 
 def output(*command):
     done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
-    return done.stdout if done.returncode == 0 else ""
+    return done.stdout
 
 
 def linked(tool):
-    """Packages of the shared libraries of a program, and whether it names them itself."""
+    """Packages of the shared libraries of a program, and whether it names them itself; a library of no package by its file."""
     own = set(re.findall(r"NEEDED\s+(\S+)", output("objdump", "-p", tool)))
+    libraries = [(name, path) for name, path in re.findall(r"(\S+) => (/\S+)", output("ldd", tool)) if not name.startswith("libveridyn")]
+    # A file may be packaged with or without /usr, and behind a link.
+    places = {path: [path, os.path.realpath(path), re.sub("^/usr", "", path), "/usr" + path] for _, path in libraries}
+    owners = dict(reversed(re.split(r"(?::\w+)?: ", line, maxsplit=1)) for line in
+                  output("dpkg", "-S", *sum(places.values(), [])).splitlines() if ": /" in line)
     found = {}
-    for name, path in re.findall(r"(\S+) => (/\S+)", output("ldd", tool)):
-        for place in (path, os.path.realpath(path), re.sub("^/usr", "", path), "/usr" + path):
-            owner = output("dpkg", "-S", place).split(":")[0]
-            if owner and "," not in owner:
-                break
-        else:
-            sys.exit(f"{path}: found no package that has this file, expected one")
+    for name, path in libraries:
+        owner = next((owners[place] for place in places[path] if place in owners), path)
         found[owner] = found.get(owner, False) or name in own
     return found
 
 
 def licence(package):
+    if "/" in package:
+        return "unknown: no package has this file"
     path = f"/usr/share/doc/{package}/copyright"
     try:
         with open(path, encoding="utf-8", errors="replace") as file:
@@ -48,11 +50,12 @@ def licence(package):
 
 
 def component(package, use):
-    version = output("dpkg-query", "-W", "-f", "${Version}", package)
+    version = output("dpkg-query", "-W", "-f", "${Version}", package) if "/" not in package else "of no package"
     if not version:
         return None
     return {"type": "library", "bom-ref": package, "name": package, "version": version,
-            "purl": f"pkg:deb/debian/{package}@{version}", "licenses": [{"license": {"name": licence(package)}}],
+            **({} if "/" in package else {"purl": f"pkg:deb/debian/{package}@{version}"}),
+            "licenses": [{"license": {"name": licence(package)}}],
             "properties": [{"name": "veridyn:use", "value": use}]}
 
 

@@ -1,5 +1,7 @@
 #include "math/singular_values.hpp"
 
+#include <limits>
+
 #include "math/decompositions.hpp"
 
 namespace veridyn {
@@ -9,6 +11,7 @@ namespace veridyn {
 VectorXd singular_values(const MatrixXd& A) {
   const Eigen::Index n = A.cols();
   if (n == 0) return {};
+  if (!A.allFinite()) return VectorXd::Constant(n, std::numeric_limits<double>::quiet_NaN());
   const double scale = A.cwiseAbs().maxCoeff();
   if (!(scale > 0.0)) return VectorXd::Zero(n);
   const MatrixXd B = Eigen::internal::UpperBidiagonalization<MatrixXd>(A / scale).bidiagonal().toDenseMatrix();

@@ -9,12 +9,17 @@
 
 #include "support/malloc_count.hpp"
 #include "support/random.hpp"
+#include "veridyn/control/adaptive_friction.hpp"
+#include "veridyn/control/computed_torque.hpp"
 #include "veridyn/control/friction_compensation.hpp"
+#include "veridyn/control/gravity_compensation.hpp"
 #include "veridyn/control/impedance.hpp"
 #include "veridyn/control/inverse_kinematics.hpp"
 #include "veridyn/control/model_error_observer.hpp"
 #include "veridyn/control/momentum_observer.hpp"
+#include "veridyn/control/quintic_interpolator.hpp"
 #include "veridyn/control/safety_supervisor.hpp"
+#include "veridyn/control/velocity_observer.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 
@@ -158,6 +163,59 @@ void whole_cycle(benchmark::State& state) {
   });
 }
 BENCHMARK(whole_cycle)->Apply(long_enough);
+
+// The other controllers, each with the arm's state that it takes.
+void computed_torque_cycle(benchmark::State& state) {
+  Wrist wrist;
+  const VectorXd ones = VectorXd::Ones(wrist.arm.joints());
+  ComputedTorque control(wrist.arm.joints(), {ones, ones});
+  JointReference wanted(wrist.arm.joints());
+  time_cycles(state, wrist, [&](const Cycle& c) {
+    wrist.state.update(c.q, c.dq);
+    wanted.q = c.dq;
+    wrist.tau = control.update(wrist.state, wanted);
+  });
+}
+BENCHMARK(computed_torque_cycle)->Apply(long_enough);
+
+void gravity_cycle(benchmark::State& state) {
+  Wrist wrist;
+  GravityCompensation control(wrist.arm);
+  time_cycles(state, wrist, [&](const Cycle& c) { wrist.tau = control.update(c.q); });
+}
+BENCHMARK(gravity_cycle)->Apply(long_enough);
+
+void friction_cycle(benchmark::State& state, FrictionRule rule) {
+  Wrist wrist;
+  FrictionOptions options;
+  options.rule = rule;
+  FrictionCompensation friction(wrist.arm, options);
+  AdaptiveFrictionOptions adapting;
+  adapting.enabled = true;
+  AdaptiveFriction adaptive(friction, adapting);
+  ModelErrorObserver error(wrist.arm.joints(), {10.0, VectorXd::Ones(wrist.arm.joints())});
+  time_cycles(state, wrist, [&](const Cycle& c) {
+    wrist.state.update(c.q, c.dq);
+    wrist.tau = friction.update(wrist.state, c.dq, c.q, 1e-3);
+    wrist.tau += error.update(wrist.state, c.q, 1e-3);
+    adaptive.update(wrist.state, error.missing(), 1e-3, friction);
+  });
+}
+BENCHMARK_CAPTURE(friction_cycle, velocity, FrictionRule::kVelocity)->Apply(long_enough);
+BENCHMARK_CAPTURE(friction_cycle, stick_slip, FrictionRule::kStickSlip)->Apply(long_enough);
+BENCHMARK_CAPTURE(friction_cycle, presliding, FrictionRule::kPresliding)->Apply(long_enough);
+
+void interpolation_cycle(benchmark::State& state) {
+  Wrist wrist;
+  QuinticInterpolator way(VectorXd::Ones(wrist.arm.joints()));
+  VelocityObserver velocity(wrist.arm.joints());
+  time_cycles(state, wrist, [&](const Cycle& c) {
+    way.move_to(c.q, 0.5);
+    way.advance(0.1);
+    wrist.tau = velocity.update(c.q, c.dq, 1e-3);
+  });
+}
+BENCHMARK(interpolation_cycle)->Apply(long_enough);
 
 void inverse_kinematics_step(benchmark::State& state) {
   Wrist wrist;

@@ -255,7 +255,7 @@ double block_gap(const Block& block, const Eigen::Matrix4d& S, const Eigen::Matr
 Bound duality_gap(const Program& program, const Point& point, const VectorXd& residual) {
   // A dot product of length l is off by at most l*kEpsilon/2 of the sum of its absolute terms.
   const double rounding =
-      0.5 * kEpsilon * (2.0 + std::max<double>(program.variables(), residual.size()));
+      0.5 * kEpsilon * (2.0 + static_cast<double>(std::max<Eigen::Index>(program.variables(), residual.size())));
   VectorXd error = 2.0 * rounding * (program.R.cwiseAbs().transpose() * residual.cwiseAbs());
   const VectorXd c = dual_gradient(program, point, error);
   const VectorXd gradient = 2.0 * (program.R.transpose() * residual) + program.linear + c;

@@ -111,7 +111,7 @@ Start starting_point(const Program& program, const MatrixXd& hessian, double cos
   place_bodies(program, x, size);
 
   const double squares = std::max((program.R * x - program.z).squaredNorm(), cost_floor);
-  const double degree = std::max<double>(1.0, program.rows.size() + 4.0 * program.blocks.size());
+  const double degree = std::max(1.0, static_cast<double>(program.rows.size()) + 4.0 * static_cast<double>(program.blocks.size()));
   const double mu = first_gap * squares / degree;
   start.slack = program.rows.slack(x);
   for (int i = 0; i < program.rows.size(); ++i) {
