@@ -33,6 +33,8 @@ constexpr double kAlsoOn = 0.2;
 constexpr double kSurelyThere = 3.0;
 /// digits of a value without a deviation >= those of kDigits of it.
 constexpr double kDigits = 1e-3;
+/// differences of a list that are printed <= kListed.
+constexpr int kListed = 8;
 /// decimals > kMostDecimals: printed with an exponent.
 constexpr int kMostDecimals = 9;
 

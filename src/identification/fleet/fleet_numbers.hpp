@@ -37,6 +37,8 @@ constexpr double kOwnRidge = 1e-7;
 constexpr double kGainRidge = 1e-3;
 /// bisection of the prior's degrees of freedom ends at a width < kWidth.
 constexpr double kWidth = 1e-3;
+/// entries of a list in the text <= kShown; the JSON has all.
+constexpr std::size_t kShown = 20;
 /// progress = kReading when all arms are read.
 constexpr double kReading = 0.9;
 
