@@ -8,6 +8,7 @@
 
 #include "estimation/least_squares.hpp"
 #include "math/median.hpp"
+#include "math/singular_values.hpp"
 #include "math/clustered_statistics.hpp"
 
 namespace veridyn {
@@ -31,7 +32,7 @@ SquareRootInformation weighted_block(const std::vector<SquareRootInformation>& j
 }
 
 double condition(const MatrixXd& A) {
-  const VectorXd s = Eigen::BDCSVD<MatrixXd>(A).singularValues();
+  const VectorXd s = singular_values(A);
   return s[s.size() - 1] > 0.0 ? s[0] / s[s.size() - 1] : std::numeric_limits<double>::infinity();
 }
 

@@ -56,8 +56,8 @@ class MomentumObserver {
   /// The force [N] at the tip, in the world, that would explain r.
   Eigen::Vector3d force() const { return wrench_.head<3>(); }
 
-  bool contact() const { return coordinate_ >= 0; }
-  /// The outermost coordinate whose torque is above its threshold; -1: no contact.
+  bool contact() const { return coordinate_.has_value(); }
+  /// The outermost coordinate whose torque is above its threshold; nothing: no contact.
   std::optional<int> coordinate() const { return coordinate_; }
   /// Index in the model of the frame that is named, or -1.
   int frame() const { return coordinate_ ? frames_[*coordinate_] : -1; }
