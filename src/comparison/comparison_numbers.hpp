@@ -1,6 +1,7 @@
 #pragma once
 
-/// All numbers that can change what `compare` says, each with its inequality and its reason.
+/// All numbers that can change what `compare` says, each with its inequality, and with its
+/// reason where one is known.
 namespace veridyn::comparison_numbers {
 
 /// |difference| <= kSameToRounding * the larger one counts as a deviation: rounding in files, and the
