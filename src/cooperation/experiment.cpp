@@ -238,11 +238,11 @@ void Experiment::read_contacts(double now) {
 Vector3d Experiment::wall_channels_now(int wall) {
   const Wall& w = walls_[wall];
   const World::PointMotion tip = world_->point(w.touches);
-  TipKinematics& axes = true_tips_[w.touches.arm];
+  TipKinematics& axes = true_tips_[*w.touches.arm];
   if (scenario_.walls[wall].sensor_axes == 3)
-    axes.update(world_->q(w.touches.arm), world_->dq(w.touches.arm));
+    axes.update(world_->q(*w.touches.arm), world_->dq(*w.touches.arm));
   return wall_channels(scenario_.walls[wall], contact_force(w, tip.position, tip.velocity),
-                       base_rotation(scenario_.arms[w.touches.arm].turn) * axes.rotation());
+                       base_rotation(scenario_.arms[*w.touches.arm].turn) * axes.rotation());
 }
 
 bool Experiment::step() {
