@@ -59,7 +59,7 @@ class LossyBoards final : public JoinedBoards {
   double tension(int member) const override { return boards_->tension(member); }
   double rate(int member) const override { return boards_->rate(member); }
   double largest_force() const override { return boards_->largest_force(); }
-  double push(int wall) const override { return boards_->push(wall); }
+  double push(int wall, int channel) const override { return boards_->push(wall, channel); }
   void take_by_hand(const Hand& hand, const Eigen::Vector3d& place) override { boards_->take_by_hand(hand, place); }
   void lead(const Eigen::Vector3d& place) override { boards_->lead(place); }
   Eigen::Vector3d hand_force() const override { return boards_->hand_force(); }
