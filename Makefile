@@ -3,7 +3,7 @@ BUILD := build
 JOBS  ?= $(shell nproc)
 CMAKE_FLAGS ?= --preset dev
 
-.PHONY: all tool build demo test python notebooks wheel ros ros-test mpi growth deb build-times readme docs thesis bare sanitize fuzz memcheck mutants packages packages-tests clean
+.PHONY: all tool build demo test python notebooks wheel ros ros-test mpi growth deb build-times readme docs thesis bare sanitize fuzz memcheck mutants symbols bill tidy packages packages-tests clean
 
 all: tool
 
@@ -101,11 +101,14 @@ readme: tool python
 	@for page in $(PAGES); do PATH="$(CURDIR)/$(BUILD)/bin:/usr/bin:$$PATH" VERIDYN_SOURCE="$(CURDIR)" \
 	  /usr/bin/python3 tests/readme/blocks.py write $$page out/readme || exit 1; done
 
-# The second test configuration: address and undefined-behaviour sanitizers.
+# The second test configuration: address and undefined-behaviour sanitizers, all rooms or ROOM="recordings model ...";
+# SANITIZER=tsan: the thread sanitizer.
+SANITIZER ?= asan
 sanitize: packages-tests
-	@cmake --preset asan
-	@cmake --build build-asan -j $(JOBS)
-	@ctest --test-dir build-asan --output-on-failure -j $(JOBS)
+	@cmake --preset $(SANITIZER)
+	@cmake --build build-$(SANITIZER) -j $(JOBS) $(addprefix --target test_,$(ROOM))
+	@echo "$(SANITIZER): $(or $(ROOM),all rooms)"
+	@ctest --test-dir build-$(SANITIZER) --output-on-failure -j $(JOBS) $(if $(ROOM),-R "^($$(echo $(ROOM) | tr ' ' '|'))/")
 
 # The fuzzer of all readers, each for SECONDS from seeds and tests/fuzz/corpus, or TARGETS alone; findings in $(BUILD)/fuzz/findings.
 SECONDS ?= 600
@@ -126,5 +129,14 @@ memcheck: build
 mutants: build
 	@python3 tests/mutants/mutants.py $(BUILD) $(ROOM)
 
+# Functions that programs link with, in tests/structure/symbols.txt; a test notices one that went away.
+symbols: build
+	@python3 tests/structure/symbols.py write $(BUILD)
+
+# What the tool is made of, with versions and licences (CycloneDX): $(BUILD)/veridyn.cdx.json.
+bill: tool
+	@python3 cmake/bill_of_materials.py $(BUILD)/bin/veridyn $$(sed -n 's/^project(veridyn VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt) $(BUILD)/veridyn.cdx.json
+	@echo $(BUILD)/veridyn.cdx.json
+
 clean:
-	rm -rf build build-asan out
+	rm -rf build build-asan build-tsan out

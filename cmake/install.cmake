@@ -32,7 +32,8 @@ foreach(component IN LISTS VERIDYN_COMPONENTS)
     foreach(LINK IN LISTS LINKS)
       if(LINK MATCHES "^veridyn_|^Eigen3::|BUILD_INTERFACE")
         continue()
-      elseif(LINK MATCHES "^/")
+      elseif(LINK MATCHES "^/")  # by its name where the linker looks for it by itself
+        string(REGEX REPLACE "^/usr/lib(/[^/]*-linux-gnu)?/lib([^/]+)\\.(so|a)$" "-l\\2" LINK "${LINK}")
         string(APPEND PC_LIBS " ${LINK}")
       elseif(DEFINED VERIDYN_PC_${LINK})
         string(APPEND PC_LIBS " ${VERIDYN_PC_${LINK}}")
@@ -67,7 +68,10 @@ install(FILES ${CMAKE_CURRENT_BINARY_DIR}/veridyn.pc DESTINATION ${CMAKE_INSTALL
 if(TARGET veridyn_tool)
   install(TARGETS veridyn_tool RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT tool)
   # Man pages and completion come from the tool's own help; they are written when it is installed.
-  install(CODE "execute_process(COMMAND $<TARGET_FILE:veridyn_tool> help --man ${CMAKE_CURRENT_BINARY_DIR}/man COMMAND_ERROR_IS_FATAL ANY)
+  install(CODE "file(REMOVE_RECURSE ${CMAKE_CURRENT_BINARY_DIR}/man)
+    execute_process(COMMAND $<TARGET_FILE:veridyn_tool> help --man ${CMAKE_CURRENT_BINARY_DIR}/man COMMAND_ERROR_IS_FATAL ANY)
+    file(GLOB pages ${CMAKE_CURRENT_BINARY_DIR}/man/*.1)
+    execute_process(COMMAND gzip -9nf \${pages} COMMAND_ERROR_IS_FATAL ANY)
     execute_process(COMMAND $<TARGET_FILE:veridyn_tool> help --bash ${CMAKE_CURRENT_BINARY_DIR}/veridyn.bash COMMAND_ERROR_IS_FATAL ANY)" COMPONENT tool)
   install(DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/man/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT tool)
   install(FILES ${CMAKE_CURRENT_BINARY_DIR}/veridyn.bash DESTINATION share/bash-completion/completions RENAME veridyn COMPONENT tool)
@@ -81,5 +85,25 @@ write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/veridynConfigVersio
   COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/veridynConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/veridynConfigVersion.cmake
         DESTINATION ${PACKAGE_DIR} COMPONENT dev)
+
+# Licence and versions, as every Debian package has them.
+file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/changelog "veridyn (${PROJECT_VERSION}) unstable; urgency=medium
+
+  * Changes are listed in CHANGELOG.md of the sources.
+
+ -- veridyn maintainers <maintainers@example.org>  Thu, 01 Jan 2026 00:00:00 +0000
+")
+execute_process(COMMAND gzip -9nfk ${CMAKE_CURRENT_BINARY_DIR}/changelog COMMAND_ERROR_IS_FATAL ANY)
+foreach(ROW tool|veridyn dev|libveridyn-dev library|libveridyn${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR} python|python3-veridyn)
+  string(REPLACE "|" ";" ROW "${ROW}")
+  list(GET ROW 0 component)
+  list(GET ROW 1 package)
+  set(NOT_BY_DEFAULT "")
+  if(component MATCHES "library|python")
+    set(NOT_BY_DEFAULT EXCLUDE_FROM_ALL)
+  endif()
+  install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION share/doc/${package} RENAME copyright COMPONENT ${component} ${NOT_BY_DEFAULT})
+  install(FILES ${CMAKE_CURRENT_BINARY_DIR}/changelog.gz DESTINATION share/doc/${package} COMPONENT ${component} ${NOT_BY_DEFAULT})
+endforeach()
 
 include(${CMAKE_CURRENT_LIST_DIR}/packages.cmake)

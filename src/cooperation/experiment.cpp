@@ -173,8 +173,8 @@ bool Experiment::command(const ScenarioCommand& c) {
 
 void Experiment::apply_faults() {
   for (const ScenarioFault& fault : scenario_.faults) {
-    if (fault.arm < 0 || world_->time() + 1e-9 < fault.at) continue;
-    const auto k = static_cast<size_t>(fault.arm);
+    if (!fault.arm || world_->time() + 1e-9 < fault.at) continue;
+    const auto k = static_cast<size_t>(*fault.arm);
     if (fault.reported) input_->healthy[k] = 0;
     if (limp_[k] != 0) continue;
     limp_[k] = fault.kind == ScenarioFault::Kind::kArmLimp ? 1 : 2;
@@ -222,7 +222,7 @@ void Experiment::read_contacts(double now) {
       channels[axis] = wall_sensors_[k][c].read(now, truth[axis]).force;
     }
     contact.filtered += smoothing_ * (channels - contact.filtered);
-    const int arm = walls_[k].touches.arm;
+    const int arm = scenario_.walls[k].arm;
     const Eigen::Matrix3d R_world_tip = loops_[arm].rotation();
     contact.measured = force_of_channels(scenario_.walls[k], channels, R_world_tip);
     forces_[arm] -= force_of_channels(scenario_.walls[k], contact.filtered, R_world_tip);
@@ -238,11 +238,11 @@ void Experiment::read_contacts(double now) {
 Vector3d Experiment::wall_channels_now(int wall) {
   const Wall& w = walls_[wall];
   const World::PointMotion tip = world_->point(w.touches);
-  TipKinematics& axes = true_tips_[w.touches.arm];
-  if (scenario_.walls[wall].sensor_axes == 3)
-    axes.update(world_->q(w.touches.arm), world_->dq(w.touches.arm));
+  const int arm = scenario_.walls[wall].arm;
+  TipKinematics& axes = true_tips_[arm];
+  if (scenario_.walls[wall].sensor_axes == 3) axes.update(world_->q(arm), world_->dq(arm));
   return wall_channels(scenario_.walls[wall], contact_force(w, tip.position, tip.velocity),
-                       base_rotation(scenario_.arms[w.touches.arm].turn) * axes.rotation());
+                       base_rotation(scenario_.arms[arm].turn) * axes.rotation());
 }
 
 bool Experiment::step() {

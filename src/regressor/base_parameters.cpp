@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "math/digits.hpp"
+#include "math/singular_values.hpp"
 #include "regressor/arm_columns.hpp"
 #include "regressor/random_states.hpp"
 #include "regressor/stacked_columns.hpp"
@@ -117,13 +118,13 @@ std::vector<int> preferred_columns(const std::vector<StandardParameter>& paramet
   std::vector<int> order;
   const int count = static_cast<int>(parameters.size());
   for (int j = 0; j < count; ++j) {
-    if (parameters[j].effect >= 0) order.push_back(j);
+    if (parameters[j].effect) order.push_back(j);
   }
   for (int j = 0; j < count; ++j) {
-    if (parameters[j].effect < 0 && parameters[j].component > 0) order.push_back(j);
+    if (!parameters[j].effect && parameters[j].component > 0) order.push_back(j);
   }
   for (int j = 0; j < count; ++j) {
-    if (parameters[j].effect < 0 && parameters[j].component == 0) order.push_back(j);
+    if (!parameters[j].effect && parameters[j].component == 0) order.push_back(j);
   }
   return order;
 }
@@ -134,7 +135,7 @@ BaseParameters base_parameters(const SquareRootInformation& factor,
   VectorXd norms;
   const MatrixXd A = scaled(factor.R(), norms);
   if (A.cols() == 0) return base;  // an arm without bodies and effects has no parameters
-  base.singular_values = Eigen::BDCSVD<MatrixXd>(A).singularValues();
+  base.singular_values = singular_values(A);
   const int rank = rank_of(base.singular_values, tolerance, base.rank_gap);
   base.independent = leading_columns(A, preference, rank);
   base.K = MatrixXd::Zero(rank, A.cols());

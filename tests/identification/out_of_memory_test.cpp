@@ -11,12 +11,12 @@
 #include "identification/synthetic_recording.hpp"
 #include "recordings/samples.hpp"
 #include "veridyn/identification/factor_set.hpp"
+#include "veridyn/identification/identification.hpp"
 #include "veridyn/model/model_file.hpp"
 
-// Memory that ends at any allocation of a recording's way from its file to factors in a file: in the
-// caller's thread and in the one that reads ahead. (What comes after is small, and the singular value
-// decomposition in it, Eigen's, frees memory twice where an allocation fails.) A program of its own,
-// for it defines malloc.
+// Memory that ends at any allocation of a recording's way from its file to factors in a file and to an
+// identified model: in the caller's thread and in the one that reads ahead. A program of its own, for it
+// defines malloc.
 
 namespace {
 
@@ -69,7 +69,9 @@ class OutOfMemory : public testing::Test {
 
   void work() const {
     const std::vector<std::string> recordings = {recording()};
-    save_factors(compress(arm_, recordings, PreprocessingOptions(), 2), output());
+    const FactorSet factors = compress(arm_, recordings, PreprocessingOptions(), 2);
+    save_factors(factors, output());
+    (void)identify(arm_, factors);
   }
 
   // Runs the work with allocations `first` to `last`, counted from its begin, failing.

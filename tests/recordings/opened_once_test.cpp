@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "recordings/files/byte_stream.hpp"
+#include "recordings/files/whole_file.hpp"
 #include "recordings/kept_recordings.hpp"
 #include "recordings/samples.hpp"
 #include "veridyn/math/require.hpp"
@@ -58,6 +59,28 @@ TEST_F(Opened, BagsAndArraysAreOpenedOnce) {
     EXPECT_EQ(opened_by_reading(sample(name)), 1) << name;
 }
 
+// A mapped file would end the program with SIGBUS here.
+TEST_F(Opened, AFileThatAnotherProgramCutsKeepsItsBytes) {
+  const std::string content(3 << 20, 'x');
+  write(content);
+  const WholeFile file(path_);
+  write("");
+  EXPECT_EQ(file.bytes(), content);
+}
+
+// Files of the kernel have fewer bytes than their size says, as one has that is cut in between.
+TEST_F(Opened, AFileThatEndsBeforeItsSizeIsRefused) {
+  const std::string path = "/sys/kernel/mm/transparent_hugepage/enabled";
+  struct stat about {};
+  if (::stat(path.c_str(), &about) != 0 || about.st_size < 1000) GTEST_SKIP() << "no " << path;
+  try {
+    const WholeFile file(path);
+    FAIL() << "read";
+  } catch (const InvalidInput& error) {
+    EXPECT_NE(std::string(error.what()).find("another program cuts it"), std::string::npos) << error.what();
+  }
+}
+
 TEST_F(Opened, AFileThatIsKeptIsOpenedOnceForAllItsReaders) {
   write(kPlain);
   KeptRecordings kept;
@@ -79,7 +102,7 @@ TEST_F(Opened, SomeRowsOfAKeptFileAreThoseOfTheFile) {
     for (const long count : {-1, 1, 5}) {
       RecordingOptions options;
       options.first_row = first;
-      options.row_count = count;
+      if (count >= 0) options.row_count = count;
       const Recording of_file = read_recording(path_, options);
       for (const Recording& r :
            {read_rows(path_, options, &kept), open_rows(path_, options, &kept).next(100)}) {

@@ -16,6 +16,11 @@ execute_process(COMMAND cpack --config ${BUILD}/CPackConfig.cmake -B ${WORK}/pac
 if(NOT status EQUAL 0)
   message(FATAL_ERROR "cpack ended with ${status}:\n${said}")
 endif()
+find_program(LINTIAN lintian)
+if(LINTIAN)
+  file(GLOB FILES ${WORK}/packages/*.deb)
+  run(${LINTIAN} --allow-root --fail-on error ${FILES})
+endif()
 foreach(PACKAGE veridyn python3-veridyn libveridyn-dev libveridyn[0-9]*)
   file(GLOB FILE ${WORK}/packages/${PACKAGE}_*.deb)
   if(FILE OR NOT PACKAGE MATCHES "[[]")  # the library's own package is there where it is shared

@@ -137,6 +137,18 @@ TEST(Watch, ACauseIsNamedAtAnyOnset) {
   EXPECT_GE(withdrawn, 1);
 }
 
+// After a pause, memories fill for a second before there is an alarm.
+TEST(Watch, NoAlarmWithinASecondAfterAPause) {
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    Recording r = with_change("payload:tool:mass=0.3", 16.0, seed);
+    r.time.tail(r.rows() - static_cast<int>(kChange * WatchedArm::kRate)).array() += 4.0;
+    const std::vector<WatchEvent> events = watched(r);
+    ASSERT_FALSE(events.empty());
+    EXPECT_GE(events.front().time, kChange + 4.0 + 1.0) << all_of(events);
+    EXPECT_LT(events.front().time, kChange + 4.0 + 2.0) << all_of(events);
+  }
+}
+
 // A change that the watch finds when it begins is told, and is no alarm.
 TEST(Watch, WhatIsThereFromTheBeginningIsTold) {
   struct There {

@@ -8,7 +8,7 @@
 #include "recordings/arrays/array_recording.hpp"
 #include "math/most_rows.hpp"
 #include "recordings/files/byte_reader.hpp"
-#include "recordings/files/mapped_file.hpp"
+#include "recordings/files/whole_file.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::recordings {
@@ -234,7 +234,7 @@ void take_array(const std::string& name, std::string_view bytes, ArraySet* set) 
 
 ArraySet read_npz(const ByteStream& opened) {
   const std::string& path = opened.path();
-  const MappedFile file(path, &opened);
+  const WholeFile file(path, &opened);
   ArraySet set;
   try {
     const std::vector<Entry> entries = directory_of(file.bytes());

@@ -6,7 +6,7 @@
 
 #include "math/words.hpp"
 #include "recordings/bags/bag_sink.hpp"
-#include "recordings/files/mapped_file.hpp"
+#include "recordings/files/whole_file.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::bags {
@@ -111,7 +111,7 @@ Metadata metadata_of(const std::string& folder, BagSink* sink) {
 
 void read_file(const std::string& path, bool packed_messages, BagSink* sink,
                const ByteStream* opened = nullptr) {
-  const MappedFile file(path, opened);
+  const WholeFile file(path, opened);
   switch (container_of(file.bytes())) {
     case Container::kRos1:
       return read_ros1_bag(file.bytes(), path, sink);

@@ -6,7 +6,7 @@
 #include <map>
 #include <memory>
 
-#include "recordings/files/mapped_file.hpp"
+#include "recordings/files/whole_file.hpp"
 #include "recordings/bags/topic_decoder.hpp"
 #include "veridyn/math/require.hpp"
 
