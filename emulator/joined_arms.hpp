@@ -88,7 +88,7 @@ class JoinedArms final : public JoinedBoards, public SteppedClock {
     double time() const override { return world_.time(); }
     const VectorXd& q() const override { return q_; }
     const VectorXd& dq() const override { return world_.dq(arm_); }
-    int failed_joint() const override { return -1; }
+    std::optional<int> failed_joint() const override { return std::nullopt; }
     const std::vector<std::string>& left_out() const override { return none_; }
     bool driven() const { return driven_; }
     /// The world made a step of so many seconds.

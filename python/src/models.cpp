@@ -78,9 +78,9 @@ VectorXd parameters(const Model& arm) {
   VectorXd out(all.size());
   const bool bodies = arm.inertial_values().has_value();
   for (size_t j = 0; j < all.size(); ++j) {
-    const bool known = all[j].body >= 0
-                           ? bodies || arm.frames()[arm.bodies()[all[j].body]].body->phi
-                           : !arm.effects()[all[j].effect].values.empty();
+    const bool known = all[j].body
+                           ? bodies || arm.frames()[arm.bodies()[*all[j].body]].body->phi
+                           : !arm.effects()[*all[j].effect].values.empty();
     out[static_cast<Eigen::Index>(j)] =
         known ? all[j].value : std::numeric_limits<double>::quiet_NaN();
   }

@@ -39,11 +39,6 @@ struct Simulated {
   std::string json;
 };
 
-RivalCause rival(const std::string& asked) {
-  const auto colon = asked.find(':');
-  return {asked.substr(0, colon), colon == std::string::npos ? "" : asked.substr(colon + 1)};
-}
-
 // Plausible values say how an arm behaves, and nothing about how strong it must be.
 Model without_efforts(const Model& arm) {
   ModelDescription d = arm.description();
@@ -51,11 +46,9 @@ Model without_efforts(const Model& arm) {
   return Model(std::move(d));
 }
 
-void read_between(Keywords& keywords, ExcitationOptions& o) {
-  const py::object given = keywords.take("between");
-  if (!given) return;
+void read_between(const py::object& given, const Model& arm, ExcitationOptions& o) {
   const auto both = given.cast<std::pair<std::string, std::string>>();
-  o.between = {rival(both.first), rival(both.second)};
+  o.between = {parse_cause(arm, both.first), parse_cause(arm, both.second)};
   o.criterion = ExcitationCriterion::kDiscriminate;
 }
 
@@ -109,7 +102,7 @@ std::shared_ptr<Excitation> excite_call(const py::object& model, const py::dict&
       ExcitationCriterion::kAOptimal, ExcitationCriterion::kDiscriminate};
   keywords.read_choice("criterion", o.criterion, criteria,
                        [](ExcitationCriterion c) { return name_of(c); });
-  read_between(keywords, o);
+  const py::object between = keywords.take("between");
   keywords.read("essential", o.essential);
   keywords.read("starts", o.starts);
   keywords.read("iterations", o.iterations);
@@ -120,6 +113,7 @@ std::shared_ptr<Excitation> excite_call(const py::object& model, const py::dict&
   keywords.read("seed", o.seed);
   keywords.read("threads", o.threads);
   if (const py::object powered = keywords.take("model")) o.powered = model_of(powered);
+  if (between) read_between(between, o.powered.value_or(arm), o);
   if (const py::object identified = keywords.take("noise_of")) {
     const Model left = model_of(identified);
     require(left.description().identified && left.description().identified->noise.size() == arm.joints(),

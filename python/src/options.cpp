@@ -49,7 +49,7 @@ void read_rows(Keywords& keywords, const std::string& name, PreprocessingOptions
   const auto both = py::reinterpret_borrow<py::sequence>(rows);
   options.first_row = both[0].is_none() ? 0 : both[0].cast<long>();
   const long end = both[1].is_none() ? -1 : both[1].cast<long>();
-  options.row_count = end < 0 ? -1 : end - options.first_row;
+  if (end >= 0) options.row_count = end - options.first_row;
   require(options.first_row >= 0 && (end < 0 || end > options.first_row), keywords.function(), ": ",
           name, " = (", options.first_row, ", ", end, "), expected 0 <= first < end.");
 }

@@ -70,11 +70,9 @@ std::optional<FrameIndex> link_of(const Model& arm, int frame) {
 // Identity of a candidate, for comparisons.
 auto identity(const Candidate& c) {
   const auto number = [](const auto& index) { return index ? index->value : -1; };
-  const auto* constant = std::get_if<KinematicError>(&c.cause);
   const VectorXd& axis = c.axis.coefficients;
   return std::make_tuple(c.cause.index(), effect_of(c.cause), number(joint_of(c.cause)),
-                         number(frame_of(c.cause)), constant != nullptr ? constant->constant : "",
-                         std::vector<double>(axis.begin(), axis.end()), number(c.from),
+                         number(frame_of(c.cause)), std::vector<double>(axis.begin(), axis.end()), number(c.from),
                          is_other_constant(c), c.signal);
 }
 

@@ -7,10 +7,6 @@
 namespace veridyn {
 namespace {
 
-bool is_ratio(const std::string& name) {
-  return name.find(' ') != std::string::npos;
-}
-
 // Frames that carry a body, or a frame that does.
 std::vector<bool> carriers(const Model& arm) {
   std::vector<bool> out(arm.frames().size(), false);
@@ -24,41 +20,33 @@ std::vector<bool> carriers(const Model& arm) {
 
 }  // namespace
 
-std::vector<KinematicError> row_constants(const Model& arm) {
-  std::vector<KinematicError> out;
+std::vector<FrameConstant> row_constants(const Model& arm) {
+  std::vector<FrameConstant> out;
   const std::vector<bool> carries = carriers(arm);
   for (int k = 0; k < static_cast<int>(arm.frames().size()); ++k) {
     const Frame& frame = arm.frames()[k];
     if (!frame.dh || !carries[k]) continue;
-    for (const char* name : {"theta", "alpha", "a", "d"}) out.push_back({name, FrameIndex{k}});
-    for (int i = 0; i < arm.joints(); ++i) {
-      const double c = frame.variable.coefficients[i];
-      if (c == 0.0 || std::abs(c) == 1.0) continue;
-      out.push_back({"ratio of " + arm.coordinates()[i].name, FrameIndex{k}});
+    for (const FrameConstant& c : constants_of(arm, {k})) {
+      // A joint that drives its own frame has no ratio.
+      if (!c.joint || std::abs(frame.variable.coefficients[c.joint->value]) != 1.0) out.push_back(c);
     }
   }
   return out;
 }
 
-double value_in(const Model& arm, const KinematicError& constant) {
-  return value_of(constant, arm.description());
+double value_in(const Model& arm, const FrameConstant& constant) {
+  return value_of({constant}, arm.description());
 }
 
-Model with_constant(const Model& arm, const KinematicError& constant, double value) {
+Model with_constant(const Model& arm, const FrameConstant& constant, double value) {
   ModelDescription d = arm.description();
-  set_value(constant, value, d);
+  set_value({constant}, value, d);
   return Model(std::move(d));
 }
 
-std::string unit_of(const KinematicError& constant) {
-  if (is_ratio(constant.constant)) return "1";
-  return constant.constant == "theta" || constant.constant == "alpha" ? "rad" : "m";
-}
-
-std::string words_for(const Model& arm, const KinematicError& constant) {
-  const auto frame = static_cast<size_t>(std::get<FrameIndex>(constant.of).value);
-  return constant.constant + (is_ratio(constant.constant) ? " in frame " : " of frame ") +
-         arm.frames()[frame].name;
+std::string words_for(const Model& arm, const FrameConstant& constant) {
+  return name_of(arm, constant) + (constant.joint ? " in frame " : " of frame ") +
+         arm.frames()[constant.frame.value].name;
 }
 
 }  // namespace veridyn

@@ -6,12 +6,10 @@
 #include <cmath>
 
 #include "veridyn/effects/effect.hpp"
+#include "comparison/comparison_numbers.hpp"
 
 namespace veridyn {
 namespace {
-
-// Share of a column's rms due to weight above which a sentence mentions it.
-constexpr double kWeightShare = 0.05;
 
 std::string verb(const ModelDifference& d) {
   // "Grew" would be ambiguous for negative values.
@@ -25,11 +23,11 @@ std::string signed_text(double value, double resolution) {
 
 // "from 0.40 to 0.48 N m (+20 %; by +0.08 N m, 95 %: +0.05 to +0.11)"
 std::string sizes(const ModelDifference& d) {
-  const double resolution = std::isfinite(d.deviation) ? d.deviation : 1e-3 * std::abs(d.before);
+  const double resolution = std::isfinite(d.deviation) ? d.deviation : comparison_numbers::kDigits * std::abs(d.before);
   std::string out = fmt::format("from {} to {} {}", number_text(d.before, resolution),
                                 number_text(d.after, resolution), d.unit);
   std::string more;
-  const double known = std::isfinite(d.deviation) ? 3.0 * d.deviation : 0.0;
+  const double known = std::isfinite(d.deviation) ? comparison_numbers::kSurelyThere * d.deviation : 0.0;
   if (d.before > known && d.after > 0.0)
     more = fmt::format("{:+.0f} %", 100.0 * (d.after / d.before - 1.0));
   if (std::isfinite(d.deviation)) {
@@ -80,7 +78,7 @@ std::string joints_text(const Model& arm, const VectorXd& torque, int main) {
   std::string out = fmt::format("{} changed by up to {} {}", joint_text(arm, main),
                                 number_text(torque[main - 1], 0.0), unit(main));
   for (int joint = 1; joint <= arm.joints(); ++joint) {
-    if (joint == main || unit(joint) != unit(main) || torque[joint - 1] < 0.2 * torque[main - 1])
+    if (joint == main || unit(joint) != unit(main) || torque[joint - 1] < comparison_numbers::kAlsoOn * torque[main - 1])
       continue;
     out += fmt::format(", on {} by {} {}", joint_text(arm, joint),
                        number_text(torque[joint - 1], 0.0), unit(joint));
@@ -99,7 +97,7 @@ std::string inertial_sentence(const Model& arm, const StandardTorque& torque,
       kind + d.name + with + " " + (verb(d) == "went" ? "went " : "changed ") + sizes(d) + ": ";
   const VectorXd weight = torque.weight_of(standard);
   const auto i = static_cast<Eigen::Index>(d.joint - 1);
-  if (weight[i] > kWeightShare * torque.rms_of(standard)[i]) {
+  if (weight[i] > comparison_numbers::kWeightShare * torque.rms_of(standard)[i]) {
     return out + "weight on " + joints_text(arm, weight * std::abs(d.difference), d.joint) + ".";
   }
   return out + fmt::format("{} feels it when the arm moves, {} {} rms over the standard motion.",
@@ -114,7 +112,7 @@ std::string number_text(double value, double deviation) {
   if (!(least > 0.0) || !std::isfinite(value)) return fmt::format("{:.3g}", value);
   // Two digits of the deviation.
   const int decimals = std::max(0, 1 - static_cast<int>(std::floor(std::log10(least))));
-  if (decimals > 9) return fmt::format("{:.3g}", value);
+  if (decimals > comparison_numbers::kMostDecimals) return fmt::format("{:.3g}", value);
   return fmt::format("{:.{}f}", value, decimals);
 }
 
@@ -122,8 +120,8 @@ std::string parameter_sentence(const Model& arm, const StandardTorque& torque, i
                                const ModelDifference& difference) {
   const StandardParameter& p = torque.parameters()[standard];
   return capitalised(
-      p.effect >= 0
-          ? effect_sentence(arm, arm.effects()[p.effect], p, difference)
+      p.effect
+          ? effect_sentence(arm, arm.effects()[*p.effect], p, difference)
           : inertial_sentence(arm, torque, p, standard, difference));
 }
 

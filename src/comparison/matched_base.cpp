@@ -10,15 +10,10 @@
 #include "veridyn/regressor/base_parameters.hpp"
 #include "math/dense.hpp"
 #include "veridyn/math/require.hpp"
+#include "comparison/comparison_numbers.hpp"
 
 namespace veridyn {
 namespace {
-
-// Relative error up to which a file's base parameters agree with its values.
-constexpr double kFromValues = 1e-6;
-// Share of the spread over clusters by which the motions may differ.
-constexpr double kSameMotion = 0.2;
-constexpr double kInSpan = 1e-5;      // part of a combination that may lie outside the span
 
 VectorXd values_of(const Model& arm, const std::vector<StandardParameter>& parameters) {
   require(arm.inertial_values().has_value(), "compare: found a body without values in robot '",
@@ -70,7 +65,7 @@ bool take_identified(const IdentifiedBase& file, const std::vector<StandardParam
       sum += coefficient * values[found->second];
       size += std::abs(coefficient * values[found->second]);
     }
-    if (std::abs(sum - p.value) > kFromValues * size) {
+    if (std::abs(sum - p.value) > comparison_numbers::kFromValues * size) {
       out.note = "its values were changed after the identification (" + p.name + ")";
       return false;
     }
@@ -90,7 +85,7 @@ void make_canonical(BaseNumbers& numbers) {
   MatrixXd leading(count, count);
   for (Eigen::Index r = 0; r < count; ++r)
     leading.col(r) = numbers.K.col(numbers.leading[r]);
-  if (leading.isIdentity(1e-9)) return;
+  if (leading.isIdentity(comparison_numbers::kSame)) return;
   const auto solve = [&leading](MatrixXd& columns) {
     for (Eigen::Index c = 0; c < columns.cols(); ++c)
       columns.col(c) = least_norm(leading, columns.col(c));
@@ -135,7 +130,7 @@ BaseNumbers base_numbers(const Model& arm) {
 bool same_motion(const BaseNumbers& a, const BaseNumbers& b) {
   if (a.motion.rows() == 0 || a.motion.rows() != b.motion.rows()) return false;
   const auto spread = [](const MatrixXd& m) { return (m.rowwise() - m.colwise().mean()).norm(); };
-  return (a.motion - b.motion).norm() < kSameMotion * std::max(spread(a.motion), spread(b.motion));
+  return (a.motion - b.motion).norm() < comparison_numbers::kSameMotion * std::max(spread(a.motion), spread(b.motion));
 }
 
 MatchedBase matched_base(const Model& before, const BaseNumbers& a, const Model& after,
@@ -168,7 +163,7 @@ MatchedBase matched_base(const Model& before, const BaseNumbers& a, const Model&
   MatchedBase out;
   for (Eigen::Index r = 0; r < in_a.cols(); ++r) {
     const VectorXd w = least_norm(in_b, in_a.col(r));
-    if ((in_b * w - in_a.col(r)).norm() > kInSpan * in_a.col(r).norm()) {
+    if ((in_b * w - in_a.col(r)).norm() > comparison_numbers::kInSpan * in_a.col(r).norm()) {
       out.only_before.push_back(a.expressions[r]);
       continue;
     }
@@ -177,7 +172,7 @@ MatchedBase matched_base(const Model& before, const BaseNumbers& a, const Model&
   }
   for (Eigen::Index r = 0; r < in_b.cols(); ++r) {
     const VectorXd w = least_norm(in_a, in_b.col(r));
-    if ((in_a * w - in_b.col(r)).norm() > kInSpan * in_b.col(r).norm())
+    if ((in_a * w - in_b.col(r)).norm() > comparison_numbers::kInSpan * in_b.col(r).norm())
       out.only_after.push_back(b.expressions[r]);
   }
   return out;

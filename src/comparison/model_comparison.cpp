@@ -82,8 +82,8 @@ ComparedModel facts_of(const Side& side) {
 
 std::vector<TorqueDifference> torque_differences(const Side& a, const Side& b, bool paired) {
   const auto all = [](const StandardParameter&) { return true; };
-  const auto bodies = [](const StandardParameter& p) { return p.effect < 0; };
-  const auto effects = [](const StandardParameter& p) { return p.effect >= 0; };
+  const auto bodies = [](const StandardParameter& p) { return !p.effect; };
+  const auto effects = [](const StandardParameter& p) { return p.effect.has_value(); };
   const MatrixXd tau_a = a.torque.torque(a.values(all));
   const MatrixXd tau_b = b.torque.torque(b.values(all));
   const VectorXd rms_a = rms(tau_a);
@@ -135,8 +135,8 @@ ModelDifference parameter_difference(const MatchedParameter& m, const Side& a,
   add_statistics(m.scatter_before, m.scatter_after, how, d);
   d.torque = std::abs(d.difference) * a.torque.rms_of(standard);
   d.joint = main_joint(d.torque, joints) + 1;
-  if (p.effect >= 0) {
-    const EffectTerm& term = a.arm.effects()[p.effect];
+  if (p.effect) {
+    const EffectTerm& term = a.arm.effects()[*p.effect];
     d.effect = term.effect;
     d.joint = main_coordinate(term.axis) + 1;
   }

@@ -13,16 +13,13 @@
 #include "veridyn/identification/pseudo_inertia.hpp"
 #include "veridyn/regressor/standard_parameters.hpp"
 #include "veridyn/math/require.hpp"
+#include "comparison/comparison_numbers.hpp"
 
 namespace veridyn {
 namespace {
 
-// Relative difference of shape constants up to which effects are comparable.
-constexpr double kLike = 0.2;
-constexpr double kSame = 1e-9;  // relative to 1 + |a|: what files lose in rounding is less
-
 bool same(double a, double b) {
-  return a == b || std::abs(a - b) <= kSame * (1.0 + std::abs(a));
+  return a == b || std::abs(a - b) <= comparison_numbers::kSame * (1.0 + std::abs(a));
 }
 
 bool same(const Vec3d& a, const Vec3d& b) {
@@ -36,7 +33,7 @@ bool same(const Posed& a, const Posed& b) {
 
 bool same_place(const Frame& a, const Frame& b) {
   return same(a.A, b.A) && same(a.B, b.B) && same(a.variable.offset, b.variable.offset) &&
-         a.variable.coefficients.isApprox(b.variable.coefficients, kSame);
+         a.variable.coefficients.isApprox(b.variable.coefficients, comparison_numbers::kSame);
 }
 
 // Identifies an effect's terms, without their shape constants.
@@ -74,7 +71,7 @@ bool comparable(const Model& before, int term_before, const Model& after, int te
   const std::vector<double> b =
       shape_of(after, after.effects()[term_after]);
   for (std::size_t s = 0; s < a.size(); ++s) {
-    if (std::abs(a[s] - b[s]) > kLike * std::max(std::abs(a[s]), std::abs(b[s]))) return false;
+    if (std::abs(a[s] - b[s]) > comparison_numbers::kLike * std::max(std::abs(a[s]), std::abs(b[s]))) return false;
   }
   return true;
 }
@@ -292,8 +289,8 @@ Model without_frames_of_its_own(const Model& arm, const Model& other) {
   ModelDescription d = arm.description();
   std::set<std::string> gone;
   for (const StandardParameter& p : standard_parameters(arm)) {
-    if (p.body < 0) continue;
-    const Frame& frame = arm.frames()[arm.bodies()[p.body]];
+    if (!p.body) continue;
+    const Frame& frame = arm.frames()[arm.bodies()[*p.body]];
     if (other.find_frame(frame.name) < 0) gone.insert(p.name);
   }
   // Frames that hang on one of them come after it, and are of its own as well.
@@ -358,8 +355,8 @@ MatchingNames matching_names(const Model& before, const Model& after) {
       }
     }
     for (const StandardParameter& p : standard_parameters(arm)) {
-      const std::string name = p.effect < 0 ? p.name + (first || one_geometry ? "" : "'")
-                                            : of_term[p.effect] +
+      const std::string name = !p.effect ? p.name + (first || one_geometry ? "" : "'")
+                                            : of_term[*p.effect] +
                                                   p.name.substr(p.name.rfind('.'));
       (first ? out.before : out.after).push_back(name);
     }

@@ -4,12 +4,10 @@
 #include <cmath>
 
 #include "kinematics/standard_motion.hpp"
+#include "comparison/comparison_numbers.hpp"
 
 namespace veridyn {
 namespace {
-
-// Contributions below this share of a parameter's rms torque are due to the grid of samples.
-constexpr double kRoundedAway = 5e-3;
 
 Segment segment_of(const MotionSamples& motion) {
   Segment s;
@@ -99,7 +97,7 @@ VectorXd StandardTorque::projected(const JointRows& rows, const VectorXd& on, bo
   VectorXd out = VectorXd::Zero(parameters_.size());
   for (size_t c = 0; c < rows.parameters.size(); ++c) {
     const int p = rows.parameters[c];
-    if ((parameters_[p].effect < 0) != bodies) continue;
+    if (parameters_[p].effect.has_value() == bodies) continue;
     out[p] = on.dot(rows.A.col(c));
   }
   return out;
@@ -110,7 +108,7 @@ VectorXd StandardTorque::quantity(JointQuantity which, int joint) const {
   const Eigen::ArrayXd time = motion_.time.array() - motion_.time[0];
   const double period = 1.0 / standard_frequency(joint);
   const double whole = period * std::floor(time[time.size() - 1] / period);
-  const Eigen::ArrayXd used = (time < whole - 1e-9).cast<double>();
+  const Eigen::ArrayXd used = (time < whole - comparison_numbers::kSameTime).cast<double>();
   const VectorXd mean = used / used.sum();
   const Eigen::ArrayXd forward = used * (motion_.dq.col(joint).array() > 0.0).cast<double>();
   const Eigen::ArrayXd backward = used * (motion_.dq.col(joint).array() < 0.0).cast<double>();
@@ -141,7 +139,7 @@ VectorXd StandardTorque::quantity(JointQuantity which, int joint) const {
   for (Eigen::Index p = 0; p < out.size(); ++p) {
     const double own = std::max(rms(column(moving_[i], static_cast<int>(p)))[0],
                                 rms(column(speeding_up_[i], static_cast<int>(p)))[0]);
-    if (std::abs(out[p]) < kRoundedAway * own) out[p] = 0.0;
+    if (std::abs(out[p]) < comparison_numbers::kRoundedAway * own) out[p] = 0.0;
   }
   return out;
 }

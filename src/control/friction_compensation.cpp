@@ -77,10 +77,11 @@ double FrictionCompensation::sliding(const Axis& axis, double direction, double 
   x.ds = direction * std::max(std::abs(speed), 1.001 * kRestSpeed);
   x.load = axis.load;
   double sum = 0.0;
+  EffectState state{};
+  EffectColumns row;
   for (const BoundEffect& term : axis.terms) {
-    EffectColumns row{};
-    EffectState state{};
     if (term.traits().memory) {
+      state = {};
       x.s = axis.s - direction * kFar;
       term.effect().columns(x, term.shape(), state, row);
     }
@@ -123,10 +124,10 @@ double FrictionCompensation::by_memory(Axis& axis, double will, double speed, do
   x.s = axis.s;
   x.load = axis.load;
   double sum = 0.0;
+  EffectColumns row;
   for (BoundEffect& term : axis.terms) {
     const bool memory = term.traits().memory;
     x.ds = memory ? v : direction * std::max(speed, 1.001 * kRestSpeed);
-    EffectColumns row{};
     term.columns(x, row);
     sum += (memory ? 1.0 : std::abs(will)) * weighted(term, row);
   }
@@ -145,11 +146,11 @@ double FrictionCompensation::whole(Axis& axis, double v, double v_wanted,
 }
 
 void FrictionCompensation::supervise(Axis& axis, double v_wanted, double dt) const noexcept {
+  if (!std::isfinite(axis.tank_capacity)) return;
   const double level =
       options_.share * axis.scale *
       std::max(std::abs(sliding(axis, 1.0, 0.0)), std::abs(sliding(axis, -1.0, 0.0)));
   axis.largest = level * axis.tank_capacity;
-  if (!std::isfinite(axis.tank_capacity)) return;
   if (axis.first) {
     axis.energy = axis.largest;
     return;
@@ -161,6 +162,13 @@ void FrictionCompensation::supervise(Axis& axis, double v_wanted, double dt) con
   axis.energy = std::isnan(axis.energy) ? 0.0 : std::clamp(axis.energy, 0.0, axis.largest);
 }
 
+void FrictionCompensation::locate(const ArmState& arm) noexcept {
+  for (Axis& axis : axes_) {
+    axis.s = axis.offset + axis.c.dot(arm.q());
+    axis.load = axis.c.dot(arm.rigid_bias()) / axis.c.squaredNorm();
+  }
+}
+
 const VectorXd& FrictionCompensation::update(const ArmState& arm, const VectorXd& dq_wanted,
                                              const VectorXd& error, double dt) noexcept {
   assert(arm.joints() == tau_.size() && dq_wanted.size() == tau_.size() &&
@@ -168,9 +176,8 @@ const VectorXd& FrictionCompensation::update(const ArmState& arm, const VectorXd
   tau_.setZero();
   if (!arm.q().allFinite() || !arm.dq().allFinite() || !dq_wanted.allFinite() || !error.allFinite())
     return tau_;
+  locate(arm);
   for (Axis& axis : axes_) {
-    axis.s = axis.offset + axis.c.dot(arm.q());
-    axis.load = axis.c.dot(arm.rigid_bias()) / axis.c.squaredNorm();
     const double v = axis.c.dot(arm.dq());
     const double v_wanted = axis.c.dot(dq_wanted);
     const double e = axis.c.dot(error);

@@ -67,7 +67,7 @@ MomentumObserver::MomentumObserver(const Model& arm, const Tip& tip,
 
 void MomentumObserver::reset() noexcept {
   first_ = true;
-  coordinate_ = -1;
+  coordinate_.reset();
   r_.setZero();
   threshold_.setZero();
   wrench_.setZero();
@@ -103,11 +103,11 @@ const VectorXd& MomentumObserver::update(const ArmState& arm, const VectorXd& ta
   r_ = options_.bandwidth * (sum_ - p_ + p_start_);
   inverse_.update(arm.tip().jacobian());
   inverse_.solve_wrench(r_, wrench_);
-  coordinate_ = -1;
+  coordinate_.reset();
   for (const int i : order_) {
     int& count = above_[i];
     count = std::abs(r_[i]) > threshold_[i] ? std::min(count + 1, options_.cycles) : 0;
-    if (coordinate_ < 0 && count >= options_.cycles) coordinate_ = i;
+    if (!coordinate_ && count >= options_.cycles) coordinate_ = i;
   }
   return r_;
 }

@@ -32,19 +32,17 @@ int inertial_column(const Model& arm, const std::string& name) {
 VectorXd standard_torque(const Model& arm, FrictionCompensation& friction) {
   const MotionSamples motion = standard_motion(arm);
   ArmState state(arm, {arm.frames().back().name});
-  const VectorXd none = VectorXd::Zero(arm.joints());
-  VectorXd squares = none;
+  VectorXd squares = VectorXd::Zero(arm.joints());
   for (Eigen::Index k = 0; k < motion.rows(); ++k) {
     state.update(motion.q.row(k).transpose(), motion.dq.row(k).transpose());
     VectorXd tau = state.mass_matrix() * motion.ddq.row(k).transpose() + state.bias();
-    friction.update(state, none, none, 0.0);
+    friction.locate(state);
     for (int a = 0; a < friction.axes(); ++a) {
       const double v = friction.axis(a).dot(state.dq());
       tau += friction.sliding(a, v < 0.0 ? -1.0 : 1.0, v) * friction.axis(a);
     }
     squares += tau.cwiseAbs2();
   }
-  friction.reset();
   return (squares / static_cast<double>(motion.rows())).cwiseSqrt();
 }
 
@@ -56,8 +54,7 @@ TorqueUncertainty::TorqueUncertainty(const Model& arm, const UncertaintyOptions&
       recursion_(tree_),
       friction_(arm),
       unexplained_(VectorXd::Zero(arm.joints())),
-      u_(VectorXd::Zero(arm.joints())),
-      none_(u_) {
+      u_(VectorXd::Zero(arm.joints())) {
   require(options.relative > 0.0 && options.deviations > 0.0 && options.velocity.revolute > 0.0 &&
               options.velocity.prismatic > 0.0,
           "TorqueUncertainty: found an option that is not above zero.");
@@ -124,7 +121,7 @@ void TorqueUncertainty::add_parameters() noexcept {
 }
 
 void TorqueUncertainty::add_friction(const ArmState& arm) noexcept {
-  friction_.update(arm, none_, none_, 0.0);
+  friction_.locate(arm);
   const double moving = std::min(1.0, options_.relative * options_.deviations / 3.0);
   for (int k = 0; k < friction_.axes(); ++k) {
     const VectorXd& c = friction_.axis(k);

@@ -171,8 +171,8 @@ bool Experiment::command(const ScenarioCommand& c) {
 
 void Experiment::apply_faults() {
   for (const ScenarioFault& fault : scenario_.faults) {
-    if (fault.arm < 0 || world_->time() + 1e-9 < fault.at) continue;
-    const auto k = static_cast<size_t>(fault.arm);
+    if (!fault.arm || world_->time() + 1e-9 < fault.at) continue;
+    const auto k = static_cast<size_t>(*fault.arm);
     if (fault.reported) input_->healthy[k] = 0;
     if (limp_[k] != 0) continue;
     limp_[k] = fault.kind == ScenarioFault::Kind::kArmLimp ? 1 : 2;
@@ -216,7 +216,7 @@ void Experiment::read_contacts(double now) {
     wall_samples_[k] = wall_sensors_[k].read(now, wall_now_[k].force);
     double& reading = filtered_[sensors_.size() + k];
     reading += smoothing_ * (wall_samples_[k].force - reading);
-    forces_[walls_[k].touches.arm] -= reading * walls_[k].normal;
+    forces_[*walls_[k].touches.arm] -= reading * walls_[k].normal;
   }
   for (size_t b = 0; b < held_objects_.size(); ++b) {
     const std::vector<ScenarioBody::Grasp>& grasps = held_objects_[b].scenario().grasps;

@@ -12,8 +12,6 @@
 namespace veridyn {
 namespace {
 
-constexpr int kLaterCauses = 2;  // at most, one after the other
-
 bool are_facts(const Model& arm) {
   return arm.description().values == RobotValues::kFacts && has_all_values(arm);
 }
@@ -29,13 +27,7 @@ Model robot_of(const Model& file, const DiagnosisOptions& options) {
 using Tell = std::function<void(const char* stage)>;
 
 void test_all_candidates(DiagnosisState& x, const Tell& tell) {
-  x.d.findings.resize(x.contacts);
-  x.d.not_supported.clear();
-  x.d.cannot_tell.clear();
-  x.d.remarks = x.remarks;
-  x.fitted_by_start.clear();
-  x.refused.clear();
-  add_plain_friction(x);
+  begin_tests(x);
   tell("trying constants of the robot file");
   correct_constants(x);
   tell("trying causes");
@@ -63,7 +55,7 @@ void run_stages(DiagnosisState& x, const Tell& tell) {
   }
   tell("accounting for what is left over");
   account_for_errors(x);
-  for (int turn = 0; turn < kLaterCauses && ask_later_causes(x); ++turn) account_for_errors(x);
+  ask_later_causes(x);
   summarize(x.d, x.options.thresholds);
   if (!x.d.friction_remark.empty()) x.d.friction = plain_friction_of(*x.d.extended.model);
 }

@@ -1,10 +1,15 @@
 #include "veridyn/effects/cause.hpp"
 
+#include <array>
+#include <map>
+#include <tuple>
+
 #include "effects/kinematic_error.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/math/require.hpp"
 #include "model/effect_names.hpp"
+#include "model/joint_placement.hpp"
 #include "model/suggestion.hpp"
 
 namespace veridyn {
@@ -24,7 +29,16 @@ bool is_number(const std::string& word) {
          word.find_first_not_of("0123456789") == std::string::npos;
 }
 
-const char* const kRatioOf = "ratio of ";
+const char* const kZero = "zero";
+
+// The names of FrameNumber in files and messages, in its order; a ratio adds its joint.
+constexpr std::array<const char*, 11> kFrameNumbers = {"a", "alpha", "d",     "theta", "x",        "y",
+                                                       "z", "roll",  "pitch", "yaw",   "ratio of "};
+constexpr int kOfRow = 4;  // the first ones are of a DH row
+
+const char* word_for(FrameNumber number) {
+  return kFrameNumbers[static_cast<int>(number)];
+}
 
 // The rest of `word` after "elbow.", if it begins so.
 std::optional<std::string> after(const std::string& owner, const std::string& word) {
@@ -33,28 +47,15 @@ std::optional<std::string> after(const std::string& owner, const std::string& wo
   return word.substr(start.size());
 }
 
-bool is_in_row(const Model& arm, const Frame& frame, const std::string& name) {
-  if (!frame.dh) return false;
-  if (name == "theta" || name == "alpha" || name == "a" || name == "d") return true;
-  for (int i = 0; i < arm.joints(); ++i) {
-    if (name == kRatioOf + arm.coordinates()[i].name)
-      return frame.variable.coefficients[i] != 0.0;
-  }
-  return false;
-}
+// All numbers of a frame in the order of FrameNumber; of a row and of an origin, the one that the
+// frame has.
+using FrameNumbers = std::array<double, kFrameNumbers.size() - 1>;
 
-// The number in a row with this name; nullptr: it is a ratio.
-double* number_of(DhRow& row, const std::string& name) {
-  if (name == "theta") return &row.theta;
-  if (name == "alpha") return &row.alpha;
-  if (name == "a") return &row.a;
-  return name == "d" ? &row.d : nullptr;
-}
-
-double& ratio_of(Frame& frame, const std::string& name, const ModelDescription& arm) {
-  Eigen::Index i = 0;
-  while (name != kRatioOf + arm.coordinates[i].name) ++i;
-  return frame.variable.coefficients[i];
+FrameNumbers numbers_of(const Frame& frame) {
+  if (frame.dh) return {frame.dh->a, frame.dh->alpha, frame.dh->d, frame.dh->theta};
+  const Posed origin = joint_placement(frame).origin;
+  const Vec3d rpy = rpy_from_rotation(origin.R);
+  return {0.0, 0.0, 0.0, 0.0, origin.p.x, origin.p.y, origin.p.z, rpy.x, rpy.y, rpy.z};
 }
 
 // Contribution of a row to the joint variable's offset.
@@ -63,23 +64,36 @@ double offset_of(const Frame& frame, const DhRow& row) {
   return frame.type == JointType::kRevolute ? row.theta : row.d;
 }
 
+void place(Frame& frame, const FrameNumbers& v) {
+  if (frame.dh) {
+    DhRow row = *frame.dh;
+    frame.variable.offset -= offset_of(frame, row);  // place() adds the new one
+    std::tie(row.a, row.alpha, row.d, row.theta) = std::tie(v[0], v[1], v[2], v[3]);
+    place(frame, row);
+    return;
+  }
+  JointPlacement placed = joint_placement(frame);
+  placed.origin = {rotation_from_rpy({v[7], v[8], v[9]}), {v[4], v[5], v[6]}};
+  place(frame, placed);
+}
+
 KinematicError find_constant(const Model& arm, const std::string& word, const std::string& where) {
   for (int k = 0; k < static_cast<int>(arm.frames().size()); ++k) {
-    const Frame& frame = arm.frames()[k];
-    const auto name = after(frame.name, word);
-    if (name && is_in_row(arm, frame, *name)) return {*name, FrameIndex{k}};
+    const auto name = after(arm.frames()[k].name, word);
+    for (const FrameConstant& c : name ? constants_of(arm, {k}) : std::vector<FrameConstant>()) {
+      if (name_of(arm, c) == *name) return {c};
+    }
   }
   for (int i = 0; i < arm.joints(); ++i) {
-    if (after(arm.coordinates()[i].name, word) == KinematicError::kZero)
-      return {KinematicError::kZero, JointIndex{i}};
+    if (after(arm.coordinates()[i].name, word) == kZero) return {JointZero{{i}}};
   }
   std::vector<std::string> names;
   for (const auto& [name, value] : arm.description().constants) names.push_back(name);
   require(arm.description().constants.count(word) > 0, where, ": found '", word, "'",
           did_you_mean(word, names), ", expected a constant of the robot file, one of: ",
           names.empty() ? "(it has none)" : listed(names),
-          "; or one of a frame's row, as in FRAME.theta; or JOINT.zero.");
-  return {word};
+          "; or a number of a frame, as in FRAME.theta or FRAME.yaw; or JOINT.zero.");
+  return {NamedConstant{word}};
 }
 
 std::string place_of(const Model& arm, const Cause& cause) {
@@ -96,12 +110,11 @@ std::string place_of(const Model& arm, const Cause& cause) {
                  [&](const AddedInertia& c) { return frame(c.frame); },
                  [&](const ChannelError& c) { return c.joint ? joint(*c.joint) : kWholeArm; },
                  [&](const KinematicError& c) {
-                   const auto owner = std::visit(
-                       Overloaded{[](std::monostate) { return std::string(); },
-                                  [&](FrameIndex k) { return frame(k) + "."; },
-                                  [&](JointIndex i) { return joint(i) + "."; }},
-                       c.of);
-                   return owner + c.constant;
+                   return std::visit(
+                       Overloaded{[](const NamedConstant& n) { return n.name; },
+                                  [&](const FrameConstant& n) { return frame(n.frame) + "." + name_of(arm, n); },
+                                  [&](JointZero n) { return joint(n.joint) + "." + kZero; }},
+                       c.constant);
                  },
                  [&](const ExternalContact& c) { return joint(c.joint); }},
       cause);
@@ -165,26 +178,76 @@ std::string to_text(const Model& arm, const Cause& cause) {
   return to_text(CauseText{effect_of(cause), place_of(arm, cause)});
 }
 
+std::vector<FrameConstant> constants_of(const Model& arm, FrameIndex k) {
+  const Frame& frame = arm.frames()[k.value];
+  const int ratio = static_cast<int>(FrameNumber::kRatio);
+  std::vector<FrameConstant> out;
+  for (int n = frame.dh ? 0 : kOfRow; n < (frame.dh ? kOfRow : ratio); ++n)
+    out.push_back({k, static_cast<FrameNumber>(n)});
+  for (int i = 0; i < arm.joints(); ++i) {
+    if (frame.variable.coefficients[i] != 0.0) out.push_back({k, FrameNumber::kRatio, JointIndex{i}});
+  }
+  return out;
+}
+
+std::string name_of(const Model& arm, const FrameConstant& constant) {
+  const std::string word = word_for(constant.number);
+  return constant.joint ? word + arm.coordinates()[constant.joint->value].name : word;
+}
+
+std::string unit_of(const FrameConstant& constant) {
+  switch (constant.number) {
+    case FrameNumber::kA:
+    case FrameNumber::kD:
+    case FrameNumber::kX:
+    case FrameNumber::kY:
+    case FrameNumber::kZ: return "m";
+    case FrameNumber::kRatio: return "1";
+    default: return "rad";
+  }
+}
+
+std::string formula_key(const Model& arm, const FrameConstant& constant) {
+  const Frame& frame = arm.frames()[constant.frame.value];
+  const std::string key = "frames/" + frame.name;
+  const int n = static_cast<int>(constant.number);
+  if (constant.joint) {
+    const char* joint = frame.type == JointType::kRevolute ? "/revolute/" : "/prismatic/";
+    return key + joint + arm.coordinates()[constant.joint->value].name;
+  }
+  if (n < kOfRow) return key + "/dh/" + std::to_string(n);
+  const int axis = (n - kOfRow) % 3;
+  return key + (axis == n - kOfRow ? "/origin/xyz/" : "/origin/rpy/") + std::to_string(axis);
+}
+
 double value_of(const KinematicError& error, const ModelDescription& arm) {
-  const auto* of = std::get_if<FrameIndex>(&error.of);
+  const auto* of = std::get_if<FrameConstant>(&error.constant);
   if (of == nullptr) return 0.0;
-  Frame frame = arm.frames[of->value];
-  const double* number = number_of(*frame.dh, error.constant);
-  return number != nullptr ? *number : ratio_of(frame, error.constant, arm);
+  const Frame& frame = arm.frames[of->frame.value];
+  if (of->joint) return frame.variable.coefficients[of->joint->value];
+  return numbers_of(frame)[static_cast<int>(of->number)];
 }
 
 void set_value(const KinematicError& error, double value, ModelDescription& arm) {
-  if (const auto* joint = std::get_if<JointIndex>(&error.of)) {
+  if (const auto* zero = std::get_if<JointZero>(&error.constant)) {
     for (Frame& frame : arm.frames)
-      frame.variable.offset += frame.variable.coefficients[joint->value] * value;
+      frame.variable.offset += frame.variable.coefficients[zero->joint.value] * value;
     return;
   }
-  Frame& frame = arm.frames[std::get<FrameIndex>(error.of).value];
-  DhRow row = *frame.dh;
-  frame.variable.offset -= offset_of(frame, row);  // place() adds the new one
-  double* number = number_of(row, error.constant);
-  (number != nullptr ? *number : ratio_of(frame, error.constant, arm)) = value;
-  place(frame, row);
+  set_values({{std::get<FrameConstant>(error.constant), value}}, arm);
+}
+
+void set_values(const std::vector<std::pair<FrameConstant, double>>& values, ModelDescription& arm) {
+  std::map<int, FrameNumbers> placed;
+  for (const auto& [constant, value] : values) {
+    const int k = constant.frame.value;
+    if (constant.joint) {
+      arm.frames[k].variable.coefficients[constant.joint->value] = value;
+    } else {
+      placed.emplace(k, numbers_of(arm.frames[k])).first->second[static_cast<int>(constant.number)] = value;
+    }
+  }
+  for (const auto& [k, numbers] : placed) place(arm.frames[k], numbers);
 }
 
 std::string effect_of(const Cause& cause) {
@@ -203,8 +266,8 @@ std::optional<JointIndex> joint_of(const Cause& cause) {
                                [](const ChannelError& c) { return c.joint; },
                                [](const ExternalContact& c) { return Joint(c.joint); },
                                [](const KinematicError& c) {
-                                 const auto* joint = std::get_if<JointIndex>(&c.of);
-                                 return joint != nullptr ? Joint(*joint) : Joint();
+                                 const auto* zero = std::get_if<JointZero>(&c.constant);
+                                 return zero != nullptr ? Joint(zero->joint) : Joint();
                                },
                                [](const auto& /*c*/) { return Joint(); }},
                     cause);
@@ -214,10 +277,10 @@ std::optional<FrameIndex> frame_of(const Cause& cause) {
   using At = std::optional<FrameIndex>;
   return std::visit(Overloaded{[](const AddedLoad& c) { return At(c.frame); },
                                [](const AddedInertia& c) { return At(c.frame); },
-                            [](const KinematicError& c) {
-                              const auto* frame = std::get_if<FrameIndex>(&c.of);
-                              return frame != nullptr ? At(*frame) : At();
-                            },
+                               [](const KinematicError& c) {
+                                 const auto* of = std::get_if<FrameConstant>(&c.constant);
+                                 return of != nullptr ? At(of->frame) : At();
+                               },
                                [](const auto& /*c*/) { return At(); }},
                     cause);
 }
@@ -244,7 +307,12 @@ CauseWords words_of(const Model& arm, const Cause& cause) {
   out.coordinate = joint ? arm.coordinates()[joint->value].name : kWholeArm;
   if (const auto frame = frame_of(cause))
     out.frame = arm.frames()[frame->value].name;
-  if (const auto* constant = std::get_if<KinematicError>(&cause)) out.constant = constant->constant;
+  if (const auto* wrong = std::get_if<KinematicError>(&cause)) {
+    out.constant = std::visit(Overloaded{[](const NamedConstant& n) { return n.name; },
+                                         [&](const FrameConstant& n) { return name_of(arm, n); },
+                                         [](JointZero /*n*/) { return std::string(kZero); }},
+                              wrong->constant);
+  }
   if (const auto* contact = std::get_if<ExternalContact>(&cause)) {
     int k = 0;
     while (!arm.moves(k, contact->joint.value)) ++k;

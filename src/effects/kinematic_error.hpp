@@ -1,14 +1,33 @@
 #pragma once
 
+#include <string>
+#include <utility>
+#include <vector>
+
 #include "veridyn/effects/cause.hpp"
 
 namespace veridyn {
 
-/// The present value of a wrong constant: a number of a frame's row; zero for a joint's zero.
-/// Constants with a name are not supported, because other numbers depend on them.
+/// All numbers that place a frame: of its DH row, or of its joint's origin, then every ratio.
+std::vector<FrameConstant> constants_of(const Model& arm, FrameIndex frame);
+
+/// "theta", "yaw", "ratio of pitch".
+std::string name_of(const Model& arm, const FrameConstant& constant);
+
+/// "rad", "m", or "1" of a ratio.
+std::string unit_of(const FrameConstant& constant);
+
+/// The key of its formula in ModelDescription::formulas: "frames/elbow/dh/0".
+std::string formula_key(const Model& arm, const FrameConstant& constant);
+
+/// The present value of a wrong constant; zero for a joint's zero. Constants with a name are not
+/// supported, because other numbers depend on them.
 double value_of(const KinematicError& error, const ModelDescription& arm);
 
 /// Sets that value. A zero shifts all joint variables that the coordinate is part of.
 void set_value(const KinematicError& error, double value, ModelDescription& arm);
+
+/// Sets numbers of frames at once; of two for the same number the later one counts.
+void set_values(const std::vector<std::pair<FrameConstant, double>>& values, ModelDescription& arm);
 
 }  // namespace veridyn

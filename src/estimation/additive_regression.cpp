@@ -17,6 +17,7 @@ constexpr double kAsSmooth = 0.03;  // share of the gain that may be traded for 
 // Relative to the columns' mean square: splines and the constant share a direction.
 constexpr double kRidge = 1e-7;
 constexpr double kLeast = 1e-300;
+constexpr double kLargest = 4.0;  // mean square of one curve, over that of the response
 
 // Sums over the rows of one fold.
 struct Sums {
@@ -100,12 +101,7 @@ class Regression {
   // Mean square of every fold, predicted from the fit to the others; returns these fits on request.
   static std::vector<double> held_out(const std::vector<Sums>& sums, const MatrixXd& P,
                                       MatrixXd* fits = nullptr) {
-    MatrixXd A = sums.front().A;
-    VectorXd b = sums.front().b;
-    for (size_t f = 1; f < sums.size(); ++f) {
-      A += sums[f].A;
-      b += sums[f].b;
-    }
+    const auto [A, b, y2, rows] = total(sums);
     if (fits != nullptr) fits->resize(b.size(), static_cast<Eigen::Index>(sums.size()));
     std::vector<double> out;
     for (size_t f = 0; f < sums.size(); ++f) {
@@ -114,6 +110,34 @@ class Regression {
       if (fits != nullptr) fits->col(static_cast<Eigen::Index>(f)) = x;
     }
     return out;
+  }
+
+  static Sums total(const std::vector<Sums>& sums) {
+    Sums out = sums.front();
+    for (size_t f = 1; f < sums.size(); ++f) {
+      out.A += sums[f].A;
+      out.b += sums[f].b;
+      out.y2 += sums[f].y2;
+      out.rows += sums[f].rows;
+    }
+    return out;
+  }
+
+  // Of curves that nearly depend on each other (concurvity), each may be larger than the response
+  // while they cancel: such a fit says nothing about any of them.
+  bool cancels(const std::vector<Sums>& sums, const MatrixXd& P, Eigen::Index added) const {
+    const Sums all = total(sums);
+    const VectorXd x = solve(all.A, all.b, P);
+    const double response = all.y2 - all.b[0] * all.b[0] / all.rows;
+    Eigen::Index at = 1;
+    for (size_t k = 0; k <= model_.chosen.size(); ++k) {
+      const Eigen::Index size = k < model_.chosen.size() ? terms_[model_.chosen[k].term].size() : added;
+      const auto own = x.segment(at, size);
+      const double sum = all.A.row(0).segment(at, size).dot(own);
+      if (own.dot(all.A.block(at, at, size, size) * own) - sum * sum / all.rows > kLargest * response) return true;
+      at += size;
+    }
+    return false;
   }
 
   struct Try {
@@ -160,10 +184,12 @@ class Regression {
       MatrixXd P = MatrixXd::Zero(m + k, m + k);
       P.topLeftCorner(m, m) = P_;
       P.bottomRightCorner(k, k) = smoothing * own_penalty;
+      if (cancels(sums, P, k)) continue;
       const std::vector<double> falls = falls_to(held_out(sums, P));
       tries.push_back({term, smoothing, mean(falls), falls});
       if (own_penalty.isZero(0.0)) break;
     }
+    if (tries.empty()) return {};
     // Chooses the smoothest of those with nearly the largest gain.
     double most = tries.front().gain;
     for (const Try& t : tries) most = std::max(most, t.gain);
@@ -228,13 +254,8 @@ class Regression {
   void finish() {
     const std::vector<double> after = held_out(sums_, P_, &model_.without);
     const std::vector<ChosenTerm> chosen = std::move(model_.chosen);
-    MatrixXd A = sums_.front().A;
-    VectorXd b = sums_.front().b;
-    for (size_t f = 1; f < folds(); ++f) {
-      A += sums_[f].A;
-      b += sums_[f].b;
-    }
-    model_.coefficients = solve(A, b, P_);
+    const Sums all = total(sums_);
+    model_.coefficients = solve(all.A, all.b, P_);
     MatrixXd without = std::move(model_.without);
     model_.chosen.clear();
     reset();  // gains are relative to the model with a constant alone

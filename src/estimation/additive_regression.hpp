@@ -39,7 +39,7 @@ struct AdditiveOptions {
 
 /// A chosen term of an additive model, and the alternatives that would have done as well.
 struct ChosenTerm {
-  int term = -1;
+  int term = 0;
   double smoothing = 0.0;
   double gain = 0.0;          ///< when it was chosen
   std::vector<int> as_good;   ///< equivalent terms
@@ -55,8 +55,7 @@ struct AdditiveModel {
   VectorXd coefficients;       ///< a_0, then those of the chosen terms
   MatrixXd without;            ///< (coefficients x folds) with each fold left out
 
-  /// Index of the first coefficient of term k among the coefficients.
-  /// term): one value per row of `columns`.
+  /// Index of the first coefficient of term k.
   Eigen::Index first_of(const std::vector<SmoothTerm>& terms, size_t k) const;
 };
 

@@ -276,7 +276,7 @@ void Design::describe(const Candidate& best, const VectorXd& random, Excitation&
                                options_.given, same_parameters(*known, arm_) ? reported_base(arm_) : std::vector<int>());
   }
   if (options_.between && options_.criterion == ExcitationCriterion::kDiscriminate)
-    out.discrimination = judge_rivals(asked.question, asked.question.exact_gram(motion), options_);
+    out.discrimination = judge_rivals(asked.question, asked.question.exact_gram(motion));
   if (within && !std::isfinite(best.cost)) out.status = ExcitationStatus::kRankDeficient;
 }
 

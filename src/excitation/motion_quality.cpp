@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "veridyn/regressor/standard_parameters.hpp"
 
@@ -74,11 +75,9 @@ EssentialParameters judge_essential(const Model& arm, const EssentialColumns& co
   return out;
 }
 
-Discrimination judge_rivals(const Question& question, const MatrixXd& gram,
-                            const ExcitationOptions& options) {
+Discrimination judge_rivals(const Question& question, const MatrixXd& gram) {
   Discrimination out;
-  out.first = to_text(options.between->first);
-  out.second = to_text(options.between->second);
+  std::tie(out.first, out.second) = question.rival_names;
   const auto [first, second] = rivals_left(gram, question.scale, question.rivals);
   const auto share = [](const RivalLeft& r) {
     return r.alone > 0.0 ? std::sqrt(r.left / r.alone) : 0.0;

@@ -15,7 +15,6 @@ EssentialParameters judge_essential(const Model& arm, const EssentialColumns& co
                                     const BaseRegressor& chosen, const MotionSamples& motion);
 
 /// Separation of two causes by a motion. @param gram  of the question's exact columns.
-Discrimination judge_rivals(const Question& question, const MatrixXd& gram,
-                            const ExcitationOptions& options);
+Discrimination judge_rivals(const Question& question, const MatrixXd& gram);
 
 }  // namespace veridyn

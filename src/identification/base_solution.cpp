@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "estimation/least_squares.hpp"
 #include "math/median.hpp"
 #include "math/singular_values.hpp"
 #include "math/clustered_statistics.hpp"
@@ -30,10 +31,6 @@ SquareRootInformation weighted_block(const std::vector<SquareRootInformation>& j
   return out;
 }
 
-VectorXd solve(const SquareRootInformation& factor) {
-  return Eigen::ColPivHouseholderQR<MatrixXd>(factor.R()).solve(factor.z());
-}
-
 double condition(const MatrixXd& A) {
   const VectorXd s = singular_values(A);
   return s[s.size() - 1] > 0.0 ? s[0] / s[s.size() - 1] : std::numeric_limits<double>::infinity();
@@ -56,7 +53,7 @@ MatrixXd jackknife(const std::vector<SquareRootInformation>& blocks,
   for (size_t b = 0; b < count; ++b) {
     SquareRootInformation rest = before;
     rest.merge(after[b]);
-    solutions.col(b) = solve(rest);
+    solutions.col(b) = least_squares(rest);
     before.merge(blocks[b]);
   }
   return jackknife_factor(solutions);
@@ -90,7 +87,7 @@ BaseSolution solve_base(const std::vector<CompressedRecording>& recordings,
     }
   }
   BaseSolution out;
-  out.beta = solve(total);
+  out.beta = least_squares(total);
   out.residual2 = total.residual2(out.beta);
   out.condition_number = condition(total.R());
   MatrixXd scaled = total.R();
@@ -141,7 +138,7 @@ VectorXd residual_weights(const std::vector<CompressedRecording>& recordings,
       for (size_t i = 0; i < n; ++i) joints[i].merge(block[i].restricted(columns));
     }
   }
-  const VectorXd beta = solve(weighted_block(joints, start, columns));
+  const VectorXd beta = least_squares(weighted_block(joints, start, columns));
   VectorXd weights(start.size());
   for (size_t i = 0; i < n; ++i) {
     const auto row = static_cast<Eigen::Index>(i);

@@ -22,15 +22,14 @@ RegressorColumns::RegressorColumns(const Model& arm, const PreprocessingOptions&
       parameters_(standard_parameters(arm)),
       first_of_effect_(arm.effects().size(), 0) {
   for (size_t p = 0; p < parameters_.size(); ++p) {
-    if (parameters_[p].effect >= 0 && parameters_[p].component == 0)
-      first_of_effect_[parameters_[p].effect] = static_cast<Eigen::Index>(p);
+    if (parameters_[p].effect && parameters_[p].component == 0)
+      first_of_effect_[*parameters_[p].effect] = static_cast<Eigen::Index>(p);
   }
   for (int i = 0; i < arm.joints(); ++i) {
     std::vector<int> mine = bodies_.columns(i);
     for (size_t p = 0; p < parameters_.size(); ++p) {
-      const int e = parameters_[p].effect;
-      if (e < 0) continue;
-      const EffectTerm& term = arm.effects()[e];
+      if (!parameters_[p].effect) continue;
+      const EffectTerm& term = arm.effects()[*parameters_[p].effect];
       const ChannelEffect* channel = channel_effect(term.effect);
       if (channel != nullptr ? channel->acts_on(i, channel_joint(*channel, term))
                              : term.axis.coefficients[i] != 0.0)
@@ -150,7 +149,7 @@ void RegressorColumns::filter(MatrixXd& columns, double dt) const {
 
 bool RegressorColumns::is_excluded(int joint, double time) const {
   return std::any_of(options_.excluded_intervals.begin(), options_.excluded_intervals.end(), [&](const ExcludedInterval& part) {
-    return (part.joint < 0 || part.joint == joint) && time >= part.from && time <= part.to;
+    return (!part.joint || part.joint == joint) && time >= part.from && time <= part.to;
   });
 }
 

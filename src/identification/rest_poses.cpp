@@ -149,7 +149,7 @@ std::vector<JointRows> rows_of_poses(const Model& arm, const RestPoses& poses) {
     for (size_t p = 0; p < out[i].parameters.size(); ++p) {
       const StandardParameter& parameter = all.parameters()[out[i].parameters[p]];
       const auto column = static_cast<Eigen::Index>(p);
-      if (parameter.effect < 0) out[i].A.col(column) = still[i].A.col(column);
+      if (!parameter.effect) out[i].A.col(column) = still[i].A.col(column);
     }
   }
   return out;
@@ -194,9 +194,8 @@ Model without_idle_effects(const Model& arm, const std::vector<RestPoses>& poses
   for (const RestPoses& some : poses) {
     for (const JointRows& joint : rows_of_poses(arm, some)) {
       for (size_t c = 0; c < joint.parameters.size(); ++c) {
-        const int effect = parameters[joint.parameters[c]].effect;
-        if (effect >= 0 && joint.A.col(c).squaredNorm() > 0.0)
-          acts[effect] = 1;
+        const std::optional<int> effect = parameters[joint.parameters[c]].effect;
+        if (effect && joint.A.col(c).squaredNorm() > 0.0) acts[*effect] = 1;
       }
     }
   }

@@ -21,7 +21,7 @@ RecordingQuality quality_of(const Model& arm, const std::string& name,
                             const PreprocessingOptions& how) {
   RecordingOptions reading = reading_of(arm, how);
   reading.first_row = std::max(0L, how.first_row);
-  reading.row_count = how.row_count < 0 ? kLookedAt : std::min(how.row_count, kLookedAt);
+  reading.row_count = std::min(how.row_count.value_or(kLookedAt), kLookedAt);
   const auto judge = [&] { return check_rows(name, open_rows(name, reading, how.kept.get())); };
   try {
     const Recording* there = find_in_memory(how.in_memory, name);

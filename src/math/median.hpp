@@ -16,6 +16,9 @@ Number median(std::vector<Number> values) {
   return *middle;
 }
 
+/// Factor from the median deviation to the standard deviation of a normal distribution.
+constexpr double kMadToDeviation = 1.4826;
+
 /// The median step from one time to the next.
 template <typename Times>
 auto median_step(const Times& time) {

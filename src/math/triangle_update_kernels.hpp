@@ -10,7 +10,8 @@ namespace veridyn {
 
 /// Householder reflections in panels of eight columns. A reflection of column j is
 /// I - t [u e_j; x][u e_j; x]', with x in place in the rows (not scaled to a leading one), so that
-/// a panel's columns hold its reflections at the end. The panel acts on the
+/// a panel's columns hold its reflections at the end. The panel acts on the columns behind it as
+/// I - V T V', T upper triangular (compact WY form, Schreiber and Van Loan 1989).
 template <typename P>
 struct TriangleLoops {
   typedef double Aligned __attribute__((vector_size(sizeof(P)), may_alias));

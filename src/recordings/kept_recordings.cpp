@@ -73,7 +73,7 @@ std::atomic<long> g_parsed{0};
 
 std::string key_of(const std::string& path, const RecordingOptions& options) {
   std::string out = path + "\n" + std::to_string(options.rate);
-  out += " " + std::to_string(options.first_row) + " " + std::to_string(options.row_count);
+  out += " " + std::to_string(options.first_row) + " " + std::to_string(options.row_count.value_or(-1));
   for (const std::string& column : options.columns) out += "\n" + column;
   const SignalChoice& signals = options.signals;
   for (const std::string& topic : signals.topics) out += "\ntopic " + topic;
@@ -108,7 +108,7 @@ std::shared_ptr<const Whole> whole_file(const std::string& path, const Recording
   if (kept == nullptr) return nullptr;
   RecordingOptions all = options;
   all.first_row = 0;
-  all.row_count = -1;
+  all.row_count.reset();
   return kept->find(path, all);
 }
 
@@ -160,7 +160,7 @@ OpenedRows open_rows(const std::string& path, const RecordingOptions& options,
                      KeptRecordings* kept) {
   const auto whole = whole_file(path, options, kept);
   if (whole != nullptr && options.first_row == 0 &&
-      (options.row_count < 0 || options.row_count >= whole->rows.rows())) {
+      (!options.row_count || *options.row_count >= whole->rows.rows())) {
     auto at = std::make_shared<int>(0);
     return {[whole, at](int rows) {
               const int count = std::min(rows, whole->rows.rows() - *at);
@@ -180,7 +180,7 @@ Recording read_rows(const std::string& path, const RecordingOptions& options,
   const long rows = whole != nullptr ? whole->rows.rows() : 0;
   if (options.first_row >= rows || options.row_count == 0) return read_recording(path, options);
   const long behind = rows - options.first_row;
-  const long count = options.row_count < 0 ? behind : std::min(options.row_count, behind);
+  const long count = std::min(options.row_count.value_or(behind), behind);
   return rows_of(whole->rows, static_cast<int>(options.first_row), static_cast<int>(count));
 }
 

@@ -22,7 +22,7 @@ class ImportedRows : public recordings::RowSource {
       : imported_(std::move(imported)) {
     const long rows = imported_->recording.rows();
     at_ = std::min(options.first_row, rows);
-    end_ = options.row_count < 0 ? rows : std::min(rows, at_ + options.row_count);
+    end_ = std::min<long>(rows, at_ + options.row_count.value_or(rows));
   }
 
   Recording next(int rows) override {

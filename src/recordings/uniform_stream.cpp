@@ -92,7 +92,7 @@ void UniformStream::read_piece() {
   for (Eigen::Index i = 0; i < piece.rows(); ++i) {
     const long file_row = rows_read_++;
     if (file_row == std::max(0L, options_.first_row)) t_wanted_first_ = piece.time[i];
-    if (options_.row_count >= 0 && file_row == options_.first_row + options_.row_count - 1)
+    if (options_.row_count && file_row == options_.first_row + *options_.row_count - 1)
       t_wanted_last_ = piece.time[i];
     if (!usable(piece, i)) continue;
     Row row = make_row(piece, i);

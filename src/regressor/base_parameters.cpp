@@ -118,13 +118,13 @@ std::vector<int> preferred_columns(const std::vector<StandardParameter>& paramet
   std::vector<int> order;
   const int count = static_cast<int>(parameters.size());
   for (int j = 0; j < count; ++j) {
-    if (parameters[j].effect >= 0) order.push_back(j);
+    if (parameters[j].effect) order.push_back(j);
   }
   for (int j = 0; j < count; ++j) {
-    if (parameters[j].effect < 0 && parameters[j].component > 0) order.push_back(j);
+    if (!parameters[j].effect && parameters[j].component > 0) order.push_back(j);
   }
   for (int j = 0; j < count; ++j) {
-    if (parameters[j].effect < 0 && parameters[j].component == 0) order.push_back(j);
+    if (!parameters[j].effect && parameters[j].component == 0) order.push_back(j);
   }
   return order;
 }

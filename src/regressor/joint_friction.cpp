@@ -27,8 +27,8 @@ Model with_told_rotors(const Model& plain) {
   const std::vector<StandardParameter> parameters = standard_parameters(all);
   ModelDescription d = plain.description();
   for (size_t p = 0; p < parameters.size(); ++p) {
-    const auto term = static_cast<size_t>(std::max(parameters[p].effect, 0));
-    const bool added = parameters[p].effect >= 0 && term >= plain.effects().size();
+    const auto term = static_cast<size_t>(parameters[p].effect.value_or(0));
+    const bool added = parameters[p].effect && term >= plain.effects().size();
     if (added && base.classes[p] == Identifiability::kAlone) d.effects.push_back(all.effects()[term]);
   }
   return Model(std::move(d));

@@ -44,7 +44,7 @@ class Log {
   }
 
   // Ends the record before row `rows`.
-  bool stop(Eigen::Index rows, StepStatus status, const Engine& engine, int joint) {
+  bool stop(Eigen::Index rows, StepStatus status, const Engine& engine, std::optional<int> joint) {
     run_.status = status;
     run_.stopped_at = engine.time();
     run_.joint = joint;
@@ -191,7 +191,7 @@ int run_away(const VectorXd& q, const VectorXd& wanted, const VectorXd& range) {
 
 std::string EngineRun::why(const Model& arm) const {
   const std::string who =
-      joint >= 0 ? "joint " + arm.coordinates()[joint].name : "the arm";
+      joint ? "joint " + arm.coordinates()[*joint].name : "the arm";
   return fmt::format("stopped at {:.6g} s: {} {}", stopped_at, who, describe(status));
 }
 

@@ -146,15 +146,16 @@ class Injector {
   }
 
   void inject(const HiddenEffect& hidden, const KinematicError& cause) {
-    if (!std::holds_alternative<std::monostate>(cause.of)) {
+    const auto* named = std::get_if<NamedConstant>(&cause.constant);
+    if (named == nullptr) {
       inject_number(hidden, cause);
       return;
     }
-    const auto constant = out_.arm.description().constants.find(cause.constant);
+    const auto constant = out_.arm.description().constants.find(named->name);
     const double size = constant->second != 0.0 ? 0.1 * constant->second : 0.05;
     auto v = filled(hidden, {{"change", size}});
     ModelFileOptions options;
-    options.constants[hidden.place] = constant->second + v["change"];
+    options.constants[named->name] = constant->second + v["change"];
     out_.arm = read_yaml(to_yaml(out_.arm), out_.arm.name(), options);
     add(hidden, hidden.place, 0, std::move(v));
   }

@@ -3,39 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "math/decompositions.hpp"
+#include "estimation/least_squares.hpp"
 #include "veridyn/effects/cause.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "math/student_t.hpp"
 #include "watch/event_words.hpp"
+#include "watch/watch_numbers.hpp"
 
 namespace veridyn::watching {
-namespace {
-
-constexpr double kMemories[] = {0.5, 2.0, 8.0};  // [s]
-constexpr double kRecent = 20.0;        // [s] of steps kept to isolate a cause
-constexpr int kAboveInARow = 2;  // consecutive steps beyond the threshold that raise an alarm
-// [s] from the onset before a cause is named, because a push may still end.
-constexpr double kSoonestName = 2.0;
-constexpr double kOdds = 9.2;           // twice the log of odds of 100 to 1
-constexpr int kLikelyInARow = 4;  // steps at which one cause has these odds, before it is named
-constexpr double kPushEnds = 0.8;       // [s] without a push after which it is over
-constexpr double kExplains = 0.6;       // share of the gain of free torques that a cause must reach
-constexpr double kRefractoryTime = 1.0;  // [s] refractory time after an event, in which memories fill again
-constexpr double kQuietLevel = 0.5;           // share of the threshold below which the time is quiet
-constexpr double kUnseenMotion = 1.0;          // [s] of unseen motion after which learning resumes
-constexpr size_t kMostQuiet = 1200;     // steps of the current day that are kept
-constexpr double kLargestTorques = 3.0; // times the rms torque: no joint's friction grows beyond it
-constexpr double kSlow = 0.1;           // [rad/s], [m/s] a speed that every joint reaches
-constexpr double kMixed = 2.5;          // steps after the onset whose innovations mix both states
-// Relative systematic error of a size: smoothing, first-order columns.
-constexpr double kSystematic = 0.02;
-constexpr double kReversalShare = 0.3;         // remaining share below which a change was reversed
-constexpr double kPresentOdds = 3.0;    // times the odds of a name: all hypotheses are compared
-constexpr double kPresentShare = 0.1;   // share of a joint's rms torque: less differs from day to day
-constexpr int kMostWithdrawn = 2;       // names of one change, so that two causes do not alternate
-
-}  // namespace
 
 ChangeFinder::ChangeFinder(const Model& arm, const std::vector<Hypothesis>& hypotheses,
                            const WatchOptions& options)
@@ -96,7 +71,7 @@ void ChangeFinder::calibrate() {
       const auto i = static_cast<Eigen::Index>(m);
       if (!step.follows) memories_[m].clear();
       memories_[m].add(white);
-      if (since < std::min(memories_[m].seconds, 0.25 * options_.learn)) continue;
+      if (since < std::min(memories_[m].seconds, kFilled * options_.learn)) continue;
       sum.col(i) += memories_[m].statistics(least_, largest_);
       counts[i] += 1.0;
     }
@@ -155,13 +130,13 @@ void ChangeFinder::go_on_learning(const Step& step, double strength) {
   if (!novel && !relearning && (!past_.empty() || quiet_live_ >= options_.learn_more)) return;
   quiet_.push_back(step);
   quiet_.back().residual -= step.columns * known_;
-  quiet_.back().follows = step.follows && step.time - last_learned_ < 1.5 * options_.step;
+  quiet_.back().follows = step.follows && step.time - last_learned_ < kFollows * options_.step;
   last_learned_ = step.time;
   quiet_live_ += options_.step;
   if (quiet_.size() > kMostQuiet) quiet_.erase(quiet_.begin());
   const bool more = past_.empty() && quiet_live_ >= 2.0 * calibrated_at_ &&
                     quiet_live_ <= options_.learn_more && strength < kQuietLevel;
-  const bool learned = relearning && step.time + 1.5 * options_.step >= relearn_until_;
+  const bool learned = relearning && step.time + kFollows * options_.step >= relearn_until_;
   if (learned || (more && !relearning)) calibrate();
 }
 
@@ -219,7 +194,7 @@ void ChangeFinder::emit_present(double now) {
   for (const Step& step : quiet_)
     power += (step.columns(Eigen::all, c.score.columns) * c.score.size).cwiseAbs2() /
              static_cast<double>(quiet_.size());
-  const VectorXd share = power.cwiseSqrt().cwiseQuotient(noise_.scale().cwiseMax(1e-12));
+  const VectorXd share = power.cwiseSqrt().cwiseQuotient(noise_.scale().cwiseMax(kNothing));
   if (share.maxCoeff() < kPresentShare || std::abs(c.score.size[0]) <= half_width(c.score)) return;
   c.id = ++ids_;
   WatchEvent e = event(c, WatchStage::kPresent, now);
@@ -327,7 +302,7 @@ double ChangeFinder::half_width(const Score& score) const {
   // Quantities learned while quiet are inexact as well, and columns are of first order.
   const double learned = options_.step * static_cast<double>(before_.size() + quiet_.size());
   const double since = std::max(0.0, recent_.empty() ? 0.0 : recent_.back().time - score.onset);
-  const double random = student_t_quantile(0.05, quantiles_.freedom()) *
+  const double random = student_t_quantile(kOutside, quantiles_.freedom()) *
                         std::sqrt(std::max(1.0, quantiles_.dispersion()) *
                                   (1.0 + since / std::max(learned, options_.step))) *
                         score.deviation();
@@ -407,7 +382,7 @@ void ChangeFinder::push_is_over(const Push& push, double now) {
   e.until = push.to;
   e.value = push.torque.size() > j ? push.torque[j] : 0.0;
   const double steps = std::max(1.0, (push.to - push.from) / options_.step);
-  const double half = student_t_quantile(0.05, quantiles_.freedom()) * noise_.deviation()[j] *
+  const double half = student_t_quantile(kOutside, quantiles_.freedom()) * noise_.deviation()[j] *
                       std::sqrt(std::max(1.0, quantiles_.dispersion()) / steps);
   e.low = e.value - half;
   e.high = e.value + half;
@@ -425,7 +400,7 @@ void ChangeFinder::refine(const WhiteStep& white, double now) {
   if (ask_again(now)) return;
   c.score.A += X.transpose() * X;
   compensate(c.score, -1.0);
-  c.score.size += c.score.A.ldlt().solve(X.transpose() * white.e);
+  c.score.size += normal_solution(c.score.A, X.transpose() * white.e);
   compensate(c.score, 1.0);
   if (now - c.named < options_.refine) return;
   emit(event(c, WatchStage::kRefined, now));
@@ -467,7 +442,7 @@ void ChangeFinder::jump(const PositionJump& jump, double now) {
   c.score.size = VectorXd::Constant(1, jump.size);
   c.strength = std::abs(jump.size) / std::max(jump.noise, 1e-300);
   WatchEvent e = event(c, WatchStage::kNamed, std::max(now, jump.time));
-  const double half = student_t_quantile(0.05, quantiles_.freedom()) * jump.noise;
+  const double half = student_t_quantile(kOutside, quantiles_.freedom()) * jump.noise;
   e.low = jump.size - half;
   e.high = jump.size + half;
   emit(std::move(e));

@@ -3,22 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
-#include "math/decompositions.hpp"
+#include "estimation/least_squares.hpp"
 #include "math/numbers.hpp"
 #include "math/student_t.hpp"
+#include "watch/watch_numbers.hpp"
 
 namespace veridyn::watching {
 namespace {
 
-constexpr double kLever = 0.1;         // [m] by which a load's centre lies off its frame
-constexpr double kLightest = 0.01;     // [kg]
-constexpr double kNothing = 1e-12;     // information below which a column is not there
 constexpr double kHour = 3600.0;       // [s]
-constexpr double kPriorFreedom = 8.0;  // windows that the prior dispersion is worth
-constexpr double kPriorDispersion = 3.0;
-constexpr double kSegment = 0.5;       // [s] in which a push counts as constant
-constexpr double kShortestPush = 0.2;  // [s]
-constexpr double kActive = 0.1;        // share of the gain that a joint has to bring to be named
 
 }  // namespace
 
@@ -102,7 +95,7 @@ Score best_onset(const std::deque<WhiteStep>& steps, int hypothesis, double leas
 
 double Score::deviation() const {
   if (A.rows() == 0) return kInfinity;
-  return std::sqrt(std::max(0.0, A.ldlt().solve(VectorXd::Unit(A.rows(), 0))[0]));
+  return std::sqrt(std::max(0.0, normal_solution(A, VectorXd::Unit(A.rows(), 0))[0]));
 }
 
 namespace {
@@ -121,7 +114,7 @@ double solve_from(const std::deque<WhiteStep>& steps, double from, double mass, 
   const double lever = kLever * std::max(std::abs(mass), kLightest);
   score.A.diagonal().tail(count - 1).array() += 1.0 / (lever * lever);
   if (!(score.A(0, 0) > kNothing)) return 0.0;
-  score.size = score.A.ldlt().solve(b);
+  score.size = normal_solution(score.A, b);
   return b.dot(score.size);
 }
 

@@ -4,12 +4,10 @@
 #include <cmath>
 
 #include "veridyn/math/require.hpp"
+#include "watch/watch_numbers.hpp"
 
 namespace veridyn::watching {
 namespace {
-
-// Share of the largest speed, below which dry friction is undetermined.
-constexpr double kRestShare = 0.03;
 
 std::string unit_of(const Model& arm, const Candidate& c) {
   if (is_load(c)) return "kg";

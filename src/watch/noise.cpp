@@ -3,23 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "math/decompositions.hpp"
+#include "estimation/least_squares.hpp"
 #include "veridyn/effects/effect.hpp"
+#include "watch/watch_numbers.hpp"
 
 namespace veridyn::watching {
-namespace {
-
-constexpr int kOrder = 2;             // of the autoregressions
-constexpr double kDailyShare = 0.1;   // of the rms torque: prior of day-to-day differences
-constexpr double kSlow = 0.1;         // [rad/s], [m/s] a speed that every joint reaches
-constexpr double kLeastShare = 2e-3;  // of the rms torque: lower bound of innovations
-constexpr double kLargestPole = 0.98; // a quiet beginning is too short to estimate larger poles
-constexpr double kUnlearned = 0.5;    // relative model error outside the learned range
-constexpr double kBeyond = 1.1;  // factor on the envelope beyond which a motion counts as unseen
-// Alternations between fitting the day's differences and the autoregression.
-constexpr int kRounds = 3;
-
-}  // namespace
 
 NoiseModel::NoiseModel(const Model& arm, const std::vector<Hypothesis>& hypotheses)
     : n_(arm.joints()),
@@ -55,7 +43,7 @@ bool NoiseModel::novel(const Step& step) const {
 }
 
 void NoiseModel::fit(const std::vector<Step>& before, const std::vector<Step>& today) {
-  if (before.size() + today.size() < static_cast<size_t>(4 * kOrder)) return;
+  if (before.size() + today.size() < static_cast<size_t>(kStepsForPole * kOrder)) return;
   const std::vector<const std::vector<Step>*> all = {&before, &today};
   scale_.setZero();
   envelope_ = MatrixXd::Zero(n_, 3);
@@ -102,18 +90,18 @@ void NoiseModel::fit_colour(const std::vector<const std::vector<Step>*>& quiet) 
       power += rest[k][j] * rest[k][j];
       count += 1.0;
     }
-    const double least = std::max(kLeastShare * scale_[j], 1e-12);
+    const double least = std::max(kLeastShare * scale_[j], kNothing);
     ar_.row(j).setZero();
     deviation_[j] = least;
     // At rest or nearly so: only the bound of friction at rest is known.
-    if (count < 4.0 * kOrder) {
+    if (count < kStepsForPole * kOrder) {
       double all = 0.0;
       for (const VectorXd& x : rest) all += x[j] * x[j];
       deviation_[j] = std::max(least, std::sqrt(all / static_cast<double>(rest.size())));
       continue;
     }
     const double ridge = count * least * least;
-    Eigen::Vector2d a = (R + ridge * Eigen::Matrix2d::Identity()).ldlt().solve(r);
+    Eigen::Vector2d a = normal_solution(R + ridge * Eigen::Matrix2d::Identity(), r);
     // Schur's condition for both poles inside the unit circle.
     a[1] = std::clamp(a[1], -kLargestPole, kLargestPole);
     a[0] = std::clamp(a[0], -kLargestPole * (1.0 - a[1]), kLargestPole * (1.0 - a[1]));
@@ -149,9 +137,9 @@ void NoiseModel::fit_today(const std::vector<Step>& quiet) {
   for (Eigen::Index p = 0; p < count; ++p) {
     const int j = joint_of_[p];
     const double prior = kDailyShare * scale_[j] / speed_of_[p];
-    A(p, p) += 1.0 / std::max(prior * prior, 1e-24);
+    A(p, p) += 1.0 / std::max(prior * prior, kNothing * kNothing);
   }
-  const VectorXd x = A.ldlt().solve(b);
+  const VectorXd x = normal_solution(A, b);
   for (Eigen::Index p = 0; p < count; ++p) today_[daily_[p]] = x[p];
 }
 

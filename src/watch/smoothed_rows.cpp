@@ -6,23 +6,10 @@
 #include "math/median.hpp"
 #include "math/decompositions.hpp"
 #include "veridyn/math/require.hpp"
+#include "watch/watch_numbers.hpp"
 
 namespace veridyn::watching {
 namespace {
-
-constexpr double kHalfWindow = 0.05;       // [s] of the smoothing: 5 Hz and slower pass
-constexpr double kHalfWindowOfPosition = 0.08;  // [s] where velocities are derived, twice
-constexpr double kJumpReach = 0.02;        // [s] to either side of a jump
-constexpr int kRowsForStep = 30;           // rows from which the time step is determined
-constexpr double kPause = 0.5;             // [s]
-constexpr double kAbsurd = 1e6;
-constexpr int kRepeats = 20;               // repeats of a row that count as stale; more mean rest
-// A jump exceeds the statistic's own scatter by this factor ...
-constexpr double kJumpDeviations = 12.0;
-constexpr double kJumpOverLargest = 2.5;   // ... and the largest value of the quiet arm by this
-constexpr double kJumpOfWay = 0.3;         // ... and the displacement of the joint by this
-constexpr double kSmallestJump[] = {5e-4, 1e-4};  // [rad], [m]: below the play of a joint
-constexpr double kQuietLeak = 1e-4;        // weight of later samples in the scatter
 
 // Row d of the result gives the d-th derivative (in samples) at the middle of 2 half + 1 samples.
 MatrixXd local_polynomial(int half, int degree) {
@@ -131,7 +118,7 @@ void SmoothedRows::place(const Row& row) {
     last_ = row;
     has_last_ = true;
   }
-  for (double t; (t = first_t_ + static_cast<double>(next_) * dt_) <= row.t + 1e-6 * dt_; ++next_) {
+  for (double t; (t = first_t_ + static_cast<double>(next_) * dt_) <= row.t + kSameTime * dt_; ++next_) {
     Row between = row;
     if (t < row.t && row.t > last_.t) {
       const double share = (t - last_.t) / (row.t - last_.t);

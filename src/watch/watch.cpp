@@ -11,11 +11,10 @@
 #include "watch/evidence.hpp"
 #include "watch/smoothed_rows.hpp"
 #include "watch/step_builder.hpp"
+#include "watch/watch_numbers.hpp"
 
 namespace veridyn {
 namespace {
-
-constexpr double kJudged = 0.5;  // share of the learning time after which velocities are judged
 
 using watching::Change;
 using watching::ChangeFinder;
@@ -84,7 +83,7 @@ class Watch::Implementation {
     rows.on_break = [&] { steps.begin_again(); };
     steps.on_step = [&](const Step& step) { all.push_back(step); };
     rows.add(quiet);
-    require(all.size() > 20, quiet.source, ": found less than two seconds of usable rows, expected a quiet recording.");
+    require(all.size() > watching::kFewestQuiet, quiet.source, ": found less than two seconds of usable rows, expected a quiet recording.");
     finder_.learn(all);
   }
 
@@ -94,7 +93,7 @@ class Watch::Implementation {
       watch(rows);
     } else if (rows.rows() > 0) {
       unjudged_ = joined(unjudged_, rows);
-      if (unjudged_.time[unjudged_.rows() - 1] - unjudged_.time[0] >= kJudged * options_.learn)
+      if (unjudged_.time[unjudged_.rows() - 1] - unjudged_.time[0] >= watching::kJudged * options_.learn)
         judge_velocities();
     }
     return taken();

@@ -377,9 +377,9 @@ std::string linked_lapack() {
 }
 #endif
 
-// A x ~ b, 60 columns, streamed in blocks of 1024 rows into a triangle.
+// A x ~ b, streamed in blocks of 1024 rows into a triangle.
+template <int kColumns>
 void add_factors(nlohmann::json& rows) {
-  constexpr int kColumns = 60;
   constexpr int kRows = 1024;
   constexpr int kBlocks = 64;
   std::srand(5);
@@ -428,7 +428,8 @@ void add_factors(nlohmann::json& rows) {
                        benchmark::DoNotOptimize(stacked.data());
                      },
                      kRows * kBlocks});
-  rows.push_back(side_by_side("streamed QR, 60 columns, per row", "ns", 1e9, engines));
+  rows.push_back(side_by_side("streamed QR, " + std::to_string(kColumns) + " columns, per row", "ns",
+                              1e9, engines));
 }
 
 void add_filter(nlohmann::json& rows) {
@@ -445,7 +446,8 @@ int compare_with_peers(const std::string& json) {
   nlohmann::json rows = nlohmann::json::array();
   add_dynamics(rows);
   add_batches(rows);
-  add_factors(rows);
+  add_factors<60>(rows);
+  add_factors<115>(rows);
   add_filter(rows);
   if (json.empty()) return 0;
   std::ofstream file(json);

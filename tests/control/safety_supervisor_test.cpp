@@ -48,7 +48,7 @@ class Supervised {
 
 struct Wrong {
   SafetyFault fault;
-  int joint;
+  std::optional<int> joint;
   SafetyAction action;
   void (*make)(Supervised&);
 };
@@ -56,12 +56,12 @@ struct Wrong {
 const Wrong kWrongs[] = {
     {SafetyFault::kNotFinite, 1, SafetyAction::kFreeze, [](Supervised& s) { s.q_[1] = NAN; }},
     {SafetyFault::kNotFinite, 2, SafetyAction::kFreeze, [](Supervised& s) { s.dq_[2] = INFINITY; }},
-    {SafetyFault::kNotFinite, -1, SafetyAction::kFreeze, [](Supervised& s) { s.input_.dt = NAN; }},
-    {SafetyFault::kSensorAge, -1, SafetyAction::kFreeze,
+    {SafetyFault::kNotFinite, {}, SafetyAction::kFreeze, [](Supervised& s) { s.input_.dt = NAN; }},
+    {SafetyFault::kSensorAge, {}, SafetyAction::kFreeze,
      [](Supervised& s) { s.input_.sensor_age = 0.004; }},
     {SafetyFault::kEncoderJump, 0, SafetyAction::kFreeze, [](Supervised& s) { s.q_[0] += 0.05; }},
     {SafetyFault::kController, 1, SafetyAction::kHold, [](Supervised& s) { s.tau_[1] = NAN; }},
-    {SafetyFault::kOverrun, -1, SafetyAction::kHold, [](Supervised& s) { s.input_.dt = 0.02; }},
+    {SafetyFault::kOverrun, {}, SafetyAction::kHold, [](Supervised& s) { s.input_.dt = 0.02; }},
     {SafetyFault::kPosition, 2, SafetyAction::kHold,
      [](Supervised& s) {
        // Still inside, but it could not stop before the limit at 0.24 m.
@@ -82,13 +82,13 @@ const Wrong kWrongs[] = {
        EXPECT_EQ(s.safety_.fault(), SafetyFault::kNone);
        s.input_.dt = 0.002;
      }},
-    {SafetyFault::kForce, -1, SafetyAction::kRelease,
+    {SafetyFault::kForce, {}, SafetyAction::kRelease,
      [](Supervised& s) { s.input_.force << 10, 10, 10; }},
-    {SafetyFault::kForceSensor, -1, SafetyAction::kRelease,
+    {SafetyFault::kForceSensor, {}, SafetyAction::kRelease,
      [](Supervised& s) { s.input_.force[1] = NAN; }},
-    {SafetyFault::kForceSensor, -1, SafetyAction::kRelease,
+    {SafetyFault::kForceSensor, {}, SafetyAction::kRelease,
      [](Supervised& s) { s.input_.force_age = 0.02; }},
-    {SafetyFault::kForceSensor, -1, SafetyAction::kRelease,
+    {SafetyFault::kForceSensor, {}, SafetyAction::kRelease,
      [](Supervised& s) {
        s.input_.force_expected << 0, 0, 8;
        for (int k = 0; k < 99; ++k) s.run();

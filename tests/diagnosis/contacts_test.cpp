@@ -113,7 +113,7 @@ TEST_F(Residuals, RowsAroundTheContactAreLeftOut) {
   const std::vector<ExcludedInterval> rows = excluded_intervals(find_contacts(id_));
   ASSERT_EQ(rows.size(), 1U);
   EXPECT_EQ(rows[0].source, "push.csv");
-  EXPECT_EQ(rows[0].joint, -1);
+  EXPECT_FALSE(rows[0].joint);
   EXPECT_LT(rows[0].from, 12.0);
   EXPECT_GT(rows[0].to, 13.0);
 }

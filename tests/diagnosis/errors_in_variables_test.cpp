@@ -121,12 +121,12 @@ TEST_F(ErrorsInVariables, NothingIsToldWhereNothingRepeatsOrNothingWasFitted) {
 // recording that is meant.
 TEST_F(ErrorsInVariables, RowsThatAreLeftOutAreNotCompared) {
   DiagnosisState x = investigated(1, 0.2, 0.1);
-  x.options.identification.preprocessing.excluded_intervals = {{"another", -1, 0.0, kSeconds, "a test"}};
+  x.options.identification.preprocessing.excluded_intervals = {{"another", {}, 0.0, kSeconds, "a test"}};
   check_errors_in_variables(x);
   EXPECT_EQ(x.d.data_quality[0].findings.size(), 1U);
   x.d.data_quality[0].findings.clear();
   for (const std::string& path : x.train)
-    x.options.identification.preprocessing.excluded_intervals.push_back({path, -1, kPeriod, kSeconds, "a test"});
+    x.options.identification.preprocessing.excluded_intervals.push_back({path, {}, kPeriod, kSeconds, "a test"});
   check_errors_in_variables(x);
   EXPECT_TRUE(x.d.data_quality[0].findings.empty());
 }

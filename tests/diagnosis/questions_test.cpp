@@ -8,6 +8,7 @@
 #include "diagnosis/causes/extended_arm.hpp"
 #include "diagnosis/causes/geometry.hpp"
 #include "diagnosis/evidence/hypotheses.hpp"
+#include "effects/kinematic_error.hpp"
 #include "diagnosis/causes/ripple.hpp"
 #include "veridyn/model/model_file.hpp"
 
@@ -224,20 +225,20 @@ TEST(Ripple, WavesOfTheResidualAlongTheTravel) {
 
 TEST(Geometry, NumbersOfTheRowsAndTheArmWithAnother) {
   const Model arm = read_model("planar-2r");
-  const std::vector<KinematicError> constants = row_constants(arm);
+  const std::vector<FrameConstant> constants = row_constants(arm);
   ASSERT_EQ(constants.size(), 8U);  // four for each of two frames
-  for (const KinematicError& c : constants) {
+  for (const FrameConstant& c : constants) {
     const Model other = with_constant(arm, c, value_in(arm, c) + 0.1);
-    const auto frame = static_cast<size_t>(std::get<FrameIndex>(c.of).value);
+    const int frame = c.frame.value;
     const DhRow& row = *other.frames()[frame].dh;
     const DhRow& before = *arm.frames()[frame].dh;
     const double changed = std::abs(row.a - before.a) + std::abs(row.alpha - before.alpha) +
                            std::abs(row.d - before.d) + std::abs(row.theta - before.theta);
     EXPECT_NEAR(changed, 0.1, 1e-12) << words_for(arm, c);
-    EXPECT_EQ(words_for(arm, c), c.constant + " of frame " + arm.frames()[frame].name);
-    EXPECT_EQ(unit_of(c), c.constant == "theta" || c.constant == "alpha" ? "rad" : "m");
+    EXPECT_EQ(words_for(arm, c), name_of(arm, c) + " of frame " + arm.frames()[frame].name);
+    EXPECT_EQ(unit_of(c), c.number == FrameNumber::kTheta || c.number == FrameNumber::kAlpha ? "rad" : "m");
     // The text form of the cause is read back.
-    EXPECT_TRUE(alike(parse_cause(arm, to_text(arm, c)), c)) << to_text(arm, c);
+    EXPECT_TRUE(alike(parse_cause(arm, to_text(arm, KinematicError{c})), KinematicError{c})) << words_for(arm, c);
   }
 }
 

@@ -147,7 +147,7 @@ TEST_F(Stages, HeldOutErrorsAreThoseOfEveryRow) {
   };
   const Eigen::Vector2d all = rows({});
   const Eigen::Vector2d some =
-      rows({{x.train[0], -1, 2.0, 6.0, "a test"}, {x.test[0], -1, 2.0, 6.0, "a test"}});
+      rows({{x.train[0], {}, 2.0, 6.0, "a test"}, {x.test[0], {}, 2.0, 6.0, "a test"}});
   EXPECT_LT(some[0], 0.7 * all[0]);
   EXPECT_EQ(some[1], all[1]);
   EXPECT_GE(blocks_that_fit(x.arm, 1), 8);

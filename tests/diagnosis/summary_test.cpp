@@ -43,6 +43,19 @@ TEST(Summary, TheFewThatExplainMostComeFirst) {
   EXPECT_TRUE(d.summary.worse_joints.empty());
 }
 
+TEST(Summary, TheVerdictBeginsWithWhatTrainingConfirmsAndHeldOutRecordingsDoNotContradict) {
+  Diagnosis d = diagnosis(errors(0.2, 0.2), errors(0.1, 0.1));
+  d.findings = {finding("not confirmed", 0, 0.0), finding("contradicted", 0, 0.0),
+                finding("agrees", 1, 0.01), finding("large", 0, 0.6)};
+  d.findings[0].status = FindingStatus::kNotConfirmed;
+  d.findings[1].test_before = d.findings[2].test_after = errors(0.1, 0.1);
+  d.findings[1].test_after = d.findings[2].test_before = errors(0.2, 0.2);
+  summarize(d, {});
+  EXPECT_EQ(effect_of(d.findings[0].cause), "agrees");
+  EXPECT_EQ(effect_of(d.findings[1].cause), "large");
+  EXPECT_EQ(d.summary.main, 2);
+}
+
 TEST(Summary, JointsThatAreWorseAreNamedInTheVerdict) {
   Diagnosis d = diagnosis(errors(0.2, 0.1), errors(0.1, 0.15));
   d.findings = {finding("backlash", 1, -0.1)};

@@ -32,7 +32,7 @@ TEST(FindingWords, PlaceAndPhraseMakeASentenceForEveryKindOfCause) {
   EXPECT_EQ(said(ChannelError{"time_delay", {}}, "a delay"), "The arm has a delay.");
   EXPECT_EQ(said(ChannelError{"time_delay", JointIndex{1}}, "a delay"),
             "Joint 2 (elbow) has a delay.");
-  EXPECT_EQ(said(KinematicError{"a", FrameIndex{0}}, "a of frame upper is 1 m there"),
+  EXPECT_EQ(said(KinematicError{FrameConstant{{0}, FrameNumber::kA}}, "a of frame upper is 1 m there"),
             "The robot file has a wrong constant: a of frame upper is 1 m there.");
   Finding contact = finding(ExternalContact{{1}}, "something pushes");
   contact.source = "one.csv";
@@ -98,7 +98,7 @@ TEST(NextExperiment, AsksForTheFirstPairThatAMotionCanSeparate) {
   EXPECT_TRUE(next_experiment(with_rival(NewEffect{"backlash", {0}}, NewEffect{"backlash", {1}}))
                   .between.empty());
   EXPECT_TRUE(next_experiment(with_rival(ChannelError{"encoder_offset", JointIndex{0}},
-                                         KinematicError{KinematicError::kZero, JointIndex{0}}))
+                                         KinematicError{JointZero{{0}}}))
                   .between.empty());
 }
 

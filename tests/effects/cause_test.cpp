@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "effects/kinematic_error.hpp"
 #include "support/sample_arms.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/effects/effect.hpp"
@@ -24,6 +25,37 @@ std::string refusal(const std::string& words) {
   return "";
 }
 
+// Every number of every frame, of rows and of origins, is set alone: the others keep their values.
+TEST(Cause, ANumberOfAFrameIsSetAlone) {
+  std::map<std::string, Model> arms = sample_arms();
+  arms.emplace("psm-3dof", psm());
+  int rows = 0, origins = 0;
+  for (const auto& [name, arm] : arms) {
+    std::vector<FrameConstant> all;
+    for (int k = 0; k < static_cast<int>(arm.frames().size()); ++k) {
+      for (const FrameConstant& c : constants_of(arm, {k})) {
+        // Roll and yaw of an upright origin are not unique.
+        const double pitch = value_of({FrameConstant{{k}, FrameNumber::kPitch}}, arm.description());
+        const bool upright = !arm.frames()[k].dh && std::abs(pitch) > 1.5;
+        const bool turns = unit_of(c) == "rad";
+        if (!upright || !turns) all.push_back(c);
+      }
+    }
+    for (const FrameConstant& c : all) {
+      (arm.frames()[c.frame.value].dh ? rows : origins) += 1;
+      ModelDescription d = arm.description();
+      set_value({c}, value_of({c}, d) + 0.01, d);
+      for (const FrameConstant& other : all) {
+        const bool same = other.frame == c.frame && other.number == c.number && other.joint == c.joint;
+        EXPECT_NEAR(value_of({other}, d) - value_of({other}, arm.description()), same ? 0.01 : 0.0, 1e-9)
+            << name << ": " << to_text(arm, KinematicError{c}) << ", " << name_of(arm, other);
+      }
+    }
+  }
+  EXPECT_GT(rows, 30);
+  EXPECT_GT(origins, 30);
+}
+
 // What is printed is read back as the same cause, for every effect at every place that it can have.
 TEST(Cause, PrintsWhatItReads) {
   const Model arm = psm();
@@ -43,13 +75,12 @@ TEST(Cause, PrintsWhatItReads) {
     causes.emplace_back(AddedInertia{{k}});
   }
   for (const auto& [name, value] : arm.description().constants)
-    causes.emplace_back(KinematicError{name});
+    causes.emplace_back(KinematicError{NamedConstant{name}});
   for (int k = 0; k < static_cast<int>(arm.frames().size()); ++k) {
-    if (arm.frames()[k].dh)
-      causes.emplace_back(KinematicError{"theta", FrameIndex{k}});
+    for (const FrameConstant& c : constants_of(arm, {k})) causes.emplace_back(KinematicError{c});
   }
   for (int i = 0; i < arm.joints(); ++i)
-    causes.emplace_back(KinematicError{KinematicError::kZero, JointIndex{i}});
+    causes.emplace_back(KinematicError{JointZero{{i}}});
   ASSERT_GT(causes.size(), 60U);
   for (const Cause& cause : causes) {
     const std::string words = to_text(arm, cause);
@@ -93,7 +124,7 @@ TEST(Cause, ActsAtAJointOrOnTheArm) {
   const int tool = arm.find_frame("tool");
   ASSERT_GE(tool, 0);
   EXPECT_EQ(acting_joint(arm, AddedLoad{{tool}}), JointIndex{2});
-  EXPECT_EQ(acting_joint(arm, KinematicError{"theta", FrameIndex{tool}}), JointIndex{2});
+  EXPECT_EQ(acting_joint(arm, KinematicError{FrameConstant{{tool}, FrameNumber::kTheta}}), JointIndex{2});
   EXPECT_EQ(acting_joint(arm, NewEffect{"backlash", {1}}), JointIndex{1});
   EXPECT_FALSE(acting_joint(arm, ChannelError{"gravity_tilt", std::nullopt}).has_value());
   const CauseWords w = words_of(arm, AddedLoad{{tool}});

@@ -203,7 +203,7 @@ TEST_F(OwnEffect, IsSimulatedForward) {
 TEST_F(OwnEffect, IsToldApartByAMotion) {
   ExcitationOptions options;
   options.criterion = ExcitationCriterion::kDiscriminate;
-  options.between = {{"eddy_current_brake", "shoulder"}, {"stribeck_friction", "1"}};
+  options.between = {parse_cause(plain(), "eddy_current_brake:shoulder"), parse_cause(plain(), "stribeck_friction:1")};
   options.starts = 1;
   options.iterations = 5;
   const Excitation motion = optimise_excitation(plain(), options);

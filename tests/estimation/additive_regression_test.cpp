@@ -65,6 +65,26 @@ TEST(AdditiveRegression, TheTermsThatAreThereAreFoundAndPredictNewRows) {
   EXPECT_LT(std::sqrt(error.squaredNorm() / kRows), 0.1);
 }
 
+// Two joints that move as one: what their small difference explains would take two straight lines of
+// a hundred times the response that cancel.
+TEST(AdditiveRegression, CurvesThatCancelAreRefused) {
+  FoldedRows rows = random_rows(7);
+  for (int r = 0; r < kRows; ++r) {
+    rows.response[r] += std::sin(4.0 * rows.signals(r, 0)) + rows.signals(r, 1);
+    rows.signals(r, 1) = rows.signals(r, 0) + 0.01 * rows.signals(r, 1);
+  }
+  const std::vector<SmoothTerm> terms = terms_of_one_signal();
+  const AdditiveModel model = fitted(rows, terms);
+  ASSERT_FALSE(model.chosen.empty());
+  for (size_t k = 0; k < model.chosen.size(); ++k) {
+    const SmoothTerm& term = terms[model.chosen[k].term];
+    VectorXd curve = term.columns(rows.signals) *
+                     model.coefficients.segment(model.first_of(terms, k), term.size());
+    curve.array() -= curve.mean();
+    EXPECT_LT(curve.squaredNorm(), 4.0 * rows.response.squaredNorm()) << k;
+  }
+}
+
 // A step at zero, and a function that has another sign on either side: no smooth one will do.
 TEST(AdditiveRegression, StepsAndSidesAreFunctionsOfTheirOwn) {
   FoldedRows rows = random_rows(5);

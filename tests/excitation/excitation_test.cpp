@@ -272,16 +272,15 @@ TEST(Excitation, RefusesRivalsThatNoMotionTellsApart) {
   const Model arm = read_model("psm-3dof");
   ExcitationOptions options = small_search();
   options.criterion = ExcitationCriterion::kDiscriminate;
-  const auto refuses = [&](const RivalCause& a, const RivalCause& b) {
-    options.between = {a, b};
-    EXPECT_THROW(optimise_excitation(arm, options), InvalidInput) << a.effect << " " << b.effect;
+  const auto refuses = [&](const char* a, const char* b) {
+    options.between = {parse_cause(arm, a), parse_cause(arm, b)};
+    EXPECT_THROW(optimise_excitation(arm, options), InvalidInput) << a << " " << b;
   };
   EXPECT_THROW(optimise_excitation(arm, options), InvalidInput);  // no rivals
-  refuses({"viscous_friction", "1"}, {"rotor_inertia", "3"});     // in the model already
-  refuses({"joint_spring", "2"}, {"joint_spring", "pitch"});      // the same
-  refuses({"rotor_inertia", "4"}, {"joint_spring", "2"});         // no such joint
-  refuses({"torque_gain", "2"}, {"joint_spring", "2"});           // no values
-  refuses({"payload", "nowhere"}, {"joint_spring", "2"});         // no such frame
+  refuses("viscous_friction:1", "rotor_inertia:3");  // in the model already
+  refuses("joint_spring:2", "joint_spring:pitch");   // the same
+  refuses("torque_gain:2", "joint_spring:2");        // no values
+  refuses("coupling_error:delta", "joint_spring:2");  // no motion is planned for a constant
 }
 
 }  // namespace

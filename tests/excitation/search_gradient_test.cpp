@@ -144,15 +144,12 @@ TEST_P(SearchGradient, OfTheDiscriminationOfRivals) {
   options.criterion = ExcitationCriterion::kDiscriminate;
   options.powered = plausible_model(s.arm, 1).arm;
   if (GetParam()) options.given = {recorded(s)};
-  using Pair = std::pair<RivalCause, RivalCause>;
-  for (const Pair& pair :
-       {Pair{{"payload", "tool"}, {"torque_gain", "2"}},
-        Pair{{"joint_spring", "2"}, {"gravity_tilt", ""}},
-        Pair{{"position_dependent_friction", "1"}, {"load_dependent_friction", "1"}},
-        Pair{{"presliding_hysteresis", "1"}, {"stribeck_friction", "1"}},
-        Pair{{"torque_ripple", "1"}, {"inertia", "tool"}}}) {
-    options.between = pair;
-    SCOPED_TRACE(pair.first.effect + " " + pair.second.effect);
+  for (const auto& [first, second] :
+       {std::pair("payload:tool", "torque_gain:2"), {"joint_spring:2", "gravity_tilt"},
+        {"position_dependent_friction:1", "load_dependent_friction:1"},
+        {"presliding_hysteresis:1", "stribeck_friction:1"}, {"torque_ripple:1", "inertia:tool"}}) {
+    options.between = {parse_cause(s.arm, first), parse_cause(s.arm, second)};
+    SCOPED_TRACE(std::string(first) + " " + second);
     expect_exact(s, options, 0.0);
   }
 }
@@ -194,7 +191,8 @@ TEST(Discrimination, OfNestedRivalsAsksForWhatOneOfThemCannotDo) {
   options.criterion = ExcitationCriterion::kDiscriminate;
   options.powered = plausible_model(s.arm, 1).arm;
   // A load on the second link may be a point on its axis, which is inertia about the first.
-  options.between = {{"rotor_inertia", "1"}, {"payload", s.arm.frames().back().name}};
+  options.between = {NewEffect{"rotor_inertia", {0}},
+                     AddedLoad{{static_cast<int>(s.arm.frames().size()) - 1}}};
   const Question question = s.question(options);
   EXPECT_TRUE(question.bodies_known);
   EXPECT_GT(question.rivals.second.norm(), 0.0);

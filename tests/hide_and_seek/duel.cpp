@@ -137,9 +137,9 @@ Model without_efforts(const Model& arm) {
 }
 
 // Friction shows itself at low speed and after reversals.
-bool is_friction(const RivalCause& cause) {
+bool shows_when_slow(const veridyn::Cause& cause) {
   for (const char* effect : {"stribeck_friction", "presliding_hysteresis", "backlash"}) {
-    if (cause.effect == effect) return true;
+    if (effect_of(cause) == effect) return true;
   }
   return false;
 }
@@ -196,13 +196,13 @@ class Fight {
     ExcitationOptions options;
     options.criterion = ExcitationCriterion::kDiscriminate;
     const auto comma = out.asked.find(',');
-    options.between = {split_cause(out.asked.substr(0, comma)),
-                       split_cause(out.asked.substr(comma + 1))};
-    const auto& [first, second] = *options.between;
-    if (is_friction(first) || is_friction(second)) options.slow_passes = request_.slow_passes;
     options.rate = kFineRate;
     options.threads = request_.threads;
     options.powered = without_efforts(*before.extended.model);
+    options.between = {parse_cause(*options.powered, out.asked.substr(0, comma)),
+                       parse_cause(*options.powered, out.asked.substr(comma + 1))};
+    const auto& [first, second] = *options.between;
+    if (shows_when_slow(first) || shows_when_slow(second)) options.slow_passes = request_.slow_passes;
     for (const std::string& path : files.train) {
       for (const MotionSamples& motion : recorded_motion(hidden_.bench.robot, path))
         options.given.push_back(motion);

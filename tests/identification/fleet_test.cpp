@@ -46,7 +46,7 @@ Simulated fleet(int arms, int odd, const Change& change, unsigned seed = 3) {
   for (int a = 0; a < arms; ++a) {
     VectorXd factors = VectorXd::Ones(parameters.size());
     for (size_t p = 0; p < parameters.size(); ++p)
-      if (parameters[p].effect >= 0)
+      if (parameters[p].effect)
         factors[static_cast<Eigen::Index>(p)] = 1.0 + 0.05 * random.in(-1, 1);
     double gain = 1.0 + 0.005 * random.in(-1, 1);
     if (a == odd) change(parameters, factors, gain);
@@ -166,7 +166,7 @@ TEST(AFleet, OfFewEqualArmsNamesNone) {
 // Doubles the first viscous friction.
 void double_friction(const std::vector<StandardParameter>& parameters, VectorXd& factors, double&) {
   for (size_t p = 0; p < parameters.size(); ++p)
-    if (parameters[p].name.find("viscous_friction") == 0 && parameters[p].effect >= 0) {
+    if (parameters[p].name.find("viscous_friction") == 0 && parameters[p].effect) {
       factors[static_cast<Eigen::Index>(p)] = 2.0;
       return;
     }

@@ -252,7 +252,7 @@ TEST_P(FeasibleFits, ArePossibleAndNeverBelowTheUnconstrainedOnes) {
   for (size_t j = 0; j < parameters.size(); ++j) {
     EXPECT_GE(id.parameters[static_cast<Eigen::Index>(j)], parameters[j].lower)
         << parameters[j].name;
-    if (parameters[j].component == 0 && parameters[j].effect < 0) {
+    if (parameters[j].component == 0 && !parameters[j].effect) {
       EXPECT_LE(id.parameters[static_cast<Eigen::Index>(j)], arm_.description().box.mass_max)
           << parameters[j].name;
     }

@@ -102,7 +102,7 @@ TEST_F(Opened, SomeRowsOfAKeptFileAreThoseOfTheFile) {
     for (const long count : {-1, 1, 5}) {
       RecordingOptions options;
       options.first_row = first;
-      options.row_count = count;
+      if (count >= 0) options.row_count = count;
       const Recording of_file = read_recording(path_, options);
       for (const Recording& r :
            {read_rows(path_, options, &kept), open_rows(path_, options, &kept).next(100)}) {

@@ -86,7 +86,7 @@ TEST_F(Prepared, IsAnotherOneWhereASettingChangesIt) {
   ModelDescription shown = arm_.description();
   shown.coordinates[1].recorded.torque_gain = 1.2;
   EXPECT_EQ(prepared(Model(shown), how), 1);
-  EXPECT_EQ(prepared(arm_, with([this](auto& o) { o.excluded_intervals.push_back({path_, -1, 1.0, 2.0, ""}); })), 0);
+  EXPECT_EQ(prepared(arm_, with([this](auto& o) { o.excluded_intervals.push_back({path_, {}, 1.0, 2.0, ""}); })), 0);
   EXPECT_EQ(prepared(arm_, with([](auto& o) { o.min_speed = 0.1; })), 0);
   EXPECT_EQ(prepared(arm_, how), 0);
 }

@@ -240,7 +240,7 @@ TEST(ARandomStateFactor, HoldsStillWhatIsAskedTo) {
   const VectorXd norms = random_state_factor(arm, 50, 1, {"elbow"}).column_norms();
   for (size_t j = 0; j < parameters.size(); ++j) {
     const double norm = norms[static_cast<Eigen::Index>(j)];
-    if (parameters[j].effect < 0) continue;
+    if (!parameters[j].effect) continue;
     const bool of_elbow = parameters[j].name.find("(elbow)") != std::string::npos;
     EXPECT_EQ(norm == 0.0, of_elbow) << parameters[j].name;
   }

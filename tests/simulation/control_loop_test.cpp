@@ -93,7 +93,7 @@ class Fragile final : public Engine {
   double time() const override { return plant_.time(); }
   const VectorXd& q() const override { return plant_.q(); }
   const VectorXd& dq() const override { return plant_.dq(); }
-  int failed_joint() const override { return 1; }
+  std::optional<int> failed_joint() const override { return 1; }
   const std::vector<std::string>& left_out() const override { return plant_.left_out(); }
 
  private:

@@ -8,6 +8,7 @@
 #include "support/near.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/effects/effect.hpp"
+#include "veridyn/kinematics/kinematics.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/math/vector3.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
@@ -142,6 +143,20 @@ TEST(HiddenEffect, NumbersOfRowsAndZerosAreConstantsToo) {
   const int i = wrist.find_coordinate("pitch_motor");
   EXPECT_NEAR(ratio.arm.frames()[k].variable.coefficients[i],
               wrist.frames()[k].variable.coefficients[i] + 0.5, 1e-12);
+}
+
+// Frames without rows, as those of a URDF: an origin is shifted along the parent's axes.
+TEST(HiddenEffect, NumbersOfAnOriginAreConstantsToo) {
+  ModelDescription d = plausible_model(read_model("planar-2r"), 1).arm.description();
+  for (Frame& frame : d.frames) frame.dh.reset();
+  const Model arm(std::move(d));
+  const int k = arm.find_frame("fore");
+  const PerturbedArm shifted = inject_effects(arm, {parse_hidden_effect("coupling_error:fore.y:change=0.02")});
+  const VectorXd q = VectorXd::Zero(2);
+  const Eigen::Vector3d way =
+      frame_pose(shifted.arm, q, k).translation() - frame_pose(arm, q, k).translation();
+  EXPECT_TRUE(near(way, Eigen::Vector3d(0.0, 0.02, 0.0), 1e-12));
+  EXPECT_THROW(inject_effects(arm, {parse_hidden_effect("coupling_error:fore.theta")}), InvalidInput);
 }
 
 TEST(HiddenEffect, AWrongConstantIsAnotherArm) {

@@ -5,12 +5,14 @@
 #include <regex>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "veridyn/diagnosis/thresholds.hpp"
 #include "veridyn/math/require.hpp"
 
-// Numbers that decide verdicts stand in one table; numbers that keep arithmetic sound in another
-// file. Anywhere else in diagnosis/ there are only 0, 1/2, 1 and 2.
+// Numbers that decide stand in one table of their room, each with its inequality; in diagnosis/ those
+// that keep arithmetic sound stand in another file. Anywhere else there are only 0, 1/2, 1, 2 and the
+// factors of units.
 
 namespace {
 
@@ -21,26 +23,85 @@ std::string without_strings_and_comments(const std::string& line) {
   return code.substr(0, code.find("//"));
 }
 
-TEST(Thresholds, NoOtherNumbersStandInDiagnosis) {
-  const std::set<std::string> allowed = {"0.0", "0.5", "1.0", "2.0"};
-  const std::set<std::string> tables = {"numerics.hpp", "thresholds.cpp", "threshold_sweeps.csv"};
-  const std::regex literal(R"((^|[^\w.])(\d+\.\d*([eE][-+]?\d+)?|\d+[eE][-+]?\d+)(?![\w.]))");
-  int files = 0;
-  for (const auto& entry :
-       fs::recursive_directory_iterator(std::string(VERIDYN_SOURCE_DIR) + "/src/diagnosis")) {
-    if (!entry.is_regular_file() || tables.count(entry.path().filename().string()) != 0) continue;
-    ++files;
-    std::ifstream file(entry.path());
-    std::string line;
-    for (int number = 1; std::getline(file, line); ++number) {
-      const std::string code = without_strings_and_comments(line);
-      for (std::sregex_iterator it(code.begin(), code.end(), literal), end; it != end; ++it)
-        EXPECT_EQ(allowed.count((*it)[2].str()), 1u)
-            << entry.path().string() << ":" << number << ": " << (*it)[2].str()
-            << " belongs into thresholds.hpp or numerics.hpp";
-    }
+// Literals of a line that are not in a set, without strings and comments.
+std::vector<std::string> literals(const std::string& line, const std::regex& form,
+                                  const std::set<std::string>& allowed) {
+  std::vector<std::string> out;
+  const std::string code = without_strings_and_comments(line);
+  for (std::sregex_iterator it(code.begin(), code.end(), form), end; it != end; ++it) {
+    if (allowed.count((*it)[2].str()) == 0) out.push_back((*it)[2].str());
   }
-  EXPECT_GT(files, 30);
+  return out;
+}
+
+const std::regex& decimal() {
+  static const std::regex kForm(R"((^|[^\w.])(\d+\.\d*([eE][-+]?\d+)?|\d+[eE][-+]?\d+)(?![\w.]))");
+  return kForm;
+}
+
+struct Room {
+  std::string folder;
+  std::set<std::string> tables;
+  std::set<std::string> allowed;
+  int fewest_files;
+};
+
+TEST(Thresholds, NoOtherNumbersStandInTheRoomsThatDecide) {
+  const std::set<std::string> plain = {"0.0", "0.5", "1.0", "2.0"};
+  // Percent, milliseconds, half a turn in degrees, and what no quotient divides by.
+  std::set<std::string> units = {"100.0", "1e3", "180.0", "3600.0", "1e-300", "1e300"};
+  units.insert(plain.begin(), plain.end());
+  const std::vector<Room> rooms = {
+      {"diagnosis", {"numerics.hpp", "thresholds.cpp", "threshold_sweeps.csv"}, plain, 30},
+      {"recordings/quality", {"quality_numbers.hpp"}, units, 10},
+      {"identification/check", {"check_thresholds.hpp"}, units, 3},
+      {"identification/fleet", {"fleet_numbers.hpp"}, units, 3},
+      {"comparison", {"comparison_numbers.hpp"}, units, 8},
+      {"watch", {"watch_numbers.hpp"}, units, 10}};
+  for (const Room& room : rooms) {
+    int files = 0;
+    for (const auto& entry :
+         fs::recursive_directory_iterator(std::string(VERIDYN_SOURCE_DIR) + "/src/" + room.folder)) {
+      if (!entry.is_regular_file() || room.tables.count(entry.path().filename().string()) != 0) continue;
+      ++files;
+      std::ifstream file(entry.path());
+      std::string line;
+      for (int number = 1; std::getline(file, line); ++number) {
+        for (const std::string& found : literals(line, decimal(), room.allowed))
+          ADD_FAILURE() << entry.path().string() << ":" << number << ": " << found << " belongs into "
+                        << *room.tables.begin();
+      }
+    }
+    EXPECT_GE(files, room.fewest_files) << room.folder;
+  }
+}
+
+// In the tables that are headers every number stands below a comment that compares something with it.
+TEST(Thresholds, EveryNumberOfARoomHasItsInequality) {
+  const std::regex number(R"(^ *(constexpr )?(double|int|long|std::size_t) (\w+.*;)$)");
+  const std::regex own_name(R"((\w+)(\[\])? = )");
+  for (const std::string name :
+       {"recordings/quality/quality_numbers.hpp", "identification/check/check_thresholds.hpp",
+        "identification/fleet/fleet_numbers.hpp", "comparison/comparison_numbers.hpp",
+        "watch/watch_numbers.hpp"}) {
+    std::ifstream file(std::string(VERIDYN_SOURCE_DIR) + "/src/" + name);
+    ASSERT_TRUE(file.good()) << name;
+    std::string line, comment;
+    int numbers = 0;
+    bool above = false;  // the line above is a comment
+    while (std::getline(file, line)) {
+      const bool is_comment = line.find("///") != std::string::npos;
+      if (is_comment) comment = above ? comment + line : line;
+      above = is_comment;
+      if (!std::regex_match(line, number)) continue;
+      EXPECT_NE(comment.find_first_of("<>="), std::string::npos) << name << ": " << line;
+      for (std::sregex_iterator it(line.begin(), line.end(), own_name), end; it != end; ++it) {
+        ++numbers;
+        EXPECT_NE(comment.find((*it)[1].str()), std::string::npos) << name << ": " << line;
+      }
+    }
+    EXPECT_GE(numbers, 10) << name;
+  }
 }
 
 TEST(Thresholds, TheTableHasAReasonForEveryNumber) {

@@ -71,6 +71,9 @@ class FrictionCompensation {
   const VectorXd& update(const ArmState& arm, const VectorXd& dq_wanted, const VectorXd& error,
                          double dt) noexcept;
 
+  /// Sets position and load of the axes for sliding() alone; memories and tanks stay as they are.
+  void locate(const ArmState& arm) noexcept;
+
   /// Clears the memories and fills the tanks.
   void reset() noexcept;
 
@@ -86,7 +89,7 @@ class FrictionCompensation {
   double scale(int k) const { return axes_[k].scale; }
 
   /// Sliding force of the identified friction along axis k at `speed` in direction +-1, without
-  /// share and scale, at the position of the last update().
+  /// share and scale, at the position of the last update() or locate().
   double sliding(int k, double direction, double speed) const noexcept;
 
   /// Compensation along axis k at the last update() [N m], [N].

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -55,11 +56,11 @@ class MomentumObserver {
   /// The force [N] at the tip, in the world, that would explain r.
   Eigen::Vector3d force() const { return wrench_.head<3>(); }
 
-  bool contact() const { return coordinate_ >= 0; }
-  /// The outermost coordinate whose torque is above its threshold; -1: no contact.
-  int coordinate() const { return coordinate_; }
+  bool contact() const { return coordinate_.has_value(); }
+  /// The outermost coordinate whose torque is above its threshold; nothing: no contact.
+  std::optional<int> coordinate() const { return coordinate_; }
   /// Index in the model of the frame that is named, or -1.
-  int frame() const { return coordinate_ < 0 ? -1 : frames_[coordinate_]; }
+  int frame() const { return coordinate_ ? frames_[*coordinate_] : -1; }
 
  private:
   MomentumObserverOptions options_;
@@ -73,7 +74,7 @@ class MomentumObserver {
   VectorXd r_, threshold_, sum_, p_, p_start_, none_;
   Vector6d wrench_{Vector6d::Zero()};
   std::vector<int> above_;
-  int coordinate_ = -1;
+  std::optional<int> coordinate_ = {};
   bool first_ = true;
 };
 

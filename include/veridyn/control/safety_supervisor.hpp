@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
 #include "veridyn/control/arm_state.hpp"
 #include "veridyn/control/gravity_compensation.hpp"
@@ -105,7 +106,7 @@ struct SafetyInput {
 /// One detected fault.
 struct SafetyEvent {
   SafetyFault fault = SafetyFault::kNone;
-  int joint = -1;
+  std::optional<int> joint = {};  ///< from 0
   double after = 0.0;  ///< [s] since the first fault
 };
 
@@ -144,7 +145,7 @@ class SafetySupervisor {
   SafetyState state() const { return state_; }
   SafetyFault fault() const { return fault_; }
   SafetyAction action() const { return action_; }
-  int joint() const { return joint_; }  ///< joint of the fault, from 0; -1: none in particular
+  std::optional<int> joint() const { return joint_; }  ///< joint of the fault, from 0
 
   /// Faults in the order of detection, each kind once; [0] is the first.
   int events() const { return events_; }
@@ -153,7 +154,7 @@ class SafetySupervisor {
  private:
   struct Finding {
     SafetyFault fault = SafetyFault::kNone;
-    int joint = -1;
+    std::optional<int> joint = {};
   };
   Finding check(const ArmState& arm, const SafetyInput& input, const VectorXd& tau) noexcept;
   Finding check_sensors(const ArmState& arm, const SafetyInput& input) const noexcept;
@@ -175,7 +176,7 @@ class SafetySupervisor {
   SafetyState state_ = SafetyState::kDisabled;
   SafetyFault fault_ = SafetyFault::kNone;
   SafetyAction action_ = SafetyAction::kMotorsOff;
-  int joint_ = -1;
+  std::optional<int> joint_ = {};
   bool seen_ = false;     // a valid position has been seen
   bool stopped_ = false;  // while holding: q_hold_ is the position held
   double disagreed_ = 0.0;

@@ -59,7 +59,7 @@ class TorqueUncertainty {
   std::vector<int> column_;  // columns of Y with uncertain parameters
   MatrixXd factor_;          // (columns x factors) F, covariance F F'
   MatrixXd sum_;             // (n x factors) Y F
-  VectorXd u_, none_;
+  VectorXd u_;
 };
 
 }  // namespace veridyn

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -82,7 +83,7 @@ struct ScenarioCommand {
   Kind kind = Kind::kMove;
   Eigen::Vector3d way{0.0, 0.0, 0.0};  ///< [m] or [rad]
   double amount = 0.0;                 ///< [m] or [N]
-  int arm = -1, member = -1;
+  int arm = 0, member = 0;  ///< that it is given to
   double over = 0.0;  ///< [s]
 };
 
@@ -98,7 +99,7 @@ struct ScenarioPhase {
 struct ScenarioFault {
   enum class Kind { kArmLimp, kArmFrozen, kSensorStuck, kSensorStale, kSensorJump, kSensorDrift };
   Kind kind = Kind::kArmLimp;
-  int arm = -1, member = -1;
+  std::optional<int> arm = {}, member = {};  ///< that fails
   double at = 0.0;        ///< [s]
   double by = 0.0;        ///< [N] of kSensorJump, [N/s] of kSensorDrift
   bool reported = false;  ///< the controller is informed of the failed arm

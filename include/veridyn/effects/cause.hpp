@@ -62,15 +62,31 @@ struct ChannelError {
   std::optional<JointIndex> joint;  ///< nullopt: an error of the whole arm
 };
 
-/// A wrong constant of the robot file: a named one, a number of a frame's row ("theta", "alpha",
-/// "a", "d", "ratio of pitch"), or the zero of a joint ("zero").
+/// The numbers by which a robot file places a frame: those of a DH row, those of a joint's origin as
+/// in URDF, and the ratio of a joint in the frame's variable.
+enum class FrameNumber { kA, kAlpha, kD, kTheta, kX, kY, kZ, kRoll, kPitch, kYaw, kRatio };
+
+/// One number of one frame.
+struct FrameConstant {
+  FrameIndex frame;
+  FrameNumber number = FrameNumber::kA;
+  std::optional<JointIndex> joint = {};  ///< the joint of a ratio
+};
+
+/// A constant of the robot file with a name of its own.
+struct NamedConstant {
+  std::string name;
+};
+
+/// The zero of a joint, which shifts every variable that the joint is part of.
+struct JointZero {
+  JointIndex joint;
+};
+
+/// A wrong constant of the robot file.
 struct KinematicError {
   static constexpr const char* kName = "coupling_error";
-  static constexpr const char* kZero = "zero";
-  std::string constant;
-  /// The frame or joint that the number belongs to; monostate for a constant with a name of its
-  /// own.
-  std::variant<std::monostate, FrameIndex, JointIndex> of = {};
+  std::variant<NamedConstant, FrameConstant, JointZero> constant;
 };
 
 /// A force from outside the arm, limited in time.

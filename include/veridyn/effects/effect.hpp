@@ -205,9 +205,9 @@ class BoundEffect {
   /// Unit of parameter p on this axis.
   const std::string& unit(int p) const;
 
-  /// Name of a parameter, such as "viscous_friction(yaw).coefficient"; couplings read "(1.2178 yaw1
-  /// Parameter values of the file, zero where it gives none.
-  /// follow: "presliding_hysteresis(yaw, distance 0.005).level".
+  /// Name of a parameter, such as "viscous_friction(yaw).coefficient"; axes of several joints read
+  /// "(1.2178 yaw1 - 0.8306 pitch)". Shape constants that the file gives follow:
+  /// "presliding_hysteresis(yaw, distance 0.005).level".
   std::string parameter_name(int p) const;
 
   /// Parameter values of the file, zero where it gives none.

@@ -12,7 +12,7 @@ enum class EffectRole {
 };
 
 /// Order in which a diagnosis tests effects. Errors of the measurement come first, because every
-/// other
+/// other effect is judged on the measured torque.
 enum class DiagnosisStage { kChannel = 0, kInertia = 1, kFriction = 2 };
 
 /// Form of friction at rest: a single force or a whole interval of forces.

@@ -26,7 +26,7 @@ enum class ExcitationCriterion {
   /// Smallest mean of the base parameters' predicted standard deviations, each relative to the
   /// parameter's value; a parameter near zero is replaced by one that makes 0.1 % of the torques.
   kAOptimal,
-  /// Best separation of two causes, see RivalCause.
+  /// Best separation of two causes.
   kDiscriminate,
 };
 
@@ -59,11 +59,6 @@ enum class ColumnScaling {
 /// "norm", "none", "orthogonal".
 const char* name_of(ColumnScaling scaling);
 
-/// A cause of torque: an effect of docs/contract.md and its joint (name or number from 1) or frame.
-/// `payload` and `inertia` (of a body that turns with the frame) refer to a frame; `gravity_tilt`
-/// needs no place; `torque_gain`, `payload` and `gravity_tilt` use the arm's own values.
-using RivalCause = CauseText;
-
 struct ExcitationOptions {
   double frequency = 0.13;  ///< [Hz] of the first harmonic
   int harmonics = 5;        ///< at least 2: a single harmonic cannot start at rest
@@ -74,7 +69,9 @@ struct ExcitationOptions {
   /// does not include them.
   int slow_passes = 0;
   ExcitationCriterion criterion = ExcitationCriterion::kDOptimal;
-  std::optional<std::pair<RivalCause, RivalCause>> between{};  ///< for kDiscriminate
+  /// The two causes of kDiscriminate: effects, loads, errors of channels. Torque gains, loads and tilts
+  /// use the arm's own values.
+  std::optional<std::pair<Cause, Cause>> between{};
   ColumnScaling scaling = ColumnScaling::kNorm;                ///< for kCondition
   /// Above zero: the criterion uses the essential parameters only, see EssentialParameters; below
   /// 1. Not available for kDiscriminate.

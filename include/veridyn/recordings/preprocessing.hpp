@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "veridyn/recordings/recording_list.hpp"
@@ -35,7 +36,7 @@ enum class StaleRows { kFilled, kKept };
 /// a contact, a local sticking.
 struct ExcludedInterval {
   std::string source;  ///< path of the recording
-  int joint = -1;      ///< from 0; -1: all joints
+  std::optional<int> joint = {};  ///< from 0; nothing: all joints
   double from = 0.0;   ///< [s] since the recording began
   double to = 0.0;
   std::string why;
@@ -60,7 +61,7 @@ struct PreprocessingOptions {
   double drop_end = 0.5;  ///< [s] left out at its end
   /// First row of the file to use; the filter sees the rows around the selection.
   long first_row = 0;
-  long row_count = -1;    ///< -1: to the end
+  std::optional<long> row_count = {};  ///< nothing: to the end
   /// [rad/s] or [m/s]: rows with a slower joint are excluded from its fit; errors are measured on
   /// all rows.
   double min_speed = 0.0;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -56,7 +57,7 @@ struct RecordingOptions {
   double rate = 0.0;  ///< [Hz] time base of a file without a column t, ignored if it has one
   long first_row =
       0;  ///< first row to keep, from 0; rows before it are not parsed
-  long row_count = -1;  ///< rows to keep; -1: all
+  std::optional<long> row_count = {};  ///< rows to keep; nothing: all
   SignalChoice signals;  ///< topics, names of columns and joints, units
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,9 +13,9 @@ namespace veridyn {
 struct StandardParameter {
   std::string name;  ///< "m_tool", "hx_tool", "Lxx_tool" or "viscous_friction(yaw).coefficient"
   std::string unit;
-  int body = -1;       ///< index among the bodies, or -1
+  std::optional<int> body = {};    ///< index among the bodies
   int component = 0;   ///< index among InertialParameters, or among the effect's parameters
-  int effect = -1;     ///< index among the model's effects, or -1
+  std::optional<int> effect = {};  ///< index among the model's effects
   bool fixed = false;  ///< the robot file declares it as known
   double value = 0.0;  ///< from the file, where it has one
   double lower = 0.0;  ///< bounds; infinite where there are none

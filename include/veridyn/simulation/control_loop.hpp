@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -73,7 +74,7 @@ struct EngineRun {
   MatrixXd tau;  ///< (rows x n) of the motors
   StepStatus status = StepStatus::kOk;
   double stopped_at = 0.0;  ///< [s] where status is not kOk
-  int joint = -1;           ///< joint that failed, from 0; -1: none in particular
+  std::optional<int> joint = {};  ///< joint that failed, from 0
 
   bool complete() const { return status == StepStatus::kOk; }
   /// "stopped at 1.2 s: joint insertion has ...", for a run that is not complete.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,7 +45,7 @@ class Engine {
   virtual double time() const = 0;  ///< [s] since set_state()
   virtual const VectorXd& q() const = 0;
   virtual const VectorXd& dq() const = 0;
-  virtual int failed_joint() const = 0;  ///< from 0; -1: none in particular
+  virtual std::optional<int> failed_joint() const = 0;  ///< from 0
 
   /// Effects of the model that this engine does not support, in words.
   virtual const std::vector<std::string>& left_out() const = 0;

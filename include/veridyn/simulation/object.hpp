@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,9 +9,9 @@ namespace veridyn {
 
 /// Attachment point of an object, in a frame of an arm or in the world.
 struct Attachment {
-  int arm = -1;  ///< index in the World; -1: the world itself
-  int frame = -1;
-  Eigen::Vector3d offset{0.0, 0.0, 0.0};  ///< [m] in the frame (in the world where arm is -1)
+  std::optional<int> arm = {};  ///< index in the World; nothing: the world itself
+  int frame = 0;
+  Eigen::Vector3d offset{0.0, 0.0, 0.0};  ///< [m] in the frame, or in the world
 };
 
 /// A massless spring and damper between two points, which acts along the line between them:

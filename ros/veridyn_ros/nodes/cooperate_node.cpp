@@ -68,7 +68,7 @@ std::string line_of(const ScenarioCommand& c, const Scenario& scenario) {
   using Kind = ScenarioCommand::Kind;
   std::ostringstream out;
   out.precision(17);
-  const auto member = [&] { return c.member < 0 ? std::string() : scenario.members[c.member].name; };
+  const auto member = [&] { return scenario.members[c.member].name; };
   const auto way = [&] { out << c.way.x() << ' ' << c.way.y() << ' ' << c.way.z() << ' ' << c.over; };
   switch (c.kind) {
     case Kind::kMove: out << "move ", way(); break;

@@ -7,7 +7,6 @@
 namespace veridyn::internal {
 namespace {
 
-using EntryKind = LinkEntry::Kind;
 using Kind = LinkParameter::Kind;
 using Eigen::Isometry3d;
 using Eigen::Matrix3d;
@@ -108,14 +107,11 @@ Isometry3d LinkChain::pose(const VectorRef& recorded, MatrixXd* J) const {
     if (zero >= 0) q[i] -= x_[zero];
   }
   std::vector<Motion> motions(J == nullptr ? 0 : parameters_.entries().size());
-  std::vector<Motion> joints;  // by path frame
-  std::vector<double> s_of(parameters_.path().size(), 0.0);
   Isometry3d T = base_;
   std::size_t entry = 0;
   const auto note = [&](std::size_t k, bool turns, const Vector3d& axis, const Vector3d& point) {
     if (J != nullptr) motions[k] = {turns, axis, point};
   };
-  std::vector<std::size_t> first_ratio;
   for (std::size_t f = 0; f < parameters_.path().size(); ++f) {
     const Frame& frame = arm.frames()[parameters_.path()[f]];
     const auto v = [&](std::size_t k) { return values_[static_cast<Eigen::Index>(entry + k)]; };
@@ -126,9 +122,9 @@ Isometry3d LinkChain::pose(const VectorRef& recorded, MatrixXd* J) const {
     double s = frame.dh ? 0.0 : frame.variable.offset;
     std::size_t ratios = 0;
     while (entry + own + ratios < parameters_.entries().size() &&
-           parameters_.entries()[entry + own + ratios].kind == EntryKind::kRatio &&
-           parameters_.entries()[entry + own + ratios].frame == parameters_.path()[f]) {
-      s += v(own + ratios) * q[parameters_.entries()[entry + own + ratios].coordinate];
+           parameters_.entries()[entry + own + ratios].constant.joint &&
+           parameters_.entries()[entry + own + ratios].constant.frame.value == parameters_.path()[f]) {
+      s += v(own + ratios) * q[parameters_.entries()[entry + own + ratios].constant.joint->value];
       ++ratios;
     }
     Motion joint;
@@ -181,12 +177,12 @@ Isometry3d LinkChain::pose(const VectorRef& recorded, MatrixXd* J) const {
   J->setZero(6, parameters_.size());
   const Vector3d p = body.translation();
   for (std::size_t k = 0; k < motions.size(); ++k) {
-    const LinkEntry& e = parameters_.entries()[k];
+    const std::optional<JointIndex> joint = parameters_.entries()[k].constant.joint;
     const Column column = effect(motions[k], p);
     double by_entry = 1.0;
-    if (e.kind == EntryKind::kRatio) {
-      const int zero = zero_parameter_[e.coordinate];
-      by_entry = q[e.coordinate];
+    if (joint) {
+      const int zero = zero_parameter_[joint->value];
+      by_entry = q[joint->value];
       if (zero >= 0) J->col(zero) -= values_[static_cast<Eigen::Index>(k)] * column;
     }
     if (entry_parameter_[k] >= 0) J->col(entry_parameter_[k]) += by_entry * column;

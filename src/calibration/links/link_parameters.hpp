@@ -4,16 +4,14 @@
 #include <vector>
 
 #include "calibration/closed_forms.hpp"
+#include "veridyn/effects/cause.hpp"
 #include "veridyn/model/model.hpp"
 
 namespace veridyn::internal {
 
 /// One number in the placement of a frame.
 struct LinkEntry {
-  enum class Kind { kA, kAlpha, kD, kTheta, kX, kY, kZ, kRoll, kPitch, kYaw, kRatio };
-  int frame = 0;
-  Kind kind = Kind::kA;
-  int coordinate = -1;  ///< Coordinate of a ratio
+  FrameConstant constant;
   double value = 0.0;   ///< value in the file
   std::string formula;  ///< expression in the file; empty: a plain number
 };

@@ -68,8 +68,8 @@ dvrk::BoardCooperationOptions board_options(const BoardsRequest& request, const 
 std::string boards_json(const dvrk::BoardCooperationRun& done, const Scenario& scenario) {
   nlohmann::ordered_json out = nlohmann::ordered_json::parse(to_json(done.run, scenario));
   const auto arm = [&]() -> nlohmann::ordered_json {
-    if (done.faulty_arm < 0) return nullptr;
-    return scenario.arms[done.faulty_arm].name;
+    if (!done.faulty_arm) return nullptr;
+    return scenario.arms[*done.faulty_arm].name;
   };
   out["boards"] = {{"done", done.end == dvrk::BoardEnd::kDone},
                    {"reason", done.why},

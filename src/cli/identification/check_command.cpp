@@ -68,7 +68,7 @@ void run(CheckRequest& request, const std::string& command_line) {
   parallel_for(static_cast<int>(checked.size()), request.common.threads, [&](int k) {
     const auto at = static_cast<std::size_t>(k);
     PreprocessingOptions how = request.reading;
-    if (arm && how.row_count < 0) how.kept = std::make_shared<KeptRecordings>(KeptRecordings::kFewPasses);
+    if (arm && !how.row_count) how.kept = std::make_shared<KeptRecordings>(KeptRecordings::kFewPasses);
     checked[at] = check_rows(recordings[at], open_rows(recordings[at], reading, how.kept.get()));
     if (!arm) return;
     std::vector<QualityFinding> findings = check_against(*arm, recordings[at], how);

@@ -153,8 +153,7 @@ ExcitationOptions options_of(const ExciteRequest& request, const Model& arm,
   for (const std::string& path : request.given) {
     for (MotionSamples& motion : recorded_motion(arm, path, request.reading)) o.given.push_back(std::move(motion));
   }
-  if (!request.between.empty()) o.between = rivals(request.between);
-  if (o.between) o.criterion = ExcitationCriterion::kDiscriminate;
+  if (!request.between.empty()) o.criterion = ExcitationCriterion::kDiscriminate;
   if (!request.model.empty()) o.powered = read_powered(request);
   const Model moved = with_friction(arm, o.friction);
   if (o.criterion == ExcitationCriterion::kDiscriminate && !o.powered && !arm.inertial_values()) {
@@ -165,6 +164,8 @@ ExcitationOptions options_of(const ExciteRequest& request, const Model& arm,
     }
     o.powered = without_efforts(plausible_model(moved, 1).arm);
   }
+  if (!request.between.empty())
+    o.between = value_of("--between", [&] { return rivals(o.powered.value_or(arm), request.between); });
   if (!o.powered && !arm.inertial_values()) o.valued = plausible_model(moved, 1).arm;
   if (request.torque_noise)
     o.noise = noise_of_efforts(o.powered ? *o.powered : o.valued ? *o.valued : moved,

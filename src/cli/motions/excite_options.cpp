@@ -46,12 +46,12 @@ Named named(const std::string& option, const std::string& words, const std::vect
 
 }  // namespace
 
-std::pair<RivalCause, RivalCause> rivals(const std::string& words) {
+std::pair<Cause, Cause> rivals(const Model& arm, const std::string& words) {
   const std::vector<std::string> two = CLI::detail::split(words, ',');
   if (two.size() != 2 || two[0].empty() || two[1].empty()) {
     fail("--between", words, "two causes EFFECT:PLACE,EFFECT:PLACE, as payload:tool,torque_gain:2");
   }
-  return {split_cause(two[0]), split_cause(two[1])};
+  return {parse_cause(arm, two[0]), parse_cause(arm, two[1])};
 }
 
 FrameBox frame_box(const std::string& words) {

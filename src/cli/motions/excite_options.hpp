@@ -13,7 +13,7 @@ namespace veridyn::cli {
 // form expected.
 
 /// "EFFECT:PLACE,EFFECT:PLACE".
-std::pair<RivalCause, RivalCause> rivals(const std::string& words);
+std::pair<Cause, Cause> rivals(const Model& arm, const std::string& words);
 
 /// "FRAME:X,X,Y,Y,Z,Z", from and to; "-inf" and "inf" leave a side open.
 FrameBox frame_box(const std::string& words);

@@ -40,7 +40,7 @@ RowRange row_range(const std::string& option, const std::string& words) {
                                            "', expected rows A:B with A < B, as 200:1311 (the "
                                            "first row is 0, B itself is left out)");
   }
-  return {a, end.empty() ? -1 : b - a};
+  return {a, end.empty() ? std::nullopt : std::make_optional(b - a)};
 }
 
 std::vector<std::string> signal_names(const std::string& option, const std::string& words) {

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,10 +24,10 @@ struct CommonOptions {
   std::vector<double> drive_gains;  ///< torque per ampere of each joint; empty: those of the file
 };
 
-/// A half-open range of rows; count -1: to the end.
+/// A half-open range of rows; without a count: to the end.
 struct RowRange {
   long first = 0;
-  long count = -1;
+  std::optional<long> count = {};
 };
 
 /// Adds --json, --threads, --quiet and --version.

@@ -118,9 +118,9 @@ std::vector<std::string> words_for_given(const PreprocessingOptions& how,
   for (const std::string& topic : how.signals.topics) add("--topic", topic);
   for (const auto& [signal, source] : how.signals.map) add("--map", signal + "=" + source);
   for (const auto& [signal, unit] : how.signals.units) add("--units", signal + "=" + unit);
-  if (how.first_row > 0 || how.row_count >= 0) {
+  if (how.first_row > 0 || how.row_count) {
     add("--rows", text(how.first_row, ":",
-                       how.row_count < 0 ? "" : std::to_string(how.first_row + how.row_count)));
+                       how.row_count ? std::to_string(how.first_row + *how.row_count) : ""));
   }
   for (const auto& [joint, value] : fixed) add("--fix", joint + "=" + fmt::format("{}", value));
   return words;

@@ -32,11 +32,11 @@ int strength(SafetyFault fault) {
   return 0;
 }
 
-int first_not_finite(const VectorXd& v) {
+std::optional<int> first_not_finite(const VectorXd& v) {
   for (Eigen::Index i = 0; i < v.size(); ++i) {
     if (!std::isfinite(v[i])) return static_cast<int>(i);
   }
-  return -1;
+  return std::nullopt;
 }
 
 }  // namespace
@@ -124,7 +124,7 @@ bool SafetySupervisor::reset() noexcept {
   if (state_ != SafetyState::kFault) return false;
   state_ = SafetyState::kDisabled;
   fault_ = SafetyFault::kNone;
-  joint_ = -1;
+  joint_.reset();
   disagreed_ = fault_for_ = 0.0;
   events_ = 0;
   saturated_.setZero();
@@ -141,12 +141,12 @@ void SafetySupervisor::set_holding_torque(const VectorXd& extra) noexcept {
 SafetySupervisor::Finding SafetySupervisor::check_sensors(const ArmState& arm,
                                                           const SafetyInput& input) const noexcept {
   for (const VectorXd* v : {&arm.q(), &arm.dq()}) {
-    const int joint = first_not_finite(*v);
-    if (joint >= 0) return {SafetyFault::kNotFinite, joint};
+    const std::optional<int> joint = first_not_finite(*v);
+    if (joint) return {SafetyFault::kNotFinite, joint};
   }
   if (!std::isfinite(input.dt) || !std::isfinite(input.sensor_age))
-    return {SafetyFault::kNotFinite, -1};
-  if (input.sensor_age > limits_.sensor_age) return {SafetyFault::kSensorAge, -1};
+    return {SafetyFault::kNotFinite, {}};
+  if (input.sensor_age > limits_.sensor_age) return {SafetyFault::kSensorAge, {}};
   if (!seen_) return {};
   const double time = std::max(input.dt, 0.0) + input.sensor_age;
   for (Eigen::Index i = 0; i < q_sound_.size(); ++i) {
@@ -158,7 +158,7 @@ SafetySupervisor::Finding SafetySupervisor::check_sensors(const ArmState& arm,
 
 SafetySupervisor::Finding SafetySupervisor::check_motion(const ArmState& arm,
                                                          const SafetyInput& input) const noexcept {
-  if (input.dt > limits_.overrun) return {SafetyFault::kOverrun, -1};
+  if (input.dt > limits_.overrun) return {SafetyFault::kOverrun, {}};
   for (Eigen::Index i = 0; i < q_sound_.size(); ++i) {
     const int joint = static_cast<int>(i);
     const PositionRange range{limits_.lower[i], limits_.upper[i]};
@@ -175,8 +175,8 @@ SafetySupervisor::Finding SafetySupervisor::check_motion(const ArmState& arm,
 
 SafetySupervisor::Finding SafetySupervisor::check_motors(const SafetyInput& input,
                                                          const VectorXd& tau) noexcept {
-  const int joint = first_not_finite(tau);
-  if (joint >= 0) return {SafetyFault::kController, joint};
+  const std::optional<int> joint = first_not_finite(tau);
+  if (joint) return {SafetyFault::kController, joint};
   for (Eigen::Index i = 0; i < tau.size(); ++i) {
     const bool too_much = std::abs(tau[i]) > limits_.torque[i];
     saturated_[i] = too_much ? saturated_[i] + input.dt : 0.0;
@@ -187,12 +187,12 @@ SafetySupervisor::Finding SafetySupervisor::check_motors(const SafetyInput& inpu
 
 SafetySupervisor::Finding SafetySupervisor::check_force(const SafetyInput& input) noexcept {
   if (!input.force.allFinite() || !(input.force_age <= limits_.force_age))
-    return {SafetyFault::kForceSensor, -1};
-  if (input.force.norm() > limits_.force) return {SafetyFault::kForce, -1};
+    return {SafetyFault::kForceSensor, {}};
+  if (input.force.norm() > limits_.force) return {SafetyFault::kForce, {}};
   // A NaN expected force never disagrees.
   const bool disagrees = (input.force - input.force_expected).norm() > limits_.force_disagreement;
   disagreed_ = disagrees ? disagreed_ + input.dt : 0.0;
-  if (disagreed_ > limits_.disagreement_seconds) return {SafetyFault::kForceSensor, -1};
+  if (disagreed_ > limits_.disagreement_seconds) return {SafetyFault::kForceSensor, {}};
   return {};
 }
 

@@ -148,10 +148,10 @@ void ClosedLoop::prepare_element(int k, const Scenario& scenario) {
 MatrixXd ClosedLoop::line_map(int k) const {
   const LinearElement& at = point_.elements[k];
   MatrixXd L = MatrixXd::Zero(3, joints_);
-  const auto add = [&](int arm, double sign) {
-    if (arm < 0) return;
-    const Arm& a = arm_[arm];
-    L.middleCols(a.q, a.n) += sign * point_.arms[arm].J;
+  const auto add = [&](std::optional<int> arm, double sign) {
+    if (!arm) return;
+    const Arm& a = arm_[*arm];
+    L.middleCols(a.q, a.n) += sign * point_.arms[*arm].J;
   };
   add(at.from, -1.0);
   add(at.to, 1.0);
@@ -235,13 +235,13 @@ MatrixXd ClosedLoop::law(long k, const Element& e, const MatrixXd& reading, cons
     while (gap < 2 * kHyperperiod && !sampled(e, k - e.delay - gap)) ++gap;
     const double since = static_cast<double>(gap) * period_;
     if (proportional) {
-      X.row(e.x_f).array() -=
+      X.row(*e.x_f).array() -=
           settings_.integral * e.law.gain * since * (reading.array() - wanted);
     } else {
-      X.row(e.x_f).array() -= settings_.increment_gain * since * (reading.array() - wanted);
+      X.row(*e.x_f).array() -= settings_.increment_gain * since * (reading.array() - wanted);
     }
   }
-  value += X.row(e.x_f);
+  value += X.row(*e.x_f);
   if (proportional) value.array() -= e.law.proportional * (reading.array() - wanted);
   return value;
 }
@@ -280,10 +280,10 @@ void ClosedLoop::advance(long k, MatrixXd& X) const {
     const MatrixXd tension = e.stiffness * (Lu * X.topRows(joints_)) +
                              e.damping * (Lu * X.middleRows(joints_, joints_));
     MatrixXd line = MatrixXd::Zero(3, columns), line_rate = line;
-    const auto add = [&](int arm, double sign) {
-      if (arm < 0) return;
-      line += sign * tip[arm];
-      line_rate += sign * tip_rate[arm];
+    const auto add = [&](std::optional<int> arm, double sign) {
+      if (!arm) return;
+      line += sign * tip[*arm];
+      line_rate += sign * tip_rate[*arm];
     };
     add(at.from, -1.0);
     add(at.to, 1.0);
@@ -295,19 +295,19 @@ void ClosedLoop::advance(long k, MatrixXd& X) const {
     for (int s = e.delay - 1; s > 0; --s) X.row(e.line + s) = X.row(e.line + s - 1);
     if (e.delay > 0) X.row(e.line) = tension;
     reading *= settings_.reading_gain;
-    if (e.filtered >= 0) {
-      X.row(e.filtered) += e.smoothing * (reading - X.row(e.filtered));
-      reading = X.row(e.filtered);
+    if (e.filtered) {
+      X.row(*e.filtered) += e.smoothing * (reading - X.row(*e.filtered));
+      reading = X.row(*e.filtered);
     }
     const MatrixXd turned = (line - at.u * (u * line)) / at.length;  // of the unit vector
     const MatrixXd force = at.u * reading + at.force * turned;
-    if (at.from >= 0) exerted[at.from] -= force;
-    if (at.to >= 0) exerted[at.to] += force;
-    if (e.x_f < 0) continue;
+    if (at.from) exerted[*at.from] -= force;
+    if (at.to) exerted[*at.to] += force;
+    if (!e.x_f) continue;
     const MatrixXd value = law(k, e, reading, u * line_rate, fresh, X);
     const MatrixXd way = at.u * value + e.value * turned;
-    if (at.from >= 0) target[at.from] -= e.share_from * way;
-    if (at.to >= 0) target[at.to] += e.share_to * way;
+    if (at.from) target[*at.from] -= e.share_from * way;
+    if (at.to) target[*at.to] += e.share_to * way;
   }
   // Arms.
   MatrixXd applied(joints_, columns);
@@ -329,16 +329,16 @@ void ClosedLoop::advance(long k, MatrixXd& X) const {
     if (a.gives_way) tau += arm.J_base.transpose() * (to_base * exerted[i]);
     d += observer_ * (arm.M_known * lacking);
     tau += d;
-    if (a.queue >= 0) {
-      const MatrixXd late = X.middleRows(a.queue + (torque_delay_ - 1) * a.n, a.n);
+    if (a.queue) {
+      const MatrixXd late = X.middleRows(*a.queue + (torque_delay_ - 1) * a.n, a.n);
       for (int s = torque_delay_ - 1; s > 0; --s)
-        X.middleRows(a.queue + s * a.n, a.n) = X.middleRows(a.queue + (s - 1) * a.n, a.n).eval();
-      X.middleRows(a.queue, a.n) = tau;
+        X.middleRows(*a.queue + s * a.n, a.n) = X.middleRows(*a.queue + (s - 1) * a.n, a.n).eval();
+      X.middleRows(*a.queue, a.n) = tau;
       tau = late;
     }
-    if (a.motor >= 0) {
-      X.middleRows(a.motor, a.n) += motor_ * (tau - X.middleRows(a.motor, a.n));
-      tau = X.middleRows(a.motor, a.n);
+    if (a.motor) {
+      X.middleRows(*a.motor, a.n) += motor_ * (tau - X.middleRows(*a.motor, a.n));
+      tau = X.middleRows(*a.motor, a.n);
     }
     applied.middleRows(a.q, a.n) = tau;
   }
@@ -357,11 +357,11 @@ MatrixXd ClosedLoop::map() const {
                             ? settings_.integral * e.law.gain
                             : settings_.increment_gain;
     const bool attached = point_.elements[&e - element_.data()].attached;
-    if (e.x_f >= 0 && (gain <= 0.0 || !attached)) X.row(e.x_f).setZero();
+    if (e.x_f && (gain <= 0.0 || !attached)) X.row(*e.x_f).setZero();
     if (attached) continue;
     X.middleRows(e.line, e.delay).setZero();
     if (e.ratio < 1.0) X.row(e.held).setZero();
-    if (e.filtered >= 0) X.row(e.filtered).setZero();
+    if (e.filtered) X.row(*e.filtered).setZero();
   }
   for (const Arm& a : arm_) {
     if (observer_ <= 0.0) X.middleRows(a.observer + 3 * a.n, a.n).setZero();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -9,7 +10,7 @@ namespace veridyn {
 
 /// A member or a wall, linearised about an equilibrium.
 struct LinearElement {
-  int from = -1, to = -1;  ///< arms; -1: the world
+  std::optional<int> from = {}, to = {};  ///< arms; nothing: the world
   Eigen::Vector3d u{Eigen::Vector3d::UnitX()};  ///< its line in the world, from `from` to `to`
   double length = 0.0;     ///< [m]; infinite for a wall: its line does not turn
   double force = 0.0;      ///< [N] at the equilibrium, tension positive
@@ -56,7 +57,7 @@ class ClosedLoop {
   const MatrixXd& torque_input() const { return input_; }
   int joints() const { return joints_; }
 
-  int correction_row(int element) const { return element_[element].x_f; }
+  int correction_row(int element) const { return *element_[element].x_f; }
   /// (states): the true force of an element.
   VectorXd tension_row(int element) const;
   /// (states): what the force law of an element reads in cycle k, before the cycle; without filter.
@@ -69,15 +70,16 @@ class ClosedLoop {
     int q = 0;         // first row of positions; velocities lie joints_ below
     int n = 0;
     int observer = 0;  // first row of qh, vh, y, d
-    int motor = -1;    // of the lagging torque
-    int queue = -1;    // state index of delayed torques
+    std::optional<int> motor = {};  // first row of the lagging torque
+    std::optional<int> queue = {};  // first row of delayed torques
     bool gives_way = false;
     Eigen::Matrix3d mass_inverse{Eigen::Matrix3d::Zero()};
     Eigen::Matrix3d damping{Eigen::Matrix3d::Zero()}, stiffness{Eigen::Matrix3d::Zero()};
     MatrixXd friction;  // (n x 3): torque per error in the base
   };
   struct Element {
-    int line = 0, held = 0, filtered = -1, x_f = -1;
+    int line = 0, held = 0;
+    std::optional<int> filtered = {}, x_f = {};
     int delay = 0;            // [cycles]
     double ratio = 1.0;       // samples per cycle
     double share_from = 0.0, share_to = 0.0;

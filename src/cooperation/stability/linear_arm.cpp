@@ -45,8 +45,7 @@ Sliding sliding(const Model& model, const ArmState& state) {
   FrictionOptions options;
   options.share = 1.0;
   FrictionCompensation friction(model, options);
-  const VectorXd rest = VectorXd::Zero(model.joints());
-  friction.update(state, rest, rest, 1e-3);
+  friction.locate(state);
   Sliding out;
   out.drag = MatrixXd::Zero(model.joints(), model.joints());
   for (int k = 0; k < friction.axes(); ++k) {

@@ -93,7 +93,7 @@ Residual residual_of(const Model& arm, const PredictionSeries& x, size_t joint,
     most = std::max(most, std::abs(x.measured[joint][k]));
     fastest = std::max(fastest, std::abs(x.dq[joint][k]));
   }
-  out.scatter = std::max(numerics::kMadToDeviation * median(size), numerics::kNoise);
+  out.scatter = std::max(kMadToDeviation * median(size), numerics::kNoise);
   // On a moving joint, friction at a start or a reversal is no contact; on a joint that holds a
   // pose, it is part of the holding torque.
   const auto [low, high] = std::minmax_element(x.q[joint].begin(), x.q[joint].end());
@@ -214,7 +214,7 @@ std::vector<Contact> find_contacts(const Identification& id, const Thresholds& l
 std::vector<ExcludedInterval> excluded_intervals(const std::vector<Contact>& contacts) {
   std::vector<ExcludedInterval> out;
   for (const Contact& c : contacts)
-    out.push_back({c.source, -1, c.from - numerics::kContactMargin,
+    out.push_back({c.source, {}, c.from - numerics::kContactMargin,
                    c.to + numerics::kContactMargin, ExternalContact::kName});
   return out;
 }

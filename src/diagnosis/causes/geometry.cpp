@@ -25,7 +25,7 @@ constexpr SearchRange kRatios = {numerics::kAngleStep, numerics::kAngleReach};  
 constexpr int kRefinements = 14;
 constexpr size_t kKept = 5;
 
-SearchRange search_range(const KinematicError& constant, double stated) {
+SearchRange search_range(const FrameConstant& constant, double stated) {
   const std::string unit = unit_of(constant);
   if (unit == "1") return {kRatios.step * std::abs(stated), kRatios.reach * std::abs(stated)};
   return unit == "rad" ? kAngles : kLengths;
@@ -90,7 +90,7 @@ void measure_scatter(const Model& arm, const GeometryProfiler& profiler, const s
 }
 
 // The profile of one constant; gain 0 if there is nothing in it.
-GeometryFinding profile(const Model& arm, const KinematicError& constant,
+GeometryFinding profile(const Model& arm, const FrameConstant& constant,
                         const GeometryProfiler& profiler, int base, const Thresholds& limits) {
   GeometryFinding out;
   out.constant = constant;
@@ -161,7 +161,7 @@ std::vector<GeometryFinding> profile_geometry(const Model& arm,
                                               const IdentificationOptions& options,
                                               const Thresholds& limits) {
   const GeometryProfiler profiler(arm, train, options);
-  const std::vector<KinematicError> constants = row_constants(arm);
+  const std::vector<FrameConstant> constants = row_constants(arm);
   const auto base = static_cast<int>(GeometryProfiler::independent(arm).size());
   std::vector<GeometryFinding> all(constants.size());
   parallel_for(static_cast<int>(constants.size()), options.threads, [&](int k) {
@@ -183,7 +183,7 @@ std::vector<GeometryFinding> profile_geometry(const Model& arm,
     const bool tied = a.gain > tie && b.gain > tie;
     if (!tied) return a.gain > b.gain;
     const auto in_main_chain = [&](const GeometryFinding& f) {
-      return main_chain[std::get<FrameIndex>(f.constant.of).value];
+      return main_chain[f.constant.frame.value];
     };
     return in_main_chain(a) < in_main_chain(b);
   });

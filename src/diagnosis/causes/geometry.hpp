@@ -10,7 +10,7 @@ namespace veridyn {
 
 /// A wrong constant that the recordings indicate.
 struct GeometryFinding {
-  KinematicError constant;
+  FrameConstant constant;
   double stated = 0.0;                  ///< its value in the robot file
   double found = 0.0;                   ///< the value with the smallest error
   double deviation = 0.0;               ///< standard deviation, jackknife over parts of the

@@ -93,7 +93,7 @@ void snags_of(const std::vector<const RecordingError*>& all, size_t joint,
       if (std::isfinite(e)) sizes.push_back(std::abs(e));
     }
   }
-  const double limit = std::max(limits.snag_prominence * numerics::kMadToDeviation * median(sizes),
+  const double limit = std::max(limits.snag_prominence * kMadToDeviation * median(sizes),
                                 limits.snag_torque_share * std::sqrt(travel.torque2 / travel.samples));
   for (size_t r = 0; r < all.size(); ++r) {
     for (int b = 0; b < kBins; ++b) {

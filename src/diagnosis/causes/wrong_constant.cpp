@@ -75,7 +75,7 @@ std::optional<WrongConstant> wrong_constant(const Model& arm,
     return std::nullopt;
   Finding& f = out.finding;
   f.rank = 1;
-  f.cause = best.constant;
+  f.cause = KinematicError{best.constant};
   f.joint = acting_joint(arm, f.cause);
   f.unit = unit_of(best.constant);
   const double t = student_t_quantile(numerics::kOutside, best.degrees_of_freedom);
@@ -91,7 +91,7 @@ std::optional<WrongConstant> wrong_constant(const Model& arm,
   for (size_t k = 1; k < geometry.size(); ++k) {
     if (geometry[k].gain < limits.rival_share * profiled) continue;
     f.rivals.push_back(
-        {geometry[k].constant,
+        {KinematicError{geometry[k].constant},
          "another constant, " + words_for(arm, geometry[k].constant) + ", would explain as much"});
   }
   for (const auto& [h, gain] : instead) {

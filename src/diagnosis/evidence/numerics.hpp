@@ -16,8 +16,6 @@ constexpr double kRidge = 1e-11;
 constexpr double kOutside = 0.05;  ///< probability outside of an interval that is printed
 constexpr double kPercent = 100.0;
 constexpr double kDegrees = 57.29577951308232;  ///< Degrees of a radian
-/// Factor from the MAD to the standard deviation of a normal distribution.
-constexpr double kMadToDeviation = 1.4826;
 
 constexpr double kMinute = 60.0;     ///< [s]
 constexpr double kThousand = 1e3;

@@ -15,7 +15,7 @@ struct Accepted {
 
 /// Confidence interval of a shape constant of an accepted hypothesis.
 struct ShapeInterval {
-  int hypothesis = -1;
+  int hypothesis = 0;
   std::string shape;
   double low = 0.0;
   double high = 0.0;

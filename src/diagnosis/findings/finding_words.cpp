@@ -86,7 +86,7 @@ std::vector<Rival> rivals_of(const CandidateData& asked, const NormalBlocks& dat
   const bool constant =
       !is_load(h) && find_effect(effect_of(h.cause)).traits().same_as_wrong_constant;
   if (constant && h.joint && !changes) {
-    out.push_back({KinematicError{KinematicError::kZero, *h.joint},
+    out.push_back({KinematicError{JointZero{*h.joint}},
                    "a wrong zero of this joint in the robot file does exactly the same"});
   }
   return out;

@@ -111,7 +111,7 @@ class Account {
     const bool told_apart = !d_.provisional && d_.moving_as_one.empty();
     for (size_t k = 0; told_apart && !without && k < d_.findings.size(); ++k) {
       if (!may_stand_for_another(d_.findings[k])) continue;
-      lost = {{k, "without it smooth functions of other signals predict its joint as well"}};
+      lost = alike(d_.findings[k], "without it smooth functions of other signals predict its joint as well");
       without = refitted_without(lost);
       if (without && !is_encompassed(d_.findings[k], *without)) without.reset();
     }
@@ -125,14 +125,17 @@ class Account {
     return true;
   }
 
-  // Names that held-out parts contradict, beside a dependence that has none.
+  // Names that held-out parts contradict, beside a dependence that has none or where no error is left to name.
   void withdraw_contradicted() {
     Reasons lost;
     for (size_t k = 0; k < d_.findings.size(); ++k) {
       const Finding& f = d_.findings[k];
-      if (!f.shape && f.joint && f.status == FindingStatus::kNotConfirmed && std::holds_alternative<NewEffect>(f.cause) &&
-          has_unnamed(f.joint->value))
+      const bool named = std::holds_alternative<NewEffect>(f.cause) || std::holds_alternative<ChannelError>(f.cause);
+      if (f.shape || !f.joint || f.status != FindingStatus::kNotConfirmed || !named) continue;
+      if (has_unnamed(f.joint->value))
         lost[k] = "held-out parts of the training recordings contradict it beside what has no name on its joint";
+      else if (!d_.changes && d_.joints[f.joint->value].state == JointState::kAtFloor)
+        lost[k] = "held-out parts of the training recordings contradict it, and its joint is at its floor";
     }
     withdraw(lost);
   }
@@ -201,6 +204,16 @@ class Account {
     d_.findings = std::move(kept);
   }
 
+  // The findings of one effect on one joint (cables from several joints), which stand and fall together.
+  Reasons alike(const Finding& f, const char* why) const {
+    Reasons out;
+    for (size_t k = 0; k < d_.findings.size(); ++k) {
+      const Finding& other = d_.findings[k];
+      if (!other.shape && other.joint == f.joint && effect_of(other.cause) == effect_of(f.cause)) out[k] = why;
+    }
+    return out;
+  }
+
   bool is_withdrawable(const Finding& f) const {
     return !f.shape && f.joint && f.status == FindingStatus::kConfirmed &&
            std::holds_alternative<NewEffect>(f.cause) && f.folds_before.size() > 0;
@@ -216,8 +229,8 @@ class Account {
 
   bool may_stand_for_another(const Finding& f) const {
     if (!is_withdrawable(f) || find_effect(effect_of(f.cause)).traits().elementary) return false;
-    const JointState state = d_.joints[f.joint->value].state;
-    return state == JointState::kUnnamed || state == JointState::kCannotTell;
+    const JointVerdict& v = d_.joints[f.joint->value];
+    return v.state == JointState::kUnnamed || v.left > limits_.at_floor * v.floor;
   }
 
   // The extended arm without the effects of these findings.
@@ -247,6 +260,17 @@ class Account {
     return out;
   }
 
+  // True if what a finding leaves over still depends on the signals that it acts through, and on no other.
+  bool has_another_shape(const Finding& f) const {
+    return std::any_of(d_.findings.begin(), d_.findings.end(), [&](const Finding& curve) {
+      if (!curve.shape || curve.status != FindingStatus::kConfirmed || curve.joint != f.joint) return false;
+      const std::vector<std::string>& of = curve.shape->signals;
+      return std::all_of(signals_.begin(), signals_.end(), [&](const MotionSignal& s) {
+        return std::find(of.begin(), of.end(), s.name) == of.end() || acts_through(f, s);
+      });
+    });
+  }
+
   // True if smooth terms beside the model without a finding, the first of them of a signal that it does not
   // act through, leave no more of a joint's held-out parts than those beside the extended model; where the
   // extended model needs none, clearly less: smooth functions imitate any cause.
@@ -262,7 +286,7 @@ class Account {
     const bool own = std::all_of(main.begin(), main.end(), [&](int s) {
       return acts_through(f, signals_[s]);
     });
-    if (own) return false;
+    if (own && !has_another_shape(f)) return false;
     const double left = without_share(x_.fold_errors(without).relative()[j], found.predicted_of_folds.back());
     const double so_far = unnamed_[j];
     return left <= without_share(folds_[j], has_unnamed(j) ? so_far : limits_.unnamed_share);

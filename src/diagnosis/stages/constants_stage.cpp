@@ -90,7 +90,7 @@ void correct_constants(DiagnosisState& x) {
   std::vector<GeometryFinding> geometry =
       profile_geometry(arm, x.train, x.options.identification, x.options.thresholds);
   geometry.erase(std::remove_if(geometry.begin(), geometry.end(),
-                                [&x](const GeometryFinding& g) { return !x.tests_cause(g.constant); }),
+                                [&x](const GeometryFinding& g) { return !x.tests_cause(KinematicError{g.constant}); }),
                  geometry.end());
   if (geometry.empty()) return;
   const CandidateTests asked = prepare_tests(x, x.list(), x.start);

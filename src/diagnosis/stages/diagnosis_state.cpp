@@ -12,8 +12,8 @@ namespace veridyn {
 std::string normalized_cause(const Model& arm, const std::string& words) {
   if (split_cause(words).place.empty()) return words;
   const Cause cause = parse_cause(arm, words);
-  const auto* constant = std::get_if<KinematicError>(&cause);
-  require(constant == nullptr || std::holds_alternative<FrameIndex>(constant->of), "cause '", words,
+  const std::optional<FrameIndex> frame = frame_of(cause);
+  require(!std::holds_alternative<KinematicError>(cause) || (frame && arm.frames()[frame->value].dh), "cause '", words,
           "': is asked about as a number of a frame's row only, as coupling_error:FRAME.theta.");
   return to_text(arm, cause);
 }

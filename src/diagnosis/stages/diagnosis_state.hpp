@@ -44,6 +44,11 @@ struct DiagnosisState {
   /// Remarks on the recordings, which outlive another run of the questions.
   std::vector<std::string> remarks = {};
 
+  /// Channel errors of single joints that the last select_causes() accepted beyond their usual size, and
+  /// whether it is to refuse such.
+  std::vector<NotSupported> unusual = {};
+  bool usual_channels_only = false;
+
   /// True if the effect is among those to test, at any place.
   bool tests_effect(const std::string& effect) const;
 
@@ -101,6 +106,9 @@ bool exclude_contacts(const Identification& seen, DiagnosisState& x);
 /// file, together.
 void add_plain_friction(DiagnosisState& x);
 
+/// Forgets all answers but contacts, and adds plain friction to x.start.
+void begin_tests(DiagnosisState& x);
+
 /// Corrects a wrong constant of the robot file, or the error of a channel that does as much.
 void correct_constants(DiagnosisState& x);
 
@@ -109,9 +117,9 @@ void correct_constants(DiagnosisState& x);
 void select_causes(DiagnosisState& x);
 
 /// After account_for_errors(): asks about causes that nobody asked about before, on joints whose error
-/// depends on positions without a name. True if one explains held-out parts of the training recordings as well
-/// as the curves did: it is a finding, and the account is to be made again.
-bool ask_later_causes(DiagnosisState& x);
+/// depends on positions without a name; with one in the arm, all others anew, and accounts for the errors again.
+/// Changes nothing unless held-out parts of the training recordings are predicted as well as with the curves.
+void ask_later_causes(DiagnosisState& x);
 
 /// Accounts for the residual of every joint, and for the signals on which it depends where no known
 /// cause has that shape.

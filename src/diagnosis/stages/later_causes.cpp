@@ -1,11 +1,14 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <optional>
 #include <set>
+#include <utility>
 
 #include "causes/candidates.hpp"
 #include "diagnosis/evidence/folds.hpp"
 #include "diagnosis/stages/diagnosis_state.hpp"
+#include "veridyn/effects/effect.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 
 // Causes that are asked about only where a joint's error depends on positions and has no name: names for
@@ -42,86 +45,75 @@ std::vector<std::string> later_causes(const Model& arm, const std::set<int>& joi
   return out;
 }
 
-// Names of forces that depend on positions and that held-out parts can do without, now that there is another
-// one: the last of them first.
-void drop_superfluous(DiagnosisState& y, size_t before) {
-  VectorXd folds = y.fold_errors(y.d.extended).relative();
-  for (size_t k = before; k-- > 0;) {
-    const Finding f = y.d.findings[k];
-    if (f.shape || !f.joint || !std::holds_alternative<NewEffect>(f.cause) ||
-        !find_effect(effect_of(f.cause)).traits().depends_on_position)
-      continue;
-    ModelDescription description = y.d.extended.model->description();
-    auto& effects = description.effects;
-    const size_t terms = effects.size();
-    effects.erase(std::remove_if(effects.begin(), effects.end(),
-                                 [&](const EffectTerm& e) {
-                                   const auto same = [&e](const EffectTerm& own) {
-                                     return own.effect == e.effect && own.axis.coefficients == e.axis.coefficients;
-                                   };
-                                   const auto& file = y.arm.effects();
-                                   return e.effect == effect_of(f.cause) &&
-                                          e.axis.coefficients[f.joint->value] != 0.0 &&
-                                          std::none_of(file.begin(), file.end(), same);
-                                 }),
-                  effects.end());
-    if (effects.size() == terms) continue;
-    description.identified.reset();
-    Identification without = y.fit(Model(std::move(description)));
-    if (!without.model) continue;
-    const VectorXd left = y.fold_errors(without).relative();
-    if (log_fall(folds, left) < -y.options.thresholds.smallest_gain) continue;
-    folds = left;
-    y.d.extended = std::move(without);
-    y.d.not_supported.insert(y.d.not_supported.begin(), {f.cause, f.p_value, "a later finding explains it"});
-    y.d.findings.erase(y.d.findings.begin() + static_cast<long>(k));
+// Errors of held-out parts of the training recordings with the curves that have no name.
+VectorXd errors_with_curves(const DiagnosisState& x) {
+  VectorXd out = x.fold_errors(x.d.extended).relative();
+  for (const Finding& f : x.d.findings) {
+    if (!f.shape || f.status != FindingStatus::kConfirmed) continue;
+    const int j = f.joint->value;
+    out[j] = std::min(out[j], f.folds_after[j]);
+  }
+  return out;
+}
+
+// True if a joint's error still depends on its own position alone: a name for that has another shape.
+bool has_curve_of_position(const Diagnosis& d, JointIndex joint) {
+  const std::vector<std::string> own = {"q" + std::to_string(joint.value + 1)};
+  return std::any_of(d.findings.begin(), d.findings.end(), [&](const Finding& f) {
+    return f.shape && f.joint == joint && f.status == FindingStatus::kConfirmed && f.shape->signals == own;
+  });
+}
+
+// Makes the first finding of select_causes() part of the arm that other causes are tested beside.
+void keep_first(DiagnosisState& y, size_t first) {
+  y.start = y.d.extended;
+  const Finding& f = y.d.findings[first];
+  for (const EffectTerm& term : y.start.model->effects()) {
+    if (!f.joint || term.effect != effect_of(f.cause) || term.axis.coefficients[f.joint->value] == 0.0) continue;
+    const BoundEffect bound(*y.start.model, term);
+    auto& names = y.fitted_by_start[first];
+    for (size_t p = 0; p < find_effect(term.effect).parameters().size(); ++p)
+      names.push_back(bound.parameter_name(static_cast<int>(p)));
   }
 }
 
 }  // namespace
 
-bool ask_later_causes(DiagnosisState& x) {
+void ask_later_causes(DiagnosisState& x) {
   if (!x.options.effects.empty() || x.d.changes || !x.d.extended.model || x.d.provisional ||
       !x.d.moving_as_one.empty())
-    return false;
+    return;
   const std::set<int> joints = joints_in_question(x.d);
-  if (joints.empty()) return false;
+  const std::vector<std::string> later = joints.empty() ? std::vector<std::string>() : later_causes(x.arm, joints);
+  if (later.empty()) return;
   DiagnosisState y = x;
-  y.options.effects = later_causes(x.arm, joints);
-  if (y.options.effects.empty()) return false;
-  y.start = x.d.extended;
-  y.fitted_by_start.clear();
-  VectorXd unnamed = x.fold_errors(x.d.extended).relative();
-  auto& all = y.d.findings;
-  for (const Finding& f : all) {
-    if (f.shape && f.status == FindingStatus::kConfirmed)
-      unnamed[f.joint->value] = std::min(unnamed[f.joint->value], f.folds_after[f.joint->value]);
-  }
-  all.erase(std::remove_if(all.begin(), all.end(), [](const Finding& f) { return f.shape.has_value(); }), all.end());
-  const size_t before = all.size();
-  const std::vector<NotSupported> not_supported = y.d.not_supported;
-  const std::vector<CannotTell> cannot_tell = y.d.cannot_tell;
-  y.options.max_effects = static_cast<int>(before - y.contacts) + 1;  // one, and then the account anew
+  y.start = y.d.baseline;
+  begin_tests(y);
+  const size_t first = y.d.findings.size();
+  y.options.effects = later;
+  y.options.max_effects = 1;
   select_causes(y);
-  y.d.not_supported = not_supported;
-  y.d.cannot_tell = cannot_tell;
-  const bool found = std::any_of(all.begin() + static_cast<long>(before), all.end(), [](const Finding& f) {
-    return f.status == FindingStatus::kConfirmed;
-  });
-  if (!found || !y.d.extended.model) return false;
-  // The name says as much as the curves did, over all joints and on each that had one.
+  if (y.d.findings.size() <= first || y.d.findings[first].status != FindingStatus::kConfirmed) return;
+  y.d.findings.resize(first + 1);
+  const std::optional<JointIndex> joint = y.d.findings[first].joint;
+  keep_first(y, first);
+  y.options = x.options;
+  y.d.not_supported.clear();
+  y.d.cannot_tell.clear();
+  correct_constants(y);
+  select_causes(y);
+  if (!y.d.extended.model) return;
+  // The names say as much as the curves did, over all joints and on each that had one.
+  const VectorXd curves = errors_with_curves(x);
   const VectorXd named = y.fold_errors(y.d.extended).relative();
-  if (log_fall(unnamed, named) < 0.0) return false;
+  if (log_fall(curves, named) < 0.0) return;
   for (const int j : joints) {
-    if (2.0 * std::log(named[j] / unnamed[j]) > x.options.thresholds.smallest_gain) return false;
+    if (2.0 * std::log(named[j] / curves[j]) > x.options.thresholds.smallest_gain) return;
   }
-  all.erase(std::remove_if(all.begin() + static_cast<long>(before), all.end(),
-                           [](const Finding& f) { return f.status != FindingStatus::kConfirmed; }),
-            all.end());
-  drop_superfluous(y, before);
-  y.d.hypotheses += x.d.hypotheses;
-  x.d = std::move(y.d);
-  return true;
+  y.d.hypotheses += static_cast<int>(later.size());
+  account_for_errors(y);
+  if (joint && has_curve_of_position(y.d, *joint)) return;
+  x = std::move(y);
 }
 
 }  // namespace veridyn

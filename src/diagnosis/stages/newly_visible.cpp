@@ -62,7 +62,7 @@ AugmentedModel asked_together(const DiagnosisState& x, const Identification& cor
   for (const StandardParameter& p : standard_parameters(arm)) {
     if (std::find(names.begin(), names.end(), p.name) == names.end()) continue;
     for (const StandardParameter& a : additions) {
-      if (a.body == p.body + bodies && a.component == p.component)
+      if (p.body && a.body == *p.body + bodies && a.component == p.component)
         unknown.columns.push_back(a.name);
     }
   }
@@ -93,7 +93,7 @@ bool step_together(const DiagnosisState& x, const Hypothesis& h,
     const std::string& name = data.names()[fit.columns[k]];
     const auto a = std::find_if(all.begin(), all.end(),
                                 [&name](const StandardParameter& p) { return p.name == name; });
-    const size_t body = static_cast<size_t>(a->body) - arm.bodies().size();
+    const size_t body = static_cast<size_t>(*a->body) - arm.bodies().size();
     Frame& frame = d.frames[arm.bodies()[body]];
     (*frame.body->phi)[a->component] += fit.values[at];
   }

@@ -71,4 +71,14 @@ void add_plain_friction(DiagnosisState& x) {
   x.start = extended;
 }
 
+void begin_tests(DiagnosisState& x) {
+  x.d.findings.resize(x.contacts);
+  x.d.not_supported.clear();
+  x.d.cannot_tell.clear();
+  x.d.remarks = x.remarks;
+  x.fitted_by_start.clear();
+  x.refused.clear();
+  add_plain_friction(x);
+}
+
 }  // namespace veridyn

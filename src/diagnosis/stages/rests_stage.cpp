@@ -36,9 +36,9 @@ void rests_of(const RecordingError& r, const std::vector<double>& speeds, const 
   size_t last = x.time.size() - 1;
   while (!moves_at(x, last, speeds, limits.moving_share)) --last;
   if (x.time[first] - x.time.front() > limits.shortest_rest)
-    out.push_back({r.source, -1, 0.0, x.time[first], "the arm rests at the start"});
+    out.push_back({r.source, {}, 0.0, x.time[first], "the arm rests at the start"});
   if (x.time.back() - x.time[last] > limits.shortest_rest)
-    out.push_back({r.source, -1, x.time[last], r.series.time.back() + limits.shortest_rest,
+    out.push_back({r.source, {}, x.time[last], r.series.time.back() + limits.shortest_rest,
                    "the arm rests at the end"});
 }
 

@@ -110,15 +110,10 @@ std::optional<size_t> channel_to_correct(const DiagnosisState& x, const Round& r
 
 // A channel error beyond its usual size against a rival that explains as much: what is usual decides
 // this tie, and nothing but a tie.
-bool gives_way(const Hypothesis& h, const Accepted& a, const std::vector<double>& values,
-               const Thresholds& thresholds) {
-  const bool unusual = std::any_of(values.begin(), values.end(), [&h](double value) {
-    return std::abs(value) > h.largest_value;
+bool gives_way(const Accepted& a, const Thresholds& thresholds) {
+  return std::any_of(a.rivals.begin(), a.rivals.end(), [&](const Evidence& rival) {
+    return rival.gain > thresholds.tie * a.evidence.gain;
   });
-  return unusual &&
-         std::any_of(a.rivals.begin(), a.rivals.end(), [&](const Evidence& rival) {
-           return rival.gain > thresholds.tie * a.evidence.gain;
-         });
 }
 
 // Corrects a channel error that comes first before other tests: its columns are of first order, and
@@ -134,7 +129,9 @@ bool correct_first_channel(DiagnosisState& x, const Round& round) {
     return true;
   }
   const Accepted& a = round.selection.accepted[*at];
-  if (gives_way(h, a, channel->values, x.options.thresholds)) {
+  const bool unusual = std::any_of(channel->values.begin(), channel->values.end(),
+                                   [&h](double value) { return std::abs(value) > h.largest_value; });
+  if (unusual && (x.usual_channels_only || gives_way(a, x.options.thresholds))) {
     x.refused.insert(h);
     return true;
   }
@@ -173,6 +170,7 @@ bool correct_first_channel(DiagnosisState& x, const Round& round) {
   f.gain = a.evidence.gain;
   f.rivals = rivals_of(round.q, round.data, h, a, x.d.changes);
   f.explains = explained_share(f.test_before, f.test_after, x.d.baseline);
+  if (unusual && h.joint) x.unusual.push_back({h.cause, f.p_value, {}});
   x.d.findings.push_back(std::move(f));
   x.start = channel->corrected;
   return true;
@@ -344,9 +342,8 @@ void write_down(DiagnosisState& x, const Round& round, const Fit& fit) {
   x.d.next_experiment = next_experiment(x.d);
 }
 
-}  // namespace
-
-void select_causes(DiagnosisState& x) {
+// One pass through all candidates.
+void select(DiagnosisState& x) {
   CandidateList list = x.list();
   if (asks_for_waves(list.wanted))
     list.ripple_orders = ripple_orders(x.start, x.options.thresholds);
@@ -368,6 +365,30 @@ void select_causes(DiagnosisState& x) {
   }
   challenge(x, list, round, fit);
   write_down(x, *round, *fit);
+}
+
+}  // namespace
+
+// A channel error far beyond its usual size, of one joint, imitates what its torque lags behind or falls
+// short of: memory, backlash, friction. It is a cause only if the others without it predict held-out parts
+// worse (an encompassing test).
+void select_causes(DiagnosisState& x) {
+  x.unusual.clear();
+  DiagnosisState usual = x;
+  select(x);
+  if (x.unusual.empty() || !x.d.extended.model) return;
+  usual.usual_channels_only = true;
+  select(usual);
+  usual.usual_channels_only = false;
+  if (!usual.d.extended.model ||
+      log_fall(x.fold_errors(x.d.extended).relative(), usual.fold_errors(usual.d.extended).relative()) <
+          -x.options.thresholds.smallest_gain)
+    return;
+  for (NotSupported& n : x.unusual) {
+    n.why = "it is unusually large, and held-out parts are predicted as well without it";
+    usual.d.not_supported.push_back(n);
+  }
+  x = std::move(usual);
 }
 
 }  // namespace veridyn

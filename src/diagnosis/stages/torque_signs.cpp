@@ -53,9 +53,9 @@ void check_torque_signs(DiagnosisState& x) {
   const Selection fit = refit(data, base, {}, x.options);
   std::vector<Power> joints(arm.joints());
   for (size_t k = 0; k < independent.size(); ++k) {
-    const int e = parameters[independent[k]].effect;
-    if (e < 0 || !is_friction(arm.effects()[e].effect)) continue;
-    const Axis& axis = arm.effects()[e].axis;
+    const std::optional<int> e = parameters[independent[k]].effect;
+    if (!e || !is_friction(arm.effects()[*e].effect)) continue;
+    const Axis& axis = arm.effects()[*e].axis;
     if ((axis.coefficients.array() != 0.0).count() != 1) continue;
     const auto at = static_cast<Eigen::Index>(k);
     const double size = data.scale()[at];

@@ -61,7 +61,7 @@ std::vector<double> travel_since_reversal(const std::vector<double>& q,
 
 // All values of a signal along one recording's series.
 std::vector<double> along(const MotionSignal& signal, const PredictionSeries& x, double rest_speed) {
-  const auto j = static_cast<size_t>(std::max(signal.joint, 0));
+  const auto j = static_cast<size_t>(signal.joint.value_or(0));
   switch (signal.kind) {
     case SignalKind::kPosition: return x.q[j];
     case SignalKind::kVelocity: return x.dq[j];
@@ -105,11 +105,11 @@ double travel_of_history(double coordinate, double unit_travel) {
 std::vector<MotionSignal> motion_signals(const Identification& id, const Thresholds& limits) {
   std::vector<MotionSignal> out;
   const Model& arm = *id.model;
-  const auto add = [&](SignalKind kind, int joint, bool slides, double unit_travel) {
+  const auto add = [&](SignalKind kind, std::optional<int> joint, bool slides, double unit_travel) {
     MotionSignal s{kind, joint, letter(kind), unit_of(kind, slides), numerics::kHuge,
                    -numerics::kHuge, unit_travel};
-    if (joint >= 0) s.name += std::to_string(joint + 1);
-    const double rest = joint >= 0 ? rest_speed_of(id, joint) : 0.0;
+    if (joint) s.name += std::to_string(*joint + 1);
+    const double rest = joint ? rest_speed_of(id, *joint) : 0.0;
     for (const RecordingError& r : id.train) {
       for (const double v : along(s, r.series, rest)) {
         s.low = std::min(s.low, v);
@@ -132,7 +132,7 @@ std::vector<MotionSignal> motion_signals(const Identification& id, const Thresho
     add(SignalKind::kTorque, i, slides, 1.0);
     add(SignalKind::kHistory, i, slides, travel * numerics::kHistoryUnit);
   }
-  add(SignalKind::kTime, -1, false, 1.0);
+  add(SignalKind::kTime, {}, false, 1.0);
   return out;
 }
 
@@ -168,7 +168,7 @@ MotionRows motion_rows(const Identification& id, const std::vector<RecordingErro
     for (size_t s = 0; s < out.signals.size(); ++s) {
       const MotionSignal& signal = out.signals[s];
       const std::vector<double> all =
-          along(signal, x, signal.joint >= 0 ? rest_speed_of(id, signal.joint) : 0.0);
+          along(signal, x, signal.joint ? rest_speed_of(id, *signal.joint) : 0.0);
       row = first;
       for (size_t i = 0; i < x.time.size(); i += strides[k])
         out.values(row++, static_cast<Eigen::Index>(s)) = all[i];
@@ -184,7 +184,7 @@ MotionRows motion_rows(const Identification& id, const std::vector<RecordingErro
       for (const ExcludedInterval& part : excluded_intervals) {
         if (part.source != r.source || x.time[i] < part.from || x.time[i] > part.to) continue;
         for (int j = 0; j < n; ++j) {
-          if (part.joint < 0 || part.joint == j) out.used(row, j) = false;
+          if (!part.joint || part.joint == j) out.used(row, j) = false;
         }
       }
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,7 @@ enum class SignalKind { kPosition, kVelocity, kAcceleration, kTorque, kHistory, 
 /// travel since the last reversal, transformed by history_coordinate().
 struct MotionSignal {
   SignalKind kind = SignalKind::kPosition;
-  int joint = -1;  ///< -1: time, no joint
+  std::optional<int> joint = {};  ///< nothing: time
   std::string name;  ///< "q1", "dq1", "ddq1", "tau1", "history1", "t"
   std::string unit;
   double low = 0.0, high = 0.0;  ///< range in the training recordings

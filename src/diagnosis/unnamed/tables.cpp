@@ -48,8 +48,8 @@ std::vector<EffectTerm> tables_of(const Model& arm, JointIndex joint, const Unna
     term.effect = kTabulatedForce;
     term.axis = Axis{VectorXd::Unit(arm.joints(), joint.value), 0.0};
     for (const MotionSignal& s : of) {
-      if (s.joint >= 0 && s.joint != joint.value && !term.from)
-        term.from = Axis{VectorXd::Unit(arm.joints(), s.joint), 0.0};
+      if (s.joint && s.joint != joint.value && !term.from)
+        term.from = Axis{VectorXd::Unit(arm.joints(), *s.joint), 0.0};
     }
     term.values = {{"signal", code(signals.front())}, {"low", of.front().low}, {"high", of.front().high}};
     const double middle =

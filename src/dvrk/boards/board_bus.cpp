@@ -43,7 +43,8 @@ void BoardBus::listen() noexcept {
                                                                        : Exchange::Queries::kNone);
 }
 
-void BoardBus::note(Condition condition, int board, int channel, std::uint32_t value) noexcept {
+void BoardBus::note(Condition condition, std::optional<int> board, std::optional<int> channel,
+                    std::uint32_t value) noexcept {
   log_.note(condition, link_.now(), board, channel, value);
 }
 
@@ -53,7 +54,7 @@ Route BoardBus::route(const Board& b) const {
 
 // Section 2.3: without FireWire a node's number is its board's id, and each has its own address.
 Route BoardBus::route_to(int node) const {
-  return {static_cast<std::uint8_t>(node), ethernet_only_, Destination::kBoard, ethernet_only_ ? node : -1};
+  return {static_cast<std::uint8_t>(node), ethernet_only_, Destination::kBoard, ethernet_only_ ? std::make_optional(node) : std::nullopt};
 }
 
 Route BoardBus::everyone() const {
@@ -80,7 +81,7 @@ void BoardBus::lose(Board& b, Condition why) noexcept {
 }
 
 void BoardBus::lose_noted(Board& b, Condition why, std::uint32_t word) noexcept {
-  note(why, b.info.id, -1, word);
+  note(why, b.info.id, {}, word);
   lose(b, why);
 }
 
@@ -204,7 +205,7 @@ void BoardBus::check_timestamp(Board& b) noexcept {
   const double told = b.feedback.seconds();
   const bool late = options_.cycle_time > 0.0 && told > kLateCycles * options_.cycle_time;
   if (b.feedback.timestamp == 0 || late)
-    note(Condition::kTimestamp, b.info.id, -1, b.feedback.timestamp);
+    note(Condition::kTimestamp, b.info.id, {}, b.feedback.timestamp);
   if (std::abs(told - passed) > kJump) b.suspect = true;
 }
 

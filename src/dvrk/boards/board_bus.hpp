@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -163,13 +164,13 @@ class BoardBus {
   /// Reason for refusing the boards found.
   struct Objection {
     Condition condition = Condition::kNoReply;
-    int board = -1;  ///< place in boards_, or the id that is there twice; -1: no objection
+    std::optional<int> board = {};  ///< place in boards_, or the id that is there twice; nothing: no objection
   };
 
   Route route(const Board& b) const;
   Route route_to(int node) const;
   Route everyone() const;
-  void note(Condition condition, int board = -1, int channel = -1,
+  void note(Condition condition, std::optional<int> board = {}, std::optional<int> channel = {},
             std::uint32_t value = 0) noexcept;
 
   bool listens() const { return options_.access != Access::kDrive; }

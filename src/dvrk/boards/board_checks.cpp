@@ -15,7 +15,7 @@ constexpr double kRelayGrace = 0.050;  // [s] for the contacts
 
 }  // namespace
 
-void BoardSession::note(Condition condition, Reaction reaction, int b, int c,
+void BoardSession::note(Condition condition, Reaction reaction, int b, std::optional<int> c,
                         std::uint32_t value) noexcept {
   faults().note(condition, link_.now(), bus_.info(b).id, c, value);
   react(reaction, condition, bus_.info(b).id, c);
@@ -38,7 +38,7 @@ void BoardSession::check_board(int b) noexcept {
   check_power(b, f);
   check_temperature(b, f);
   if (f.digital.encoder_supply_fault()) {
-    note(Condition::kEncoder, Reaction::kPowerOff, b, -1, f.digital.word);
+    note(Condition::kEncoder, Reaction::kPowerOff, b, {}, f.digital.word);
   }
   for (int c = 0; c < kChannels; ++c) {
     if (safety(b, c).used) check_channel(b, c, f);
@@ -50,17 +50,17 @@ void BoardSession::check_relay(int b, const BoardFeedback& f) noexcept {
   if (checked_ == PowerState::kOff || checked_ == PowerState::kFault) return;
   const bool late = checked_ != PowerState::kRelay || link_.now() - entered_ > kRelayGrace;
   if (late && f.status.relay_requested() && !f.status.relay_closed())
-    note(Condition::kRelayOpen, Reaction::kAmpsOff, b, -1, f.status.word);
+    note(Condition::kRelayOpen, Reaction::kAmpsOff, b, {}, f.status.word);
 }
 
 // #17 to #19. In states kOff and kFault only faults that a client must hear of in any case.
 void BoardSession::check_power(int b, const BoardFeedback& f) noexcept {
   const Status s = f.status;
-  if (s.supply_fault()) note(Condition::kSupplyFault, Reaction::kPowerOff, b, -1, s.word);
+  if (s.supply_fault()) note(Condition::kSupplyFault, Reaction::kPowerOff, b, {}, s.word);
   if (checked_ == PowerState::kOff || checked_ == PowerState::kFault) return;
-  if (had_power() && s.watchdog()) note(Condition::kWatchdog, Reaction::kAmpsOff, b, -1, s.word);
+  if (had_power() && s.watchdog()) note(Condition::kWatchdog, Reaction::kAmpsOff, b, {}, s.word);
   if (had_power() && (!s.supply_good() || !s.power_requested()))
-    note(Condition::kNoSupply, Reaction::kAmpsOff, b, -1, s.word);
+    note(Condition::kNoSupply, Reaction::kAmpsOff, b, {}, s.word);
 }
 
 // #23
@@ -70,7 +70,7 @@ void BoardSession::check_temperature(int b, const BoardFeedback& f) noexcept {
     const double celsius = f.temperature.celsius(sensor);
     if (valid && celsius <= options_.warm) continue;
     const bool hot = valid && celsius > options_.hot;
-    note(Condition::kTemperature, hot ? Reaction::kPowerOff : Reaction::kReport, b, -1,
+    note(Condition::kTemperature, hot ? Reaction::kPowerOff : Reaction::kReport, b, {},
          f.temperature.word);
   }
 }

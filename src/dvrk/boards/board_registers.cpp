@@ -52,11 +52,11 @@ void BoardBus::look_at(Board& b) noexcept {
       exchange_.read(route(b), address::kWatchdog, timeout, value) == ReadResult::kOk &&
       (value & 0xFFFF) != watchdog_counts_) {
     b.rebooted = true;
-    note(Condition::kRebooted, b.info.id, -1, value);
+    note(Condition::kRebooted, b.info.id, {}, value);
   }
   if (exchange_.read(route(b), address::kEthernet, timeout, value) == ReadResult::kOk &&
       (value >> 31) != 0 && (value & kEthernetErrors) != 0)
-    note(Condition::kEthernet, b.info.id, -1, value);
+    note(Condition::kEthernet, b.info.id, {}, value);
 }
 
 // Reads words 1 to 31 of a real-time block, each from its register; the boards' time stamp has

@@ -125,7 +125,7 @@ BoardBus::Objection BoardBus::assign() noexcept {
   for (const BoardInfo& found : scan_.found) {
     if (found.node < 0) continue;
     if (((seen >> found.id) & 1U) != 0) {
-      note(Condition::kDuplicateBoard, found.id, -1, static_cast<std::uint32_t>(found.node));
+      note(Condition::kDuplicateBoard, found.id, {}, static_cast<std::uint32_t>(found.node));
       return {Condition::kDuplicateBoard, found.id};
     }
     seen |= 1U << found.id;
@@ -145,7 +145,7 @@ BoardBus::Objection BoardBus::assign() noexcept {
     } else {
       continue;
     }
-    note(objection.condition, there.id, -1, there.hardware);
+    note(objection.condition, there.id, {}, there.hardware);
     return objection;
   }
   return {};
@@ -153,8 +153,8 @@ BoardBus::Objection BoardBus::assign() noexcept {
 
 std::string BoardBus::words_of(const Objection& objection) const {
   if (objection.condition == Condition::kDuplicateBoard)
-    return text("found board id ", objection.board, " on two nodes; ids must be unique.");
-  const BoardInfo& there = info(objection.board);
+    return text("found board id ", *objection.board, " on two nodes; ids must be unique.");
+  const BoardInfo& there = info(*objection.board);
   if (objection.condition == Condition::kWrongHardware)
     return text("board ", there.id, ": found hardware ", hex(there.hardware), " with ",
                 Status{there.status}.channels(), " channels, expected a QLA (", hex(kHardwareQla1),
@@ -189,7 +189,7 @@ void BoardBus::choose_protocol() {
   std::size_t bytes = 4;
   for (const Board& b : boards_) bytes += 4 * hub_quadlets(b.info.firmware);
   if (bytes <= largest_read(options_.mtu)) return;
-  note(Condition::kTooLarge, -1, -1, static_cast<std::uint32_t>(bytes));
+  note(Condition::kTooLarge, {}, {}, static_cast<std::uint32_t>(bytes));
   throw InvalidInput(text("boards: a broadcast read of ", boards_.size(), " boards has ", bytes,
                           " bytes, but an MTU of ", options_.mtu, " takes ",
                           largest_read(options_.mtu), "; use the sequential protocol."));
@@ -209,7 +209,7 @@ void BoardBus::start() {
   }
   require(!exchange_.generation_changed(), "boards: the bus was reset during the scan.");
   const Objection wrong = assign();
-  require(wrong.board < 0, "boards: ", wrong.board < 0 ? "" : words_of(wrong));
+  require(!wrong.board, "boards: ", wrong.board ? words_of(wrong) : "");
   choose_protocol();
   if (!listens() && !ethernet_only_) settle_gap_count();
   hub_node_ = 0;
@@ -255,7 +255,7 @@ void BoardBus::scan_step() noexcept {
   std::array<int, kMaxBoards> firmware{};
   for (size_t k = 0; k < boards_.size(); ++k) firmware[k] = boards_[k].info.firmware;
   const Objection wrong = assign();
-  if (wrong.board >= 0) {
+  if (wrong.board) {
     if (wrong.condition == Condition::kMissingBoard) return begin_scan(unrest_);  // it may come back
     state_ = BusState::kRefused;
     return;

@@ -74,7 +74,8 @@ void BoardSession::start() {
 }
 
 // The reaction that is worse stays; nothing leads out of kFault but acknowledge().
-void BoardSession::react(Reaction reaction, Condition condition, int board, int channel) noexcept {
+void BoardSession::react(Reaction reaction, Condition condition, std::optional<int> board,
+                         std::optional<int> channel) noexcept {
   if (reaction == Reaction::kReport) return;
   if (reaction == Reaction::kPowerOff) power_off_asked_ = true;
   if (!on_the_way()) return;
@@ -88,9 +89,9 @@ void BoardSession::react(Reaction reaction, Condition condition, int board, int 
 
 std::string BoardSession::cause_words() const {
   std::string out = describe(cause_);
-  if (cause_board_ >= 0) out += text(" (board ", cause_board_);
-  if (cause_channel_ >= 0) out += text(", channel ", cause_channel_ + 1);
-  return cause_board_ >= 0 ? out + ")" : out;
+  if (cause_board_) out += text(" (board ", *cause_board_);
+  if (cause_channel_) out += text(", channel ", *cause_channel_ + 1);
+  return cause_board_ ? out + ")" : out;
 }
 
 bool BoardSession::update() noexcept {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -158,8 +159,10 @@ class BoardSession {
   bool had_power() const { return checked_ == PowerState::kAmps || checked_ == PowerState::kOn; }
   bool on_the_way() const { return state_ != PowerState::kOff && state_ != PowerState::kFault; }
   void enter(PowerState state) noexcept;
-  void react(Reaction reaction, Condition condition, int board = -1, int channel = -1) noexcept;
-  void note(Condition condition, Reaction reaction, int b, int c, std::uint32_t value) noexcept;
+  void react(Reaction reaction, Condition condition, std::optional<int> board = {},
+             std::optional<int> channel = {}) noexcept;
+  void note(Condition condition, Reaction reaction, int b, std::optional<int> c,
+            std::uint32_t value) noexcept;
   void check_bus() noexcept;
   void check_board(int b) noexcept;
   void check_relay(int b, const BoardFeedback& f) noexcept;
@@ -184,7 +187,7 @@ class BoardSession {
   PowerState state_ = PowerState::kOff;
   PowerState checked_ = PowerState::kOff;  ///< state_ when the cycle's checks began
   Condition cause_ = Condition::kNoReply;
-  int cause_board_ = -1, cause_channel_ = -1;  ///< id, and channel from 0
+  std::optional<int> cause_board_ = {}, cause_channel_ = {};  ///< id, and channel from 0
   double entered_ = 0.0;
   bool all_valid_ = false;
   bool started_ = false;

@@ -105,7 +105,7 @@ bool BoardBus::write_checked(int b, std::uint16_t where, std::uint32_t value) no
     if (write_register(b, where, value) && read_register(b, where, there) && there == value)
       return true;
   }
-  note(Condition::kNotEffective, info(b).id, -1, where);
+  note(Condition::kNotEffective, info(b).id, {}, where);
   return false;
 }
 

@@ -50,7 +50,7 @@ class BoardRun : private BoardLoop {
     plan();
     look();
     hear(channels_);
-    if (stopped()) fail("stopped by a signal", -1, BoardEnd::kStopped);
+    if (stopped()) fail("stopped by a signal", {}, BoardEnd::kStopped);
     if (why_ == nullptr && power_up()) {
       begin();
       options_.lines != nullptr ? play_by_line() : play();
@@ -191,7 +191,7 @@ class BoardRun : private BoardLoop {
     watch_arms();
     targets_ = &control_->update(*input_);
     const CooperativeState state = control_->state();
-    if (state != CooperativeState::kTracking) fail(describe(state), -1);
+    if (state != CooperativeState::kTracking) fail(describe(state), {});
     const bool holds = state != CooperativeState::kTracking || winding_;
     // A sensor or an encoder is wrong, nobody knows which: supervisors release all arms, since neither
     // places nor forces can be kept.
@@ -259,7 +259,7 @@ class BoardRun : private BoardLoop {
         cycle([this] { work(); });
         record(row_++);
         if (file_) file_->count(row_);
-        if (stopped()) fail("stopped by a signal", -1, BoardEnd::kStopped);
+        if (stopped()) fail("stopped by a signal", {}, BoardEnd::kStopped);
       }
       if (row_ > first) spans_.push_back({&phase, first, row_});
       if (why_ != nullptr) return;
@@ -282,8 +282,8 @@ class BoardRun : private BoardLoop {
       hand.show(time_, *control_, *input_, joints);
       if (why_ == nullptr) end = hand.act(time_, *control_);
       if (end == LiveHand::End::kLost)
-        fail("the line of commands is lost", -1, BoardEnd::kStopped);
-      if (stopped()) fail("stopped by a signal", -1, BoardEnd::kStopped);
+        fail("the line of commands is lost", {}, BoardEnd::kStopped);
+      if (stopped()) fail("stopped by a signal", {}, BoardEnd::kStopped);
       if (why_ != nullptr) break;
       if (options_.stepped && options_.live.pace > 0.0)
         std::this_thread::sleep_until(begun + std::chrono::duration_cast<Clock::duration>(

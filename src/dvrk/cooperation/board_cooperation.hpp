@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,7 +40,7 @@ struct EmulatedFault {
     kStuck       ///< its amplifiers keep the currents of that moment, until they are off
   };
   Kind kind = Kind::kSilent;
-  int arm = -1;     ///< Index of the arm, from 0
+  int arm = 0;      ///< from 0
   double at = 0.0;  ///< [s]
 };
 
@@ -152,7 +153,7 @@ struct BoardCooperationRun {
   double mean_cycle = 0.0, longest_cycle = 0.0;  ///< [s] from a cycle's begin to its end
   bool stepped = false;  ///< by a clock that stands still while the program computes
   BoardEnd end = BoardEnd::kDone;
-  int faulty_arm = -1;  ///< arm whose fault stopped the run, from 0; -1: none in particular
+  std::optional<int> faulty_arm = {};  ///< arm whose fault stopped the run, from 0
   std::string why;      ///< in words
   double fault_at = 0.0;                  ///< [s] at which it was found
   double release_at = 0.0, off_at = 0.0;  ///< [s]: the pretension is given up; power off everywhere

@@ -46,7 +46,7 @@ BoardLoop::BoardLoop(const Scenario& scenario, const std::vector<CooperatingArm>
 void BoardLoop::join(const std::vector<CooperatingArm>& arms) {
   for (const ScenarioFault& fault : scenario_.faults) {
     if (fault.kind == ScenarioFault::Kind::kArmLimp)
-      options_.faults.push_back({EmulatedFault::Kind::kLimp, fault.arm, fault.at});
+      options_.faults.push_back({EmulatedFault::Kind::kLimp, *fault.arm, fault.at});
   }
   joined_ = options_.emulate(scenario_, arms, options_);
   if (options_.watch) joined_->watch(options_.watch);
@@ -63,7 +63,7 @@ void BoardLoop::end_serving() {
   if (serving_.joinable()) serving_.join();
 }
 
-bool BoardLoop::fail(const char* why, int arm, BoardEnd end) noexcept {
+bool BoardLoop::fail(const char* why, std::optional<int> arm, BoardEnd end) noexcept {
   if (why_ != nullptr) return false;
   why_ = why;
   faulty_arm_ = arm;
@@ -137,16 +137,16 @@ std::vector<ArmAfterFault> BoardLoop::after_fault() const {
   return out;
 }
 
-std::string BoardLoop::words(const char* what, int arm, int joint) const {
+std::string BoardLoop::words(const char* what, int arm, std::optional<int> joint) const {
   const auto k = static_cast<size_t>(arm);
   const std::string where =
-      joint >= 0 ? " (joint " + sides_[k]->models().known.coordinates()[joint].name + ")" : "";
+      joint ? " (joint " + sides_[k]->models().known.coordinates()[*joint].name + ")" : "";
   return "arm " + scenario_.arms[k].name + ": " + what + where;
 }
 
 std::string BoardLoop::cause() const {
   if (why_ == nullptr) return "";
-  if (faulty_arm_ >= 0) return words(why_, faulty_arm_, faulty_joint_);
+  if (faulty_arm_) return words(why_, *faulty_arm_, faulty_joint_);
   return (end_ == BoardEnd::kStopped ? "" : "the controller ") + std::string(why_);
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -90,7 +91,7 @@ class BoardLoop {
   }
 
   // The first cause ends the run; later_faults() has the others.
-  bool fail(const char* why, int arm, BoardEnd end = BoardEnd::kFault) noexcept;
+  bool fail(const char* why, std::optional<int> arm, BoardEnd end = BoardEnd::kFault) noexcept;
   /// The cause in words, with the arm concerned.
   std::string cause() const;
   /// Takes the new faults of arm k into the report; the first of all ends the run.
@@ -115,8 +116,7 @@ class BoardLoop {
   } timing_;
   BoardEnd end_ = BoardEnd::kDone;
   const char* why_ = nullptr;
-  int faulty_arm_ = -1;
-  int faulty_joint_ = -1;
+  std::optional<int> faulty_arm_ = {}, faulty_joint_ = {};
   double fault_at_ = 0.0;
   double now_ = 0.0, dt_ = 0.0, time_ = 0.0;
   bool gives_up_ = false;  // The pretension is being released: arms may move.
@@ -139,10 +139,11 @@ class BoardLoop {
   };
   struct Later {
     const char* what = nullptr;
-    int arm = -1, joint = -1;
+    int arm = 0;
+    std::optional<int> joint = {};
     double at = 0.0;
   };
-  std::string words(const char* what, int arm, int joint) const;
+  std::string words(const char* what, int arm, std::optional<int> joint) const;
   /// True if the torques of all arms that share a member with arm k explain the measured forces.
   bool others_explain(std::size_t k) const noexcept;
   std::vector<Watched> watched_;

@@ -46,7 +46,7 @@ class BoardSide {
   /// A newly detected fault, as fixed text; `what` null: none.
   struct News {
     const char* what = nullptr;
-    int joint = -1;
+    std::optional<int> joint = {};
     /// The measured force is of no use: its motors' torques do not explain it, or it is too old.
     bool unexplained = false, old_force = false;
   };

@@ -71,7 +71,7 @@ class TeleoperationLoop : private BoardLoop {
     plan();
     look();
     hear(line_);
-    if (stopped()) fail("stopped by a signal", -1, BoardEnd::kStopped);
+    if (stopped()) fail("stopped by a signal", {}, BoardEnd::kStopped);
     if (why_ == nullptr && power_up()) {
       begin();
       play();
@@ -145,7 +145,7 @@ class TeleoperationLoop : private BoardLoop {
       for (Eigen::Index k = 0; k < cycles && why_ == nullptr; ++k) {
         cycle([this] { work(); });
         record();
-        if (stopped()) fail("stopped by a signal", -1, BoardEnd::kStopped);
+        if (stopped()) fail("stopped by a signal", {}, BoardEnd::kStopped);
       }
       spans_.push_back({first, row_});
       if (why_ != nullptr) return;
@@ -161,12 +161,12 @@ class TeleoperationLoop : private BoardLoop {
     } else {
       force_ = line_.front().channel->update(now_);
       if (line_.front().channel->state() == ForceState::kStuck)
-        fail("holds: a force sensor repeats one value", -1);
+        fail("holds: a force sensor repeats one value", {});
     }
     if (!(force_.age <= scenario_.control.largest_age))
-      fail("holds: a force sensor's samples are too old", -1);
+      fail("holds: a force sensor's samples are too old", {});
     if (std::abs(force_.force) > scenario_.control.largest_force)
-      fail("holds: a force is too large", -1);
+      fail("holds: a force is too large", {});
     return -force_.force * scenario_.walls.front().normal;
   }
 

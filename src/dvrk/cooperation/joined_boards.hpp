@@ -26,7 +26,7 @@ class JoinedBoards {
 
   /// A hand holds an arm's tip by a spring and a damper [N/m], [N s/m].
   struct Hand {
-    int arm = -1;
+    int arm = 0;
     double stiffness = 0.0, damping = 0.0;
   };
   /// Attaches the hand at `place` [m] in the world.

@@ -47,7 +47,7 @@ Request Exchange::request(const Route& route, Tcode tcode, std::uint16_t address
 }
 
 bool Exchange::send(const Request& request, const Route& route) noexcept {
-  if (route.board >= 0) link_.speak_to(route.board);
+  if (route.board) link_.speak_to(*route.board);
   sent_ = encode(request, {out_.data(), out_.size()});
   if (sent_ > 0 && link_.send({out_.data(), sent_}, route.to)) return true;
   log_.note(Condition::kNotSent, link_.now());
@@ -61,23 +61,23 @@ void Exchange::drain() noexcept {
     if (!stale.any) return;
     if (stale.known_source && answers_repeated({in_.data(), stale.size})) continue;
     log_.note(stale.known_source ? Condition::kStaleReply : Condition::kForeignSender, link_.now(),
-              -1, -1, static_cast<std::uint32_t>(stale.size));
+              {}, {}, static_cast<std::uint32_t>(stale.size));
   }
 }
 
 bool Exchange::answers_repeated(ByteView datagram) const noexcept {
   constexpr std::size_t kWithLabel = 8;
-  if (repeated_ < 0 || datagram.size <= kWithLabel) return false;
+  if (!repeated_ || datagram.size <= kWithLabel) return false;
   return static_cast<int>((load_quadlet(datagram.data) >> 10) & 0x3F) == repeated_;
 }
 
 // Sections 4.3 and 17 #4, #5, #28.
 void Exchange::take_trailer(const Trailer& trailer) noexcept {
   const double now = link_.now();
-  const bool errors = packet_errors_ >= 0 && trailer.packet_errors != packet_errors_;
+  const bool errors = packet_errors_ && trailer.packet_errors != packet_errors_;
   packet_errors_ = trailer.packet_errors;
   if (errors || (trailer.flags & (kFlagInternalError | kFlagProtocolError)) != 0)
-    log_.note(Condition::kEthernet, now, -1, -1, trailer.flags);
+    log_.note(Condition::kEthernet, now, {}, {}, trailer.flags);
   // A packet that is not forwarded has nothing to do with the FireWire bus, nor has its answer: the
   // laboratory's library does not learn a generation from it either. Before any other was learnt it
   // is the only one there is.
@@ -88,9 +88,9 @@ void Exchange::take_trailer(const Trailer& trailer) noexcept {
     learnt_ = true;
     told_ = trailer.generation;
   }
-  if (changed) log_.note(Condition::kGenerationChanged, now, -1, -1, trailer.generation);
+  if (changed) log_.note(Condition::kGenerationChanged, now, {}, {}, trailer.generation);
   resetting_ = (trailer.flags & kFlagBusReset) != 0;
-  if (resetting_) log_.note(Condition::kBusReset, now, -1, -1, trailer.flags);
+  if (resetting_) log_.note(Condition::kBusReset, now, {}, {}, trailer.flags);
 }
 
 // Section 4.4; the sizes are those of 4.1 and 4.2.
@@ -132,7 +132,7 @@ ReadResult Exchange::await(const Request& request, double until, Reply& reply) n
     const ReadResult result = judge(request, datagram, malformed, reply);
     const auto size = static_cast<std::uint32_t>(arrival.size);
     if (result == ReadResult::kDropped) log_.note(Condition::kDropped, now);
-    if (result == ReadResult::kWrongSize) log_.note(Condition::kWrongSize, now, -1, -1, size);
+    if (result == ReadResult::kWrongSize) log_.note(Condition::kWrongSize, now, {}, {}, size);
     if (result == ReadResult::kWrongHeader) log_.note(Condition::kWrongHeader, now);
     if (result == ReadResult::kOk && !reply.crc_right) {
       log_.note(Condition::kWrongCrc, now);
@@ -163,7 +163,7 @@ ReadResult Exchange::read(const Request& request, const Route& route, double tim
     pause *= 2.0;
     next += pause;
   }
-  if (!silence_expected_) log_.note(Condition::kNoReply, link_.now(), -1, -1, request.address);
+  if (!silence_expected_) log_.note(Condition::kNoReply, link_.now(), {}, {}, request.address);
   return ReadResult::kNoReply;
 }
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "dvrk/protocol/bytes.hpp"
 #include "dvrk/protocol/datagram_link.hpp"
@@ -18,7 +19,7 @@ struct Route {
   std::uint8_t node = kBroadcastNode;
   bool local = false;  ///< NOFORWARD: the receiving board alone
   Destination to = Destination::kBoard;
-  int board = -1;  ///< Ethernet-only: the board that has an address of its own (section 2.3)
+  std::optional<int> board = {};  ///< Ethernet-only: the board that has an address of its own (section 2.3)
 };
 
 enum class ReadResult {
@@ -98,10 +99,10 @@ class Exchange {
   bool queries_ = false;
   double repeat_after_ = 0.0;
   double wary_until_ = 0.0;  // [s] of the link's clock
-  int repeated_ = -1;  ///< Label of the last request that was sent twice: it may be answered twice
+  std::optional<int> repeated_ = {};  ///< Label of the last request that was sent twice: it may be answered twice
   std::size_t sent_ = 0;  ///< bytes of the last request in out_
   double lay_ = 0.0;
-  int packet_errors_ = -1;
+  std::optional<int> packet_errors_ = {};
   std::array<std::uint8_t, kDatagramBuffer> out_{};
   std::array<std::uint8_t, kDatagramBuffer> in_{};
 };

@@ -113,7 +113,7 @@ std::string describe_found(Condition condition, std::uint32_t value) {
   return out.str();
 }
 
-void FaultLog::note(Condition condition, double now, int board, int channel,
+void FaultLog::note(Condition condition, double now, std::optional<int> board, std::optional<int> channel,
                     std::uint32_t value) noexcept {
   FaultEntry& entry = entries_[static_cast<std::size_t>(condition) - 1];
   entry = {entry.count + 1, now, board, channel, value};
@@ -130,8 +130,8 @@ std::string FaultLog::report() const {
     const FaultEntry& entry = (*this)[condition];
     if (entry.count == 0) continue;
     out << describe(condition) << " (" << entry.count << " times";
-    if (entry.board >= 0) out << ", board " << entry.board;
-    if (entry.channel >= 0) out << ", channel " << entry.channel + 1;
+    if (entry.board) out << ", board " << *entry.board;
+    if (entry.channel) out << ", channel " << *entry.channel + 1;
     out << ", found " << describe_found(condition, entry.value) << ")\n";
   }
   return out.str();

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 namespace veridyn::dvrk {
@@ -59,15 +60,15 @@ std::string describe_found(Condition condition, std::uint32_t value);
 struct FaultEntry {
   long count = 0;
   double last = 0.0;        ///< [s] of the link's clock
-  int board = -1;           ///< id, of the last one; -1: the bus
-  int channel = -1;         ///< from 0
+  std::optional<int> board = {};    ///< id, of the last one; nothing: the bus
+  std::optional<int> channel = {};  ///< from 0
   std::uint32_t value = 0;  ///< what was found
 };
 
 /// Counts of all conditions. note() does not allocate.
 class FaultLog {
  public:
-  void note(Condition condition, double now, int board = -1, int channel = -1,
+  void note(Condition condition, double now, std::optional<int> board = {}, std::optional<int> channel = {},
             std::uint32_t value = 0) noexcept;
   const FaultEntry& operator[](Condition condition) const;
   long count(Condition condition) const { return (*this)[condition].count; }

@@ -20,8 +20,8 @@ Json json_of(const FaultLog& faults) {
     list.push_back({{"condition", number_in_section_17(condition)},
                     {"name", describe(condition)},
                     {"count", entry.count},
-                    {"board", entry.board},
-                    {"channel", entry.channel < 0 ? 0 : entry.channel + 1},
+                    {"board", entry.board.value_or(-1)},
+                    {"channel", entry.channel ? *entry.channel + 1 : 0},
                     {"found", entry.value},
                     {"found_text", describe_found(condition, entry.value)}});
   }

@@ -2,6 +2,8 @@
 
 #include <memory>
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "excitation/search/a_optimality.hpp"
@@ -27,6 +29,7 @@ struct Question {
   RivalColumns rivals;   ///< for kDiscriminate
   bool bodies_known = false;
   std::vector<int> rival_joints;  ///< joints of the two causes, from 0
+  std::pair<std::string, std::string> rival_names;
   MatrixXd rounded_given;  ///< information of earlier recordings, per instant of the new motion
   MatrixXd exact_given;
 
@@ -57,7 +60,7 @@ std::optional<Model> values_of(const Model& arm, const ExcitationOptions& option
 Question make_question(const Model& arm, const BaseRegressor& exact, const BaseRegressor& rounded,
                        const ExcitationOptions& options, double seconds);
 
-/// Adds the columns of the two causes. @throws InvalidInput  unknown effect, place, or no values.
+/// Adds the columns of the two causes. @throws InvalidInput  no motion tells them apart, or no values.
 void add_rivals(const Model& arm, const ExcitationOptions& options, double rounding,
                 Question& question);
 

@@ -17,16 +17,11 @@
 namespace veridyn {
 namespace {
 
-// One of the two causes: as given by the user, and resolved on this arm.
+// One of the two causes, with its text form for messages.
 struct KnownRival {
   std::string label;
   Cause cause;
 };
-
-KnownRival find_rival(const Model& arm, const RivalCause& asked) {
-  const std::string label = to_text(asked);
-  return {label, find_cause(arm, asked, "excitation: '" + label + "'")};
-}
 
 VectorXd own_values(const Model& arm, const KnownRival& rival) {
   const auto phi = arm.inertial_values();
@@ -196,8 +191,9 @@ Choice choose(const MatrixXd& W, const std::vector<int>& candidates, const std::
 void add_rivals(const Model& arm, const ExcitationOptions& options, double rounding,
                 Question& question) {
   const Model& known = options.powered ? *options.powered : arm;
-  const KnownRival a = find_rival(known, options.between->first);
-  const KnownRival b = find_rival(known, options.between->second);
+  const KnownRival a = {to_text(known, options.between->first), options.between->first};
+  const KnownRival b = {to_text(known, options.between->second), options.between->second};
+  question.rival_names = {a.label, b.label};
   const Model others = without_rivals(known, {a, b});
   int body_count = 0;
   int arm_count = 0;

@@ -28,7 +28,7 @@ class GridConstraints {
   /// The largest violation of the bounds at x, relative to the scale, and its signal.
   struct Violation {
     double size = 0.0;
-    int signal = -1;
+    int signal = 0;
   };
   Violation violation(const VectorXd& values) const;
 

@@ -13,7 +13,6 @@ namespace veridyn {
 namespace {
 
 constexpr int kHalves = 2;
-constexpr double kSmallestShare = 1e-3;  // of a joint's squared torque; smaller shares are noise
 
 // The arm with plain friction on every coordinate and all parameters free: facts of the file do not
 // hold for wrongly recorded signals.
@@ -50,11 +49,12 @@ struct QuickFitter::Friction {
   bool dry;
 };
 
-QuickFitter::QuickFitter(const Model& arm, const PreprocessingOptions& options)
-    : arm_(with_everything_open(arm)), options_(options) {
+QuickFitter::QuickFitter(const Model& arm, const PreprocessingOptions& options,
+                         const CheckThresholds& limits)
+    : arm_(with_everything_open(arm)), options_(options), smallest_share_(limits.smallest_share) {
   options_.excluded_intervals.clear();
   options_.first_row = 0;
-  options_.row_count = -1;
+  options_.row_count.reset();
   options_.min_speed = 0.0;
   parameters_ = standard_parameters(arm_);
   names_ = parameter_names(parameters_);
@@ -90,7 +90,7 @@ QuickFit QuickFitter::fit(const Recording& recording) const {
     out.halves.row(i) = shares_of_halves(c, i, base_columns_, beta).transpose();
     const SquareRootInformation own = joint.restricted(base_columns_);
     const double share = own.residual2(beta) / std::max(own.rhs_norm2(), 1e-300);
-    out.misfit += std::log(std::max(share, kSmallestShare));
+    out.misfit += std::log(std::max(share, smallest_share_));
     out.shares.push_back(share);
   }
   const MatrixXd power = friction_power(recording);
@@ -107,8 +107,8 @@ std::vector<QuickFitter::Friction> QuickFitter::frictions() const {
   for (std::size_t j = 0; j < base_columns_.size(); ++j) {
     const auto known = std::find(names_.begin(), names_.end(), base_columns_[j]);
     const StandardParameter& p = parameters_[known - names_.begin()];
-    if (p.effect < 0) continue;
-    const EffectTerm& term = arm_.effects()[p.effect];
+    if (!p.effect) continue;
+    const EffectTerm& term = arm_.effects()[*p.effect];
     const EffectTraits traits = find_effect(term.effect).traits();
     if (!traits.elementary || traits.role != EffectRole::kFriction) continue;
     out.push_back({term.axis.coefficients, static_cast<Eigen::Index>(j),

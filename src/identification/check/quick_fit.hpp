@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "identification/check/check_thresholds.hpp"
 #include "veridyn/math/square_root_information.hpp"
 #include "veridyn/model/model.hpp"
 #include "veridyn/recordings/preprocessing.hpp"
@@ -14,7 +15,8 @@ namespace veridyn {
 /// Result of one short identification.
 struct QuickFit {
   double unexplained = 1.0;    ///< share of the weighted squares of the torques
-  double misfit = 0.0;         ///< sum over the joints of log(share); shares below 0.001 are noise
+  double misfit = 0.0;         ///< sum over the joints of log(share); a share below
+                               ///< CheckThresholds::smallest_share counts as that
   std::vector<double> shares;  ///< by joint: unexplained share of its squared torque
   MatrixXd halves;             ///< joints x 2: the same over the first and the second half
   VectorXd friction;  ///< by joint: power lost to friction, relative to rms torque times rms speed
@@ -26,7 +28,7 @@ struct QuickFit {
 /// Fits an arm with plain friction and all parameters free to one short recording after the other.
 class QuickFitter {
  public:
-  QuickFitter(const Model& arm, const PreprocessingOptions& options);
+  QuickFitter(const Model& arm, const PreprocessingOptions& options, const CheckThresholds& limits);
 
   const std::vector<StandardParameter>& parameters() const { return parameters_; }
   int base_size() const { return static_cast<int>(base_columns_.size()); }
@@ -44,6 +46,7 @@ class QuickFitter {
 
   Model arm_;
   PreprocessingOptions options_;
+  double smallest_share_;
   std::vector<StandardParameter> parameters_;
   std::vector<std::string> names_;
   std::vector<std::string> base_columns_;

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "effects/plain_friction.hpp"
+#include "identification/check/check_thresholds.hpp"
 #include "identification/check/quick_fit.hpp"
 #include "math/dense.hpp"
 #include "math/numbers.hpp"
@@ -21,27 +22,6 @@
 namespace veridyn {
 namespace {
 
-constexpr int kMostRows = 5000;  // 25 s at 200 Hz; more rows add nothing new
-constexpr int kFewestRows = 300;
-constexpr double kWorstCondition = 2e4;  // columns scaled; whole recordings of a PSM have 4600
-// The misfit is the sum over the joints of the logarithm of the unexplained share of a joint's
-// squared torque, so that a joint that fits badly anyway does not hide another. A hypothesis about
-// mistaken signals must lower it by the first number, as if one joint's share fell to 0.4 of its
-// value; drive gains differ little from joint to joint, and so do their fits.
-constexpr double kBetter = 0.9;
-constexpr double kGainsBetter = 0.3;
-// Share of a joint; below it for all joints, no joints are exchanged.
-constexpr double kWellFitted = 0.02;
-// Power lost to friction, relative to rms torque times rms speed, that determines its sign: above
-// the first number, and above the second times the rms share of the unexplained torque, which may
-// do work of its own.
-constexpr double kFrictionShare = 0.03;
-constexpr double kFrictionAboveRest = 0.3;
-// Significance of friction: without it the rms misfit rises by at least this share; in the first
-// seconds of a motion other parameters may absorb it. Real recordings of a PSM have 0.27 to 2.3.
-constexpr double kFrictionSignificance = 0.25;
-// Share of a joint's range by which a position may lie outside of its limits.
-constexpr double kBeyondLimits = 0.05;
 const double kDegree = std::acos(-1.0) / 180.0;
 
 using Change = std::function<void(Recording*)>;
@@ -75,8 +55,9 @@ std::string percent(double share) {
 
 class RobotCheck {
  public:
-  RobotCheck(const Model& arm, Recording recording, const PreprocessingOptions& options)
-      : given_(arm), recording_(std::move(recording)), fitter_(arm, options) {
+  RobotCheck(const Model& arm, Recording recording, const PreprocessingOptions& options,
+             const CheckThresholds& limits)
+      : given_(arm), limits_(limits), recording_(std::move(recording)), fitter_(arm, options, limits) {
     for (const Coordinate& c : arm.coordinates()) names_.push_back(c.name);
     moves_ = quality::Head(recording_).moves;
   }
@@ -87,7 +68,7 @@ class RobotCheck {
     now_ = fitter_.fit(recording_);
     turned_.assign(static_cast<size_t>(joints()), 0);
     // Accepts the best hypothesis, then the best further one.
-    while (static_cast<int>(findings_.size()) < joints() && accept_best(hypotheses(), kBetter)) {
+    while (static_cast<int>(findings_.size()) < joints() && accept_best(hypotheses(), limits_.better)) {
     }
     check_that_friction_dissipates();
     check_signs_by_dissipation();
@@ -105,7 +86,7 @@ class RobotCheck {
       return false;
     }
     const auto [determined, condition] = fitter_.determined(recording_);
-    if (determined >= fitter_.base_size() && condition < kWorstCondition) return true;
+    if (determined >= fitter_.base_size() && condition < limits_.worst_condition) return true;
     add("not_compared", 0, determined,
         text("Signs, order and units of the joints are not compared with ", given_.name(),
              ": the recording ", determined < fitter_.base_size() ? "determines " : "hardly tells apart ",
@@ -225,12 +206,13 @@ class RobotCheck {
   }
 
   // Number of joints whose positions leave their limits.
-  static int beyond_limits(const Recording& recording, const std::vector<Coordinate>& coordinates) {
+  int beyond_limits(const Recording& recording) const {
+    const std::vector<Coordinate>& coordinates = given_.coordinates();
     int out = 0;
     for (size_t i = 0; i < coordinates.size(); ++i) {
       const Limits& limits = coordinates[i].limits;
       if (!std::isfinite(limits.upper - limits.lower)) continue;
-      const double margin = kBeyondLimits * (limits.upper - limits.lower);
+      const double margin = limits_.beyond_limits * (limits.upper - limits.lower);
       const auto q = recording.q.col(i).array();
       out += (q < limits.lower - margin || q > limits.upper + margin).any() ? 1 : 0;
     }
@@ -240,11 +222,11 @@ class RobotCheck {
   // The limits of the joints admit the positions that follow, no worse than those recorded; degrees also
   // need positions that are none in radians.
   bool is_possible(const SignalHypothesis& hypothesis) const {
-    const int as_recorded = beyond_limits(recording_, given_.coordinates());
+    const int as_recorded = beyond_limits(recording_);
     if (hypothesis.finding == "degrees") return as_recorded > 0 || !has_limits();
     Recording changed = recording_;
     hypothesis.mend(&changed);
-    return beyond_limits(changed, given_.coordinates()) <= as_recorded;
+    return beyond_limits(changed) <= as_recorded;
   }
 
   bool has_limits() const {
@@ -270,7 +252,7 @@ class RobotCheck {
       if (moves(i))
         all.push_back({"torque_sign", i + 1, "", "", [i](Recording* r) { r->tau.col(i) *= -1.0; }});
     }
-    if (*std::max_element(now_.shares.begin(), now_.shares.end()) > kWellFitted) add_swaps(&all);
+    if (*std::max_element(now_.shares.begin(), now_.shares.end()) > limits_.well_fitted) add_swaps(&all);
     return all;
   }
 
@@ -297,9 +279,9 @@ class RobotCheck {
 
   bool friction_shows(int i, int sign) const {
     const auto joint = static_cast<size_t>(i);
-    const double rest = kFrictionAboveRest * std::sqrt(now_.shares[joint]);
-    return moves(i) && sign * now_.friction[i] > std::max(kFrictionShare, rest) &&
-           now_.friction_significance[joint] > kFrictionSignificance;
+    const double rest = limits_.friction_above_rest * std::sqrt(now_.shares[joint]);
+    return moves(i) && sign * now_.friction[i] > std::max(limits_.friction_share, rest) &&
+           now_.friction_significance[joint] > limits_.friction_significance;
   }
 
   void check_that_friction_dissipates() {
@@ -331,7 +313,7 @@ class RobotCheck {
       back.tau.col(i) *= -1.0;
       const QuickFit without = fitter_.fit(back);
       const bool fits =
-          now_.misfit < without.misfit - kBetter && now_.unexplained < without.unexplained;
+          now_.misfit < without.misfit - limits_.better && now_.unexplained < without.unexplained;
       add("torque_sign", i + 1, now_.shares[i],
           text("Torques of ", joint(i), " have the wrong sign: ",
                fits ? text("turned round, the arm leaves ", percent(now_.unexplained),
@@ -401,10 +383,10 @@ class RobotCheck {
     if (!may_be_currents() || warn_of_small_efforts()) return;
     const VectorXd gains = this->gains();
     // Equal gains would fit torques as well.
-    if (gains.maxCoeff() < 1.05 * gains.minCoeff()) return;
+    if (gains.maxCoeff() < limits_.equal_gains * gains.minCoeff()) return;
     accept_best({{"current", 0, "Efforts are motor currents", "--units tau=A",
                   [gains](Recording* r) { r->tau = r->tau * gains.asDiagonal(); }}},
-                kGainsBetter);
+                limits_.gains_better);
   }
 
   // True if every joint's largest effort is below the current at its torque limit.
@@ -412,7 +394,7 @@ class RobotCheck {
     double nearest = 0.0;
     for (int i = 0; i < joints(); ++i) {
       const double limit = given_.coordinates()[i].limits.effort;
-      if (!std::isfinite(limit) || gains[i] < 2.0) return false;
+      if (!std::isfinite(limit) || gains[i] < limits_.least_gain) return false;
       double largest = 0.0;
       for (const double tau : recording_.tau.col(i)) {
         if (std::isfinite(tau)) largest = std::max(largest, std::abs(tau));
@@ -428,7 +410,7 @@ class RobotCheck {
     std::vector<Eigen::Index> open;
     if (has_no_friction(given_)) {
       for (size_t j = 0; j < fitter_.parameters().size(); ++j)
-        if (fitter_.parameters()[j].effect >= 0) open.push_back(static_cast<Eigen::Index>(j));
+        if (fitter_.parameters()[j].effect) open.push_back(static_cast<Eigen::Index>(j));
     }
     MatrixXd columns(f.R().rows(), 1 + static_cast<Eigen::Index>(open.size()));
     columns.col(0) = f.R() * phi;
@@ -458,9 +440,9 @@ class RobotCheck {
       const double ratio = factor_beside_friction(f, phi);
       const double gain = given_.coordinates()[i].drive_gain;
       ratios.push_back(ratio);
-      as_currents = as_currents && gain > 0.0 && ratio > 0.0 && std::abs(std::log(ratio * gain)) < std::log(1.5) &&
-                    std::abs(std::log(gain)) > std::log(2.0);
-      alien = alien || ratio < 0.5 || ratio > 2.0;
+      as_currents = as_currents && gain > 0.0 && ratio > 0.0 && std::abs(std::log(ratio * gain)) < std::log(limits_.current_factor) &&
+                    std::abs(std::log(gain)) > std::log(limits_.torque_factor);
+      alien = alien || ratio * limits_.torque_factor < 1.0 || ratio > limits_.torque_factor;
     }
     if (!alien) return;
     std::string list;
@@ -477,6 +459,7 @@ class RobotCheck {
   }
 
   const Model& given_;
+  const CheckThresholds& limits_;
   Recording recording_;
   QuickFitter fitter_;
   std::vector<std::string> names_;
@@ -490,28 +473,30 @@ class RobotCheck {
 
 std::vector<QualityFinding> check_against(const Model& arm, const std::string& path,
                                           const PreprocessingOptions& options) {
+  const CheckThresholds limits;
   RecordingOptions reading = reading_of(arm, options);
   reading.first_row = std::max(0L, options.first_row);
-  reading.row_count = options.row_count < 0 ? kMostRows : std::min<long>(options.row_count, kMostRows);
+  reading.row_count = std::min<long>(options.row_count.value_or(limits.most_rows), limits.most_rows);
   Recording recording = read_rows(path, reading, options.kept.get());
   recording.source = path;
   PreprocessingOptions rest = options;
   rest.first_row = 0;
-  rest.row_count = -1;
+  rest.row_count.reset();
   return check_against(arm, std::move(recording), rest);
 }
 
 std::vector<QualityFinding> check_against(const Model& arm, Recording recording,
                                           const PreprocessingOptions& options) {
+  const CheckThresholds limits;
   require(recording.joints() == arm.joints(), recording.source, ": found ", recording.joints(),
           " joints, but '", arm.name(), "' has ", arm.joints(),
           recording.joints() < arm.joints() ? " (files with a part of the joints each are one recording: a.csv+b.csv)." : ".");
   const long first = std::min<long>(options.first_row, recording.rows());
-  const long wanted = options.row_count < 0 ? kMostRows : std::min<long>(options.row_count, kMostRows);
+  const long wanted = std::min<long>(options.row_count.value_or(limits.most_rows), limits.most_rows);
   const long count = std::min(wanted, recording.rows() - first);
   if (first > 0 || count < recording.rows())
     recording = rows_of(recording, static_cast<int>(first), static_cast<int>(count));
-  if (recording.rows() < kFewestRows) return {};
+  if (recording.rows() < limits.fewest_rows) return {};
   if (recording.tau.size() == 0 && recording.current.size() > 0) {
     // Signs, exchanged joints and angles of currents are checked through their gains.
     recording.tau = recording.current;
@@ -521,7 +506,7 @@ std::vector<QualityFinding> check_against(const Model& arm, Recording recording,
     }
   }
   if (recording.tau.size() == 0) return {};
-  return RobotCheck(arm, std::move(recording), options).run();
+  return RobotCheck(arm, std::move(recording), options, limits).run();
 }
 
 }  // namespace veridyn

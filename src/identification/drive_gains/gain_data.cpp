@@ -106,8 +106,8 @@ std::vector<std::string> GainData::load_columns(int load) {
 }
 
 std::string GainData::column_name(const StandardParameter& p, size_t recording) const {
-  if (p.effect < 0 || p.fixed) return p.name;
-  const std::string& effect = arms_[recording].effects()[p.effect].effect;
+  if (!p.effect || p.fixed) return p.name;
+  const std::string& effect = arms_[recording].effects()[*p.effect].effect;
   return lasting(effect) ? p.name : text(p.name, " in recording ", recording + 1);
 }
 
@@ -156,7 +156,7 @@ GainData::Columns GainData::columns(const std::vector<bool>& loaded) const {
       if (out.known.count(name) > 0) continue;
       kept.push_back(p.name);
       names.push_back(name);
-      rank[name] = p.effect >= 0 ? 0 : p.component > 0 ? 1 : 2;
+      rank[name] = p.effect ? 0 : p.component > 0 ? 1 : 2;
     }
     const auto count = static_cast<Eigen::Index>(kept.size());
     structure.merge(states.restricted(kept).transformed(MatrixXd::Identity(count, count), names));

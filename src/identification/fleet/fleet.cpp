@@ -8,6 +8,7 @@
 #include <unsupported/Eigen/SpecialFunctions>
 #include <utility>
 
+#include "estimation/least_squares.hpp"
 #include "math/excerpt.hpp"
 #include "identification/fleet/fleet_problem.hpp"
 #include "identification/many_recordings.hpp"
@@ -17,6 +18,7 @@
 #include "math/numbers.hpp"
 #include "math/parallel.hpp"
 #include "math/student_t.hpp"
+#include "identification/fleet/fleet_numbers.hpp"
 #include "identification/shortfall.hpp"
 #include "identification/velocity_choice.hpp"
 #include "veridyn/effects/cause.hpp"
@@ -25,27 +27,6 @@
 
 namespace veridyn {
 namespace {
-
-constexpr double kNoticeable = 0.02;
-constexpr int kFewest = 3;  // arms of a fleet
-// Rounds of weights, gains, and exclusion of outliers from the shared bodies.
-constexpr int kRounds = 4;
-constexpr int kGroups = 64;  // groups of arms, for the deviations of the bodies
-// Degrees of freedom for robust deviations: fleets have heavier tails than a normal distribution.
-constexpr double kFreedom = 30.0;
-// Efficiency of the median deviation relative to the standard deviation (Rousseeuw and Croux, JASA
-// 88(424), 1993): ratios to one of few arms follow Student's t with degrees of freedom reduced by
-// it.
-constexpr double kEfficiency = 0.37;
-// Share of a column's norm outside the span of the others that a value needs to be meaningful.
-constexpr double kTelling = 1e-6;
-constexpr size_t kFewestSpreads = 4;   // quantities from which a prior of their spreads is taken
-constexpr double kMostPrior = 8.0;     // degrees of freedom of that prior
-constexpr double kLeastExcess = 0.02;  // share of the squares that an arm's own bodies must explain
-
-VectorXd solved(const SquareRootInformation& f) {
-  return Eigen::ColPivHouseholderQR<MatrixXd>(f.R()).solve(f.z());
-}
 
 double median_of(std::vector<double> v) {
   return v.empty() ? kNaN : median(std::move(v));
@@ -58,7 +39,7 @@ std::pair<double, double> centre_of(const std::vector<double>& all) {
     if (std::isfinite(x)) finite.push_back(x);
   const double centre = median_of(finite);
   for (double& x : finite) x = std::abs(x - centre);
-  return {centre, 1.4826 * median_of(finite)};
+  return {centre, kMadToDeviation * median_of(finite)};
 }
 
 ArmFactor arm_factor(const Model& arm, const FactorSet& set, const std::string& name) {
@@ -104,7 +85,7 @@ class FleetSolver {
                                     return f.rhs_norm2() / std::max(1.0, f.rows());
                                   }));
     }
-    for (int round = 0; round < kRounds; ++round) {
+    for (int round = 0; round < fleet_numbers::kRounds; ++round) {
       const VectorXd at_beta = beta_;
       each_arm([&](size_t a) {
         fitted_[a].factor = problem_.of_arm(a, weights, at_beta, fitted_[a].eta);
@@ -112,7 +93,7 @@ class FleetSolver {
       SquareRootInformation total(problem_.shared());
       for (const Fitted& f : fitted_)
         if (!f.odd) total.merge(problem_.over_shared(f.factor));
-      beta_ = solved(total);
+      beta_ = least_squares(total);
       each_arm([&](size_t a) { fit_arm(a, at_beta); });
       for (int i = 0; i < problem_.joints(); ++i) {
         weights[i] = 1.0 / std::max(1e-300, scale_of(i, [&](size_t a) {
@@ -121,7 +102,7 @@ class FleetSolver {
                                     }));
       }
       // Outliers found in the last round were excluded from the last fit.
-      if (round + 1 < kRounds) find_odd();
+      if (round + 1 < fleet_numbers::kRounds) find_odd();
     }
   }
 
@@ -140,11 +121,11 @@ class FleetSolver {
 
   double threshold(double looked_at, double more_freedom = 0.0) const {
     return student_t_quantile(options_.significance / std::max(1.0, looked_at),
-                              std::min(kFreedom, freedom() + more_freedom));
+                              std::min(fleet_numbers::kFreedom, freedom() + more_freedom));
   }
 
   // Degrees of freedom of a robust deviation over the arms.
-  double freedom() const { return kEfficiency * (static_cast<double>(arms_.size()) - 1.0); }
+  double freedom() const { return fleet_numbers::kEfficiency * (static_cast<double>(arms_.size()) - 1.0); }
 
   // Number of tested quantities: every own value and the bodies of every arm.
   double looked_at() const {
@@ -154,7 +135,7 @@ class FleetSolver {
 
   // Deviations of beta by leaving out one group of arms at a time.
   VectorXd deviations() const {
-    const size_t groups = std::min<size_t>(kGroups, arms_.size());
+    const size_t groups = std::min<size_t>(fleet_numbers::kGroups, arms_.size());
     std::vector<SquareRootInformation> of_group(groups, SquareRootInformation(problem_.shared()));
     for (size_t a = 0; a < arms_.size(); ++a)
       if (!fitted_[a].odd) of_group[a % groups].merge(problem_.over_shared(fitted_[a].factor));
@@ -168,7 +149,7 @@ class FleetSolver {
     for (size_t g = 0; g < groups; ++g) {
       SquareRootInformation rest = before;
       rest.merge(after[g]);
-      without.col(g) = solved(rest);
+      without.col(g) = least_squares(rest);
       before.merge(of_group[g]);
     }
     return jackknife_deviations(without);
@@ -197,7 +178,7 @@ class FleetSolver {
     const VectorXd at_eta = f.eta;
     f.eta = problem_.own_values(f.factor, beta_);
     f.residual2 = problem_.residual2(a, beta_, f.eta, at_beta, at_eta);
-    const VectorXd alone = solved(f.factor);
+    const VectorXd alone = least_squares(f.factor);
     const Eigen::Index own = alone.size() - beta_.size();
     const VectorXd bodies = alone.tail(beta_.size());
     f.alone2 = problem_.residual2(a, bodies, alone.head(own), at_beta, at_eta);
@@ -222,8 +203,8 @@ class FleetSolver {
     size_t count = 0;
     for (size_t a = 0; a < arms_.size(); ++a) {
       fitted_[a].excess = all[a];
-      fitted_[a].deviations = (all[a] - median) / std::max(spread, 1e-6);
-      fitted_[a].odd = all[a] > kLeastExcess && fitted_[a].deviations > far;
+      fitted_[a].deviations = (all[a] - median) / std::max(spread, fleet_numbers::kLeastSpread);
+      fitted_[a].odd = all[a] > fleet_numbers::kLeastExcess && fitted_[a].deviations > far;
       count += static_cast<size_t>(fitted_[a].odd);
     }
     if (2 * count < arms_.size()) return;
@@ -251,8 +232,8 @@ std::string gain_name(const Model& arm, int joint) {
 int joint_of(const Model& arm, const std::string& parameter,
              const std::vector<StandardParameter>& parameters) {
   for (const StandardParameter& p : parameters) {
-    if (p.name == parameter && p.effect >= 0)
-      return 1 + main_coordinate(arm.effects()[p.effect].axis);
+    if (p.name == parameter && p.effect)
+      return 1 + main_coordinate(arm.effects()[*p.effect].axis);
   }
   return 0;
 }
@@ -262,7 +243,7 @@ void add_members(const std::vector<ArmFactor>& arms, const FleetSolver& solver, 
     const Fitted& f = solver.fitted(a);
     FleetMember member{arms[a].name, arms[a].recordings, arms[a].rows, f.eta, {}, {}};
     for (Eigen::Index k = 0; k < f.eta.size(); ++k)
-      if (f.telling[k] < kTelling) member.own[k] = kNaN;
+      if (f.telling[k] < fleet_numbers::kTelling) member.own[k] = kNaN;
     member.own.tail(fleet.joints).array() += 1.0;  // gains as factors
     member.relative_error.resize(fleet.joints);
     member.alone_error.resize(fleet.joints);
@@ -330,9 +311,9 @@ SpreadPrior prior_in(double (*unit)(const Quantity&), const std::vector<Quantity
   SpreadPrior prior;
   std::vector<double> logs;
   for (const Quantity& q : quantities)
-    if (q.spread.arms >= kFewest && q.spread.spread > 0.0 && unit(q) > 0.0)
+    if (q.spread.arms >= fleet_numbers::kFewest && q.spread.spread > 0.0 && unit(q) > 0.0)
       logs.push_back(2.0 * std::log(q.spread.spread / unit(q)));
-  if (logs.size() < kFewestSpreads) return prior;
+  if (logs.size() < fleet_numbers::kFewestSpreads) return prior;
   const auto count = static_cast<double>(logs.size());
   double mean = 0.0;
   for (const double x : logs) mean += x / count;
@@ -340,8 +321,8 @@ SpreadPrior prior_in(double (*unit)(const Quantity&), const std::vector<Quantity
   for (const double x : logs) prior.unlike += std::pow(x - mean, 2) / (count - 1.0);
   const double between = prior.unlike - trigamma(0.5 * freedom);
   double least = 0.0;
-  double most = kMostPrior;
-  while (trigamma(0.5 * most) < between && most - least > 1e-3) {
+  double most = fleet_numbers::kMostPrior;
+  while (trigamma(0.5 * most) < between && most - least > fleet_numbers::kWidth) {
     const double middle = 0.5 * (least + most);
     (trigamma(0.5 * middle) > between ? least : most) = middle;
   }
@@ -388,13 +369,13 @@ void add_outliers(const std::vector<Quantity>& kind, const FleetSolver& solver, 
   for (const Quantity& q : kind) {
     const FleetSpread& spread = q.spread;
     const double width = prior.spread_of(q, freedom);
-    for (size_t a = 0; a < q.all.size() && spread.arms >= kFewest && spread.spread > 0.0; ++a) {
+    for (size_t a = 0; a < q.all.size() && spread.arms >= fleet_numbers::kFewest && spread.spread > 0.0; ++a) {
       const double wider = q.usual > 0.0 ? std::max(1.0, q.uncertain[a] / q.usual) : 1.0;
       const double deviations = (q.all[a] - spread.median) / (wider * width);
       // Differences below this share of the median are not reported, however narrow the
       // distribution is.
       const bool noticeable =
-          std::abs(q.all[a] - spread.median) > kNoticeable * std::abs(spread.median);
+          std::abs(q.all[a] - spread.median) > fleet_numbers::kNoticeable * std::abs(spread.median);
       if (std::isfinite(q.all[a]) && noticeable && std::abs(deviations) > far)
         fleet.outliers.push_back(
             {fleet.members[a].name, spread.name, q.joint, q.all[a], spread.median, deviations});
@@ -425,7 +406,7 @@ void add_parameters(const Model& arm, const FleetSolver& solver, Fleet& fleet) {
   for (int j = 0; j < problem.base().size(); ++j) {
     const int at = problem.base().independent[j];
     const StandardParameter& p = parameters[at];
-    if (p.effect >= 0) {
+    if (p.effect) {
       const double median = fleet.spreads[own++].median;
       fleet.parameters[at] = std::isfinite(median) ? median : 0.0;
       continue;
@@ -464,7 +445,7 @@ std::vector<UndeterminedArm> take_undetermined(const Model& arm, std::vector<Arm
 std::string too_few(size_t left, const std::vector<UndeterminedArm>& undetermined) {
   std::string out = text("found ", left, left == 1 ? " arm" : " arms",
                          undetermined.empty() ? "" : " whose recordings determine the bodies",
-                         ", expected ", kFewest, " at least");
+                         ", expected ", fleet_numbers::kFewest, " at least");
   if (!undetermined.empty())
     out += "; " + undetermined.front().arm + ": " + undetermined.front().why;
   return out;
@@ -475,14 +456,14 @@ Fleet solved_fleet(const Model& arm, std::vector<ArmFactor> arms,
   arms.erase(
       std::remove_if(arms.begin(), arms.end(), [](const ArmFactor& a) { return a.joints.empty(); }),
       arms.end());
-  require(static_cast<int>(arms.size()) >= kFewest || unusable_recordings.empty(), "fleet: found ",
-          arms.size(), " arms with usable recordings, expected ", kFewest,
+  require(static_cast<int>(arms.size()) >= fleet_numbers::kFewest || unusable_recordings.empty(), "fleet: found ",
+          arms.size(), " arms with usable recordings, expected ", fleet_numbers::kFewest,
           " at least; the first that is not: ", unusable_recordings.empty() ? "" : unusable_recordings.front().why);
-  if (options.progress) options.progress("solving", 0.9);
+  if (options.progress) options.progress("solving", fleet_numbers::kReading);
   Fleet fleet;
   fleet.robot = arm.name();
   if (!arms.empty()) fleet.undetermined = take_undetermined(arm, arms);
-  if (static_cast<int>(arms.size()) < kFewest) {
+  if (static_cast<int>(arms.size()) < fleet_numbers::kFewest) {
     fleet.reason = too_few(arms.size(), fleet.undetermined);
     fleet.unusable_recordings = std::move(unusable_recordings);
     return fleet;
@@ -588,7 +569,7 @@ Fleet identify_fleet(const Model& file, const std::vector<FleetArm>& arms,
     ++done;
     if (options.progress)
       options.progress("compressing",
-                       0.9 * static_cast<double>(done) / static_cast<double>(arms.size()));
+                       fleet_numbers::kReading * static_cast<double>(done) / static_cast<double>(arms.size()));
   });
   std::vector<UnusedRecording> unusable_recordings;
   for (const auto& of_arm : unused) unusable_recordings.insert(unusable_recordings.end(), of_arm.begin(), of_arm.end());

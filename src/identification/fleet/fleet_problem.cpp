@@ -4,18 +4,10 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "identification/fleet/fleet_numbers.hpp"
 #include "identification/shortfall.hpp"
 
 namespace veridyn {
-namespace {
-
-// Relative to a column's norm: regularises own columns without data to zero, and fixes the common
-// scale of bodies and gains by a mean gain of one.
-constexpr double kOwnRidge = 1e-7;
-constexpr double kGainRidge = 1e-3;
-
-}  // namespace
-
 FleetProblem::FleetProblem(const Model& arm, const std::vector<ArmFactor>& arms)
     : arms_(arms),
       parameters_(standard_parameters(arm)),
@@ -23,7 +15,7 @@ FleetProblem::FleetProblem(const Model& arm, const std::vector<ArmFactor>& arms)
       joints_(arm.joints()) {
   for (const int j : base_.independent) {
     const StandardParameter& p = parameters_[j];
-    (p.effect >= 0 ? own_ : shared_).push_back(p.name);
+    (p.effect ? own_ : shared_).push_back(p.name);
   }
 }
 
@@ -79,7 +71,7 @@ SquareRootInformation FleetProblem::of_arm(size_t arm, const VectorXd& weights,
   const VectorXd norms = out.column_norms();
   MatrixXd ridge = MatrixXd::Zero(own + joints_, width);
   for (Eigen::Index k = 0; k < ridge.rows(); ++k)
-    ridge(k, k) = norms[k] > 0.0 ? (k < own ? kOwnRidge : kGainRidge) * norms[k] : 1.0;
+    ridge(k, k) = norms[k] > 0.0 ? (k < own ? fleet_numbers::kOwnRidge : fleet_numbers::kGainRidge) * norms[k] : 1.0;
   out.absorb(ridge, VectorXd::Zero(ridge.rows()));
   return SquareRootInformation(columns, out.R(), out.z(), out.rho2() + rho2, rows);
 }

@@ -42,7 +42,7 @@ const NamedArray* clock_for(const ArraySet& set, const std::string& group,
       names.push_back(last_of(a.name));
     }
     *found = time_columns(names, last_of(wanted));
-    if (found->recorded >= 0) return vectors[found->recorded];
+    if (found->recorded) return vectors[*found->recorded];
   }
   return nullptr;
 }

@@ -91,7 +91,7 @@ bool is_plain(const CsvHeader& header) {
   const auto has = [&header](const char* name) {
     return std::find(header.names.begin(), header.names.end(), name) != header.names.end();
   };
-  if (!has("q1") || (!has("t") && header.time.recorded >= 0)) return false;
+  if (!has("q1") || (!has("t") && header.time.recorded)) return false;
   // A signal that occurs under two names, as qd1 beside q1, has to be distinguished by its full
   // name.
   int own[kRecordedSignals] = {};

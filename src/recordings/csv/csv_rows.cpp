@@ -353,8 +353,8 @@ bool CsvRows::hold_gaps() {
 
 // Reads the next row into `row`. False at the end of the file.
 bool CsvRows::next_row() {
-  const long last = options.row_count < 0 ? std::numeric_limits<long>::max()
-                                          : options.first_row + options.row_count;
+  const long last = !options.row_count ? std::numeric_limits<long>::max()
+                                          : options.first_row + *options.row_count;
   if (gaps_left == 0 && !held_row.empty()) {
     row.swap(held_row);
     held_row.clear();

@@ -54,7 +54,7 @@ class Table {
         return false;
       }
       // Other lines may precede the header, which is recognised by a clock or positions of joints.
-      if (header.names.size() > 1 && (header.time.recorded >= 0 || header.positions > 0)) {
+      if (header.names.size() > 1 && (header.time.recorded || header.positions > 0)) {
         header_ = std::move(header);
         header_line_ = lines_.number();
         return true;
@@ -72,7 +72,7 @@ class Table {
                   header_.names.end(),
               lines_.path(), ": --map t=", time_name_, ": found no column ", time_name_,
               ", expected one.");
-    require(header_.time.recorded >= 0 || options_.rate > 0.0, lines_.path(), ":", header_line_,
+    require(header_.time.recorded || options_.rate > 0.0, lines_.path(), ":", header_line_,
             ": found no column of time, expected one (time, timestamp, t), --map t=NAME or --rate.");
     read_units_line();
     place_columns();
@@ -218,25 +218,25 @@ class Table {
       (*rows)[s][place.field] = value * factors_[k];
     }
     std::string time;
-    if (header_.time.recorded >= 0) {
-      time = (*fields)[header_.time.recorded];
+    if (header_.time.recorded) {
+      time = (*fields)[*header_.time.recorded];
       if (header_.separator != ',') std::replace(time.begin(), time.end(), ',', '.');
       if (time.empty() || time == "nan" || time == "NaN") {
         ++skipped_;
         return;
       }
       require(nanoseconds_of(time, 1).has_value(), lines_.path(), ":", lines_.number(), ":",
-              header_.time.recorded + 1, ": found '", time.substr(0, 40), "' in column ",
-              header_.names[header_.time.recorded],
+              *header_.time.recorded + 1, ": found '", time.substr(0, 40), "' in column ",
+              header_.names[*header_.time.recorded],
               ", expected a time.");
     }
     std::int64_t stamp = 0;
-    if (header_.time.stamped >= 0)
-      stamp = nanoseconds_of((*fields)[header_.time.stamped], 1).value_or(0);
+    if (header_.time.stamped)
+      stamp = nanoseconds_of((*fields)[*header_.time.stamped], 1).value_or(0);
     if (std::abs(stamp) > kLargestTime) stamp = 0;
     std::int64_t fraction = 0;
-    if (header_.time.nanoseconds >= 0)
-      fraction = nanoseconds_of((*fields)[header_.time.nanoseconds], 1).value_or(0);
+    if (header_.time.nanoseconds)
+      fraction = nanoseconds_of((*fields)[*header_.time.nanoseconds], 1).value_or(0);
     const std::size_t at = times_.size();
     times_.push_back(std::move(time));
     fractions_.push_back(fraction);
@@ -247,7 +247,7 @@ class Table {
       RawStream& stream = raw_.streams[s];
       // Row number; replaced by its time at the end.
       stream.recorded.push_back(static_cast<std::int64_t>(at));
-      if (header_.time.stamped >= 0) stream.stamped.push_back(stamp);
+      if (header_.time.stamped) stream.stamped.push_back(stamp);
       stream.values.insert(stream.values.end(), (*rows)[s].begin(), (*rows)[s].end());
     }
   }
@@ -259,10 +259,10 @@ class Table {
       return std::llround(unit_factor("t", given->second).value_or(1.0) * 1e9);
     if (header_.time.unit != 0) return header_.time.unit;
     if (!header_.units.empty()) {
-      const std::string unit = bare_unit(header_.units[header_.time.recorded]);
+      const std::string unit = bare_unit(header_.units[*header_.time.recorded]);
       if (const auto factor = unit_factor("t", unit)) return std::llround(*factor * 1e9);
     }
-    const std::string in_name = unit_in(header_.names[header_.time.recorded]);
+    const std::string in_name = unit_in(header_.names[*header_.time.recorded]);
     if (const auto factor = unit_factor("t", in_name)) return std::llround(*factor * 1e9);
     std::vector<double> steps;
     bool whole = true;
@@ -284,7 +284,7 @@ class Table {
 
   void set_times() {
     if (times_.empty()) return;
-    const bool clock = header_.time.recorded >= 0;
+    const bool clock = header_.time.recorded.has_value();
     const std::int64_t unit = clock ? time_unit() : 0;
     for (RawStream& stream : raw_.streams) {
       for (std::int64_t& time : stream.recorded) {

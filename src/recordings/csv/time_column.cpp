@@ -40,8 +40,8 @@ int fitness(const std::vector<std::string>& words) {
 TimeColumns time_columns(const std::vector<std::string>& names, const std::string& wanted) {
   TimeColumns columns;
   int best = 0;
-  int seconds = -1;
-  int fraction = -1;
+  std::optional<int> seconds;
+  std::optional<int> fraction;
   for (std::size_t k = 0; k < names.size(); ++k) {
     const auto column = static_cast<int>(k);
     const std::vector<std::string> words = words_of(names[k]);
@@ -66,17 +66,14 @@ TimeColumns time_columns(const std::vector<std::string>& names, const std::strin
       columns.unit = words.size() > 1 || !is_time_word(last) ? unit_named(last) : 0;
     }
   }
-  if (seconds >= 0 && fraction >= 0 && best < 9) {
+  if (seconds && fraction && best < 9) {
     columns.recorded = seconds;
     columns.nanoseconds = fraction;
     columns.unit = kSecond;
   }
-  if (columns.recorded >= 0 && names[columns.recorded] == "%time")
+  if (columns.recorded && names[*columns.recorded] == "%time")
     columns.unit = 1;
-  if (columns.recorded < 0 && columns.stamped >= 0) {
-    columns.recorded = columns.stamped;
-    columns.stamped = -1;
-  }
+  if (!columns.recorded) std::swap(columns.recorded, columns.stamped);
   return columns;
 }
 

@@ -9,9 +9,9 @@ namespace veridyn::recordings {
 
 /// Columns with a clock.
 struct TimeColumns {
-  int recorded = -1;             ///< the clock of the rows; -1: none
-  int nanoseconds = -1;          ///< a second column with the fraction, where `recorded` has seconds
-  int stamped = -1;              ///< stamps of the sender, in nanoseconds; -1: none
+  std::optional<int> recorded = {};     ///< the clock of the rows
+  std::optional<int> nanoseconds = {};  ///< a second column with the fraction, where `recorded` has seconds
+  std::optional<int> stamped = {};      ///< stamps of the sender, in nanoseconds
   std::int64_t unit = 0;         ///< [ns] of `recorded`; 0: unknown from its name
 };
 

@@ -18,7 +18,7 @@ constexpr std::size_t kDigits = 4;  // of a joint's number, at most
 RawStream stream_of(const std::string& file, const RecordingOptions& options, RecordingFacts* facts) {
   RecordingOptions plain = options;
   plain.first_row = 0;
-  plain.row_count = -1;
+  plain.row_count.reset();
   plain.signals.joints.clear();
   plain.signals.held.clear();
   const auto only_time = [](std::map<std::string, std::string>* of) {

@@ -38,14 +38,14 @@ std::string number(double value) {
   char digits[32];
   if (value == 0.0) return "0";  // never "-0"
   std::snprintf(digits, sizeof digits,
-                std::abs(value) >= 1000.0 && std::abs(value) < 1e6 ? "%.0f" : "%.4g", value);
+                std::abs(value) >= kPlainFrom && std::abs(value) < kPlainTo ? "%.0f" : "%.4g", value);
   return digits;
 }
 
 std::string percent(double share) {
   char digits[32];
   std::snprintf(digits, sizeof digits, "%.2g %%", 100.0 * share);
-  return share >= 0.995 ? "100 %" : digits;
+  return share >= kWhole ? "100 %" : digits;
 }
 
 std::string counted(long count, const std::string& noun) {
@@ -129,13 +129,17 @@ Head::Head(const Recording& recording) : rows(recording) {
   std::vector<double> steps;
   for (int k = 1; k < count; ++k) steps.push_back(rows.time[k] - rows.time[k - 1]);
   step = quantile(steps, 0.5);
-  shortest = quantile(steps, 0.01);
-  longest = quantile(steps, 0.99);
+  shortest = quantile(steps, kLowest);
+  longest = quantile(steps, kHighest);
   for (int j = 0; j < rows.joints(); ++j) {
     const std::vector<double> q(rows.q.col(j).data(), rows.q.col(j).data() + count);
-    moves.push_back(between_quantiles(q, 0.01, 0.99) > kRestingRange);
+    moves.push_back(between_quantiles(q, kLowest, kHighest) > kRestingRange);
   }
   for (int k = 0; k < count; ++k) stale.push_back(is_stale(rows, k));
+}
+
+int window_rows(const Head& head) {
+  return std::max(kShortestWindow, static_cast<int>(std::lround(kWindow / head.step)));
 }
 
 }  // namespace veridyn::quality

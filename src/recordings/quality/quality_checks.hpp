@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "recordings/quality/quality_numbers.hpp"
 #include "veridyn/recordings/recording_quality.hpp"
 
 /// The parts of check_recording(). A *tally* processes every row, piece by piece; a *check* sees
@@ -12,12 +13,6 @@
 namespace veridyn::quality {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr double kRestingRange = 5e-3;  // [rad, m]
-constexpr double kHole = 1.5;           // in median steps: rows are missing in a longer one
-constexpr double kTurn = 6.283185307179586;
-constexpr double kHopelessShare =
-    0.002;                   // share of rows with absurd numbers beyond which motion is not checked
-constexpr int kContext = 6;  // rows of the previous piece at the start of a piece
 
 /// Signal, joint and size of a finding; the sentence has the rest.
 struct Place {
@@ -61,6 +56,9 @@ struct Head {
   std::vector<bool> moves;  // per joint
   std::vector<bool> stale;  // per row: equal to the row before while the arm moves
 };
+
+/// Rows of a window of kWindow.
+int window_rows(const Head& head);
 
 /// Text such as "joint 3 (tau)".
 std::string named(const Place& place);
@@ -146,7 +144,7 @@ class RowTally {
   long stale_ = 0;
   long stale_run_ = 0;
   long longest_stale_ = 0;
-  std::vector<long> beyond_;  // per joint: rows with |q| > 4 pi
+  std::vector<long> beyond_;  // per joint: rows with |q| > 2 turns
 };
 
 class JumpTally {

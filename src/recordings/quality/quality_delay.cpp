@@ -10,8 +10,6 @@
 namespace veridyn::quality {
 namespace {
 
-constexpr int kLagRows = 60000;  // rows used for the delay
-
 // Derivative of q, and dq, both averaged symmetrically over 8 rows, which delays neither. Both are
 // NaN near a missing or wrong row.
 struct Velocities {
@@ -21,8 +19,6 @@ struct Velocities {
 };
 
 Velocities smoothed_velocities(const Head& head, int joint) {
-  constexpr int kHalf = 4;
-  constexpr double kJump = 3.0;  // times the 99 % quantile of the steps
   const Recording& rows = head.rows;
   const int count = std::min(rows.rows(), kLagRows);
   Velocities v{(rows.time[count - 1] - rows.time[0]) / (count - 1),
@@ -30,40 +26,38 @@ Velocities smoothed_velocities(const Head& head, int joint) {
   VectorXd steps = VectorXd::Zero(count);
   steps.tail(count - 1) =
       (rows.q.col(joint).segment(1, count - 1) - rows.q.col(joint).head(count - 1)).cwiseAbs();
-  const double longest = kJump * quantile({steps.data(), steps.data() + count}, 0.99);
+  const double longest = kLargeStep * quantile({steps.data(), steps.data() + count}, kHighest);
   int broken = 0;  // last row that must not be included
   for (int last = 1; last < count; ++last) {
     const bool hole = rows.time[last] - rows.time[last - 1] > kHole * head.step;
     if (hole || !(steps[last] <= longest) || std::isnan(rows.dq(last, joint))) broken = last;
-    const int first = last - 2 * kHalf;
+    const int first = last - 2 * kHalfAverage;
     if (first < broken) continue;
-    const auto dq = rows.dq.col(joint).segment(first, 2 * kHalf + 1);
-    v.from_q[last - kHalf] =
+    const auto dq = rows.dq.col(joint).segment(first, 2 * kHalfAverage + 1);
+    v.from_q[last - kHalfAverage] =
         (rows.q(last, joint) - rows.q(first, joint)) / (rows.time[last] - rows.time[first]);
-    v.recorded[last - kHalf] = (dq.sum() - 0.5 * (dq[0] + dq[2 * kHalf])) / (2 * kHalf);
+    v.recorded[last - kHalfAverage] = (dq.sum() - 0.5 * (dq[0] + dq[2 * kHalfAverage])) / (2 * kHalfAverage);
   }
   return v;
 }
 
 // The delay of the recorded velocity in whole rows: the peak of the correlation.
 std::optional<int> whole_delay(const Velocities& v) {
-  constexpr int kLongest = 40;
-  constexpr double kClear = 0.9;
-  const int core = static_cast<int>(v.from_q.size()) - 2 * kLongest;
-  if (core < 4 * kLongest) return std::nullopt;
+  const int core = static_cast<int>(v.from_q.size()) - 2 * kLongestLag;
+  if (core < 4 * kLongestLag) return std::nullopt;
   const VectorXd from_q = v.from_q.array().isNaN().select(0.0, v.from_q);
   const VectorXd recorded = v.recorded.array().isNaN().select(0.0, v.recorded);
-  const auto q = from_q.segment(kLongest, core);
+  const auto q = from_q.segment(kLongestLag, core);
   double peak = 0.0;
   int best = 0;
-  for (int lag = -kLongest; lag <= kLongest; ++lag) {
-    const auto dq = recorded.segment(kLongest + lag, core);
+  for (int lag = -kLongestLag; lag <= kLongestLag; ++lag) {
+    const auto dq = recorded.segment(kLongestLag + lag, core);
     const double correlation = std::abs(q.dot(dq)) / std::max(q.norm() * dq.norm(), 1e-300);
     if (correlation <= peak) continue;
     peak = correlation;
     best = lag;
   }
-  if (peak < kClear || std::abs(best) == kLongest) return std::nullopt;
+  if (peak < kClearPeak || std::abs(best) == kLongestLag) return std::nullopt;
   return best;
 }
 
@@ -73,17 +67,17 @@ std::optional<int> whole_delay(const Velocities& v) {
 //   dq(t) = f v(t - delay) = f v(t) - f delay dv/dt,
 // by least squares, twice, the second time without rows that are more than 4 median errors off.
 std::optional<double> velocity_delay(const Head& head, int joint) {
-  constexpr int kMargin = 50;
-  constexpr double kOutlier = 4.0;
+  constexpr int kReach = 2;  // rows to either side of a derivative
   const Velocities v = smoothed_velocities(head, joint);
   const std::optional<int> whole = whole_delay(v);
   if (!whole) return std::nullopt;
-  const int rows = static_cast<int>(v.from_q.size()) - 2 * kMargin;
+  const int rows = static_cast<int>(v.from_q.size()) - 2 * kLagMargin;
   Eigen::MatrixX2d A(rows, 2);  // v, -dv/dt
-  A.col(0) = v.from_q.segment(kMargin, rows);
+  A.col(0) = v.from_q.segment(kLagMargin, rows);
   A.col(1) =
-      (v.from_q.segment(kMargin - 2, rows) - v.from_q.segment(kMargin + 2, rows)) / (4.0 * v.step);
-  VectorXd recorded = v.recorded.segment(kMargin + *whole, rows);
+      (v.from_q.segment(kLagMargin - kReach, rows) - v.from_q.segment(kLagMargin + kReach, rows)) /
+      (2.0 * kReach * v.step);
+  VectorXd recorded = v.recorded.segment(kLagMargin + *whole, rows);
   VectorXd weights = VectorXd::Ones(rows);
   for (int k = 0; k < rows; ++k) {
     if (std::isfinite(A.row(k).sum() + recorded[k])) continue;
@@ -94,11 +88,11 @@ std::optional<double> velocity_delay(const Head& head, int joint) {
   Eigen::Vector2d fit;  // f, f * delay
   for (int pass = 0; pass < 2; ++pass) {
     const Eigen::Matrix2d square = A.transpose() * weights.asDiagonal() * A;
-    if (!(square.determinant() > 1e-12 * square(0, 0) * square(1, 1))) return std::nullopt;
+    if (!(square.determinant() > kSingular * square(0, 0) * square(1, 1))) return std::nullopt;
     fit = square.inverse() * (A.transpose() * weights.cwiseProduct(recorded));
     const VectorXd errors = (recorded - A * fit).cwiseAbs();
     const VectorXd judged = (known.array() > 0.0).select(errors, kNone);
-    const double allowed = kOutlier * quantile({judged.data(), judged.data() + rows}, 0.5);
+    const double allowed = kLagOutlier * quantile({judged.data(), judged.data() + rows}, 0.5);
     weights = known.array() * (errors.array() <= allowed).cast<double>();
   }
   return *whole * v.step + fit[1] / fit[0];

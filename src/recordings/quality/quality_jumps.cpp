@@ -9,7 +9,6 @@ namespace veridyn::quality {
 
 JumpTally::JumpTally(const Head& head)
     : step_(head.step), joints_(static_cast<std::size_t>(head.rows.joints())) {
-  constexpr double kSmallest = 2e-3;  // [rad, m]
   const Recording& rows = head.rows;
   const int count = rows.rows();
   for (std::size_t joint = 0; joint < joints_.size(); ++joint) {
@@ -18,9 +17,9 @@ JumpTally::JumpTally(const Head& head)
     std::vector<double> change;  // step from one row to the next
     for (int k = 2; k < count; ++k)
       change.push_back(std::abs(rows.q(k, j) - 2.0 * rows.q(k - 1, j) + rows.q(k - 2, j)));
-    const double noise = change.empty() ? 0.0 : quantile(std::move(change), 0.99);
-    const double range = between_quantiles(q, 0.01, 0.99);
-    joints_[joint].tolerance = std::max({kSmallest, 5.0 * noise, 0.02 * range});
+    const double noise = change.empty() ? 0.0 : quantile(std::move(change), kHighest);
+    const double range = between_quantiles(q, kLowest, kHighest);
+    joints_[joint].tolerance = std::max({kSmallestJump, kJumpNoise * noise, kJumpRange * range});
   }
 }
 
@@ -33,7 +32,7 @@ bool JumpTally::is_jump(const Recording& rows, int k, int joint) const {
     const double fastest = rows.dq.col(joint).segment(k - 2, 5).cwiseAbs().maxCoeff();
     around = std::max(around, step_ * fastest);
   }
-  return step(k) > joints_[joint].tolerance + 4.0 * around;
+  return step(k) > joints_[joint].tolerance + kJumpAround * around;
 }
 
 void JumpTally::add(const Piece& piece) {
@@ -61,7 +60,7 @@ void JumpTally::conclude(Findings* findings) const {
     if (tally.count == 0) continue;
     const Place place{"q", static_cast<int>(joint) + 1};
     const double turns = tally.largest / (kTurn);
-    const bool wrapped = std::abs(turns) > 0.9 && std::abs(turns - std::round(turns)) < 0.02;
+    const bool wrapped = std::abs(turns) > kNearlyTurn && std::abs(turns - std::round(turns)) < kTurnError;
     findings->add(Severity::kFault, "jumps", place, {kNone, tally.largest, unit_of("q")},
                   text("The position of ", named(place), " jumps ", counted(tally.count, "time"),
                        ", by ", number(tally.largest), " at t = ", number(tally.largest_at), " s",

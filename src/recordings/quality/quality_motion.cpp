@@ -15,8 +15,8 @@ std::vector<double> column_of(const MatrixXd& values, int joint) {
 
 // Root mean square of the change over 20 ms, in consecutive windows of 0.1 s.
 std::vector<double> ringing(const Head& head, const MatrixXd& values, int joint) {
-  const int lag = std::max(1, static_cast<int>(std::lround(0.02 / head.step)));
-  const int window = std::max(4, static_cast<int>(std::lround(0.1 / head.step)));
+  const int lag = std::max(1, static_cast<int>(std::lround(kRinging / head.step)));
+  const int window = window_rows(head);
   std::vector<double> sizes;
   for (int first = 0; first + window + lag <= values.rows(); first += window) {
     double sum = 0.0;
@@ -43,7 +43,7 @@ void check_motion(const Head& head, Findings* findings) {
   for (int j = 0; j < head.rows.joints(); ++j) {
     if (head.moves[j]) continue;
     const std::vector<double> q = column_of(head.rows.q, j);
-    const double range = between_quantiles(q, 0.01, 0.99);
+    const double range = between_quantiles(q, kLowest, kHighest);
     if (std::isnan(range)) continue;
     const Place place{"q", j + 1};
     findings->add(Severity::kInfo, "joint_at_rest", place, {kNone, range, unit_of("q")},
@@ -63,24 +63,21 @@ void check_motion(const Head& head, Findings* findings) {
 }
 
 void check_start_up(const Head& head, Findings* findings) {
-  constexpr double kLoud = 3.0;  // times the 90 % quantile of the later windows
-  constexpr int kLatest = 20;    // windows
-  constexpr int kShortest = 2;
   for (const Load& load : loads_of(head.rows)) {
     double until = 0.0;
     double worst = 0.0;
     Place place{load.name, 0};
     for (int j = 0; j < head.rows.joints(); ++j) {
       const std::vector<double> sizes = ringing(head, *load.values, j);
-      if (sizes.size() < 2 * kLatest) continue;
-      const double usual = quantile({sizes.begin() + kLatest, sizes.end()}, 0.9);
+      if (sizes.size() < 2 * kLatestStart) continue;
+      const double usual = quantile({sizes.begin() + kLatestStart, sizes.end()}, kUsual);
       int loud = 0;
-      for (int w = 0; w < kLatest && w <= loud + 1; ++w) {
+      for (int w = 0; w < kLatestStart && w <= loud + 1; ++w) {
         if (sizes[w] > kLoud * usual) loud = w + 1;
       }
-      if (loud < kShortest || usual <= 0.0) continue;
+      if (loud < kShortestStart || usual <= 0.0) continue;
       const double ratio = *std::max_element(sizes.begin(), sizes.begin() + loud) / usual;
-      const int window = std::max(4, static_cast<int>(std::lround(0.1 / head.step)));
+      const int window = window_rows(head);
       until = std::max(until, loud * window * head.step);
       if (ratio > worst) place.joint = j + 1;
       worst = std::max(worst, ratio);

@@ -20,36 +20,34 @@ struct Plateau {
 // its top speed (unlike on friction plateaus).
 bool is_saturated(const Head& head, const VectorXd& load, const Plateau& plateau, double half,
                   int joint) {
-  constexpr int kShortest = 8;
   const int length = plateau.last - plateau.first + 1;
-  if (length < kShortest) return false;
+  if (length < kShortestPlateau) return false;
   int before = plateau.first;
   int after = plateau.last;
   while (before > 0 && load[before] > half && plateau.first - before <= length) --before;
   while (after + 1 < load.size() && load[after] > half && after - plateau.last <= length) ++after;
   if (2 * (plateau.first - before + after - plateau.last) > length || before == 0) return false;
   const auto& q = head.rows.q;
-  const int lag = std::max(1, length / 4);
+  const int lag = std::max(1, length / kPlateauParts);
   const auto speed = [&](int k) {
     return (q(k, joint) - q(k - lag, joint)) / (head.rows.time[k] - head.rows.time[k - lag]);
   };
   if (plateau.first < lag || plateau.last <= plateau.first + lag) return false;
   double top = 0.0;
   for (int k = lag; k < q.rows(); k += lag) top = std::max(top, std::abs(speed(k)));
-  return std::abs(speed(plateau.last) - speed(plateau.first)) > 0.25 * top;
+  return std::abs(speed(plateau.last) - speed(plateau.first)) > kSpeedChange * top;
 }
 
 // Number of rows in saturated plateaus within 8 % of the largest value.
 int plateau_rows(const Head& head, const VectorXd& load, int joint, double* limit) {
-  constexpr double kNear = 0.92;
   const double largest = *std::max_element(load.data(), load.data() + load.size());
   if (!(largest > 0.0)) return 0;
   int rows = 0;
   std::vector<double> levels;
   for (int k = 0; k < load.size(); ++k) {
-    if (!(load[k] > kNear * largest)) continue;
+    if (!(load[k] > kNearLargest * largest)) continue;
     Plateau plateau{k, k};
-    while (plateau.last + 1 < load.size() && load[plateau.last + 1] > kNear * largest)
+    while (plateau.last + 1 < load.size() && load[plateau.last + 1] > kNearLargest * largest)
       ++plateau.last;
     k = plateau.last;
     if (!is_saturated(head, load, plateau, 0.5 * largest, joint)) continue;
@@ -75,8 +73,8 @@ ClipTally::ClipTally(const Head& head) {
           changes.push_back(std::abs(values(k, j) - values(k - 1, j)));
       }
       const double range = between_quantiles(column, 0.0, 1.0);
-      const double resolution = changes.empty() ? 0.0 : quantile(std::move(changes), 0.01);
-      const double tolerance = std::max(1e-6 * range, std::min(0.6 * resolution, 1e-3 * range));
+      const double resolution = changes.empty() ? 0.0 : quantile(std::move(changes), kLowest);
+      const double tolerance = std::max(kExact * range, std::min(kStepShare * resolution, kFlat * range));
       for (const double sign : {1.0, -1.0}) extremes_.push_back({{name, j + 1}, sign, tolerance});
     }
   }
@@ -84,7 +82,7 @@ ClipTally::ClipTally(const Head& head) {
 
 void ClipTally::close_run(double after, Extreme* extreme) const {
   const double exit = extreme->limit - after;
-  if (extreme->run >= 3 && std::min(extreme->entry, exit) > 5.0 * extreme->tolerance) {
+  if (extreme->run >= kShortestRun && std::min(extreme->entry, exit) > kAbrupt * extreme->tolerance) {
     extreme->clipped += extreme->run;
     extreme->longest = std::max(extreme->longest, extreme->run);
   }
@@ -123,7 +121,7 @@ void ClipTally::conclude(Findings* findings) const {
     if (extreme.clipped == 0) continue;
     const double share = share_of(extreme.clipped, rows_);
     const double limit = extreme.sign * extreme.limit;
-    findings->add(share > 0.01 ? Severity::kFault : Severity::kWarning, "saturation", extreme.place,
+    findings->add(share > kManyClipped ? Severity::kFault : Severity::kWarning, "saturation", extreme.place,
                   {share, limit, unit_of(extreme.place.signal)},
                   text("The ", extreme.place.signal == "tau" ? "torque" : "current", " of ",
                        named(extreme.place), " sits exactly at its extreme ", number(limit), " in ",

@@ -17,13 +17,12 @@ struct Repeats {
 };
 
 Repeats repeats_of(const Head& head, const MatrixXd& values, int joint) {
-  constexpr double kFine = 8.0;
   std::vector<double> changes;
   for (int k = 1; k < values.rows(); ++k) {
     const double change = std::abs(values(k, joint) - values(k - 1, joint));
     if (change > 0.0) changes.push_back(change);
   }
-  const double resolution = changes.empty() ? 0.0 : quantile(std::move(changes), 0.01);
+  const double resolution = changes.empty() ? 0.0 : quantile(std::move(changes), kLowest);
   Repeats repeats;
   for (int k = 2; k + 1 < values.rows(); ++k) {
     const auto stale = head.stale.begin() + k;
@@ -41,16 +40,13 @@ Repeats repeats_of(const Head& head, const MatrixXd& values, int joint) {
 // A signal was not refreshed if it repeats its value much more often than it returns to it two rows
 // later.
 void check_stale_signals(const Head& head, Findings* findings) {
-  constexpr double kShare = 0.1;
-  constexpr double kReturning = 0.7;  // ratio of repeats after two rows to repeats after one
-  constexpr long kFewest = 200;
   for (const RecordingSignal& signal : kRecordingSignals) {
     const MatrixXd& values = head.rows.*signal.values;
     for (int j = 0; j < values.cols(); ++j) {
       const Repeats repeats = repeats_of(head, values, j);
-      if (repeats.rows < kFewest) continue;
+      if (repeats.rows < kFewestFine) continue;
       const double share = static_cast<double>(repeats.once) / static_cast<double>(repeats.rows);
-      if (share < kShare ||
+      if (share < kRepeating ||
           static_cast<double>(repeats.twice) > kReturning * static_cast<double>(repeats.once))
         continue;
       const Place place{signal.name, j + 1};

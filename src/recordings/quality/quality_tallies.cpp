@@ -6,16 +6,6 @@
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::quality {
-namespace {
-
-constexpr double kAbsurd = 1e6;      // SI units; no joint reaches it
-constexpr double kIrregular = 0.05;  // spread of the steps relative to their median
-constexpr double kManyStale = 0.02;
-constexpr double kFewStale = 0.001;
-constexpr double kFrozen = 0.5;
-
-}  // namespace
-
 // ---- absurd numbers
 
 void AbsurdTally::clean(Recording* rows, int fresh) {
@@ -71,7 +61,7 @@ void TimeTally::conclude(Findings* findings) const {
       Severity::kInfo, "sample_rate", {}, {kNone, 1.0 / step_, "Hz"},
       text("One row every ", number(1e3 * step_), " ms (median), ", number(1.0 / step_), " Hz."));
   const double mean_rate = static_cast<double>(rows_ - 1) / (last_ - first_ - lost_time_);
-  const bool misleading = std::abs(mean_rate * step_ - 1.0) > 0.01;
+  const bool misleading = std::abs(mean_rate * step_ - 1.0) > kMisleading;
   if (longest_ - shortest_ > kIrregular * step_) {
     findings->add(misleading ? Severity::kWarning : Severity::kInfo, "irregular_time", {},
                   {kNone, mean_rate, "Hz"},
@@ -82,7 +72,7 @@ void TimeTally::conclude(Findings* findings) const {
   if (holes_ > 0) {
     const double share = lost_rows_ / (static_cast<double>(rows_) + lost_rows_);
     findings->add(
-        share > 0.01 || longest_hole_ > 10.0 * step_ ? Severity::kWarning : Severity::kInfo,
+        share > kManyMissing || longest_hole_ > kLongHole * step_ ? Severity::kWarning : Severity::kInfo,
         "missing_rows", {}, {share, longest_hole_, "s"},
         text("About ", number(lost_rows_), " rows are missing (", percent(share), ") in ",
              counted(holes_, "place"), "; the longest hole is ", number(1e3 * longest_hole_),
@@ -143,7 +133,7 @@ void RowTally::conclude(Findings* findings) const {
   conclude_constant(findings);
   for (std::size_t j = 0; j < beyond_.size(); ++j) {
     const double share = share_of(beyond_[j], rows_);
-    if (share < 0.5) continue;
+    if (share < kBeyondTurns) continue;
     const Place place{"q", static_cast<int>(j) + 1};
     findings->add(Severity::kWarning, "degrees", place, {share, kNone, ""},
                   text("The position of ", named(place), " is beyond +-4 pi in ", percent(share),
@@ -154,8 +144,8 @@ void RowTally::conclude(Findings* findings) const {
 void RowTally::add_gaps(const Channel& channel, const Place& place, const std::string& who,
                         Findings* findings) const {
   const double share = share_of(channel.gaps, rows_);
-  const Severity severity = share > 0.5     ? Severity::kFault
-                            : share > 0.001 ? Severity::kWarning
+  const Severity severity = share > kManyGaps  ? Severity::kFault
+                            : share > kFewGaps ? Severity::kWarning
                                             : Severity::kInfo;
   findings->add(severity, "gaps", place, {share, static_cast<double>(channel.longest_gap), "rows"},
                 text(who, " lacks ", counted(channel.gaps, "value"), " (", percent(share),
@@ -164,7 +154,6 @@ void RowTally::add_gaps(const Channel& channel, const Place& place, const std::s
 
 // Reports one finding for the file if many channels have gaps, else one per channel.
 void RowTally::conclude_gaps(Findings* findings) const {
-  constexpr long kMany = 3;
   const Channel& first = channels_.front();
   const bool alike = std::all_of(channels_.begin(), channels_.end(), [&](const Channel& channel) {
     return channel.gaps == first.gaps && channel.longest_gap == first.longest_gap;
@@ -175,7 +164,7 @@ void RowTally::conclude_gaps(Findings* findings) const {
                         [](const Channel& a, const Channel& b) { return a.gaps < b.gaps; });
   const long affected = std::count_if(channels_.begin(), channels_.end(),
                                       [](const Channel& channel) { return channel.gaps > 0; });
-  if (affected > kMany) {
+  if (affected > kManySignals) {
     return add_gaps(worst, {},
                     text(affected, " of ", channels_.size(), " signals have gaps; the worst, ",
                          named(worst.place), ","),

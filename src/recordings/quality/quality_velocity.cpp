@@ -8,9 +8,6 @@
 namespace veridyn::quality {
 namespace {
 
-constexpr double kDegrees = 57.29577951308232;
-constexpr double kScaleError = 0.025;  // |factor - 1| above which it is reported
-
 // dq = factor * d/dt q, over windows of 0.1 s.
 struct VelocityFit {
   double factor = 1.0;
@@ -20,7 +17,7 @@ struct VelocityFit {
 
 VelocityFit velocity_fit(const Head& head, int joint) {
   const Recording& rows = head.rows;
-  const int window = std::max(4, static_cast<int>(std::lround(0.1 / head.step)));
+  const int window = window_rows(head);
   VectorXd angle = VectorXd::Zero(rows.rows());  // integral of dq
   std::vector<double> moved;
   std::vector<double> integrated;
@@ -31,7 +28,7 @@ VelocityFit velocity_fit(const Head& head, int joint) {
   }
   int last_gap = -1;  // windows must lie after it
   for (int k = 0; k < rows.rows(); ++k) {
-    const bool hole = k > 0 && rows.time[k] - rows.time[k - 1] > 5.0 * head.step;
+    const bool hole = k > 0 && rows.time[k] - rows.time[k - 1] > kGap * head.step;
     if (hole || std::isnan(rows.dq(k, joint)) || std::isnan(rows.q(k, joint))) last_gap = k;
     if (k - window <= last_gap) continue;
     moved.push_back(rows.q(k, joint) - rows.q(k - window, joint));
@@ -39,32 +36,32 @@ VelocityFit velocity_fit(const Head& head, int joint) {
   }
   std::vector<double> sizes;
   for (const double m : moved) sizes.push_back(std::abs(m));
-  const double fast = 0.3 * quantile(std::move(sizes), 0.98);
+  const double fast = kFast * quantile(std::move(sizes), kFastest);
   std::vector<double> ratios;
   for (std::size_t w = 0; w < moved.size(); ++w) {
     if (std::abs(moved[w]) > fast) ratios.push_back(integrated[w] / moved[w]);
   }
   VelocityFit fit;
-  if (ratios.size() < 50) return fit;
+  if (ratios.size() < kFewestWindows) return fit;
   const double middle = quantile(ratios, 0.5);
-  fit.spread = 0.5 * between_quantiles(ratios, 0.25, 0.75);
+  fit.spread = 0.5 * between_quantiles(ratios, kQuartile, 1.0 - kQuartile);
   double cross = 0.0;
   double square = 0.0;
   for (std::size_t w = 0; w < moved.size(); ++w) {
     if (std::abs(moved[w]) <= fast ||
-        std::abs(integrated[w] / moved[w] - middle) > 6.0 * fit.spread + 1e-9)
+        std::abs(integrated[w] / moved[w] - middle) > kOutlying * fit.spread + kTinyRatio)
       continue;
     cross += integrated[w] * moved[w];
     square += moved[w] * moved[w];
   }
   fit.factor = square > 0.0 ? cross / square : middle;
-  fit.clear = std::abs(fit.factor) > 1e-6 && fit.spread < 0.2 * std::abs(fit.factor);
+  fit.clear = std::abs(fit.factor) > kTinyFactor && fit.spread < kAgree * std::abs(fit.factor);
   return fit;
 }
 
 void check_delay(const Head& head, int joint, Findings* findings) {
   const std::optional<double> delay = velocity_delay(head, joint);
-  if (!delay || std::abs(*delay) < std::max(0.002, 0.6 * head.step)) return;
+  if (!delay || std::abs(*delay) < std::max(kShortestDelay, kDelayRows * head.step)) return;
   const Place place{"dq", joint + 1};
   findings->add(Severity::kWarning, "velocity_delay", place, {kNone, *delay, "s"},
                 text("The velocity of ", named(place), " comes ", number(1e3 * std::abs(*delay)),
@@ -73,8 +70,6 @@ void check_delay(const Head& head, int joint, Findings* findings) {
 
 // Quantisation of dq from its steps between rows, without stale rows and the rows after them.
 void check_quantised(const Head& head, int joint, const VelocityFit& fit, Findings* findings) {
-  constexpr double kCoarse = 0.07;   // share of the range
-  constexpr double kTwoKinds = 3.5;  // 90 % quantile over median; 2.4 for Gaussian noise
   const auto dq = head.rows.dq.col(joint);
   std::vector<double> steps;
   std::vector<double> changes;
@@ -85,12 +80,12 @@ void check_quantised(const Head& head, int joint, const VelocityFit& fit, Findin
     if (steps.back() > 0.0) changes.push_back(steps.back());
   }
   const std::vector<double> all(dq.data(), dq.data() + dq.size());
-  const double range = between_quantiles(all, 0.01, 0.99);
-  if (!(range > 0.0) || changes.size() < 20) return;
-  const double smallest = quantile(changes, 0.01);
-  const double typical = quantile(steps, 0.9);
+  const double range = between_quantiles(all, kLowest, kHighest);
+  if (!(range > 0.0) || changes.size() < kFewestChanges) return;
+  const double smallest = quantile(changes, kLowest);
+  const double typical = quantile(steps, kUsual);
   const double middle = quantile(steps, 0.5);
-  const bool grid = smallest > 0.3 * kCoarse * range;
+  const bool grid = smallest > kGridShare * kCoarse * range;
   const bool two_kinds = typical > kCoarse * range && typical > kTwoKinds * middle;
   if (!grid && !two_kinds) return;
   const double step = grid ? smallest : typical;
@@ -106,9 +101,6 @@ void check_quantised(const Head& head, int joint, const VelocityFit& fit, Findin
 // Noise from second differences, which are small for smooth motion, of the velocity and of the
 // position's derivative. Windows with stale rows are excluded.
 void check_noise(const Head& head, int joint, Findings* findings) {
-  constexpr double kNoisier = 2.0;
-  constexpr double kNothing = 1e-4;  // relative to the range
-  constexpr int kReach = 2;
   const Recording& rows = head.rows;
   const auto derivative = [&](int k) {
     return (rows.q(k + 1, joint) - rows.q(k - 1, joint)) / (rows.time[k + 1] - rows.time[k - 1]);
@@ -116,9 +108,9 @@ void check_noise(const Head& head, int joint, Findings* findings) {
   double recorded = 0.0;
   double derived = 0.0;
   int windows = 0;
-  for (int k = kReach; k + kReach < rows.rows(); ++k) {
-    const auto first = head.stale.begin() + (k - kReach);
-    if (std::find(first, first + 2 * kReach + 1, true) != first + 2 * kReach + 1) continue;
+  for (int k = kNoiseReach; k + kNoiseReach < rows.rows(); ++k) {
+    const auto first = head.stale.begin() + (k - kNoiseReach);
+    if (std::find(first, first + 2 * kNoiseReach + 1, true) != first + 2 * kNoiseReach + 1) continue;
     const double of_dq = rows.dq(k + 1, joint) - 2.0 * rows.dq(k, joint) + rows.dq(k - 1, joint);
     const double of_q = derivative(k + 1) - 2.0 * derivative(k) + derivative(k - 1);
     if (!std::isfinite(of_dq) || !std::isfinite(of_q)) continue;
@@ -126,13 +118,13 @@ void check_noise(const Head& head, int joint, Findings* findings) {
     derived += of_q * of_q;
     ++windows;
   }
-  if (windows < 50) return;
+  if (windows < kFewestWindows) return;
   const std::vector<double> all(rows.dq.col(joint).data(), rows.dq.col(joint).data() + rows.rows());
-  const double range = between_quantiles(all, 0.01, 0.99);
+  const double range = between_quantiles(all, kLowest, kHighest);
   // The second difference of white noise has sqrt(6) times its standard deviation.
-  const double noise = std::sqrt(recorded / (6.0 * windows));
+  const double noise = std::sqrt(recorded / (kSecondDifference * windows));
   const double ratio = std::sqrt(recorded / std::max(derived, 1e-300));
-  if (ratio < kNoisier || noise < kNothing * range) return;
+  if (ratio < kNoisier || noise < kNoNoise * range) return;
   const Place place{"dq", joint + 1};
   findings->add(Severity::kInfo, "velocity_noise", place, {noise / range, noise, unit_of("dq")},
                 text("The velocity of ", named(place), " has noise of ", number(noise), ", ",
@@ -141,20 +133,20 @@ void check_noise(const Head& head, int joint, Findings* findings) {
 
 void report_joint_scale(const Place& place, const VelocityFit& fit, Findings* findings) {
   const Size size{kNone, fit.factor, ""};
-  if (std::abs(fit.factor + 1.0) < 0.1) {
+  if (std::abs(fit.factor + 1.0) < kSignError) {
     findings->add(Severity::kFault, "velocity_sign", place, size,
                   text("The velocity of ", named(place),
                        " has the opposite sign of its position's derivative."));
-  } else if (std::abs(std::abs(fit.factor) / kDegrees - 1.0) < 0.05) {
+  } else if (std::abs(std::abs(fit.factor) / kDegrees - 1.0) < kDegreeError) {
     findings->add(Severity::kFault, "degrees", place, size,
                   text("The velocity of ", named(place), " is ", number(fit.factor),
                        " times its position's derivative: deg/s instead of rad/s."));
-  } else if (std::abs(std::abs(fit.factor) * kDegrees - 1.0) < 0.05) {
+  } else if (std::abs(std::abs(fit.factor) * kDegrees - 1.0) < kDegreeError) {
     findings->add(Severity::kFault, "degrees", {"q", place.joint}, size,
                   text("The position of joint ", place.joint, " changes ", number(1.0 / fit.factor),
                        " times faster than its velocity says: degrees instead of rad."));
   } else {
-    findings->add(std::abs(fit.factor - 1.0) > 0.3 ? Severity::kFault : Severity::kWarning,
+    findings->add(std::abs(fit.factor - 1.0) > kFarOff ? Severity::kFault : Severity::kWarning,
                   "velocity_scale", place, size,
                   text("The velocity of ", named(place), " is ", number(fit.factor),
                        " times its position's derivative: take it from the position."));
@@ -175,10 +167,10 @@ void report_scales(const Head& head, const std::vector<int>& joints,
   if (fits.empty()) return;
   const double common = quantile(factors, 0.5);
   // A single joint indicates the clock only if it is far off.
-  const double threshold = fits.size() > 1 ? kScaleError : 0.1;
+  const double threshold = fits.size() > 1 ? kScaleError : kClockError;
   const bool clock =
-      common > 0.0 && high - low < 0.03 * common && std::abs(common - 1.0) > threshold &&
-      std::abs(common / kDegrees - 1.0) > 0.05 && std::abs(common * kDegrees - 1.0) > 0.05;
+      common > 0.0 && high - low < kOneClock * common && std::abs(common - 1.0) > threshold &&
+      std::abs(common / kDegrees - 1.0) > kDegreeError && std::abs(common * kDegrees - 1.0) > kDegreeError;
   if (clock) {
     findings->add(Severity::kFault, "rate_contradiction", {}, {kNone, common, ""},
                   text("Recorded velocities are ", number(common),

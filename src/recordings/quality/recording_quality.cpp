@@ -13,10 +13,6 @@
 namespace veridyn {
 namespace {
 
-constexpr int kHeadRows = 200000;
-constexpr int kPieceRows = 50000;
-constexpr int kFewestRows = 50;  // required for checks of motion and velocities
-
 using Source = std::function<Recording(int)>;
 
 // The last rows of a piece, prepended to the next one.
@@ -63,7 +59,7 @@ RecordingQuality judged(Recording head_rows, const std::string& file, const Sour
     last = rows_of(piece.rows, piece.rows.rows() - context, context);
   };
   add({head_rows, 0});
-  for (Recording next = source(kPieceRows); next.rows() > 0; next = source(kPieceRows)) {
+  for (Recording next = source(quality::kPieceRows); next.rows() > 0; next = source(quality::kPieceRows)) {
     absurd.clean(&next, 0);
     const Recording piece = joined(last, next);
     add({piece, piece.rows() - next.rows()});
@@ -72,7 +68,7 @@ RecordingQuality judged(Recording head_rows, const std::string& file, const Sour
   absurd.conclude(&findings);
   rows.conclude(&findings);
   if (quality.rows > 1) quality.rate = 1.0 / head.step;
-  if (quality.rows >= kFewestRows) {
+  if (quality.rows >= quality::kFewestRows) {
     time.conclude(&findings);
     if (absurd.share() < quality::kHopelessShare) {
       jumps.conclude(&findings);
@@ -155,7 +151,7 @@ RecordingQuality check_recording(const std::string& path, const RecordingOptions
 }
 
 RecordingQuality check_rows(const std::string& path, const OpenedRows& rows) {
-  RecordingQuality quality = judged(rows.next(kHeadRows), path, rows.next);
+  RecordingQuality quality = judged(rows.next(quality::kHeadRows), path, rows.next);
   quality.facts = rows.facts();
   // Remarks of the reader come after faults and warnings.
   auto at = std::find_if(quality.findings.begin(), quality.findings.end(),
@@ -172,7 +168,7 @@ RecordingQuality check_rows(const std::string& path, const OpenedRows& rows) {
 }
 
 RecordingQuality check_recording(const Recording& recording) {
-  int row = std::min(recording.rows(), kHeadRows);
+  int row = std::min(recording.rows(), quality::kHeadRows);
   return judged(rows_of(recording, 0, row), recording.source, [&](int count) {
     const int first = row;
     row += std::min(count, recording.rows() - row);

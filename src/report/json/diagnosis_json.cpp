@@ -204,7 +204,7 @@ std::string to_json(const Diagnosis& d, const std::string& next_command) {
   out["excluded_intervals"] = Json::array();
   for (const ExcludedInterval& part : d.excluded_intervals) {
     out["excluded_intervals"].push_back({{"file", part.source},
-                                         {"joint", part.joint + 1},
+                                         {"joint", part.joint ? *part.joint + 1 : 0},
                                          {"from", part.from},
                                          {"to", part.to},
                                          {"why", part.why}});

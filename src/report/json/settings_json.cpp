@@ -6,7 +6,7 @@ namespace veridyn {
 namespace {
 
 Json rows_json(const PreprocessingOptions& o) {
-  const Json end = o.row_count < 0 ? Json() : Json(o.first_row + o.row_count);
+  const Json end = o.row_count ? Json(o.first_row + *o.row_count) : Json();
   return Json::array({o.first_row, end});
 }
 

@@ -44,7 +44,7 @@ Json values_in_file(const Identification& id, const Model& robot) {
   if (!identified || !robot.inertial_values()) return out;
   std::map<std::string, double> known;
   for (const StandardParameter& p : standard_parameters(robot))
-    if (p.effect < 0 || !robot.effects()[p.effect].values.empty())
+    if (!p.effect || !robot.effects()[*p.effect].values.empty())
       known[p.name] = p.value;
   for (const IdentifiedParameter& one : identified->parameters) {
     double value = 0.0;

@@ -115,7 +115,7 @@ class MujocoEngine final : public Engine {
   double time() const override { return time_; }
   const VectorXd& q() const override { return q_; }
   const VectorXd& dq() const override { return dq_; }
-  int failed_joint() const override { return failed_; }
+  std::optional<int> failed_joint() const override { return failed_; }
   const std::vector<std::string>& left_out() const override { return left_out_; }
 
   void set_state(const VectorRef& q, const VectorRef& dq) override {
@@ -124,7 +124,7 @@ class MujocoEngine final : public Engine {
     q_ = q;
     dq_ = dq;
     time_ = 0.0;
-    failed_ = -1;
+    failed_.reset();
     forces_.reset(q_.data(), dq_.data());
   }
 
@@ -315,7 +315,7 @@ class MujocoEngine final : public Engine {
   VectorXd q_, dq_, ddq_, k2_, k3_, k4_, q_trial_, dq_trial_, rate_, bias_, sum_, diagonal_;
   MatrixXd M_;
   double time_ = 0.0;
-  int failed_ = -1;
+  std::optional<int> failed_ = {};
 };
 
 }  // namespace

@@ -43,7 +43,7 @@ const VectorXd& Plant::q() const {
 const VectorXd& Plant::dq() const {
   return state_->here.dq;
 }
-int Plant::failed_joint() const {
+std::optional<int> Plant::failed_joint() const {
   return state_->failed;
 }
 const VectorXd& Plant::effect_torques() const {
@@ -65,7 +65,7 @@ void Plant::set_state(const VectorRef& q, const VectorRef& dq) {
   s.here.q = q;
   s.here.dq = dq;
   s.next_h = 0.0;
-  s.failed = -1;
+  s.failed.reset();
   s.work = {};
   s.sticking.reset();
   s.forces.reset(s.here.q.data(), s.here.dq.data());
@@ -76,7 +76,7 @@ StepStatus Plant::accelerate(const VectorRef& tau, VectorXd& ddq) noexcept {
   State& s = *state_;
   assert(tau.size() == s.n && ddq.size() == s.n);
   s.failed = first_not_finite(tau);
-  if (s.failed >= 0) return StepStatus::kNotFinite;
+  if (s.failed) return StepStatus::kNotFinite;
   s.begin(tau);
   ddq = s.here.ddq;
   s.add_up_effects();
@@ -87,7 +87,7 @@ StepStatus Plant::step(const VectorRef& tau, double dt) noexcept {
   State& s = *state_;
   assert(tau.size() == s.n && dt > 0.0);
   s.failed = first_not_finite(tau);
-  if (s.failed >= 0) return StepStatus::kNotFinite;
+  if (s.failed) return StepStatus::kNotFinite;
   const double end = s.here.time + dt;
   if (!(s.next_h > 0.0)) s.next_h = dt;
   double left = dt;
@@ -101,7 +101,7 @@ StepStatus Plant::step(const VectorRef& tau, double dt) noexcept {
     left = left - h > 1e-12 * dt ? left - h : 0.0;
   }
   s.here.time = end;
-  s.failed = -1;
+  s.failed.reset();
   return StepStatus::kOk;
 }
 

@@ -56,7 +56,7 @@ PlantForces::Term PlantForces::bound(const Model& arm, const EffectTerm& of) {
             {},
             of.axis.offset,
             0.0,
-            -1,
+            {},
             {}};
   if (of.from) {
     term.from = line_of(*of.from);
@@ -144,7 +144,7 @@ AxisSample PlantForces::sample(const Term& term, double time, const double* q,
     x.from_s = term.from_offset + along(term.from, q);
     x.from_ds = along(term.from, dq);
   }
-  if (term.load >= 0) x.load = loads_[term.load].value;
+  if (term.load) x.load = loads_[*term.load].value;
   return x;
 }
 
@@ -195,7 +195,7 @@ double PlantForces::sliding(int k, double time, const double* q, double velocity
     x.time = time;
     x.s = term.offset + along(term.axis, q);
     x.ds = direction * std::max(direction * velocity, kRestSpeed);
-    if (term.load >= 0) x.load = loads_[term.load].value;
+    if (term.load) x.load = loads_[*term.load].value;
     EffectState none{};
     sum += force(term, x, none);
   }

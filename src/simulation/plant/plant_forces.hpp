@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -83,7 +84,7 @@ class PlantForces {
     EffectColumns values;
     Line axis, from;
     double offset = 0.0, from_offset = 0.0;
-    int load = -1;  // index among the loads
+    std::optional<int> load = {};  // index among the loads
     EffectState state{};
   };
   struct Affine {

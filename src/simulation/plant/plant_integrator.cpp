@@ -237,12 +237,12 @@ StepStatus Plant::State::substep(const VectorRef& tau, double* h, double smalles
 
 StepStatus Plant::State::why_not(bool finite, bool sound) {
   if (!finite) {
-    const int joint = first_not_finite(there.q);
-    failed = joint >= 0 ? joint : first_not_finite(there.dq);
+    failed = first_not_finite(there.q);
+    if (!failed) failed = first_not_finite(there.dq);
     return StepStatus::kNotFinite;
   }
   if (sound) return StepStatus::kTooStiff;
-  failed = -1;
+  failed.reset();
   return StepStatus::kNotPositive;
 }
 

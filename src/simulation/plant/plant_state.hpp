@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <optional>
 
 #include "simulation/plant/plant_forces.hpp"
 #include "simulation/plant/sticking.hpp"
@@ -9,12 +10,12 @@
 
 namespace veridyn {
 
-/// Index of the first entry that is NaN or infinite, or -1.
-inline int first_not_finite(const VectorRef& v) {
+/// Index of the first entry that is NaN or infinite.
+inline std::optional<int> first_not_finite(const VectorRef& v) {
   for (Eigen::Index i = 0; i < v.size(); ++i) {
     if (!std::isfinite(v[i])) return static_cast<int>(i);
   }
-  return -1;
+  return std::nullopt;
 }
 
 /// One instant of the motion, and the terms there that do not depend on torques.
@@ -83,7 +84,7 @@ struct Plant::State {
   VectorXd k2, k3, k4, white, torques, effects;
   double next_h = 0.0;
   Work work;
-  int failed = -1;
+  std::optional<int> failed = {};  // the joint of a value that is not finite
 };
 
 }  // namespace veridyn

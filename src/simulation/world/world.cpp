@@ -73,11 +73,11 @@ World::State::State(std::vector<WorldArm> given, WorldObjects things) : objects(
 }
 
 void World::State::check(const Attachment& at, const char* what) const {
-  require(at.arm >= -1 && at.arm < static_cast<int>(arms.size()), "world: found ", what, " at arm ",
-          at.arm, ", expected one of ", arms.size(), " from 0, or -1 for the world.");
+  require(!at.arm || (*at.arm >= 0 && *at.arm < static_cast<int>(arms.size())), "world: found ", what,
+          " at arm ", at.arm.value_or(0), ", expected one of ", arms.size(), " from 0, or none for the world.");
   require(at.offset.allFinite(), "world: found ", what, " at a point that is not finite.");
-  if (at.arm < 0) return;
-  const Model& model = arms[at.arm].model;
+  if (!at.arm) return;
+  const Model& model = arms[*at.arm].model;
   require(at.frame >= 0 && at.frame < static_cast<int>(model.frames().size()), "world: found ",
           what, " at frame ", at.frame, ", expected one of the ", model.frames().size(),
           " frames of '", model.name(), "'.");
@@ -158,7 +158,7 @@ int World::State::choose_substeps(double dt) {
       damping_rate += damping * mobility;
     };
     const auto of = [&](const Attachment& at) {
-      return at.arm < 0 ? 0.0 : arms[at.arm].mobility(at);
+      return at.arm ? arms[*at.arm].mobility(at) : 0.0;
     };
     for (const Member& m : objects.members) add(m.stiffness, m.damping, of(m.from) + of(m.to));
     for (const Wall& w : objects.walls) {

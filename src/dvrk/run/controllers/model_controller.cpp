@@ -159,9 +159,9 @@ void ModelController::sent(const VectorXd& tau) noexcept {
 
 std::string ModelController::why() const {
   if (safety_.fault() == SafetyFault::kNone) return "";
-  const int joint = safety_.joint();
+  const std::optional<int> joint = safety_.joint();
   return text("safety supervisor: ", describe(safety_.fault()),
-              joint < 0 ? "" : " (joint " + name_of(joint) + ")");
+              joint ? " (joint " + name_of(*joint) + ")" : "");
 }
 
 const std::string& ModelController::name_of(Eigen::Index joint) const {

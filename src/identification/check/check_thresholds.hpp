@@ -1,0 +1,45 @@
+#pragma once
+
+namespace veridyn {
+
+/// All numbers that can change what `check` says about a recording beside a robot, each with its
+/// inequality and its reason.
+struct CheckThresholds {
+  /// rows > most_rows: the rest is not read; 25 s at 200 Hz, and more rows add nothing new.
+  int most_rows = 5000;
+  /// rows < fewest_rows: no comparison with the robot; 1.5 s at 200 Hz determine no arm.
+  int fewest_rows = 300;
+  /// condition number < worst_condition, columns scaled, else no comparison; whole recordings of a PSM
+  /// have 4600.
+  double worst_condition = 2e4;
+  /// The misfit is the sum over the joints of ln(unexplained share of a joint's squared torque), so that
+  /// a joint that fits badly anyway does not hide another. Its fall > better: a hypothesis about mistaken
+  /// signals is accepted; as if one joint's share fell to 0.4 of its value.
+  double better = 0.9;
+  /// Fall of the misfit > gains_better: efforts are currents; drive gains differ little from joint to
+  /// joint, and so do their fits.
+  double gains_better = 0.3;
+  /// largest gain < equal_gains * smallest gain: currents would fit as well as torques, and are not tested.
+  double equal_gains = 1.05;
+  /// share > well_fitted of some joint, else no exchange of joints is tested.
+  double well_fitted = 0.02;
+  /// share < smallest_share: counts as this; less of a joint's squared torque is noise.
+  double smallest_share = 1e-3;
+  /// power lost to friction / (rms torque * rms speed) > friction_share: it has a sign.
+  double friction_share = 0.03;
+  /// the same > friction_above_rest * sqrt(unexplained share): what is not explained may do work of its own.
+  double friction_above_rest = 0.3;
+  /// relative rise of the rms misfit without friction > friction_significance; in the first seconds of a
+  /// motion other parameters may absorb it. Recordings of a PSM have 0.27 to 2.3.
+  double friction_significance = 0.25;
+  /// position < lower - beyond_limits * range, or beyond the other end: outside of the joint's limits.
+  double beyond_limits = 0.05;
+  /// drive gain < least_gain [N m/A] of some joint: small efforts say nothing about their unit.
+  double least_gain = 2.0;
+  /// efforts / torques of the robot's values > torque_factor, or < 1 / torque_factor: another unit.
+  double torque_factor = 2.0;
+  /// |ln(efforts * gain / torques)| < ln(current_factor): they are currents.
+  double current_factor = 1.5;
+};
+
+}  // namespace veridyn

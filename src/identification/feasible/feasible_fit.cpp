@@ -1,0 +1,201 @@
+#include "identification/feasible/feasible_fit.hpp"
+
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "veridyn/identification/feasible_least_squares.hpp"
+#include "veridyn/identification/pseudo_inertia.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/regressor/standard_parameters.hpp"
+
+namespace veridyn {
+
+std::optional<InertialParameters> maker_of(const Model& arm, const Body& body) {
+  if (body.prior) return body.prior;
+  return arm.description().values == RobotValues::kPrior ? body.phi : std::nullopt;
+}
+
+namespace {
+
+// [kg, kg m^2] lower bound of every pseudo-inertia's eigenvalues: bodies get a finite size, so that
+// simulations are well-posed.
+constexpr double kSmallestEigenvalue = 1e-8;
+constexpr double kGap =
+    1e-6;  // relative duality gap; far below the effect of a single sample
+
+// With a prior whose terms outweigh the residual, rounding limits the certified gap: 0.1 % of the
+// cost is still far below any parameter's deviation.
+constexpr double kGapWithPrior = 1e-3;
+
+struct Bounds {
+  std::vector<VectorXd> rows;
+  std::vector<double> limits;
+  std::vector<std::string> names;
+
+  void add(VectorXd row, double limit, std::string name) {
+    rows.push_back(std::move(row));
+    limits.push_back(limit);
+    names.push_back(std::move(name));
+  }
+};
+
+// Signs of effects, and the boxes of the robot file.
+Bounds parameter_bounds(const Model& arm, const std::vector<StandardParameter>& parameters,
+                        EffectSigns signs) {
+  Bounds bounds;
+  const auto count = static_cast<Eigen::Index>(parameters.size());
+  const auto unit = [count](Eigen::Index j, double sign) {
+    return VectorXd(sign * VectorXd::Unit(count, j));
+  };
+  for (Eigen::Index j = 0; j < count; ++j) {
+    const StandardParameter& p = parameters[j];
+    if (p.fixed || !p.effect) continue;
+    const double most = arm.description().box.effect_max;
+    const bool signed_by_nature = std::isfinite(p.lower) && signs == EffectSigns::kPhysical;
+    if (signed_by_nature) bounds.add(unit(j, -1.0), -p.lower, text(p.name, " >= ", p.lower));
+    if (most > 0.0) bounds.add(unit(j, 1.0), most, text(p.name, " <= ", most));
+    if (most > 0.0 && !signed_by_nature)
+      bounds.add(unit(j, -1.0), most, text(p.name, " >= ", -most));
+  }
+  for (size_t b = 0; b < arm.bodies().size(); ++b) {
+    const Frame& frame = arm.frames()[arm.bodies()[b]];
+    if (frame.body->fixed) continue;
+    const ParameterBox& own = frame.body->box;
+    const ParameterBox& all = arm.description().box;
+    const double mass_max = own.mass_max > 0.0 ? own.mass_max : all.mass_max;
+    const double reach = own.com_reach > 0.0 ? own.com_reach : all.com_reach;
+    const auto first = static_cast<Eigen::Index>(kBodyParameters * b);
+    if (mass_max > 0.0)
+      bounds.add(unit(first, 1.0), mass_max, text("m_", frame.name, " <= ", mass_max));
+    if (reach > 0.0) {
+      // No mass is farther away than twice the reach: trace of the second moments <= (2 reach)^2 m.
+      // This also bounds parameters that the data do not determine.
+      VectorXd row = -4.0 * reach * reach * unit(first, 1.0);
+      for (const int c : {4, 6, 9}) row[first + c] = 0.5;
+      bounds.add(row, 0.0, text("mass of ", frame.name, " lies within ", 2.0 * reach, " m"));
+    }
+    for (Eigen::Index c = 1; c <= 3 && reach > 0.0; ++c) {
+      for (const double sign : {1.0, -1.0}) {
+        bounds.add(unit(first + c, sign) - reach * unit(first, 1.0), 0.0,
+                   text("|com of ", frame.name, "| <= ", reach));
+      }
+    }
+  }
+  return bounds;
+}
+
+FeasibleProblem feasible_problem(const Model& arm, const SquareRootInformation& total,
+                                 const Bounds& bounds) {
+  FeasibleProblem problem;
+  problem.R = total.R();
+  problem.z = total.z();
+  problem.rho2 = total.rho2();
+  for (size_t b = 0; b < arm.bodies().size(); ++b) {
+    if (!arm.frames()[arm.bodies()[b]].body->fixed)
+      problem.body_columns.push_back(static_cast<int>(kBodyParameters * b));
+  }
+  problem.G.resize(static_cast<Eigen::Index>(bounds.rows.size()), total.size());
+  problem.h.resize(problem.G.rows());
+  for (Eigen::Index r = 0; r < problem.G.rows(); ++r) {
+    problem.G.row(r) = bounds.rows[r].transpose();
+    problem.h[r] = bounds.limits[r];
+  }
+  return problem;
+}
+
+// [m] Smallest distance of a prior's mass from its centre: a point mass has no inertia, and bodies
+// of a drawing may have inconsistent moments. Far below the accuracy of a link's inertia.
+constexpr double kSmallestRadius = 0.005;
+
+// Prior of each body: the given one, or the manufacturer's values; none for a body without mass.
+// Nullopt if no body has a prior.
+std::optional<std::vector<InertialParameters>> priors_of(const Model& arm,
+                                                         const FeasibleProblem& problem,
+                                                         const IdentificationOptions& options) {
+  std::vector<InertialParameters> out;
+  if (options.prior) {
+    const auto phi = options.prior->inertial_values();
+    require(phi.has_value(), "prior: found bodies without values in '", options.prior->name(),
+            "', expected a model with values, as from CAD or identify.");
+    require(phi->size() == kBodyParameters * static_cast<int>(arm.bodies().size()),
+            "the prior '", options.prior->name(), "' does not give values to the same bodies as '",
+            arm.name(), "'.");
+    for (const int first : problem.body_columns)
+      out.push_back(with_size(phi->segment<kBodyParameters>(first), kSmallestRadius));
+    return out;
+  }
+  bool any = false;
+  for (const int first : problem.body_columns) {
+    const Body& body =
+        *arm.frames()[arm.bodies()[first / kBodyParameters]].body;
+    const std::optional<InertialParameters> prior = maker_of(arm, body);
+    out.push_back(prior ? with_size(*prior, kSmallestRadius) : InertialParameters::Zero());
+    any = any || out.back()[0] > 0.0;
+  }
+  if (!any) return std::nullopt;
+  return out;
+}
+
+enum class PriorUse { kPull, kLeaveOut };
+
+void solve_with(PriorUse use, const Model& arm, const SquareRootInformation& total,
+                const IdentificationOptions& options, Identification& id) {
+  const auto parameters = standard_parameters(arm);
+  const Bounds bounds = parameter_bounds(arm, parameters, options.signs);
+  const FeasibleProblem problem = feasible_problem(arm, total, bounds);
+  FeasibleOptions solver;
+  solver.condition = options.condition;
+  solver.gap_tolerance = kGap;
+  solver.eigenvalue_margin = kSmallestEigenvalue;
+  std::optional<std::vector<InertialParameters>> prior = priors_of(arm, problem, options);
+  if (prior && use == PriorUse::kPull) {
+    solver.entropic_prior.phi = std::move(*prior);
+    const double bodies = std::max<double>(1.0, static_cast<double>(problem.body_columns.size()));
+    solver.entropic_prior.weight = options.prior_weight * id.unconstrained_objective / bodies;
+  }
+  const FeasibleResult result = solve_feasible_least_squares(problem, solver);
+  id.parameters = result.x;
+  id.objective = result.objective;
+  id.duality_gap = result.duality_gap;
+  id.certified = result.certificate == Certificate::kRigorous;
+  for (const ActiveBody& active : result.active_bodies) {
+    const int body = problem.body_columns[active.body] / kBodyParameters;
+    id.active_constraints.push_back("pseudo-inertia of " + arm.frames()[arm.bodies()[body]].name +
+                                    " is singular");
+  }
+  for (const ActiveRow& active : result.active_rows)
+    id.active_constraints.push_back(bounds.names[active.row]);
+  const bool pulled = prior && use == PriorUse::kPull;
+  if (result.status == FeasibleStatus::kOptimal) return;
+  if (pulled && result.feasible && result.duality_gap <= kGapWithPrior) return;
+  if (prior && use == PriorUse::kPull && !options.prior) {
+    id.active_constraints.clear();
+    solve_with(PriorUse::kLeaveOut, arm, total, options, id);
+    id.remarks.push_back("The bodies of the maker's file pulled at nothing: with them feasible least "
+                         "squares does not converge. What torques do not tell is not near them.");
+    return;
+  }
+  id.status = IdentificationStatus::kNotConverged;
+  const std::string report = result.report();
+  id.reason = report.substr(0, report.find(','));
+  if (!options.prior && result.status == FeasibleStatus::kNotConverged) {
+    id.reason += text(", ", result.duality_gap, " of the objective from the least one; ");
+    id.reason += id.certified ? "a motion that moves every joint more, or --prior MODEL, tells what these torques leave open"
+                              : "box: {mass_max: KG, com_reach: M, effect_max: N} in the robot file bounds what "
+                                "these torques leave open, and --prior MODEL fills it";
+  }
+  if (options.prior)
+    id.reason += "; the prior '" + options.prior->name() + "' does not let it: leave it out, or give "
+                 "its bodies the mass and size of this arm's";
+}
+
+}  // namespace
+
+void solve_feasible(const Model& arm, const SquareRootInformation& total,
+                    const IdentificationOptions& options, Identification& id) {
+  solve_with(PriorUse::kPull, arm, total, options, id);
+}
+
+}  // namespace veridyn

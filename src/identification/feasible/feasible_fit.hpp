@@ -1,0 +1,18 @@
+#pragma once
+
+#include <optional>
+
+#include "veridyn/identification/identification.hpp"
+
+namespace veridyn {
+
+/// Values of the manufacturer's file for a body.
+std::optional<InertialParameters> maker_of(const Model& arm, const Body& body);
+
+/// Feasible least squares on a factor over all standard parameters, with the signs and boxes of the robot
+/// file and the prior of the options. Sets parameters, objective, gap, active constraints, and a status
+/// with its reason where there is no solution.
+void solve_feasible(const Model& arm, const SquareRootInformation& total,
+                    const IdentificationOptions& options, Identification& id);
+
+}  // namespace veridyn

@@ -1,0 +1,160 @@
+#include "identification/fold_errors.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "identification/base_solution.hpp"
+#include "identification/feasible/feasible_fit.hpp"
+#include "identification/many_recordings.hpp"
+#include "veridyn/regressor/base_parameters.hpp"
+
+namespace veridyn {
+namespace {
+
+using BlockList = std::vector<const std::vector<SquareRootInformation>*>;
+
+VectorXd squared_errors(const BlockList& blocks, const std::map<std::string, double>& values) {
+  VectorXd out = VectorXd::Zero(blocks.front()->size());
+  for (const auto* block : blocks) {
+    for (size_t i = 0; i < block->size(); ++i) {
+      const SquareRootInformation& joint = (*block)[i];
+      VectorXd x(joint.size());
+      for (Eigen::Index c = 0; c < x.size(); ++c)
+        x[c] = values.at(joint.columns()[c]);
+      out[static_cast<Eigen::Index>(i)] += joint.residual2(x);
+    }
+  }
+  return out;
+}
+
+std::map<std::string, double> by_name(const std::vector<std::string>& names, const VectorXd& values) {
+  std::map<std::string, double> out;
+  for (size_t p = 0; p < names.size(); ++p) out[names[p]] = values[static_cast<Eigen::Index>(p)];
+  return out;
+}
+
+// Of the rows that were fitted.
+VectorXd rms_residuals(const Model& arm, const Identification& id) {
+  const auto values = by_name(parameter_names(standard_parameters(arm)), id.parameters);
+  VectorXd squares = VectorXd::Zero(arm.joints());
+  VectorXd rows = squares;
+  for (const CompressedRecording& r : id.factors) {
+    for (const auto& block : r.blocks) {
+      squares += squared_errors({&block}, values);
+      for (size_t i = 0; i < block.size(); ++i) rows[static_cast<Eigen::Index>(i)] += block[i].rows();
+    }
+  }
+  return squares.cwiseQuotient(rows.cwiseMax(1.0)).cwiseSqrt();
+}
+
+// Factor that inflates residuals with a longer correlation time to equivalent ones with one
+// independent sample in kUsualIndependence.
+double as_if_independent(const Model& arm, const Identification& id) {
+  constexpr double kUsualIndependence = 0.1;  // [s], equal to TorqueNoise::seconds
+  double seconds = 0.0;
+  for (const CompressedRecording& r : id.factors) seconds += r.facts.duration;
+  if (!(id.effective_samples > 0.0)) return 1.0;
+  return std::sqrt(std::max(1.0, seconds * arm.joints() / id.effective_samples / kUsualIndependence));
+}
+
+// Relative to a column's norm: directions with less information (asymmetric Coulomb friction beside an
+// offset differs at rest alone) stay at the values of all parts, which they would else leave by far.
+constexpr double kHardlyDetermined = 1e-3;
+constexpr size_t kManyRecordings = 4;  // enough to hold out one as a whole
+constexpr size_t kPartsOfOne = 8;
+constexpr size_t kPartsOfFew = 2;
+
+// BlockList of the recordings that are held out together.
+std::vector<BlockList> parts_of(const std::vector<CompressedRecording>& recordings) {
+  const size_t each = recordings.size() >= kManyRecordings ? 1
+                      : recordings.size() == 1             ? kPartsOfOne
+                                                           : kPartsOfFew;
+  std::vector<BlockList> out;
+  for (const CompressedRecording& r : recordings) {
+    const size_t count = r.blocks.size();
+    for (size_t part = 0; part < each; ++part) {
+      BlockList blocks;
+      for (size_t b = part * count / each; b < (part + 1) * count / each; ++b)
+        blocks.push_back(&r.blocks[b]);
+      if (!blocks.empty()) out.push_back(std::move(blocks));
+    }
+  }
+  return out;
+}
+
+// Sum of squares of every joint's torque, as its series has it, over so many rows.
+VectorXd squared_torques(const Identification& id, const VectorXd& rows) {
+  VectorXd out = rows;
+  for (Eigen::Index j = 0; j < rows.size(); ++j) {
+    double sum = 0.0;
+    size_t count = 0;
+    for (const RecordingError& r : id.train) {
+      if (r.series.measured.empty()) continue;
+      const std::vector<double>& torque = r.series.measured[j];
+      for (const double t : torque) sum += t * t;
+      count += torque.size();
+    }
+    if (count > 0) out[j] *= sum / static_cast<double>(count);
+  }
+  return out;
+}
+
+}  // namespace
+
+FoldErrors fold_errors(const Identification& fitted, const IdentificationOptions& options,
+                       FoldValues values) {
+  const Model& arm = *fitted.model;
+  const std::vector<std::string> names = parameter_names(standard_parameters(arm));
+  const std::vector<BlockList> parts = parts_of(fitted.factors);
+  const BaseParameters base =
+      values == FoldValues::kFitted ? identifiable_base_parameters(arm) : BaseParameters();
+  VectorXd weights = range_weights(fitted.factors);
+  if (values == FoldValues::kFitted && options.weights == JointWeights::kResidual)
+    weights = residual_weights(fitted.factors, weights, base, names);
+  FoldErrors out;
+  out.error2.resize(static_cast<Eigen::Index>(parts.size()), arm.joints());
+  VectorXd rows = VectorXd::Zero(arm.joints());
+  std::vector<SquareRootInformation> factors;
+  for (const BlockList& part : parts) {
+    factors.emplace_back(names);
+    for (const auto* block : part) {
+      for (size_t i = 0; i < block->size(); ++i) {
+        factors.back().merge((*block)[i], weights[static_cast<Eigen::Index>(i)]);
+        rows[static_cast<Eigen::Index>(i)] += (*block)[i].rows();
+      }
+    }
+  }
+  SquareRootInformation total(names);
+  for (const SquareRootInformation& factor : factors) total.merge(factor);
+  const MatrixXd anchor = (kHardlyDetermined * total.column_norms()).asDiagonal();
+  for (size_t part = 0; part < parts.size(); ++part) {
+    Identification without;
+    without.parameters = VectorXd::Zero(names.size());
+    if (values == FoldValues::kFitted) {
+      SquareRootInformation rest(names);
+      for (size_t other = 0; other < parts.size(); ++other) {
+        if (other != part || parts.size() == 1) rest.merge(factors[other]);
+      }
+      rest.absorb(anchor, anchor * fitted.parameters);
+      without.unconstrained_objective = fitted.unconstrained_objective;
+      solve_feasible(arm, rest, options, without);
+    }
+    out.error2.row(part) =
+        squared_errors(parts[part], by_name(names, without.parameters)).transpose();
+  }
+  out.torque2 = squared_torques(fitted, rows);
+  return out;
+}
+
+void keep_training_error(Identification& id) {
+  ModelDescription description = id.model->description();
+  description.identified->error = id.train_error.relative;
+  description.identified->noise = rms_residuals(*id.model, id) * as_if_independent(*id.model, id);
+  id.model = Model(std::move(description));
+}
+
+}  // namespace veridyn
