@@ -44,7 +44,7 @@ JoinedArms::JoinedArms(const Scenario& scenario, const std::vector<CooperatingAr
       experiment_(scenario, "veridyn"),
       tension_(scenario.members.size()),
       rate_(scenario.members.size()),
-      push_(scenario.walls.size()),
+      push_(3 * scenario.walls.size()),
       faults_(scenario.arms.size()),
       applied_(scenario.arms.size(), 0) {
   for (size_t k = 0; k < arms.size(); ++k) {
@@ -100,9 +100,10 @@ void JoinedArms::advance(double seconds) {
     rate_[k].store(member.rate);
     largest_force_.store(std::max(largest_force_.load(), std::abs(tension)));
   }
-  for (size_t k = 0; k < push_.size(); ++k) {
-    push_[k].store(experiment_.wall_force(static_cast<int>(k)));
-    largest_force_.store(std::max(largest_force_.load(), push_[k].load()));
+  for (size_t k = 0; k < push_.size() / 3; ++k) {
+    const Eigen::Vector3d channels = experiment_.wall_channels_now(static_cast<int>(k));
+    for (size_t c = 0; c < 3; ++c) push_[3 * k + c].store(channels[static_cast<Eigen::Index>(c)]);
+    largest_force_.store(std::max(largest_force_.load(), channels.norm()));
   }
   if (watcher_) show();
 }

@@ -42,7 +42,7 @@ class JoinedArms final : public JoinedBoards, public SteppedClock {
   double tension(int member) const override { return tension_[member].load(); }
   double rate(int member) const override { return rate_[member].load(); }
   double largest_force() const override { return largest_force_.load(); }
-  double push(int wall) const override { return push_[wall].load(); }
+  double push(int wall, int channel = 0) const override { return push_[3 * wall + channel].load(); }
   void take_by_hand(const Hand& hand, const Eigen::Vector3d& place) override {
     hand_ = hand;
     lead(place);

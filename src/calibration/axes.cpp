@@ -32,20 +32,52 @@ void describe_bodies(const std::vector<RigidBody>& bodies, AxesCalibration& out)
   }
 }
 
+struct LinkOfBundle {
+  int first, second, body;  // hinges of the bundle; the body that carries both
+};
+
+// Hinges that follow each other on one body: along the tree, then around every loop.
+std::vector<LinkOfBundle> links_of(const HingeBundle& bundle) {
+  std::vector<LinkOfBundle> out;
+  const auto add = [&](int first, int second, int body) {
+    const bool there = std::any_of(out.begin(), out.end(), [&](const LinkOfBundle& l) {
+      return std::min(l.first, l.second) == std::min(first, second) &&
+             std::max(l.first, l.second) == std::max(first, second);
+    });
+    if (!there) out.push_back({first, second, body});
+  };
+  for (int j = 0; j < bundle.hinges(); ++j) {
+    if (bundle.closes_loop(j)) continue;
+    const std::vector<int> above = bundle.above(j);
+    if (!above.empty()) add(above.back(), j, bundle.hinge(j).a);
+  }
+  for (int j = 0; j < bundle.hinges(); ++j) {
+    if (!bundle.closes_loop(j)) continue;
+    const std::vector<int> a = bundle.path(bundle.hinge(j).a);
+    const std::vector<int> b = bundle.path(bundle.hinge(j).b);
+    std::size_t common = 0;  // hinges above both bodies
+    while (common < std::min(a.size(), b.size()) && a[common] == b[common]) ++common;
+    const bool from_a = a.size() > common;
+    const bool from_b = b.size() > common;
+    if (from_a && from_b) add(a[common], b[common], bundle.hinge(a[common]).a);
+    if (from_a) add(a.back(), j, bundle.hinge(j).a);
+    else if (from_b) add(b[common], j, bundle.hinge(j).a);
+    if (from_b) add(b.back(), j, bundle.hinge(j).b);
+    else if (from_a) add(a[common], j, bundle.hinge(j).b);
+  }
+  return out;
+}
+
 // The results of one chain, axes in the order of its hinges.
 void append(const HingeBundle& bundle, const std::vector<RigidBody>& bodies, AxesCalibration& out) {
   const int first = static_cast<int>(out.axes.size());
   const HingeTree& tree = bundle.tree();
-  const auto hinges = static_cast<int>(tree.hinges.size());
-  for (int j = 0; j < hinges; ++j) out.axes.push_back(axis_result(bundle, bodies, j));
-  for (int j = 0; j < hinges; ++j) {
-    const std::vector<int> above = bundle.above(j);
-    if (above.empty()) continue;
-    CalibratedLink link = link_result(bundle, above.back(), j);
-    link.first = first + above.back();
-    link.second = first + j;
-    link.body =
-        bodies[tree.hinges[j].a].name;
+  for (int j = 0; j < bundle.hinges(); ++j) out.axes.push_back(axis_result(bundle, bodies, j));
+  for (const LinkOfBundle& l : links_of(bundle)) {
+    CalibratedLink link = link_result(bundle, l.first, l.second, l.body);
+    link.first = first + l.first;
+    link.second = first + l.second;
+    link.body = l.body < 0 ? "world" : bodies[l.body].name;
     out.links.push_back(link);
   }
   for (const int b : tree.bodies)
@@ -116,6 +148,14 @@ std::string AxesCalibration::report() const {
                         fmt::format("{}, {}", l.first + 1, l.second + 1), l.body, 1e3 * l.distance,
                         1e3 * l.distance_half_width, 1e3 * l.plane_parallel_distance,
                         1e3 * l.plane_half_width, l.twist / kDegree, l.twist_half_width / kDegree);
+  }
+  for (std::size_t k = 0; k < axes.size(); ++k) {
+    if (!axes[k].closes_loop) continue;
+    text += fmt::format("  Axis {} closes a loop: {}.\n", k + 1,
+                        axes[k].loop_play > 0.0
+                            ? fmt::format("it misses itself there by {:.2g} mm rms beyond the noise, "
+                                          "which counts as play", 1e3 * axes[k].loop_play)
+                            : "it fits within the noise, and all axes of the loop use that");
   }
   for (const CapturedBody& b : bodies) {
     if (b.relabelled > 0)

@@ -107,8 +107,10 @@ double angle_between(const Line& a, const Line& b) {
 
 CalibratedAxis axis_result(const HingeBundle& bundle, const std::vector<RigidBody>& bodies,
                            int hinge) {
-  const Hinge& h = bundle.tree().hinges[hinge];
+  const Hinge& h = bundle.hinge(hinge);
   CalibratedAxis out;
+  out.closes_loop = bundle.closes_loop(hinge);
+  out.loop_play = bundle.play(hinge);
   out.a = h.a < 0 ? "world" : bodies[h.a].name;
   out.b = bodies[h.b].name;
   out.wobble = h.axis.wobble;
@@ -166,13 +168,12 @@ CalibratedAxis axis_result(const HingeBundle& bundle, const std::vector<RigidBod
   return out;
 }
 
-CalibratedLink link_result(const HingeBundle& bundle, int first, int second) {
+CalibratedLink link_result(const HingeBundle& bundle, int first, int second, int body) {
   CalibratedLink out;
   const Line a = bundle.line(first);
   const Line b = bundle.line(second);
-  const Hinge& carried = bundle.tree().hinges[second];
-  const Vector3d level = carried.a >= 0 ? Vector3d(bundle.shape(carried.a).rowwise().mean())
-                                        : Vector3d(bundle.shape(carried.b).rowwise().mean());
+  const Vector3d level =
+      bundle.shape(body >= 0 ? body : bundle.hinge(second).b).rowwise().mean();
   const Vector3d normal = a.direction.cross(b.direction);
   const Vector3d offset = plane_offset(a, b, level).normalized();
   const auto values = [&](const VectorXd& step) -> VectorXd {

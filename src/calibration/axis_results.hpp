@@ -8,7 +8,8 @@ namespace veridyn::internal {
 CalibratedAxis axis_result(const HingeBundle& bundle, const std::vector<RigidBody>& bodies,
                            int hinge);
 
-/// Geometry between two hinges of one body; indices are those of the bundle.
-CalibratedLink link_result(const HingeBundle& bundle, int first, int second);
+/// Geometry between two hinges of one body (-1: the frame of the cameras); indices of hinges are
+/// those of the bundle.
+CalibratedLink link_result(const HingeBundle& bundle, int first, int second, int body);
 
 }  // namespace veridyn::internal

@@ -7,7 +7,6 @@
 #include <set>
 
 #include "deviations.hpp"
-#include "hinge_path.hpp"
 
 namespace veridyn::internal {
 namespace {
@@ -32,6 +31,7 @@ HingeBundle::HingeBundle(const MarkerCapture& capture, const std::vector<RigidBo
   if (!ready()) return;
   start();
   add_markers();
+  add_closures();
 }
 
 // Selects frames that show two markers of each body, and three of a moving root; the first one with
@@ -80,7 +80,8 @@ void HingeBundle::start() {
   const auto seen = [&](int body, int frame) {
     return body < 0 || bodies_[at(body)].seen[at(frame)] != 0;
   };
-  for (const Hinge& hinge : tree_.hinges) {
+  for (int j = 0; j < hinges(); ++j) {
+    const Hinge& hinge = this->hinge(j);
     const Isometry3d T = hinge.a < 0 ? Isometry3d::Identity()
                                      : bodies_[at(hinge.a)].pose[at(reference)];
     const Line line{T.linear() * hinge.axis.in_a.direction, T * hinge.axis.in_a.point};
@@ -132,10 +133,7 @@ void HingeBundle::add_markers() {
         Observation o;
         o.size = 3;
         o.unknowns.push_back(marker_unknown_[b][m]);
-        for (const int j : above(hinge_of(tree_.bodies[b])))
-          o.unknowns.push_back(hinge_unknown_[at(j)]);
-        if (const int own = hinge_of(tree_.bodies[b]); own >= 0)
-          o.unknowns.push_back(hinge_unknown_[at(own)]);
+        for (const int j : path(tree_.bodies[b])) o.unknowns.push_back(hinge_unknown_[at(j)]);
         if (frame_unknown_[at(k)] >= 0) o.unknowns.push_back(frame_unknown_[at(k)]);
         // A resting root has no unknowns per frame.
         if (tree_.root_rests && hinge_of(tree_.bodies[b]) < 0 && frame_unknown_[at(k)] >= 0)
@@ -149,24 +147,25 @@ void HingeBundle::add_markers() {
   }
 }
 
-Residual HingeBundle::residual(const Seen& seen) const {
+HingePath HingeBundle::free_path(const std::vector<int>& hinges, int frame) const {
   HingePath path;
-  const int own = hinge_of(tree_.bodies[at(seen.body)]);
-  if (own >= 0) {
-    path.hinges = above(own);
-    path.hinges.push_back(own);
-  }
+  path.hinges = hinges;
   for (const int j : path.hinges) {
     path.start.push_back(start_[at(j)]);
     path.plane.push_back(plane_[at(j)]);
   }
-  path.root = root_start_[at(seen.frame)];
+  path.root = root_start_[at(frame)];
   path.root_rests = tree_.root_rests;
-  path.is_reference = seen.frame == 0;
+  path.is_reference = frame == 0;
+  path.local_size = (tree_.root_rests ? 0 : 6) + static_cast<int>(tree_.hinges.size());
+  return path;
+}
+
+Residual HingeBundle::residual(const Seen& seen) const {
+  HingePath path = free_path(this->path(tree_.bodies[at(seen.body)]), seen.frame);
   const RigidBody& body = bodies_[at(tree_.bodies[at(seen.body)])];
   path.measured = capture_.markers[at(body.markers[at(seen.marker)])].position.col(
       frames_[at(seen.frame)]);
-  path.local_size = (tree_.root_rests ? 0 : 6) + static_cast<int>(tree_.hinges.size());
   const double* noise = &noise_;
   return [path = std::move(path), noise](const double* const* x, double* r, double* const* J) {
     path.evaluate(x, *noise, r, J);
@@ -175,18 +174,28 @@ Residual HingeBundle::residual(const Seen& seen) const {
 
 void HingeBundle::fit() {
   problem_.minimise(options_.threads, 30);
+  if (!closed_.empty()) {
+    // Before outliers are left out: a loop that is closed too tightly turns good positions into outliers.
+    information_ = std::make_unique<Information>(problem_);
+    find_play(Spread::kRobust);
+  }
   for (int round = 0; round < kRounds; ++round) {
     reject_outliers();
+    close_loops();
     problem_.minimise(options_.threads, 30);
   }
+  finish();
+  if (closed_.empty() || !find_play(Spread::kMeanSquare)) return;
+  close_loops();
+  problem_.minimise(options_.threads, 30);
   finish();
 }
 
 void HingeBundle::reject_outliers() {
   std::vector<double> lengths;
   double locals = 0.0;
-  for (const Observation& o : problem_.observations())
-    lengths.push_back(problem_.residual(o).norm());
+  for (std::size_t k = 0; k < seen_.size(); ++k)
+    lengths.push_back(problem_.residual(problem_.observations()[k]).norm());
   for (const int u : frame_unknown_) {
     if (u >= 0) locals += static_cast<double>(problem_.value(u).size());
   }
@@ -223,7 +232,12 @@ void HingeBundle::finish() {
   }
   // Each pose was given as four markers: twelve coordinates for six degrees of freedom.
   correlation_ = correlation_factor(all);
-  const double free = std::max(1.0, 1.0 * information_->residuals() - information_->unknowns());
+  // Rows that close a loop have no noise of their own: they take unknowns away.
+  double taken = 0.0;
+  for (std::size_t k = 0; k < closed_.size(); ++k)
+    taken += closure_leverage(problem_.observations()[seen_.size() + k], closed_[k].frame);
+  const double rows = 1.0 * information_->residuals() - 6.0 * static_cast<double>(closed_.size());
+  const double free = std::max(1.0, rows - (information_->unknowns() - taken));
   variance_ = chi2 / free * correlation_ * (capture_.from_poses ? 2.0 : 1.0);
   degrees_of_freedom_ = std::max(1.0, free / correlation_);
   noise_ *= std::sqrt(chi2 / free);
@@ -231,7 +245,8 @@ void HingeBundle::finish() {
 
 std::vector<double> HingeBundle::residuals() const {
   std::vector<double> out;
-  for (const Observation& o : problem_.observations()) {
+  for (std::size_t k = 0; k < seen_.size(); ++k) {
+    const Observation& o = problem_.observations()[k];
     if (!o.active) continue;
     const VectorXd r = noise_ * problem_.residual(o);
     out.insert(out.end(), r.begin(), r.end());
@@ -246,12 +261,20 @@ int HingeBundle::hinge_of(int body) const {
   return -1;
 }
 
-std::vector<int> HingeBundle::above(int hinge) const {
+const Hinge& HingeBundle::hinge(int hinge) const {
+  return closes_loop(hinge) ? tree_.closing[at(hinge) - tree_.hinges.size()]
+                            : tree_.hinges[at(hinge)];
+}
+
+std::vector<int> HingeBundle::path(int body) const {
   std::vector<int> out;
-  if (hinge < 0) return out;
-  for (int j = hinge_of(tree_.hinges[at(hinge)].a); j >= 0; j = hinge_of(tree_.hinges[at(j)].a))
+  for (int j = hinge_of(body); j >= 0; j = hinge_of(tree_.hinges[at(j)].a))
     out.insert(out.begin(), j);
   return out;
+}
+
+std::vector<int> HingeBundle::above(int hinge) const {
+  return path(this->hinge(hinge).a);
 }
 
 Line HingeBundle::line(int hinge, const VectorXd& step) const {
@@ -275,6 +298,22 @@ MatrixXd HingeBundle::shape(int body) const {
 
 VectorXd HingeBundle::angles(int hinge) const {
   VectorXd out = VectorXd::Zero(frames());
+  if (closes_loop(hinge)) {
+    const auto rotations = [&](int body) {
+      std::vector<Eigen::Matrix3d> R(at(frames()), Eigen::Matrix3d::Identity());
+      for (const int j : path(body)) {
+        const VectorXd q = angles(j);
+        for (int k = 0; k < frames(); ++k)
+          R[at(k)] = R[at(k)] * rotation_of(q[k] * line(j).direction);
+      }
+      return R;
+    };
+    const auto a = rotations(this->hinge(hinge).a);
+    const auto b = rotations(this->hinge(hinge).b);
+    for (int k = 1; k < frames(); ++k)
+      out[k] = rotation_vector(a[at(k)].transpose() * b[at(k)]).dot(line(hinge).direction);
+    return out;
+  }
   for (int k = 1; k < frames(); ++k)
     out[k] = problem_.value(frame_unknown_[at(k)])[(tree_.root_rests ? 0 : 6) + hinge];
   return out;

@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "hinge_path.hpp"
 #include "hinges.hpp"
 #include "least_squares.hpp"
 
@@ -15,7 +16,8 @@ namespace veridyn::internal {
 ///   G_k exp(xi_1 theta_1k) ... exp(xi_d theta_dk) x
 ///
 /// with the hinges from the root to its body; G_k moves the root, or is the identity where that
-/// rests.
+/// rests. A hinge that closes a loop has a line of its own, which at every frame is the same one
+/// through either of its bodies, within its play.
 class HingeBundle {
  public:
   HingeBundle(const MarkerCapture& capture, const std::vector<RigidBody>& bodies,
@@ -28,6 +30,13 @@ class HingeBundle {
   void fit();
 
   const HingeTree& tree() const { return tree_; }
+  /// Hinges of the tree, then those that close a loop.
+  int hinges() const { return static_cast<int>(tree_.hinges.size() + tree_.closing.size()); }
+  const Hinge& hinge(int hinge) const;
+  bool closes_loop(int hinge) const { return hinge >= static_cast<int>(tree_.hinges.size()); }
+  /// [m] of a hinge that closes a loop: rms by which the loop misses itself beyond the noise; zero
+  /// where the noise explains all of it.
+  double play(int hinge) const;
   int frames() const { return static_cast<int>(frames_.size()); }
   int outliers() const { return outliers_; }
   double noise() const { return noise_; }  ///< [m] of one coordinate
@@ -41,6 +50,8 @@ class HingeBundle {
   MatrixXd shape(int body) const;
   /// Hinges from the root to hinge j, without j.
   std::vector<int> above(int hinge) const;
+  /// Hinges from the root to a body.
+  std::vector<int> path(int body) const;
   /// Angles of a hinge at every frame.
   VectorXd angles(int hinge) const;
   /// Covariance of functions of the lines and of mean angles over some frames.
@@ -59,9 +70,15 @@ class HingeBundle {
   void choose_frames();
   void start();
   void add_markers();
+  void add_closures();
+  HingePath free_path(const std::vector<int>& hinges, int frame) const;
   Residual residual(const Seen& seen) const;
   void reject_outliers();
   void finish();
+  double closure_leverage(const Observation& o, int frame) const;
+  enum class Spread { kRobust, kMeanSquare };  // of a loop's misses; the first bears outliers
+  bool find_play(Spread spread);
+  void close_loops();
   int hinge_of(int body) const;
 
   const MarkerCapture& capture_;
@@ -78,6 +95,12 @@ class HingeBundle {
   std::vector<int> frame_unknown_;                 // -1: the reference
   std::vector<std::vector<int>> marker_unknown_;   // by body of the tree, by marker
   std::vector<Seen> seen_;  // by observation
+  struct Closed {
+    int closing, frame;
+  };
+  std::vector<Closed> closed_;     // by observation after those of the markers
+  std::vector<double> deviation_;  // [m] of the points of a closing hinge
+  std::vector<double> play_;       // [m] by closing hinge
   std::unique_ptr<Information> information_;
   double noise_ = 0.0, correlation_ = 1.0, degrees_of_freedom_ = 1.0;
   double variance_ = 1.0;  // of residuals, correlation included

@@ -9,6 +9,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using RowMajor = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>;
+using RowMajor6 = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor>;
 using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 using RowMajor4 = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
 using Plane = Eigen::Matrix<double, 3, 2>;
@@ -90,6 +91,56 @@ void HingePath::evaluate(const double* const* x, double noise, double* r, double
   if (J[0] != nullptr) {
     Eigen::Map<RowMajor3> J_marker(J[0]);
     J_marker = L;
+  }
+}
+
+void HingeClosure::evaluate(const double* const* x, double deviation, double* r,
+                            double* const* J) const {
+  const Line line = moved_line(start, plane, x[0]);
+  const Plane by_direction = direction_derivative(start, plane, x[0], line.direction);
+  const auto of_a = a.hinges.size();
+  const auto of_b = b.hinges.size();
+  const std::size_t frame = 1 + of_a + of_b;
+  if (J != nullptr) {
+    for (std::size_t k = 0; k <= frame; ++k) {
+      const int size = k < frame ? 4 : a.local_size;
+      if (J[k] != nullptr) Eigen::Map<RowMajor6>(J[k], 6, size).setZero();
+    }
+  }
+  for (int side = 0; side < 2; ++side) {
+    const double at = side == 0 ? half : -half;
+    const Vector3d point = line.point + at * line.direction;
+    Eigen::Matrix<double, 3, 4> by_line;
+    by_line << at * by_direction, plane;
+    Eigen::Map<Vector3d> gap(r + 3 * side);
+    gap.setZero();
+    for (const bool first : {true, false}) {
+      const HingePath& path = first ? a : b;
+      const double sign = first ? 1.0 : -1.0;
+      const std::size_t hinges = path.hinges.size();
+      const std::size_t offset = first ? 1 : 1 + of_a;  // of its hinges among x
+      std::vector<const double*> at_path = {point.data()};
+      std::vector<RowMajor> blocks = {RowMajor::Zero(3, 3)};
+      for (std::size_t k = 0; k < hinges; ++k) {
+        at_path.push_back(x[offset + k]);
+        blocks.emplace_back(RowMajor::Zero(3, 4));
+      }
+      at_path.push_back(x[frame]);
+      blocks.emplace_back(RowMajor::Zero(3, path.local_size));
+      std::vector<double*> into;
+      for (RowMajor& block : blocks) into.push_back(block.data());
+      Vector3d seen;
+      path.evaluate(at_path.data(), deviation, seen.data(), J == nullptr ? nullptr : into.data());
+      gap += sign * seen;
+      if (J == nullptr) continue;
+      const auto add = [&](std::size_t k, int size, const MatrixXd& block) {
+        if (J[k] != nullptr)
+          Eigen::Map<RowMajor6>(J[k], 6, size).middleRows(3 * side, 3) += sign * block;
+      };
+      add(0, 4, blocks[0] * by_line);
+      for (std::size_t k = 0; k < hinges; ++k) add(offset + k, 4, blocks[1 + k]);
+      add(frame, path.local_size, blocks.back());
+    }
   }
 }
 

@@ -162,13 +162,33 @@ HingeTree tree_from(int root, const std::vector<Candidate>& edges, const Finder&
   return tree;
 }
 
-// Hinges without a loop: the requested ones, or nearest neighbours in the file first.
-std::vector<Candidate> chosen(const Finder& finder, int bodies, const AxesOptions& options,
-                              std::vector<std::string>& cannot_tell) {
-  std::vector<Candidate> edges;
+struct ChosenHinges {
+  std::vector<Candidate> edges;    // without a loop
+  std::vector<Candidate> closing;  // requested ones that close a loop
+};
+
+bool same_pair(const Candidate& c, const Candidate& d) {
+  return (c.a == d.a && c.b == d.b) || (c.a == d.b && c.b == d.a);
+}
+
+// The requested hinges, or nearest neighbours in the file first, without a loop. A loop of hinges
+// that nobody requested need not be one: the far link of a parallelogram turns about a line of its
+// base that carries no hinge.
+ChosenHinges chosen(const Finder& finder, int bodies, const AxesOptions& options,
+                    std::vector<std::string>& cannot_tell) {
+  ChosenHinges found;
+  std::vector<Candidate>& edges = found.edges;
   Sets sets(bodies);
   const auto take = [&](const Candidate& c) {
-    if (c.reason.empty() && sets.join(c.a, c.b)) edges.push_back(c);
+    if (!c.reason.empty()) return;
+    if (sets.join(c.a, c.b)) {
+      edges.push_back(c);
+      return;
+    }
+    const auto again = [&](const Candidate& d) { return same_pair(c, d); };
+    if (std::none_of(edges.begin(), edges.end(), again) &&
+        std::none_of(found.closing.begin(), found.closing.end(), again))
+      found.closing.push_back(c);
   };
   for (const auto& [a, b] : options.between) {
     const Candidate c = finder.candidate(finder.index(a), finder.index(b));
@@ -176,12 +196,12 @@ std::vector<Candidate> chosen(const Finder& finder, int bodies, const AxesOption
     if (!c.reason.empty()) cannot_tell.push_back(c.reason);
     take(c);
   }
-  if (!options.between.empty()) return edges;
+  if (!options.between.empty()) return found;
   if (bodies == 1) {
     const Candidate c = finder.candidate(-1, 0);
     if (!c.reason.empty()) cannot_tell.push_back(c.reason);
     take(c);
-    return edges;
+    return found;
   }
   std::vector<Candidate> refused;
   for (int gap = 1; gap < bodies; ++gap) {
@@ -197,7 +217,7 @@ std::vector<Candidate> chosen(const Finder& finder, int bodies, const AxesOption
         std::find(cannot_tell.begin(), cannot_tell.end(), c.reason) == cannot_tell.end())
       cannot_tell.push_back(c.reason);
   }
-  return edges;
+  return found;
 }
 
 }  // namespace
@@ -206,7 +226,8 @@ std::vector<HingeTree> find_hinges(const std::vector<RigidBody>& bodies, const A
                                    std::vector<std::string>& cannot_tell) {
   const Finder finder(bodies, options);
   const auto count = static_cast<int>(bodies.size());
-  const std::vector<Candidate> edges = chosen(finder, count, options, cannot_tell);
+  const ChosenHinges found = chosen(finder, count, options, cannot_tell);
+  const std::vector<Candidate>& edges = found.edges;
   Sets sets(count);
   for (const Candidate& e : edges) sets.join(e.a, e.b);
   std::vector<HingeTree> trees;
@@ -229,6 +250,9 @@ std::vector<HingeTree> find_hinges(const std::vector<RigidBody>& bodies, const A
       for (const Candidate& e : mine) root = std::min({*root, e.a, e.b});
     }
     trees.push_back(tree_from(*root, mine, finder));
+    for (const Candidate& c : found.closing) {
+      if (sets.same(c.a, edges[k].a)) trees.back().closing.push_back({c.a, c.b, c.axis});
+    }
   }
   return trees;
 }

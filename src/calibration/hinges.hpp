@@ -19,6 +19,7 @@ struct HingeTree {
   bool root_rests = true;
   std::vector<int> bodies;    ///< that belong to it, parents first; without -1
   std::vector<Hinge> hinges;  ///< parents first
+  std::vector<Hinge> closing; ///< requested hinges between bodies that the tree joins already
 };
 
 /// Finds bodies that turn about a common axis, joined to trees. Requested or neighbouring pairs

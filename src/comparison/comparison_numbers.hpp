@@ -1,6 +1,7 @@
 #pragma once
 
-/// All numbers that can change what `compare` says, each with its inequality and its reason.
+/// All numbers that can change what `compare` says, each with its inequality, and with its
+/// reason where one is known.
 namespace veridyn::comparison_numbers {
 
 /// |difference| <= kSameToRounding * the larger one counts as a deviation: rounding in files, and the
@@ -33,6 +34,8 @@ constexpr double kAlsoOn = 0.2;
 constexpr double kSurelyThere = 3.0;
 /// digits of a value without a deviation >= those of kDigits of it.
 constexpr double kDigits = 1e-3;
+/// differences of a list that are printed <= kListed.
+constexpr int kListed = 8;
 /// decimals > kMostDecimals: printed with an exponent.
 constexpr int kMostDecimals = 9;
 

@@ -5,13 +5,12 @@
 #include <cstddef>
 #include <vector>
 
+#include "comparison/comparison_numbers.hpp"
 #include "veridyn/comparison/model_comparison.hpp"
 #include "model/suggestion.hpp"
 
 namespace veridyn {
 namespace {
-
-constexpr std::ptrdiff_t kListed = 8;  // differences of a list that are printed
 
 std::string model_line(const char* which, const ComparedModel& m) {
   std::string out = fmt::format("{:<7} {}", which, m.name);
@@ -53,15 +52,15 @@ std::string list_text(const char* title, const std::vector<ModelDifference>& all
   });
   std::string out;
   for (const ModelDifference& d : told) {
-    if (&d - told.data() == kListed) break;
+    if (&d - told.data() == comparison_numbers::kListed) break;
     out += fmt::format(
         "  {}\n     t = {:.1f} with {:.1f} degrees of freedom, p = {:.1e}, "
         "corrected {:.1e}\n",
         d.sentence, d.t, d.degrees_of_freedom, d.p_value, d.p_corrected);
   }
-  if (told.size() > static_cast<std::size_t>(kListed))
+  if (told.size() > static_cast<std::size_t>(comparison_numbers::kListed))
     out += fmt::format("  and {} more, less sure; --json has all.\n",
-                       told.size() - static_cast<std::size_t>(kListed));
+                       told.size() - static_cast<std::size_t>(comparison_numbers::kListed));
   return out.empty() ? out : std::string("\n") + title + "\n" + out;
 }
 

@@ -39,6 +39,8 @@ class ArmLoop {
 
   const Eigen::Vector3d& position() const { return position_; }  ///< Position of the tip in the world
   const Eigen::Vector3d& velocity() const { return velocity_; }
+  /// Axes of the tip in the world.
+  Eigen::Matrix3d rotation() const { return setup_.R_world_base * state_.tip().rotation(); }
 
   /// @param force  of the tip on the object as measured, in the world [N].
   const VectorXd& torque(const TipTarget& target, const Eigen::Vector3d& force) noexcept;

@@ -67,6 +67,7 @@ void Experiment::add_arm(std::size_t index, const std::string& engine) {
   TipKinematics tip(models.real, {arm.frame, arm.offset});
   tip.update(arm.start, VectorXd::Zero(arm.start.size()));
   starts_.push_back(models.p_world_base + models.R_world_base * tip.position());
+  true_tips_.push_back(tip);
   ArmLoopSetup setup{models.known,
                      {arm.frame, arm.offset},
                      models.R_world_base_known,
@@ -98,7 +99,7 @@ void Experiment::add_members() {
                           1.0 / scenario_.control.rate);
   }
   samples_.resize(sensors_.size());
-  filtered_.assign(sensors_.size() + scenario_.walls.size(), 0.0);
+  filtered_.assign(sensors_.size(), 0.0);
 }
 
 void Experiment::add_walls() {
@@ -110,14 +111,15 @@ void Experiment::add_walls() {
     wall.stiffness = w.stiffness;
     wall.stiffening = w.stiffening;
     wall.damping = w.damping;
+    wall.drag = w.drag;
     wall.touches = tips_[w.arm];
     objects_.walls.push_back(wall);
-    ForceSensorOptions sensor = w.sensor;
-    sensor.seed = scenario_.seed + 2000 + static_cast<unsigned>(k);
-    wall_sensors_.emplace_back(sensor, 1.0 / scenario_.control.rate);
+    wall_sensors_.emplace_back();
+    for (int channel = 0; channel < w.sensor_axes; ++channel)
+      wall_sensors_.back().emplace_back(wall_sensor_options(scenario_, static_cast<int>(k), channel),
+                                        1.0 / scenario_.control.rate);
   }
   walls_ = objects_.walls;
-  wall_samples_.resize(walls_.size());
   wall_now_.resize(walls_.size());
 }
 
@@ -209,14 +211,21 @@ void Experiment::read_sensors() {
 // Walls push the tips; what the tips exert on them and on held bodies is known to the loops.
 void Experiment::read_contacts(double now) {
   for (size_t k = 0; k < walls_.size(); ++k) {
+    Contact& contact = wall_now_[k];
     const World::PointMotion tip = world_->point(walls_[k].touches);
-    const double depth = -walls_[k].normal.dot(tip.position - walls_[k].point);
-    const double rate = -walls_[k].normal.dot(tip.velocity);
-    wall_now_[k] = {contact_force(walls_[k], depth, rate), rate};
-    wall_samples_[k] = wall_sensors_[k].read(now, wall_now_[k].force);
-    double& reading = filtered_[sensors_.size() + k];
-    reading += smoothing_ * (wall_samples_[k].force - reading);
-    forces_[*walls_[k].touches.arm] -= reading * walls_[k].normal;
+    contact.rate = -walls_[k].normal.dot(tip.velocity);
+    contact.force = walls_[k].normal.dot(contact_force(walls_[k], tip.position, tip.velocity));
+    const Vector3d truth = wall_channels_now(static_cast<int>(k));
+    Vector3d channels = Vector3d::Zero();
+    for (size_t c = 0; c < wall_sensors_[k].size(); ++c) {
+      const auto axis = static_cast<Eigen::Index>(c);
+      channels[axis] = wall_sensors_[k][c].read(now, truth[axis]).force;
+    }
+    contact.filtered += smoothing_ * (channels - contact.filtered);
+    const int arm = *walls_[k].touches.arm;
+    const Eigen::Matrix3d R_world_tip = loops_[arm].rotation();
+    contact.measured = force_of_channels(scenario_.walls[k], channels, R_world_tip);
+    forces_[arm] -= force_of_channels(scenario_.walls[k], contact.filtered, R_world_tip);
   }
   for (size_t b = 0; b < held_objects_.size(); ++b) {
     const std::vector<ScenarioBody::Grasp>& grasps = held_objects_[b].scenario().grasps;
@@ -226,10 +235,14 @@ void Experiment::read_contacts(double now) {
   }
 }
 
-double Experiment::wall_force(int wall) {
+Vector3d Experiment::wall_channels_now(int wall) {
   const Wall& w = walls_[wall];
   const World::PointMotion tip = world_->point(w.touches);
-  return contact_force(w, -w.normal.dot(tip.position - w.point), -w.normal.dot(tip.velocity));
+  TipKinematics& axes = true_tips_[w.touches.arm];
+  if (scenario_.walls[wall].sensor_axes == 3)
+    axes.update(world_->q(w.touches.arm), world_->dq(w.touches.arm));
+  return wall_channels(scenario_.walls[wall], contact_force(w, tip.position, tip.velocity),
+                       base_rotation(scenario_.arms[w.touches.arm].turn) * axes.rotation());
 }
 
 bool Experiment::step() {
@@ -302,7 +315,8 @@ void Experiment::record(ScenarioRun& run, Eigen::Index k) const {
     MemberTrace& trace = run.member[sensors_.size() + i];
     trace.force[k] = wall_now_[i].force;
     trace.rate[k] = wall_now_[i].rate;
-    trace.measured[k] = wall_samples_[i].force;
+    trace.measured[k] = wall_now_[i].measured.dot(walls_[i].normal);
+    if (trace.axes.rows() > 0) trace.axes.row(k) = wall_now_[i].measured.transpose();
   }
   for (size_t i = 0; i < held_objects_.size(); ++i) {
     run.body[i].position.row(k) = world_->body(static_cast<int>(i)).position.transpose();

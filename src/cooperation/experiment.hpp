@@ -36,8 +36,8 @@ class Experiment {
   Eigen::Vector3d tip(int arm) const { return world_->point(tips_[arm]).position; }
   /// Torques that acted on an arm last [N m], [N].
   const VectorXd& tau(int arm) const { return tau_[arm]; }
-  /// True force of a wall on its arm now [N].
-  double wall_force(int wall);
+  /// What the channels of a wall's sensor would read now without noise, see wall_channels() [N].
+  Eigen::Vector3d wall_channels_now(int wall);
   const CooperativeController& controller() const { return *control_; }
   /// What the controller last measured.
   const CooperativeInput& seen() const { return *input_; }
@@ -47,6 +47,8 @@ class Experiment {
  private:
   struct Contact {
     double force = 0.0, rate = 0.0;  // [N], [m/s] of the depth
+    Eigen::Vector3d measured{Eigen::Vector3d::Zero()};  // [N] on the tip, in the world, unfiltered
+    Eigen::Vector3d filtered{Eigen::Vector3d::Zero()};  // [N] by channel
   };
   void add_arm(std::size_t index, const std::string& engine);
   void add_members();
@@ -68,8 +70,10 @@ class Experiment {
   std::vector<VectorXd> measured_;
   std::vector<Eigen::Vector3d> starts_;  // of the tips, true, in the world [m]
   WorldObjects objects_;
-  std::vector<ForceSensor> sensors_, wall_sensors_;
-  std::vector<ForceSample> samples_, wall_samples_;
+  std::vector<ForceSensor> sensors_;
+  std::vector<std::vector<ForceSensor>> wall_sensors_;  // by wall, by channel
+  std::vector<TipKinematics> true_tips_;
+  std::vector<ForceSample> samples_;
   std::vector<double> filtered_;  // readings after their low-pass [N]
   double smoothing_ = 1.0;
   std::vector<Wall> walls_;

@@ -69,4 +69,22 @@ ForceSensorOptions sensor_options(const Scenario& scenario, int member) {
   return sensor;
 }
 
+ForceSensorOptions wall_sensor_options(const Scenario& scenario, int wall, int channel) {
+  ForceSensorOptions sensor = scenario.walls[wall].sensor;
+  sensor.seed = scenario.seed + 2000 + static_cast<unsigned>(wall + 1000 * channel);
+  return sensor;
+}
+
+Eigen::Vector3d wall_channels(const ScenarioWall& wall, const Eigen::Vector3d& force,
+                              const Eigen::Matrix3d& R_world_tip) noexcept {
+  if (wall.sensor_axes == 1) return {force.dot(wall.normal), 0.0, 0.0};
+  return R_world_tip.transpose() * force;
+}
+
+Eigen::Vector3d force_of_channels(const ScenarioWall& wall, const Eigen::Vector3d& channels,
+                                  const Eigen::Matrix3d& R_world_tip) noexcept {
+  if (wall.sensor_axes == 1) return channels[0] * wall.normal;
+  return R_world_tip * channels;
+}
+
 }  // namespace veridyn

@@ -25,5 +25,14 @@ CooperativeOptions cooperative_options(const Scenario& scenario,
 
 /// The sensor of a member, with the seed and the faults that the scenario has for it.
 ForceSensorOptions sensor_options(const Scenario& scenario, int member);
+/// One channel of a wall's sensor, from 0 to ScenarioWall::sensor_axes - 1.
+ForceSensorOptions wall_sensor_options(const Scenario& scenario, int wall, int channel);
+
+/// What the channels of a wall's sensor measure of a force on the tip [N], in the world; and the
+/// force that these readings say. Unused channels are zero.
+Eigen::Vector3d wall_channels(const ScenarioWall& wall, const Eigen::Vector3d& force,
+                              const Eigen::Matrix3d& R_world_tip) noexcept;
+Eigen::Vector3d force_of_channels(const ScenarioWall& wall, const Eigen::Vector3d& channels,
+                                  const Eigen::Matrix3d& R_world_tip) noexcept;
 
 }  // namespace veridyn

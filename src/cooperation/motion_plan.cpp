@@ -144,6 +144,9 @@ void MotionPlan::pull(State& state) {
       tips_[arm].force -=
           std::max(0.0, (wall.stiffness + wall.stiffening * depth) * depth + wall.damping * rate) *
           wall.normal;
+    // A sensor of one axis does not feel what acts along the plane.
+    if (depth > 0.0 && wall.sensor_axes == 3)
+      tips_[arm].force += wall.drag * (state.seen.velocity[arm] + rate * wall.normal);
   }
 }
 

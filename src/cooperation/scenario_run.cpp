@@ -33,11 +33,12 @@ ScenarioRun empty_run(const Scenario& scenario, const std::string& engine, Eigen
   }
   for (const ScenarioMember& member : scenario.members) {
     run.members.push_back(member.name);
-    run.member.push_back({run.time, run.time, run.time, run.time, run.time, run.time});
+    run.member.push_back({run.time, run.time, run.time, run.time, run.time, run.time, {}});
   }
   for (const ScenarioWall& wall : scenario.walls) {
     run.members.push_back(wall.name);
-    run.member.push_back({run.time, run.time, run.time, run.time, run.time, run.time});
+    run.member.push_back({run.time, run.time, run.time, run.time, run.time, run.time,
+                          MatrixXd::Zero(wall.sensor_axes == 3 ? rows : 0, 3)});
   }
   for (const ScenarioBody& body : scenario.bodies) {
     run.bodies.push_back(body.name);
@@ -55,6 +56,7 @@ void cut(ScenarioRun& run, Eigen::Index rows) {
   for (MemberTrace& t : run.member) {
     for (VectorXd* v : {&t.wanted, &t.force, &t.measured, &t.x_f, &t.rate, &t.tracked})
       v->conservativeResize(rows);
+    if (t.axes.rows() > 0) t.axes.conservativeResize(rows, 3);
   }
   for (BodyTrace& t : run.body) {
     t.position.conservativeResize(rows, 3);
@@ -191,6 +193,10 @@ std::string scenario_row_names(const ScenarioRun& run) {
   }
   for (const std::string& m : run.members)
     head += fmt::format(",wanted_{0},force_{0},measured_{0},x_f_{0}", m);
+  for (std::size_t m = 0; m < run.member.size(); ++m) {
+    if (run.member[m].axes.rows() > 0)
+      head += fmt::format(",measured_{0}_x,measured_{0}_y,measured_{0}_z", run.members[m]);
+  }
   return head;
 }
 
@@ -210,6 +216,9 @@ std::string scenario_row(const ScenarioRun& run, Eigen::Index k) {
   for (const MemberTrace& m : run.member)
     row += fmt::format(",{:.8g},{:.8g},{:.8g},{:.8g}", m.wanted[k], m.force[k], m.measured[k],
                        m.x_f[k]);
+  for (const MemberTrace& m : run.member) {
+    if (m.axes.rows() > 0) add(m.axes.row(k));
+  }
   return row;
 }
 

@@ -2,8 +2,8 @@
 
 #include <cstddef>
 
-/// All numbers that can change what `watch` says, each with its inequality and its reason. Those that a
-/// user sets are in WatchOptions.
+/// All numbers that can change what `watch` says, each with its inequality, and with its reason
+/// where one is known. Those that a user sets are in WatchOptions.
 namespace veridyn::watching {
 
 // Rows and their smoothing.
@@ -59,7 +59,7 @@ constexpr double kLargestPole = 0.98;
 constexpr double kUnlearned = 0.5;
 /// part of a motion > kBeyond * the largest learned: it is unseen.
 constexpr double kBeyond = 1.1;
-/// alternations between the day's differences and the autoregression = kRounds: a fourth moves no digit.
+/// alternations between the day's differences and the autoregression = kRounds (not measured).
 constexpr int kRounds = 3;
 /// |ds| < kRestShare * the largest speed: dry friction is undetermined.
 constexpr double kRestShare = 0.03;

@@ -63,6 +63,45 @@ void axes(unsigned seeds) {
   twists.print();
 }
 
+// The closed double parallelogram, and the same recordings without the pairs that close it.
+void loops(unsigned seeds) {
+  Tally closed{"lengths of a closed loop", 1e3, "mm"};
+  Tally open{"the same without its closure", 1e3, "mm"};
+  Tally closed_angles{"angles in a closed loop", kDegrees, "deg"};
+  Tally open_angles{"the same without its closure", kDegrees, "deg"};
+  size_t answered = 0;
+  for (unsigned seed = 1; seed <= seeds; ++seed) {
+    const MarkerCapture capture = captured_ladder(seed, 800, 1e-4);
+    AxesOptions options;
+    options.most_frames = 400;
+    options.between = ladder_pairs();
+    const AxesCalibration with = calibrate_axes(capture, options);
+    answered += with.axes.size();
+    options.between.erase(options.between.begin() + 6);
+    options.between.erase(options.between.begin() + 4);
+    const AxesCalibration without = calibrate_axes(capture, options);
+    for (const CalibratedLink& l : without.links) {
+      const CalibratedAxis& a = without.axes[l.first];
+      const CalibratedAxis& b = without.axes[l.second];
+      const double angle = ladder_pair(a) == 0 || ladder_pair(b) == 0 ? 0.5 * M_PI : 0.0;
+      open.add(l.distance - ladder_distance(a, b), l.distance_half_width);
+      open_angles.add(l.twist - angle, l.twist_half_width);
+      for (const CalibratedLink& same : with.links) {
+        if (ladder_pair(with.axes[same.first]) != ladder_pair(a) ||
+            ladder_pair(with.axes[same.second]) != ladder_pair(b))
+          continue;
+        closed.add(same.distance - ladder_distance(a, b), same.distance_half_width);
+        closed_angles.add(same.twist - angle, same.twist_half_width);
+      }
+    }
+  }
+  fmt::print("closed double parallelogram: {} of {} pairs answered\n", answered, 7 * seeds);
+  closed.print();
+  open.print();
+  closed_angles.print();
+  open_angles.print();
+}
+
 // A body with three markers 60 mm from their mean: 0.1 mm of noise turns it by about 1.2 mrad.
 constexpr double kPosition = 1e-4 / 1.7320508;
 constexpr double kAngle = 1.2e-3;
@@ -153,6 +192,7 @@ void speed() {
 int main(int argc, char** argv) {
   const auto seeds = static_cast<unsigned>(argc > 1 ? std::atoi(argv[1]) : 200);
   veridyn::axes(seeds);
+  veridyn::loops(std::min(seeds, 50U));
   veridyn::centre(seeds);
   veridyn::hand_eye(seeds);
   veridyn::constants(std::min(seeds, 50U));

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "calibration/hinge_path.hpp"
 #include "simulated_capture.hpp"
@@ -119,6 +121,145 @@ TEST(Axes, WhatTheMarkersCannotShowIsSaid) {
   few.time = capture.time.head(5);
   for (CapturedMarker& m : few.markers) m.position = MatrixXd(m.position.leftCols(5));
   EXPECT_NE(calibrate_axes(few).reason.find("too few frames"), std::string::npos);
+}
+
+double ladder_distance(const CalibratedLink& link, const AxesCalibration& found) {
+  return ladder_distance(found.axes[link.first], found.axes[link.second]);
+}
+
+enum class Loops { kClosed, kOpen };
+
+AxesCalibration calibrated_ladder(unsigned seed, double noise, double play,
+                                  Loops loops = Loops::kClosed) {
+  AxesOptions options;
+  options.most_frames = 300;
+  options.between = ladder_pairs();
+  if (loops == Loops::kOpen) {
+    options.between.erase(options.between.begin() + 6);
+    options.between.erase(options.between.begin() + 4);
+  }
+  return calibrate_axes(captured_ladder(seed, 400, noise, play), options);
+}
+
+TEST(Axes, EveryRequestedPairOfAClosedDoubleParallelogramIsAnswered) {
+  const AxesCalibration found = calibrated_ladder(1, 1e-7, 0.0);
+  ASSERT_EQ(found.status, CalibrationStatus::kDone) << found.reason;
+  ASSERT_EQ(found.axes.size(), 7U) << found.report();
+  EXPECT_TRUE(found.cannot_tell.empty());
+  std::vector<int> pairs;
+  int closing = 0;
+  for (const CalibratedAxis& axis : found.axes) {
+    pairs.push_back(ladder_pair(axis));
+    closing += axis.closes_loop;
+    EXPECT_EQ(axis.loop_play, 0.0) << axis.a << ", " << axis.b;
+  }
+  std::sort(pairs.begin(), pairs.end());
+  EXPECT_EQ(pairs, (std::vector<int>{0, 1, 2, 3, 4, 5, 6}));
+  EXPECT_EQ(closing, 2);
+  // Two lengths of each crank, one of each coupler, and those of the yawing body.
+  std::map<std::string, int> lengths;
+  for (const CalibratedLink& link : found.links) {
+    EXPECT_NEAR(link.distance, ladder_distance(link, found), 1e-6) << found.report();
+    ++lengths[link.body];
+  }
+  for (const char* body : {"near", "far"}) EXPECT_GE(lengths[body], 2) << found.report();
+  for (const char* body : {"coupler", "outer"}) EXPECT_EQ(lengths[body], 1) << found.report();
+}
+
+// With 0.1 mm of noise the lengths' intervals hold, and with the loops those of the angles between
+// axes are narrower by a quarter or more.
+TEST(Axes, LoopsAreInformation) {
+  constexpr int kSeeds = 4;
+  int inside = 0;
+  int asked = 0;
+  double closed_width = 0.0;
+  double open_width = 0.0;
+  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+    const AxesCalibration closed = calibrated_ladder(seed, 1e-4, 0.0);
+    const AxesCalibration open = calibrated_ladder(seed, 1e-4, 0.0, Loops::kOpen);
+    ASSERT_EQ(open.axes.size(), 5U) << open.report();
+    ASSERT_EQ(closed.axes.size(), 7U) << closed.report();
+    for (const CalibratedLink& link : closed.links) {
+      const double miss = std::abs(link.distance - ladder_distance(link, closed));
+      EXPECT_LT(miss, 2e-4) << closed.report();
+      inside += miss <= link.distance_half_width;
+      ++asked;
+      for (const CalibratedLink& other : open.links) {
+        if (ladder_pair(open.axes[other.first]) != ladder_pair(closed.axes[link.first]) ||
+            ladder_pair(open.axes[other.second]) != ladder_pair(closed.axes[link.second]))
+          continue;
+        closed_width += link.twist_half_width;
+        open_width += other.twist_half_width;
+      }
+    }
+    for (const CalibratedAxis& axis : closed.axes) EXPECT_EQ(axis.loop_play, 0.0) << seed;
+  }
+  EXPECT_GE(inside, 0.85 * asked);
+  EXPECT_LT(closed_width, 0.75 * open_width);
+}
+
+TEST(Axes, PlayInALoopIsMeasured) {
+  const AxesCalibration found = calibrated_ladder(3, 1e-4, 5e-4);
+  ASSERT_EQ(found.axes.size(), 7U) << found.report();
+  double play = 0.0;
+  for (const CalibratedAxis& axis : found.axes) play = std::max(play, axis.loop_play);
+  EXPECT_GT(play, 2e-4) << found.report();
+  EXPECT_LT(play, 7e-4) << found.report();
+  for (const CalibratedLink& link : found.links)
+    EXPECT_NEAR(link.distance, ladder_distance(link, found), 5e-4) << found.report();
+}
+
+TEST(Axes, DerivativesOfALoop) {
+  RandomNumbers random(5);
+  for (const bool rests : {false, true}) {
+    internal::HingeClosure closure;
+    const auto plane_of = [&](internal::Line& line, Eigen::Matrix<double, 3, 2>& plane) {
+      const Eigen::Matrix3d R = random_pose(random, 0.0).linear();
+      line = {R.col(0), 0.3 * R.col(1)};
+      plane = R.rightCols<2>();
+    };
+    plane_of(closure.start, closure.plane);
+    for (internal::HingePath* path : {&closure.a, &closure.b}) {
+      path->root = random_pose(random, 0.5);
+      path->root_rests = rests;
+      path->local_size = (rests ? 0 : 6) + 3;
+      path->hinges = path == &closure.a ? std::vector<int>{0} : std::vector<int>{1, 2};
+      for (size_t j = 0; j < path->hinges.size(); ++j) {
+        path->start.emplace_back();
+        path->plane.emplace_back();
+        plane_of(path->start.back(), path->plane.back());
+      }
+    }
+    std::vector<VectorXd> x;
+    for (const int size : {4, 4, 4, 4, closure.a.local_size}) {
+      x.emplace_back(size);
+      for (double& v : x.back()) v = 0.2 * random.normal();
+    }
+    std::vector<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> rows;
+    std::vector<const double*> at;
+    std::vector<double*> into;
+    for (const VectorXd& v : x) rows.emplace_back(6, v.size());
+    for (size_t k = 0; k < x.size(); ++k) {
+      at.push_back(x[k].data());
+      into.push_back(rows[k].data());
+    }
+    VectorXd r(6);
+    closure.evaluate(at.data(), 1e-3, r.data(), into.data());
+    for (size_t k = 0; k < x.size(); ++k) {
+      for (Eigen::Index c = 0; c < x[k].size(); ++c) {
+        VectorXd up(6);
+        VectorXd down(6);
+        const double was = x[k][c];
+        x[k][c] = was + 1e-6;
+        closure.evaluate(at.data(), 1e-3, up.data(), nullptr);
+        x[k][c] = was - 1e-6;
+        closure.evaluate(at.data(), 1e-3, down.data(), nullptr);
+        x[k][c] = was;
+        EXPECT_LT(((up - down) / 2e-6 - rows[k].col(c)).norm(), 1e-4 * (1.0 + rows[k].col(c).norm()))
+            << rests << " block " << k << " column " << c;
+      }
+    }
+  }
 }
 
 // The residual's derivatives against differences, for a root that moves and for one that rests.

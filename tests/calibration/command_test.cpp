@@ -65,6 +65,32 @@ TEST(CalibrateCommand, AxisWritesAxesLinksAndAPage) {
   expect_sound(page, 1200);
 }
 
+TEST(CalibrateCommand, AxisAnswersEveryRequestedPairOfAClosedLoop) {
+  const TemporaryFolder folder;
+  std::vector<std::string> arguments = {"calibrate", "axis",
+                                        folder.write("ladder.csv", marker_csv(captured_ladder(2, 300, 1e-4))),
+                                        "--json", folder.path("a.json")};
+  for (const auto& [a, b] : ladder_pairs()) {
+    arguments.emplace_back("--between");
+    arguments.push_back(a + "," + b);
+  }
+  const ToolRun run = run_tool(arguments);
+  ASSERT_EQ(run.status, 0) << run.err;
+  const nlohmann::json json = json_of(folder.path("a.json"));
+  ASSERT_EQ(json["axes"].size(), 7U);
+  int closing = 0;
+  for (const nlohmann::json& axis : json["axes"]) {
+    closing += axis["closes_loop"].get<bool>() ? 1 : 0;
+    EXPECT_EQ(axis["loop_play_m"].get<double>(), 0.0);
+  }
+  EXPECT_EQ(closing, 2);
+  EXPECT_TRUE(json["cannot_tell"].empty());
+  EXPECT_NE(run.out.find("closes a loop: it fits within the noise"), std::string::npos) << run.out;
+  // The couplers do not turn against the yawing body: no axis, and that is the answer.
+  arguments.insert(arguments.end(), {"--between", "yaw,coupler"});
+  EXPECT_NE(run_tool(arguments).out.find("'yaw' and 'coupler': they turn by"), std::string::npos);
+}
+
 TEST(CalibrateCommand, RemoteCentreAndItsRefusals) {
   const TemporaryFolder folder;
   std::vector<Eigen::Isometry3d> two;

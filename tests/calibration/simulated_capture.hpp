@@ -2,9 +2,11 @@
 
 #include <Eigen/Geometry>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "math/random_numbers.hpp"
+#include "veridyn/calibration/axes.hpp"
 #include "veridyn/calibration/capture.hpp"
 #include "veridyn/model/model.hpp"
 
@@ -29,6 +31,18 @@ Eigen::Isometry3d noisy(const Eigen::Isometry3d& T, double metres, double radian
 /// The patient side manipulator's six marked bodies: base, yaw, upper, elbow, arm, and a sixth on
 /// the arm's instrument, three markers each; q1 swept while q2 rests at zero, then q2 while q1 does.
 MarkerCapture captured_psm(const Model& arm, int frames, const CaptureNoise& noise, unsigned seed);
+
+/// A closed double parallelogram: base and a yawing body, on it two cranks ("near", "far"), which
+/// carry a coupler at 0.15 m and another ("outer") at 0.23 m; three markers each, with noise alone.
+///
+/// @param play  [m] rms by which the joint of "far" and "outer" opens.
+MarkerCapture captured_ladder(unsigned seed, int frames, double noise, double play = 0.0);
+/// Its seven hinges; the last of either loop comes after the others, at 4 and 6.
+std::vector<std::pair<std::string, std::string>> ladder_pairs();
+/// Index of an axis among these pairs.
+int ladder_pair(const CalibratedAxis& axis);
+/// [m] between two of its axes.
+double ladder_distance(const CalibratedAxis& first, const CalibratedAxis& second);
 
 /// Poses of one frame at random configurations within `share` of the limits.
 PoseCapture captured_poses(const Model& arm, const std::string& frame, int poses, double share,

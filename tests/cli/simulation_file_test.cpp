@@ -82,6 +82,17 @@ TEST(SimulationFileAsRobot, FromDiagnosisBackIntoTheFile) {
   const ToolRun again = run_tool({"diagnose", fresh, "--values", "facts", "--train", one, "--test", two});
   EXPECT_EQ(again.out.find("viscous friction changed"), std::string::npos) << again.out;
   EXPECT_EQ(run_tool({"compare", fresh, real}).status, 0);
+  // In one command: --model-out takes the simulation's own format.
+  const std::string direct = folder.path("direct.xml");
+  const ToolRun one_step = run_tool({"diagnose", sim, "--values", "facts", "--train", one, "--test", two, "--model-out", direct});
+  ASSERT_EQ(one_step.status, 0) << one_step.err;
+  EXPECT_EQ(content_of(direct), text);
+  const std::string identified = folder.path("identified.xml");
+  ASSERT_EQ(run_tool({"identify", sim, "--train", one, "--model-out", identified, "--quiet"}).status, 0);
+  EXPECT_EQ(run_tool({"info", identified}).status, 0);
+  for (const char* wrong : {"direct.sdf", "direct.mjcf.json"})
+    EXPECT_EQ(run_tool({"diagnose", sim, "--train", one, "--test", two, "--model-out", folder.path(wrong)}).status, 2) << wrong;
+  EXPECT_EQ(run_tool({"identify", "planar-2r", "--train", one, "--model-out", folder.path("no.xml")}).status, 2);
 }
 
 TEST(SimulationFileAsRobot, IdentifiesFromIt) {

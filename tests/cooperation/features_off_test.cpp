@@ -77,6 +77,49 @@ TEST(FeaturesOff, TissueThatStiffensWithDepth) {
   EXPECT_NEAR(force_at_rest(s), K * k * into / (K + k), 0.03);
 }
 
+// [m] along the surface from the target to the tip, and [N s/m] the measured force over the tip's
+// velocity, in the middle of the stroke.
+struct Stroke {
+  double lag = 0.0, felt = 0.0;
+};
+Stroke stroke_of(const Scenario& scenario) {
+  const ScenarioRun run = run_scenario(scenario);
+  EXPECT_TRUE(run.met()) << run.report();
+  const PhaseFigures& p = run.phases[1];
+  Stroke out;
+  double rows = 0.0;
+  for (Eigen::Index k = 1; k + 1 < run.time.size(); ++k) {
+    if (std::abs(run.time[k] - 0.5 * (p.from + p.to)) > 0.1) continue;
+    const Eigen::RowVector3d v =
+        (run.arm[0].tip.row(k + 1) - run.arm[0].tip.row(k - 1)) / (run.time[k + 1] - run.time[k - 1]);
+    const Eigen::Vector3d along(v[0], v[1], 0.0);
+    const Eigen::Vector3d off = (run.arm[0].target.row(k) - run.arm[0].tip.row(k)).transpose();
+    out.lag += off.dot(along) / along.squaredNorm();  // over the speed [s]
+    if (run.member[0].axes.rows() > 0)
+      out.felt -= run.member[0].axes.row(k).dot(along.transpose()) / along.squaredNorm();
+    rows += 1.0;
+  }
+  return {out.lag / rows, out.felt / rows};
+}
+
+// The tissue drags the tip along its surface. The impedance yields to that by drag / stiffness times
+// the speed where its sensor feels it, and not with a sensor of the normal alone.
+TEST(FeaturesOff, TheFurtherAxesOfAForceSensor) {
+  Scenario s = shipped("tissue-three-axes");
+  const double drag = s.walls[0].drag;
+  ASSERT_GT(drag, 0.0);
+  const Stroke with = stroke_of(s);
+  EXPECT_NEAR(with.felt, drag, 0.05 * drag);
+  EXPECT_NEAR(with.lag, drag / s.control.stiffness[0], 0.15 * drag / s.control.stiffness[0]);
+  s.walls[0].sensor_axes = 1;
+  EXPECT_LT(std::abs(stroke_of(s).lag), 0.3 * with.lag);
+  s.walls[0].sensor_axes = 3;
+  s.walls[0].drag = 0.0;
+  const Stroke smooth = stroke_of(s);
+  EXPECT_LT(std::abs(smooth.felt), 0.05 * drag);
+  EXPECT_LT(std::abs(smooth.lag), 0.3 * with.lag);
+}
+
 // A falling arm puts energy into the spring that nobody planned.
 TEST(FeaturesOff, TheBoundOfAMembersEnergy) {
   Scenario s = shipped("fault-limp");

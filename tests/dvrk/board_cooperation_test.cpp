@@ -142,6 +142,30 @@ TEST(BoardCooperation, AnArmPressesOnTissueAsItsImpedanceAllows) {
   EXPECT_LT(force.tail(200).maxCoeff(), 1e-9);
 }
 
+// The same with a sensor of three axes under tissue that drags: what the boards' loop has measured is
+// what the emulated tissue does, whatever the tip's orientation.
+TEST(BoardCooperation, ASensorOfThreeAxesOnEmulatedBoards) {
+  Scenario scenario = board_example("two-psm-tissue");
+  scenario.walls[0].sensor_axes = 3;
+  scenario.walls[0].drag = 60.0;
+  scenario.phases.insert(scenario.phases.begin() + 2, scenario.phases[1]);
+  scenario.phases[2].commands[0].way = {0.0, 0.01, 0.0};
+  const BoardCooperationRun done = on_emulated_boards(scenario);
+  ASSERT_TRUE(done.met()) << done.report();
+  const MemberTrace& tissue = done.run.member[1];
+  ASSERT_EQ(tissue.axes.rows(), done.run.time.size());
+  const MatrixXd& tip = done.run.arm[1].tip;
+  const Eigen::Index k = 4750;  // in the middle of the move along the surface
+  const double speed = (tip(k + 20, 1) - tip(k - 20, 1)) / (done.run.time[k + 20] - done.run.time[k - 20]);
+  EXPECT_GT(speed, 0.005);
+  EXPECT_NEAR(tissue.axes(k, 1), -60.0 * speed, 0.1 * 60.0 * speed + 0.05);
+  EXPECT_NEAR(tissue.axes(k, 2), tissue.force[k], 0.06);
+  BoardCooperationOptions options;
+  options.force_sources = {"udp:47121", "udp:47122"};
+  const std::atomic<bool> stop{false};
+  EXPECT_THROW(run_on_boards(scenario, patient_side(2), options, stop), InvalidInput);
+}
+
 class Lines final : public LineSource {
  public:
   explicit Lines(std::vector<std::string> lines) : lines_(std::move(lines)) {}

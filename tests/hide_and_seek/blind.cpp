@@ -1,5 +1,7 @@
 #include "hide_and_seek/blind.hpp"
 
+#include "hide_and_seek/baseline.hpp"
+
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -178,6 +180,28 @@ Json answer_cases(const std::string& folder, const DiagnosisOptions& options) {
         diagnose(arm, paths_of(one, "train", here), paths_of(one, "test", here), options);
     out["answers"][id] = {{"findings", Json::parse(to_json(d)).at("findings")}};
     fmt::print(stderr, "{}: {}\n", id, findings_text(named_by(d)));
+  }
+  return out;
+}
+
+Json answer_cases_by_least_squares(const std::string& folder, int threads) {
+  Json out = {{"format", kFormat}, {"tool", "plain least squares"}, {"answers", Json::object()}};
+  const Json list = manifest(folder);
+  for (const Json& one : list.at("cases")) {
+    const auto id = one.at("id").get<std::string>();
+    const fs::path here = fs::path(folder) / id;
+    const Model arm = read_model((here / one.at("robot").get<std::string>()).string());
+    const std::vector<NamedFinding> named =
+        named_by_least_squares(arm, paths_of(one, "train", here), threads);
+    Json findings = Json::array();
+    for (const NamedFinding& f : named) {
+      Json parameters = Json::object();
+      for (const FoundParameter& p : f.parameters)
+        parameters[p.name] = {{"value", p.value}, {"ci95", {p.low, p.high}}};
+      findings.push_back({{"effect", f.effect}, {"joint", f.joint}, {"parameters", parameters}});
+    }
+    out["answers"][id] = {{"findings", findings}};
+    fmt::print(stderr, "{}: {}\n", id, findings_text(named));
   }
   return out;
 }

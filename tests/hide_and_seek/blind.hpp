@@ -23,6 +23,9 @@ void export_cases(const BoardRequest& request, const std::string& folder, const 
 /// Answers every case of a folder by diagnose(), in the format that score() reads.
 Json answer_cases(const std::string& folder, const DiagnosisOptions& options);
 
+/// The same by least squares alone, see named_by_least_squares(); `before` is not read.
+Json answer_cases_by_least_squares(const std::string& folder, int threads);
+
 /// Judges answers; a case without an answer counts as one that names nothing.
 /// @throws InvalidInput  a file is not there or has another form; the message says where.
 std::vector<Outcome> score(const std::string& folder, const std::string& answers,

@@ -90,6 +90,24 @@ TEST_F(Blind, DiagnoseAnswersWhatWasExported) {
   EXPECT_EQ(t.extras, 0);
 }
 
+// The baseline answers in the same format and is judged by the same code. It names something on a
+// joint where something is hidden.
+TEST_F(Blind, TheBaselineAnswersWhatWasExported) {
+  const Json answers = answer_cases_by_least_squares(folder_, 2);
+  ASSERT_EQ(answers["answers"].size(), 2U);
+  EXPECT_EQ(answers["tool"], "plain least squares");
+  EXPECT_EQ(totals(score_of(answers)).cases, 2);
+  const Json sealed = truth();
+  for (const auto& [id, one] : sealed["cases"].items()) {
+    if (one["causes"].empty()) continue;
+    const Json& found = answers["answers"][id]["findings"];
+    ASSERT_FALSE(found.empty()) << id;
+    EXPECT_EQ(found[0]["joint"], one["causes"][0]["joint"]) << answers.dump(1);
+    for (const auto& [name, p] : found[0]["parameters"].items())
+      EXPECT_LT(p["ci95"][0].get<double>(), p["ci95"][1].get<double>()) << name;
+  }
+}
+
 TEST_F(Blind, AnswersOfAnotherFormAreToldWhere) {
   try {
     score_of({{"answers", {{"case-001", {{"findings", Json::array({{{"joint", 1}}})}}}}}});

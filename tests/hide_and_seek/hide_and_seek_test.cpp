@@ -181,5 +181,20 @@ TEST(HideAndSeek, AForceOnTheTipIsNamedAfterTheCurveThatItExplains) {
   EXPECT_GT(score.explained, 0.98);
 }
 
+// Names that came before it (a cable, springs, a lean of the base) are asked about anew beside it.
+TEST(HideAndSeek, ALaterCauseTakesThePlaceOfTheNamesThatStoodForIt) {
+  const OutsideScore score = outside_score({}, "psm-3dof", "tip_force", 1);
+  EXPECT_TRUE(score.worded);
+  EXPECT_EQ(score.false_names, 0);
+  EXPECT_GT(score.explained, 0.98);
+}
+
+// A counterbalance on a lever is no end stop, whose error still depends on the same position; crosstalk is no
+// cable, whose error still depends on the velocity of the joint that it comes from.
+TEST(HideAndSeek, ANameWhoseOwnSignalsStillPredictTheErrorHasAnotherShape) {
+  EXPECT_EQ(outside_score({}, "pallet-4", "counterbalance_lever", 1).false_names, 0);
+  EXPECT_EQ(outside_score({}, "psm-3dof", "crosstalk", 1).false_names, 0);
+}
+
 }  // namespace
 }  // namespace veridyn::seek

@@ -22,6 +22,7 @@ struct Request {
   BoardRequest board;
   double cutoff = 0.0;
   bool derived_velocity = false;
+  bool least_squares = false;
   std::string sweep;
   std::vector<double> sweep_factors = {0.25, 0.5, 0.8, 1.0, 1.25, 2.0, 4.0};
   std::vector<std::string> set;
@@ -100,6 +101,8 @@ int run(int argc, char** argv) {
   answering->add_option("DIR", request.folder, "Folder of the cases")->required();
   answering->add_option("-o,--output", request.output, "JSON file of answers")->required();
   answering->add_option("--threads", request.board.threads, "Of diagnose");
+  answering->add_flag("--least-squares", request.least_squares,
+                      "Instead of diagnose: least squares with one more effect at a time");
 
   CLI::App* limits = app.add_subcommand("limits", "At which size effects are named");
   limits->add_option("--sizes", request.sizes, "Shares of the joint's rms torque")->delimiter(',');
@@ -127,7 +130,11 @@ int run(int argc, char** argv) {
     print_table(score(request.folder, request.answers, request.truth), "all cases");
   } else if (answering->parsed()) {
     std::ofstream file(request.output);
-    file << answer_cases(request.folder, request.board.options).dump(1) << "\n";
+    file << (request.least_squares
+                 ? answer_cases_by_least_squares(request.folder, request.board.threads)
+                 : answer_cases(request.folder, request.board.options))
+                .dump(1)
+         << "\n";
     require(file.good(), request.output, ": cannot be written.");
   } else if (limits->parsed()) {
     if (request.board.noise <= 0.0) request.board.noise = kDvrkNoise;

@@ -12,7 +12,8 @@ namespace veridyn {
 
 struct AxesOptions {
   /// Pairs of bodies between which axes are sought; empty: all pairs that turn about one axis,
-  /// neighbours in the file first. "world" is the frame of the cameras.
+  /// neighbours in the file first, without a loop. Requested pairs may close loops, which then have
+  /// to fit as well. "world" is the frame of the cameras.
   std::vector<std::pair<std::string, std::string>> between;
   int fewest_frames = 10;       ///< frames in which both bodies are seen; fewer are refused
   int most_frames = 1500;       ///< frames used at most; a longer recording is thinned evenly
@@ -34,9 +35,13 @@ struct CalibratedAxis {
   double wobble = 0.0;
   double play = 0.0;  ///< [m] rms translation, likewise
   int frames = 0;     ///< frames in which `a` rested and the pair turned; 0: none
+  /// The other axes join the pair already, so that this one closes a loop with them.
+  bool closes_loop = false;
+  /// [m] rms by which the loop misses itself here beyond what the markers' noise explains
+  double loop_play = 0.0;
 };
 
-/// Geometry between two successive axes of one body.
+/// Geometry between two successive axes of one body, along a chain or around a loop.
 struct CalibratedLink {
   int first = 0, second = 0;  ///< index of the first axis in the list
   std::string body;           ///< body that carries both
@@ -60,7 +65,8 @@ struct CapturedBody {
 
 /// Axes of a chain of bodies from their markers. All markers, all axes and the angles of every
 /// frame are one least-squares problem (bundle adjustment with hinges), with Huber's loss first and
-/// without outliers at the end; closed forms give the initial values. Thesis A.1 and section 4.1.1.
+/// without outliers at the end; closed forms give the initial values. A loop of hinges is closed at
+/// every frame, within its play. Thesis A.1 and section 4.1.1.
 struct AxesCalibration {
   CalibrationStatus status = CalibrationStatus::kCannotAnswer;
   std::string reason;

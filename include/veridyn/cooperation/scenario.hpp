@@ -56,7 +56,11 @@ struct ScenarioWall {
   double stiffness = 0.0;                 ///< [N/m]
   double stiffening = 0.0;  ///< [N/m^2] added per depth, as tissue does
   double damping = 0.0;     ///< [N s/m]: Kelvin-Voigt model, as for tissue
+  double drag = 0.0;        ///< [N s/m] along the plane
   ForceSensorOptions sensor;
+  /// Axes of the sensor: 1 measures along the normal, 3 along the axes of the arm's frame, whose
+  /// orientation the controller knows from its encoders.
+  int sensor_axes = 1;
 };
 
 /// A rigid body that arms hold by compliant grasps at their tips.

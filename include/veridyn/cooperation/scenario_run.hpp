@@ -26,6 +26,7 @@ struct MemberTrace {
   VectorXd x_f;       ///< [m]
   VectorXd rate;      ///< dl/dt, true [m/s]; NaN on real boards, where nothing measures it
   VectorXd tracked;   ///< 1 where the member is held and its force is tracked
+  MatrixXd axes;      ///< (rows x 3) [N] on the tip, in the world, by a sensor of three axes; else empty
 };
 
 /// A held body over time, (rows x 3) each [m].

@@ -49,11 +49,16 @@ struct Wall {
   double stiffness = 0.0;                 ///< K [N/m]
   double stiffening = 0.0;                ///< S [N/m^2]
   double damping = 0.0;                   ///< C [N s/m]
+  double drag = 0.0;                      ///< [N s/m] along the plane, while the point is beneath it
   Attachment touches;
 };
 
 /// Contact force along the normal [N].
 double contact_force(const Wall& wall, double depth, double rate) noexcept;
+/// Contact force on a point that moves [N], in the world: along the normal, and against its motion
+/// along the plane.
+Eigen::Vector3d contact_force(const Wall& wall, const Eigen::Vector3d& position,
+                              const Eigen::Vector3d& velocity) noexcept;
 
 /// A rigid body held by compliant grasps, each a spring and a damper in all directions between a
 /// point of an arm and one of the body (a fingertip: forces, no moments).

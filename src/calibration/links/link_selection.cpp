@@ -53,6 +53,55 @@ std::string made_of(const LinkParameters& parameters, const BaseParameters& base
   return names;
 }
 
+// The uncertainty of the worst of the active parameters over its bound, and its place. Poses of base
+// and tool are always needed.
+struct Loosest {
+  int at = -1;
+  double share = 0.0;
+};
+
+Loosest loosest(const LinkParameters& parameters, const LinkNormal& normal,
+                const std::vector<int>& active) {
+  const VectorXd s = deviations(normal, active);
+  Loosest out;
+  for (std::size_t k = 0; k < active.size(); ++k) {
+    const LinkParameter& p = parameters.all()[active[k]];
+    if (p.kind == LinkParameter::Kind::kBase || p.kind == LinkParameter::Kind::kTool) continue;
+    const double share = 2.0 * s[static_cast<Eigen::Index>(k)] / loose(p);
+    if (share > out.share) out = {static_cast<int>(k), share};
+  }
+  return out;
+}
+
+// Removes parameters whose uncertainty is too large, worst first. A parameter that was dependent on
+// them can then be well determined: an encoder zero beside two lengths that hardly differ in their
+// effect. Such ones come in, or what only they explain would be nobody's.
+void leave_out_loose_ones(const LinkParameters& parameters, const LinkNormal& normal,
+                          LinkChoice& out) {
+  std::vector<int> removed;
+  for (;;) {
+    const Loosest worst = loosest(parameters, normal, out.independent);
+    if (worst.share < 1.0) break;
+    const int p = out.independent[worst.at];
+    out.why[p] = "hardly moves the tracked frame in these poses";
+    removed.push_back(p);
+    out.independent.erase(out.independent.begin() + worst.at);
+  }
+  if (removed.empty()) return;
+  for (int k = 0; k < parameters.size(); ++k) {
+    if (out.why[k].empty() || normal.N(k, k) <= 0.0 ||
+        std::find(removed.begin(), removed.end(), k) != removed.end())
+      continue;
+    const double deviation = gains(normal, out.independent)[k].deviation;
+    if (deviation <= 0.0 || 2.0 * deviation > loose(parameters.all()[k])) continue;
+    std::vector<int> with = out.independent;
+    with.insert(std::upper_bound(with.begin(), with.end(), k), k);
+    if (loosest(parameters, normal, with).share >= 1.0) continue;
+    out.independent = with;
+    out.why[k].clear();
+  }
+}
+
 }  // namespace
 
 LinkChoice identifiable_links(const LinkParameters& parameters, const LinkNormal& normal,
@@ -89,25 +138,7 @@ LinkChoice identifiable_links(const LinkParameters& parameters, const LinkNormal
             ? "does not move the tracked frame in these poses"
             : "cannot be told from " + made_of(parameters, base, k);
   }
-  while (leave_out_loose) {
-    const VectorXd s = deviations(normal, out.independent);
-    int worst = -1;
-    double most = 1.0;
-    for (std::size_t k = 0; k < out.independent.size(); ++k) {
-      const LinkParameter& p =
-          parameters.all()[out.independent[k]];
-      // Poses of base and tool are always needed.
-      if (p.kind == LinkParameter::Kind::kBase || p.kind == LinkParameter::Kind::kTool) continue;
-      const double share = 2.0 * s[static_cast<Eigen::Index>(k)] / loose(p);
-      if (share < most) continue;
-      most = share;
-      worst = static_cast<int>(k);
-    }
-    if (worst < 0) break;
-    const int p = out.independent[worst];
-    out.why[p] = "hardly moves the tracked frame in these poses";
-    out.independent.erase(out.independent.begin() + worst);
-  }
+  if (leave_out_loose) leave_out_loose_ones(parameters, normal, out);
   return out;
 }
 

@@ -23,6 +23,10 @@ constexpr int kFewestFrames = 10;
 // [m] median distance within which poses agree with the file's.
 constexpr double kNearPosition = 0.05;
 constexpr double kNearAngle = 5.0 * M_PI / 180.0;
+// Largest error of an encoder's zero in an arm that was homed by its marks; beyond, a constant of the
+// file that explains the poses as well is the likelier one.
+constexpr double kHomedAngle = 2.0 * M_PI / 180.0;
+constexpr double kHomedPosition = 0.005;  // [m]
 constexpr double kAsGood = 1.15;  // ratio of the noise with known and with free base and tool
 constexpr double kSameGain = 1e-6;             // relative difference of equal gains
 constexpr double kRival = 0.98;  // share of the best gain above which constants are confounded
@@ -86,12 +90,12 @@ Attachment attach(const Model& arm, int frame, const PoseCapture& poses, bool ba
     const LinkNormal normal = link_normal(*a.chain, a.data, round == 0 ? a.start : a.x);
     // The residual includes wrong constants at first, so that only rank decides.
     a.choice = identifiable_links(*a.parameters, normal, round > 0);
-    a.x = robustly_fitted_links(*a.chain, a.data, a.choice.independent,
-                                round == 0 ? a.start : a.x, options.outlier);
-    for (int k = 0; k < a.x.size(); ++k) {
+    VectorXd from = round == 0 ? a.start : a.x;
+    for (int k = 0; k < from.size(); ++k) {
       if (!std::binary_search(a.choice.independent.begin(), a.choice.independent.end(), k))
-        a.x[k] = 0.0;
+        from[k] = 0.0;
     }
+    a.x = robustly_fitted_links(*a.chain, a.data, a.choice.independent, from, options.outlier);
   }
   return a;
 }
@@ -146,9 +150,12 @@ std::vector<int> joined(const std::vector<int>& a, const std::vector<int>& b) {
   return out;
 }
 
-// Relative change of a constant; constants that are zero by design change last.
+// Relative change of a constant; constants that are zero by design change last. An encoder zero comes
+// before all others.
 double relative_change(const LinkParameter& p, const LinkGain& gain) {
   constexpr double kNever = std::numeric_limits<double>::infinity();
+  if (p.kind == Kind::kZero && std::abs(gain.step) < (p.is_angle() ? kHomedAngle : kHomedPosition))
+    return 0.0;
   if (std::abs(p.file) < kNoise) return kNever;
   const double change = std::abs(gain.step / p.file);
   if (p.kind != Kind::kConstant) return change;
@@ -156,27 +163,57 @@ double relative_change(const LinkParameter& p, const LinkGain& gain) {
   return change > kMisplaced ? kNever : kPreferred * change;
 }
 
-// The constant with the largest gain. Among equals: the one with the smallest relative change,
-// named ones preferred, else the first in the file's order.
-int best_gain(const LinkParameters& parameters, const std::vector<LinkGain>& gain,
-              std::string& rivals) {
+// How many of base and tool are where the file has them, with these parameters fitted.
+int attached_as_in_file(Attachment& a, const std::vector<int>& active, const VectorXd& x,
+                        double correlation) {
+  const VectorXd s = deviations(link_normal(*a.chain, a.data, x), active);
+  bool base = true;
+  bool tool = true;
+  for (std::size_t k = 0; k < active.size(); ++k) {
+    const LinkParameter& p = a.parameters->all()[active[k]];
+    if (p.kind != Kind::kBase && p.kind != Kind::kTool) continue;
+    const Eigen::Isometry3d& T = p.kind == Kind::kBase ? a.chain->base() : a.chain->tool();
+    const double off = p.index < 3 ? rotation_vector(T.linear())[p.index]
+                                   : T.translation()[p.index - 3];
+    if (std::abs(off) > kSignificant * std::sqrt(correlation) * s[static_cast<Eigen::Index>(k)])
+      (p.kind == Kind::kBase ? base : tool) = false;
+  }
+  return static_cast<int>(base) + static_cast<int>(tool);
+}
+
+// The constant with the largest gain. Among equals: those with which base and tool are where the
+// file has them, and of these the one with the smallest relative change, named ones preferred, else
+// the first in the file's order.
+int best_gain(Attachment& a, const std::vector<int>& active, const std::vector<LinkGain>& gain,
+              const VectorXd& x, double correlation, std::string& rivals) {
+  const std::vector<LinkParameter>& all = a.parameters->all();
   double most = 0.0;
   for (const LinkGain& g : gain) most = std::max(most, g.gain);
+  rivals.clear();
+  if (most == 0.0) return -1;
+  std::vector<int> equal;
+  for (int k = 0; k < a.parameters->size(); ++k) {
+    if (gain[k].gain >= (1.0 - kSameGain) * most) equal.push_back(k);
+  }
   int best = -1;
+  int in_file = 0;
   double change = 0.0;
-  for (int k = 0; k < parameters.size(); ++k) {
-    const LinkGain& one = gain[k];
-    if (one.gain < (1.0 - kSameGain) * most || most == 0.0) continue;
-    const double own = relative_change(parameters.all()[k], one);
-    if (best >= 0 && !(own < change)) continue;
+  for (const int k : equal) {
+    int own_in_file = 0;
+    if (equal.size() > 1 && !a.attached.empty()) {
+      const std::vector<int> with = joined(active, {k});
+      own_in_file = attached_as_in_file(a, with, fitted_links(*a.chain, a.data, with, x, 0.0),
+                                        correlation);
+    }
+    const double own = relative_change(all[k], gain[k]);
+    if (best >= 0 && (own_in_file < in_file || (own_in_file == in_file && !(own < change)))) continue;
     best = k;
+    in_file = own_in_file;
     change = own;
   }
-  rivals.clear();
-  for (int k = 0; k < parameters.size(); ++k) {
+  for (int k = 0; k < a.parameters->size(); ++k) {
     if (k == best || gain[k].gain < kRival * most) continue;
-    rivals += (rivals.empty() ? "" : ", ") +
-              parameters.all()[k].full_name();
+    rivals += (rivals.empty() ? "" : ", ") + all[k].full_name();
   }
   return best;
 }
@@ -218,7 +255,7 @@ Explanation explain(Attachment& a, const LinksOptions& options, double correlati
     }
     if (static_cast<int>(e.named.size()) >= options.most_named) break;
     std::string rivals;
-    const int next = best_gain(*a.parameters, gains(normal, active), rivals);
+    const int next = best_gain(a, active, gains(normal, active), e.x, correlation, rivals);
     if (next < 0) break;
     e.named.push_back(next);
     e.rivals.push_back(rivals);
@@ -297,6 +334,11 @@ void list_constants(const Attachment& a, const Explanation& e, const std::vector
       const LinkGain& one = more[k];
       centre += one.step;
       deviation = one.deviation;
+    }
+    if (c.why.empty() && deviation <= 0.0) {  // a named one takes its place
+      for (const int n : e.named)
+        c.why += (c.why.empty() ? "cannot be told from " : ", ") +
+                 a.parameters->all()[n].full_name();
     }
     c.identifiable = c.why.empty();
     const double half = deviation > 0.0 ? half_width(std::pow(scale * deviation, 2.0), dof)

@@ -126,7 +126,8 @@ void add_boards_options(CLI::App& command, BoardsRequest& request) {
                    "Emulate the boards over UDP; the emulated arms hold the scenario's object");
   command
       .add_option("--force-sensor", request.sensors,
-                  "Force sensor of each member, then of each wall: serial:... or udp:PORT")
+                  "Force sensor of each member, then of each wall: serial:... or udp:PORT; three of them "
+                  "(x, y, z) for a wall's sensor of three axes")
       ->option_text("SOURCE...");
   command
       .add_option("--force-calibration", request.calibrations,

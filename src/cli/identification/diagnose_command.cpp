@@ -8,6 +8,7 @@
 #include "cli/options/option_checks.hpp"
 #include "cli/options/recording_options.hpp"
 #include "cli/options/rest_options.hpp"
+#include "cli/models/simulation_output.hpp"
 #include "cli/options/sound_arguments.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 #include "veridyn/diagnosis/rest_diagnosis.hpp"
@@ -81,6 +82,7 @@ ExitStatus run(DiagnoseRequest& request, const std::string& command_line) {
   require_writable(request.common.json);
   require_writable(request.common.report);
   require_writable(request.model_out);
+  expect_simulation_of("--model-out", request.model_out, request.robot);
   const Model arm = read_robot(request.robot, request.common, &request.options.identification.preprocessing.signals);
   expect_known_places(arm, request.options.effects);
   warn_of_repeated_recordings(request.train);
@@ -102,8 +104,11 @@ ExitStatus run(DiagnoseRequest& request, const std::string& command_line) {
   }
   tell_facts(d.data_quality);
   const std::string next = next_command(request, arm, d.next_experiment);
-  if (!request.model_out.empty())
+  if (is_simulation_file(request.model_out)) {
+    save_as_simulation(*d.extended.model, request.robot, request.model_out, request.common.quiet);
+  } else if (!request.model_out.empty()) {
     save(d.extended, request.model_out, "diagnose", robot_path(request.robot));
+  }
   if (!request.common.json.empty()) write_file(request.common.json, to_json(d, next));
   if (!request.common.report.empty()) {
     write_file(request.common.report, to_page(d, command_line, next));
@@ -145,11 +150,13 @@ void add_diagnose_command(CLI::App& tool, Outcome& outcome) {
   command
       .add_option("--values", request->values,
                   "Meaning of values in the robot file: facts of a MODEL, from which changes are "
-                  "sought, or a prior that is identified first (default for URDF)")
+                  "sought, or a prior that is identified first (default for URDF, MJCF and SDF)")
       ->check(CLI::IsMember({"facts", "prior"}))
       ->option_text("facts|prior");
   add_friction_option(command, request->options.identification.friction);
-  add_output_option(command, "--model-out", request->model_out, "Write the extended model as YAML");
+  add_output_option(command, "--model-out", request->model_out,
+                    "Write the extended model as YAML, or into a copy of an MJCF or SDF robot (.xml, .sdf)",
+                    {".yaml", ".yml", ".xml", ".mjcf", ".sdf"});
   add_choice(command, "--weights", request->options.identification.weights,
              {JointWeights::kResidual, JointWeights::kRange},
              "Weights of the joints: one over the standard deviation of the residual, or over the "

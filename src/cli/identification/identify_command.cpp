@@ -13,6 +13,7 @@
 #include "cli/identification/ranks.hpp"
 #include "cli/options/recording_options.hpp"
 #include "cli/options/rest_options.hpp"
+#include "cli/models/simulation_output.hpp"
 #include "cli/options/sound_arguments.hpp"
 #include "identification/many_recordings.hpp"
 #include "veridyn/identification/factor_set.hpp"
@@ -157,7 +158,11 @@ Identification identified(const IdentifyRequest& request, const Model& arm,
 void write_results(const IdentifyRequest& request, const Identification& id,
                    const std::string& command_line) {
   if (id.status == IdentificationStatus::kNotConverged) say("warning: " + id.reason);
-  if (!request.model_out.empty()) save(id, request.model_out, "identify", robot_path(request.robot));
+  if (is_simulation_file(request.model_out)) {
+    save_as_simulation(*id.model, request.robot, request.model_out, request.common.quiet);
+  } else if (!request.model_out.empty()) {
+    save(id, request.model_out, "identify", robot_path(request.robot));
+  }
   if (!request.common.json.empty()) write_file(request.common.json, to_json(id));
   if (!request.common.report.empty()) {
     const Model robot = read_model(request.robot);
@@ -229,6 +234,7 @@ ExitStatus run(IdentifyRequest& request, const std::string& command_line) {
   require_writable(request.common.json);
   require_writable(request.common.report);
   require_writable(request.model_out);
+  expect_simulation_of("--model-out", request.model_out, request.robot);
   require_writable(request.factor_out);
   if (ranks && ranks->size() > 1) return run_on_ranks(request, command_line, *ranks);
   if (!request.test_rows) warn_of_shared_recordings(request.train, request.test);
@@ -301,7 +307,9 @@ void add_identify_command(CLI::App& tool, Outcome& outcome) {
   command.add_option("--test", request->test, "Held-out recordings for validation")
       ->option_text("REC...");
   add_fit_options(command, *request);
-  add_output_option(command, "--model-out", request->model_out, "Write the identified model as YAML");
+  add_output_option(command, "--model-out", request->model_out,
+                    "Write the identified model as YAML, or into a copy of an MJCF or SDF robot (.xml, .sdf)",
+                    {".yaml", ".yml", ".xml", ".mjcf", ".sdf"});
   add_rest_options(command, request->rest, "identify gravity, offsets and forces of position from them");
   add_preprocessing_options(command, request->options.preprocessing);
   add_robot_options(command, request->common);

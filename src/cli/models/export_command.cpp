@@ -5,6 +5,7 @@
 #include "cli/commands.hpp"
 #include "cli/options/common_options.hpp"
 #include "cli/models/export_dvrk.hpp"
+#include "cli/models/simulation_output.hpp"
 #include "math/output_file.hpp"
 #include "cli/options/messages.hpp"
 #include "cli/options/option_checks.hpp"
@@ -17,7 +18,6 @@
 #include "veridyn/export/model_json.hpp"
 #include "veridyn/export/portable_model.hpp"
 #include "veridyn/export/sdf.hpp"
-#include "veridyn/export/simulation_file.hpp"
 #include "veridyn/model/joint_sensors.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/model/model_origin.hpp"
@@ -58,17 +58,8 @@ void save_yaml(const ExportRequest& request, const Model& model) {
   write_file(request.yaml, origin ? with_origin(to_yaml(model), *origin) : to_yaml(model));
 }
 
-// The file's comments list what the format cannot represent; this prints their number.
-void write_xml(const ExportRequest& request, const std::string& file, const char* format,
-               const std::string& xml) {
-  if (file.empty()) return;
-  write_file(file, xml);
-  const std::string mark = "<!-- left out:";
-  int lost = 0;
-  for (std::size_t at = xml.find(mark); at != std::string::npos; at = xml.find(mark, at + 1)) ++lost;
-  if (lost == 0 || request.quiet) return;
-  say(text(file, ": ", format, " has no words for ", lost, lost == 1 ? " item" : " items",
-           " of the model; the file names them in comments that begin with 'left out:'."));
+void write_xml(const ExportRequest& request, const std::string& file, const char* format, const std::string& xml) {
+  if (!file.empty()) write_simulation_xml(file, format, xml, request.quiet);
 }
 
 // The simulation's file that takes the model's values: the one that is named, or else the one that
@@ -90,12 +81,7 @@ void write_simulation(const ExportRequest& request, const ExportedModel& out, Ro
     write_xml(request, target, mjcf ? "MJCF" : "SDF", mjcf ? to_mjcf(out.arm, out.extras.remarks) : to_sdf(out.arm, out.extras));
     return;
   }
-  const UpdatedFile updated = mjcf ? updated_mjcf(out.arm, from) : updated_sdf(out.arm, from);
-  write_xml(request, target, mjcf ? "MJCF" : "SDF", updated.xml);
-  if (request.quiet) return;
-  const std::size_t count = updated.changed.size();
-  say(text(target, ": ", from, " with ", count == 0 ? "no other value" : count == 1 ? "1 value" : std::to_string(count) + " values",
-           " of the model", count == 0 ? "" : ": " + listed(updated.changed), "; all else stays."));
+  write_updated_simulation(out.arm, from, target, request.quiet);
 }
 
 void run(const ExportRequest& request, const std::string& command_line) {

@@ -137,7 +137,7 @@ CLI::Option* add_output_option(CLI::App& command, const std::string& option, std
   CLI::Option* const out =
       command.add_option(option, target, help)->type_name(kOutputType)->option_text("FILE");
   const auto own = kOfOption.find(option);
-  const std::vector<std::string> expected = own == kOfOption.end() ? endings : own->second;
+  const std::vector<std::string> expected = own == kOfOption.end() || !endings.empty() ? endings : own->second;
   if (expected.empty()) return out;
   const bool model = option == "--model-out" || option == "--robot-out" || option == "--yaml";
   return out->check([expected, model](const std::string& path) {

@@ -24,8 +24,10 @@ ForceLaw read_law(const YamlNode& node, double stiffness) {
   return law;
 }
 
-ForceSensorOptions read_sensor(const YamlNode& node) {
-  node.allow_keys({"rate", "delay", "noise", "step"});
+ForceSensorOptions read_sensor(const YamlNode& node, const std::vector<std::string>& further = {}) {
+  std::vector<std::string> keys = {"rate", "delay", "noise", "step"};
+  keys.insert(keys.end(), further.begin(), further.end());
+  node.allow_keys(keys);
   ForceSensorOptions sensor;
   sensor.rate = positive_or(node, "rate", sensor.rate);
   sensor.delay = nonnegative_or(node, "delay", 0.0);
@@ -69,7 +71,8 @@ ScenarioMember read_member(const YamlNode& node, const Names& arms) {
 }
 
 ScenarioWall read_wall(const YamlNode& node, const Names& arms) {
-  node.allow_keys({"name", "arm", "point", "normal", "stiffness", "stiffening", "damping", "sensor"});
+  node.allow_keys({"name", "arm", "point", "normal", "stiffness", "stiffening", "damping", "drag",
+                   "sensor"});
   ScenarioWall wall;
   wall.name = node.at("name").word("the wall's name");
   wall.arm = arms.index(node.at("arm"));
@@ -81,7 +84,12 @@ ScenarioWall read_wall(const YamlNode& node, const Names& arms) {
   wall.stiffness = node.at("stiffness").positive_number();
   wall.stiffening = nonnegative_or(node, "stiffening", 0.0);
   wall.damping = nonnegative_or(node, "damping", 0.0);
-  if (const auto sensor = node.find("sensor")) wall.sensor = read_sensor(*sensor);
+  wall.drag = nonnegative_or(node, "drag", 0.0);
+  if (const auto sensor = node.find("sensor")) {
+    wall.sensor = read_sensor(*sensor, {"axes"});
+    if (const auto axes = sensor->find("axes"))
+      wall.sensor_axes = choice<int>(*axes, {{"1", 1}, {"3", 3}});
+  }
   return wall;
 }
 

@@ -133,16 +133,25 @@ bool falls(const VectorXd& before, const VectorXd& after, std::optional<JointInd
   return log_fall(before, after) > 0.0 && (!joint || after[joint->value] <= before[joint->value]);
 }
 
+// The joint whose torque alone depends on the cause: a wrong zero of one encoder shows on all joints.
+static std::optional<JointIndex> only_joint(const Finding& f) {
+  if (std::holds_alternative<KinematicError>(f.cause)) return std::nullopt;
+  if (!f.joint || !std::holds_alternative<ChannelError>(f.cause)) return f.joint;
+  const auto* channel = dynamic_cast<const ChannelEffect*>(&find_effect(effect_of(f.cause)));
+  const int another = f.joint->value == 0 ? 1 : 0;
+  return channel != nullptr && channel->acts_on(another, f.joint->value) ? std::nullopt : f.joint;
+}
+
 FindingStatus status_of(const Finding& f) {
   const bool measured = f.folds_before.size() > 0 && f.folds_after.size() == f.folds_before.size();
-  return !measured || falls(f.folds_before, f.folds_after, f.joint) ? FindingStatus::kConfirmed
+  return !measured || falls(f.folds_before, f.folds_after, only_joint(f)) ? FindingStatus::kConfirmed
                                                                     : FindingStatus::kNotConfirmed;
 }
 
 Agreement Finding::held_out() const {
   if (test_before.size() == 0 || test_after.size() != test_before.size())
     return Agreement::kNotMeasured;
-  return falls(test_before, test_after, joint) ? Agreement::kAgrees : Agreement::kContradicts;
+  return falls(test_before, test_after, only_joint(*this)) ? Agreement::kAgrees : Agreement::kContradicts;
 }
 
 const char* name_of(Agreement agreement) {

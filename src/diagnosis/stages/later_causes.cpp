@@ -56,11 +56,16 @@ VectorXd errors_with_curves(const DiagnosisState& x) {
   return out;
 }
 
-// True if a joint's error still depends on its own position alone: a name for that has another shape.
-bool has_curve_of_position(const Diagnosis& d, JointIndex joint) {
+// True if a joint has another name or curve that is a function of its own position alone: then the name for
+// that has another shape.
+bool needs_another_force_of_position(const Diagnosis& d, JointIndex joint, const std::string& name) {
   const std::vector<std::string> own = {"q" + std::to_string(joint.value + 1)};
   return std::any_of(d.findings.begin(), d.findings.end(), [&](const Finding& f) {
-    return f.shape && f.joint == joint && f.status == FindingStatus::kConfirmed && f.shape->signals == own;
+    if (f.joint != joint || f.status != FindingStatus::kConfirmed) return false;
+    if (f.shape) return f.shape->signals == own;
+    if (!std::holds_alternative<NewEffect>(f.cause) || effect_of(f.cause) == name) return false;
+    const EffectTraits traits = find_effect(effect_of(f.cause)).traits();
+    return traits.depends_on_position && traits.uses_position && !traits.uses_velocity && !traits.elementary;
   });
 }
 
@@ -96,6 +101,7 @@ void ask_later_causes(DiagnosisState& x) {
   if (y.d.findings.size() <= first || y.d.findings[first].status != FindingStatus::kConfirmed) return;
   y.d.findings.resize(first + 1);
   const std::optional<JointIndex> joint = y.d.findings[first].joint;
+  const std::string name = effect_of(y.d.findings[first].cause);
   keep_first(y, first);
   y.options = x.options;
   y.d.not_supported.clear();
@@ -112,7 +118,7 @@ void ask_later_causes(DiagnosisState& x) {
   }
   y.d.hypotheses += static_cast<int>(later.size());
   account_for_errors(y);
-  if (joint && has_curve_of_position(y.d, *joint)) return;
+  if (joint && needs_another_force_of_position(y.d, *joint, name)) return;
   x = std::move(y);
 }
 

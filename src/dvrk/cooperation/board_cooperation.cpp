@@ -35,10 +35,14 @@ class BoardRun : private BoardLoop {
   BoardRun(const Scenario& scenario, const std::vector<CooperatingArm>& arms,
            const BoardCooperationOptions& options, const std::atomic<bool>& stop)
       : BoardLoop(scenario, arms, options, stop) {
-    const size_t sensors = scenario_.members.size() + scenario_.walls.size();
+    for (size_t k = 0; k < scenario_.walls.size(); ++k) {
+      for (int c = 0; c < scenario_.walls[k].sensor_axes; ++c)
+        wall_channels_.push_back({static_cast<int>(k), c});
+    }
+    const size_t sensors = scenario_.members.size() + wall_channels_.size();
     require(options_.force_sources.empty() || options_.force_sources.size() == sensors,
-            "boards: found ", options_.force_sources.size(),
-            " force sources, expected one for each of ", sensors, " members and walls.");
+            "boards: found ", options_.force_sources.size(), " force sources, expected ", sensors,
+            ", one for each member and wall, and three (x, y, z) for a sensor of three axes.");
     require(options_.emulate || !options_.force_sources.empty() || sensors == 0,
             "boards: found no force source, expected one for each member and wall.");
     open_sensors();
@@ -69,12 +73,12 @@ class BoardRun : private BoardLoop {
  private:
   void open_sensors() {
     const size_t members = scenario_.members.size();
-    for (size_t k = 0; k < members + scenario_.walls.size(); ++k) {
+    for (size_t k = 0; k < members + wall_channels_.size(); ++k) {
       if (options_.force_sources.empty()) {
-        ForceSensorOptions sensor = k < members ? sensor_options(scenario_, static_cast<int>(k))
-                                                : scenario_.walls[k - members].sensor;
-        if (k >= members) sensor.seed = scenario_.seed + 2000 + static_cast<unsigned>(k - members);
-        simulated_.emplace_back(sensor, 0.1);
+        simulated_.emplace_back(k < members ? sensor_options(scenario_, static_cast<int>(k))
+                                            : wall_sensor_options(scenario_, of_wall(k).wall,
+                                                                  of_wall(k).channel),
+                                0.1);
         continue;
       }
       ForceChannelOptions channel;
@@ -82,10 +86,11 @@ class BoardRun : private BoardLoop {
         channel.calibration = read_load_cell(options_.force_calibrations[k]);
       channel.cutoff = scenario_.control.force_cutoff;
       const std::string of = k < members ? "member '" + scenario_.members[k].name + "'"
-                                         : "wall " + std::to_string(k - members + 1);
+                                         : "wall " + std::to_string(of_wall(k).wall + 1);
       channels_.push_back(open_sensor(options_.force_sources[k], of, channel));
     }
-    readings_.resize(members + scenario_.walls.size());
+    readings_.resize(members + wall_channels_.size());
+    wall_channel_values_.assign(scenario_.walls.size(), Vector3d::Zero());
     exerted_.assign(sides_.size(), Vector3d::Zero());
     ages_.assign(sides_.size(), 0.0);
   }
@@ -145,7 +150,10 @@ class BoardRun : private BoardLoop {
         if (channels_[k].channel->state() == ForceState::kStuck) readings_[k].age = kNever;
       }
       if (k >= scenario_.members.size()) {
-        feel_wall(scenario_.walls[k - scenario_.members.size()], readings_[k]);
+        const WallChannel of = of_wall(k);
+        const int arm = scenario_.walls[of.wall].arm;
+        wall_channel_values_[of.wall][of.channel] = readings_[k].force;
+        ages_[arm] = std::max(ages_[arm], readings_[k].age);
         continue;
       }
       input_->force[k] = readings_[k];
@@ -159,19 +167,28 @@ class BoardRun : private BoardLoop {
       ages_[from] = std::max(ages_[from], readings_[k].age);
       ages_[to] = std::max(ages_[to], readings_[k].age);
     }
+    for (size_t w = 0; w < wall_channel_values_.size(); ++w)
+      exerted_[scenario_.walls[w].arm] -= wall_force(w, wall_channel_values_[w]);
   }
 
-  void feel_wall(const ScenarioWall& wall, const ForceReading& reading) noexcept {
-    const auto arm = static_cast<size_t>(wall.arm);
-    exerted_[arm] -= reading.force * wall.normal;
-    ages_[arm] = std::max(ages_[arm], reading.age);
+  struct WallChannel {
+    int wall, channel;
+  };
+  // Readings of walls follow those of members.
+  WallChannel of_wall(size_t reading) const noexcept {
+    return wall_channels_[reading - scenario_.members.size()];
   }
 
-  // Force of a member or a wall of the emulated world; walls follow members in the numbering.
+  // Force on the tip in the world that a wall's channels say.
+  Vector3d wall_force(size_t wall, const Vector3d& channels) const noexcept {
+    const ScenarioWall& w = scenario_.walls[wall];
+    return force_of_channels(w, channels, sides_[w.arm]->loop().rotation());
+  }
+
+  // Force of a member or of a wall's channel in the emulated world, by reading.
   double true_force(size_t k) const noexcept {
-    const size_t members = scenario_.members.size();
-    return k < members ? joined_->tension(static_cast<int>(k))
-                       : joined_->push(static_cast<int>(k - members));
+    if (k < scenario_.members.size()) return joined_->tension(static_cast<int>(k));
+    return joined_->push(of_wall(k).wall, of_wall(k).channel);
   }
 
   void watch_arms() noexcept {
@@ -238,11 +255,23 @@ class BoardRun : private BoardLoop {
       trace.motion.row(k) = (*targets_)[i].motion.transpose();
       trace.target.row(k) = (*targets_)[i].position.transpose();
     }
-    for (size_t i = 0; i < readings_.size(); ++i) {
+    for (size_t w = 0; w < scenario_.walls.size(); ++w) {
+      MemberTrace& trace = run.member[scenario_.members.size() + w];
+      const Vector3d& n = scenario_.walls[w].normal;
+      const Vector3d measured = wall_force(w, wall_channel_values_[w]);
+      Vector3d truth = measured;
+      if (joined_) {
+        for (int c = 0; c < 3; ++c) truth[c] = joined_->push(static_cast<int>(w), c);
+        truth = wall_force(w, truth);
+      }
+      trace.force[k] = truth.dot(n);
+      trace.measured[k] = measured.dot(n);
+      if (trace.axes.rows() > 0) trace.axes.row(k) = measured.transpose();
+    }
+    for (size_t i = 0; i < scenario_.members.size(); ++i) {
       MemberTrace& trace = run.member[i];
       trace.force[k] = joined_ ? true_force(i) : readings_[i].force;
       trace.measured[k] = readings_[i].force;
-      if (i >= scenario_.members.size()) continue;
       trace.wanted[k] = control_->wanted_force(static_cast<int>(i));
       trace.x_f[k] = control_->correction(static_cast<int>(i));
       trace.tracked[k] = 1.0;
@@ -344,7 +373,9 @@ class BoardRun : private BoardLoop {
 
   std::vector<ForceSensor> simulated_;
   std::vector<Sensor> channels_;
-  std::vector<ForceReading> readings_;
+  std::vector<ForceReading> readings_;  // of members, then of the channels of walls
+  std::vector<WallChannel> wall_channels_;
+  std::vector<Vector3d> wall_channel_values_;  // [N] by wall
   std::unique_ptr<CooperativeController> control_;
   std::unique_ptr<CooperativeInput> input_;
   const std::vector<TipTarget>* targets_ = nullptr;

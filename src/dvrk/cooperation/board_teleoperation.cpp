@@ -57,6 +57,8 @@ class TeleoperationLoop : private BoardLoop {
             "boards: found ", options_.force_sources.size(), " force sources, expected ",
             options_.emulate ? "none with emulated boards." : "one for the wall.");
     for (const ScenarioWall& wall : scenario_.walls) {
+      require(wall.sensor_axes == 1, "teleoperation: found a sensor of three axes at '", wall.name,
+              "', expected one axis, along the wall's normal.");
       if (options_.emulate) {
         sensor_.emplace(wall.sensor, 0.1);
       } else {

@@ -22,7 +22,8 @@ class JoinedBoards {
   virtual double tension(int member) const = 0;
   virtual double rate(int member) const = 0;    ///< [m/s] of its length
   virtual double largest_force() const = 0;     ///< [N] of any member, ever
-  virtual double push(int wall) const = 0;      ///< True force that a wall exerts on its arm [N]
+  /// True force of a wall on its arm [N] as a channel of its sensor has it, see wall_channels().
+  virtual double push(int wall, int channel = 0) const = 0;
 
   /// A hand holds an arm's tip by a spring and a damper [N/m], [N s/m].
   struct Hand {

@@ -3,7 +3,7 @@
 namespace veridyn {
 
 /// All numbers that can change what `check` says about a recording beside a robot, each with its
-/// inequality and its reason.
+/// inequality, and with its reason where one is known.
 struct CheckThresholds {
   /// rows > most_rows: the rest is not read; 25 s at 200 Hz, and more rows add nothing new.
   int most_rows = 5000;

@@ -2,18 +2,18 @@
 
 #include <cstddef>
 
-/// All numbers that can change what `fleet` says, each with its inequality and its reason.
+/// All numbers that can change what `fleet` says, each with its inequality, and with its reason where
+/// one is known.
 namespace veridyn::fleet_numbers {
 
 /// arms of a quantity >= kFewest, else nobody is compared: of two nobody knows which one is odd.
 constexpr int kFewest = 3;
-/// |value - median| > kNoticeable * |median|, else not reported, however narrow the fleet is: less
-/// matters to no controller.
+/// |value - median| > kNoticeable * |median|, else not reported, however narrow the fleet is (an
+/// argument, not measured).
 constexpr double kNoticeable = 0.02;
 /// rounds of weights, gains and odd arms = kRounds; the last one leaves out those found before.
 constexpr int kRounds = 4;
-/// groups of arms for the deviations of the bodies <= kGroups: a jackknife over more changes no digit
-/// that is printed.
+/// groups of arms for the deviations of the bodies <= kGroups (not measured).
 constexpr int kGroups = 64;
 /// degrees of freedom of robust deviations <= kFreedom: fleets have heavier tails than a normal
 /// distribution.
@@ -37,6 +37,8 @@ constexpr double kOwnRidge = 1e-7;
 constexpr double kGainRidge = 1e-3;
 /// bisection of the prior's degrees of freedom ends at a width < kWidth.
 constexpr double kWidth = 1e-3;
+/// entries of a list in the text <= kShown; the JSON has all.
+constexpr std::size_t kShown = 20;
 /// progress = kReading when all arms are read.
 constexpr double kReading = 0.9;
 

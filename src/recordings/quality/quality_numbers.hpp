@@ -1,7 +1,7 @@
 #pragma once
 
-/// All numbers that can change what is said about the quality of a recording, each with its inequality
-/// and its reason.
+/// All numbers that can change what is said about the quality of a recording, each with its inequality,
+/// and with its reason where one is known.
 namespace veridyn::quality {
 
 // What is read.

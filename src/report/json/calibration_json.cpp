@@ -51,7 +51,9 @@ Json axis_json(const CalibratedAxis& a) {
           {"range_deg", kDegrees * a.range},
           {"at_rest_frames", a.frames},
           {"wobble_deg", kDegrees * a.wobble},
-          {"play_m", a.play}};
+          {"play_m", a.play},
+          {"closes_loop", a.closes_loop},
+          {"loop_play_m", a.loop_play}};
 }
 
 Json link_json(const CalibratedLink& l) {

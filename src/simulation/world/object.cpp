@@ -24,4 +24,13 @@ double contact_force(const Wall& wall, double depth, double rate) noexcept {
   return std::max(0.0, (wall.stiffness + wall.stiffening * depth) * depth + wall.damping * rate);
 }
 
+Eigen::Vector3d contact_force(const Wall& wall, const Eigen::Vector3d& position,
+                              const Eigen::Vector3d& velocity) noexcept {
+  const double depth = -wall.normal.dot(position - wall.point);
+  const double rate = -wall.normal.dot(velocity);
+  Eigen::Vector3d force = contact_force(wall, depth, rate) * wall.normal;
+  if (depth > 0.0) force -= wall.drag * (velocity + rate * wall.normal);
+  return force;
+}
+
 }  // namespace veridyn

@@ -51,11 +51,9 @@ void World::State::add_members(double share, double h) {
 void World::State::add_walls(double share, double h) {
   for (const Wall& w : objects.walls) {
     const PointMotion p = point(w.touches);
-    const double depth = -w.normal.dot(p.position - w.point);
-    const double rate = -w.normal.dot(p.velocity);
-    const double force = contact_force(w, depth, rate);
-    push(w.touches, force * w.normal, share);
-    work += share * h * force * rate;
+    const Eigen::Vector3d force = contact_force(w, p.position, p.velocity);
+    push(w.touches, force, share);
+    work -= share * h * force.dot(p.velocity);
   }
 }
 

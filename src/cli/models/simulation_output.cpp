@@ -1,0 +1,60 @@
+#include "cli/models/simulation_output.hpp"
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+
+#include "cli/options/messages.hpp"
+#include "math/output_file.hpp"
+#include "model/robot_format.hpp"
+#include "model/suggestion.hpp"
+#include "veridyn/export/portable_model.hpp"
+#include "veridyn/export/simulation_file.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/model_file.hpp"
+
+namespace veridyn::cli {
+
+void write_simulation_xml(const std::string& target, const char* format, const std::string& xml, bool quiet) {
+  write_file(target, xml);
+  const std::string mark = "<!-- left out:";
+  int lost = 0;
+  for (std::size_t at = xml.find(mark); at != std::string::npos; at = xml.find(mark, at + 1)) ++lost;
+  if (lost == 0 || quiet) return;
+  say(text(target, ": ", format, " has no words for ", lost, lost == 1 ? " item" : " items",
+           " of the model; the file names them in comments that begin with 'left out:'."));
+}
+
+void write_updated_simulation(const Model& model, const std::string& from, const std::string& target,
+                              bool quiet) {
+  const bool mjcf = robot_format(from) == RobotFormat::kMjcf;
+  const UpdatedFile updated = mjcf ? updated_mjcf(model, from) : updated_sdf(model, from);
+  write_simulation_xml(target, mjcf ? "MJCF" : "SDF", updated.xml, quiet);
+  if (quiet) return;
+  const std::size_t count = updated.changed.size();
+  say(text(target, ": ", from, " with ", count == 0 ? "no other value" : count == 1 ? "1 value" : std::to_string(count) + " values",
+           " of the model", count == 0 ? "" : ": " + listed(updated.changed), "; all else stays."));
+}
+
+bool is_simulation_file(const std::string& path) {
+  const std::string ending = std::filesystem::path(path).extension().string();
+  return ending == ".xml" || ending == ".mjcf" || ending == ".sdf";
+}
+
+void expect_simulation_of(const std::string& option, const std::string& target, const std::string& robot) {
+  if (!is_simulation_file(target)) return;
+  const std::optional<RobotFormat> format = robot_format(robot_path(robot));
+  const bool sdf = std::filesystem::path(target).extension() == ".sdf";
+  if (format == (sdf ? RobotFormat::kSdf : RobotFormat::kMjcf)) return;
+  if (format == RobotFormat::kSdf && !sdf && std::filesystem::path(target).extension() == ".xml") return;
+  throw CLI::ValidationError(option, "found '" + target + "', expected a .yaml file, since the robot is no " +
+                                         (sdf ? "SDF" : "MJCF") + " file; `veridyn export` writes the model as " +
+                                         std::filesystem::path(target).extension().string().substr(1));
+}
+
+void save_as_simulation(const Model& model, const std::string& robot, const std::string& target, bool quiet) {
+  const ExportedModel out = exported_model(model, std::nullopt, "");
+  for (const std::string& warning : out.warnings) say("warning: " + target + ": " + warning + ".");
+  write_updated_simulation(out.arm, robot_path(robot), target, quiet);
+}
+
+}  // namespace veridyn::cli
