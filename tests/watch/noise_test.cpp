@@ -93,7 +93,10 @@ TEST_F(Noise, PolesStayInsideTheUnitCircle) {
 
 TEST_F(Noise, OffsetsOfTheDayAreFoundBesideAutoregressiveNoise) {
   std::vector<Step> today = autoregressive(0.8, 0.1, 600);
-  for (Step& s : today) s.residual[0] += 2.0;
+  for (Step& s : today) {
+    s.residual[0] += 2.0;
+    s.torque[0] = 10.0;  // five times the offset
+  }
   noise_.fit({}, today);
   EXPECT_NEAR(noise_.today()[0], 2.0, 0.15);
   EXPECT_NEAR(noise_.today()[1], 0.0, 1e-6);
