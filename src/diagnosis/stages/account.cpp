@@ -260,11 +260,11 @@ class Account {
     return out;
   }
 
-  // True if what a finding leaves over still depends on the signals that it acts through, and on no other. A
-  // force of position is one whatever its curve.
+  // True if what a cable leaves over still depends on the signals that it acts through, and on no other. A name of
+  // the joint itself says what its curve depends on, whatever the curve.
   bool has_another_shape(const Finding& f) const {
     const EffectTraits traits = find_effect(effect_of(f.cause)).traits();
-    if (!traits.uses_velocity && !traits.uses_load && !traits.uses_source && !traits.memory) return false;
+    if (!traits.uses_source) return false;
     return std::any_of(d_.findings.begin(), d_.findings.end(), [&](const Finding& curve) {
       if (!curve.shape || curve.status != FindingStatus::kConfirmed || curve.joint != f.joint) return false;
       const std::vector<std::string>& of = curve.shape->signals;
