@@ -222,11 +222,7 @@ void Experiment::read_contacts(double now) {
       channels[axis] = wall_sensors_[k][c].read(now, truth[axis]).force;
     }
     contact.filtered += smoothing_ * (channels - contact.filtered);
-<<<<<<< HEAD
-    const int arm = *walls_[k].touches.arm;
-=======
     const int arm = scenario_.walls[k].arm;
->>>>>>> 3926e863853aeae74765115a12f8cf38db7bc29e
     const Eigen::Matrix3d R_world_tip = loops_[arm].rotation();
     contact.measured = force_of_channels(scenario_.walls[k], channels, R_world_tip);
     forces_[arm] -= force_of_channels(scenario_.walls[k], contact.filtered, R_world_tip);
@@ -242,19 +238,11 @@ void Experiment::read_contacts(double now) {
 Vector3d Experiment::wall_channels_now(int wall) {
   const Wall& w = walls_[wall];
   const World::PointMotion tip = world_->point(w.touches);
-<<<<<<< HEAD
-  TipKinematics& axes = true_tips_[*w.touches.arm];
-  if (scenario_.walls[wall].sensor_axes == 3)
-    axes.update(world_->q(*w.touches.arm), world_->dq(*w.touches.arm));
-  return wall_channels(scenario_.walls[wall], contact_force(w, tip.position, tip.velocity),
-                       base_rotation(scenario_.arms[*w.touches.arm].turn) * axes.rotation());
-=======
   const int arm = scenario_.walls[wall].arm;
   TipKinematics& axes = true_tips_[arm];
   if (scenario_.walls[wall].sensor_axes == 3) axes.update(world_->q(arm), world_->dq(arm));
   return wall_channels(scenario_.walls[wall], contact_force(w, tip.position, tip.velocity),
                        base_rotation(scenario_.arms[arm].turn) * axes.rotation());
->>>>>>> 3926e863853aeae74765115a12f8cf38db7bc29e
 }
 
 bool Experiment::step() {
