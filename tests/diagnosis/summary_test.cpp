@@ -50,10 +50,14 @@ TEST(Summary, TheVerdictBeginsWithWhatTrainingConfirmsAndHeldOutRecordingsDoNotC
   d.findings[0].status = FindingStatus::kNotConfirmed;
   d.findings[1].test_before = d.findings[2].test_after = errors(0.1, 0.1);
   d.findings[1].test_after = d.findings[2].test_before = errors(0.2, 0.2);
+  Diagnosis since_a_model = d;
+  since_a_model.changes = true;
   summarize(d, {});
   EXPECT_EQ(effect_of(d.findings[0].cause), "agrees");
   EXPECT_EQ(effect_of(d.findings[1].cause), "large");
   EXPECT_EQ(d.summary.main, 2);
+  summarize(since_a_model, {});
+  EXPECT_EQ(effect_of(since_a_model.findings[0].cause), "not confirmed");
 }
 
 TEST(Summary, JointsThatAreWorseAreNamedInTheVerdict) {
