@@ -85,6 +85,11 @@ TEST(Status, AsksForASmallerErrorOfHeldOutPartsInSumAndOnTheFindingsOwnJoint) {
   EXPECT_EQ(status(errors(0.2, 0.2), errors(0.21, 0.1)), FindingStatus::kNotConfirmed);
   EXPECT_EQ(status(errors(0.2, 0.2), errors(0.19, 0.4)), FindingStatus::kNotConfirmed);
   EXPECT_EQ(f.held_out(), Agreement::kContradicts);
+  // A wrong zero of one encoder changes the torques of all joints, a wrong gain those of its own.
+  f.cause = ChannelError{"torque_gain", JointIndex{0}};
+  EXPECT_EQ(status(errors(0.2, 0.2), errors(0.21, 0.1)), FindingStatus::kNotConfirmed);
+  f.cause = ChannelError{"encoder_offset", JointIndex{0}};
+  EXPECT_EQ(status(errors(0.2, 0.2), errors(0.21, 0.1)), FindingStatus::kConfirmed);
   f.joint.reset();  // the whole arm: only the sum counts
   EXPECT_EQ(status(errors(0.2, 0.2), errors(0.21, 0.1)), FindingStatus::kConfirmed);
 }

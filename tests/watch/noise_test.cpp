@@ -148,7 +148,7 @@ TEST_F(Noise, PiecesAreNotJoined) {
   }
   noise_.fit(steps, {});
   EXPECT_LT(noise_.deviation()[0], 0.2);  // 0.1 from the poles' bound, 5 if pieces were joined
-  // The same in whitening: the first step of a piece is not compared with the last of another.
+  // Nor does whitening predict the first step of a piece from the last step of the piece before.
   const VectorXd none = VectorXd::Zero(2);
   noise_.whiten(steps[4], none);
   EXPECT_NEAR(noise_.whiten(steps[5], none).e[0] * noise_.deviation()[0], steps[5].residual[0], 1e-9);

@@ -44,9 +44,10 @@ struct DiagnosisState {
   /// Remarks on the recordings, which outlive another run of the questions.
   std::vector<std::string> remarks = {};
 
-  /// Channel errors of single joints that the last select_causes() accepted beyond their usual size, and
-  /// whether it is to refuse such.
+  /// Errors of single joints' channels (delays, gains) beyond their usual size that select_causes() accepted.
   std::vector<NotSupported> unusual = {};
+
+  /// True while select_causes() refuses errors of single joints' channels beyond their usual size.
   bool usual_channels_only = false;
 
   /// True if the effect is among those to test, at any place.
