@@ -7,6 +7,7 @@
 #include "veridyn/control/computed_torque.hpp"
 #include "veridyn/control/friction_compensation.hpp"
 #include "veridyn/control/momentum_observer.hpp"
+#include "veridyn/control/torque_uncertainty.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "kinematics/standard_motion.hpp"
 #include "veridyn/math/require.hpp"
@@ -194,6 +195,32 @@ TEST(MomentumObserver, WhatCannotBeIsRefused) {
   UncertaintyOptions uncertainty;
   uncertainty.relative = 0.0;
   EXPECT_THROW(TorqueUncertainty(arm, uncertainty), InvalidInput);
+}
+
+// At rest the whole level of friction is unknown: that of this position and of this load.
+TEST(TorqueUncertainty, FrictionIsThatOfThePositionAndTheLoad) {
+  const Model bare = plausible_model(read_model("psm-3dof"), 1).arm;
+  const auto with = [&bare](const std::vector<EffectTerm>& effects) {
+    std::vector<EffectTerm> all = {effect_on(bare, "coulomb_friction", 2, {{"level", 1.0}})};
+    all.insert(all.end(), effects.begin(), effects.end());
+    return with_effects(bare, all);
+  };
+  const Model plain = with({});
+  const Model by_position =
+      with({effect_on(bare, "position_dependent_friction", 2, {{"slope", 10.0}, {"curvature", 0.0}})});
+  const Model by_load = with({effect_on(bare, "load_dependent_friction", 2, {{"coefficient", 0.2}})});
+  const VectorXd none = VectorXd::Zero(3);
+  ArmState state(plain, {"tool"});
+  TorqueUncertainty level(plain);
+  TorqueUncertainty on_the_way(by_position);
+  TorqueUncertainty under_load(by_load);
+  for (const double insertion : {0.05, 0.15}) {
+    state.update(Eigen::Vector3d(0.1, 0.4, insertion), none);
+    const double without = level.update(state, none)[2];
+    EXPECT_NEAR(on_the_way.update(state, none)[2] - without, 10.0 * insertion, 1e-9);
+    EXPECT_NEAR(under_load.update(state, none)[2] - without, 0.2 * std::abs(state.rigid_bias()[2]), 1e-9);
+    EXPECT_GT(std::abs(state.rigid_bias()[2]), 0.1);
+  }
 }
 
 }  // namespace
