@@ -61,6 +61,11 @@ TEST(Usage, AMisspeltOptionIsCorrected) {
                      "unknown option '--filter-cutof' (did you mean '--filter-cutoff'?)");
 }
 
+TEST(Usage, RecordingsWithoutTheirOptionAreToldApart) {
+  expect_usage_error({"identify", "planar-2r", "a.csv"}, "found 'a.csv', which nothing asks for; recordings follow --train or --test");
+  EXPECT_EQ(run_tool({"info", "planar-2r", "a.csv"}).err.find("--train"), std::string::npos);
+}
+
 TEST(Usage, MissingArgumentsAreNamed) {
   expect_usage_error({"identify", "planar-2r"}, "--train");
   expect_usage_error({"identify", "--train", "a.csv"}, "ROBOT");

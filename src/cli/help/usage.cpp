@@ -130,6 +130,7 @@ std::string usage_message(const CLI::App& tool, const CLI::ParseError& error) {
            ", expected one of " + listed(commands) + did_you_mean(word, commands);
   } else if (!word.empty()) {
     what = "found '" + word + "', which nothing asks for";
+    if (command.get_option_no_throw("--train") != nullptr) what += "; recordings follow --train or --test";
   } else if (!commands.empty() && command.get_subcommands().empty()) {
     what = "no command" + std::string(top ? "" : " of " + command.get_name()) +
            ", expected one of " + listed(commands);
