@@ -191,17 +191,28 @@ class Account {
 
   void withdraw(const Reasons& lost) {
     std::vector<Finding> kept;
+    std::vector<VectorXd> begins;  // errors before the names that go, held out and of folds
     for (size_t k = 0; k < d_.findings.size(); ++k) {
       Finding& f = d_.findings[k];
       const auto why = lost.find(k);
+      const bool is_step = !f.shape && f.test_before.size() > 0;
       if (why == lost.end()) {
+        if (is_step && !begins.empty()) begin_at(f, std::exchange(begins, {}));
         kept.push_back(std::move(f));
         continue;
       }
+      if (is_step && begins.empty()) begins = {f.test_before, f.folds_before};
       d_.not_supported.insert(d_.not_supported.begin(), {f.cause, f.p_value, why->second});
       d_.remarks.push_back(fmt::format("Withdrawn: {} Not named, for {}.", d_.sentence(f), why->second));
     }
     d_.findings = std::move(kept);
+  }
+
+  // The step of a finding begins where that of the names withdrawn before it began.
+  void begin_at(Finding& f, const std::vector<VectorXd>& before) const {
+    f.test_before = before[0];
+    if (f.folds_before.size() == before[1].size()) f.folds_before = before[1];
+    f.explains = explained_share(f.test_before, f.test_after, d_.baseline);
   }
 
   // The findings of one effect on one joint (cables from several joints), which stand and fall together.
