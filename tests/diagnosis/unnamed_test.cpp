@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "diagnosis/findings/right_to_a_name.hpp"
@@ -7,6 +8,8 @@
 #include "diagnosis/unnamed/tables.hpp"
 #include "math/correlated_columns.hpp"
 #include "math/random_numbers.hpp"
+#include "simulation/simulation_support.hpp"
+#include "veridyn/diagnosis/diagnosis.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/model/model_file.hpp"
 
@@ -62,6 +65,36 @@ TEST(Tables, AreTheCurve) {
   AxisSample x;
   for (x.s = -0.5; x.s < 1.1; x.s += 0.1) EXPECT_NEAR(effect.force(x), 2.0 * (x.s - 0.3), 1e-9);
   EXPECT_TRUE(tables_of(arm, {0}, shape, {signal(SignalKind::kTime, 0, 1)}).empty());
+}
+
+// A sliding quill whose force has a step at a position: sizes are in newtons.
+TEST(Unnamed, SizesHaveTheUnitOfTheJoint) {
+  const Model scara = read_model("scara");
+  std::vector<Recording> recordings;
+  for (unsigned k = 1; k <= 4; ++k) {
+    SimulationOptions options;
+    options.noise = sensor_noise("low");
+    options.seed = k;
+    MotionSamples motion = waves(scara.joints(), 0.08 + 0.01 * k);
+    const SimulatedRecording s = simulate_recording(scara, motion, options);
+    Recording r;
+    r.time = s.measured.time;
+    r.q = s.measured.q;
+    r.dq = s.measured.dq;
+    r.tau = s.tau;
+    for (int row = 0; row < r.rows(); ++row) {
+      if (r.q(row, 2) * r.dq(row, 2) > 0.01) r.tau(row, 2) += 5.0 * std::sin(60.0 * r.q(row, 2));
+    }
+    recordings.push_back(std::move(r));
+  }
+  DiagnosisOptions options;
+  options.identification.threads = 1;
+  const Diagnosis d = diagnose(scara, {recordings[0], recordings[1], recordings[2]}, recordings[3], options);
+  const auto curve = std::find_if(d.findings.begin(), d.findings.end(), [](const Finding& f) { return f.shape.has_value(); });
+  ASSERT_NE(curve, d.findings.end()) << d.report();
+  EXPECT_EQ(curve->joint, JointIndex{2});
+  EXPECT_EQ(curve->unit, "N");
+  EXPECT_NE(curve->phrase.find(" N from its lowest"), std::string::npos) << curve->phrase;
 }
 
 // The same arm in which joints 1 and 3 follow one sine, 2 another one.

@@ -318,7 +318,7 @@ class Account {
     for (size_t k = 0; k < found.model.chosen.size(); ++k) {
       const double share = found.predicted_of_folds[k];
       if (share - so_far < limits_.unnamed_term) continue;  // in the regression, and too little to speak of
-      UnnamedShape shape = shape_of(found, k, train_, terms);
+      UnnamedShape shape = shape_of(found, k, train_, terms, effort_unit(x_.arm.coordinates()[j]));
       Finding f;
       f.cause = NewEffect{UnnamedShape::kName, JointIndex{j}};
       f.joint = JointIndex{j};

@@ -177,8 +177,9 @@ Dependence find_dependence(int joint, const MotionRows& train, const MotionRows&
 }
 
 UnnamedShape shape_of(const Dependence& found, size_t k, const MotionRows& train,
-                      const std::vector<SmoothTerm>& terms) {
+                      const std::vector<SmoothTerm>& terms, const std::string& effort) {
   UnnamedShape out;
+  out.effort = effort;
   const ChosenTerm& chosen = found.model.chosen[k];
   const SmoothTerm& term = terms[chosen.term];
   for (const int s : term.signals)
