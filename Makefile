@@ -66,9 +66,9 @@ deb: packages
 	@cmake/install-packages.sh cmake/debian-packages-python.txt cmake/debian-packages-deb.txt
 	@cmake $(CMAKE_FLAGS) -B $(BUILD) -DVERIDYN_PYTHON=ON -DBUILD_SHARED_LIBS=ON >$(BUILD).log 2>&1 || { cat $(BUILD).log; exit 1; }
 	@cmake --build $(BUILD) -j $(JOBS) --target veridyn_tool --target veridyn_python --target veridyn_libraries
-	@cd $(BUILD) && cpack -B packages >cpack.log || { cat cpack.log; exit 1; }
+	@cd $(BUILD) && cpack -B packages >cpack.log 2>&1 || { cat cpack.log; exit 1; }
 	@ls $(BUILD)/packages/*.deb
-	@if command -v lintian >/dev/null; then lintian --allow-root $(BUILD)/packages/*.deb || true; fi
+	@if command -v lintian >/dev/null; then lintian --allow-root $(BUILD)/packages/*.deb; fi
 
 # The book as a site with search and the reference of the C++ headers: $(BUILD)/site/html/index.html. Dead links are errors.
 docs:
