@@ -11,8 +11,9 @@
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 
-// Causes that are asked about only where a joint's error depends on positions and has no name: names for
-// curves, which few of the recordings need, and which would cost all others a part of their significance.
+// Causes that are asked about only where a joint's error depends on positions and has no name, or the name of
+// a force at each position: few of the recordings need them, and they would cost all others a part of their
+// significance.
 
 namespace veridyn {
 namespace {
@@ -30,6 +31,23 @@ std::set<int> joints_in_question(const Diagnosis& d) {
     if (std::any_of(of.begin(), of.end(), is_position)) out.insert(f.joint->value);
   }
   return out;
+}
+
+// True if the finding is a force that depends on positions alone, or a lean of the base: on some motions what
+// the arm's mounting or its tip does looks like one.
+bool may_stand_for_the_arm(const Finding& f) {
+  if (f.shape || f.status != FindingStatus::kConfirmed) return false;
+  if (std::holds_alternative<ChannelError>(f.cause))
+    return find_effect(effect_of(f.cause)).traits().role == EffectRole::kArm;
+  if (!std::holds_alternative<NewEffect>(f.cause)) return false;
+  const EffectTraits traits = find_effect(effect_of(f.cause)).traits();
+  return traits.depends_on_position && traits.role == EffectRole::kForce && !traits.elementary;
+}
+
+int named_causes(const Diagnosis& d) {
+  return static_cast<int>(std::count_if(d.findings.begin(), d.findings.end(), [](const Finding& f) {
+    return !f.shape && f.status == FindingStatus::kConfirmed;
+  }));
 }
 
 std::vector<std::string> later_causes(const Model& arm, const std::set<int>& joints) {
@@ -89,7 +107,8 @@ void ask_later_causes(DiagnosisState& x) {
       !x.d.moving_as_one.empty())
     return;
   const std::set<int> joints = joints_in_question(x.d);
-  const std::vector<std::string> later = joints.empty() ? std::vector<std::string>() : later_causes(x.arm, joints);
+  if (joints.empty() && std::none_of(x.d.findings.begin(), x.d.findings.end(), may_stand_for_the_arm)) return;
+  const std::vector<std::string> later = later_causes(x.arm, joints);
   if (later.empty()) return;
   DiagnosisState y = x;
   y.start = y.d.baseline;
@@ -116,6 +135,7 @@ void ask_later_causes(DiagnosisState& x) {
   for (const int j : joints) {
     if (2.0 * std::log(named[j] / curves[j]) > x.options.thresholds.smallest_gain) return;
   }
+  if (joints.empty() && named_causes(y.d) > named_causes(x.d)) return;
   y.d.hypotheses += static_cast<int>(later.size());
   account_for_errors(y);
   if (joint && needs_another_force_of_position(y.d, *joint, name)) return;
