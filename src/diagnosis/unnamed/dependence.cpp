@@ -44,6 +44,9 @@ class Terms {
       const bool other_position = kind(k) == SignalKind::kPosition && k != own;
       if (other_position || k == torque || k == direction) add_product(own, k);
     }
+    for (int k = 0; k < count() && direction >= 0; ++k) {
+      if (kind(k) == SignalKind::kVelocity && k != direction) add_product(direction, k);
+    }
     for (int k = 0; k < count(); ++k) {
       for (int l = k + 1; l < count(); ++l) {
         if (kind(k) == SignalKind::kPosition && kind(l) == SignalKind::kPosition && k != own &&
