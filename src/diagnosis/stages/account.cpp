@@ -14,6 +14,7 @@
 #include "diagnosis/stages/asked_tables.hpp"
 #include "diagnosis/unnamed/dependence.hpp"
 #include "diagnosis/unnamed/tables.hpp"
+#include "diagnosis/unnamed/vibration.hpp"
 #include "effects/tabulated_force.hpp"
 #include "math/parallel.hpp"
 #include "math/signed_rank.hpp"
@@ -483,12 +484,17 @@ class Account {
     const bool repeats = d_.baseline.noise_floor.size() > j;
     v.source = repeats ? FloorSource::kRepeats : FloorSource::kRegression;
     v.floor = std::min(v.held_out, repeats ? std::min(d_.baseline.noise_floor[j], left) : left);
+    const bool unnamed = has_unnamed(j);
+    const std::optional<Vibration> vibration = vibration_of(d_.extended, j, limits_);
+    if (vibration && !unnamed && without_share(left, vibration->share) < v.floor) {
+      v.floor = without_share(left, vibration->share);
+      v.source = FloorSource::kRegression;
+    }
     v.removable = v.held_out - v.floor;
     v.left = left;
     const bool named = std::any_of(d_.findings.begin(), d_.findings.end(), [j](const Finding& f) {
       return !f.shape && acts_on(f, j);
     });
-    const bool unnamed = has_unnamed(j);
     const bool at_floor = left <= limits_.at_floor * v.floor;
     if (unnamed) {
       v.state = JointState::kUnnamed;
@@ -498,9 +504,16 @@ class Account {
       v.state = JointState::kAtFloor;
     } else {
       v.state = JointState::kCannotTell;
-      v.why = why_not(found, repeats);
+      v.why = vibration ? words_of(*vibration, j) : why_not(found, repeats);
     }
     return v;
+  }
+
+  std::string words_of(const Vibration& vibration, int j) const {
+    return fmt::format("{:.0f} % of what is left over is a vibration of {:.3g} Hz and {:.3g} {} that the motion does "
+                       "not have: something shakes the arm, or a part of it swings",
+                       kPercent * vibration.share, vibration.frequency, vibration.amplitude,
+                       effort_unit(x_.arm.coordinates()[j]));
   }
 
   std::string why_not(const Dependence& found, bool repeats) const {
