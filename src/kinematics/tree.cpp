@@ -1,5 +1,6 @@
 #include "veridyn/kinematics/tree.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
