@@ -34,16 +34,19 @@ std::set<int> joints_in_question(const Diagnosis& d) {
   return out;
 }
 
+bool is_force_of_positions(const Cause& cause) {
+  if (!std::holds_alternative<NewEffect>(cause) || !has_effect(effect_of(cause))) return false;
+  const EffectTraits traits = find_effect(effect_of(cause)).traits();
+  return traits.depends_on_position && traits.role == EffectRole::kForce && !traits.elementary;
+}
+
 // True if the finding is a force that depends on positions alone, a lean of the base or a load: on some motions
 // what the arm's mounting, its tip or a wrong zero does looks like one.
 bool may_stand_for_another(const Finding& f) {
   if (f.shape || f.status != FindingStatus::kConfirmed) return false;
-  if (std::holds_alternative<AddedLoad>(f.cause)) return true;
-  if (std::holds_alternative<ChannelError>(f.cause))
-    return find_effect(effect_of(f.cause)).traits().role == EffectRole::kArm;
-  if (!std::holds_alternative<NewEffect>(f.cause)) return false;
-  const EffectTraits traits = find_effect(effect_of(f.cause)).traits();
-  return traits.depends_on_position && traits.role == EffectRole::kForce && !traits.elementary;
+  const auto* channel = std::get_if<ChannelError>(&f.cause);
+  return std::holds_alternative<AddedLoad>(f.cause) || is_force_of_positions(f.cause) ||
+         (channel != nullptr && find_effect(effect_of(f.cause)).traits().role == EffectRole::kArm);
 }
 
 struct Size {
@@ -133,17 +136,28 @@ void keep_first(DiagnosisState& y, size_t first) {
   }
 }
 
-// True if the held-out parts of the training recordings are predicted no worse by the second diagnosis, whose
-// names are no more; with fewer parameters, if they are predicted as well but for what is too little for a cause.
+// True if the second diagnosis has no more names and predicts the held-out parts of the training recordings no
+// worse; with more parameters clearly better, with fewer as well but for what is too little for a cause.
 bool is_simpler(const DiagnosisState& x, const DiagnosisState& y, const VectorXd& errors, const VectorXd& others) {
   const Size before = size_of(x.d);
   const Size after = size_of(y.d);
   if (after.causes > before.causes) return false;
   const double lost = log_fall(others, errors);
-  if (lost <= 0.0) return true;
   const Thresholds& limits = x.options.thresholds;
+  if (after.parameters > before.parameters) return lost < -limits.smallest_gain;
+  if (lost <= 0.0) return true;
   const double gained = log_fall(x.fold_errors(x.d.baseline).relative(), errors);
   return after.parameters < before.parameters && lost < limits.smallest_gain && lost < (1.0 - limits.tie) * gained;
+}
+
+// Names beside it that held-out parts do not confirm stood for the same.
+void drop_unconfirmed(Diagnosis& d) {
+  const auto gone = std::stable_partition(d.findings.begin(), d.findings.end(), [](const Finding& f) {
+    return f.status == FindingStatus::kConfirmed || !is_force_of_positions(f.cause);
+  });
+  for (auto f = gone; f != d.findings.end(); ++f)
+    d.not_supported.push_back({f->cause, f->p_value, "it is not confirmed beside a cause of the whole arm"});
+  d.findings.erase(gone, d.findings.end());
 }
 
 // The cause that gave way, where it explains as much: these recordings cannot tell the two apart.
@@ -181,6 +195,7 @@ void ask_later_causes(DiagnosisState& x) {
   select_causes(y);
   y.options = x.options;
   if (!y.d.extended.model) return;
+  if (!joint) drop_unconfirmed(y.d);
   // The names say as much as the curves did, over all joints and on each that had one.
   const VectorXd curves = errors_with_curves(x);
   const VectorXd named = y.fold_errors(y.d.extended).relative();
