@@ -87,6 +87,21 @@ Model with_fitted_effects(const Model& cad, const std::vector<std::string>& reco
   return *id.model;
 }
 
+// A file without any effect, as a drawing's: viscous and Coulomb friction and an offset on every joint, without
+// values.
+Model with_plain_friction(const Model& cad) {
+  ModelDescription d = cad.description();
+  for (int j = 0; j < cad.joints() && cad.effects().empty(); ++j) {
+    for (const std::string& effect : elementary_effects()) {
+      EffectTerm term;
+      term.effect = effect;
+      term.axis.coefficients = VectorXd::Unit(cad.joints(), j);
+      d.effects.push_back(std::move(term));
+    }
+  }
+  return Model(std::move(d));
+}
+
 // The arm with a body of this load on the link that carries it.
 Model with_load(const Model& arm, const PayloadEstimate& load) {
   ModelDescription d = arm.description();
@@ -157,10 +172,11 @@ PayloadReport find_on(const Model& model, const std::string& robot, const std::v
 
 }  // namespace
 
-PayloadReport find_payload(const Model& given_model, const Recordings& loaded,
+PayloadReport find_payload(const Model& model, const Recordings& loaded,
                            const IdentificationOptions& given, const std::string& link,
                            const Thresholds& limits) {
   const auto begin = std::chrono::steady_clock::now();
+  const Model given_model = with_plain_friction(model);
   require(given_model.inertial_values().has_value(), "payload: robot '", given_model.name(),
           "' has no values; expected a MODEL that identify or diagnose wrote, or bodies of a CAD model.");
   NamedRecordings<IdentificationOptions> named(loaded, {}, given);
@@ -186,6 +202,7 @@ PayloadReport find_payload(const Model& given_model, const Recordings& loaded,
 bool PayloadReport::found() const {
   if (links.empty() || links.front().gain < smallest_gain) return false;
   const PayloadEstimate& best = links.front();
+  if (best.mass >= numerics::kHeaviest) return false;
   const bool has_moment = (best.moment.cwiseAbs() - best.moment_half_width).maxCoeff() > 0.0;
   return best.mass_low > 0.0 || has_moment;
 }
@@ -204,7 +221,8 @@ std::string PayloadReport::report() const {
     const bool told = link.mass_low > 0.0;
     const std::string mass = told ? fmt::format("{:.4g}", link.mass) : "not determined";
     const std::string range =
-        told ? fmt::format("{:.4g} to {:.4g}", link.mass_low, link.mass_high)
+        link.mass >= numerics::kHeaviest ? fmt::format("{:.4g} or beyond", numerics::kHeaviest)
+        : told ? fmt::format("{:.4g} to {:.4g}", link.mass_low, link.mass_high)
              : fmt::format("below {:.4g}", link.mass_high);
     std::string centre;
     for (size_t c = 0; c < link.seen.size(); ++c)

@@ -77,7 +77,6 @@ constexpr double kLessDamping = 0.2;
 constexpr double kMostDamping = 1e8;
 constexpr double kConverged = 1e-13;
 constexpr double kFirstPlaces = 0.3;  ///< initial offsets as a share of the reach
-constexpr double kLoadRidge = 1e-10;
 constexpr double kLoadPrior = 1e-6;
 
 }  // namespace veridyn::numerics
