@@ -120,9 +120,10 @@ void correct_constants(DiagnosisState& x);
 /// and writes down what was found.
 void select_causes(DiagnosisState& x);
 
-/// After account_for_errors(): asks about causes that nobody asked about before, on joints whose error
-/// depends on positions without a name; with one in the arm, all others anew, and accounts for the errors again.
-/// Changes nothing unless held-out parts of the training recordings are predicted as well as with the curves.
+/// After account_for_errors(): asks about causes that nobody asked about before, where a joint's error depends on
+/// positions without a name, or a name may stand for another (a force at each position, a lean, a load); with one
+/// in the arm, all others anew, and accounts for the errors again. Changes nothing unless held-out parts of the
+/// training recordings are predicted as well as with the curves or the names.
 void ask_later_causes(DiagnosisState& x);
 
 /// Accounts for the residual of every joint, and for the signals on which it depends where no known

@@ -171,7 +171,9 @@ void add_rival(const Finding& gone, double gain, const Thresholds& limits, Findi
 void ask_later_causes(DiagnosisState& x) {
   if (!x.options.effects.empty() || !x.d.extended.model || x.d.provisional || !x.d.moving_as_one.empty()) return;
   const std::set<int> joints = x.d.changes ? std::set<int>() : joints_in_question(x.d);
-  const auto stands_in = std::find_if(x.d.findings.begin(), x.d.findings.end(), may_stand_for_another);
+  auto stands_in = std::find_if(x.d.findings.begin(), x.d.findings.end(), may_stand_for_another);
+  // Of one wrong zero against a MODEL several names and curves can be made.
+  if (x.d.changes && x.d.findings.size() > 1 && stands_in == x.d.findings.end()) stands_in = x.d.findings.begin();
   if (joints.empty() && stands_in == x.d.findings.end()) return;
   const std::vector<std::string> later = later_causes(x.d, x.arm, joints);
   if (later.empty()) return;
