@@ -41,7 +41,7 @@ Conditioning conditioning(const MatrixXd& J) {
 
 class Rows {
  public:
-  Rows(const Model& arm, const std::string& frame) : arm_(arm), tip_(arm, {frame, Eigen::Vector3d::Zero()}) {
+  Rows(const Model& arm, const std::string& frame) : tip_(arm, {frame, Eigen::Vector3d::Zero()}) {
     length_ = characteristic_length(arm, {frame, Eigen::Vector3d::Zero()});
     table_.robot = arm.name();
     table_.frame = frame;
@@ -77,7 +77,6 @@ class Rows {
   KinematicTable& table() { return table_; }
 
  private:
-  const Model& arm_;
   TipKinematics tip_;
   double length_ = 1.0;
   KinematicTable table_;

@@ -367,7 +367,8 @@ Identification identify(const Model& file, const std::vector<std::string>& train
     }
     return id;
   }
-  id = with_chosen_velocities(file, std::move(id), usable(train, id), options,
+  const std::vector<std::string> readable = usable(train, id);
+  id = with_chosen_velocities(file, std::move(id), readable, options,
                               [&](const IdentificationOptions& how) {
                                 broadcast(question(how), ranks);
                                 return identify_once(file, train, test, how, ranks, kept);
