@@ -7,6 +7,7 @@
 
 #include "causes/candidates.hpp"
 #include "diagnosis/evidence/folds.hpp"
+#include "diagnosis/findings/right_to_a_name.hpp"
 #include "diagnosis/stages/diagnosis_state.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/effects/channel_effect.hpp"
@@ -21,15 +22,13 @@ bool is_position(const std::string& signal) {
   return signal.size() > 1 && signal[0] == 'q' && std::isdigit(static_cast<unsigned char>(signal[1])) != 0;
 }
 
-// Joints with a finding without a name whose signals are positions.
-std::set<int> joints_in_question(const Diagnosis& d) {
-  std::set<int> out;
+// Adds joints with a finding without a name whose signals are positions.
+void add_joints_in_question(const Diagnosis& d, std::set<int>& out) {
   for (const Finding& f : d.findings) {
     if (!f.shape || f.status != FindingStatus::kConfirmed) continue;
     const std::vector<std::string>& of = f.shape->signals;
     if (std::any_of(of.begin(), of.end(), is_position)) out.insert(f.joint->value);
   }
-  return out;
 }
 
 std::vector<std::string> later_causes(const Model& arm, const std::set<int>& joints) {
@@ -82,13 +81,66 @@ void keep_first(DiagnosisState& y, size_t first) {
   }
 }
 
-}  // namespace
+bool is_name(const Finding& f) {
+  if (f.shape) return false;
+  if (std::holds_alternative<ChannelError>(f.cause) || std::holds_alternative<KinematicError>(f.cause)) return true;
+  return std::holds_alternative<NewEffect>(f.cause) && !find_effect(effect_of(f.cause)).traits().elementary;
+}
 
-void ask_later_causes(DiagnosisState& x) {
-  if (!x.options.effects.empty() || x.d.changes || !x.d.extended.model || x.d.provisional ||
-      !x.d.moving_as_one.empty())
-    return;
-  const std::set<int> joints = joints_in_question(x.d);
+// Joints whose error is more than their floor.
+std::set<int> joints_above_floor(const DiagnosisState& x) {
+  std::set<int> out;
+  for (const JointVerdict& v : x.d.joints) {
+    if (v.state == JointState::kUnnamed || v.left > x.options.thresholds.at_floor * v.floor) out.insert(v.joint.value);
+  }
+  return out;
+}
+
+// True for a force of position on a joint, and for what acts on the whole arm.
+bool is_force_of_position(const Finding& f) {
+  if (!is_name(f)) return false;
+  if (!f.joint || !has_axis_effect(effect_of(f.cause))) return !f.joint;
+  const EffectTraits traits = find_effect(effect_of(f.cause)).traits();
+  return traits.depends_on_position && (traits.uses_source || !traits.uses_velocity);
+}
+
+// True if forces of position are named on several joints, or one on the whole arm: they may be the parts of
+// a cause that acts on all.
+bool may_be_parts_of_one(const Diagnosis& d) {
+  std::set<int> joints;
+  for (const Finding& f : d.findings) {
+    if (is_force_of_position(f)) joints.insert(f.joint ? f.joint->value : -1);
+  }
+  return joints.size() > 1 || joints.count(-1) != 0;
+}
+
+// True if a joint has an error without a name beside names, or names that are forces of position leave most of
+// what is removable there.
+bool names_are_doubtful(const DiagnosisState& x) {
+  const std::vector<Finding>& all = x.d.findings;
+  const std::set<int> above = joints_above_floor(x);
+  return std::any_of(x.d.joints.begin(), x.d.joints.end(), [&](const JointVerdict& v) {
+    if (v.state == JointState::kUnnamed) return std::any_of(all.begin(), all.end(), is_name);
+    return above.count(v.joint.value) != 0 && v.state != JointState::kNamed &&
+           std::any_of(all.begin(), all.end(), [&](const Finding& f) {
+             return is_force_of_position(f) && (!f.joint || f.joint == v.joint);
+           });
+  });
+}
+
+// The arm with plain friction, and curves for all that it leaves over: the description without names.
+DiagnosisState without_names(const DiagnosisState& x) {
+  DiagnosisState out = x;
+  out.start = out.d.baseline;
+  begin_tests(out);
+  out.d.extended = out.start;
+  account_for_errors(out);
+  return out;
+}
+
+// Puts later causes for the errors of these joints in place of what was found. Each of `kept` must be predicted as
+// well with them.
+void ask_later_causes(DiagnosisState& x, const std::set<int>& joints, const std::set<int>& kept) {
   const std::vector<std::string> later = joints.empty() ? std::vector<std::string>() : later_causes(x.arm, joints);
   if (later.empty()) return;
   DiagnosisState y = x;
@@ -113,13 +165,73 @@ void ask_later_causes(DiagnosisState& x) {
   const VectorXd curves = errors_with_curves(x);
   const VectorXd named = y.fold_errors(y.d.extended).relative();
   if (log_fall(curves, named) < 0.0) return;
-  for (const int j : joints) {
+  for (const int j : kept) {
     if (2.0 * std::log(named[j] / curves[j]) > x.options.thresholds.smallest_gain) return;
   }
   y.d.hypotheses += static_cast<int>(later.size());
   account_for_errors(y);
   if (joint && needs_another_force_of_position(y.d, *joint, name)) return;
   x = std::move(y);
+}
+
+bool is_later(const Finding& f, const Model& arm) {
+  return !f.shape && has_effect(effect_of(f.cause)) && is_asked_later(find_effect(effect_of(f.cause)), arm);
+}
+
+// Asks everything anew without the names that are doubted. True if there were any. Beside a later cause, which
+// would not be asked about, all are kept.
+bool ask_without_doubted(DiagnosisState& x) {
+  if (std::any_of(x.d.findings.begin(), x.d.findings.end(), [&](const Finding& f) { return is_later(f, x.arm); }))
+    return false;
+  const std::set<int> above = joints_above_floor(x);
+  std::vector<NotSupported> lost;
+  DiagnosisState y = x;
+  for (const Finding& f : x.d.findings) {
+    const std::string why = why_doubted(x.d, f, above);
+    if (why.empty()) continue;
+    lost.push_back({f.cause, f.p_value, why});
+    y.not_asked.insert(to_text(x.arm, f.cause));
+  }
+  if (lost.empty()) return false;
+  y.start = y.d.baseline;
+  begin_tests(y);
+  correct_constants(y);
+  select_causes(y);
+  if (!y.d.extended.model) return false;
+  account_for_errors(y);
+  x = std::move(y);
+  x.d.not_supported.insert(x.d.not_supported.begin(), lost.begin(), lost.end());
+  return true;
+}
+
+}  // namespace
+
+void test_names_together(DiagnosisState& x) {
+  if (!x.options.effects.empty() || x.d.changes || !x.d.extended.model || x.d.provisional ||
+      !x.d.moving_as_one.empty())
+    return;
+  std::set<int> joints;
+  add_joints_in_question(x.d, joints);
+  const std::set<int> with_curves = joints;
+  const bool confirmed_only = x.options.extended == ExtendedModel::kConfirmedOnly;
+  std::optional<DiagnosisState> curves;
+  if (confirmed_only && names_are_doubtful(x)) {
+    curves = without_names(x);
+    if (may_be_parts_of_one(x.d)) add_joints_in_question(curves->d, joints);
+  }
+  ask_later_causes(x, joints, with_curves);
+  if (!confirmed_only) return;
+  if (curves && log_fall(errors_with_curves(x), errors_with_curves(*curves)) >= 0.0) {
+    for (const Finding& f : x.d.findings) {
+      if (is_name(f))
+        curves->d.not_supported.insert(curves->d.not_supported.begin(),
+                                       {f.cause, f.p_value, "smooth functions without any name predict held-out parts as well"});
+    }
+    curves->d.hypotheses = x.d.hypotheses;
+    x = std::move(*curves);
+    return;
+  }
+  for (int turn = 0; turn < x.options.thresholds.withdrawals && ask_without_doubted(x); ++turn) {}
 }
 
 }  // namespace veridyn
