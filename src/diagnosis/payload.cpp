@@ -87,21 +87,6 @@ Model with_fitted_effects(const Model& cad, const std::vector<std::string>& reco
   return *id.model;
 }
 
-// A file without any effect, as a drawing's: viscous and Coulomb friction and an offset on every joint, without
-// values.
-Model with_plain_friction(const Model& cad) {
-  ModelDescription d = cad.description();
-  for (int j = 0; j < cad.joints() && cad.effects().empty(); ++j) {
-    for (const std::string& effect : elementary_effects()) {
-      EffectTerm term;
-      term.effect = effect;
-      term.axis.coefficients = VectorXd::Unit(cad.joints(), j);
-      d.effects.push_back(std::move(term));
-    }
-  }
-  return Model(std::move(d));
-}
-
 // The arm with a body of this load on the link that carries it.
 Model with_load(const Model& arm, const PayloadEstimate& load) {
   ModelDescription d = arm.description();
@@ -172,11 +157,10 @@ PayloadReport find_on(const Model& model, const std::string& robot, const std::v
 
 }  // namespace
 
-PayloadReport find_payload(const Model& model, const Recordings& loaded,
+PayloadReport find_payload(const Model& given_model, const Recordings& loaded,
                            const IdentificationOptions& given, const std::string& link,
                            const Thresholds& limits) {
   const auto begin = std::chrono::steady_clock::now();
-  const Model given_model = with_plain_friction(model);
   require(given_model.inertial_values().has_value(), "payload: robot '", given_model.name(),
           "' has no values; expected a MODEL that identify or diagnose wrote, or bodies of a CAD model.");
   NamedRecordings<IdentificationOptions> named(loaded, {}, given);

@@ -299,6 +299,15 @@ class SeriesCollector {
     }
   }
 
+  // Frees what the columns have grown by.
+  void finish() {
+    if (series_ == nullptr) return;
+    series_->time.shrink_to_fit();
+    for (auto* table : tables()) {
+      for (std::vector<double>& column : *table) column.shrink_to_fit();
+    }
+  }
+
  private:
   using Table = std::vector<std::vector<double>>;
 
@@ -341,6 +350,7 @@ ErrorSums run_prediction(const Model& arm, const std::string& source,
     }
   };
   threads > 1 ? read_ahead(pass, visit) : pass(visit);
+  collector.finish();
   if (without_excluded != nullptr) *without_excluded = kept;
   return sums;
 }

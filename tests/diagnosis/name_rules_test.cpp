@@ -179,6 +179,29 @@ TEST_F(NameRules, AStepBeginsWhereTheWithdrawnOnesBeforeItBegan) {
   EXPECT_NE(d.verdict().find("has no name"), std::string::npos) << d.verdict();
 }
 
+// Drag in the four training recordings, none in the held-out one.
+TEST_F(NameRules, TheHeldOutRecordingsHaveAVeto) {
+  int recording = 0;
+  const auto drag = [&recording](Recording& r) {
+    if (++recording == 5) return;
+    r.tau.col(1).array() += 0.5 * r.dq.col(1).array() * r.dq.col(1).array().abs();
+  };
+  for (const RobotValues values : {RobotValues::kPrior, RobotValues::kFacts}) {
+    recording = 0;
+    DiagnosisOptions options;
+    options.values = values;
+    options.effects = {"quadratic_drag"};
+    const Diagnosis d = diagnosed({}, options, drag);
+    EXPECT_FALSE(has(*d.extended.model, "quadratic_drag", 1)) << d.report();
+    EXPECT_LE(d.extended.test_error.relative[1], 1.02 * d.baseline.test_error.relative[1]);
+    EXPECT_TRUE(std::any_of(d.not_supported.begin(), d.not_supported.end(), [](const NotSupported& n) {
+      return effect_of(n.cause) == "quadratic_drag" && n.why.find("predicted worse with it") != std::string::npos;
+    })) << d.report();
+    recording = -10;  // in all of them
+    EXPECT_TRUE(has(*diagnosed({}, options, drag).extended.model, "quadratic_drag", 1));
+  }
+}
+
 TEST_F(NameRules, SentencesSayWhereACableComesFromAndAlongWhatFrictionActs) {
   const Model arm = read_model("planar-2r");
   EffectTerm term;
@@ -229,6 +252,111 @@ TEST_F(NameRules, TheIntervalOfADistanceHoldsWhatTheOtherHalfGives) {
   EXPECT_LT(of_two.low, one);
   EXPECT_GT(of_two.high, one);
   EXPECT_LT(of_one.high / of_one.low, 10.0);  // and it is no interval of everything
+}
+
+Finding named(const std::string& effect, int joint) {
+  Finding f;
+  f.cause = NewEffect{effect, {joint}};
+  f.joint = JointIndex{joint};
+  return f;
+}
+
+bool is_found(const Diagnosis& d, const std::string& effect) {
+  return std::any_of(d.findings.begin(), d.findings.end(), [&](const Finding& f) { return effect_of(f.cause) == effect; });
+}
+
+TEST_F(NameRules, AContradictedNameGoesFromAJointAtItsFloor) {
+  DiagnosisState x = investigation(read_model("planar-2r"), {});
+  x.d.extended = x.start;
+  x.d.findings = {named("joint_spring", 1), named("quadratic_drag", 0)};
+  for (Finding& f : x.d.findings) f.folds_before = f.folds_after = x.fold_errors(x.d.extended).relative();
+  x.d.findings[0].status = FindingStatus::kNotConfirmed;
+  account_for_errors(x);
+  ASSERT_EQ(x.d.joints.size(), 2U);
+  ASSERT_EQ(x.d.joints[1].state, JointState::kAtFloor);
+  EXPECT_FALSE(is_found(x.d, "joint_spring"));
+  EXPECT_TRUE(is_found(x.d, "quadratic_drag"));  // the parts do not contradict it
+  ASSERT_FALSE(x.d.not_supported.empty());
+  EXPECT_EQ(effect_of(x.d.not_supported[0].cause), "joint_spring");
+  EXPECT_NE(x.d.not_supported[0].why.find("its joint is at its floor"), std::string::npos);
+}
+
+// The elbow's amplifier passes nothing below 1.5 N m. Friction that grows with the load takes a part of that; curves
+// over the same torque take more.
+TEST_F(NameRules, ANameThatCurvesWithoutNamesSurpassGoes) {
+  DiagnosisState x{read_model("planar-2r"), {}, {}, {}, {}, {}, 0, {}, {}, {}};
+  for (unsigned k = 1; k <= 5; ++k) {
+    const std::string file = record(k, {});
+    Recording r = read_recording(file);
+    for (double& t : r.tau.col(1)) t = std::copysign(std::max(0.0, std::abs(t) - 1.5), t);
+    write_recording(r, file);
+    (k < 5 ? x.train : x.test).push_back(file);
+  }
+  x.options.identification.threads = 1;
+  ASSERT_TRUE(fit_baseline(x));
+  ModelDescription with = x.arm.description();
+  EffectTerm term;
+  term.effect = "load_dependent_friction";
+  term.axis.coefficients = VectorXd::Unit(2, 1);
+  with.effects.push_back(term);
+  x.d.extended = x.fit(Model(std::move(with)));
+  ASSERT_TRUE(x.d.extended.model);
+  Finding f = named("load_dependent_friction", 1);
+  f.folds_before = x.fold_errors(x.start).relative();
+  f.folds_after = x.fold_errors(x.d.extended).relative();
+  x.d.findings = {f};
+  account_for_errors(x);
+  ASSERT_TRUE(is_found(x.d, "load_dependent_friction")) << x.d.report();
+  test_names_together(x);
+  EXPECT_FALSE(is_found(x.d, "load_dependent_friction")) << x.d.report();
+  EXPECT_TRUE(std::any_of(x.d.findings.begin(), x.d.findings.end(), [](const Finding& c) {
+    return c.shape && c.joint->value == 1 && c.shape->signals.front() == "tau2";
+  })) << x.d.report();
+  EXPECT_TRUE(std::any_of(x.d.not_supported.begin(), x.d.not_supported.end(), [](const NotSupported& n) {
+    return effect_of(n.cause) == "load_dependent_friction" && n.why.find("without any name") != std::string::npos;
+  }));
+}
+
+TEST_F(NameRules, AWrongConstantMustShowWhereTheErrorIsExplained) {
+  Finding f;
+  f.cause = ChannelError{"encoder_offset", JointIndex{0}};
+  f.joint = JointIndex{0};
+  f.folds_before = Eigen::Vector3d(0.05, 0.05, 0.3);
+  f.folds_after = Eigen::Vector3d(0.05, 0.05, 0.1);
+  EXPECT_NE(why_doubted({}, f, {2}).find("shows most on joints"), std::string::npos);
+  EXPECT_EQ(why_doubted({}, f, {}), "");   // every joint is at its floor
+  EXPECT_EQ(why_doubted({}, f, {1}), "");  // it shows on joint 3, which is explained
+  f.folds_after[0] = 0.01;  // and more on joint 1 than on joint 3
+  EXPECT_EQ(why_doubted({}, f, {2}), "");
+}
+
+TEST_F(NameRules, ACableFromAJointThatDependsOnItsEndIsDoubted) {
+  Diagnosis d;
+  ModelDescription arm = read_model("planar-2r").description();
+  EffectTerm term;
+  term.effect = "cable_coupling";
+  term.axis.coefficients = VectorXd::Unit(2, 1);
+  term.from = Axis{VectorXd::Unit(2, 0), 0.0};
+  arm.effects.push_back(term);
+  d.extended.model = Model(std::move(arm));
+  const Finding cable = named("cable_coupling", 1);
+  Finding curve = named(UnnamedShape::kName, 0);
+  curve.shape = UnnamedShape();
+  curve.shape->signals = {"q1", "dq1"};
+  d.findings = {cable, curve};
+  EXPECT_EQ(why_doubted(d, cable, {0}), "");
+  d.findings[1].shape->signals = {"q1", "q2"};
+  EXPECT_NE(why_doubted(d, cable, {0}).find("one cause acts on both"), std::string::npos);
+  EXPECT_EQ(why_doubted(d, named("joint_spring", 1), {0}), "");
+}
+
+TEST_F(NameRules, WhatIsNotAskedIsNoCandidate) {
+  DiagnosisState x = investigation(read_model("planar-2r"), {});
+  const Cause spring = NewEffect{"joint_spring", {1}};
+  ASSERT_TRUE(x.tests_cause(spring));
+  x.not_asked = {to_text(x.arm, spring)};
+  EXPECT_FALSE(x.tests_cause(spring));
+  EXPECT_TRUE(x.tests_cause(NewEffect{"joint_spring", {0}}));
 }
 
 }  // namespace

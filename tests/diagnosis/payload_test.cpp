@@ -173,19 +173,6 @@ TEST_F(Payload, FrictionThatACadModelLacksIsFittedFirst) {
   EXPECT_LT(report.error_after.norm(), 0.7 * report.error_before.norm()) << report.report();
 }
 
-// A drawing's file without any effect. Its arm has friction, and of a load on the tool that friction takes no part.
-TEST_F(Payload, AFileWithoutEffectsGetsPlainFrictionFirst) {
-  ModelDescription d = arm_.description();
-  d.effects.clear();
-  const Model cad{std::move(d)};
-  const std::string tool = cad.frames().back().name;
-  const PayloadReport report = find_payload(cad, {recording_with("payload:" + tool + ":mass=0.6", 5, two_waves(arm_.joints()))});
-  ASSERT_FALSE(report.links.empty());
-  EXPECT_TRUE(report.found()) << report.report();
-  EXPECT_NEAR(report.links.front().mass, 0.6, 0.1) << report.report();
-  EXPECT_LT(report.error_before.norm(), 0.5) << report.report();
-}
-
 TEST_F(Payload, AnArmWithoutValuesIsRefused) {
   EXPECT_THROW(find_payload(read_model("psm-3dof"), {"none.csv"}), InvalidInput);
 }

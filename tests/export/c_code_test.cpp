@@ -14,6 +14,7 @@
 
 #include "support/near.hpp"
 #include "support/random.hpp"
+#include "support/sample_arms.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/simulation/joint_torques.hpp"
@@ -191,6 +192,38 @@ TEST_P(CCode, ComputesWhatTheLibraryComputesInFloats) {
 
 INSTANTIATE_TEST_SUITE_P(Robots, CCode, testing::ValuesIn(robot_names()),
                          [](const auto& robot) { return in_letters(robot.param); });
+
+// Robots have right angles nearly everywhere; these arms have general poses, offsets in every link,
+// sliding joints, branches and joints that follow several coordinates.
+class CCodeOfSampleArms : public OnSampleArm {};
+INSTANTIATE_TEST_SUITE_P(Sample, CCodeOfSampleArms, testing::ValuesIn(sample_arm_names()),
+                         sample_arm_name);
+
+TEST_P(CCodeOfSampleArms, ComputesWhatTheLibraryComputes) {
+  const Compiler with = kCompilers[0];
+  if (!is_there(with)) GTEST_SKIP() << with.name << " is not installed";
+  const Compiled<double> code(arm(), with);
+  if (code.ready()) expect_the_same(arm(), code, 1e-12);
+}
+
+int products(const std::string& code, const std::string& function) {
+  const size_t begin = code.find("_" + function + "(");
+  const std::string body = code.substr(begin, code.find("\n}", begin) - begin);
+  int count = 0;
+  for (size_t at = body.find(" * "); at != std::string::npos; at = body.find(" * ", at + 1)) ++count;
+  return count;
+}
+
+// From closed forms: tangents take nine times the products of inverse dynamics.
+TEST(CCodeIsShort, WhereDerivativesAreTaken) {
+  ArmBuilder builder("offsets", 7, 61);
+  for (int i = 0; i < 7; ++i)
+    builder.dh_link(JointType::kRevolute, i,
+                    {DhConvention::kModified, 0.01 * i, i % 2 == 0 ? M_PI / 2 : -M_PI / 2, 0.3, 0.0});
+  const std::string code = to_c_code(builder.build());
+  EXPECT_LT(products(code, "derivatives"), 6 * products(code, "inverse_dynamics"));
+  EXPECT_EQ(code.find("e-17"), std::string::npos);  // 0.3 cos(pi/2)
+}
 
 // Joints at quarter turns of one angle share its sine and cosine; right angles leave no product.
 TEST(CCodeIsShort, WhereAnglesAndConstantsAreTheSame) {

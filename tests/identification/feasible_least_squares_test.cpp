@@ -144,6 +144,22 @@ TEST_F(ReferenceInstance, WithBoundedInertiasTheCertificateIsRigorous) {
   EXPECT_EQ(result.certificate, Certificate::kRigorous) << result.report();
 }
 
+// Normal equations of a triangle are summed otherwise than those of any rows, and with so many
+// variables the corrector is repeated (without: 13 iterations).
+TEST(FeasibleLeastSquares, ATriangleGivesWhatItsRowsGive) {
+  const FeasibleProblem rows = random_problem({22, 5, 225, 2.0}, 5);
+  const Eigen::HouseholderQR<MatrixXd> qr(rows.R);
+  FeasibleProblem triangle = rows;
+  triangle.R = qr.matrixQR().triangularView<Eigen::Upper>();
+  triangle.z = qr.householderQ().transpose() * rows.z;
+  const FeasibleResult a = solve_feasible_least_squares(rows);
+  const FeasibleResult b = solve_feasible_least_squares(triangle);
+  expect_optimal(rows, a);
+  expect_optimal(triangle, b);
+  EXPECT_NEAR(a.objective, b.objective, 1e-8 * a.objective);
+  EXPECT_LE(b.iterations, 11);
+}
+
 // Stationarity and complementarity, in units of the largest term; multipliers in their cones.
 TEST(FeasibleLeastSquares, MeetsTheOptimalityConditions) {
   for (unsigned seed = 1; seed <= 10; ++seed) {

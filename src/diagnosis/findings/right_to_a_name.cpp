@@ -64,6 +64,24 @@ std::optional<size_t> least_needed(const Diagnosis& d, size_t first, const std::
   return out;
 }
 
+// The joint that a cable on a joint comes from.
+std::optional<int> source_of(const Diagnosis& d, const Finding& f) {
+  for (const EffectTerm& term : d.extended.model->effects()) {
+    if (term.effect == effect_of(f.cause) && term.from && f.joint && term.axis.coefficients[f.joint->value] != 0.0)
+      return main_coordinate(*term.from);
+  }
+  return std::nullopt;
+}
+
+// True if a joint has a curve without a name over another one's position.
+bool has_curve_over(const Diagnosis& d, int joint, int position) {
+  const std::string q = "q" + std::to_string(position + 1);
+  return std::any_of(d.findings.begin(), d.findings.end(), [&](const Finding& f) {
+    return f.shape && f.joint->value == joint &&
+           std::find(f.shape->signals.begin(), f.shape->signals.end(), q) != f.shape->signals.end();
+  });
+}
+
 }  // namespace
 
 std::string why_no_finding(const Finding& f, const Identification& fitted) {
@@ -120,6 +138,27 @@ std::optional<LostRight> worse_with(const Diagnosis& d, size_t first, const std:
       return LostRight{*k, joint, fmt::format("without it joint {} is predicted better, which was worse than by the baseline", joint + 1)};
   }
   return std::nullopt;
+}
+
+std::string why_doubted(const Diagnosis& d, const Finding& f, const std::set<int>& above) {
+  if (f.shape || above.empty() || !(std::holds_alternative<KinematicError>(f.cause) || has_effect(effect_of(f.cause))))
+    return {};
+  const bool constant = std::holds_alternative<KinematicError>(f.cause);
+  const EffectTraits traits = constant ? EffectTraits() : find_effect(effect_of(f.cause)).traits();
+  const bool of_all = constant || (std::holds_alternative<ChannelError>(f.cause) && traits.depends_on_position);
+  if (of_all && f.folds_before.size() == f.folds_after.size()) {
+    double here = 0.0;
+    double elsewhere = 0.0;
+    for (int j = 0; j < f.folds_before.size(); ++j)
+      (above.count(j) != 0 ? here : elsewhere) += 2.0 * std::log(f.folds_before[j] / f.folds_after[j]);
+    if (elsewhere <= here) return "it shows most on joints that have more than their floor without a name";
+  }
+  if (std::holds_alternative<NewEffect>(f.cause) && traits.uses_source) {
+    const std::optional<int> from = source_of(d, f);
+    if (from && has_curve_over(d, *from, f.joint->value))
+      return "the joint that it comes from has an error without a name that depends on this joint: one cause acts on both";
+  }
+  return {};
 }
 
 }  // namespace veridyn

@@ -35,4 +35,10 @@ std::optional<LostRight> worse_with(const Diagnosis& d, size_t first, const std:
                                     const std::set<size_t>& needed, const FoldErrors& baseline,
                                     const FoldErrors& extended, const Thresholds& limits);
 
+/// Reason to ask once more without a name while the joints `above` have more than their floor; empty: there is none.
+/// What acts through the motion of all joints (a wrong constant, zero or tilt) must show more on the other joints, or
+/// it is the shadow of what has no name. A cable on a joint from one whose error without a name depends on that
+/// joint's position: one cause acts on both.
+std::string why_doubted(const Diagnosis& d, const Finding& f, const std::set<int>& above);
+
 }  // namespace veridyn

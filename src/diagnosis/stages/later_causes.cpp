@@ -7,6 +7,7 @@
 
 #include "causes/candidates.hpp"
 #include "diagnosis/evidence/folds.hpp"
+#include "diagnosis/findings/right_to_a_name.hpp"
 #include "diagnosis/stages/diagnosis_state.hpp"
 #include "model/effect_names.hpp"
 #include "veridyn/effects/channel_effect.hpp"
@@ -166,12 +167,72 @@ void add_rival(const Finding& gone, double gain, const Thresholds& limits, Findi
     f.rivals.push_back({gone.cause, "explains as much with more parameters: these recordings cannot tell the two apart"});
 }
 
-}  // namespace
+bool is_name(const Finding& f) {
+  if (f.shape) return false;
+  if (std::holds_alternative<ChannelError>(f.cause) || std::holds_alternative<KinematicError>(f.cause)) return true;
+  return std::holds_alternative<NewEffect>(f.cause) && !find_effect(effect_of(f.cause)).traits().elementary;
+}
 
-void ask_later_causes(DiagnosisState& x) {
-  if (!x.options.effects.empty() || !x.d.extended.model || x.d.provisional || !x.d.moving_as_one.empty()) return;
-  const std::set<int> joints = x.d.changes ? std::set<int>() : joints_in_question(x.d);
-  const auto stands_in = std::find_if(x.d.findings.begin(), x.d.findings.end(), may_stand_for_another);
+// Joints whose error is more than their floor.
+std::set<int> joints_above_floor(const DiagnosisState& x) {
+  std::set<int> out;
+  for (const JointVerdict& v : x.d.joints) {
+    if (v.state == JointState::kUnnamed || v.left > x.options.thresholds.at_floor * v.floor) out.insert(v.joint.value);
+  }
+  return out;
+}
+
+// True for a force of position on a joint, and for what acts on the whole arm.
+bool is_force_of_position(const Finding& f) {
+  if (!is_name(f)) return false;
+  if (!f.joint || !has_axis_effect(effect_of(f.cause))) return !f.joint;
+  const EffectTraits traits = find_effect(effect_of(f.cause)).traits();
+  return traits.depends_on_position && (traits.uses_source || !traits.uses_velocity);
+}
+
+// True if forces of position are named on several joints, or one on the whole arm: they may be the parts of
+// a cause that acts on all.
+bool may_be_parts_of_one(const Diagnosis& d) {
+  std::set<int> joints;
+  for (const Finding& f : d.findings) {
+    if (is_force_of_position(f)) joints.insert(f.joint ? f.joint->value : -1);
+  }
+  return joints.size() > 1 || joints.count(-1) != 0;
+}
+
+// True if a joint has an error without a name beside names, or names that are forces of position leave most of
+// what is removable there.
+bool names_are_doubtful(const DiagnosisState& x) {
+  const std::vector<Finding>& all = x.d.findings;
+  const std::set<int> above = joints_above_floor(x);
+  return std::any_of(x.d.joints.begin(), x.d.joints.end(), [&](const JointVerdict& v) {
+    if (v.state == JointState::kUnnamed) return std::any_of(all.begin(), all.end(), is_name);
+    return above.count(v.joint.value) != 0 && v.state != JointState::kNamed &&
+           std::any_of(all.begin(), all.end(), [&](const Finding& f) {
+             return is_force_of_position(f) && (!f.joint || f.joint == v.joint);
+           });
+  });
+}
+
+// The arm with plain friction, and curves for all that it leaves over: the description without names.
+DiagnosisState without_names(const DiagnosisState& x) {
+  DiagnosisState out = x;
+  out.start = out.d.baseline;
+  begin_tests(out);
+  out.d.extended = out.start;
+  account_for_errors(out);
+  return out;
+}
+
+// Puts a later cause, and what is found beside it, in place of what was found, where that says as much.
+// @param hidden  joints with curves over positions where all names are taken away
+void ask_later_causes(DiagnosisState& x, const std::set<int>& hidden) {
+  const std::set<int> with_curves = x.d.changes ? std::set<int>() : joints_in_question(x.d);
+  std::set<int> joints = with_curves;
+  joints.insert(hidden.begin(), hidden.end());
+  auto stands_in = std::find_if(x.d.findings.begin(), x.d.findings.end(), may_stand_for_another);
+  // Of one wrong zero against a MODEL several names and curves can be made.
+  if (x.d.changes && x.d.findings.size() > 1 && stands_in == x.d.findings.end()) stands_in = x.d.findings.begin();
   if (joints.empty() && stands_in == x.d.findings.end()) return;
   const std::vector<std::string> later = later_causes(x.d, x.arm, joints);
   if (later.empty()) return;
@@ -200,7 +261,7 @@ void ask_later_causes(DiagnosisState& x) {
   const VectorXd curves = errors_with_curves(x);
   const VectorXd named = y.fold_errors(y.d.extended).relative();
   if (joints.empty() ? !is_simpler(x, y, curves, named) : log_fall(curves, named) < 0.0) return;
-  for (const int j : joints) {
+  for (const int j : with_curves) {
     if (2.0 * std::log(named[j] / curves[j]) > x.options.thresholds.smallest_gain) return;
   }
   y.d.hypotheses += static_cast<int>(later.size());
@@ -208,6 +269,62 @@ void ask_later_causes(DiagnosisState& x) {
   account_for_errors(y);
   if (joint && needs_another_force_of_position(y.d, *joint, name)) return;
   x = std::move(y);
+}
+
+bool is_later(const Finding& f, const Model& arm) {
+  return !f.shape && has_effect(effect_of(f.cause)) && is_asked_later(find_effect(effect_of(f.cause)), arm);
+}
+
+// Asks everything anew without the names that are doubted. True if there were any. Beside a later cause, which
+// would not be asked about, all are kept.
+bool ask_without_doubted(DiagnosisState& x) {
+  if (std::any_of(x.d.findings.begin(), x.d.findings.end(), [&](const Finding& f) { return is_later(f, x.arm); }))
+    return false;
+  const std::set<int> above = joints_above_floor(x);
+  std::vector<NotSupported> lost;
+  DiagnosisState y = x;
+  for (const Finding& f : x.d.findings) {
+    const std::string why = why_doubted(x.d, f, above);
+    if (why.empty()) continue;
+    lost.push_back({f.cause, f.p_value, why});
+    y.not_asked.insert(to_text(x.arm, f.cause));
+  }
+  if (lost.empty()) return false;
+  y.start = y.d.baseline;
+  begin_tests(y);
+  correct_constants(y);
+  select_causes(y);
+  if (!y.d.extended.model) return false;
+  account_for_errors(y);
+  x = std::move(y);
+  x.d.not_supported.insert(x.d.not_supported.begin(), lost.begin(), lost.end());
+  return true;
+}
+
+}  // namespace
+
+void test_names_together(DiagnosisState& x) {
+  if (!x.options.effects.empty() || !x.d.extended.model || x.d.provisional || !x.d.moving_as_one.empty()) return;
+  const bool compared = !x.d.changes && x.options.extended == ExtendedModel::kConfirmedOnly;
+  std::optional<DiagnosisState> curves;
+  std::set<int> hidden;
+  if (compared && names_are_doubtful(x)) {
+    curves = without_names(x);
+    if (may_be_parts_of_one(x.d)) hidden = joints_in_question(curves->d);
+  }
+  ask_later_causes(x, hidden);
+  if (!compared) return;
+  if (curves && log_fall(errors_with_curves(x), errors_with_curves(*curves)) >= 0.0) {
+    for (const Finding& f : x.d.findings) {
+      if (is_name(f))
+        curves->d.not_supported.insert(curves->d.not_supported.begin(),
+                                       {f.cause, f.p_value, "smooth functions without any name predict held-out parts as well"});
+    }
+    curves->d.hypotheses = x.d.hypotheses;
+    x = std::move(*curves);
+    return;
+  }
+  for (int turn = 0; turn < x.options.thresholds.withdrawals && ask_without_doubted(x); ++turn) {}
 }
 
 }  // namespace veridyn

@@ -142,8 +142,11 @@ bool met_to_rounding(const Program& program, const VectorXd& x) {
 }
 
 double cost(const Program& program, const VectorXd& x) {
-  double value =
-      (program.R * x - program.z).squaredNorm() + program.linear.dot(x) + program.constant;
+  return cost(program, x, program.R * x - program.z);
+}
+
+double cost(const Program& program, const VectorXd& x, const VectorXd& residual) {
+  double value = residual.squaredNorm() + program.linear.dot(x) + program.constant;
   for (const Block& block : program.blocks) {
     if (block.log_det_weight == 0.0) continue;
     const Eigen::LLT<Eigen::Matrix4d> factor(block.slack(x));

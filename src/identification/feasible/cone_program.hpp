@@ -76,6 +76,7 @@ Box implied_box(const SparseRows& rows, const std::vector<Block>& blocks, int va
 /// ||R*x - z||^2 + linear'*x + constant - log-det terms; infinity where a log-det block is not
 /// positive definite.
 double cost(const Program& program, const VectorXd& x);
+double cost(const Program& program, const VectorXd& x, const VectorXd& residual);  ///< R*x - z
 
 /// True if all constraints hold up to rounding, though perhaps not strictly.
 bool met_to_rounding(const Program& program, const VectorXd& x);
