@@ -269,6 +269,11 @@ Design::Candidate Design::from_numbers(const std::shared_ptr<const Asked>& asked
   Candidate out{asked, next(), numbers[0]};
   found.nearest = next();
   found.start = next();
+  const auto parameters = static_cast<double>(standard_parameters(arm_).size());
+  bool fits = base.size() > 0 && base.minCoeff() >= 0.0 && base.maxCoeff() < parameters;
+  for (const VectorXd* x : {&std::as_const(out.x), &std::as_const(found.nearest), &std::as_const(found.start)})
+    fits = fits && (x->size() == 0 || (x->size() == space_.size() && x->allFinite()));
+  require(fits, "excitation: found a kept start that is not of this search.");
   found.converged = numbers[1] != 0.0;
   found.evaluations = static_cast<long>(numbers[2]);
   const std::vector<int> columns(base.begin(), base.end());

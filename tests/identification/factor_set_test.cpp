@@ -148,6 +148,22 @@ TEST(Factors, ThatAreDamagedAreRefusedInOneLine) {
   }
 }
 
+// The version is the number behind the first line, which no checksum covers.
+TEST(Factors, OfALaterVersionAreRefused) {
+  const Model arm = robot("scara");
+  const Files files("later");
+  std::string later = to_bytes(compress(arm, files.recordings(arm, 1, 6.0)));
+  const std::size_t version = later.find('\n') + 1;
+  ASSERT_EQ(later[version], 1);
+  later[version] = 2;
+  try {
+    factors_from_bytes(later, "lab.factors");
+    ADD_FAILURE() << "took factors of version 2";
+  } catch (const InvalidInput& error) {
+    EXPECT_NE(std::string(error.what()).find("found factors of version 2, expected 1"), std::string::npos) << error.what();
+  }
+}
+
 // Many recordings keep few blocks each, and still every row.
 TEST(ManyRecordings, KeepEveryRowInFewBlocks) {
   const Model arm = robot("scara");

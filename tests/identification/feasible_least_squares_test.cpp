@@ -8,6 +8,8 @@
 #include <fstream>
 #include <limits>
 #include <random>
+#include <string>
+#include <vector>
 
 #include "identification/random_bodies.hpp"
 #include "veridyn/math/require.hpp"
@@ -309,6 +311,39 @@ TEST(FeasibleLeastSquares, SurvivesUnidentifiableParameters) {
   const FeasibleResult nothing = solve_feasible_least_squares(problem);
   expect_optimal(problem, nothing);
   EXPECT_DOUBLE_EQ(nothing.objective, problem.z.squaredNorm() + problem.rho2);
+}
+
+// Rows weighed over twelve orders, columns that are equal, that depend on each other or that are zero, up
+// to sixty bodies, with and without a box: a possible optimum, or a status with its reason.
+TEST(FeasibleLeastSquares, IsPossibleOrSaysWhyNot) {
+  int optimal = 0;
+  std::vector<Shape> shapes;
+  for (int k = 0; k < 30; ++k) shapes.push_back({1 + k % 4, 3, 4 + k % 11, std::pow(10.0, k % 5 - 2)});
+  shapes.push_back({60, 60, 400, 1.0});
+  for (std::size_t k = 0; k < shapes.size(); ++k) {
+    FeasibleProblem problem = random_problem(shapes[k], 100 + static_cast<unsigned>(k));
+    const double weight = std::pow(10.0, static_cast<double>(k % 13) - 6.0);
+    problem.R *= weight;
+    problem.z *= weight;
+    problem.rho2 *= weight * weight;
+    if (k % 3 == 0) problem.R.col(1) = problem.R.col(0);
+    if (k % 4 == 0) problem.R.col(5).setZero();
+    if (k % 5 == 0) problem.R.col(2) = problem.R.col(3) - 2.0 * problem.R.col(4);
+    if (k % 7 == 6) {
+      problem.G.resize(0, 0);
+      problem.h.resize(0);
+    }
+    const FeasibleResult result = solve_feasible_least_squares(problem);
+    SCOPED_TRACE(text("problem ", k, ": ", result.report()));
+    if (result.status == FeasibleStatus::kOptimal) {
+      expect_optimal(problem, result);
+      ++optimal;
+      continue;
+    }
+    EXPECT_FALSE(result.report().empty());
+    EXPECT_NE(result.status, FeasibleStatus::kInfeasible);  // the true bodies are possible
+  }
+  EXPECT_GE(optimal, 25);
 }
 
 TEST(FeasibleLeastSquares, FitsExactDataExactly) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 #include <random>
+#include <sstream>
 
 #include "cli/tool.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
@@ -140,6 +141,17 @@ TEST_F(Resting, PosesAreReadFromRowsAndFromRests) {
   EXPECT_EQ(three.approach.col(0), Eigen::Vector3d(0, 1, -1));
   EXPECT_EQ(three.tau.col(0), Eigen::Vector3d(1, 2, 2));
   EXPECT_FALSE(is_at_rest(truth_, motion, {}));
+
+  // Rows with gaps are left out with their velocities.
+  std::istringstream lines(content_of(motion));
+  std::string text, line;
+  std::getline(lines, text);
+  text += "\n";
+  for (int k = 0; k < 10; ++k) text += std::to_string(0.01 * k - 1.0) + ",0.1,0.2,0.1,-0.5,0,0,nan,0,0\n";
+  while (std::getline(lines, line)) text += line + "\n";
+  const RestPoses again = read_rest_poses(truth_, folder.write("gaps.csv", text), {});
+  EXPECT_EQ(again.approach, three.approach);
+  EXPECT_EQ(again.tau, three.tau);
 }
 
 TEST_F(Resting, TheToolIdentifiesAModelForTheGravityOfADvrk) {

@@ -33,6 +33,8 @@ constexpr double kGapWithPrior = 1e-3;
 // times the prior's weight, a tenth by default, it contradicts them. Those of rods for psm-3dof and mtm
 // raise it by 0.4 and 2.3 %.
 constexpr double kContradicts = 100.0;
+// Share of the squared torques, an error of a thousandth, below which nothing does.
+constexpr double kHardlyAnError = 1e-6;
 
 struct Bounds {
   std::vector<VectorXd> rows;
@@ -181,7 +183,8 @@ void solve_with(PriorUse use, const Model& arm, const SquareRootInformation& tot
     id.active_constraints.push_back(bounds.names[active.row]);
   const bool pulled = prior && use == PriorUse::kPull;
   const double most = 1.0 + kContradicts * options.prior_weight;
-  const bool doubtful = pulled && options.prior && result.feasible && result.objective > most * id.unconstrained_objective;
+  const bool doubtful = pulled && options.prior && result.feasible && result.objective > most * id.unconstrained_objective &&
+                        result.objective > kHardlyAnError * total.rhs_norm2();
   const double least = doubtful ? least_feasible(problem, solver) : std::numeric_limits<double>::infinity();
   const bool contradicts = result.objective > most * least;
   const bool enough = result.status == FeasibleStatus::kOptimal || (pulled && result.feasible && result.duality_gap <= kGapWithPrior);
