@@ -173,11 +173,12 @@ bool is_name(const Finding& f) {
   return std::holds_alternative<NewEffect>(f.cause) && !find_effect(effect_of(f.cause)).traits().elementary;
 }
 
-// Joints whose error is more than their floor.
+// Joints above their floor whose error names do not take for the most part.
 std::set<int> joints_above_floor(const DiagnosisState& x) {
   std::set<int> out;
   for (const JointVerdict& v : x.d.joints) {
-    if (v.state == JointState::kUnnamed || v.left > x.options.thresholds.at_floor * v.floor) out.insert(v.joint.value);
+    const bool above = v.left > x.options.thresholds.at_floor * v.floor && v.state != JointState::kNamed;
+    if (v.state == JointState::kUnnamed || above) out.insert(v.joint.value);
   }
   return out;
 }
@@ -207,7 +208,7 @@ bool names_are_doubtful(const DiagnosisState& x) {
   const std::set<int> above = joints_above_floor(x);
   return std::any_of(x.d.joints.begin(), x.d.joints.end(), [&](const JointVerdict& v) {
     if (v.state == JointState::kUnnamed) return std::any_of(all.begin(), all.end(), is_name);
-    return above.count(v.joint.value) != 0 && v.state != JointState::kNamed &&
+    return above.count(v.joint.value) != 0 &&
            std::any_of(all.begin(), all.end(), [&](const Finding& f) {
              return is_force_of_position(f) && (!f.joint || f.joint == v.joint);
            });
