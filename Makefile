@@ -3,7 +3,7 @@ BUILD := build
 JOBS  ?= $(shell nproc)
 CMAKE_FLAGS ?= --preset dev
 
-.PHONY: all tool build demo test python notebooks wheel ros ros-test mpi growth deb build-times readme docs thesis bare sanitize fuzz memcheck mutants symbols bill tidy packages packages-tests clean
+.PHONY: all tool build demo test python notebooks wheel ros ros-test mpi growth deb build-times readme docs thesis bare sanitize coverage races fuzz memcheck mutants symbols bill tidy packages packages-tests clean
 
 all: tool
 
@@ -66,9 +66,9 @@ deb: packages
 	@cmake/install-packages.sh cmake/debian-packages-python.txt cmake/debian-packages-deb.txt
 	@cmake $(CMAKE_FLAGS) -B $(BUILD) -DVERIDYN_PYTHON=ON -DBUILD_SHARED_LIBS=ON >$(BUILD).log 2>&1 || { cat $(BUILD).log; exit 1; }
 	@cmake --build $(BUILD) -j $(JOBS) --target veridyn_tool --target veridyn_python --target veridyn_libraries
-	@cd $(BUILD) && cpack -B packages >cpack.log || { cat cpack.log; exit 1; }
+	@cd $(BUILD) && cpack -B packages >cpack.log 2>&1 || { cat cpack.log; exit 1; }
 	@ls $(BUILD)/packages/*.deb
-	@if command -v lintian >/dev/null; then lintian --allow-root $(BUILD)/packages/*.deb || true; fi
+	@if command -v lintian >/dev/null; then lintian --allow-root $(BUILD)/packages/*.deb; fi
 
 # The book as a site with search and the reference of the C++ headers: $(BUILD)/site/html/index.html. Dead links are errors.
 docs:
@@ -102,14 +102,25 @@ readme: tool python
 	@for page in $(PAGES); do PATH="$(CURDIR)/$(BUILD)/bin:/usr/bin:$$PATH" VERIDYN_SOURCE="$(CURDIR)" \
 	  /usr/bin/python3 tests/readme/blocks.py write $$page out/readme || exit 1; done
 
-# The second test configuration: address and undefined-behaviour sanitizers, all rooms or ROOM="recordings model ...";
-# SANITIZER=tsan: the thread sanitizer.
+# The second test configuration, by clang: address and undefined-behaviour sanitizers, all rooms or ROOM="recordings model ...";
+# SANITIZER=tsan: the thread sanitizer. What asan ran is counted for `make coverage`.
 SANITIZER ?= asan
 sanitize: packages-tests
+	@cmake/install-packages.sh cmake/debian-packages-fuzz.txt
 	@cmake --preset $(SANITIZER)
 	@cmake --build build-$(SANITIZER) -j $(JOBS) $(addprefix --target test_,$(ROOM))
 	@echo "$(SANITIZER): $(or $(ROOM),all rooms)"
-	@ctest --test-dir build-$(SANITIZER) --output-on-failure -j $(JOBS) $(if $(ROOM),-R "^($$(echo $(ROOM) | tr ' ' '|'))/")
+	@LLVM_PROFILE_FILE=$(CURDIR)/build-$(SANITIZER)/profiles/%4m.profraw \
+	  ctest --test-dir build-$(SANITIZER) --output-on-failure -j $(JOBS) $(if $(ROOM),-R "^($$(echo $(ROOM) | tr ' ' '|'))/")
+
+# Lines, functions and branches of src/ROOM that the last `make sanitize ROOM=...` ran; build-asan/coverage/index.html has the source.
+coverage:
+	@tests/coverage.sh build-asan $(ROOM)
+
+# The tests that start threads, as they are built, under valgrind's helgrind: races and locks in two orders. Nothing is compiled.
+races: build
+	@cmake/install-packages.sh cmake/debian-packages-fuzz.txt
+	@tests/races/run.sh $(BUILD)
 
 # The fuzzer of all readers, each for SECONDS from seeds and tests/fuzz/corpus, or TARGETS alone; findings in $(BUILD)/fuzz/findings.
 SECONDS ?= 600
@@ -130,12 +141,13 @@ memcheck: build
 mutants: build
 	@python3 tests/mutants/mutants.py $(BUILD) $(ROOM)
 
-# clang-tidy with the checks of .clang-tidy, over all sources or SOURCES="src/watch/*.cpp".
-SOURCES ?= $(shell find src -name '*.cpp')
+# clang-tidy with the checks of .clang-tidy and clang's warnings, over all units of the build or SOURCES="src/watch/*.cpp".
+TIDY_UNITS = sed -n 's/^ *"file": "\(.*\)",*$$/\1/p' $(BUILD)/tidy/compile_commands.json | grep -v -e /tests/ -e cmake_pch -e page_files
 tidy: build
 	@cmake/install-packages.sh cmake/debian-packages-fuzz.txt
 	@mkdir -p $(BUILD)/tidy && sed 's/-Winvalid-pch//g; s/-include [^ ]*cmake_pch.hxx//g' $(BUILD)/compile_commands.json >$(BUILD)/tidy/compile_commands.json
-	@echo $(SOURCES) | xargs -n 1 -P $(JOBS) clang-tidy -p $(BUILD)/tidy --quiet --extra-arg=-Qunused-arguments --extra-arg=-Wno-everything
+	@$(if $(SOURCES),printf '%s\n' $(SOURCES),$(TIDY_UNITS)) | xargs -n 1 -P $(JOBS) clang-tidy -p $(BUILD)/tidy --quiet \
+	  --extra-arg=-Qunused-arguments --extra-arg=-Wno-unknown-warning-option --extra-arg=-Wconversion --extra-arg=-Wno-sign-conversion
 
 # Functions that programs link with, in tests/structure/symbols.txt; a test notices one that went away.
 symbols: build

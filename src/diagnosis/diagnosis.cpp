@@ -56,6 +56,7 @@ void run_stages(DiagnosisState& x, const Tell& tell) {
   tell("accounting for what is left over");
   account_for_errors(x);
   ask_later_causes(x);
+  refuse_contradicted(x);
   summarize(x.d, x.options.thresholds);
   if (!x.d.friction_remark.empty()) x.d.friction = plain_friction_of(*x.d.extended.model);
 }

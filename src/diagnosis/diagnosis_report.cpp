@@ -190,6 +190,11 @@ std::string Diagnosis::verdict() const {
     out += " The training recordings do not confirm it.";
   if (findings.front().held_out() == Agreement::kContradicts)
     out += " The held-out recordings are predicted no better with it.";
+  const auto largest = std::max_element(findings.begin(), findings.end(), [](const Finding& a, const Finding& b) {
+    return a.explains < b.explains;
+  });
+  if (!findings.front().shape && largest->shape)
+    out += fmt::format(" More of the error, {}, has no name: {}", share_words(largest->explains), sentence(*largest));
   for (const int joint : summary.worse_joints) {
     std::string words = worse_words(*this, joint);
     words.front() = 'T';

@@ -185,6 +185,7 @@ PayloadReport find_payload(const Model& given_model, const Recordings& loaded,
 bool PayloadReport::found() const {
   if (links.empty() || links.front().gain < smallest_gain) return false;
   const PayloadEstimate& best = links.front();
+  if (best.mass >= numerics::kHeaviest) return false;
   const bool has_moment = (best.moment.cwiseAbs() - best.moment_half_width).maxCoeff() > 0.0;
   return best.mass_low > 0.0 || has_moment;
 }
@@ -203,7 +204,8 @@ std::string PayloadReport::report() const {
     const bool told = link.mass_low > 0.0;
     const std::string mass = told ? fmt::format("{:.4g}", link.mass) : "not determined";
     const std::string range =
-        told ? fmt::format("{:.4g} to {:.4g}", link.mass_low, link.mass_high)
+        link.mass >= numerics::kHeaviest ? fmt::format("{:.4g} or beyond", numerics::kHeaviest)
+        : told ? fmt::format("{:.4g} to {:.4g}", link.mass_low, link.mass_high)
              : fmt::format("below {:.4g}", link.mass_high);
     std::string centre;
     for (size_t c = 0; c < link.seen.size(); ++c)

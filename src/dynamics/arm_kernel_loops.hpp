@@ -196,15 +196,13 @@ struct ArmKernelLoops {
     const int n = arm.tree.joints;
     for_packs(in.rows, [&](int row, int count) {
       load(arm.tree, in, row, count, m);
-      Batch::inverse_dynamics(arm, m.q, m.dq, m.ddq, nullptr, 0, m.tau, m.at);
-      Batch::template rows_along<kOfPosition | kOfVelocity>(arm, 2 * n, m.at.rows, m.at);
-      Batch::mass_of(arm, m.at.matrix, m.at);
-      for (int i = 0; i < n; ++i) {
-        double* const to = out + long{i} * in.rows + row;
-        const long next = long{n} * in.rows;
-        for (int d = 0; d < 2 * n; ++d) store_lanes(m.at.rows[2 * i * n + d], count, to + d * next);
-        for (int d = 0; d < n; ++d)
-          store_lanes(m.at.matrix[i * n + d], count, to + (2 * n + d) * next);
+      P* const by_q = m.at.rows;
+      P* const by_dq = m.at.rows + n * n;
+      Batch::derivatives(arm, m.q, m.dq, m.ddq, m.tau, by_q, by_dq, m.at.matrix, m.at);
+      for (int e = 0; e < n * n; ++e) {
+        const P* const by[] = {by_q, by_dq, m.at.matrix};
+        for (int kind = 0; kind < 3; ++kind)
+          store_lanes(by[kind][e], count, out + (long{kind} * n * n + e) * in.rows + row);
       }
     });
   }

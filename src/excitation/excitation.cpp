@@ -181,6 +181,8 @@ class Design {
   };
   Candidate polished(Candidate best, int start, Found& found) const;
   Candidate search(const std::shared_ptr<const Asked>& asked, int start, Found& found) const;
+  VectorXd numbers_of(const Candidate& end, const Found& found) const;
+  Candidate from_numbers(const std::shared_ptr<const Asked>& asked, const VectorXd& numbers, Found& found) const;
   void describe(const Candidate& best, const VectorXd& random, Excitation& out) const;
 
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -237,6 +239,41 @@ Design::Candidate Design::search(const std::shared_ptr<const Asked>& asked, int 
   }
   progress_.over(start);
   return best;
+}
+
+// A finished start as numbers: its cost, convergence and evaluations, then lists with their lengths.
+VectorXd Design::numbers_of(const Candidate& end, const Found& found) const {
+  std::vector<double> out = {end.cost, found.converged ? 1.0 : 0.0, static_cast<double>(found.evaluations)};
+  const auto append = [&out](const auto& list) {
+    out.push_back(static_cast<double>(list.size()));
+    for (const auto number : list) out.push_back(static_cast<double>(number));
+  };
+  append(end.asked->exact.base());
+  append(end.x);
+  append(found.nearest);
+  append(found.start);
+  return Eigen::Map<const VectorXd>(out.data(), static_cast<Eigen::Index>(out.size()));
+}
+
+Design::Candidate Design::from_numbers(const std::shared_ptr<const Asked>& asked, const VectorXd& numbers,
+                                       Found& found) const {
+  Eigen::Index at = 3;
+  const auto next = [&] {
+    require(at < numbers.size() && numbers[at] >= 0.0 && numbers[at] < static_cast<double>(numbers.size() - at),
+            "excitation: found a kept start that is not of this search.");
+    const auto size = static_cast<Eigen::Index>(numbers[at]);
+    at += size + 1;
+    return VectorXd(numbers.segment(at - size, size));
+  };
+  const VectorXd base = next();
+  Candidate out{asked, next(), numbers[0]};
+  found.nearest = next();
+  found.start = next();
+  found.converged = numbers[1] != 0.0;
+  found.evaluations = static_cast<long>(numbers[2]);
+  const std::vector<int> columns(base.begin(), base.end());
+  if (columns != asked->exact.base()) out.asked = std::make_shared<Asked>(arm_, columns, options_, seconds());
+  return out;
 }
 
 void Design::describe(const Candidate& best, const VectorXd& random, Excitation& out) const {
@@ -296,9 +333,15 @@ Excitation Design::run() {
   std::vector<Candidate> ends(found.size());
   if (options_.progress) options_.progress("searching", 0.0);
   parallel_for(options_.starts, options_.threads, [&](int start) {
-    if (start > 0 && stopped()) return;
     const auto own = static_cast<size_t>(start);
+    if (const auto kept = options_.kept ? options_.kept(start) : std::nullopt) {
+      ends[own] = from_numbers(asked, *kept, found[own]);
+      progress_.over(start);
+      return;
+    }
+    if (start > 0 && stopped()) return;
     ends[own] = search(asked, start, found[own]);
+    if (options_.keep && !stopped()) options_.keep(start, numbers_of(ends[own], found[own]));
   });
   if (options_.progress) options_.progress("searching", 1.0);
   const auto rank = [](const Candidate& c) { return std::make_pair(c.x.size() == 0, c.cost); };

@@ -411,8 +411,9 @@ void ErrorSums::add(int i, double measured, double modelled, MovingSample moves)
 }
 
 PredictionError ErrorSums::error() const {
+  // Of a joint without torque an error is not a share of anything.
   const auto ratio = [](const VectorXd& a, const VectorXd& b) {
-    return VectorXd((b.array() > 0.0).select(a.array() / b.array().max(1e-300), 0.0));
+    return VectorXd(a.binaryExpr(b, [](double of, double to) { return of == 0.0 ? 0.0 : of / to; }));
   };
   return {ratio(error2, torque2).cwiseSqrt(), ratio(error_max, torque_max),
           ratio(moving_error2, moving_torque2).cwiseSqrt()};

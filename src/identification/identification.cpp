@@ -237,13 +237,6 @@ void forget_other_columns(const Model& arm, std::vector<CompressedRecording>& re
   }
 }
 
-bool without_torque(const std::vector<CompressedRecording>& recordings) {
-  return std::all_of(recordings.begin(), recordings.end(), [](const CompressedRecording& r) {
-    return std::all_of(r.joints.begin(), r.joints.end(),
-                       [](const auto& joint) { return joint.minimum == 0.0 && joint.maximum == 0.0; });
-  });
-}
-
 bool fit_arm(const Model& arm, const std::vector<CompressedRecording>& recordings,
              const IdentificationOptions& options, Identification& id) {
   for (const CompressedRecording& r : recordings) {
@@ -254,7 +247,7 @@ bool fit_arm(const Model& arm, const std::vector<CompressedRecording>& recording
     }
   }
   id.still_joints = still_joints(arm, recordings);
-  if (id.still_joints.empty() && without_torque(recordings)) {
+  if (id.still_joints.empty() && std::all_of(recordings.begin(), recordings.end(), without_torque)) {
     id.reason = recordings.front().source + ": the torques of all joints are zero throughout";
     return false;
   }

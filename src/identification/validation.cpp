@@ -16,6 +16,8 @@
 namespace veridyn {
 namespace {
 
+// [N m], [N] No sensor shows as little; from 1e-16 on tolerances for rounding would count.
+constexpr double kNoTorque = 1e-12;
 constexpr int kSeriesSamples = 30000;  // for plots, over all recordings
 
 // Sets quantities that sums of squares do not determine to NaN.
@@ -89,6 +91,12 @@ VectorXd mean_noise_floor(const std::vector<CompressedRecording>& recordings, in
   return count > 0 ? VectorXd((sum / count).cwiseSqrt()) : VectorXd();
 }
 
+bool without_torque(const CompressedRecording& recording) {
+  return std::all_of(recording.joints.begin(), recording.joints.end(), [](const TorqueFacts& joint) {
+    return std::max(-joint.minimum, joint.maximum) < kNoTorque;
+  });
+}
+
 MeasuredErrors measure_errors(const CompressedRecording& recording, const PreprocessingOptions& how,
                               const Predict& predict, RecordingError& out) {
   MeasuredErrors found{ErrorSums(0), ErrorSums(0), ErrorSums(0)};
@@ -148,10 +156,12 @@ std::vector<CompressedRecording> compress_test(const Model& arm,
     const auto at = static_cast<size_t>(k);
     out[at] = compress_facts(arm, test[at], how, threads_of_each(count, threads));
   });
-  for (const CompressedRecording& r : out)
+  for (const CompressedRecording& r : out) {
     require(
         r.rows > 0.0, r.source,
         ": found no usable samples after gaps, edges and row limits, expected some to test on.");
+    require(!without_torque(r), r.source, ": the torques of all joints are zero throughout, expected some to test on.");
+  }
   return out;
 }
 
@@ -250,6 +260,10 @@ Identification evaluate_named(const Model& arm, const std::vector<std::string>& 
     id.rows += r.rows;
     if (r.rows > 0.0) continue;
     id.reason = r.source + ": no usable samples are left after gaps, edges and row limits";
+    return id;
+  }
+  if (std::all_of(id.factors.begin(), id.factors.end(), without_torque)) {
+    id.reason = id.factors.front().source + ": the torques of all joints are zero throughout";
     return id;
   }
   id.noise_floor = mean_noise_floor(id.factors, arm.joints());

@@ -14,6 +14,9 @@ Identification described(const Model& arm, const IdentificationOptions& options)
 /// Root mean square of the recordings' noise floors, relative, (n); empty if none has one.
 VectorXd mean_noise_floor(const std::vector<CompressedRecording>& recordings, int joints);
 
+/// True if the torques of all joints are zero throughout, or smaller than any sensor shows.
+bool without_torque(const CompressedRecording& recording);
+
 /// Errors of given parameter values on one recording: on every row as recorded; with interpolated
 /// rows of a late publisher; and of these outside excluded intervals. Equal if there are no such
 /// rows.

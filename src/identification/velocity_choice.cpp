@@ -14,7 +14,7 @@ constexpr double kLeastError = 1e-300;
 constexpr long kLookedAt = 20000;  // rows of a recording from which units and noise are judged
 
 VectorXd logarithm(const VectorXd& relative) {
-  return 2.0 * relative.array().max(kLeastError).log();
+  return 2.0 * relative.array().max(kLeastError).min(1.0 / kLeastError).log();
 }
 
 RecordingQuality quality_of(const Model& arm, const std::string& name,

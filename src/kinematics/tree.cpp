@@ -1,5 +1,6 @@
 #include "veridyn/kinematics/tree.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -28,14 +29,18 @@ std::vector<JointCoefficient> terms_of(const Axis& axis) {
   return terms;
 }
 
-// Makes right angles exact: cos(pi/2) is 6e-17 in doubles, and generated code would have to
-// multiply by it.
+// Makes right angles exact, and offsets along an axis: cos(pi/2) is 6e-17 in doubles, and generated
+// code would have to multiply by it.
 Posed snapped(Posed T) {
   constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
   for (Vec3d* row : {&T.R.row0, &T.R.row1, &T.R.row2}) {
     for (double* entry : {&row->x, &row->y, &row->z}) {
       if (std::abs(*entry - std::round(*entry)) < kRounding) *entry = std::round(*entry) + 0.0;
     }
+  }
+  const double rounding = kRounding * std::max({std::abs(T.p.x), std::abs(T.p.y), std::abs(T.p.z)});
+  for (double* entry : {&T.p.x, &T.p.y, &T.p.z}) {
+    if (std::abs(*entry) < rounding) *entry = 0.0;
   }
   return T;
 }

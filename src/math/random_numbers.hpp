@@ -16,7 +16,7 @@ class RandomNumbers {
   }
 
   /// Uniform in [0, 1).
-  double uniform() { return engine_() * 0x1p-32; }
+  double uniform() { return static_cast<double>(engine_()) * 0x1p-32; }
 
   /// Uniform in [low, high).
   double uniform(double low, double high) { return low + (high - low) * uniform(); }

@@ -26,13 +26,14 @@ class MadeOnce {
   std::shared_ptr<const Made> find(const Key& key, const Bytes& bytes, const Make& make) {
     std::promise<std::shared_ptr<const Made>> promise;
     std::shared_future<std::shared_ptr<const Made>> there;
+    long wanted = 0;
     {
       const std::lock_guard<std::mutex> lock(mutex_);
       const auto found = all_.find(key);
       if (found != all_.end()) {
         there = found->second;
       } else {
-        const long wanted = bytes();
+        wanted = bytes();
         if (wanted < 0 || wanted > bytes_left_) return nullptr;
         bytes_left_ -= wanted;
         all_.emplace(key, promise.get_future().share());
@@ -47,6 +48,7 @@ class MadeOnce {
       promise.set_exception(std::current_exception());
       const std::lock_guard<std::mutex> lock(mutex_);
       all_.erase(key);
+      bytes_left_ += wanted;
       throw;
     }
   }

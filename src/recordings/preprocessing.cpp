@@ -24,6 +24,8 @@ constexpr double kPreparedBytes = 1.5 * sizeof(double);  // of a number of a seg
 
 std::atomic<long> g_prepared{0};
 
+// Share of the sampling rate: a slower filter settles for more samples than any recording has.
+constexpr double kSlowestCutoff = 1e-5;
 constexpr double kNyquistShare = 0.45;  // a light filter above this share of the rate is omitted
 
 struct Filters {
@@ -36,6 +38,8 @@ struct Filters {
     if (o.cutoff <= 0.0) return;
     require(o.cutoff < 0.5 * rate, "--filter-cutoff: found ", o.cutoff,
             " Hz, expected above 0 and below ", 0.5 * rate, " Hz, half the sampling rate.");
+    require(o.cutoff >= kSlowestCutoff * rate, "--filter-cutoff: found ", o.cutoff, " Hz, expected at least ",
+            kSlowestCutoff * rate, " Hz at a sampling rate of ", rate, " Hz, or 0 for no filter.");
     main.emplace(o.cutoff, o.order, rate);
     halo += main->settling_samples(kHaloRemainder);
     const double light_cutoff = o.signal_cutoff_ratio * o.cutoff;

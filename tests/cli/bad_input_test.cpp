@@ -1,8 +1,11 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <sstream>
 
 #include "cli/tool.hpp"
 
@@ -223,6 +226,61 @@ TEST_F(BadInput, NoRowsLeft) {
   const ToolRun run = run_tool({"identify", "planar-2r", "--train", recording, "--quiet",
                                 "--drop-start", "2", "--drop-end", "2"});
   expect_refused(run, 4, {"recording.csv", "no usable samples"});
+}
+
+// Rows of a file that is fine for everything but what is changed here.
+std::string changed(const std::string& recording, const std::function<void(std::vector<double>&)>& change, int rows) {
+  std::istringstream in(recording);
+  std::string line, out;
+  std::getline(in, out);
+  out += "\n";
+  for (int k = 0; k < rows && std::getline(in, line); ++k) {
+    std::vector<double> values;
+    std::istringstream fields(line);
+    for (std::string field; std::getline(fields, field, ',');) values.push_back(std::stod(field));
+    change(values);
+    for (std::size_t c = 0; c < values.size(); ++c) out += (c > 0 ? "," : "") + fmt::format("{}", values[c]);
+    out += "\n";
+  }
+  return out;
+}
+
+// Neither a crash nor a number: three rows, a clock a thousand times too fast, torques of zero.
+TEST_F(BadInput, EveryCommandRefusesWhatCannotBeAnswered) {
+  const auto as_it_is = [](std::vector<double>&) {};
+  const std::string good = planar_recording(12.0);
+  const std::string three = changed(good, as_it_is, 3);
+  const std::string fast = changed(good, [](std::vector<double>& v) { v[0] *= 1e-3; }, 1200);
+  const std::string zero = changed(good, [](std::vector<double>& v) { v[5] = v[6] = 0.0; }, 1200);
+  const std::string tiny = changed(good, [](std::vector<double>& v) { v[5] *= 1e-200, v[6] *= 1e-200; }, 1200);
+  const TemporaryFolder other;
+  const std::string held_out = other.write("good.csv", good);
+  for (const std::string& content : {three, fast, zero, tiny}) {
+    const std::string bad = folder_.write("recording.csv", content);
+    expect_refused(run_tool({"identify", "planar-2r", "--train", bad, "--quiet"}), 4, {"recording.csv"});
+    expect_refused(run_tool({"identify", "planar-2r", "--train", bad, "--prior", "planar-2r", "--quiet"}), 4, {"recording.csv"});
+    expect_refused(run_tool({"identify", "planar-2r", "--train", held_out, "--test", bad, "--quiet"}), 3, {"recording.csv"});
+    expect_refused(run_tool({"diagnose", "planar-2r", "--train", bad, "--test", held_out, "--quiet"}), 4, {"recording.csv"});
+    expect_refused(run_tool({"diagnose", "planar-2r", "--train", held_out, "--test", bad, "--quiet"}), 3, {"recording.csv"});
+    expect_refused(run_tool({"payload", "planar-2r", bad, "--quiet"}), 4, {"recording.csv"});
+  }
+  // A check is an answer, whatever it finds.
+  for (const std::string& content : {three, fast, zero, tiny}) {
+    const ToolRun run = run_tool({"check", "planar-2r", folder_.write("recording.csv", content), "--quiet"});
+    EXPECT_EQ(run.status, 0) << run.err;
+  }
+}
+
+TEST_F(BadInput, ASlowFilterIsRefusedInEveryCommand) {
+  const std::string recording = folder_.write("recording.csv", planar_recording(3.0));
+  const std::vector<Words> commands = {{"identify", "planar-2r", "--train", recording},
+                                       {"diagnose", "planar-2r", "--train", recording, "--test", recording},
+                                       {"payload", "planar-2r", recording}};
+  for (const Words& command : commands) {
+    const ToolRun run = run_tool(command + Words{"--filter-cutoff", "1e-9", "--quiet"});
+    EXPECT_EQ(run.status, 2) << command.front() << ": " << run.err;
+    EXPECT_NE(run.err.find("--filter-cutoff: found 1e-09 Hz, expected at least 0.001 Hz"), std::string::npos) << run.err;
+  }
 }
 
 TEST_F(BadInput, CheckNamesTheUnreadableFile) {

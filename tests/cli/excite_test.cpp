@@ -2,10 +2,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <csignal>
 #include <algorithm>
+#include <csignal>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <vector>
 
 #include "cli/tool.hpp"
 #include "support/browser.hpp"
@@ -101,6 +103,62 @@ TEST(Excite, AnInterruptIsStatus130) {
   ASSERT_TRUE(WIFEXITED(status)) << told;
   EXPECT_EQ(WEXITSTATUS(status), 130) << told;
   EXPECT_EQ(read_recording(motion).joints(), 2);
+}
+
+// Killed after its first finished search, the same command writes what it would have written.
+TEST(Excite, GoesOnAfterAKill) {
+  const TemporaryFolder folder;
+  const std::string kept = folder.path("searches");
+  const auto command = [&](const std::string& out) {
+    return Words{"excite", "planar-2r", "-o", folder.path(out), "--starts", "4", "--iterations", "60", "--threads", "1", "--quiet"};
+  };
+  const auto finished = [&] {
+    const std::string text = std::filesystem::exists(kept) ? content_of(kept) : "";
+    return std::count(text.begin(), text.end(), '\n') - 1;
+  };
+  ASSERT_EQ(run_tool(command("whole.csv")).status, 0);
+  Words resumed = command("m.csv") + Words{"--resume", kept};
+  const pid_t child = ::fork();
+  if (child == 0) {
+    std::vector<char*> words = {const_cast<char*>(VERIDYN_TOOL)};
+    for (std::string& word : resumed) words.push_back(word.data());
+    words.push_back(nullptr);
+    ::execv(VERIDYN_TOOL, words.data());
+    ::_exit(127);
+  }
+  while (finished() < 1 && ::waitpid(child, nullptr, WNOHANG) == 0) ::usleep(500);
+  ::kill(child, SIGKILL);
+  ::waitpid(child, nullptr, 0);
+  const std::string before = content_of(kept);
+  ASSERT_GE(finished(), 1);
+  std::ofstream(kept, std::ios::app) << "3 1 1 7";  // a line that the kill cut short
+  const ToolRun again = run_tool(resumed);
+  ASSERT_EQ(again.status, 0) << again.err;
+  EXPECT_EQ(content_of(kept).rfind(before, 0), 0U);
+  EXPECT_EQ(finished(), 4 + 1);
+  EXPECT_EQ(content_of(folder.path("m.csv")), content_of(folder.path("whole.csv")));
+  const ToolRun other = run_tool(resumed + Words{"--seed", "2"});
+  EXPECT_EQ(other.status, 3);
+  EXPECT_NE(other.err.find("searches:1: found"), std::string::npos) << other.err;
+  EXPECT_EQ(other.error_lines(), 1);
+}
+
+// A motion of marked searches: what is kept is taken, not searched again.
+TEST(Excite, TakesAKeptSearchAsItIs) {
+  const TemporaryFolder folder;
+  const std::string kept = folder.path("searches");
+  const Words command = {"excite", "planar-2r", "-o", folder.path("m.csv"), "--starts", "1", "--iterations", "30", "--quiet",
+                         "--resume", kept};
+  ASSERT_EQ(run_tool(command + Words{"--json", folder.path("a.json")}).status, 0);
+  std::string text = content_of(kept);
+  const std::size_t line = text.find('\n') + 1;  // start, cost, converged, evaluations
+  std::size_t at = line;
+  for (int word = 0; word < 3; ++word) at = text.find(' ', at) + 1;
+  text.replace(at, text.find(' ', at) - at, "123456");
+  folder.write("searches", text);
+  ASSERT_EQ(run_tool(command + Words{"--json", folder.path("b.json")}).status, 0);
+  EXPECT_EQ(json_of(folder.path("b.json"))["evaluations"], 123456);
+  EXPECT_NE(json_of(folder.path("a.json"))["evaluations"], 123456);
 }
 
 TEST(Excite, TheSameSeedWritesTheSameFile) {

@@ -157,6 +157,51 @@ TEST_F(NameRules, TheLastStepEndsAtTheErrorOfTheExtendedModel) {
   })) << d.report();
 }
 
+// A dead zone of the shoulder's torque channel, which is on no list: names that stand for it are withdrawn.
+TEST_F(NameRules, AStepBeginsWhereTheWithdrawnOnesBeforeItBegan) {
+  const auto dead_zone = [](Recording& r) {
+    const double width = 0.25 * std::sqrt(r.tau.col(0).squaredNorm() / r.rows());
+    for (double& tau : r.tau.col(0)) tau = tau > 0.0 ? std::max(0.0, tau - width) : std::min(0.0, tau + width);
+  };
+  DiagnosisOptions options;
+  options.values = RobotValues::kPrior;
+  const Diagnosis d = diagnosed({"quadratic_drag:shoulder"}, options, dead_zone);
+  ASSERT_TRUE(std::any_of(d.remarks.begin(), d.remarks.end(), [](const std::string& s) {
+    return s.find("Withdrawn") != std::string::npos;
+  })) << d.report();
+  const auto drag = std::find_if(d.findings.begin(), d.findings.end(), [](const Finding& f) {
+    return effect_of(f.cause) == "quadratic_drag";
+  });
+  ASSERT_NE(drag, d.findings.end()) << d.report();
+  EXPECT_EQ(drag->test_before, d.baseline.test_error.relative);
+  EXPECT_EQ(drag->test_after, d.extended.test_error.relative);
+  // The larger part of the error has no name, and the verdict says so.
+  EXPECT_NE(d.verdict().find("has no name"), std::string::npos) << d.verdict();
+}
+
+// Drag in the four training recordings, none in the held-out one.
+TEST_F(NameRules, TheHeldOutRecordingsHaveAVeto) {
+  int recording = 0;
+  const auto drag = [&recording](Recording& r) {
+    if (++recording == 5) return;
+    r.tau.col(1).array() += 0.5 * r.dq.col(1).array() * r.dq.col(1).array().abs();
+  };
+  for (const RobotValues values : {RobotValues::kPrior, RobotValues::kFacts}) {
+    recording = 0;
+    DiagnosisOptions options;
+    options.values = values;
+    options.effects = {"quadratic_drag"};
+    const Diagnosis d = diagnosed({}, options, drag);
+    EXPECT_FALSE(has(*d.extended.model, "quadratic_drag", 1)) << d.report();
+    EXPECT_LE(d.extended.test_error.relative[1], 1.02 * d.baseline.test_error.relative[1]);
+    EXPECT_TRUE(std::any_of(d.not_supported.begin(), d.not_supported.end(), [](const NotSupported& n) {
+      return effect_of(n.cause) == "quadratic_drag" && n.why.find("predicted worse with it") != std::string::npos;
+    })) << d.report();
+    recording = -10;  // in all of them
+    EXPECT_TRUE(has(*diagnosed({}, options, drag).extended.model, "quadratic_drag", 1));
+  }
+}
+
 TEST_F(NameRules, SentencesSayWhereACableComesFromAndAlongWhatFrictionActs) {
   const Model arm = read_model("planar-2r");
   EffectTerm term;

@@ -1,12 +1,16 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "diagnosis/findings/right_to_a_name.hpp"
 #include "diagnosis/unnamed/dependence.hpp"
 #include "diagnosis/unnamed/tables.hpp"
 #include "math/correlated_columns.hpp"
 #include "math/random_numbers.hpp"
+#include "simulation/simulation_support.hpp"
+#include "veridyn/diagnosis/diagnosis.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/model/model_file.hpp"
 
@@ -62,6 +66,59 @@ TEST(Tables, AreTheCurve) {
   AxisSample x;
   for (x.s = -0.5; x.s < 1.1; x.s += 0.1) EXPECT_NEAR(effect.force(x), 2.0 * (x.s - 0.3), 1e-9);
   EXPECT_TRUE(tables_of(arm, {0}, shape, {signal(SignalKind::kTime, 0, 1)}).empty());
+}
+
+// Four recordings of the textbook's SCARA, other motions and noise in each, the last one held out.
+Diagnosis scara_with(const std::function<void(Recording&, unsigned seed)>& change) {
+  const Model scara = read_model("scara");
+  std::vector<Recording> recordings;
+  for (unsigned k = 1; k <= 4; ++k) {
+    SimulationOptions options;
+    options.noise = sensor_noise("low");
+    options.seed = k;
+    const SimulatedRecording s = simulate_recording(scara, waves(scara.joints(), 0.08 + 0.01 * k), options);
+    Recording r;
+    r.time = s.measured.time;
+    r.q = s.measured.q;
+    r.dq = s.measured.dq;
+    r.tau = s.tau;
+    change(r, k);
+    recordings.push_back(std::move(r));
+  }
+  DiagnosisOptions options;
+  options.identification.threads = 1;
+  return diagnose(scara, {recordings[0], recordings[1], recordings[2]}, recordings[3], options);
+}
+
+// A sliding quill with a ripple in one direction of its motion: sizes are in newtons.
+TEST(Unnamed, SizesHaveTheUnitOfTheJoint) {
+  const Diagnosis d = scara_with([](Recording& r, unsigned) {
+    for (int row = 0; row < r.rows(); ++row) {
+      if (r.q(row, 2) * r.dq(row, 2) > 0.01) r.tau(row, 2) += 5.0 * std::sin(60.0 * r.q(row, 2));
+    }
+  });
+  const auto curve = std::find_if(d.findings.begin(), d.findings.end(), [](const Finding& f) { return f.shape.has_value(); });
+  ASSERT_NE(curve, d.findings.end()) << d.report();
+  EXPECT_EQ(curve->joint, JointIndex{2});
+  EXPECT_EQ(curve->unit, "N");
+  EXPECT_NE(curve->phrase.find(" N from its lowest"), std::string::npos) << curve->phrase;
+}
+
+// Something shakes the shoulder, at a phase of its own in each recording: no joint at its floor says "none".
+TEST(Unnamed, AVibrationIsNoFloor) {
+  const auto shaken = [](double frequency) {
+    return scara_with([frequency](Recording& r, unsigned seed) {
+      r.tau.col(0).array() += 0.5 * (2.0 * M_PI * frequency * r.time.array() + 1.7 * seed).sin();
+    });
+  };
+  const JointVerdict v = shaken(1.43).joints.at(0);
+  EXPECT_EQ(v.state, JointState::kCannotTell);
+  EXPECT_NE(v.why.find("a vibration of 1.43 Hz and 0."), std::string::npos) << v.why;
+  EXPECT_GT(v.removable, 0.5 * v.held_out);
+  const Diagnosis still = scara_with([](Recording&, unsigned) {});
+  for (const JointVerdict& one : still.joints) EXPECT_EQ(one.state, JointState::kAtFloor) << still.report();
+  // A line that the motion has as well (0.318 Hz is the shoulder's own) may be its doing.
+  EXPECT_EQ(shaken(1.0 / M_PI).joints.at(0).why.find("vibration"), std::string::npos);
 }
 
 // The same arm in which joints 1 and 3 follow one sine, 2 another one.

@@ -130,7 +130,7 @@ IdealRecording ideal_recording(const Bench& bench, const std::vector<Cause>& cau
   out.q = out.rows.q;
   add_friction(bench, number, out);
   if (bench.trouble == Trouble::kElasticBase)
-    out.tau += elastic_base_torque(arm, bench.seed, out.rows.q, out.rigid);
+    out.tau += elastic_base_torque(arm, bench.seed, out.rows);
   for (const Cause& cause : causes) {
     const std::vector<std::string> names = linear_parameters(cause.effect);
     if (!names.empty()) {

@@ -141,21 +141,39 @@ TEST(DetectionLimit, IsThatOfTheCurveThatTheCasesFollow) {
   EXPECT_TRUE(std::isnan(detection_limit(cases).half));
 }
 
-// Leaning by a small angle about x turns gravity by that angle: the torque that it adds is the
-// difference of two static torques.
+// At rest the base gives way by a constant angle, against the moment that holds the arm up. The torque that it
+// adds is the difference of two static torques, and the lean lowers the arm's centre of mass.
 TEST(Trouble, AnElasticBaseAddsTheTorqueOfALeaningArm) {
-  const Bench bench = make_bench("pick-scara", 4);
-  MatrixXd q = MatrixXd::Constant(3, bench.arm.joints, 0.3);
-  MatrixXd rigid = MatrixXd::Zero(3, bench.arm.joints);
-  rigid(0, 0) = rigid(1, 0) = rigid(2, 0) = 2.0;
-  const MatrixXd added = elastic_base_torque(bench.arm, 4, q, rigid);
-  const double lean = Draw(4, "elastic base").in(3e-3, 8e-3);
+  const Bench bench = make_bench("bench-6r", 4);
+  const Motion::Rows rows{VectorXd::LinSpaced(11, 0.0, 0.05), MatrixXd::Constant(11, bench.arm.joints, 0.3),
+                          MatrixXd::Zero(11, bench.arm.joints), MatrixXd::Zero(11, bench.arm.joints)};
+  const VectorXd q = rows.q.row(0).transpose();
   const VectorXd rest = VectorXd::Zero(bench.arm.joints);
-  const LagrangeArm leaning =
-      changed(bench.arm, {{"gravity_tilt", -1, -1, "", "", {{"roll", lean}, {"pitch", 0.0}}}});
-  const VectorXd expected = leaning.torque(q.row(1).transpose(), rest, rest) -
-                            bench.arm.torque(q.row(1).transpose(), rest, rest);
-  EXPECT_TRUE(near(added.row(1).transpose(), expected, 0.01 * expected.norm() + 1e-9));
+  const auto turned = [&](double x, double y) {
+    LagrangeArm out = bench.arm;
+    out.gravity = -Vector3d(x, y, 0.0).cross(bench.arm.gravity) + bench.arm.gravity;
+    return out;
+  };
+  // The moment about x or y is the slope of the potential energy sum of m (-g)' r against that turn.
+  const auto moment = [&](const Vector3d& axis) {
+    const std::vector<Matrix4d> poses = bench.arm.poses(q);
+    double out = 0.0;
+    for (size_t k = 0; k < poses.size(); ++k) {
+      const Vector3d first_moment = (poses[k] * bench.arm.links[k].moments.col(3)).head<3>();
+      out += -bench.arm.gravity.dot(axis.cross(first_moment));
+    }
+    return out;
+  };
+  const double about_x = moment(Vector3d::UnitX());
+  const double about_y = moment(Vector3d::UnitY());
+  const double peak = std::max(std::abs(about_x), std::abs(about_y));
+  Draw draw(4, "elastic base");
+  const double x = -draw.in(3e-3, 8e-3) * about_x / peak;
+  const double y = -draw.in(3e-3, 8e-3) * about_y / peak;
+  const VectorXd expected = turned(x, y).torque(q, rest, rest) - bench.arm.torque(q, rest, rest);
+  const MatrixXd added = elastic_base_torque(bench.arm, 4, rows);
+  EXPECT_GT(expected.norm(), 1e-3 * bench.arm.torque(q, rest, rest).norm());
+  EXPECT_TRUE(near(added.row(5).transpose(), expected, 0.02 * expected.norm()));
 }
 
 TEST(Trouble, LateRowsRepeatATenthOfTheRows) {

@@ -161,6 +161,27 @@ std::vector<BoardCase> cases_of(const BoardRequest& request) {
   return out;
 }
 
+namespace {
+
+nlohmann::json to_json(const Outcome& o) {
+  const Verdict& v = o.verdict;
+  return {o.group, o.observable, o.best_gain, o.seconds, v.hidden, v.first, v.first_rival, v.named,
+          v.named_rival, v.named_loosely, v.extras, v.intervals, v.covered, v.error_ratio, v.outside};
+}
+
+Outcome outcome_from(const nlohmann::json& in) {
+  Outcome o;
+  size_t k = 0;
+  const auto next = [&](auto& out) { in.at(k++).get_to(out); };
+  Verdict& v = o.verdict;
+  next(o.group), next(o.observable), next(o.best_gain), next(o.seconds), next(v.hidden), next(v.first);
+  next(v.first_rival), next(v.named), next(v.named_rival), next(v.named_loosely), next(v.extras);
+  next(v.intervals), next(v.covered), next(v.error_ratio), next(v.outside);
+  return o;
+}
+
+}  // namespace
+
 Outcome play(const BoardCase& one, const BoardRequest& request) {
   const CaseRequest& asked = one.request;
   const auto begin = std::chrono::steady_clock::now();
@@ -206,11 +227,29 @@ Outcome play(const BoardCase& one, const BoardRequest& request) {
   return out;
 }
 
+nlohmann::json settings_of(const BoardCase& one, const BoardRequest& request) {
+  const CaseRequest& asked = one.request;
+  const PreprocessingOptions& how = request.options.identification.preprocessing;
+  std::vector<double> thresholds;
+  for (const ThresholdEntry& e : threshold_table()) thresholds.push_back(request.options.thresholds.*e.value);
+  const std::filesystem::path program = "/proc/self/exe";
+  return {one.group, asked.arm, asked.effects, asked.seed, asked.share, static_cast<int>(asked.mode),
+          static_cast<int>(asked.trouble), asked.noise, asked.one_joint, request.well_visible, how.cutoff,
+          static_cast<int>(how.velocity), thresholds,
+          std::filesystem::last_write_time(program).time_since_epoch().count()};
+}
+
 std::vector<Outcome> play_all(const BoardRequest& request) {
   std::vector<Outcome> out;
   for (const BoardCase& one : cases_of(request)) {
     try {
+      const nlohmann::json settings = request.journal ? settings_of(one, request) : nlohmann::json();
+      if (const nlohmann::json* before = request.journal ? request.journal->find(settings) : nullptr) {
+        out.push_back(outcome_from(*before));
+        continue;
+      }
       out.push_back(play(one, request));
+      if (request.journal) request.journal->keep(settings, to_json(out.back()));
     } catch (const std::exception& error) {
       fmt::print("{} {} {}: ERROR {}\n", one.request.arm, one.request.seed, one.group,
                  error.what());

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "hide_and_seek/journal.hpp"
 #include "hide_and_seek/judge.hpp"
 
 namespace veridyn::seek {
@@ -24,6 +26,7 @@ struct BoardRequest {
   int threads = 2;
   std::string json;  ///< one record per case is appended to this file
   std::string keep;  ///< recordings stay in this folder
+  std::shared_ptr<Journal> journal;  ///< cases in it are not played again; null: all are played
   bool well_visible = false;
   DiagnosisOptions options;
 };
@@ -49,7 +52,10 @@ struct Outcome {
 /// Plays one case and prints a line for it.
 Outcome play(const BoardCase& one, const BoardRequest& request);
 
-/// Plays all cases; one that cannot be played is printed as an error and left out.
+/// Everything that an outcome depends on, the build of this program too.
+nlohmann::json settings_of(const BoardCase& one, const BoardRequest& request);
+
+/// Plays all cases that its journal lacks; one that cannot be played is printed as an error and left out.
 std::vector<Outcome> play_all(const BoardRequest& request);
 
 /// Counts by group and over all.

@@ -220,5 +220,24 @@ TEST(HideAndSeek, ATorqueWithTheWrongSignIsSaid) {
   fs::remove_all(folder);
 }
 
+// The yaw axis of the PSM is fixed to the base: a lean about it has the same torques as a wrong zero of its
+// encoder, and a second parameter that says nothing.
+TEST(HideAndSeek, AWrongZeroComesBeforeALeanOfTheBaseWithTheSameTorques) {
+  const Played played = play({"psm-3dof", {"large_zero"}, 211, 0.1, Mode::kChanged});
+  expect_found(played, "offset");
+  bool lean = false;
+  for (const Rival& r : played.diagnosis.findings.front().rivals) lean |= effect_of(r.cause) == "gravity_tilt";
+  EXPECT_TRUE(lean) << played.diagnosis.report();
+}
+
+// Without the question that comes after the names, the base's torques are those of a spring of the second joint.
+TEST(HideAndSeek, AnElasticBaseTakesThePlaceOfTheSpringThatStoodForIt) {
+  const Played played = play({"pick-scara", {}, 214, 0.1, Mode::kBare, Trouble::kElasticBase});
+  ASSERT_EQ(played.diagnosis.findings.size(), 1U) << played.diagnosis.report();
+  EXPECT_EQ(effect_of(played.diagnosis.findings[0].cause), "base_compliance");
+  for (const FoundParameter& p : played.diagnosis.findings[0].parameters) EXPECT_GE(p.value, 0.0) << p.name;
+  EXPECT_EQ(played.verdict.extras, 0);
+}
+
 }  // namespace
 }  // namespace veridyn::seek

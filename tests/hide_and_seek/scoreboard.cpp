@@ -24,7 +24,7 @@ struct Request {
   bool derived_velocity = false;
   bool least_squares = false;
   std::vector<std::string> set;
-  std::string folder, answers, truth, output;
+  std::string folder, answers, truth, output, journal;
   std::string sweeps;
   SweepRequest sweep;
   std::vector<double> sizes = {0.01, 0.02, 0.04, 0.08, 0.16};
@@ -49,6 +49,9 @@ void add_board_options(CLI::App& app, Request& request) {
   app.add_option("--threads", board.threads, "Of diagnose");
   app.add_option("--json", board.json, "Append one record per case to this file");
   app.add_option("--keep", board.keep, "Keep the recordings in this folder");
+  app.add_option("--resume", request.journal,
+                 "File of finished cases: those in it are not played again, the others are added; after a kill the same "
+                 "command goes on");
   app.add_flag("--well-visible", board.well_visible,
                "Skip cases below three times the smallest detectable size");
   app.add_option("--filter-cutoff", request.cutoff, "[Hz] instead of the default of diagnose");
@@ -62,6 +65,7 @@ void apply(Request& request) {
   if (request.cutoff > 0.0) how.cutoff = request.cutoff;
   if (request.derived_velocity) how.velocity = VelocitySource::kDerived;
   request.board.options.identification.threads = request.board.threads;
+  if (!request.journal.empty()) request.board.journal = std::make_shared<Journal>(request.journal);
   for (const std::string& setting : request.set) set_threshold(setting, request.board.options);
 }
 

@@ -1,6 +1,5 @@
 #include "hide_and_seek/trouble.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -13,7 +12,7 @@ constexpr double kLateShare = 0.1;
 constexpr double kRings = 12.0;         // [Hz]
 constexpr double kRingSeconds = 0.6;    // until when
 constexpr double kRingDecay = 0.15;     // [s]
-constexpr Eigen::Index kBaseStride = 5;  // rows; gravity changes slowly
+constexpr Eigen::Index kBaseStride = 5;  // rows; a base follows what is slow
 
 double rms(const VectorXd& x) {
   return std::sqrt(x.squaredNorm() / static_cast<double>(std::max<Eigen::Index>(1, x.size())));
@@ -49,6 +48,61 @@ void ring(Draw& draw, const VectorXd& time, MatrixXd& tau) {
       tau(r, i) += size * std::exp(-t / kRingDecay) * std::sin(2.0 * M_PI * kRings * t);
     }
   }
+}
+
+// Below the arm's links a base that turns about x and then about y: two coordinates after its own. Three
+// rows of DH with quarter turns, each of which makes x, y, z of the next link y, z, x of its parent.
+LagrangeArm on_turning_base(LagrangeArm arm) {
+  std::vector<Link> links(3);
+  for (int k = 0; k < 3; ++k) {
+    links[k].parent = k - 1;
+    links[k].alpha = links[k].theta = M_PI_2;
+    links[k].ratios = VectorXd::Zero(arm.joints + 2);
+    if (k > 0) links[k].ratios[arm.joints + k - 1] = 1.0;
+  }
+  for (Link link : arm.links) {
+    link.parent = link.parent < 0 ? 2 : link.parent + 3;
+    link.ratios.conservativeResize(arm.joints + 2);
+    link.ratios.tail(2).setZero();
+    links.push_back(std::move(link));
+  }
+  arm.links = std::move(links);
+  arm.joints += 2;
+  return arm;
+}
+
+Motion::Rows every(Eigen::Index stride, const Motion::Rows& rows) {
+  const Eigen::Index count = (rows.q.rows() - 1) / stride + 1;
+  Motion::Rows out{VectorXd(count), MatrixXd(count, rows.q.cols()), {}, {}};
+  out.dq = out.ddq = out.q;
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Eigen::Index r = k * stride;
+    out.time[k] = rows.time[r];
+    out.q.row(k) = rows.q.row(r);
+    out.dq.row(k) = rows.dq.row(r);
+    out.ddq.row(k) = rows.ddq.row(r);
+  }
+  return out;
+}
+
+Motion::Rows with_turns(Motion::Rows rows) {
+  for (MatrixXd* m : {&rows.q, &rows.dq, &rows.ddq}) {
+    m->conservativeResize(m->rows(), m->cols() + 2);
+    m->rightCols(2).setZero();
+  }
+  return rows;
+}
+
+// By central differences; the ends have the slopes beside them.
+VectorXd slope_of(const VectorXd& x, double step) {
+  const Eigen::Index n = x.size();
+  VectorXd out = VectorXd::Zero(n);
+  for (Eigen::Index r = 1; r + 1 < n; ++r) out[r] = (x[r + 1] - x[r - 1]) / (2.0 * step);
+  if (n > 2) {
+    out[0] = out[1];
+    out[n - 1] = out[n - 2];
+  }
+  return out;
 }
 
 }  // namespace
@@ -108,32 +162,26 @@ double step_width(Trouble trouble, unsigned seed, int joint, double largest_spee
   return Draw(seed, "step of joint " + std::to_string(joint)).in(0.01, 0.03) * largest_speed;
 }
 
-MatrixXd elastic_base_torque(const LagrangeArm& arm, unsigned seed, const MatrixXd& q,
-                             const MatrixXd& rigid) {
+MatrixXd elastic_base_torque(const LagrangeArm& arm, unsigned seed, const Motion::Rows& rows) {
   Draw draw(seed, "elastic base");
-  const double largest = draw.in(3e-3, 8e-3);
-  const Eigen::Index second = std::min<Eigen::Index>(1, rigid.cols() - 1);
-  const double first_peak = std::max(rigid.col(0).cwiseAbs().maxCoeff(), 1e-12);
-  const double second_peak = std::max(rigid.col(second).cwiseAbs().maxCoeff(), 1e-12);
-  MatrixXd out = MatrixXd::Zero(rigid.rows(), rigid.cols());
-  const VectorXd rest = VectorXd::Zero(q.cols());
-  const auto at = [&](Eigen::Index r) {
-    const Vector3d lean(largest * rigid(r, 0) / first_peak,
-                        largest * rigid(r, second) / second_peak, 0.0);
-    LagrangeArm leaning = arm;
-    leaning.gravity = -lean.cross(arm.gravity);  // torques are linear in gravity: the change only
-    return VectorXd(leaning.torque(q.row(r).transpose(), rest, rest));
-  };
-  VectorXd before = at(0);
-  out.row(0) = before;
-  for (Eigen::Index r = 0; r + 1 < rigid.rows(); r += kBaseStride) {
-    const Eigen::Index next = std::min(r + kBaseStride, rigid.rows() - 1);
-    const VectorXd after = at(next);
-    for (Eigen::Index k = r; k <= next; ++k) {
-      const double share = static_cast<double>(k - r) / static_cast<double>(next - r);
-      out.row(k) = (before + share * (after - before)).transpose();
-    }
-    before = after;
+  const LagrangeArm on_base = on_turning_base(arm);
+  const Motion::Rows coarse = every(kBaseStride, rows);
+  const Eigen::Index n = arm.joints;
+  Motion::Rows moved = with_turns(coarse);
+  const MatrixXd rigid = on_base.torques(moved.q, moved.dq, moved.ddq);
+  const double peak = std::max(rigid.rightCols(2).cwiseAbs().maxCoeff(), 1e-12);
+  const double step = coarse.time[1] - coarse.time[0];
+  for (Eigen::Index k = n; k < n + 2; ++k) {
+    moved.q.col(k) = -draw.in(3e-3, 8e-3) / peak * rigid.col(k);
+    moved.dq.col(k) = slope_of(moved.q.col(k), step);
+    moved.ddq.col(k) = slope_of(moved.dq.col(k), step);
+  }
+  const MatrixXd added = (on_base.torques(moved.q, moved.dq, moved.ddq) - rigid).leftCols(n);
+  MatrixXd out(rows.q.rows(), n);
+  for (Eigen::Index r = 0; r < out.rows(); ++r) {
+    const Eigen::Index k = std::min(r / kBaseStride, added.rows() - 2);
+    const double share = static_cast<double>(r - k * kBaseStride) / static_cast<double>(kBaseStride);
+    out.row(r) = added.row(k) + share * (added.row(k + 1) - added.row(k));
   }
   return out;
 }

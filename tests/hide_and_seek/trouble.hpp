@@ -5,6 +5,7 @@
 
 #include "hide_and_seek/draw.hpp"
 #include "hide_and_seek/lagrange_arm.hpp"
+#include "hide_and_seek/motion.hpp"
 
 namespace veridyn::seek {
 
@@ -18,7 +19,7 @@ enum class Trouble {
   kStartUpRinging,     ///< the torque rings for 0.6 s when the recording starts
   kTemperatureDrift,   ///< viscous friction falls by 1 to 3 % from one recording to the next
   kSmoothedSign,       ///< Coulomb friction is a smooth step over 1 to 3 % of the largest speed
-  kElasticBase,        ///< the base leans by 3 to 8 mrad under the arm's own largest torques
+  kElasticBase,        ///< the base gives way by 3 to 8 mrad under the arm's largest moment on it
 };
 
 /// All but kNone.
@@ -38,10 +39,10 @@ double viscosity_factor(Trouble trouble, unsigned seed, int place);
 /// Width of the step of Coulomb friction of one joint; zero: a sharp step.
 double step_width(Trouble trouble, unsigned seed, int joint, double largest_speed);
 
-/// (rows x n) torque that an elastic base adds: it leans in proportion to the torques of the first
-/// two joints, and gravity is seen to turn.
-MatrixXd elastic_base_torque(const LagrangeArm& arm, unsigned seed, const MatrixXd& q,
-                             const MatrixXd& rigid);
+/// (rows x n) torque that an elastic base adds: it gives way under the moments about x and y that the arm
+/// exerts on it, by 3 to 8 mrad for each under the larger of their peaks, and the arm feels gravity turned
+/// and the base's acceleration. Lagrange's equations of the arm with two more coordinates.
+MatrixXd elastic_base_torque(const LagrangeArm& arm, unsigned seed, const Motion::Rows& rows);
 
 /// Changes rows as sensors or drives of this kind would; the signals have their noise already.
 void trouble_rows(Trouble trouble, unsigned seed, int number, const VectorXd& time, MatrixXd& q,

@@ -138,6 +138,27 @@ TEST(AFleet, LeavesOutWhoseRecordingsLeaveTheBodiesOpen) {
   EXPECT_TRUE(near(found.parameters, same.parameters, 1e-12));
 }
 
+// Torques of zero would weigh infinitely.
+TEST(AFleet, LeavesOutWhoseTorquesAreZero) {
+  Simulated all = fleet(6, -1, nothing);
+  MotionShape shape;
+  shape.duration = 10.0;
+  shape.rate = 100.0;
+  Recording r = synthetic_recording(scara(), shape);
+  r.tau.setZero();
+  all.names.push_back("silent");
+  all.factors.push_back(compress(scara(), std::vector<std::string>()));
+  all.factors.back().recordings.push_back(compress(scara(), r, {}));
+  const Fleet found = identify_fleet(scara(), all.names, all.factors);
+  ASSERT_EQ(found.undetermined.size(), 1U) << found.report();
+  EXPECT_EQ(found.undetermined[0].arm, "silent");
+  EXPECT_NE(found.undetermined[0].why.find("zero throughout"), std::string::npos) << found.undetermined[0].why;
+  all.factors.pop_back();
+  all.names.pop_back();
+  const Fleet same = identify_fleet(scara(), all.names, all.factors);
+  EXPECT_TRUE(near(found.parameters, same.parameters, 1e-12));
+}
+
 TEST(AFleet, OfFewerThanThreeDeterminedArmsHasAReasonAndNoModel) {
   Simulated all = fleet(2, -1, nothing);
   const Fleet two = identify_fleet(scara(), all.names, all.factors);

@@ -50,7 +50,6 @@ MUTANTS = [
     ("identification/many/factor_set.cpp", "require(version == kVersion", "require(true", ["identification"]),
     ("identification/many/factor_set.cpp", "require(a.settings == b.settings", "require(true", ["identification"]),
     ("diagnosis/stages/selection_stage.cpp", "constexpr int kCycles = 2;", "constexpr int kCycles = 1;", ["diagnosis"]),
-    ("diagnosis/evidence/payload_fit.cpp", "  A.diagonal() *= 1.0 + numerics::kLoadRidge;\n", "", ["diagnosis"]),
     ("diagnosis/evidence/payload_fit.cpp", "out.A.diagonal().segment(1, 3).array() += unseen_curvature(out);", "", ["diagnosis"]),
     ("diagnosis/causes/geometry.cpp", "std::max(out.deviation, wider * of_recordings)", "out.deviation", ["diagnosis"]),
     ("diagnosis/causes/geometry.cpp", "if (recordings < 3) return;", "if (recordings < 1000) return;", ["diagnosis"]),

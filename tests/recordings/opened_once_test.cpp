@@ -54,6 +54,31 @@ TEST_F(Opened, ATableWithOtherNamesIsOpenedOnceAndThenKept) {
   EXPECT_EQ(opened_by_reading(path_), 0);
 }
 
+// The bound holds for the sum of all files, not for each.
+TEST_F(Opened, FilesAreKeptUpToABoundInTotal) {
+  write(kPlain);
+  const std::string other = path_ + ".other.csv";
+  std::ofstream(other, std::ios::binary) << kPlain;
+  const auto size = static_cast<long>(kPlain.size());
+  KeptRecordings both(2 * size), one(2 * size - 1);
+  for (KeptRecordings* kept : {&both, &one}) EXPECT_NE(kept->find(path_, {}), nullptr);
+  EXPECT_NE(both.find(other, {}), nullptr);
+  EXPECT_EQ(one.find(other, {}), nullptr);
+  EXPECT_NE(one.find(path_, {}), nullptr);
+  std::remove(other.c_str());
+}
+
+// A file that cannot be parsed takes no room from the next one.
+TEST_F(Opened, WhatCannotBeReadTakesNoRoom) {
+  const std::string bad = path_ + ".bad.csv";
+  write(kPlain);
+  std::ofstream(bad, std::ios::binary) << "t,q1,tau1\n0,1,x\n";
+  KeptRecordings kept(static_cast<long>(kPlain.size()));
+  EXPECT_THROW(kept.find(bad, {}), InvalidInput);
+  EXPECT_NE(kept.find(path_, {}), nullptr);
+  std::remove(bad.c_str());
+}
+
 TEST_F(Opened, BagsAndArraysAreOpenedOnce) {
   for (const char* name : {"ros1_lz4.bag", "mcap_cdr_zstd.mcap", "numpy.npz"})
     EXPECT_EQ(opened_by_reading(sample(name)), 1) << name;

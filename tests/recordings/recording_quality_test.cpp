@@ -209,6 +209,15 @@ TEST(AFault, AClippedTorqueIsSaturated) {
   EXPECT_NEAR(found(quality, "saturation", 1).share, share, 0.1 * share);
 }
 
+TEST(AFault, ATorqueThatStaysAtZeroIsNotSaturated) {
+  Recording r = clean_recording();
+  r.tau.col(0) = (r.tau.col(0).array() - 0.6 * r.tau.col(0).maxCoeff()).cwiseMin(0.0);
+  const RecordingQuality quality = check_recording(r);
+  const QualityFinding& zero = found(quality, "saturation", 1);
+  EXPECT_EQ(zero.value, 0.0);
+  EXPECT_NE(zero.sentence.find("a dead zone, or a channel of one sign"), std::string::npos) << zero.sentence;
+}
+
 TEST(AFault, RingingAtTheStartIsATransient) {
   Recording r = clean_recording();
   for (int k = 0; r.time[k] < 0.6; ++k) r.tau(k, 1) += 3.0 * std::sin(60.0 * r.time[k]);

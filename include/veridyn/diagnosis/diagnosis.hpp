@@ -93,7 +93,7 @@ struct UnnamedShape {
   /// The second signal is a velocity of which only the sign counts: one curve for each direction.
   bool on_sides = false;
   std::string words;  ///< "one-sided: nothing below 0.43 rad, ..."
-  std::string effort = "N m";
+  std::string effort;  ///< unit of the values
   std::vector<CurvePoint> curve;
   bool kept = false;   ///< the extended model has it as a table
   double share = 0.0;  ///< of the mean square that is left over, on the held-out recordings

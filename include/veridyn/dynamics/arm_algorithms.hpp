@@ -44,6 +44,7 @@ struct ArmAlgorithms {
     Tangent<L>* tangent;
     Column<L>* column;
     InertiaOf<S>* carried;  ///< inertia of each link with all links that it carries
+    CarriedMomentum<S>* momentum;
     L* angle;    ///< all angles, then sines, then cosines
     L* rows;     ///< rows of 2 n columns
     L* inverse;  ///< n rows of n columns
@@ -137,14 +138,8 @@ struct ArmAlgorithms {
 
   /// Computes M from the inertias that the links carry (Featherstone, ch. 6.2); needs place().
   static void mass_of(const InertialLinks& arm, S* M, const Memory& at) {
-    using C = typename ConstantOf<S>::type;
     const Links& tree = arm.tree;
-    for (int k = 0; k < tree.count; ++k) {
-      const LinkInertia& I = arm.inertia[k];
-      const auto c = [](double x) { return S(static_cast<C>(x)); };
-      at.carried[k] = {c(I.m),  {c(I.h.x), c(I.h.y), c(I.h.z)}, c(I.xx), c(I.xy),
-                       c(I.yy), c(I.xz), c(I.yz), c(I.zz)};
-    }
+    for (int k = 0; k < tree.count; ++k) at.carried[k] = own_inertia(arm, k);
     const int n = tree.joints;
     const int width = groups(n);
     for (int e = 0; e < n * width; ++e) at.inverse[e] = L(0.0);
@@ -157,6 +152,14 @@ struct ArmAlgorithms {
     for (int i = 0; i < n; ++i) {
       for (int j = 0; j <= i; ++j) M[i * n + j] = M[j * n + i] = entry(i, j) + entry(j, i);
     }
+  }
+
+  /// The inertia of link k alone.
+  static InertiaOf<S> own_inertia(const InertialLinks& arm, int k) {
+    const LinkInertia& I = arm.inertia[k];
+    const auto c = [](double x) { return S(static_cast<typename ConstantOf<S>::type>(x)); };
+    return {c(I.m),  {c(I.h.x), c(I.h.y), c(I.h.z)}, c(I.xx), c(I.xy), c(I.yy),
+            c(I.xz), c(I.yz), c(I.zz)};
   }
 
   /// Computes M and h = C dq + g.
@@ -189,10 +192,67 @@ struct ArmAlgorithms {
                           S* by_q, S* by_dq, S* M, const Memory& at) {
     const int n = arm.tree.joints;
     inverse_dynamics(arm, q, dq, ddq, nullptr, 0, tau, at);
-    mass_of(arm, M, at);
-    rows_along<kOfPosition | kOfVelocity>(arm, 2 * n, at.rows, at);
-    columns(n, groups(2 * n), 0, n, S(1.0), at.rows, by_q);
-    columns(n, groups(2 * n), n, 2 * n, S(1.0), at.rows, by_dq);
+    if constexpr (kWide) {
+      mass_of(arm, M, at);
+      rows_along<kOfPosition | kOfVelocity>(arm, 2 * n, at.rows, at);
+      columns(n, groups(2 * n), 0, n, S(1.0), at.rows, by_q);
+      columns(n, groups(2 * n), n, 2 * n, S(1.0), at.rows, by_dq);
+    } else {
+      by_pairs(arm, by_q, by_dq, M, at);
+    }
+  }
+
+  /// Computes the derivatives joint by joint from closed forms; requires backward_pass(). This takes
+  /// half the operations of tangents, but few of them side by side.
+  static void by_pairs(const InertialLinks& arm, S* by_q, S* by_dq, S* M, const Memory& at) {
+    const Links& tree = arm.tree;
+    const int n = tree.joints;
+    const Vec3<S> none = recursion_detail::zero3<S>();
+    for (int e = 0; e < n * n; ++e) by_q[e] = by_dq[e] = M[e] = S(0.0);
+    for (int k = 0; k < tree.count; ++k) {
+      at.carried[k] = own_inertia(arm, k);
+      at.momentum[k] = {none, {none, none, none}};
+    }
+    for (int k = tree.count - 1; k >= 0; --k) {
+      const Link& link = tree.link[k];
+      if (link.parent >= 0) {
+        carry_inertia(link, at.state[k], at.carried[k], at.carried[link.parent]);
+        carry_momentum(link, at.state[k], at.carried[k], at.momentum[k], at.momentum[link.parent]);
+      }
+      JointForces<S> t;
+      joint_forces(link, at.state[k], at.carried[k], at.momentum[k], t);
+      for (int j = k; j >= 0; j = tree.link[j].parent) {
+        const Link& above = tree.link[j];
+        const LinkState<S>& state = at.state[j];
+        const auto add = [&](const S& torque_j, const S& torque_k, S* to) {
+          using C = typename ConstantOf<S>::type;
+          for (int e = link.first_coefficient; e < link.end_coefficient; ++e) {
+            for (int f = above.first_coefficient; f < above.end_coefficient; ++f) {
+              const JointCoefficient& a = tree.coefficient[e];
+              const JointCoefficient& b = tree.coefficient[f];
+              const C both = static_cast<C>(a.coefficient * b.coefficient);
+              to[b.coordinate * n + a.coordinate] += both * torque_k;
+              if (j != k) to[a.coordinate * n + b.coordinate] += both * torque_j;
+            }
+          }
+        };
+        const S twice_x = state.omega.x + state.omega.x;
+        const S twice_y = state.omega.y + state.omega.y;
+        if (above.type == JointType::kRevolute) {
+          add(t.moment.z, t.moment.z, M);
+          add(t.position_moment.z,
+              dot(state.E.z, t.moment) + state.accel.y * t.force.x - state.accel.x * t.force.y +
+                  state.omega.y * t.spin.x - state.omega.x * t.spin.y,
+              by_q);
+          add(t.velocity_moment.z, twice_y * t.moment.x - twice_x * t.moment.y + t.spin.z, by_dq);
+        } else {
+          add(t.force.z, t.force.z, M);
+          add(t.position_force.z, dot(state.E.z, t.force), by_q);
+          add(t.velocity_force.z, twice_y * t.force.x - twice_x * t.force.y, by_dq);
+        }
+        if (above.parent >= 0) to_parent(above, state, at.state[above.parent].omega, t);
+      }
+    }
   }
 
   // ---- forward dynamics --------------------------------------------------------------------------
@@ -390,6 +450,7 @@ struct ArmAlgorithms {
     at.tangent = parts.template take<Tangent<L>>(tree.count);
     at.column = parts.template take<Column<L>>(tree.count);
     at.carried = parts.template take<InertiaOf<S>>(tree.count);
+    at.momentum = parts.template take<CarriedMomentum<S>>(kWide ? 0 : tree.count);
     at.angle = parts.template take<L>(3 * groups(tree.count));
     at.rows = parts.template take<L>(n * groups(2 * n));
     at.inverse = parts.template take<L>(n * groups(n));

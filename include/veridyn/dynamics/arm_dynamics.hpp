@@ -35,6 +35,7 @@ class ArmDynamics {
         tangent_(tree.links.size()),
         column_(tree.links.size()),
         carried_(tree.links.size()),
+        momentum_(tree.links.size()),
         rows_(2 * n() * n()),
         inverse_(n() * n()),
         vector_(n()),
@@ -85,8 +86,9 @@ class ArmDynamics {
   std::size_t n() const { return static_cast<std::size_t>(tree_.joints); }
   InertialLinks links() const { return {tree_, inertia_.data()}; }
   typename Algorithms::Memory memory() {
-    return {state_.data(), tangent_.data(), column_.data(), carried_.data(), nullptr,
-            rows_.data(),  inverse_.data(), vector_.data(), matrix_.data()};
+    return {state_.data(),    tangent_.data(), column_.data(), carried_.data(),
+            momentum_.data(), nullptr,         rows_.data(),   inverse_.data(),
+            vector_.data(),   matrix_.data()};
   }
 
   Tree tree_;
@@ -95,6 +97,7 @@ class ArmDynamics {
   std::vector<Tangent<S>> tangent_;
   std::vector<Column<S>> column_;
   std::vector<InertiaOf<S>> carried_;
+  std::vector<CarriedMomentum<S>> momentum_;
   std::vector<S> rows_, inverse_, vector_, matrix_;
 };
 

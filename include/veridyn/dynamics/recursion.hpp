@@ -276,4 +276,143 @@ inline void tangent_back(const Link& link, const LinkState<S>& at, const Seed<L>
   recursion_detail::to_parent(link, at.R, force, moment, above.force, above.moment);
 }
 
+/// Motion of the masses that a link carries, relative to the frame of the link: the sums of m xdot
+/// and of m x xdot'.
+template <typename S>
+struct CarriedMomentum {
+  Vec3<S> p;
+  Mat3<S> W;
+};
+
+/// Adds the momentum c of a link to that of its parent; I is the inertia that the link carries.
+template <typename S>
+inline void carry_momentum(const Link& link, const LinkState<S>& at, const InertiaOf<S>& I,
+                           CarriedMomentum<S> c, CarriedMomentum<S>& parent) {
+  Mat3<S>& W = c.W;
+  if (link.type == JointType::kRevolute) {  // xdot += z ds x x
+    c.p.x -= at.ds * I.h.y;
+    c.p.y += at.ds * I.h.x;
+    W.row0.x -= at.ds * I.xy;
+    W.row0.y += at.ds * I.xx;
+    W.row1.x -= at.ds * I.yy;
+    W.row1.y += at.ds * I.xy;
+    W.row2.x -= at.ds * I.yz;
+    W.row2.y += at.ds * I.xz;
+  } else {  // xdot += z ds, x += z s
+    W.row0.z += at.ds * I.h.x;
+    W.row1.z += at.ds * I.h.y;
+    W.row2.z += at.ds * I.h.z;
+    c.p.z += at.ds * I.m;
+    W.row2 = W.row2 + at.s * c.p;
+  }
+  // R W R': R times the rows of W, then R times the columns of that product.
+  const Vec3<S> x = from_joint(link, at.R, W.row0);
+  const Vec3<S> y = from_joint(link, at.R, W.row1);
+  const Vec3<S> z = from_joint(link, at.R, W.row2);
+  Mat3<S> turned = transpose(Mat3<S>{from_joint(link, at.R, Vec3<S>{x.x, y.x, z.x}),
+                                     from_joint(link, at.R, Vec3<S>{x.y, y.y, z.y}),
+                                     from_joint(link, at.R, Vec3<S>{x.z, y.z, z.z})});
+  const Vec3<S> p = from_joint(link, at.R, c.p);
+  if (link.A_moves) {
+    const auto r = constant<S>(link.A.p);
+    turned.row0 = turned.row0 + r.x * p;
+    turned.row1 = turned.row1 + r.y * p;
+    turned.row2 = turned.row2 + r.z * p;
+  }
+  parent.p = parent.p + p;
+  parent.W.row0 = parent.W.row0 + turned.row0;
+  parent.W.row1 = parent.W.row1 + turned.row1;
+  parent.W.row2 = parent.W.row2 + turned.row2;
+}
+
+/// Derivatives of the forces on all links that a joint carries, by the joint's variable, velocity
+/// and acceleration, at a link's origin and in its axes.
+///
+/// A small motion of a joint adds a + gamma x x + 2 w x xdot to the acceleration at x of all that it
+/// carries, where xdot is relative to the joint's origin: this is one motion of one composite body.
+/// By the same symmetry, `spin` . w is the part of the joint's torque that belongs to w where a
+/// joint above it moves so. Source: Singh, Russell and Wensing, IEEE RA-L 7(2), 2022.
+template <typename S>
+struct JointForces {
+  Vec3<S> force, moment;  ///< by the acceleration
+  Vec3<S> spin;
+  Vec3<S> position_force, position_moment;
+  Vec3<S> velocity_force, velocity_moment;
+};
+
+/// Computes them for one joint at its own link; requires backward_pass().
+///
+/// @param I, c  inertia and momentum that the link carries.
+template <typename S>
+inline void joint_forces(const Link& link, const LinkState<S>& at, const InertiaOf<S>& I,
+                         const CarriedMomentum<S>& c, JointForces<S>& to) {
+  const Vec3<S>& h = I.h;
+  const Vec3<S>& e = at.E.z;
+  const Vec3<S> p = c.p + cross(at.omega, h);  // with the link's own rotation
+  const S gx = at.omega.y + at.omega.y;        // 2 omega x z
+  const S gy = -(at.omega.x + at.omega.x);
+  if (link.type == JointType::kPrismatic) {
+    to.force = {S(0.0), S(0.0), I.m};
+    to.moment = {h.y, -h.x, S(0.0)};
+    to.spin = {p.y + p.y, -(p.x + p.x), S(0.0)};
+    to.velocity_force = {I.m * gx, I.m * gy, S(0.0)};
+    to.velocity_moment = {-(h.z * gy), h.z * gx, h.x * gy - h.y * gx};
+    to.position_force = I.m * e;
+    to.position_moment = cross(h, e);
+    to.position_moment.x -= at.force.y;
+    to.position_moment.y += at.force.x;
+    return;
+  }
+  const Vec3<S> x = c.W.row0 + cross(at.omega, Vec3<S>{I.xx, I.xy, I.xz});
+  const Vec3<S> y = c.W.row1 + cross(at.omega, Vec3<S>{I.xy, I.yy, I.yz});
+  const Vec3<S> z = c.W.row2 + cross(at.omega, Vec3<S>{I.xz, I.yz, I.zz});
+  const S twice = x.x + y.y + (x.x + y.y);
+  const S about_x = I.yy + I.zz;
+  const S about_y = I.xx + I.zz;
+  to.force = {-h.y, h.x, S(0.0)};
+  to.moment = {-I.xz, -I.yz, I.xx + I.yy};
+  to.spin = {-(x.z + x.z), -(y.z + y.z), twice};
+  to.velocity_force = {gy * h.z - (p.y + p.y), (p.x + p.x) - gx * h.z, gx * h.y - gy * h.x};
+  to.velocity_moment = {about_x * gx - I.xy * gy - (z.x + z.x),
+                        about_y * gy - I.xy * gx - (z.y + z.y), twice - I.xz * gx - I.yz * gy};
+  const Vec3<S> swept = cross(e, h);
+  to.position_force = {swept.x + I.m * at.accel.y + gy * p.z - at.force.y,
+                       swept.y - I.m * at.accel.x - gx * p.z + at.force.x,
+                       swept.z + gx * p.y - gy * p.x};
+  to.position_moment = {h.z * at.accel.x + about_x * e.x - I.xy * e.y - I.xz * e.z +
+                            gx * (y.y + z.z) - gy * y.x - at.moment.y,
+                        h.z * at.accel.y + about_y * e.y - I.xy * e.x - I.yz * e.z +
+                            gy * (x.x + z.z) - gx * x.y + at.moment.x,
+                        (I.xx + I.yy) * e.z - I.xz * e.x - I.yz * e.y - h.x * at.accel.x -
+                            h.y * at.accel.y - gx * x.z - gy * y.z};
+}
+
+/// Moves them to the parent's origin, with the parent's axes.
+template <typename S>
+inline void to_parent(const Link& link, const LinkState<S>& at, const Vec3<S>& parent_omega,
+                      JointForces<S>& t) {
+  const bool slides = link.type == JointType::kPrismatic;
+  const auto p = constant<S>(link.A.p);
+  const auto move = [&](Vec3<S>& force, Vec3<S>& moment) {
+    if (slides) {  // (s z) x force
+      moment.x -= at.s * force.y;
+      moment.y += at.s * force.x;
+    }
+    force = from_joint(link, at.R, force);
+    moment = from_joint(link, at.R, moment);
+    if (link.A_moves) moment = moment + cross(p, force);
+  };
+  if (slides) {  // twice the velocity of the link's origin against the joint's, times force
+    const Vec3<S> u{at.s * at.omega.y, -(at.s * at.omega.x), at.ds};
+    t.spin = t.spin + cross(u + u, t.force);
+  }
+  move(t.force, t.moment);
+  move(t.position_force, t.position_moment);
+  move(t.velocity_force, t.velocity_moment);
+  t.spin = from_joint(link, at.R, t.spin);
+  if (!link.A_moves) return;
+  const Vec3<S> u = cross(parent_omega, p);
+  t.spin = t.spin + cross(u + u, t.force);
+}
+
 }  // namespace veridyn

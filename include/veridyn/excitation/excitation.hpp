@@ -109,6 +109,11 @@ struct ExcitationOptions {
   std::function<void(const std::string&, double)> progress{};
   /// Polled by all searches; once it returns true, the best motion so far is the result.
   std::function<bool()> stop{};
+  /// Called with the number of a start and its result as numbers when it is finished, by several
+  /// threads; and before a start: a result that an interrupted search of the same arm and options
+  /// has kept, which is not searched again.
+  std::function<void(int, const VectorXd&)> keep{};
+  std::function<std::optional<VectorXd>(int)> kept{};
 };
 
 enum class ExcitationStatus {

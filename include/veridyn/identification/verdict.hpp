@@ -16,9 +16,10 @@ enum class IdentifiedState {
   kAtFloor,      ///< the residual is little above the noise floor
   kUnexplained,  ///< the residual is far above it: the model lacks something
   kHardlyMoved,  ///< the recordings hardly move the joint: record them again
+  kNoTorque,     ///< its torque is zero throughout: it was not recorded, or the joint was not driven
   kCannotTell,   ///< the motion does not repeat, so that the noise floor is unknown
 };
-/// "at_floor", "unexplained", "hardly_moved", "cannot_tell".
+/// "at_floor", "unexplained", "hardly_moved", "no_torque", "cannot_tell".
 const char* name_of(IdentifiedState state);
 
 struct IdentifiedJoint {

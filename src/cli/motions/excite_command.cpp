@@ -8,12 +8,14 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "cli/commands.hpp"
 #include "cli/options/common_options.hpp"
 #include "cli/motions/excite_options.hpp"
 #include "cli/motions/excite_poses.hpp"
+#include "cli/motions/kept_searches.hpp"
 #include "cli/options/messages.hpp"
 #include "cli/options/option_checks.hpp"
 #include "cli/options/recording_options.hpp"
@@ -22,6 +24,7 @@
 #include "veridyn/identification/identification.hpp"
 #include "recordings/recorded_motion.hpp"
 #include "veridyn/recordings/recording.hpp"
+#include "math/file_hash.hpp"
 #include "math/numbers.hpp"
 #include "math/output_file.hpp"
 #include "model/robot_format.hpp"
@@ -39,7 +42,7 @@ struct ExciteRequest {
   const CLI::App* command = nullptr;  // the command whose options were given
   std::string robot;
   std::string output;
-  std::string coefficients;
+  std::string coefficients, resume;
   std::string model;
   std::vector<std::string> given, noise_of;
   PreprocessingOptions reading;  // of --given and --noise-of
@@ -206,6 +209,18 @@ void expect_solver(const ExciteRequest& request) {
                solver == ExcitationSolver::kIpopt ? "coinor-libipopt-dev" : "libnlopt-dev");
 }
 
+// Everything that the searches depend on: the given options and the files that they name.
+std::string search_words(const CLI::App& command) {
+  static const std::set<std::string> kOfTheResult = {"--output", "--coefficients", "--json", "--report", "--resume", "--threads", "--quiet"};
+  std::string out = VERIDYN_VERSION;
+  for (const CLI::Option* option : command.get_options()) {
+    if (option->count() == 0 || kOfTheResult.count(option->get_name()) > 0) continue;
+    out += "\n" + option->get_name();
+    for (const std::string& word : option->results()) out += " " + word + " " + sha256_of_file(word);
+  }
+  return out;
+}
+
 ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
   expect_solver(request);
   for (const std::string* path :
@@ -239,6 +254,12 @@ ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
   if (!unknown.empty()) {
     say(unknown + ".");
     return kDataCannotAnswer;
+  }
+  std::optional<KeptSearches> searches;
+  if (!request.resume.empty()) {
+    searches.emplace(request.resume, search_words(*request.command));
+    options.kept = [&](int start) { return searches->find(start); };
+    options.keep = [&](int start, const VectorXd& numbers) { searches->keep(start, numbers); };
   }
   if (!made_up_words.empty()) say(made_up_words);
   expect_needs(*request.command,
@@ -333,6 +354,9 @@ void add_excite_command(CLI::App& tool, Outcome& outcome) {
   add_robot_argument(command, request->robot);
   add_output_option(command, "-o,--output", request->output, "Write the motion as CSV: t, q, dq, ddq", {".csv"})->required();
   add_output_option(command, "--coefficients", request->coefficients, "Write the series' coefficients as YAML");
+  command.add_option("--resume", request->resume,
+                     "Keep each finished search in this file; after a kill the same command goes on from it")
+      ->option_text("FILE");
   add_motion_options(command, request->options);
   add_search_options(command, request->options);
   command

@@ -90,7 +90,7 @@ bool UdpPort::is_owner(const sockaddr_in& from, double now) noexcept {
   if (!owned_) {
     owner_ = from;
     owned_ = true;
-    ::connect(socket_, reinterpret_cast<const sockaddr*>(&owner_), sizeof owner_);
+    static_cast<void>(::connect(socket_, reinterpret_cast<const sockaddr*>(&owner_), sizeof owner_));
   }
   if (from.sin_addr.s_addr != owner_.sin_addr.s_addr || from.sin_port != owner_.sin_port) return false;
   heard_ = now;
@@ -111,7 +111,7 @@ bool UdpPort::receive(void* buffer, std::size_t room, Datagram& out) noexcept {
   if (owned_ && now - heard_ > silence_) {
     sockaddr nobody{};
     nobody.sa_family = AF_UNSPEC;
-    ::connect(socket_, &nobody, sizeof nobody);
+    static_cast<void>(::connect(socket_, &nobody, sizeof nobody));
     owned_ = false;
   }
   return false;

@@ -274,7 +274,6 @@ void ClosedLoop::advance(long k, MatrixXd& X) const {
     const LinearElement& at = point_.elements[i];
     if (!at.attached) continue;
     const Eigen::RowVector3d u = at.u.transpose();
-    MatrixXd along = MatrixXd::Zero(1, columns), along_rate = along;
     const MatrixXd L = line_map(static_cast<int>(i));
     const Eigen::RowVectorXd Lu = u * L;
     const MatrixXd tension = e.stiffness * (Lu * X.topRows(joints_)) +

@@ -5,6 +5,7 @@
 
 #include "diagnosis/evidence/numerics.hpp"
 #include "math/median.hpp"
+#include "math/spectral_lines.hpp"
 
 namespace veridyn {
 namespace {
@@ -33,26 +34,6 @@ Cloud cloud_of(const Identification& id, size_t joint) {
   return out;
 }
 
-// Amplitudes 2/n |sum of r exp(-i order s)| at evenly spaced orders; each order's terms are those of
-// the one before, turned by exp(-i step s).
-std::vector<double> amplitudes(const Cloud& c, double first, double step, size_t count) {
-  const auto n = static_cast<Eigen::Index>(c.s.size());
-  const Eigen::Map<const Eigen::ArrayXd> s(c.s.data(), n), r(c.r.data(), n);
-  const Eigen::ArrayXd turn_re = (step * s).cos();
-  const Eigen::ArrayXd turn_im = -(step * s).sin();
-  Eigen::ArrayXd re = r * (first * s).cos();
-  Eigen::ArrayXd im = -r * (first * s).sin();
-  Eigen::ArrayXd turned(n);
-  std::vector<double> out;
-  for (size_t k = 0; k < count; ++k) {
-    out.push_back(2.0 * std::hypot(re.sum(), im.sum()) / static_cast<double>(n));
-    turned = re * turn_re - im * turn_im;
-    im = re * turn_im + im * turn_re;
-    re.swap(turned);
-  }
-  return out;
-}
-
 std::vector<double> peaks(const Cloud& c, const Thresholds& limits) {
   if (c.s.size() < numerics::kFewestSpectrumSamples) return {};
   const auto [low, high] = std::minmax_element(c.s.begin(), c.s.end());
@@ -61,7 +42,7 @@ std::vector<double> peaks(const Cloud& c, const Thresholds& limits) {
   const double unit = 2.0 * M_PI / travel;  // one wave per travel
   const auto count = static_cast<size_t>(
       std::max(0.0, std::ceil((limits.ripple_finest - limits.ripple_waves) / kStep)));
-  const std::vector<double> sizes = amplitudes(c, limits.ripple_waves * unit, kStep * unit, count);
+  const std::vector<double> sizes = line_amplitudes(c.s, c.r, limits.ripple_waves * unit, kStep * unit, count);
   if (sizes.empty()) return {};
   const double floor = limits.ripple_prominence * median(sizes);
   std::vector<std::pair<double, double>> found;

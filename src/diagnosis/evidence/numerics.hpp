@@ -79,7 +79,6 @@ constexpr double kLessDamping = 0.2;
 constexpr double kMostDamping = 1e8;
 constexpr double kConverged = 1e-13;
 constexpr double kFirstPlaces = 0.3;  ///< initial offsets as a share of the reach
-constexpr double kLoadRidge = 1e-10;
 constexpr double kLoadPrior = 1e-6;
 
 // Rounds of a search that ends before them where it has converged.
@@ -99,6 +98,8 @@ constexpr int kTravelBins = 40;                        ///< of the travel of all
 constexpr int kFewestInBin = 6;                        ///< samples of a bin in either direction
 constexpr int kSpectrumSamples = 4000;                 ///< of all recordings together
 constexpr std::size_t kFewestSpectrumSamples = 100;
+constexpr double kVibrationWaves = 3.0;                ///< in a recording: fewer are a drift
+constexpr double kVibrationStep = 0.25;                ///< of the grid, in waves of the longest recording
 constexpr int kConstantParts = 8;                      ///< of a recording, for the scatter of a constant
 constexpr int kMostConstantParts = 64;                 ///< of all: they are in memory together
 constexpr std::size_t kMostMotionRows = 6000;          ///< of all recordings together

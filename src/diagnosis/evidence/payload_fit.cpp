@@ -92,7 +92,7 @@ class LoadProblem {
 
   static RidgedSolver nuisance_solver(const LoadCost& sums) {
     const Eigen::Index n = sums.b.size() - kBodyParameters;
-    return RidgedSolver(sums.A.bottomRightCorner(n, n), numerics::kLoadRidge);
+    return RidgedSolver(sums.A.bottomRightCorner(n, n));
   }
 
   // Weighted sums of all clusters but one (-1: of all), over load and nuisances, scaled columns.
@@ -221,10 +221,7 @@ PayloadEstimate fit_payload(const AugmentedModel& asked, const NormalBlocks& dat
 double compact_share(const NormalBlocks& data, const Hypothesis& payload, const ColumnSet& beside,
                      const VectorXd& weights) {
   const LoadCost f = LoadProblem(data, payload, beside, weights).without(-1);
-  MatrixXd A = f.A;
-  A.diagonal() *= 1.0 + numerics::kLoadRidge;
-  A.diagonal().array() += numerics::kTiny;
-  const double free = f.b.dot(RidgedSolver(A).solve(f.b));
+  const double free = f.b.dot(RidgedSolver(f.A).solve(f.b));
   return free > 0.0 ? std::clamp(-fit_point_load(f, nullptr, payload.reach).cost / free, 0.0, 1.0)
                     : 0.0;
 }
@@ -246,7 +243,6 @@ bool same_torques(const NormalBlocks& data, const Hypothesis& a, const Hypothesi
       }
     }
   }
-  AA.diagonal() *= 1.0 + numerics::kLoadRidge;
   const VectorXd spanned = (AB.transpose() * RidgedSolver(AA).solve_columns(AB)).diagonal();
   return ((BB - spanned).array() <= numerics::kSameSpan * BB.array()).all();
 }

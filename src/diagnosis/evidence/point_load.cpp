@@ -86,10 +86,7 @@ std::vector<PointLoad> all_point_loads(const LoadCost& f, const Eigen::Vector3d&
 
 PointLoad fit_point_load(const LoadCost& f, const PointLoad* near, double reach) {
   if (near != nullptr) return descend(f, near->mass(), near->moment(), reach);
-  MatrixXd first = f.A.block(1, 1, 3, 3);
-  first.diagonal() *= 1.0 + numerics::kLoadRidge;
-  first.diagonal().array() += numerics::kTiny;
-  const Eigen::Vector3d h = RidgedSolver(first).solve(f.b.segment(1, 3));
+  const Eigen::Vector3d h = RidgedSolver(f.A.block(1, 1, 3, 3)).solve(f.b.segment(1, 3));
   PointLoad best;
   for (const PointLoad& s : all_point_loads(f, h, reach)) {
     if (s.cost < best.cost) best = s;
@@ -100,7 +97,6 @@ PointLoad fit_point_load(const LoadCost& f, const PointLoad* near, double reach)
 Eigen::Matrix<double, 6, 1> load_extent(const LoadCost& f, const PointLoad& s) {
   MatrixXd A = f.A.bottomRightCorner(6, 6);
   A.diagonal() *= 1.0 + numerics::kLoadPrior;
-  A.diagonal().array() += numerics::kTiny;
   return RidgedSolver(A).solve((f.b - f.A * s.phi).tail(6));
 }
 

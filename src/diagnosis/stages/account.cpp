@@ -14,6 +14,7 @@
 #include "diagnosis/stages/asked_tables.hpp"
 #include "diagnosis/unnamed/dependence.hpp"
 #include "diagnosis/unnamed/tables.hpp"
+#include "diagnosis/unnamed/vibration.hpp"
 #include "effects/tabulated_force.hpp"
 #include "math/parallel.hpp"
 #include "math/signed_rank.hpp"
@@ -191,17 +192,28 @@ class Account {
 
   void withdraw(const Reasons& lost) {
     std::vector<Finding> kept;
+    std::vector<VectorXd> begins;  // errors before the names that go, held out and of folds
     for (size_t k = 0; k < d_.findings.size(); ++k) {
       Finding& f = d_.findings[k];
       const auto why = lost.find(k);
+      const bool is_step = !f.shape && f.test_before.size() > 0;
       if (why == lost.end()) {
+        if (is_step && !begins.empty()) begin_at(f, std::exchange(begins, {}));
         kept.push_back(std::move(f));
         continue;
       }
+      if (is_step && begins.empty()) begins = {f.test_before, f.folds_before};
       d_.not_supported.insert(d_.not_supported.begin(), {f.cause, f.p_value, why->second});
       d_.remarks.push_back(fmt::format("Withdrawn: {} Not named, for {}.", d_.sentence(f), why->second));
     }
     d_.findings = std::move(kept);
+  }
+
+  // The step of a finding begins where that of the names withdrawn before it began.
+  void begin_at(Finding& f, const std::vector<VectorXd>& before) const {
+    f.test_before = before[0];
+    if (f.folds_before.size() == before[1].size()) f.folds_before = before[1];
+    f.explains = explained_share(f.test_before, f.test_after, d_.baseline);
   }
 
   // The findings of one effect on one joint (cables from several joints), which stand and fall together.
@@ -307,7 +319,7 @@ class Account {
     for (size_t k = 0; k < found.model.chosen.size(); ++k) {
       const double share = found.predicted_of_folds[k];
       if (share - so_far < limits_.unnamed_term) continue;  // in the regression, and too little to speak of
-      UnnamedShape shape = shape_of(found, k, train_, terms);
+      UnnamedShape shape = shape_of(found, k, train_, terms, effort_unit(x_.arm.coordinates()[j]));
       Finding f;
       f.cause = NewEffect{UnnamedShape::kName, JointIndex{j}};
       f.joint = JointIndex{j};
@@ -472,12 +484,17 @@ class Account {
     const bool repeats = d_.baseline.noise_floor.size() > j;
     v.source = repeats ? FloorSource::kRepeats : FloorSource::kRegression;
     v.floor = std::min(v.held_out, repeats ? std::min(d_.baseline.noise_floor[j], left) : left);
+    const bool unnamed = has_unnamed(j);
+    const std::optional<Vibration> vibration = vibration_of(d_.extended, j, limits_);
+    if (vibration && !unnamed && without_share(left, vibration->share) < v.floor) {
+      v.floor = without_share(left, vibration->share);
+      v.source = FloorSource::kRegression;
+    }
     v.removable = v.held_out - v.floor;
     v.left = left;
     const bool named = std::any_of(d_.findings.begin(), d_.findings.end(), [j](const Finding& f) {
       return !f.shape && acts_on(f, j);
     });
-    const bool unnamed = has_unnamed(j);
     const bool at_floor = left <= limits_.at_floor * v.floor;
     if (unnamed) {
       v.state = JointState::kUnnamed;
@@ -487,9 +504,16 @@ class Account {
       v.state = JointState::kAtFloor;
     } else {
       v.state = JointState::kCannotTell;
-      v.why = why_not(found, repeats);
+      v.why = vibration ? words_of(*vibration, j) : why_not(found, repeats);
     }
     return v;
+  }
+
+  std::string words_of(const Vibration& vibration, int j) const {
+    return fmt::format("{:.0f} % of what is left over is a vibration of {:.3g} Hz and {:.3g} {} that the motion does "
+                       "not have: something shakes the arm, or a part of it swings",
+                       kPercent * vibration.share, vibration.frequency, vibration.amplitude,
+                       effort_unit(x_.arm.coordinates()[j]));
   }
 
   std::string why_not(const Dependence& found, bool repeats) const {

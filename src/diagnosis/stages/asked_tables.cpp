@@ -106,6 +106,7 @@ std::vector<AcceptedTable> ask_tables(const DiagnosisState& x, const std::vector
     table.p_value = a.evidence.p_value;
     table.shape.signals = {of[at].name};
     table.shape.units = {of[at].unit};
+    table.shape.effort = effort_unit(arm.coordinates()[table.joint.value]);
     add_nodes(asked, selection, all[at], of[at], table.shape);
     table.shape.words = shape_words(table.shape, {of[at]});
     out.push_back(std::move(table));

@@ -42,6 +42,14 @@ std::optional<Estimate> estimate(const CandidateTests& asked, const Hypothesis& 
   return out;
 }
 
+// Keeps sizes that cannot be negative at zero or above: a base is no stiffer than rigid.
+void keep_possible(const Hypothesis& h, const std::vector<double>& so_far, std::vector<double>& step) {
+  const std::vector<EffectParameter> parameters = find_effect(effect_of(h.cause)).parameters();
+  for (size_t p = 0; p < step.size(); ++p) {
+    if (parameters[p].sign == ParameterSign::kNonnegative) step[p] = std::max(step[p], -so_far[p]);
+  }
+}
+
 // The same hypothesis for another arm.
 const Hypothesis* same(const CandidateTests& asked, const Hypothesis& h) {
   for (const Hypothesis& other : asked.q.augmented.hypotheses) {
@@ -88,6 +96,7 @@ std::optional<CorrectedChannel> correct_channel(const DiagnosisState& x, const C
       matters = matters || std::abs(step->values[p]) >
                                0.5 * 0.5 * step->half_widths[static_cast<Eigen::Index>(p)];
     if (!matters) break;
+    keep_possible(h, out.values, step->values);
     bool better = false;
     for (int halving = 0; halving < numerics::kHalvings && !better; ++halving) {
       if (is_possible(h, step->values)) {

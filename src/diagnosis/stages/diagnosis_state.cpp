@@ -27,6 +27,7 @@ bool DiagnosisState::tests_effect(const std::string& effect) const {
 
 bool DiagnosisState::tests_cause(const Cause& cause) const {
   const std::vector<std::string>& some = options.effects;
+  if (not_asked.count(to_text(arm, cause)) != 0) return false;
   return some.empty() || std::any_of(some.begin(), some.end(), [&](const std::string& one) {
            return one == effect_of(cause) || one == to_text(arm, cause);
          });

@@ -50,6 +50,9 @@ struct DiagnosisState {
   /// True while select_causes() refuses errors of single joints' channels beyond their usual size.
   bool usual_channels_only = false;
 
+  /// Causes as text that are not asked about, whatever the options say.
+  std::set<std::string> not_asked = {};
+
   /// True if the effect is among those to test, at any place.
   bool tests_effect(const std::string& effect) const;
 
@@ -117,14 +120,19 @@ void correct_constants(DiagnosisState& x);
 /// and writes down what was found.
 void select_causes(DiagnosisState& x);
 
-/// After account_for_errors(): asks about causes that nobody asked about before, on joints whose error
-/// depends on positions without a name; with one in the arm, all others anew, and accounts for the errors again.
-/// Changes nothing unless held-out parts of the training recordings are predicted as well as with the curves.
+/// After account_for_errors(): asks about causes that nobody asked about before, where a joint's error depends on
+/// positions without a name, or a name may stand for another (a force at each position, a lean, a load); with one
+/// in the arm, all others anew, and accounts for the errors again. Changes nothing unless held-out parts of the
+/// training recordings are predicted as well as with the curves or the names.
 void ask_later_causes(DiagnosisState& x);
 
 /// Accounts for the residual of every joint, and for the signals on which it depends where no known
 /// cause has that shape.
 void account_for_errors(DiagnosisState& x);
+
+/// Where the extended model predicts the held-out recordings of a joint worse than the baseline: asks anew without
+/// the name that spoils them most, while that helps.
+void refuse_contradicted(DiagnosisState& x);
 
 /// Marks what the held-out recordings contradict, orders by what matters.
 void summarize(Diagnosis& d, const Thresholds& thresholds);

@@ -8,11 +8,13 @@
 #include "causes/candidates.hpp"
 #include "diagnosis/evidence/folds.hpp"
 #include "diagnosis/stages/diagnosis_state.hpp"
-#include "veridyn/effects/effect.hpp"
+#include "model/effect_names.hpp"
 #include "veridyn/effects/channel_effect.hpp"
+#include "veridyn/effects/effect.hpp"
 
-// Causes that are asked about only where a joint's error depends on positions and has no name: names for
-// curves, which few of the recordings need, and which would cost all others a part of their significance.
+// Causes that are asked about only where a joint's error depends on positions and has no name, or the name of
+// a force at each position: few of the recordings need them, and they would cost all others a part of their
+// significance.
 
 namespace veridyn {
 namespace {
@@ -32,7 +34,45 @@ std::set<int> joints_in_question(const Diagnosis& d) {
   return out;
 }
 
-std::vector<std::string> later_causes(const Model& arm, const std::set<int>& joints) {
+bool is_force_of_positions(const Cause& cause) {
+  if (!std::holds_alternative<NewEffect>(cause) || !has_effect(effect_of(cause))) return false;
+  const EffectTraits traits = find_effect(effect_of(cause)).traits();
+  return traits.depends_on_position && traits.role == EffectRole::kForce && !traits.elementary;
+}
+
+// True if the finding is a force that depends on positions alone, a lean of the base or a load: on some motions
+// what the arm's mounting, its tip or a wrong zero does looks like one.
+bool may_stand_for_another(const Finding& f) {
+  if (f.shape || f.status != FindingStatus::kConfirmed) return false;
+  const auto* channel = std::get_if<ChannelError>(&f.cause);
+  return std::holds_alternative<AddedLoad>(f.cause) || is_force_of_positions(f.cause) ||
+         (channel != nullptr && find_effect(effect_of(f.cause)).traits().role == EffectRole::kArm);
+}
+
+struct Size {
+  int causes = 0, parameters = 0;
+};
+
+Size size_of(const Diagnosis& d) {
+  Size out;
+  for (const Finding& f : d.findings) {
+    if (f.shape || f.status != FindingStatus::kConfirmed) continue;
+    ++out.causes;
+    out.parameters += static_cast<int>(f.parameters.size());
+  }
+  return out;
+}
+
+// Wrong zeros of encoders: of first order they look like loads and leans, which have more parameters.
+std::vector<std::string> wrong_zeros() {
+  std::vector<std::string> out;
+  for (const ChannelEffect* channel : channel_effects()) {
+    if (!channel->whole_arm() && channel->traits().depends_on_position) out.push_back(channel->name());
+  }
+  return out;
+}
+
+std::vector<std::string> later_causes(const Diagnosis& d, const Model& arm, const std::set<int>& joints) {
   std::vector<std::string> out;
   for (const AxisEffect* effect : axis_effects()) {
     if (!is_asked_later(*effect, arm) || !effect->traits().depends_on_position) continue;
@@ -42,6 +82,20 @@ std::vector<std::string> later_causes(const Model& arm, const std::set<int>& joi
     const bool few = static_cast<int>(channel->parameters().size()) <= arm.joints();
     if (is_asked_later(*channel, arm) && few) out.push_back(channel->name());
   }
+  if (d.changes) {
+    for (const std::string& zero : wrong_zeros()) out.push_back(zero);
+  }
+  return out;
+}
+
+// All that is asked about by default, and one cause more: an error of the whole arm that is corrected already
+// is corrected further beside the others.
+std::vector<std::string> all_and(const std::string& one, const Model& arm) {
+  std::vector<std::string> out;
+  for (const std::string& name : effect_names()) {
+    if (!has_effect(name) || !is_asked_later(find_effect(name), arm)) out.push_back(name);
+  }
+  out.push_back(one);
   return out;
 }
 
@@ -82,14 +136,46 @@ void keep_first(DiagnosisState& y, size_t first) {
   }
 }
 
+// True if the second diagnosis has no more names and predicts the held-out parts of the training recordings no
+// worse; with more parameters clearly better, with fewer as well but for what is too little for a cause.
+bool is_simpler(const DiagnosisState& x, const DiagnosisState& y, const VectorXd& errors, const VectorXd& others) {
+  const Size before = size_of(x.d);
+  const Size after = size_of(y.d);
+  if (after.causes > before.causes) return false;
+  const double lost = log_fall(others, errors);
+  const Thresholds& limits = x.options.thresholds;
+  if (after.parameters > before.parameters) return lost < -limits.smallest_gain;
+  if (lost <= 0.0) return true;
+  const double gained = log_fall(x.fold_errors(x.d.baseline).relative(), errors);
+  return after.parameters < before.parameters && lost < limits.smallest_gain && lost < (1.0 - limits.tie) * gained;
+}
+
+// Names beside it that held-out parts do not confirm stood for the same.
+void drop_unconfirmed(Diagnosis& d) {
+  const auto gone = std::stable_partition(d.findings.begin(), d.findings.end(), [](const Finding& f) {
+    return f.status == FindingStatus::kConfirmed || !is_force_of_positions(f.cause);
+  });
+  for (auto f = gone; f != d.findings.end(); ++f)
+    d.not_supported.push_back({f->cause, f->p_value, "it is not confirmed beside a cause of the whole arm"});
+  d.findings.erase(gone, d.findings.end());
+}
+
+// The cause that gave way, where it explains as much: these recordings cannot tell the two apart.
+void add_rival(const Finding& gone, double gain, const Thresholds& limits, Finding& f) {
+  if (std::abs(gain) < limits.smallest_gain && !(gone.joint == f.joint && effect_of(gone.cause) == effect_of(f.cause)))
+    f.rivals.push_back({gone.cause, "explains as much with more parameters: these recordings cannot tell the two apart"});
+}
+
 }  // namespace
 
 void ask_later_causes(DiagnosisState& x) {
-  if (!x.options.effects.empty() || x.d.changes || !x.d.extended.model || x.d.provisional ||
-      !x.d.moving_as_one.empty())
-    return;
-  const std::set<int> joints = joints_in_question(x.d);
-  const std::vector<std::string> later = joints.empty() ? std::vector<std::string>() : later_causes(x.arm, joints);
+  if (!x.options.effects.empty() || !x.d.extended.model || x.d.provisional || !x.d.moving_as_one.empty()) return;
+  const std::set<int> joints = x.d.changes ? std::set<int>() : joints_in_question(x.d);
+  auto stands_in = std::find_if(x.d.findings.begin(), x.d.findings.end(), may_stand_for_another);
+  // Of one wrong zero against a MODEL several names and curves can be made.
+  if (x.d.changes && x.d.findings.size() > 1 && stands_in == x.d.findings.end()) stands_in = x.d.findings.begin();
+  if (joints.empty() && stands_in == x.d.findings.end()) return;
+  const std::vector<std::string> later = later_causes(x.d, x.arm, joints);
   if (later.empty()) return;
   DiagnosisState y = x;
   y.start = y.d.baseline;
@@ -107,16 +193,20 @@ void ask_later_causes(DiagnosisState& x) {
   y.d.not_supported.clear();
   y.d.cannot_tell.clear();
   correct_constants(y);
+  if (!joint) y.options.effects = all_and(name, x.arm);
   select_causes(y);
+  y.options = x.options;
   if (!y.d.extended.model) return;
+  if (!joint) drop_unconfirmed(y.d);
   // The names say as much as the curves did, over all joints and on each that had one.
   const VectorXd curves = errors_with_curves(x);
   const VectorXd named = y.fold_errors(y.d.extended).relative();
-  if (log_fall(curves, named) < 0.0) return;
+  if (joints.empty() ? !is_simpler(x, y, curves, named) : log_fall(curves, named) < 0.0) return;
   for (const int j : joints) {
     if (2.0 * std::log(named[j] / curves[j]) > x.options.thresholds.smallest_gain) return;
   }
   y.d.hypotheses += static_cast<int>(later.size());
+  if (joints.empty()) add_rival(*stands_in, log_fall(curves, named), x.options.thresholds, y.d.findings[first]);
   account_for_errors(y);
   if (joint && needs_another_force_of_position(y.d, *joint, name)) return;
   x = std::move(y);

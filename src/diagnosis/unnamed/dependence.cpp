@@ -39,6 +39,9 @@ class Terms {
       const bool other_position = kind(k) == SignalKind::kPosition && k != own;
       if (other_position || k == torque || k == direction) add_product(own, k);
     }
+    for (int k = 0; k < count() && direction >= 0; ++k) {
+      if (kind(k) == SignalKind::kVelocity && k != direction) add_product(direction, k);
+    }
     for (int k = 0; k < count(); ++k) {
       for (int l = k + 1; l < count(); ++l) {
         if (kind(k) == SignalKind::kPosition && kind(l) == SignalKind::kPosition && k != own &&
@@ -170,8 +173,9 @@ Dependence find_dependence(int joint, const MotionRows& train, const MotionRows&
 }
 
 UnnamedShape shape_of(const Dependence& found, size_t k, const MotionRows& train,
-                      const std::vector<SmoothTerm>& terms) {
+                      const std::vector<SmoothTerm>& terms, const std::string& effort) {
   UnnamedShape out;
+  out.effort = effort;
   const ChosenTerm& chosen = found.model.chosen[k];
   const SmoothTerm& term = terms[chosen.term];
   for (const int s : term.signals)

@@ -28,8 +28,9 @@ Dependence find_dependence(int joint, const MotionRows& train, const MotionRows&
 
 /// Points of one chosen term with a 95 % band (jackknife over the folds), its mean over the
 /// training rows taken away.
+/// @param effort  unit of the joint's torque or force.
 UnnamedShape shape_of(const Dependence& found, size_t k, const MotionRows& train,
-                      const std::vector<SmoothTerm>& terms);
+                      const std::vector<SmoothTerm>& terms, const std::string& effort);
 
 /// Describes the curve: one-sided, periodic, odd or even, saturating, with memory.
 std::string shape_words(const UnnamedShape& shape, const std::vector<MotionSignal>& of);

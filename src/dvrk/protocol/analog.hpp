@@ -29,7 +29,7 @@ constexpr LinearScale kMotorVoltsToBits{65535.0 / 91.0, 45.5 * 65535.0 / 91.0};
 inline std::uint16_t nearest_word(double value, std::uint16_t zero) noexcept {
   if (std::isnan(value)) return zero;
   if (value <= 0.0) return 0;
-  return value >= 65535.0 ? std::uint16_t{65535} : static_cast<std::uint16_t>(value + 0.5);
+  return value >= 65535.0 ? std::uint16_t{65535} : static_cast<std::uint16_t>(std::lround(value));
 }
 
 /// [degC] of one sensor's byte; NaN where the sensor gives no value (0xFF).

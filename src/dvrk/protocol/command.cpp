@@ -87,7 +87,7 @@ std::uint32_t control_word(const BoardCommand& command) noexcept {
 
 void encode_command(const BoardCommand& command, int firmware, QuadletSpan out) noexcept {
   if (firmware >= 8) {
-    out.set(0, (static_cast<std::uint32_t>(command.board & 0xF) << 8) | write_quadlets(firmware));
+    out.set(0, static_cast<std::uint32_t>((command.board & 0xF) << 8 | write_quadlets(firmware)));
     for (std::size_t k = 0; k < kChannels; ++k) out.set(1 + k, dac_word(command.channel[k]));
     out.set(5, command.control);
     return;

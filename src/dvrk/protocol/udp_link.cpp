@@ -80,7 +80,10 @@ UdpLink::UdpLink(const std::string& host, std::uint16_t port)
   own.sin_family = AF_INET;
   own.sin_addr = own_address(server_, port_);
   ::setsockopt(socket_, IPPROTO_IP, IP_MULTICAST_IF, &own.sin_addr, sizeof own.sin_addr);
-  ::bind(socket_, reinterpret_cast<const sockaddr*>(&own), sizeof own);
+  if (::bind(socket_, reinterpret_cast<const sockaddr*>(&own), sizeof own) == 0) return;
+  const int error = errno;
+  ::close(socket_);
+  require(false, "no UDP socket at this machine's address on the route to '", host, "': ", std::strerror(error), ".");
 }
 
 UdpLink::~UdpLink() {

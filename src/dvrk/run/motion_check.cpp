@@ -23,7 +23,7 @@ PositionRange soft_limits(const ActuatorConfig& actuator) {
 
 MotionCheck::MotionCheck(const ArmSession& arm, const MotionController& controller,
                          Eigen::Index joints)
-    : arm_(arm.robot().name), joints_(joints), braking_(controller.limits().braking) {
+    : arm_(arm.robot().name), braking_(controller.limits().braking) {
   const MotionLimits limits = controller.limits();
   const auto n = static_cast<Eigen::Index>(arm.size());
   for (Eigen::Index j = 0; j < std::min(joints, limits.lower.size()); ++j)

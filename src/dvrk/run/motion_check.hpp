@@ -41,7 +41,6 @@ class MotionCheck {
   const Guard* broken_by(const VectorXd& q, const VectorXd& dq, double share_left) const noexcept;
 
   std::string arm_;
-  Eigen::Index joints_;
   double braking_;
   std::vector<Guard> guards_;
   std::vector<PositionRange> actuators_;  ///< soft limits; infinite where there is none

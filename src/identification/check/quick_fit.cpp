@@ -64,6 +64,7 @@ QuickFitter::QuickFitter(const Model& arm, const PreprocessingOptions& options,
 
 std::pair<int, double> QuickFitter::determined(const Recording& recording) const {
   const std::vector<CompressedRecording> c = {compress(arm_, recording, options_)};
+  if (c[0].rows == 0.0) return {0, 0.0};
   const VectorXd weights = range_weights(c);
   const BaseParameters found =
       base_parameters(weighted_total(c, weights, names_), preferred_columns(parameters_));

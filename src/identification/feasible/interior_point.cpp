@@ -33,10 +33,11 @@ class InteriorPoint {
   void update_row_residuals();
   void absorb_dual_residual(size_t k);
   bool factor();
+  void set_up_schur_complement();
   void advance_direction();
   void find_direction(double target, bool second_order);
   double complementarity(double step) const;
-  double longest_common_step() const;
+  double longest_common_step(double enough) const;
   void take_step();
   bool feasible() const;
   bool finish(Solution& solution);
@@ -47,8 +48,7 @@ class InteriorPoint {
   int patience_ = kPatience;
   int plain_degree_ = 0;  // of the cones without a log-det term
   MatrixXd hessian_;      // 2*R'*R, lower triangle
-  MatrixXd M_;            // Schur complement, lower triangle
-  Eigen::LLT<MatrixXd> factor_;
+  MatrixXd factor_;       // L of the Schur complement L*L', lower triangle
   Point point_;
   VectorXd slack_, row_residual_;  // row_residual = h - G*x - slack
   std::vector<char> row_follows_x_;
@@ -59,10 +59,26 @@ class InteriorPoint {
   int best_iteration_ = 0;
 };
 
+// 2*R'*R, lower triangle; a third of the operations suffices where R is a triangle.
+MatrixXd hessian_of(const MatrixXd& R) {
+  constexpr Eigen::Index kPanel = 64;
+  const Eigen::Index n = R.cols();
+  MatrixXd out = MatrixXd::Zero(n, n);
+  if (R.rows() != n || !R.isUpperTriangular(0.0)) {
+    out.selfadjointView<Eigen::Lower>().rankUpdate(R.transpose(), 2.0);
+    return out;
+  }
+  for (Eigen::Index j = 0; j < n; j += kPanel) {
+    const Eigen::Index width = std::min(kPanel, n - j);
+    const auto rows = R.topRows(j + width);
+    out.block(j, j, n - j, width).noalias() =
+        2.0 * rows.rightCols(n - j).transpose() * rows.middleCols(j, width);
+  }
+  return out;
+}
+
 InteriorPoint::InteriorPoint(const Program& program, const Stop& stop, double first_gap)
-    : program_(program), stop_(stop), n_(program.variables()), factor_(n_) {
-  hessian_ = MatrixXd::Zero(n_, n_);
-  hessian_.selfadjointView<Eigen::Lower>().rankUpdate(program.R.transpose(), 2.0);
+    : program_(program), stop_(stop), n_(program.variables()), hessian_(hessian_of(program.R)) {
   Start start = starting_point(program, hessian_, stop.cost_floor, first_gap);
   point_.x = std::move(start.x);
   point_.lambda = std::move(start.lambda);
@@ -121,29 +137,38 @@ void InteriorPoint::absorb_dual_residual(size_t k) {
 }
 
 bool InteriorPoint::factor() {
-  M_ = hessian_;
+  for (ScaledBlock& block : blocks_) {
+    if (!block.scale()) return false;
+  }
+  for (double relative = kFirstRegularisation; relative < kLastRegularisation; relative *= 100.0) {
+    set_up_schur_complement();
+    for (int j = 0; j < n_; ++j) {
+      double& diagonal = factor_(j, j);
+      diagonal = diagonal > 0.0 ? diagonal * (1.0 + relative) : 1.0;
+    }
+    // In place; Eigen::LLT would copy the matrix and compute its norm.
+    if (Eigen::internal::llt_inplace<double, Eigen::Lower>::blocked(factor_) < 0) return true;
+  }
+  return false;
+}
+
+void InteriorPoint::set_up_schur_complement() {
+  MatrixXd& M = factor_;
+  M.resize(n_, n_);
+  for (int j = 0; j < n_; ++j) M.col(j).tail(n_ - j) = hessian_.col(j).tail(n_ - j);
   const SparseRows& rows = program_.rows;
   for (int i = 0; i < rows.size(); ++i) {
     const double weight = point_.lambda(i) / slack_(i);
     for (int a = rows.start[i]; a < rows.start[i + 1]; ++a) {
       for (int b = rows.start[i]; b <= a; ++b) {
-        M_(rows.column[a], rows.column[b]) += weight * rows.value[a] * rows.value[b];
+        M(rows.column[a], rows.column[b]) += weight * rows.value[a] * rows.value[b];
       }
     }
   }
   for (size_t k = 0; k < blocks_.size(); ++k) {
-    if (!blocks_[k].scale()) return false;
     const int c = program_.blocks[k].column;
-    M_.block<10, 10>(c, c) += block_hessian(program_.blocks[k].map, blocks_[k].P);
+    M.block<10, 10>(c, c) += block_hessian(program_.blocks[k].map, blocks_[k].P);
   }
-  const VectorXd diagonal = M_.diagonal();
-  for (double relative = kFirstRegularisation; relative < kLastRegularisation; relative *= 100.0) {
-    for (int j = 0; j < n_; ++j)
-      M_(j, j) = diagonal(j) > 0.0 ? diagonal(j) * (1.0 + relative) : 1.0;
-    factor_.compute(M_);
-    if (factor_.info() == Eigen::Success) return true;
-  }
-  return false;
 }
 
 // Solves once for dx from the residual of the whole dual equation, 2*R'*R*dx + G'*dlambda -
@@ -151,13 +176,15 @@ bool InteriorPoint::factor() {
 // refinement: near the boundary the Schur complement has entries of 1/slack^2.
 void InteriorPoint::advance_direction() {
   VectorXd rhs = -dual_residual_;
-  rhs.noalias() -= hessian_.selfadjointView<Eigen::Lower>() * dx_;
+  if (!dx_.isZero(0.0)) rhs.noalias() -= hessian_.selfadjointView<Eigen::Lower>() * dx_;
   program_.rows.add_transposed(-dlambda_, rhs);
   for (size_t k = 0; k < blocks_.size(); ++k) {
     const Block& block = program_.blocks[k];
     rhs.segment<10>(block.column) += block.adjoint(blocks_[k].dZ);
   }
-  const VectorXd change = factor_.solve(rhs);
+  factor_.triangularView<Eigen::Lower>().solveInPlace(rhs);
+  factor_.triangularView<Eigen::Lower>().transpose().solveInPlace(rhs);
+  const VectorXd& change = rhs;
   dx_ += change;
   for (int i = 0; i < slack_.size(); ++i) {
     const double moved = program_.rows.dot(i, change);
@@ -199,11 +226,15 @@ double InteriorPoint::complementarity(double step) const {
   return std::max(sum, 0.0) / plain_degree_;
 }
 
-double InteriorPoint::longest_common_step() const {
-  double step = std::min(longest_step(slack_, dslack_), longest_step(point_.lambda, dlambda_));
+// Largest step to the boundary of the cones, or `enough` if that is smaller.
+double InteriorPoint::longest_common_step(double enough) const {
+  double step = std::min({enough, longest_step(slack_, dslack_),
+                          longest_step(point_.lambda, dlambda_)});
   for (const ScaledBlock& state : blocks_) {
-    step = std::min(
-        {step, longest_step(state.d, state.scaled_dS), longest_step(state.d, state.scaled_dZ)});
+    for (const Matrix4d* direction : {&state.scaled_dS, &state.scaled_dZ}) {
+      if (!stays_positive(state.d, *direction, step))
+        step = std::min(step, longest_step(state.d, *direction));
+    }
   }
   return step;
 }
@@ -213,11 +244,11 @@ void InteriorPoint::take_step() {
   find_direction(0.0, false);
   double target = 0.0;
   if (mu > 0.0) {
-    const double ratio = std::min(1.0, complementarity(std::min(1.0, longest_common_step())) / mu);
+    const double ratio = std::min(1.0, complementarity(longest_common_step(1.0)) / mu);
     target = ratio * ratio * ratio * mu;  // Mehrotra's rule
   }
   find_direction(target, true);
-  const double step = std::min(1.0, kBoundary * longest_common_step());
+  const double step = kBoundary * longest_common_step(1.0 / kBoundary);
   point_.x += step * dx_;
   point_.lambda += step * dlambda_;
   slack_ += step * dslack_;

@@ -10,10 +10,6 @@ namespace veridyn::cone {
 using Eigen::Matrix4d;
 using Eigen::Vector4d;
 
-namespace {
-
-}  // namespace
-
 bool ScaledBlock::scale() {
   const Eigen::LLT<Matrix4d> factor_S(S);
   const Eigen::LLT<Matrix4d> factor_Z(Z);
@@ -81,6 +77,19 @@ double relative_norm(const Matrix4d& S, const Matrix4d& change) {
   if (factor.info() != Eigen::Success) return kInfinity;
   const Matrix4d half = factor.matrixL().solve(change);
   return Matrix4d(factor.matrixL().solve(Matrix4d(half.transpose()))).norm();
+}
+
+bool stays_positive(const Vector4d& d, const Matrix4d& direction, double step) {
+  Matrix4d A = step * direction;
+  A.diagonal() += d;
+  for (int j = 0; j < 4; ++j) {  // the pivots of L*D*L'
+    if (!(A(j, j) > 0.0)) return false;
+    for (int k = j + 1; k < 4; ++k) {
+      const double share = A(k, j) / A(j, j);
+      for (int i = k; i < 4; ++i) A(i, k) -= share * A(i, j);
+    }
+  }
+  return true;
 }
 
 double longest_step(const Vector4d& d, const Matrix4d& direction) {

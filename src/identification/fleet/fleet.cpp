@@ -106,7 +106,10 @@ std::vector<UndeterminedArm> take_undetermined(const Model& arm, std::vector<Arm
   std::vector<UndeterminedArm> out;
   std::vector<ArmFactor> rest;
   for (ArmFactor& one : arms) {
-    const std::string why = problem.shortfall_of(one);
+    const bool without_torque = std::all_of(one.joints.begin(), one.joints.end(), [](const auto& joint) {
+      return joint.rhs_norm2() == 0.0;
+    });
+    const std::string why = without_torque ? "its torques are zero throughout" : problem.shortfall_of(one);
     if (why.empty()) {
       rest.push_back(std::move(one));
     } else {

@@ -16,6 +16,7 @@ namespace {
 constexpr double kFarAboveFloor = 2.0;
 // As a share of the torque: 1 % is better than torque sensors.
 constexpr double kBelowAnySensor = 0.01;
+constexpr double kLargestRatio = 1000.0;  // to the floor, in words; a torque that never changes has a floor of zero
 
 double share_of_range(const Identification& id, const Coordinate& joint, size_t i) {
   double lowest = kInfinity, highest = -kInfinity;
@@ -38,6 +39,7 @@ double share_of_speed(const Identification& id, const Coordinate& joint, size_t 
 
 IdentifiedState state_of(const IdentifiedJoint& j) {
   if (j.range < kHardlyMoves && j.speed < kHardlyMoves) return IdentifiedState::kHardlyMoved;
+  if (!std::isfinite(j.error)) return IdentifiedState::kNoTorque;
   if (!std::isfinite(j.floor)) return IdentifiedState::kCannotTell;
   if (j.error <= kBelowAnySensor || j.error <= kFarAboveFloor * j.floor) return IdentifiedState::kAtFloor;
   return IdentifiedState::kUnexplained;
@@ -69,7 +71,12 @@ std::string sentence_of(const IdentificationVerdict& v) {
                               [](const IdentifiedJoint& j) { return fmt::format("{:.2g} %", 100.0 * j.range); });
   out += listed_in(v, IdentifiedState::kUnexplained,
                    "leaves", "leave", "{} times the noise " + whose + ": `veridyn diagnose` says why",
-                   [](const IdentifiedJoint& j) { return fmt::format("{:.2g}", j.error / j.floor); });
+                   [](const IdentifiedJoint& j) {
+                     return j.error > kLargestRatio * j.floor ? fmt::format("over {:.0f}", kLargestRatio)
+                                                              : fmt::format("{:.2g}", j.error / j.floor);
+                   });
+  out += listed_in(v, IdentifiedState::kNoTorque, "has", "have", "no torque " + whose + ": it was not recorded, or nothing drove the joint",
+                   [](const IdentifiedJoint&) { return ""; });
   out += listed_in(v, IdentifiedState::kAtFloor, "is", "are", "at the noise (error {} " + whose + ")", error);
   out += listed_in(v, IdentifiedState::kCannotTell,
                    "leaves", "leave", "{} " + whose + ", and as no motion is repeated, the noise is not known", error);
@@ -87,6 +94,8 @@ const char* name_of(IdentifiedState state) {
       return "unexplained";
     case IdentifiedState::kHardlyMoved:
       return "hardly_moved";
+    case IdentifiedState::kNoTorque:
+      return "no_torque";
     case IdentifiedState::kCannotTell:
       return "cannot_tell";
   }

@@ -125,8 +125,8 @@ void ClipTally::conclude(Findings* findings) const {
                   {share, limit, unit_of(extreme.place.signal)},
                   text("The ", extreme.place.signal == "tau" ? "torque" : "current", " of ",
                        named(extreme.place), " sits exactly at its extreme ", number(limit), " in ",
-                       extreme.clipped, " rows (", percent(share), "), up to ", extreme.longest,
-                       " in a row: saturated."));
+                       extreme.clipped, " rows (", percent(share), "), up to ", extreme.longest, " in a row: ",
+                       limit == 0.0 ? "a dead zone, or a channel of one sign." : "saturated."));
   }
 }
 

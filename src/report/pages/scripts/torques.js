@@ -4,6 +4,7 @@
 const kStates = {
   at_floor: ['good', 'at the floor'], named: ['good', 'named'], unnamed: ['bad', 'not named'], cannot_tell: ['fair', 'cannot be told'],
   unexplained: ['bad', 'something is missing'], hardly_moved: ['fair', 'hardly moved: record it again'],
+  no_torque: ['bad', 'no torque recorded'],
   unknown: ['fair', 'no floor known']
 };
 
