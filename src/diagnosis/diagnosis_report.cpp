@@ -12,18 +12,16 @@ namespace {
 
 using numerics::kPercent;
 
-constexpr size_t kNumberWidth = 8;
-
 std::string percents(const VectorXd& v) {
   std::string out;
   for (Eigen::Index i = 0; i < v.size(); ++i)
-    out += fmt::format("{:{}.2f}", kPercent * v[i], kNumberWidth);
+    out += fmt::format("{:{}.2f}", kPercent * v[i], numerics::kNumberWidth);
   return out;
 }
 
 // Columns of one width, as the longest name of a joint needs it.
 size_t table_width(const Model& arm) {
-  size_t width = kNumberWidth;
+  size_t width = numerics::kNumberWidth;
   for (const Coordinate& c : arm.coordinates()) width = std::max(width, c.name.size() + 2);
   return width;
 }

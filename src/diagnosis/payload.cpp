@@ -18,8 +18,6 @@
 namespace veridyn {
 namespace {
 
-constexpr int kTurns = 6;  // of fitting friction and load, where a CAD model lacks friction
-
 // The link that carries the frame, named after that frame.
 void keep_only(const Model& arm, const std::string& link, AugmentedModel& augmented) {
   std::vector<std::string> names;
@@ -124,6 +122,7 @@ PayloadReport find_on(const Model& model, const std::string& robot, const std::v
   list.wanted = {AddedLoad::kName};
   for (const std::string& effect : elementary_effects()) list.wanted.push_back(effect);
   list.changes = true;
+  list.limits = limits;
   AugmentedModel augmented = augmented_model(with_fixed_parameters(model), start.factors, list);
   if (!link.empty()) keep_only(model, link, augmented);
   const CandidateData q = prepare(start, std::move(augmented), true, recordings, {}, options);
@@ -172,9 +171,9 @@ PayloadReport find_payload(const Model& given_model, const Recordings& loaded,
   } else {
     // Friction and load in turns: what is fitted without the load has a part of it.
     Model cad = with_fitted_effects(given_model, recordings, named.how);
-    for (int turn = 0; turn < kTurns; ++turn) {
+    for (int turn = 0; turn < numerics::kPayloadTurns; ++turn) {
       out = find_on(cad, given_model.name(), recordings, named.how, link, limits);
-      if (out.links.empty() || turn + 1 == kTurns) break;
+      if (out.links.empty() || turn + 1 == numerics::kPayloadTurns) break;
       const Model loaded_arm = with_fitted_effects(with_load(given_model, out.links.front()), recordings, named.how);
       cad = with_effects_of(cad, loaded_arm);
     }

@@ -13,14 +13,13 @@
 #include "diagnosis/stages/diagnosis_state.hpp"
 #include "diagnosis/unnamed/dependence.hpp"
 #include "identification/fold_errors.hpp"
+#include "identification/hold_out_numbers.hpp"
 #include "math/parallel.hpp"
 #include "math/student_t.hpp"
 #include "veridyn/effects/effect.hpp"
 
 namespace veridyn {
 namespace {
-
-constexpr Eigen::Index kFewPartsMustAgree = 4;  // from as many on, all but one
 
 // Effects that hold a joint at rest; waves along the travel ask for a spectrum that poses do not have.
 std::vector<std::string> forces_of_position(const Model& arm) {
@@ -164,10 +163,9 @@ class RestDiagnosis {
   bool is_supported(const RestQuestion& q, const RestFit& before, const RestFit& after) const {
     if (!after.id.model || gain(before, after) <= limits_.smallest_gain) return false;
     const Eigen::Index joint = q.candidate.joint->value;
-    const Eigen::Index parts = after.folds.error2.rows();
     const Eigen::Index better =
         (after.folds.error2.col(joint).array() < before.folds.error2.col(joint).array()).count();
-    if (better < parts - (parts >= kFewPartsMustAgree ? 1 : 0)) return false;
+    if (!hold_out::enough_agree(static_cast<size_t>(better), static_cast<size_t>(after.folds.error2.rows()))) return false;
     return p_value(q, before, after) < limits_.significance / static_cast<double>(d_.hypotheses);
   }
 

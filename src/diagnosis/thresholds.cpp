@@ -9,7 +9,7 @@ namespace veridyn {
 
 // Seeds are those of `veridyn-hide-and-seek` on which the number was chosen. "not recorded" means
 // that they were not written down: the reason is then an argument and no measurement, until
-// `veridyn-hide-and-seek --sweep NAME` is run. Numbers without seeds follow from the meaning of the
+// `veridyn-hide-and-seek sweeps NAME` is run. Numbers without seeds follow from the meaning of the
 // quantity, or from the recordings that the reason names.
 constexpr const char* kNotRecorded = "not recorded";
 
@@ -55,6 +55,12 @@ const std::vector<ThresholdEntry>& threshold_table() {
        kNotRecorded},
       {"tested_candidates", &T::tested_candidates, "rank of the gain < tested_candidates: Wald test",
        "the test costs a fit per cluster; no true cause stood farther back", kNotRecorded},
+      {"corrected_channels", &T::corrected_channels,
+       "errors of channels corrected one after the other <= corrected_channels",
+       "each asks everything anew; recordings with more have another fault", ""},
+      {"settling", &T::settling,
+       "findings that lose their names after the last fit <= settling",
+       "each is a fit of the arm; the rest stays listed as not confirmed", ""},
       {"new_share", &T::new_share,
        "share of a column's square that the others do not span > new_share",
        "below it the data cannot answer: half of the digits of a double", ""},
@@ -82,6 +88,8 @@ const std::vector<ThresholdEntry>& threshold_table() {
        "mean over folds of the fall of ln(held-out mean square of one joint's residual) > unnamed_gain: "
        "one more smooth term",
        "the best of some hundred smooth terms gains 0.02 to 0.03 on coloured noise of 100 s", ""},
+      {"unnamed_terms", &T::unnamed_terms, "smooth terms of one joint < unnamed_terms: one more is sought",
+       "each costs a search of some hundred", ""},
       {"unnamed_share", &T::unnamed_share,
        "share of the residual's mean square that smooth terms predict on held-out folds > unnamed_share: a "
        "finding without a name",
@@ -126,6 +134,11 @@ const std::vector<ThresholdEntry>& threshold_table() {
       {"constant_gain", &T::constant_gain,
        "gain of a wrong constant >= constant_gain * smallest_gain",
        "some hundred constants are looked at before one is proposed", kNotRecorded},
+      {"kept_constants", &T::kept_constants,
+       "rank of a constant's gain < kept_constants: the wrong one, or listed as its rival",
+       "more are no help to the reader", ""},
+      {"constant_rivals", &T::constant_rivals, "rivals of a constant <= constant_rivals: an effect is listed as one more",
+       "more are no help to the reader", ""},
       {"constant_sharpness", &T::constant_sharpness,
        "the mirrored value is worse by more than constant_sharpness * gain",
        "improvement with both signs is flexibility and no wrong constant (thesis's arm)", ""},
@@ -165,7 +178,9 @@ const std::vector<ThresholdEntry>& threshold_table() {
        "share of the recording in bursts <= contact_most_of_time",
        "more is no moment", ""},
       {"contact_per_minute", &T::contact_per_minute, "contacts per minute <= contact_per_minute",
-       "more belong to the motion; five are always allowed", ""},
+       "more belong to the motion", ""},
+      {"contact_always", &T::contact_always, "contacts of a recording <= contact_always: allowed, however short it is",
+       "a few pushes are no property of the motion", ""},
       {"contact_repeats", &T::contact_repeats,
        "residual at the same phase of another period <= contact_repeats * size",
        "what comes back with the motion is a property of the arm", kNotRecorded},

@@ -2,24 +2,16 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 
+#include "estimation/estimation_numbers.hpp"
 #include "math/signed_rank.hpp"
 
 namespace veridyn {
 namespace {
 
-// Penalty relative to the columns, both scaled alike.
-constexpr std::array<double, 4> kSmoothings = {1e-3, 1e-1, 1e1, 1e3};
-constexpr double kAsSmooth = 0.03;  // share of the gain that may be traded for smoothness
-// Relative to the columns' mean square: splines and the constant share a direction.
-constexpr double kRidge = 1e-7;
-constexpr double kLeast = 1e-300;
-// Mean square of one curve <= kLargest * that of the response. From 4 to 100 the same pairs of curves are
-// refused on recordings of an arm whose joints move as one (LWR4+); at 2 a memory's force there loses a fifth.
-constexpr double kLargest = 4.0;
+using namespace estimation_numbers;
 
 // Sums over the rows of one fold.
 struct Sums {
@@ -329,7 +321,7 @@ AdditiveModel additive_regression(const FoldedRows& rows, const std::vector<Smoo
 
 AdditiveModel additive_fit(const FoldedRows& rows, const std::vector<SmoothTerm>& terms,
                            const std::vector<MatrixXd>& columns, std::vector<ChosenTerm> chosen) {
-  const AdditiveOptions none;
+  const AdditiveOptions none{};
   return Regression(rows, terms, columns, none).fit(std::move(chosen));
 }
 

@@ -31,10 +31,10 @@ struct FoldedRows {
 };
 
 struct AdditiveOptions {
-  int most_terms = 4;
-  double smallest_gain = 0.05;  ///< of a further term: decrease of ln(held-out mean square)
-  double as_good = 0.9;         ///< share of the best gain above which a term is equivalent
-  double significance = 0.05;   ///< of the signed-rank test over the folds
+  int most_terms;
+  double smallest_gain;  ///< of a further term: decrease of ln(held-out mean square)
+  double as_good;        ///< share of the best gain above which a term is equivalent
+  double significance;   ///< of the signed-rank test over the folds
 };
 
 /// A chosen term of an additive model, and the alternatives that would have done as well.

@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimation/estimation_numbers.hpp"
+
 namespace veridyn {
-namespace {
 
-constexpr int kDegree = 3;
-
-}  // namespace
+using estimation_numbers::kDegree;
 
 SmoothBasis::SmoothBasis(BasisKind kind, double low, double high, int intervals, double step)
     : kind_(kind), low_(low), high_(high), intervals_(intervals), step_(step) {}

@@ -9,6 +9,7 @@
 
 #include "identification/base_solution.hpp"
 #include "identification/feasible/feasible_fit.hpp"
+#include "identification/hold_out_numbers.hpp"
 #include "identification/many_recordings.hpp"
 #include "veridyn/regressor/base_parameters.hpp"
 
@@ -54,25 +55,17 @@ VectorXd rms_residuals(const Model& arm, const Identification& id) {
 // Factor that inflates residuals with a longer correlation time to equivalent ones with one
 // independent sample in kUsualIndependence.
 double as_if_independent(const Model& arm, const Identification& id) {
-  constexpr double kUsualIndependence = 0.1;  // [s], equal to TorqueNoise::seconds
   double seconds = 0.0;
   for (const CompressedRecording& r : id.factors) seconds += r.facts.duration;
   if (!(id.effective_samples > 0.0)) return 1.0;
-  return std::sqrt(std::max(1.0, seconds * arm.joints() / id.effective_samples / kUsualIndependence));
+  return std::sqrt(std::max(1.0, seconds * arm.joints() / id.effective_samples / hold_out::kUsualIndependence));
 }
-
-// Relative to a column's norm: directions with less information (asymmetric Coulomb friction beside an
-// offset differs at rest alone) stay at the values of all parts, which they would else leave by far.
-constexpr double kHardlyDetermined = 1e-3;
-constexpr size_t kManyRecordings = 4;  // enough to hold out one as a whole
-constexpr size_t kPartsOfOne = 8;
-constexpr size_t kPartsOfFew = 2;
 
 // BlockList of the recordings that are held out together.
 std::vector<BlockList> parts_of(const std::vector<CompressedRecording>& recordings) {
-  const size_t each = recordings.size() >= kManyRecordings ? 1
-                      : recordings.size() == 1             ? kPartsOfOne
-                                                           : kPartsOfFew;
+  const size_t each = recordings.size() >= hold_out::kManyRecordings ? 1
+                      : recordings.size() == 1                       ? hold_out::kPartsOfOne
+                                                                     : hold_out::kPartsOfFew;
   std::vector<BlockList> out;
   for (const CompressedRecording& r : recordings) {
     const size_t count = r.blocks.size();
@@ -130,7 +123,7 @@ FoldErrors fold_errors(const Identification& fitted, const IdentificationOptions
   }
   SquareRootInformation total(names);
   for (const SquareRootInformation& factor : factors) total.merge(factor);
-  const MatrixXd anchor = (kHardlyDetermined * total.column_norms()).asDiagonal();
+  const MatrixXd anchor = (hold_out::kHardlyDetermined * total.column_norms()).asDiagonal();
   for (size_t part = 0; part < parts.size(); ++part) {
     Identification without;
     without.parameters = VectorXd::Zero(names.size());

@@ -282,18 +282,17 @@ void ChangeFinder::isolate(double now, bool last) {
     push_is_over(lasting, now);
     return;
   }
-  const auto effect = [&](const Score& s) {
-    return effect_of(hypotheses_[s.hypothesis].of.cause);
-  };
+  const Cause& likeliest = hypotheses_[best.hypothesis].of.cause;
   double next = still ? ended.gain : 0.0;  // of another effect
   for (const Score& s : scores) {
-    if (effect(s) == effect(best)) continue;
+    if (effect_of(hypotheses_[s.hypothesis].of.cause) == effect_of(likeliest)) continue;
     next = std::max(next, s.gain);
     break;
   }
   const bool likely = explained && best.gain - next > odds;
-  open_->likely = !likely ? 0 : effect(best) == open_->effect ? open_->likely + 1 : 1;
-  open_->effect = effect(best);
+  const bool again = open_->likeliest && effect_of(*open_->likeliest) == effect_of(likeliest);
+  open_->likely = !likely ? 0 : again ? open_->likely + 1 : 1;
+  open_->likeliest = likeliest;
   const bool soon = now - best.onset < kSoonestName;
   if (late || (open_->likely >= kLikelyInARow && !soon)) name(scores, now);
 }
@@ -402,7 +401,7 @@ void ChangeFinder::refine(const WhiteStep& white, double now) {
   compensate(c.score, -1.0);
   c.score.size += normal_solution(c.score.A, X.transpose() * white.e);
   compensate(c.score, 1.0);
-  if (now - c.named < options_.refine) return;
+  if (now - *c.named < options_.refine) return;
   emit(event(c, WatchStage::kRefined, now));
   past_.push_back(c);
   refining_.reset();
@@ -425,7 +424,7 @@ bool ChangeFinder::ask_again(double now) {
   recent_.swap(open_->seen);
   open_->seen.clear();
   ++open_->withdrawn;
-  open_->named = -1.0;
+  open_->named.reset();
   return true;
 }
 

@@ -19,9 +19,9 @@ struct Change {
   double alarm = 0.0;     ///< [s]
   double strength = 0.0;
   double lookback = 0.0;  ///< [s] before the alarm in which it may have begun
-  double named = -1.0;    ///< [s]; below zero: not yet
+  std::optional<double> named = {};  ///< [s]
   int withdrawn = 0;      ///< names that were withdrawn
-  std::string effect = {};  ///< the most likely one at the last step
+  std::optional<Cause> likeliest = {};  ///< at the last step
   int likely = 0;           ///< steps at which it has had the odds of a name
   /// Steps since before the alarm, from whose innovations this change is not subtracted.
   std::deque<WhiteStep> seen = {};

@@ -52,14 +52,14 @@ class Residuals : public testing::Test {
 };
 
 TEST_F(Residuals, NoiseIsNoContact) {
-  EXPECT_TRUE(find_contacts(id_).empty());
+  EXPECT_TRUE(find_contacts(id_, {}).empty());
 }
 
 TEST_F(Residuals, APushIsFoundWithItsTimeAndItsLastJoint) {
   push(0, 12.0, 13.0, 2.5);
   push(1, 12.0, 13.0, -1.4);
   push(0, 21.0, 21.6, -2.0);
-  const std::vector<Contact> found = find_contacts(id_);
+  const std::vector<Contact> found = find_contacts(id_, {});
   ASSERT_EQ(found.size(), 2U);
   EXPECT_NEAR(found[0].from, 12.0, 0.05);
   EXPECT_NEAR(found[0].to, 13.0, 0.05);
@@ -72,7 +72,7 @@ TEST_F(Residuals, APushIsFoundWithItsTimeAndItsLastJoint) {
 // planar-2r has 0.6 N m of friction on joint 2: so much may be wrong at any start.
 TEST_F(Residuals, WhatFrictionMayDoIsNoContact) {
   push(1, 12.0, 13.0, 0.5);
-  EXPECT_TRUE(find_contacts(id_).empty());
+  EXPECT_TRUE(find_contacts(id_, {}).empty());
 }
 
 // The same bound from friction whose parameter is no "level": 0.6 N m/rad over 1 rad of travel.
@@ -81,14 +81,14 @@ TEST_F(Residuals, WhatFrictionOfAnyNameMayDoIsNoContact) {
   other.effects.clear();
   id_.model = Model(other);
   push(1, 12.0, 13.0, 0.5);
-  EXPECT_EQ(find_contacts(id_).size(), 1U);
+  EXPECT_EQ(find_contacts(id_, {}).size(), 1U);
   EffectTerm friction;
   friction.effect = "position_dependent_friction";
   friction.axis.coefficients = VectorXd::Unit(2, 1);
   friction.values = {{"slope", 0.6}, {"centre", 0.0}};
   other.effects.push_back(friction);
   id_.model = Model(other);
-  EXPECT_TRUE(find_contacts(id_).empty());
+  EXPECT_TRUE(find_contacts(id_, {}).empty());
 }
 
 // As large as a push, but it swings both ways.
@@ -99,18 +99,18 @@ TEST_F(Residuals, WhatHasNoDirectionIsNoContact) {
     if (t >= 0.0 && t <= 1.0)
       x.measured[1][k] += 1.4 * std::copysign(1.0, std::sin(8.0 * M_PI * t));
   }
-  EXPECT_TRUE(find_contacts(id_).empty());
+  EXPECT_TRUE(find_contacts(id_, {}).empty());
 }
 
 TEST_F(Residuals, WhatComesBackEveryPeriodBelongsToTheArm) {
   for (const double turn : {0.0, 1.0, 2.0})
     push(1, 3.0 + turn * kPeriod, 3.8 + turn * kPeriod, 1.0);
-  EXPECT_TRUE(find_contacts(id_).empty());
+  EXPECT_TRUE(find_contacts(id_, {}).empty());
 }
 
 TEST_F(Residuals, RowsAroundTheContactAreLeftOut) {
   push(1, 12.0, 13.0, 1.0);
-  const std::vector<ExcludedInterval> rows = excluded_intervals(find_contacts(id_));
+  const std::vector<ExcludedInterval> rows = excluded_intervals(find_contacts(id_, {}));
   ASSERT_EQ(rows.size(), 1U);
   EXPECT_EQ(rows[0].source, "push.csv");
   EXPECT_FALSE(rows[0].joint);
@@ -121,14 +121,14 @@ TEST_F(Residuals, RowsAroundTheContactAreLeftOut) {
 // The low-pass smears anything shorter over a third of a second.
 TEST_F(Residuals, WhatIsShorterThanTheFilterIsNoContact) {
   push(0, 12.0, 12.15, 4.0);
-  EXPECT_TRUE(find_contacts(id_).empty());
+  EXPECT_TRUE(find_contacts(id_, {}).empty());
 }
 
 // What the model misses slowly is the model's error, however large it becomes.
 TEST_F(Residuals, WhatChangesSlowlyIsNoContact) {
   PredictionSeries& x = id_.train[0].series;
   for (size_t k = 0; k < x.time.size(); ++k) x.measured[0][k] += 5.0 * x.time[k] / x.time.back();
-  EXPECT_TRUE(find_contacts(id_).empty());
+  EXPECT_TRUE(find_contacts(id_, {}).empty());
 }
 
 // A small part of the torques that a joint has anyway.
@@ -138,9 +138,9 @@ TEST_F(Residuals, WhatIsSmallBesideTheTorqueIsNoContact) {
     for (size_t k = 0; k < torque->size(); ++k) (*torque)[k] += 100.0;
   }
   push(0, 12.0, 13.0, 3.0);
-  EXPECT_TRUE(find_contacts(id_).empty());
+  EXPECT_TRUE(find_contacts(id_, {}).empty());
   push(0, 12.0, 13.0, 3.0);
-  EXPECT_EQ(find_contacts(id_).size(), 1U);
+  EXPECT_EQ(find_contacts(id_, {}).size(), 1U);
 }
 
 TEST_F(Residuals, FindingsSayWhenWhereAndHowHard) {
@@ -149,7 +149,7 @@ TEST_F(Residuals, FindingsSayWhenWhereAndHowHard) {
   id_.test_error.relative = Eigen::Vector2d(0.3, 0.2);
   id_.test_without_excluded.relative = Eigen::Vector2d(0.1, 0.1);
   Diagnosis d;
-  add_contacts(find_contacts(id_), id_, d);
+  add_contacts(find_contacts(id_, {}), id_, d);
   ASSERT_EQ(d.findings.size(), 2U);
   EXPECT_EQ(d.findings[0].rank, 1);
   EXPECT_EQ(d.findings[1].rank, 2);

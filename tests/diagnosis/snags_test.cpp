@@ -52,7 +52,7 @@ void add_friction(RecordingError& r, size_t joint, double from, double to, doubl
 TEST(Snags, FrictionAtOnePlaceOfOneRecordingIsFoundAndLeftOut) {
   Identification id = four_recordings();
   add_friction(id.train[2], 1, 0.2, 0.5, 0.4);
-  const std::vector<Snag> found = find_snags(id);
+  const std::vector<Snag> found = find_snags(id, {});
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].source, "recording2");
   EXPECT_EQ(found[0].joint, 1);
@@ -69,14 +69,14 @@ TEST(Snags, FrictionAtOnePlaceOfOneRecordingIsFoundAndLeftOut) {
 TEST(Snags, FrictionThatAllRecordingsHaveIsOfTheArm) {
   Identification id = four_recordings();
   for (RecordingError& r : id.train) add_friction(r, 1, 0.2, 0.5, 0.4);
-  EXPECT_TRUE(find_snags(id).empty());
+  EXPECT_TRUE(find_snags(id, {}).empty());
 }
 
 TEST(Snags, TwoRecordingsCannotTellWhoseFrictionItIs) {
   Identification id = four_recordings();
   id.train.resize(2);
   add_friction(id.train[1], 1, 0.2, 0.5, 0.4);
-  EXPECT_TRUE(find_snags(id).empty());
+  EXPECT_TRUE(find_snags(id, {}).empty());
 }
 
 // The same friction beside large torques may be anything.
@@ -88,9 +88,9 @@ TEST(Snags, SmallFrictionBesideLargeTorquesIsNone) {
     }
   }
   add_friction(id.train[2], 1, 0.2, 0.5, 0.4);
-  EXPECT_TRUE(find_snags(id).empty());
+  EXPECT_TRUE(find_snags(id, {}).empty());
   add_friction(id.train[2], 1, 0.2, 0.5, 2.0);
-  EXPECT_EQ(find_snags(id).size(), 1U);
+  EXPECT_EQ(find_snags(id, {}).size(), 1U);
 }
 
 }  // namespace

@@ -196,6 +196,30 @@ TEST(HideAndSeek, ANameWhoseOwnSignalsStillPredictTheErrorHasAnotherShape) {
   EXPECT_EQ(outside_score({}, "psm-3dof", "crosstalk", 1).false_names, 0);
 }
 
+// No gain below zero is asked for: a joint's torque with the wrong sign is said, and nothing is thrown.
+TEST(HideAndSeek, ATorqueWithTheWrongSignIsSaid) {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::path(testing::TempDir()) / "hide-and-seek-wrong-sign";
+  fs::create_directories(folder);
+  const Bench bench = make_bench("psm-3dof", 811);
+  std::vector<std::string> train;
+  for (int k = 1; k <= kBareTrain + 1; ++k) {
+    IdealRecording ideal = ideal_recording(bench, {}, Motion(bench.robot, bench.seed, k), k);
+    ideal.tau.col(1) *= -1.0;
+    train.push_back((folder / ("recording-" + std::to_string(k) + ".csv")).string());
+    write_recording(bench, ideal, bench.seed, k, train.back());
+  }
+  const std::vector<std::string> test = {train.back()};
+  train.pop_back();
+  const Diagnosis d = diagnose(bench.robot, train, test);
+  int said = 0;
+  for (const RecordingQuality& q : d.data_quality) {
+    for (const QualityFinding& f : q.findings) said += f.finding == "torque_sign" && f.joint == 2 ? 1 : 0;
+  }
+  EXPECT_EQ(said, 1) << d.report();
+  fs::remove_all(folder);
+}
+
 // The yaw axis of the PSM is fixed to the base: a lean about it has the same torques as a wrong zero of its
 // encoder, and a second parameter that says nothing.
 TEST(HideAndSeek, AWrongZeroComesBeforeALeanOfTheBaseWithTheSameTorques) {

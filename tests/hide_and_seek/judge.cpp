@@ -126,17 +126,20 @@ Verdict judge(const HiddenCase& hidden, const Diagnosis& d) {
   return v;
 }
 
-Diagnosis seek_causes(const HiddenCase& hidden, const CaseFiles& files, const std::string& folder,
-                      const DiagnosisOptions& options) {
-  if (hidden.request.mode == Mode::kBare)
-    return diagnose(hidden.bench.robot, files.train, files.test, options);
-  const Identification clean =
-      identify(hidden.bench.robot, files.clean, {}, options.identification);
+Model known_arm(const HiddenCase& hidden, const CaseFiles& files, const std::string& folder,
+                const IdentificationOptions& options) {
+  if (hidden.request.mode == Mode::kBare) return hidden.bench.robot;
+  const Identification clean = identify(hidden.bench.robot, files.clean, {}, options);
   require(clean.model.has_value(), "hide and seek: ", hidden.request.arm,
           " could not be identified: ", clean.reason);
   const std::string model = folder + "/model.yaml";
   save(clean, model);
-  return diagnose(read_model(model), files.train, files.test, options);
+  return read_model(model);
+}
+
+Diagnosis seek_causes(const HiddenCase& hidden, const CaseFiles& files, const std::string& folder,
+                      const DiagnosisOptions& options) {
+  return diagnose(known_arm(hidden, files, folder, options.identification), files.train, files.test, options);
 }
 
 }  // namespace veridyn::seek

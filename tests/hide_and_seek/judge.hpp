@@ -46,7 +46,11 @@ Verdict judge(const HiddenCase& hidden, const Diagnosis& d);
 Verdict judge(const std::vector<Cause>& hidden, const std::vector<NamedFinding>& findings,
               const std::vector<Cause>& also_true = {});
 
-/// Identifies the clean arm first in kChanged, and diagnoses.
+/// What the tool starts from: the robot file, or in kChanged a MODEL of the clean arm.
+Model known_arm(const HiddenCase& hidden, const CaseFiles& files, const std::string& folder,
+                const IdentificationOptions& options);
+
+/// Diagnoses the recordings of a case from there.
 Diagnosis seek_causes(const HiddenCase& hidden, const CaseFiles& files, const std::string& folder,
                       const DiagnosisOptions& options);
 

@@ -262,6 +262,33 @@ OutsideScore score_outside(const OutsideCause& cause, const Diagnosis& d, const 
   return out;
 }
 
+OutsideFiles write_outside(const std::string& arm, const std::string& name, unsigned seed, double share,
+                           const std::string& folder, int train) {
+  const auto own_seed = static_cast<unsigned>(Draw(seed, "outside " + arm + name).below(1 << 30));
+  OutsideFiles out = {make_bench(arm, own_seed), {}, {}, {}};
+  const Bench& bench = out.bench;
+  if (name != "none") out.cause = draw_outside(bench, name, seed, share);
+  for (int k = 1; k <= train + 1; ++k) {
+    IdealRecording ideal = ideal_recording(bench, {}, Motion(bench.robot, bench.seed, k), k);
+    out.without.push_back(fmt::format("{}/clean-{}.csv", folder, k));
+    write_recording(bench, ideal, bench.seed, k, out.without.back());
+    if (name != "none") apply_outside(bench, out.cause, ideal);
+    out.with.push_back(fmt::format("{}/recording-{}.csv", folder, k));
+    write_recording(bench, ideal, bench.seed, k, out.with.back());
+  }
+  return out;
+}
+
+Diagnosis OutsideFiles::diagnosed(const DiagnosisOptions& options) const {
+  return diagnose(bench.robot, std::vector<std::string>(with.begin(), with.end() - 1), std::vector<std::string>{with.back()},
+                  options);
+}
+
+VectorXd OutsideFiles::clean_error(const IdentificationOptions& options) const {
+  const std::vector<std::string> train(without.begin(), without.end() - 1), test = {without.back()};
+  return identify(bench.robot, train, test, options).test_error.relative;
+}
+
 namespace {
 
 struct Played {
@@ -298,31 +325,16 @@ void print_outside(const std::vector<Played>& all) {
 
 Played play_one(const OutsideRequest& request, const std::string& arm, const std::string& name, unsigned seed) {
   namespace fs = std::filesystem;
-  const Bench bench = make_bench(arm, static_cast<unsigned>(Draw(seed, "outside " + arm + name).below(1 << 30)));
-  OutsideCause cause;
-  if (name != "none") cause = draw_outside(bench, name, seed, request.share);
   const fs::path folder = request.keep.empty()
                               ? fs::temp_directory_path() / fmt::format("veridyn-outside-{}", getpid())
                               : fs::path(request.keep) / fmt::format("{}-{}-{}", name, arm, seed);
   fs::create_directories(folder);
-  std::vector<std::string> with, without;
-  for (int k = 1; k <= kTrain + 1; ++k) {
-    IdealRecording ideal = ideal_recording(bench, {}, Motion(bench.robot, bench.seed, k), k);
-    without.push_back((folder / fmt::format("clean-{}.csv", k)).string());
-    write_recording(bench, ideal, bench.seed, k, without.back());
-    if (name != "none") apply_outside(bench, cause, ideal);
-    with.push_back((folder / fmt::format("recording-{}.csv", k)).string());
-    write_recording(bench, ideal, bench.seed, k, with.back());
-  }
-  const auto split = [](const std::vector<std::string>& all) {
-    return std::make_pair(std::vector<std::string>(all.begin(), all.end() - 1), std::vector<std::string>{all.back()});
-  };
+  const OutsideFiles files = write_outside(arm, name, seed, request.share, folder.string(), kTrain);
+  const OutsideCause& cause = files.cause;
   DiagnosisOptions options = request.options;
   options.identification.threads = request.threads;
-  const auto [train, test] = split(with);
-  const auto [clean_train, clean_test] = split(without);
-  const Identification clean = identify(bench.robot, clean_train, clean_test, options.identification);
-  const Diagnosis d = diagnose(bench.robot, train, test, options);
+  const VectorXd clean = files.clean_error(options.identification);
+  const Diagnosis d = files.diagnosed(options);
   if (request.keep.empty()) fs::remove_all(folder);
   Played out{name, {}, {}};
   if (name == "none") {
@@ -330,7 +342,7 @@ Played play_one(const OutsideRequest& request, const std::string& arm, const std
     out.score.state = "at_floor";
     out.score.explained = 1.0;
   } else {
-    out.score = score_outside(cause, d, clean.test_error.relative);
+    out.score = score_outside(cause, d, clean);
   }
   std::string findings;
   for (const Finding& f : d.findings) {
@@ -340,7 +352,7 @@ Played play_one(const OutsideRequest& request, const std::string& arm, const std
   }
   std::string states;
   for (const JointVerdict& v : d.joints) {
-    const double c = clean.test_error.relative[v.joint.value];
+    const double c = clean[v.joint.value];
     states += fmt::format(" {}:{} {:.1f}/{:.1f}/{:.1f}/{:.1f}", v.joint.value + 1, name_of(v.state),
                           100.0 * v.held_out, 100.0 * v.left, 100.0 * v.floor, 100.0 * c);
   }

@@ -30,6 +30,24 @@ OutsideCause draw_outside(const Bench& bench, const std::string& name, unsigned 
 /// What would be recorded with it.
 void apply_outside(const Bench& bench, const OutsideCause& cause, IdealRecording& ideal);
 
+/// An arm, recordings with the cause and the same without it; the last of each is held out.
+struct OutsideFiles {
+  Bench bench;
+  OutsideCause cause;
+  std::vector<std::string> with, without;
+
+  Diagnosis diagnosed(const DiagnosisOptions& options) const;
+  /// Held-out error of the arm without the cause, (n) relative.
+  VectorXd clean_error(const IdentificationOptions& options) const;
+};
+
+/// @param name    of the cause; "none": nothing is hidden.
+/// @param share   of its joint's rms torque.
+/// @param folder  of the recordings; it exists.
+/// @param train   recordings to learn from.
+OutsideFiles write_outside(const std::string& arm, const std::string& name, unsigned seed, double share,
+                           const std::string& folder, int train);
+
 /// How a diagnosis did.
 struct OutsideScore {
   std::string state;       ///< of its joint, or of the joint with most removable error

@@ -23,13 +23,10 @@ struct Request {
   double cutoff = 0.0;
   bool derived_velocity = false;
   bool least_squares = false;
-  std::string sweep;
-  std::vector<double> sweep_factors = {0.25, 0.5, 0.8, 1.0, 1.25, 2.0, 4.0};
   std::vector<std::string> set;
   std::string folder, answers, truth, output, journal;
-  std::vector<std::string> numbers;
-  std::vector<double> factors = {0.5, 0.7, 1.4, 2.0};
   std::string sweeps;
+  SweepRequest sweep;
   std::vector<double> sizes = {0.01, 0.02, 0.04, 0.08, 0.16};
 };
 
@@ -86,9 +83,6 @@ int run(int argc, char** argv) {
   Request request;
   CLI::App app("How often diagnose finds what is hidden");
   add_board_options(app, request);
-  app.add_option("--sweep", request.sweep,
-                 "Play the board with this threshold multiplied by several factors");
-  app.add_option("--factors", request.sweep_factors, "Of --sweep")->delimiter(',');
   app.require_subcommand(0, 1);
 
   CLI::App* exporting = app.add_subcommand("export", "Write cases for any tool to answer");
@@ -120,10 +114,11 @@ int run(int argc, char** argv) {
   thresholds->add_option("--sweeps", request.sweeps, "File of `sweeps`: a column with what they changed");
 
   CLI::App* sweeps = app.add_subcommand("sweeps", "What numbers are worth: several factors of each, into a file");
-  sweeps->add_option("NUMBERS", request.numbers, "Of `thresholds`")->required();
-  sweeps->add_option("-o,--output", request.sweeps, "CSV file; rows of other numbers are kept")->required();
-  sweeps->add_option("--factors", request.factors, "(0.5,0.7,1.4,2)")->delimiter(',');
-  add_board_options(*sweeps, request);
+  sweeps->add_option("NUMBERS", request.sweep.numbers, "Of `thresholds` (default: those whose value has no sweep in FILE)");
+  sweeps->add_option("-o,--output", request.sweep.file, "CSV FILE; rows of other numbers are kept")->required();
+  sweeps->add_option("--factors", request.sweep.factors, "(0.5,0.7,1.4,2)")->delimiter(',');
+  sweeps->add_option("--seed", request.sweep.seed, "Of the small board (811)");
+  sweeps->add_option("--threads", request.board.threads, "Of diagnose");
   CLI11_PARSE(app, argc, argv);
 
   apply(request);
@@ -156,9 +151,8 @@ int run(int argc, char** argv) {
   } else if (thresholds->parsed()) {
     print_thresholds(request.sweeps);
   } else if (sweeps->parsed()) {
-    write_sweeps(request.board, request.numbers, request.factors, request.sweeps);
-  } else if (!request.sweep.empty()) {
-    print_sweep(request.board, request.sweep, request.sweep_factors);
+    request.sweep.options = request.board.options;
+    write_sweeps(request.sweep);
   } else {
     play_board(request);
   }

@@ -1,6 +1,7 @@
 #include "hide_and_seek/threshold_sweep.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,49 +10,47 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <set>
 
-#include "hide_and_seek/outside.hpp"
+#include "hide_and_seek/sweep_board.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::seek {
 namespace {
 
-constexpr const char* kHeader =
-    "number,factor,value,hidden,named,false names,outside,right joint,worded or signals,false names outside,silent,seeds,date";
+constexpr const char* kHeader = "number,factor,value,cases,right,gained,lost,other answers,which,seed,date";
 
-// What a row of the file counts.
-struct Counts {
-  int hidden = 0, named = 0, wrong = 0, outside = 0, joint = 0, right = 0, wrong_outside = 0, silent = 0;
+using Answers = std::vector<SweepAnswer>;
 
-  std::string text() const {
-    return fmt::format("{},{},{},{},{},{},{},{}", hidden, named, wrong, outside, joint, right, wrong_outside, silent);
+SweepAnswer ask(const SweepCase& one, const DiagnosisOptions& options) {
+  try {
+    return one.ask(options);
+  } catch (const std::exception& error) {
+    return {false, std::string("ERROR ") + error.what()};
   }
-};
+}
 
-Counts count(const BoardRequest& request) {
-  Counts out;
-  const Totals t = totals(play_all(request));
-  out.hidden = t.hidden;
-  out.named = t.named;
-  out.wrong = t.with_extras;
-  OutsideRequest other;
-  other.arms = request.arms;
-  other.seeds = request.seeds;
-  other.threads = request.threads;
-  other.options = request.options;
-  for (const std::string& cause : outside_causes()) {
-    for (const std::string& arm : request.arms) {
-      for (const unsigned seed : request.seeds) {
-        const OutsideScore s = outside_score(other, arm, cause, seed);
-        ++out.outside;
-        out.joint += s.joint ? 1 : 0;
-        out.right += s.joint && (s.signals || s.worded) ? 1 : 0;
-        out.wrong_outside += s.false_names > 0 ? 1 : 0;
-        out.silent += s.silent ? 1 : 0;
-      }
+// What one value of a number changes: cases gained and lost, and answers that differ otherwise.
+std::string counts(const std::vector<SweepCase>& board, const Answers& base, const Answers& now) {
+  int right = 0, gained = 0, lost = 0, other = 0;
+  std::string which;
+  const auto add = [&which](const char* sign, const std::string& name) {
+    which += fmt::format("{}{}{}", which.empty() ? "" : "; ", sign, name);
+  };
+  for (size_t k = 0; k < board.size(); ++k) {
+    right += now[k].right ? 1 : 0;
+    if (now[k].right && !base[k].right) {
+      ++gained;
+      add("+", board[k].name);
+    } else if (base[k].right && !now[k].right) {
+      ++lost;
+      add("-", board[k].name);
+    } else if (now[k].said != base[k].said) {
+      ++other;
+      add("~", board[k].name);
     }
   }
-  return out;
+  return fmt::format("{},{},{},{},{},{}", board.size(), right, gained, lost, other, which);
 }
 
 std::string today() {
@@ -73,39 +72,43 @@ std::vector<std::string> fields_of(const std::string& line) {
   return out;
 }
 
-std::vector<std::string> lines_of(const std::string& file) {
+std::vector<std::string> read_sweeps(const std::string& file) {
   std::vector<std::string> out;
   std::ifstream in(file);
   for (std::string line; std::getline(in, line);) out.push_back(line);
+  require(!out.empty() && out.front() == kHeader, file, ":1: found no sweeps, expected the header ", kHeader, ".");
   return out;
 }
 
-// Of each number, what its factors changed: "0.5: named -1, false names +2".
+// Of each number, what its factors changed: "0.5: +1 -2 cases, 3 other answers".
 std::map<std::string, std::string> changes_in(const std::string& file) {
-  const std::vector<std::string> lines = lines_of(file);
-  require(!lines.empty() && lines.front() == kHeader, file, ":1: found no sweeps, expected the header ", kHeader, ".");
-  const std::vector<std::string> names = fields_of(kHeader);
-  std::map<std::string, std::vector<std::string>> at_one;
+  const std::vector<std::string> lines = read_sweeps(file);
+  const size_t columns = fields_of(kHeader).size();
   std::map<std::string, std::string> out;
-  for (int turn = 0; turn < 2; ++turn) {
-    for (size_t k = 1; k < lines.size(); ++k) {
-      const std::vector<std::string> row = fields_of(lines[k]);
-      require(row.size() == names.size(), file, ":", k + 1, ": found ", row.size(), " fields, expected ", names.size(), ".");
-      if (turn == 0) {
-        if (row[1] == "1") at_one[row[0]] = row;
-        continue;
-      }
-      const auto base = at_one.find(row[0]);
-      if (row[1] == "1" || base == at_one.end()) continue;
-      std::string changed;
-      for (size_t c = 4; c + 2 < names.size(); ++c) {
-        if (c == 6) continue;  // how many cases there are
-        const int by = std::atoi(row[c].c_str()) - std::atoi(base->second[c].c_str());
-        if (by != 0) changed += fmt::format("{}{} {:+d}", changed.empty() ? "" : ", ", names[c], by);
-      }
-      std::string& text = out[row[0]];
-      text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", row[1], changed.empty() ? "nothing" : changed);
-    }
+  for (size_t k = 1; k < lines.size(); ++k) {
+    const std::vector<std::string> row = fields_of(lines[k]);
+    require(row.size() == columns, file, ":", k + 1, ": found ", row.size(), " fields, expected ", columns, ".");
+    std::string& text = out[row[0]];
+    if (row[1] == "1" || (row[5] == "0" && row[6] == "0" && row[7] == "0")) continue;
+    text += fmt::format("{}{}: +{} -{} cases, {} other answers", text.empty() ? "" : "; ", row[1], row[5], row[6], row[7]);
+  }
+  for (auto& [name, text] : out) {
+    if (text.empty()) text = "nothing";
+  }
+  return out;
+}
+
+// Numbers without a row of their present value.
+std::vector<std::string> unswept(const std::vector<std::string>& lines) {
+  const Thresholds now;
+  std::set<std::string> known;
+  for (size_t k = 1; k < lines.size(); ++k) {
+    const std::vector<std::string> row = fields_of(lines[k]);
+    if (row.size() > 2 && row[1] == "1" && row[2] == fmt::format("{:g}", now.*find_threshold(row[0]).value)) known.insert(row[0]);
+  }
+  std::vector<std::string> out;
+  for (const ThresholdEntry& e : threshold_table()) {
+    if (known.count(e.name) == 0) out.push_back(e.name);
   }
   return out;
 }
@@ -136,50 +139,62 @@ void print_thresholds(const std::string& sweeps) {
   }
 }
 
-void write_sweeps(const BoardRequest& request, const std::vector<std::string>& names,
-                  const std::vector<double>& factors, const std::string& file) {
-  const bool fresh = !std::filesystem::exists(file);
-  std::vector<std::string> lines = fresh ? std::vector<std::string>{kHeader} : lines_of(file);
-  require(!lines.empty() && lines.front() == kHeader, file, ":1: found no sweeps, expected the header ", kHeader, ".");
-  for (const std::string& name : names) find_threshold(name);
-  const std::string seeds = fmt::format("{}", fmt::join(request.seeds, " "));
-  const Counts as_it_is = count(request);
-  for (const std::string& name : names) {
-    const ThresholdEntry& entry = find_threshold(name);
+void write_sweeps(const SweepRequest& request) {
+  const std::string& file = request.file;
+  std::vector<std::string> lines =
+      std::filesystem::exists(file) ? read_sweeps(file) : std::vector<std::string>{kHeader};
+  const std::vector<std::string> numbers = request.numbers.empty() ? unswept(lines) : request.numbers;
+  for (const std::string& name : numbers) find_threshold(name);
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::temp_directory_path() / fmt::format("veridyn-sweeps-{}", getpid());
+  const std::vector<SweepCase> all = sweep_board(request.seed, folder.string());
+  Answers as_it_is;
+  for (const SweepCase& one : all) {
+    as_it_is.push_back(ask(one, request.options));
+    fmt::print("{:<5} {}: {}\n", as_it_is.back().right ? "right" : "wrong", one.name, as_it_is.back().said);
+    std::fflush(stdout);
+  }
+  std::vector<double> factors = request.factors;
+  std::sort(factors.begin(), factors.end());
+  for (const std::string& name : numbers) {
+    double Thresholds::*value = find_threshold(name).value;
+    const auto moved = [&](double factor) {
+      DiagnosisOptions out = request.options;
+      out.thresholds.*value *= factor;
+      return out;
+    };
+    std::vector<SweepCase> board;
+    Answers base, first, last;
+    for (size_t k = 0; k < all.size(); ++k) {
+      if (!concerns(all[k], name)) continue;
+      board.push_back(all[k]);
+      base.push_back(as_it_is[k]);
+      first.push_back(ask(all[k], moved(factors.front())));
+      last.push_back(ask(all[k], moved(factors.back())));
+    }
     lines.erase(std::remove_if(lines.begin(), lines.end(),
                                [&name](const std::string& l) { return fields_of(l).front() == name; }),
                 lines.end());
-    std::vector<double> all = {1.0};
-    all.insert(all.end(), factors.begin(), factors.end());
-    for (const double factor : all) {
-      BoardRequest moved = request;
-      double& value = moved.options.thresholds.*entry.value;
-      value *= factor;
-      const Counts c = factor == 1.0 ? as_it_is : count(moved);
-      lines.push_back(fmt::format("{},{:g},{:g},{},{},{}", name, factor, value, c.text(), seeds, today()));
+    const auto add = [&](double factor, const Answers& answers) {
+      lines.push_back(fmt::format("{},{:g},{:g},{},{},{}", name, factor, moved(factor).thresholds.*value,
+                                  counts(board, base, answers), request.seed, today()));
+      fmt::print("{}\n", lines.back());
+      std::fflush(stdout);
+    };
+    add(1.0, base);
+    for (const double factor : factors) {
+      Answers answers = factor == factors.front() ? first : last;
+      for (size_t k = 0; k < board.size() && factor != factors.front() && factor != factors.back(); ++k) {
+        const bool moves = first[k].said != base[k].said || last[k].said != base[k].said;
+        answers[k] = moves ? ask(board[k], moved(factor)) : base[k];
+      }
+      add(factor, answers);
     }
     std::ofstream out(file);
     for (const std::string& line : lines) out << line << "\n";
     require(out.good(), file, ": cannot be written.");
   }
-}
-
-void print_sweep(const BoardRequest& request, const std::string& name,
-                 const std::vector<double>& factors) {
-  const ThresholdEntry& entry = find_threshold(name);
-  fmt::print("{}: {}\n", name, entry.inequality);
-  std::string table = fmt::format("\n{:>12} {:>6} {:>6} {:>8} {:>9} {:>6} {:>11}\n", name, "cases",
-                                  "first", "named", "diagnoses", "false", "covered");
-  for (const double factor : factors) {
-    BoardRequest moved = request;
-    double& value = moved.options.thresholds.*entry.value;
-    value *= factor;
-    const Totals t = totals(play_all(moved));
-    table += fmt::format("{:>12.4g} {:>6} {:>6} {:>4}/{:<3} {:>9} {:>6} {:>5}/{:<5}\n", value,
-                         t.cases, t.first, t.named, t.hidden, t.with_extras, t.extras, t.covered,
-                         t.intervals);
-  }
-  fmt::print("{}", table);
+  fs::remove_all(folder);
 }
 
 }  // namespace veridyn::seek

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "hide_and_seek/board.hpp"
+#include "veridyn/diagnosis/diagnosis.hpp"
 
 namespace veridyn::seek {
 
@@ -15,14 +15,17 @@ void set_threshold(const std::string& setting, DiagnosisOptions& options);
 /// @param sweeps  file of write_sweeps(): a column shows what each factor changed; empty: none.
 void print_thresholds(const std::string& sweeps = {});
 
-/// Plays a board with one threshold multiplied by each of the factors, and prints how many causes
-/// are named and how many names are false.
-void print_sweep(const BoardRequest& request, const std::string& name,
-                 const std::vector<double>& factors);
+struct SweepRequest {
+  std::vector<std::string> numbers;  ///< of threshold_table(); empty: those without a sweep of their value
+  std::vector<double> factors = {0.5, 0.7, 1.4, 2.0};
+  unsigned seed = 811;
+  std::string file;
+  DiagnosisOptions options;
+};
 
-/// Plays a board and causes on no list with every number at its value and multiplied by each factor, and
-/// writes a row of CSV for each into `file`, in place of earlier rows of the same numbers.
-void write_sweeps(const BoardRequest& request, const std::vector<std::string>& names,
-                  const std::vector<double>& factors, const std::string& file);
+/// Asks the cases of the small board that concern it (sweep_board.hpp) with every number at its value and multiplied by each factor, and
+/// writes a row of CSV for each into the file, in place of earlier rows of the same numbers. A case that
+/// the smallest and the largest factor leave as it is, is not asked between them.
+void write_sweeps(const SweepRequest& request);
 
 }  // namespace veridyn::seek

@@ -6,7 +6,7 @@
 namespace veridyn {
 
 /// All numbers that can change a verdict of a diagnosis. threshold_table() gives the inequality and
-/// the reason of each; `veridyn-hide-and-seek --sweep NAME` measures its effect.
+/// the reason of each; `veridyn-hide-and-seek sweeps NAME` measures its effect.
 struct Thresholds {
   // Selection of causes.
   double smallest_gain = 0.04;
@@ -19,6 +19,8 @@ struct Thresholds {
   double rival_elsewhere = 0.6;
   double refuting = 0.1;
   double tested_candidates = 6.0;
+  double corrected_channels = 4.0;
+  double settling = 6.0;
   double new_share = 1e-6;
   double compact_load = 0.8;
   double impossible_fall = 1.2;
@@ -28,6 +30,7 @@ struct Thresholds {
   double negative_friction = 6.0;
   // Dependences without a named cause.
   double unnamed_gain = 0.05;
+  double unnamed_terms = 4.0;
   double unnamed_share = 0.2;
   double unnamed_share_of_one = 0.4;
   double unnamed_term = 0.05;
@@ -44,6 +47,8 @@ struct Thresholds {
   double move_as_one = 0.999;
   // Wrong constants of the robot file.
   double constant_gain = 2.0;
+  double kept_constants = 5.0;
+  double constant_rivals = 5.0;
   double constant_sharpness = 0.4;
   double commoner_cause = 0.93;
   double weaker_rival = 0.3;
@@ -60,6 +65,7 @@ struct Thresholds {
   double contact_shortest = 0.3;
   double contact_most_of_time = 0.5;
   double contact_per_minute = 12.0;
+  double contact_always = 5.0;
   double contact_repeats = 0.4;
   // Local sticking in a single recording.
   double snag_prominence = 6.0;

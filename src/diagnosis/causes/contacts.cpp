@@ -15,10 +15,6 @@
 namespace veridyn {
 namespace {
 
-constexpr double kAlways = 5;          // bursts that a recording may have, however short
-constexpr size_t kFewestSamples = 50;
-constexpr int kPeriods = 20;  // to either side, in which a burst may come back
-
 struct Residual {
   std::vector<double> r;          ///< without what changes slowly
   std::vector<double> threshold;  ///< above it a burst begins
@@ -53,19 +49,19 @@ std::vector<double> slow_part(const std::vector<double>& time, const std::vector
 double rest_friction(const Model& arm, const PredictionSeries& x, size_t joint, double slow) {
   const auto i = static_cast<Eigen::Index>(joint);
   const auto [low, high] = std::minmax_element(x.q[joint].begin(), x.q[joint].end());
-  constexpr Eigen::Index kPass = 64;  // samples of one pass
-  const MatrixXd zero = MatrixXd::Zero(2 * kPass, arm.joints());
-  MotionSamples pass{VectorXd::Zero(2 * kPass), zero, zero, zero};
+  const Eigen::Index samples = numerics::kPassSamples;
+  const MatrixXd zero = MatrixXd::Zero(2 * samples, arm.joints());
+  MotionSamples pass{VectorXd::Zero(2 * samples), zero, zero, zero};
   for (int j = 0; j < arm.joints(); ++j)
     pass.q.col(j).setConstant(median(x.q[j]));
-  for (Eigen::Index k = 0; k < kPass; ++k) {
-    const double s = *low + (*high - *low) * static_cast<double>(k) / (kPass - 1);
-    pass.q(k, i) = pass.q(2 * kPass - 1 - k, i) = s;
+  for (Eigen::Index k = 0; k < samples; ++k) {
+    const double s = *low + (*high - *low) * static_cast<double>(k) / (samples - 1);
+    pass.q(k, i) = pass.q(2 * samples - 1 - k, i) = s;
     pass.dq(k, i) = slow;
-    pass.dq(2 * kPass - 1 - k, i) = -slow;
+    pass.dq(2 * samples - 1 - k, i) = -slow;
   }
   const MatrixXd load = rigid_load(arm, RegressorBatch(arm), pass);
-  VectorXd sum = VectorXd::Zero(2 * kPass);
+  VectorXd sum = VectorXd::Zero(2 * samples);
   for (const EffectTerm& term : arm.effects()) {
     if (!has_axis_effect(term.effect) || term.axis.coefficients[i] == 0.0) continue;
     const BoundEffect effect(arm, term);
@@ -136,7 +132,7 @@ bool repeats(const PredictionSeries& x, const std::vector<Residual>& joints, con
   if (period <= 0.0) return false;
   const double first = x.time.front();
   const double last = x.time.back();
-  for (int turn = -kPeriods; turn <= kPeriods; ++turn) {
+  for (int turn = -numerics::kPeriods; turn <= numerics::kPeriods; ++turn) {
     if (turn == 0) continue;
     const double from = x.time[span.begin] + turn * period;
     const double to = x.time[span.end - 1] + turn * period;
@@ -155,7 +151,7 @@ void contacts_in(const Model& arm, const RecordingError& recording, const Thresh
                  std::vector<Contact>& out) {
   const PredictionSeries& x = recording.series;
   const size_t n = x.measured.size();
-  if (x.time.size() < kFewestSamples || n == 0) return;
+  if (x.time.size() < numerics::kFewestContactSamples || n == 0) return;
   std::vector<Residual> joints;
   for (size_t i = 0; i < n; ++i) joints.push_back(residual_of(arm, x, i, limits));
   std::vector<Contact> found;
@@ -192,7 +188,7 @@ void contacts_in(const Model& arm, const RecordingError& recording, const Thresh
     if (c.peak > 0.0 && !again) found.push_back(std::move(c));
   }
   if (share > limits.contact_most_of_time ||
-      static_cast<double>(found.size()) > std::max<double>(kAlways, limits.contact_per_minute * duration / numerics::kMinute))
+      static_cast<double>(found.size()) > std::max(limits.contact_always, limits.contact_per_minute * duration / numerics::kMinute))
     return;
   out.insert(out.end(), found.begin(), found.end());
 }

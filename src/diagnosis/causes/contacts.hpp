@@ -21,7 +21,7 @@ struct Contact {
 /// Bursts of unexplained torque: well above the residual of the rest of the recording, lasting,
 /// few, and not repeated with the motion's period. A burst at every period or at every reversal is
 /// a property of the arm and no contact.
-std::vector<Contact> find_contacts(const Identification& id, const Thresholds& limits = {});
+std::vector<Contact> find_contacts(const Identification& id, const Thresholds& limits);
 
 /// The rows of these moments, for all joints.
 std::vector<ExcludedInterval> excluded_intervals(const std::vector<Contact>& contacts);

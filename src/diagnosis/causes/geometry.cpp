@@ -22,9 +22,6 @@ constexpr SearchRange kAngles = {numerics::kAngleStep, numerics::kAngleReach};  
 constexpr SearchRange kLengths = {numerics::kLengthStep, numerics::kLengthReach};  // [m]
 constexpr SearchRange kRatios = {numerics::kAngleStep, numerics::kAngleReach};     // of the ratio
 
-constexpr int kRefinements = 14;
-constexpr size_t kKept = 5;
-
 SearchRange search_range(const FrameConstant& constant, double stated) {
   const std::string unit = unit_of(constant);
   if (unit == "1") return {kRatios.step * std::abs(stated), kRatios.reach * std::abs(stated)};
@@ -38,7 +35,7 @@ double minimum(double low, double high, const F& f) {
   double b = high - numerics::kGolden * (high - low);
   double fa = f(a);
   double fb = f(b);
-  for (int i = 0; i < kRefinements; ++i) {
+  for (int i = 0; i < numerics::kRefinements; ++i) {
     if (fa < fb) {
       high = b;
       b = a;
@@ -173,7 +170,7 @@ std::vector<GeometryFinding> profile_geometry(const Model& arm,
             all.end());
   std::sort(all.begin(), all.end(),
             [](const GeometryFinding& a, const GeometryFinding& b) { return a.gain > b.gain; });
-  if (all.size() > kKept) all.resize(kKept);
+  all.resize(std::min(all.size(), static_cast<size_t>(limits.kept_constants)));
   if (all.empty()) return all;
   // An angle between two branches may be wrong in either. An error in the longest chain would be
   // noticed at the tool, so the other branch is preferred.

@@ -11,11 +11,8 @@
 namespace veridyn {
 namespace {
 
-constexpr Eigen::Index kParts = 8;       // of a recording, for the scatter of a constant
-constexpr Eigen::Index kMostParts = 64;  // of all: they are in memory together
-
 Eigen::Index parts_of_each(Eigen::Index recordings) {
-  return std::clamp<Eigen::Index>(kMostParts / std::max<Eigen::Index>(1, recordings), 1, kParts);
+  return std::clamp<Eigen::Index>(numerics::kMostConstantParts / std::max<Eigen::Index>(1, recordings), 1, numerics::kConstantParts);
 }
 
 double log_of(const VectorXd& mean_squares) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/evidence/numerics.hpp"
 #include "math/median.hpp"
 #include "math/spectral_lines.hpp"
 
@@ -10,8 +11,7 @@ namespace veridyn {
 namespace {
 
 constexpr double kStep = 0.5;  // of the grid, in waves per travel
-constexpr Eigen::Index kSamples = 4000;  // of all recordings together
-constexpr size_t kFewestSamples = 100;
+constexpr size_t kMostOrders = 2;
 
 struct Cloud {
   std::vector<double> s, r;
@@ -22,7 +22,7 @@ Cloud cloud_of(const Identification& id, size_t joint) {
   Cloud out;
   size_t total = 0;
   for (const RecordingError& recording : id.train) total += recording.series.time.size();
-  const size_t step = std::max<size_t>(1, total / static_cast<size_t>(kSamples));
+  const size_t step = std::max<size_t>(1, total / static_cast<size_t>(numerics::kSpectrumSamples));
   for (const RecordingError& recording : id.train) {
     const PredictionSeries& x = recording.series;
     if (joint >= x.q.size()) continue;
@@ -34,8 +34,8 @@ Cloud cloud_of(const Identification& id, size_t joint) {
   return out;
 }
 
-std::vector<double> peaks(const Cloud& c, int most, const Thresholds& limits) {
-  if (c.s.size() < kFewestSamples) return {};
+std::vector<double> peaks(const Cloud& c, const Thresholds& limits) {
+  if (c.s.size() < numerics::kFewestSpectrumSamples) return {};
   const auto [low, high] = std::minmax_element(c.s.begin(), c.s.end());
   const double travel = *high - *low;
   if (travel <= 0.0) return {};
@@ -55,21 +55,19 @@ std::vector<double> peaks(const Cloud& c, int most, const Thresholds& limits) {
     found.emplace_back(sizes[k], waves * unit);
   }
   std::sort(found.rbegin(), found.rend());
+  found.resize(std::min<size_t>(found.size(), kMostOrders));
   std::vector<double> out;
-  for (const auto& [size, order] : found) {
-    if (static_cast<int>(out.size()) < most) out.push_back(order);
-  }
+  for (const auto& [size, order] : found) out.push_back(order);
   return out;
 }
 
 }  // namespace
 
-std::vector<std::vector<double>> ripple_orders(const Identification& id, const Thresholds& limits,
-                                               int most) {
+std::vector<std::vector<double>> ripple_orders(const Identification& id, const Thresholds& limits) {
   std::vector<std::vector<double>> out;
   if (!id.model) return out;
   for (int i = 0; i < id.model->joints(); ++i)
-    out.push_back(peaks(cloud_of(id, static_cast<size_t>(i)), most, limits));
+    out.push_back(peaks(cloud_of(id, static_cast<size_t>(i)), limits));
   return out;
 }
 

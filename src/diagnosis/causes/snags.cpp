@@ -13,8 +13,6 @@
 namespace veridyn {
 namespace {
 
-constexpr int kBins = 40;              // of the travel of all recordings
-constexpr int kFewest = 6;             // samples of a bin in either direction
 constexpr double kMargin = 0.5;  // bins on either side
 
 struct TravelStatistics {
@@ -26,9 +24,9 @@ struct TravelStatistics {
 
   int bin(double q) const {
     const double share = (q - low) / std::max(high - low, numerics::kNoise);
-    return std::clamp(static_cast<int>(share * kBins), 0, kBins - 1);
+    return std::clamp(static_cast<int>(share * numerics::kTravelBins), 0, numerics::kTravelBins - 1);
   }
-  double edge(double bin) const { return low + bin * (high - low) / kBins; }
+  double edge(double bin) const { return low + bin * (high - low) / numerics::kTravelBins; }
 };
 
 TravelStatistics travel_statistics(const std::vector<const RecordingError*>& all, size_t joint) {
@@ -48,8 +46,8 @@ TravelStatistics travel_statistics(const std::vector<const RecordingError*>& all
 // Half the difference of the mean residuals to and fro, per bin; NaN where one is missing.
 std::vector<double> friction_by_place(const PredictionSeries& x, size_t joint, const TravelStatistics& travel,
                                       double moving_share) {
-  std::vector<double> sum[2] = {std::vector<double>(kBins), std::vector<double>(kBins)};
-  std::vector<int> count[2] = {std::vector<int>(kBins), std::vector<int>(kBins)};
+  std::vector<double> sum[2] = {std::vector<double>(numerics::kTravelBins), std::vector<double>(numerics::kTravelBins)};
+  std::vector<int> count[2] = {std::vector<int>(numerics::kTravelBins), std::vector<int>(numerics::kTravelBins)};
   for (size_t k = 0; k < x.time.size(); ++k) {
     const double v = x.dq[joint][k];
     if (std::abs(v) < moving_share * travel.speed) continue;
@@ -58,9 +56,9 @@ std::vector<double> friction_by_place(const PredictionSeries& x, size_t joint, c
     sum[side][bin] += x.measured[joint][k] - x.modelled[joint][k];
     ++count[side][bin];
   }
-  std::vector<double> out(kBins, std::numeric_limits<double>::quiet_NaN());
+  std::vector<double> out(numerics::kTravelBins, std::numeric_limits<double>::quiet_NaN());
   for (size_t b = 0; b < out.size(); ++b) {
-    if (count[0][b] < kFewest || count[1][b] < kFewest) continue;
+    if (count[0][b] < numerics::kFewestInBin || count[1][b] < numerics::kFewestInBin) continue;
     out[b] = 0.5 * (sum[1][b] / count[1][b] - sum[0][b] / count[0][b]);
   }
   return out;
@@ -68,7 +66,7 @@ std::vector<double> friction_by_place(const PredictionSeries& x, size_t joint, c
 
 // Friction above the median of the recordings, place by place.
 std::vector<std::vector<double>> excess(std::vector<std::vector<double>> friction) {
-  for (size_t b = 0; b < kBins; ++b) {
+  for (size_t b = 0; b < numerics::kTravelBins; ++b) {
     std::vector<double> here;
     for (const auto& f : friction) {
       if (std::isfinite(f[b])) here.push_back(f[b]);
@@ -96,18 +94,18 @@ void snags_of(const std::vector<const RecordingError*>& all, size_t joint,
   const double limit = std::max(limits.snag_prominence * kMadToDeviation * median(sizes),
                                 limits.snag_torque_share * std::sqrt(travel.torque2 / travel.samples));
   for (size_t r = 0; r < all.size(); ++r) {
-    for (int b = 0; b < kBins; ++b) {
+    for (int b = 0; b < numerics::kTravelBins; ++b) {
       if (!(friction[r][b] > limit)) continue;
       int end = b + 1;
       double sum = friction[r][b];
       // The snag extends while the excess stays above half of the limit.
-      while (end < kBins && friction[r][end] > 0.5 * limit)
+      while (end < numerics::kTravelBins && friction[r][end] > 0.5 * limit)
         sum += friction[r][end++];
       int begin = b;
       while (begin > 0 && friction[r][begin - 1] > 0.5 * limit)
         sum += friction[r][--begin];
       b = end;
-      if (end - begin > limits.snag_widest * kBins) continue;
+      if (end - begin > limits.snag_widest * numerics::kTravelBins) continue;
       out.push_back({all[r]->source, static_cast<int>(joint), travel.edge(begin - kMargin),
                      travel.edge(end + kMargin), sum / (end - begin)});
     }

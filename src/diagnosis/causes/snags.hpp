@@ -19,7 +19,7 @@ struct Snag {
 };
 
 /// Compares friction by place between recordings; needs three of them.
-std::vector<Snag> find_snags(const Identification& id, const Thresholds& limits = {});
+std::vector<Snag> find_snags(const Identification& id, const Thresholds& limits);
 
 /// Text for a technician.
 std::string snag_text(const Snag& snag, const Coordinate& joint);

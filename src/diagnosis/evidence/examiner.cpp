@@ -9,6 +9,7 @@
 #include "diagnosis/evidence/payload_fit.hpp"
 #include "diagnosis/evidence/clustered_fit.hpp"
 #include "diagnosis/evidence/numerics.hpp"
+#include "identification/hold_out_numbers.hpp"
 #include "math/parallel.hpp"
 #include "math/signed_rank.hpp"
 #include "math/student_t.hpp"
@@ -16,13 +17,9 @@
 namespace veridyn {
 namespace {
 
-constexpr size_t kMayDisagree = 4;
-
-// One fold of four or more may get worse, by any amount, since a recording can have a fault.
 bool improve(const std::vector<double>& falls) {
-  const auto worse =
-      std::count_if(falls.begin(), falls.end(), [](double d) { return !(d > 0.0); });
-  return worse <= (falls.size() >= kMayDisagree ? 1 : 0);
+  const auto better = std::count_if(falls.begin(), falls.end(), [](double d) { return d > 0.0; });
+  return hold_out::enough_agree(static_cast<size_t>(better), falls.size());
 }
 
 // Columns of a body outside the span of the others, in their order.

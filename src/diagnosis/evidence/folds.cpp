@@ -4,11 +4,10 @@
 #include <utility>
 
 #include "diagnosis/evidence/numerics.hpp"
+#include "identification/hold_out_numbers.hpp"
 
 namespace veridyn {
 namespace {
-
-constexpr int kMany = 4;  // recordings: enough to hold out one as a whole
 
 // Mean square of every joint on a fold, from the others.
 VectorXd held_out_error(const NormalBlocks& data, const ColumnSet& set, const VectorXd& w,
@@ -33,9 +32,9 @@ std::vector<std::vector<int>> halves(const std::vector<std::vector<int>>& record
 }  // namespace
 
 std::vector<std::vector<int>> make_folds(const NormalBlocks& data) {
-  int recordings = 0;
+  size_t recordings = 0;
   for (int c = 0; c < data.clusters(); ++c)
-    recordings = std::max(recordings, data.recording_of(c) + 1);
+    recordings = std::max(recordings, static_cast<size_t>(data.recording_of(c)) + 1);
   std::vector<std::vector<int>> folds;
   if (recordings == 1) {
     for (int c = 0; c < data.clusters(); ++c) folds.push_back({c});
@@ -44,7 +43,7 @@ std::vector<std::vector<int>> make_folds(const NormalBlocks& data) {
   folds.resize(recordings);
   for (int c = 0; c < data.clusters(); ++c)
     folds[data.recording_of(c)].push_back(c);
-  return recordings < kMany ? halves(folds) : folds;
+  return recordings < hold_out::kManyRecordings ? halves(folds) : folds;
 }
 
 NormalBlocks::Sums summed(const NormalBlocks& data, const std::vector<int>& clusters) {

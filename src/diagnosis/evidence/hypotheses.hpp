@@ -59,7 +59,7 @@ struct CandidateList {
   /// have changed, and every link may have a payload.
   bool changes = false;
   std::vector<std::vector<double>> ripple_orders;  ///< per joint: ripple orders to test
-  Thresholds limits = {};
+  Thresholds limits;
   /// Asked beside the grid, first: terms whose constants are refined already. With their
   /// hypotheses.
   std::vector<std::pair<Hypothesis, EffectTerm>> known;

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 
 namespace veridyn::numerics {
 
-/// Numbers that keep arithmetic sound and decide nothing; those that decide are in Thresholds.
+/// Numbers that keep arithmetic sound, and the resolution, the rounds and the memory of searches. Evidence is
+/// compared with none of them; those that decide are in Thresholds.
 
 // Remainder of a load column outside the span of its other columns, squared and relative.
 constexpr double kLoadRank = 1e-6;
@@ -78,5 +80,45 @@ constexpr double kMostDamping = 1e8;
 constexpr double kConverged = 1e-13;
 constexpr double kFirstPlaces = 0.3;  ///< initial offsets as a share of the reach
 constexpr double kLoadPrior = 1e-6;
+
+// Rounds of a search that ends before them where it has converged.
+constexpr int kChannelSteps = 8;   ///< Newton steps of a channel error
+constexpr int kHalvings = 3;       ///< of a step that makes the fit worse
+constexpr int kStepsTogether = 4;  ///< of a channel error and what became visible with it
+constexpr int kPayloadTurns = 6;   ///< of fitting friction and load, where a CAD model lacks friction
+constexpr int kRefinements = 14;   ///< of a bracket about a constant
+constexpr int kDescentSteps = 60;  ///< of a point mass
+
+// Resolution, and the samples that it needs.
+constexpr int kPhases = 8;                             ///< of a period, paired across recordings
+constexpr int kPeriods = 20;                           ///< to either side, in which a burst may come back
+constexpr std::size_t kFewestContactSamples = 50;
+constexpr int kPassSamples = 64;                       ///< of one pass over a travel
+constexpr int kTravelBins = 40;                        ///< of the travel of all recordings
+constexpr int kFewestInBin = 6;                        ///< samples of a bin in either direction
+constexpr int kSpectrumSamples = 4000;                 ///< of all recordings together
+constexpr std::size_t kFewestSpectrumSamples = 100;
+constexpr double kVibrationWaves = 3.0;                ///< in a recording: fewer are a drift
+constexpr double kVibrationStep = 0.25;                ///< of the grid, in waves of the longest recording
+constexpr int kConstantParts = 8;                      ///< of a recording, for the scatter of a constant
+constexpr int kMostConstantParts = 64;                 ///< of all: they are in memory together
+constexpr std::size_t kMostMotionRows = 6000;          ///< of all recordings together
+constexpr std::size_t kFewestMotionRows = 300;         ///< of each recording
+constexpr int kIntervals = 20;                         ///< of a function of one signal
+constexpr int kIntervalsOnSides = 12;                  ///< of one function for each direction
+constexpr int kIntervalsOfTwo = 3;                     ///< of each of two signals
+constexpr int kCurvePoints = 41;                       ///< of a printed curve
+constexpr int kCurvePointsOfTwo = 9;                   ///< of each side of a printed surface
+constexpr int kWindows = 5;                            ///< of a table over two signals
+
+// Memory: columns of a candidate list, and blocks of all recordings together.
+constexpr int kAskedColumns = 50;
+constexpr int kAskedFromOthers = 4;  ///< for each further joint
+constexpr int kFewestBlocks = 8;
+
+// Text.
+constexpr std::size_t kNamedParameters = 3;
+constexpr std::size_t kListed = 60;  ///< of what the data rule out
+constexpr std::size_t kNumberWidth = 8;
 
 }  // namespace veridyn::numerics

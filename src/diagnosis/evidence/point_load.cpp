@@ -4,11 +4,10 @@
 #include <cmath>
 
 #include "diagnosis/evidence/clustered_fit.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 
 namespace veridyn {
 namespace {
-
-constexpr int kDescentSteps = 60;
 
 InertialParameters point_mass(double mass, const Eigen::Vector3d& h) {
   InertialParameters phi;
@@ -46,7 +45,7 @@ PointLoad descend(const LoadCost& f, double mass, Eigen::Vector3d h, double reac
   PointLoad best{point_mass(mass, h), 0.0};
   best.cost = f.cost(best.phi);
   double damping = numerics::kFirstDamping;
-  for (int step = 0; step < kDescentSteps; ++step) {
+  for (int step = 0; step < numerics::kDescentSteps; ++step) {
     const Eigen::Matrix<double, 10, 4> J = slopes(mass, h);
     const Eigen::Vector4d g = J.transpose() * (f.b - f.A * best.phi);
     Eigen::Matrix4d H = J.transpose() * f.A * J;

@@ -22,8 +22,6 @@
 namespace veridyn {
 namespace {
 
-constexpr size_t kListed = 60;  // of what the data rule out
-
 // Why a hypothesis that these data can answer was not accepted.
 std::string why_not(const Evidence& e, const DiagnosisOptions& limits) {
   if (e.infeasible_sign) return "its value would have an impossible sign or size";
@@ -310,7 +308,7 @@ void FindingWriter::add_the_rest(Diagnosis& d) const {
         d.cannot_tell.back().why +=
             " (on " + words_of(asked_.augmented.model, h.cause).frame + ")";
       }
-    } else if (d.not_supported.size() < kListed) {
+    } else if (d.not_supported.size() < numerics::kListed) {
       d.not_supported.push_back({h.cause, e.p_value, why_not(e, limits_)});
     }
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "diagnosis/evidence/numerics.hpp"
 #include "identification/many_recordings.hpp"
 #include "math/parallel.hpp"
 
@@ -12,12 +13,9 @@ namespace {
 
 // memory of the factors of one run
 constexpr double kMostBytes = 1 << 28;
-constexpr int kFewestBlocks = 8;  // of all recordings together
 
 // Typical number of columns per joint beside the bodies': its own, and those through which other
 // joints act on it.
-constexpr int kAsked = 50;
-constexpr int kAskedFromOthers = 4;
 
 std::vector<CompressedRecording> compress_to_fit(const Model& arm,
                                                  const std::vector<std::string>& paths,
@@ -47,12 +45,12 @@ PreprocessingOptions as_recorded(const IdentificationOptions& how) {
 int blocks_that_fit(const Model& arm, int recordings) {
   double bytes = 0.0;
   for (int i = 0; i < arm.joints(); ++i) {
-    double columns = kAsked + kAskedFromOthers * arm.joints();
+    double columns = numerics::kAskedColumns + numerics::kAskedFromOthers * arm.joints();
     for (const int frame : arm.bodies())
       columns += arm.moves(frame, i) ? kBodyParameters : 0;
     bytes += static_cast<double>(sizeof(double)) * columns * columns;
   }
-  const int fewest = std::max(1, kFewestBlocks / std::max(1, recordings));
+  const int fewest = std::max(1, numerics::kFewestBlocks / std::max(1, recordings));
   return std::max(fewest, static_cast<int>(kMostBytes / (bytes * std::max(1, recordings))));
 }
 

@@ -10,8 +10,6 @@
 namespace veridyn {
 namespace {
 
-constexpr int kMostTables = 4;
-
 struct AskedTable {
   EffectTerm term;
   MotionSignal signal;
@@ -96,7 +94,7 @@ std::vector<AcceptedTable> ask_tables(const DiagnosisState& x, const std::vector
   const CandidateTests asked = prepare_tests(x, list, x.d.extended);
   const std::vector<Hypothesis>& all = asked.q.augmented.hypotheses;
   DiagnosisOptions options = x.options;
-  options.max_effects = kMostTables;
+  options.max_effects = static_cast<int>(options.thresholds.unnamed_terms);
   const Selection selection = select_effects(asked.data, asked.q.base, all, options, {});
   std::vector<AcceptedTable> out;
   for (const Accepted& a : selection.accepted) {

@@ -3,15 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/evidence/numerics.hpp"
 #include "diagnosis/shapes/refinement.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 #include "math/student_t.hpp"
 
 namespace veridyn {
 namespace {
-
-constexpr int kSteps = 8;
-constexpr int kHalvings = 3;
 
 // Values of one hypothesis fitted beside the base columns, with half widths of their intervals.
 struct Estimate {
@@ -60,15 +58,26 @@ const Hypothesis* same(const CandidateTests& asked, const Hypothesis& h) {
   return nullptr;
 }
 
+// True if a parameter is the relative error of a factor.
+bool is_relative(const Hypothesis& h, size_t p) {
+  return find_effect(effect_of(h.cause)).parameters()[p].unit_revolute == "1";
+}
+
+// A factor is positive: a torque with the wrong sign is no error of its gain.
+bool is_possible(const Hypothesis& h, const std::vector<double>& values) {
+  for (size_t p = 0; p < values.size(); ++p) {
+    if (is_relative(h, p) && values[p] <= -1.0) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 std::vector<double> together(const Hypothesis& h, const std::vector<double>& first,
                              const std::vector<double>& second) {
-  const std::vector<EffectParameter> parameters = find_effect(effect_of(h.cause)).parameters();
   std::vector<double> out;
   for (size_t p = 0; p < first.size(); ++p) {
-    const bool relative = parameters[p].unit_revolute == "1";
-    out.push_back(relative ? (1.0 + first[p]) * (1.0 + second[p]) - 1.0 : first[p] + second[p]);
+    out.push_back(is_relative(h, p) ? (1.0 + first[p]) * (1.0 + second[p]) - 1.0 : first[p] + second[p]);
   }
   return out;
 }
@@ -79,7 +88,7 @@ std::optional<CorrectedChannel> correct_channel(const DiagnosisState& x, const C
   if (!step) return std::nullopt;
   CorrectedChannel out{x.start, std::vector<double>(step->values.size(), 0.0), {}};
   bool moved = false;
-  for (int k = 0; k < kSteps && step; ++k) {
+  for (int k = 0; k < numerics::kChannelSteps && step; ++k) {
     out.half_widths = step->half_widths;
     // Once a step is small beside its own uncertainty there is nothing left to gain.
     bool matters = k == 0;
@@ -89,15 +98,14 @@ std::optional<CorrectedChannel> correct_channel(const DiagnosisState& x, const C
     if (!matters) break;
     keep_possible(h, out.values, step->values);
     bool better = false;
-    for (int halving = 0; halving < kHalvings && !better; ++halving) {
-      const Identification candidate =
-          x.fit(with_channel_error(*out.corrected.model, step->term, step->values));
-      better = candidate.model && log_training_error(candidate) < log_training_error(out.corrected);
-      if (!better) {
-        for (double& value : step->values) value *= 0.5;
-        continue;
+    for (int halving = 0; halving < numerics::kHalvings && !better; ++halving) {
+      if (is_possible(h, step->values)) {
+        const Identification candidate =
+            x.fit(with_channel_error(*out.corrected.model, step->term, step->values));
+        better = candidate.model && log_training_error(candidate) < log_training_error(out.corrected);
+        if (better) out.corrected = candidate;
       }
-      out.corrected = candidate;
+      for (double& value : step->values) value *= better ? 1.0 : 0.5;
     }
     if (!better) break;
     moved = true;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "diagnosis/evidence/instruments.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "diagnosis/stages/diagnosis_state.hpp"
 #include "veridyn/identification/regressor_columns.hpp"
 
@@ -12,9 +13,6 @@
 
 namespace veridyn {
 namespace {
-
-constexpr int kPhases = 8;
-constexpr size_t kNamed = 3;  // parameters in the sentence
 
 // Base columns of one recording and joint.
 struct Rows {
@@ -69,7 +67,7 @@ void pair_up(const Rows& rows, double period, int first_cluster, RepeatedRows& o
     out.b[start + k] = rows.b[own];
     const double turns = rows.time[own] / period;
     out.cluster.push_back(first_cluster +
-                          static_cast<int>(kPhases * (turns - std::floor(turns))));
+                          static_cast<int>(numerics::kPhases * (turns - std::floor(turns))));
   }
 }
 
@@ -93,7 +91,7 @@ std::vector<RepeatedRows> repeated_rows(const DiagnosisState& x, const Model& ar
       for (size_t i = 0; i < joints.size(); ++i) append(rows[i], independent, joints[i]);
     });
     for (size_t i = 0; i < joints.size(); ++i)
-      pair_up(joints[i], r.period.seconds, kPhases * recordings, out[i]);
+      pair_up(joints[i], r.period.seconds, numerics::kPhases * recordings, out[i]);
     ++recordings;
   }
   return out;
@@ -136,7 +134,7 @@ void check_errors_in_variables(DiagnosisState& x) {
       "noise in the motion biases least squares: of {} base parameters {} differ from the "
       "instrumental-variable estimate (Durbin-Wu-Hausman)",
       independent.size(), differ.size());
-  for (size_t k = 0; k < std::min(kNamed, differ.size()); ++k) {
+  for (size_t k = 0; k < std::min(numerics::kNamedParameters, differ.size()); ++k) {
     const Eigen::Index at = differ[k];
     f.sentence += fmt::format("{} {} {:.4g} against {:.4g} (p = {:.0e})", k == 0 ? ":" : ",",
                               names[independent[at]],

@@ -13,7 +13,6 @@ namespace veridyn {
 namespace {
 
 constexpr const char* kAddition = "addition to ";
-constexpr int kStepsTogether = 4;
 
 Model with_gravity(const Model& arm, const Eigen::Vector3d& gravity) {
   ModelDescription d = arm.description();
@@ -137,7 +136,7 @@ void estimate_newly_visible(const DiagnosisState& x, const Hypothesis& h,
   if (!x.d.changes || channel.corrected.model->gravity() == before) return;
   const std::vector<std::string> names = newly_visible(*channel.corrected.model, before);
   if (names.empty()) return;
-  for (int k = 0; k < kStepsTogether && step_together(x, h, names, channel); ++k) {
+  for (int k = 0; k < numerics::kStepsTogether && step_together(x, h, names, channel); ++k) {
   }
 }
 

@@ -22,8 +22,6 @@ namespace veridyn {
 namespace {
 
 constexpr int kCycles = 2;
-constexpr int kSettling = 6;  // findings that may lose their names after the last fit
-constexpr int kChannels = 4;  // errors of channels that are corrected one after the other
 
 // One round of tests with the accepted hypotheses.
 struct Round : CandidateTests {
@@ -243,7 +241,7 @@ void settle(DiagnosisState& x, FindingWriter& writer, size_t first, std::set<siz
   bool loads_alone = false;  // without changes of friction beside them
   std::set<size_t> needed;  // taken out once, and the joint was no better off
   const FoldErrors baseline = x.fold_errors(x.d.baseline);
-  for (int turn = 0; turn < kSettling && x.d.extended.model && !kept.empty(); ++turn) {
+  for (int turn = 0; turn < x.options.thresholds.settling && x.d.extended.model && !kept.empty(); ++turn) {
     for (const size_t k : kept) {
       // Several sizes of one curve may trade with the arm's parameters, which are all free there.
       if (!x.d.changes && names[k].size() == 1)
@@ -348,7 +346,7 @@ void select(DiagnosisState& x) {
   if (asks_for_waves(list.wanted))
     list.ripple_orders = ripple_orders(x.start, x.options.thresholds);
   std::optional<Round> round(answer(x, prepare_tests(x, list, x.start)));
-  for (int turn = 0; turn < kChannels && correct_first_channel(x, *round); ++turn) {
+  for (int turn = 0; turn < x.options.thresholds.corrected_channels && correct_first_channel(x, *round); ++turn) {
     round.reset();  // its factors, before there are others
     round.emplace(answer(x, prepare_tests(x, list, x.start)));
   }

@@ -5,17 +5,12 @@
 #include <map>
 #include <numeric>
 
+#include "diagnosis/evidence/numerics.hpp"
 #include "math/clustered_statistics.hpp"
 #include "math/student_t.hpp"
 
 namespace veridyn {
 namespace {
-
-constexpr int kIntervals = 20;        // of a function of one signal
-constexpr int kIntervalsOnSides = 12; // of one function for each direction
-constexpr int kIntervalsOfTwo = 3;    // of each of two signals
-constexpr int kPoints = 41;
-constexpr int kPointsOfTwo = 9;
 
 bool has_step(SignalKind kind) {
   return kind == SignalKind::kVelocity || kind == SignalKind::kHistory;
@@ -80,20 +75,20 @@ class Terms {
     const MotionSignal& s = signals_[k];
     if (!is_own(k) && has_step(s.kind) && s.kind == SignalKind::kHistory) return;
     const BasisKind basis = has_step(s.kind) ? BasisKind::kSided : BasisKind::kSmooth;
-    out_.push_back({{k}, {basis_of(s, basis, kIntervals)}, preference({k})});
+    out_.push_back({{k}, {basis_of(s, basis, numerics::kIntervals)}, preference({k})});
   }
 
   void add_on_sides(int k, int direction) {
     out_.push_back({{k, direction},
-                    {basis_of(signals_[k], BasisKind::kSmooth, kIntervalsOnSides),
+                    {basis_of(signals_[k], BasisKind::kSmooth, numerics::kIntervalsOnSides),
                      basis_of(signals_[direction], BasisKind::kSides, 1)},
                     preference({k, direction})});
   }
 
   void add_product(int k, int l) {
     out_.push_back({{k, l},
-                    {basis_of(signals_[k], BasisKind::kSmooth, kIntervalsOfTwo),
-                     basis_of(signals_[l], BasisKind::kSmooth, kIntervalsOfTwo)},
+                    {basis_of(signals_[k], BasisKind::kSmooth, numerics::kIntervalsOfTwo),
+                     basis_of(signals_[l], BasisKind::kSmooth, numerics::kIntervalsOfTwo)},
                     preference({k, l})});
   }
 
@@ -159,10 +154,8 @@ Dependence find_dependence(int joint, const MotionRows& train, const MotionRows&
   std::vector<MatrixXd> columns;
   columns.reserve(terms.size());
   for (const SmoothTerm& term : terms) columns.push_back(term.columns(rows.signals));
-  AdditiveOptions how;
-  how.smallest_gain = limits.unnamed_gain;
-  how.as_good = limits.tie;
-  how.significance = limits.significance;
+  const AdditiveOptions how{static_cast<int>(limits.unnamed_terms), limits.unnamed_gain, limits.tie,
+                            limits.significance};
   out.model = additive_regression(rows, terms, columns, how);
   const std::vector<Eigen::Index> there = rows_in_folds(test, joint);
   const FoldedRows of_test = folded(test, joint, there);
@@ -206,8 +199,8 @@ UnnamedShape shape_of(const Dependence& found, size_t k, const MotionRows& train
     const SmoothBasis& basis = term.bases[s];
     std::vector<double> grid;
     const int points = term.signals.size() > 1 && term.bases[1].kind() != BasisKind::kSides
-                           ? kPointsOfTwo
-                           : kPoints;
+                           ? numerics::kCurvePointsOfTwo
+                           : numerics::kCurvePoints;
     if (basis.kind() == BasisKind::kSides) {
       grid = {basis.low(), basis.high()};
     } else {

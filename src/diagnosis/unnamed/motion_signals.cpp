@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/evidence/numerics.hpp"
+#include "identification/hold_out_numbers.hpp"
+
 namespace veridyn {
 namespace {
-
-constexpr size_t kMostRows = 6000;    // of all recordings together
-constexpr size_t kFewestRows = 300;   // of each recording
-constexpr size_t kPhasesOfPeriod = 8;
-constexpr size_t kManyRecordings = 4;
 
 const char* letter(SignalKind kind) {
   switch (kind) {
@@ -83,11 +81,11 @@ double rest_speed_of(const Identification& id, int joint) {
 }
 
 int fold_of(const RecordingError& r, double time, size_t recording, size_t recordings) {
-  if (recordings >= kManyRecordings) return static_cast<int>(recording % (2 * kPhasesOfPeriod));
+  if (recordings >= hold_out::kManyRecordings) return static_cast<int>(recording % (2 * hold_out::kPartsOfOne));
   const double first = r.series.time.front();
   const double length = r.period > 0.0 ? r.period : r.series.time.back() - first;
   const double phase = std::fmod(time - first, length) / length;
-  const size_t parts = recordings == 1 ? kPhasesOfPeriod : 2;
+  const size_t parts = recordings == 1 ? hold_out::kPartsOfOne : hold_out::kPartsOfFew;
   const auto part = std::min(static_cast<size_t>(phase * static_cast<double>(parts)), parts - 1);
   return static_cast<int>(recording * parts + part);
 }
@@ -141,7 +139,7 @@ MotionRows motion_rows(const Identification& id, const std::vector<RecordingErro
   MotionRows out;
   out.signals = std::move(signals);
   const int n = id.model->joints();
-  const size_t most = std::max(kFewestRows, kMostRows / std::max<size_t>(1, recordings.size()));
+  const size_t most = std::max(numerics::kFewestMotionRows, numerics::kMostMotionRows / std::max<size_t>(1, recordings.size()));
   std::vector<size_t> strides;
   Eigen::Index rows = 0;
   for (const RecordingError& r : recordings) {

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 
+#include "diagnosis/evidence/numerics.hpp"
 #include "effects/tabulated_force.hpp"
 
 namespace veridyn {
 namespace {
-
-constexpr int kWindows = 5;  // of a function of two signals
 
 TableSignal signal_of(const MotionSignal& s, JointIndex joint) {
   const bool own = s.joint == joint.value;
@@ -71,7 +70,7 @@ std::vector<EffectTerm> tables_of(const Model& arm, JointIndex joint, const Unna
   size_t row = 1;
   while (row < shape.curve.size() && shape.curve[row].at[1] == shape.curve.front().at[1]) ++row;
   const size_t rows = shape.curve.size() / row;
-  const size_t windows = shape.on_sides ? 2 : static_cast<size_t>(kWindows);
+  const size_t windows = shape.on_sides ? 2 : static_cast<size_t>(numerics::kWindows);
   for (size_t w = 0; w < windows; ++w) {
     const size_t at = w * (rows - 1) / (windows - 1);
     add(at * row, row, out);

@@ -11,9 +11,6 @@
 namespace veridyn {
 namespace {
 
-constexpr double kFewestWaves = 3.0;  // in a recording: fewer are a drift
-constexpr double kStep = 0.25;        // of the grid, in waves of the longest recording
-
 double duration(const RecordingError& r) {
   return r.series.time.size() < 2 ? 0.0 : r.series.time.back() - r.series.time.front();
 }
@@ -54,7 +51,7 @@ double largest_line(const Identification& id, size_t joint) {
     highest = std::min(highest, 0.5 * static_cast<double>(r.series.time.size() - 1) / length);
   }
   if (id.preprocessing.cutoff > 0.0) highest = std::min(highest, id.preprocessing.cutoff);
-  const double first = kFewestWaves / shortest, step = kStep / longest;
+  const double first = numerics::kVibrationWaves / shortest, step = numerics::kVibrationStep / longest;
   if (!(highest > first)) return 0.0;
   const auto count = static_cast<size_t>((highest - first) / step) + 1;
   std::vector<double> shares(count, 0.0);

@@ -1,46 +1,23 @@
 #include "veridyn/identification/fleet.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <mutex>
 #include <sstream>
-#include <unsupported/Eigen/SpecialFunctions>
 #include <utility>
 
-#include "estimation/least_squares.hpp"
 #include "math/excerpt.hpp"
-#include "identification/fleet/fleet_problem.hpp"
+#include "identification/fleet/fleet_spreads.hpp"
 #include "identification/many_recordings.hpp"
-#include "math/clustered_statistics.hpp"
 #include "math/input_file.hpp"
-#include "math/median.hpp"
 #include "math/numbers.hpp"
 #include "math/parallel.hpp"
-#include "math/student_t.hpp"
-#include "identification/fleet/fleet_numbers.hpp"
 #include "identification/shortfall.hpp"
 #include "identification/velocity_choice.hpp"
-#include "veridyn/effects/cause.hpp"
-#include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {
-
-double median_of(std::vector<double> v) {
-  return v.empty() ? kNaN : median(std::move(v));
-}
-
-// Median and robust standard deviation of the finite values.
-std::pair<double, double> centre_of(const std::vector<double>& all) {
-  std::vector<double> finite;
-  for (const double x : all)
-    if (std::isfinite(x)) finite.push_back(x);
-  const double centre = median_of(finite);
-  for (double& x : finite) x = std::abs(x - centre);
-  return {centre, kMadToDeviation * median_of(finite)};
-}
 
 ArmFactor arm_factor(const Model& arm, const FactorSet& set, const std::string& name) {
   ArmFactor out;
@@ -60,187 +37,9 @@ ArmFactor arm_factor(const Model& arm, const FactorSet& set, const std::string& 
   return out;
 }
 
-// One arm with its factor, its own values and its residuals.
-struct Fitted {
-  SquareRootInformation factor;
-  VectorXd eta;                // own parameters, then gains as shares
-  VectorXd uncertain;          // standard deviation of each own value for white noise
-  VectorXd telling;            // share of each own column outside the span of the others
-  VectorXd residual2, alone2;  // per joint, with the fleet's bodies and with its own
-  bool odd = false;            // its bodies differ from the fleet's
-  double excess = 0.0;         // see excess(), at that decision
-  double deviations = 0.0;     // of it, from the fleet's median
-};
-
-class FleetSolver {
- public:
-  FleetSolver(const Model& arm, const std::vector<ArmFactor>& arms, const FleetOptions& options)
-      : problem_(arm, arms), arms_(arms), options_(options), fitted_(arms.size()) {}
-
-  void solve() {
-    VectorXd weights(problem_.joints());
-    for (int i = 0; i < problem_.joints(); ++i) {
-      weights[i] = 1.0 / std::max(1e-300, scale_of(i, [&](size_t a) {
-                                    const auto& f = arms_[a].joints[i];
-                                    return f.rhs_norm2() / std::max(1.0, f.rows());
-                                  }));
-    }
-    for (int round = 0; round < fleet_numbers::kRounds; ++round) {
-      const VectorXd at_beta = beta_;
-      each_arm([&](size_t a) {
-        fitted_[a].factor = problem_.of_arm(a, weights, at_beta, fitted_[a].eta);
-      });
-      SquareRootInformation total(problem_.shared());
-      for (const Fitted& f : fitted_)
-        if (!f.odd) total.merge(problem_.over_shared(f.factor));
-      beta_ = least_squares(total);
-      each_arm([&](size_t a) { fit_arm(a, at_beta); });
-      for (int i = 0; i < problem_.joints(); ++i) {
-        weights[i] = 1.0 / std::max(1e-300, scale_of(i, [&](size_t a) {
-                                      const auto& f = arms_[a].joints[i];
-                                      return fitted_[a].residual2[i] / std::max(1.0, f.rows());
-                                    }));
-      }
-      // Outliers found in the last round were excluded from the last fit.
-      if (round + 1 < fleet_numbers::kRounds) find_odd();
-    }
-  }
-
-  double median_excess() const { return median_excess_; }
-
-  // Robust distance of every arm's bodies from the fleet's, in ln of the squares that its own
-  // bodies explain.
-  std::vector<double> excess() const {
-    std::vector<double> out;
-    for (const Fitted& f : fitted_) {
-      const Eigen::ArrayXd ratio = f.residual2.array() / f.alone2.array().max(1e-300);
-      out.push_back(std::log(std::max(ratio.maxCoeff(), 1.0)));
-    }
-    return out;
-  }
-
-  double threshold(double looked_at, double more_freedom = 0.0) const {
-    return student_t_quantile(options_.significance / std::max(1.0, looked_at),
-                              std::min(fleet_numbers::kFreedom, freedom() + more_freedom));
-  }
-
-  // Degrees of freedom of a robust deviation over the arms.
-  double freedom() const { return fleet_numbers::kEfficiency * (static_cast<double>(arms_.size()) - 1.0); }
-
-  // Number of tested quantities: every own value and the bodies of every arm.
-  double looked_at() const {
-    return static_cast<double>(arms_.size()) *
-           (static_cast<double>(problem_.own().size()) + problem_.joints() + 1.0);
-  }
-
-  // Deviations of beta by leaving out one group of arms at a time.
-  VectorXd deviations() const {
-    const size_t groups = std::min<size_t>(fleet_numbers::kGroups, arms_.size());
-    std::vector<SquareRootInformation> of_group(groups, SquareRootInformation(problem_.shared()));
-    for (size_t a = 0; a < arms_.size(); ++a)
-      if (!fitted_[a].odd) of_group[a % groups].merge(problem_.over_shared(fitted_[a].factor));
-    MatrixXd without(beta_.size(), static_cast<Eigen::Index>(groups));
-    std::vector<SquareRootInformation> after(groups, SquareRootInformation(problem_.shared()));
-    for (size_t g = groups - 1; g > 0; --g) {
-      after[g - 1] = after[g];
-      after[g - 1].merge(of_group[g]);
-    }
-    SquareRootInformation before(problem_.shared());
-    for (size_t g = 0; g < groups; ++g) {
-      SquareRootInformation rest = before;
-      rest.merge(after[g]);
-      without.col(g) = least_squares(rest);
-      before.merge(of_group[g]);
-    }
-    return jackknife_deviations(without);
-  }
-
-  const FleetProblem& problem() const { return problem_; }
-  const VectorXd& beta() const { return beta_; }
-  const Fitted& fitted(size_t a) const { return fitted_[a]; }
-
- private:
-  template <typename Do>
-  void each_arm(const Do& act) {
-    parallel_for(static_cast<int>(arms_.size()), options_.threads,
-                 [&](int a) { act(static_cast<size_t>(a)); });
-  }
-
-  template <typename MeanSquare>
-  double scale_of(int, const MeanSquare& mean_square) const {
-    std::vector<double> all;
-    for (size_t a = 0; a < arms_.size(); ++a) all.push_back(mean_square(a));
-    return std::sqrt(median_of(std::move(all)));
-  }
-
-  void fit_arm(size_t a, const VectorXd& at_beta) {
-    Fitted& f = fitted_[a];
-    const VectorXd at_eta = f.eta;
-    f.eta = problem_.own_values(f.factor, beta_);
-    f.residual2 = problem_.residual2(a, beta_, f.eta, at_beta, at_eta);
-    const VectorXd alone = least_squares(f.factor);
-    const Eigen::Index own = alone.size() - beta_.size();
-    const VectorXd bodies = alone.tail(beta_.size());
-    f.alone2 = problem_.residual2(a, bodies, alone.head(own), at_beta, at_eta);
-    f.uncertain = f.factor.R()
-                      .topLeftCorner(own, own)
-                      .triangularView<Eigen::Upper>()
-                      .solve(MatrixXd::Identity(own, own))
-                      .rowwise()
-                      .norm();
-    // The part of own columns outside the span of those before them: the diagonal of R. Own columns
-    // are few.
-    const VectorXd norms = f.factor.column_norms();
-    f.telling = f.factor.R().diagonal().head(own).cwiseAbs().cwiseQuotient(
-        norms.head(own).cwiseMax(1e-300));
-  }
-
-  void find_odd() {
-    const std::vector<double> all = excess();
-    const auto [median, spread] = centre_of(all);
-    const double far = threshold(static_cast<double>(arms_.size()));
-    median_excess_ = median;
-    size_t count = 0;
-    for (size_t a = 0; a < arms_.size(); ++a) {
-      fitted_[a].excess = all[a];
-      fitted_[a].deviations = (all[a] - median) / std::max(spread, fleet_numbers::kLeastSpread);
-      fitted_[a].odd = all[a] > fleet_numbers::kLeastExcess && fitted_[a].deviations > far;
-      count += static_cast<size_t>(fitted_[a].odd);
-    }
-    if (2 * count < arms_.size()) return;
-    for (Fitted& f : fitted_) f.odd = false;  // half of a fleet cannot be outliers
-  }
-
-  FleetProblem problem_;
-  const std::vector<ArmFactor>& arms_;
-  const FleetOptions& options_;
-  std::vector<Fitted> fitted_;
-  VectorXd beta_;
-  double median_excess_ = 0.0;
-};
-
-// Name of the cause that scales a joint's recorded torque.
-std::string gain_name(const Model& arm, int joint) {
-  for (const ChannelEffect* effect : channel_effects()) {
-    const auto* sensor = dynamic_cast<const SensorError*>(effect);
-    if (sensor != nullptr && sensor->scales_torque())
-      return to_text(arm, ChannelError{effect->name(), JointIndex{joint}});
-  }
-  return arm.coordinates()[joint].name;
-}
-
-int joint_of(const Model& arm, const std::string& parameter,
-             const std::vector<StandardParameter>& parameters) {
-  for (const StandardParameter& p : parameters) {
-    if (p.name == parameter && p.effect)
-      return 1 + main_coordinate(arm.effects()[*p.effect].axis);
-  }
-  return 0;
-}
-
 void add_members(const std::vector<ArmFactor>& arms, const FleetSolver& solver, Fleet& fleet) {
   for (size_t a = 0; a < arms.size(); ++a) {
-    const Fitted& f = solver.fitted(a);
+    const FittedArm& f = solver.fitted(a);
     FleetMember member{arms[a].name, arms[a].recordings, arms[a].rows, f.eta, {}, {}};
     for (Eigen::Index k = 0; k < f.eta.size(); ++k)
       if (f.telling[k] < fleet_numbers::kTelling) member.own[k] = kNaN;
@@ -259,7 +58,7 @@ void add_members(const std::vector<ArmFactor>& arms, const FleetSolver& solver, 
 
 void add_other_bodies(const FleetSolver& solver, Fleet& fleet) {
   for (size_t a = 0; a < fleet.members.size(); ++a) {
-    const Fitted& f = solver.fitted(a);
+    const FittedArm& f = solver.fitted(a);
     if (!f.odd) continue;
     const FleetMember& member = fleet.members[a];
     Eigen::Index joint = 0;
@@ -271,129 +70,6 @@ void add_other_bodies(const FleetSolver& solver, Fleet& fleet) {
   std::stable_sort(
       fleet.other_bodies.begin(), fleet.other_bodies.end(),
       [](const FleetLeftOut& a, const FleetLeftOut& b) { return a.deviations > b.deviations; });
-}
-
-double digamma(double x) {
-  return Eigen::numext::digamma(x);
-}
-double trigamma(double x) {
-  return Eigen::numext::polygamma(1.0, x);
-}
-
-// One quantity over the arms.
-struct Quantity {
-  FleetSpread spread;
-  int joint = 0;
-  std::vector<double> all, uncertain;
-  double usual = 0.0;  // median of `uncertain`
-};
-
-// What the spreads of quantities of one kind say of the spread of each: a scaled inverse chi-square
-// prior of its square, where few arms say little of a spread by themselves. Spreads are compared in
-// units of their noise (equal arms) or of their medians (arms that vary by some percent), whichever
-// makes them more alike. Source: Smyth, Statistical Applications in Genetics and Molecular Biology
-// 3(1), 2004 (moderated t).
-struct SpreadPrior {
-  double freedom = 0.0;
-  double square = 0.0;        // in squared units of `unit`
-  double unlike = kInfinity;  // variance of the logarithms of the squares
-  double (*unit)(const Quantity&) = nullptr;
-
-  // The spread of a quantity whose robust deviation has `own` degrees of freedom.
-  double spread_of(const Quantity& q, double own) const {
-    const double part = unit != nullptr ? freedom * square * std::pow(unit(q), 2) : 0.0;
-    return std::sqrt((own * std::pow(q.spread.spread, 2) + part) / (own + freedom));
-  }
-};
-
-SpreadPrior prior_in(double (*unit)(const Quantity&), const std::vector<Quantity>& quantities,
-                     double freedom) {
-  SpreadPrior prior;
-  std::vector<double> logs;
-  for (const Quantity& q : quantities)
-    if (q.spread.arms >= fleet_numbers::kFewest && q.spread.spread > 0.0 && unit(q) > 0.0)
-      logs.push_back(2.0 * std::log(q.spread.spread / unit(q)));
-  if (logs.size() < fleet_numbers::kFewestSpreads) return prior;
-  const auto count = static_cast<double>(logs.size());
-  double mean = 0.0;
-  for (const double x : logs) mean += x / count;
-  prior.unlike = 0.0;
-  for (const double x : logs) prior.unlike += std::pow(x - mean, 2) / (count - 1.0);
-  const double between = prior.unlike - trigamma(0.5 * freedom);
-  double least = 0.0;
-  double most = fleet_numbers::kMostPrior;
-  while (trigamma(0.5 * most) < between && most - least > fleet_numbers::kWidth) {
-    const double middle = 0.5 * (least + most);
-    (trigamma(0.5 * middle) > between ? least : most) = middle;
-  }
-  prior.unit = unit;
-  prior.freedom = most;
-  prior.square = std::exp(mean - digamma(0.5 * freedom) + std::log(0.5 * freedom) +
-                          digamma(0.5 * most) - std::log(0.5 * most));
-  return prior;
-}
-
-SpreadPrior prior_of(const std::vector<Quantity>& kind, double freedom) {
-  const SpreadPrior noise = prior_in([](const Quantity& q) { return q.usual; }, kind, freedom);
-  const SpreadPrior share =
-      prior_in([](const Quantity& q) { return std::abs(q.spread.median); }, kind, freedom);
-  return noise.unlike <= share.unlike ? noise : share;
-}
-
-Quantity quantity(const Model& arm, const FleetSolver& solver, const Fleet& fleet, int k) {
-  const FleetProblem& problem = solver.problem();
-  const auto own = static_cast<int>(problem.own().size());
-  Quantity out;
-  for (const FleetMember& m : fleet.members) out.all.push_back(m.own[k]);
-  FleetSpread& spread = out.spread;
-  spread.name = k < own ? problem.own()[k] : gain_name(arm, k - own);
-  for (const StandardParameter& p : problem.parameters())
-    if (p.name == spread.name) spread.unit = p.unit;
-  std::tie(spread.median, spread.spread) = centre_of(out.all);
-  spread.arms = static_cast<int>(
-      std::count_if(out.all.begin(), out.all.end(), [](double x) { return std::isfinite(x); }));
-  // Precision of this value on one arm relative to most arms, which weights its deviation. The
-  // noise is not white, so that the spread of the fleet sets the scale.
-  for (size_t a = 0; a < out.all.size(); ++a)
-    out.uncertain.push_back(std::isfinite(out.all[a]) ? solver.fitted(a).uncertain[k] : kNaN);
-  out.usual = centre_of(out.uncertain).first;
-  out.joint = k < own ? joint_of(arm, spread.name, problem.parameters()) : k - own + 1;
-  return out;
-}
-
-// Names the arms that are far off in a quantity of one kind.
-void add_outliers(const std::vector<Quantity>& kind, const FleetSolver& solver, Fleet& fleet) {
-  const double freedom = solver.freedom();
-  const SpreadPrior prior = prior_of(kind, freedom);
-  const double far = solver.threshold(solver.looked_at(), prior.freedom);
-  for (const Quantity& q : kind) {
-    const FleetSpread& spread = q.spread;
-    const double width = prior.spread_of(q, freedom);
-    for (size_t a = 0; a < q.all.size() && spread.arms >= fleet_numbers::kFewest && spread.spread > 0.0; ++a) {
-      const double wider = q.usual > 0.0 ? std::max(1.0, q.uncertain[a] / q.usual) : 1.0;
-      const double deviations = (q.all[a] - spread.median) / (wider * width);
-      // Differences below this share of the median are not reported, however narrow the
-      // distribution is.
-      const bool noticeable =
-          std::abs(q.all[a] - spread.median) > fleet_numbers::kNoticeable * std::abs(spread.median);
-      if (std::isfinite(q.all[a]) && noticeable && std::abs(deviations) > far)
-        fleet.outliers.push_back(
-            {fleet.members[a].name, spread.name, q.joint, q.all[a], spread.median, deviations});
-    }
-  }
-}
-
-void add_spreads(const Model& arm, const FleetSolver& solver, Fleet& fleet) {
-  const auto own = static_cast<int>(solver.problem().own().size());
-  std::vector<Quantity> effects;
-  std::vector<Quantity> gains;
-  for (int k = 0; k < own + fleet.joints; ++k) {
-    std::vector<Quantity>& kind = k < own ? effects : gains;
-    kind.push_back(quantity(arm, solver, fleet, k));
-    fleet.spreads.push_back(kind.back().spread);
-  }
-  add_outliers(effects, solver, fleet);
-  add_outliers(gains, solver, fleet);
 }
 
 void add_parameters(const Model& arm, const FleetSolver& solver, Fleet& fleet) {

@@ -1,0 +1,159 @@
+#include "identification/fleet/fleet_spreads.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <unsupported/Eigen/SpecialFunctions>
+
+#include "math/numbers.hpp"
+#include "veridyn/effects/cause.hpp"
+#include "veridyn/effects/channel_effect.hpp"
+
+namespace veridyn {
+namespace {
+
+// Name of the cause that scales a joint's recorded torque.
+std::string gain_name(const Model& arm, int joint) {
+  for (const ChannelEffect* effect : channel_effects()) {
+    const auto* sensor = dynamic_cast<const SensorError*>(effect);
+    if (sensor != nullptr && sensor->scales_torque())
+      return to_text(arm, ChannelError{effect->name(), JointIndex{joint}});
+  }
+  return arm.coordinates()[joint].name;
+}
+
+int joint_of(const Model& arm, const std::string& parameter,
+             const std::vector<StandardParameter>& parameters) {
+  for (const StandardParameter& p : parameters) {
+    if (p.name == parameter && p.effect)
+      return 1 + main_coordinate(arm.effects()[*p.effect].axis);
+  }
+  return 0;
+}
+
+double digamma(double x) {
+  return Eigen::numext::digamma(x);
+}
+double trigamma(double x) {
+  return Eigen::numext::polygamma(1.0, x);
+}
+
+// One quantity over the arms.
+struct Quantity {
+  FleetSpread spread;
+  int joint = 0;
+  std::vector<double> all, uncertain;
+  double usual = 0.0;  // median of `uncertain`
+};
+
+// What the spreads of quantities of one kind say of the spread of each: a scaled inverse chi-square
+// prior of its square, where few arms say little of a spread by themselves. Spreads are compared in
+// units of their noise (equal arms) or of their medians (arms that vary by some percent), whichever
+// makes them more alike. Source: Smyth, Statistical Applications in Genetics and Molecular Biology
+// 3(1), 2004 (moderated t).
+struct SpreadPrior {
+  double freedom = 0.0;
+  double square = 0.0;        // in squared units of `unit`
+  double unlike = kInfinity;  // variance of the logarithms of the squares
+  double (*unit)(const Quantity&) = nullptr;
+
+  // The spread of a quantity whose robust deviation has `own` degrees of freedom.
+  double spread_of(const Quantity& q, double own) const {
+    const double part = unit != nullptr ? freedom * square * std::pow(unit(q), 2) : 0.0;
+    return std::sqrt((own * std::pow(q.spread.spread, 2) + part) / (own + freedom));
+  }
+};
+
+SpreadPrior prior_in(double (*unit)(const Quantity&), const std::vector<Quantity>& quantities,
+                     double freedom) {
+  SpreadPrior prior;
+  std::vector<double> logs;
+  for (const Quantity& q : quantities)
+    if (q.spread.arms >= fleet_numbers::kFewest && q.spread.spread > 0.0 && unit(q) > 0.0)
+      logs.push_back(2.0 * std::log(q.spread.spread / unit(q)));
+  if (logs.size() < fleet_numbers::kFewestSpreads) return prior;
+  const auto count = static_cast<double>(logs.size());
+  double mean = 0.0;
+  for (const double x : logs) mean += x / count;
+  prior.unlike = 0.0;
+  for (const double x : logs) prior.unlike += std::pow(x - mean, 2) / (count - 1.0);
+  const double between = prior.unlike - trigamma(0.5 * freedom);
+  double least = 0.0;
+  double most = fleet_numbers::kMostPrior;
+  while (trigamma(0.5 * most) < between && most - least > fleet_numbers::kWidth) {
+    const double middle = 0.5 * (least + most);
+    (trigamma(0.5 * middle) > between ? least : most) = middle;
+  }
+  prior.unit = unit;
+  prior.freedom = most;
+  prior.square = std::exp(mean - digamma(0.5 * freedom) + std::log(0.5 * freedom) +
+                          digamma(0.5 * most) - std::log(0.5 * most));
+  return prior;
+}
+
+SpreadPrior prior_of(const std::vector<Quantity>& kind, double freedom) {
+  const SpreadPrior noise = prior_in([](const Quantity& q) { return q.usual; }, kind, freedom);
+  const SpreadPrior share =
+      prior_in([](const Quantity& q) { return std::abs(q.spread.median); }, kind, freedom);
+  return noise.unlike <= share.unlike ? noise : share;
+}
+
+Quantity quantity(const Model& arm, const FleetSolver& solver, const Fleet& fleet, int k) {
+  const FleetProblem& problem = solver.problem();
+  const auto own = static_cast<int>(problem.own().size());
+  Quantity out;
+  for (const FleetMember& m : fleet.members) out.all.push_back(m.own[k]);
+  FleetSpread& spread = out.spread;
+  spread.name = k < own ? problem.own()[k] : gain_name(arm, k - own);
+  for (const StandardParameter& p : problem.parameters())
+    if (p.name == spread.name) spread.unit = p.unit;
+  std::tie(spread.median, spread.spread) = centre_of(out.all);
+  spread.arms = static_cast<int>(
+      std::count_if(out.all.begin(), out.all.end(), [](double x) { return std::isfinite(x); }));
+  // Precision of this value on one arm relative to most arms, which weights its deviation. The
+  // noise is not white, so that the spread of the fleet sets the scale.
+  for (size_t a = 0; a < out.all.size(); ++a)
+    out.uncertain.push_back(std::isfinite(out.all[a]) ? solver.fitted(a).uncertain[k] : kNaN);
+  out.usual = centre_of(out.uncertain).first;
+  out.joint = k < own ? joint_of(arm, spread.name, problem.parameters()) : k - own + 1;
+  return out;
+}
+
+// Names the arms that are far off in a quantity of one kind.
+void add_outliers(const std::vector<Quantity>& kind, const FleetSolver& solver, Fleet& fleet) {
+  const double freedom = solver.freedom();
+  const SpreadPrior prior = prior_of(kind, freedom);
+  const double far = solver.threshold(solver.looked_at(), prior.freedom);
+  for (const Quantity& q : kind) {
+    const FleetSpread& spread = q.spread;
+    const double width = prior.spread_of(q, freedom);
+    for (size_t a = 0; a < q.all.size() && spread.arms >= fleet_numbers::kFewest && spread.spread > 0.0; ++a) {
+      const double wider = q.usual > 0.0 ? std::max(1.0, q.uncertain[a] / q.usual) : 1.0;
+      const double deviations = (q.all[a] - spread.median) / (wider * width);
+      // Differences below this share of the median are not reported, however narrow the
+      // distribution is.
+      const bool noticeable =
+          std::abs(q.all[a] - spread.median) > fleet_numbers::kNoticeable * std::abs(spread.median);
+      if (std::isfinite(q.all[a]) && noticeable && std::abs(deviations) > far)
+        fleet.outliers.push_back(
+            {fleet.members[a].name, spread.name, q.joint, q.all[a], spread.median, deviations});
+    }
+  }
+}
+
+}  // namespace
+
+void add_spreads(const Model& arm, const FleetSolver& solver, Fleet& fleet) {
+  const auto own = static_cast<int>(solver.problem().own().size());
+  std::vector<Quantity> effects;
+  std::vector<Quantity> gains;
+  for (int k = 0; k < own + fleet.joints; ++k) {
+    std::vector<Quantity>& kind = k < own ? effects : gains;
+    kind.push_back(quantity(arm, solver, fleet, k));
+    fleet.spreads.push_back(kind.back().spread);
+  }
+  add_outliers(effects, solver, fleet);
+  add_outliers(gains, solver, fleet);
+}
+
+}  // namespace veridyn
