@@ -276,8 +276,8 @@ bool is_later(const Finding& f, const Model& arm) {
   return !f.shape && has_effect(effect_of(f.cause)) && is_asked_later(find_effect(effect_of(f.cause)), arm);
 }
 
-// Asks everything anew without the names that are doubted. True if there were any. Beside a later cause, which
-// would not be asked about, all are kept.
+// Asks everything anew without the names that are doubted. True if there were any, and held-out parts are predicted
+// as well without them. Beside a later cause, which would not be asked about, all are kept.
 bool ask_without_doubted(DiagnosisState& x) {
   if (std::any_of(x.d.findings.begin(), x.d.findings.end(), [&](const Finding& f) { return is_later(f, x.arm); }))
     return false;
@@ -297,6 +297,7 @@ bool ask_without_doubted(DiagnosisState& x) {
   select_causes(y);
   if (!y.d.extended.model) return false;
   account_for_errors(y);
+  if (log_fall(errors_with_curves(x), errors_with_curves(y)) < -x.options.thresholds.smallest_gain) return false;
   x = std::move(y);
   x.d.not_supported.insert(x.d.not_supported.begin(), lost.begin(), lost.end());
   return true;
