@@ -179,29 +179,6 @@ TEST_F(NameRules, AStepBeginsWhereTheWithdrawnOnesBeforeItBegan) {
   EXPECT_NE(d.verdict().find("has no name"), std::string::npos) << d.verdict();
 }
 
-// Drag in the four training recordings, none in the held-out one.
-TEST_F(NameRules, TheHeldOutRecordingsHaveAVeto) {
-  int recording = 0;
-  const auto drag = [&recording](Recording& r) {
-    if (++recording == 5) return;
-    r.tau.col(1).array() += 0.5 * r.dq.col(1).array() * r.dq.col(1).array().abs();
-  };
-  for (const RobotValues values : {RobotValues::kPrior, RobotValues::kFacts}) {
-    recording = 0;
-    DiagnosisOptions options;
-    options.values = values;
-    options.effects = {"quadratic_drag"};
-    const Diagnosis d = diagnosed({}, options, drag);
-    EXPECT_FALSE(has(*d.extended.model, "quadratic_drag", 1)) << d.report();
-    EXPECT_LE(d.extended.test_error.relative[1], 1.02 * d.baseline.test_error.relative[1]);
-    EXPECT_TRUE(std::any_of(d.not_supported.begin(), d.not_supported.end(), [](const NotSupported& n) {
-      return effect_of(n.cause) == "quadratic_drag" && n.why.find("predicted worse with it") != std::string::npos;
-    })) << d.report();
-    recording = -10;  // in all of them
-    EXPECT_TRUE(has(*diagnosed({}, options, drag).extended.model, "quadratic_drag", 1));
-  }
-}
-
 TEST_F(NameRules, SentencesSayWhereACableComesFromAndAlongWhatFrictionActs) {
   const Model arm = read_model("planar-2r");
   EffectTerm term;

@@ -130,10 +130,6 @@ void account_for_errors(DiagnosisState& x);
 /// curves); and asks anew without names that are doubted.
 void test_names_together(DiagnosisState& x);
 
-/// Where the extended model predicts the held-out recordings of a joint worse than the baseline: asks anew without
-/// the name that spoils them most, while that helps.
-void refuse_contradicted(DiagnosisState& x);
-
 /// Marks what the held-out recordings contradict, orders by what matters.
 void summarize(Diagnosis& d, const Thresholds& thresholds);
 
