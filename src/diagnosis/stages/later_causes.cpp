@@ -1,3 +1,5 @@
+#include "diagnosis/stages/later_causes.hpp"
+
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -7,8 +9,6 @@
 
 #include "causes/candidates.hpp"
 #include "diagnosis/evidence/folds.hpp"
-#include "diagnosis/findings/right_to_a_name.hpp"
-#include "diagnosis/stages/diagnosis_state.hpp"
 #include "model/effect_names.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/effects/effect.hpp"
@@ -24,30 +24,15 @@ bool is_position(const std::string& signal) {
   return signal.size() > 1 && signal[0] == 'q' && std::isdigit(static_cast<unsigned char>(signal[1])) != 0;
 }
 
-// Joints with a finding without a name whose signals are positions.
-std::set<int> joints_in_question(const Diagnosis& d) {
-  std::set<int> out;
-  for (const Finding& f : d.findings) {
-    if (!f.shape || f.status != FindingStatus::kConfirmed) continue;
-    const std::vector<std::string>& of = f.shape->signals;
-    if (std::any_of(of.begin(), of.end(), is_position)) out.insert(f.joint->value);
-  }
-  return out;
-}
-
 bool is_force_of_positions(const Cause& cause) {
   if (!std::holds_alternative<NewEffect>(cause) || !has_effect(effect_of(cause))) return false;
   const EffectTraits traits = find_effect(effect_of(cause)).traits();
   return traits.depends_on_position && traits.role == EffectRole::kForce && !traits.elementary;
 }
 
-// True if the finding is a force that depends on positions alone, a lean of the base or a load: on some motions
-// what the arm's mounting, its tip or a wrong zero does looks like one.
+// True if on some motions the arm's mounting, its tip or a wrong zero looks like this finding.
 bool may_stand_for_another(const Finding& f) {
-  if (f.shape || f.status != FindingStatus::kConfirmed) return false;
-  const auto* channel = std::get_if<ChannelError>(&f.cause);
-  return std::holds_alternative<AddedLoad>(f.cause) || is_force_of_positions(f.cause) ||
-         (channel != nullptr && find_effect(effect_of(f.cause)).traits().role == EffectRole::kArm);
+  return f.status == FindingStatus::kConfirmed && (std::holds_alternative<AddedLoad>(f.cause) || acts_through_positions(f));
 }
 
 struct Size {
@@ -97,17 +82,6 @@ std::vector<std::string> all_and(const std::string& one, const Model& arm) {
     if (!has_effect(name) || !is_asked_later(find_effect(name), arm)) out.push_back(name);
   }
   out.push_back(one);
-  return out;
-}
-
-// Errors of held-out parts of the training recordings with the curves that have no name.
-VectorXd errors_with_curves(const DiagnosisState& x) {
-  VectorXd out = x.fold_errors(x.d.extended).relative();
-  for (const Finding& f : x.d.findings) {
-    if (!f.shape || f.status != FindingStatus::kConfirmed) continue;
-    const int j = f.joint->value;
-    out[j] = std::min(out[j], f.folds_after[j]);
-  }
   return out;
 }
 
@@ -167,75 +141,34 @@ void add_rival(const Finding& gone, double gain, const Thresholds& limits, Findi
     f.rivals.push_back({gone.cause, "explains as much with more parameters: these recordings cannot tell the two apart"});
 }
 
-bool is_name(const Finding& f) {
+}  // namespace
+
+bool acts_through_positions(const Finding& f) {
   if (f.shape) return false;
-  if (std::holds_alternative<ChannelError>(f.cause) || std::holds_alternative<KinematicError>(f.cause)) return true;
-  return std::holds_alternative<NewEffect>(f.cause) && !find_effect(effect_of(f.cause)).traits().elementary;
+  if (std::holds_alternative<ChannelError>(f.cause)) return find_effect(effect_of(f.cause)).traits().role == EffectRole::kArm;
+  return is_force_of_positions(f.cause);
 }
 
-// Joints above their floor whose error names do not take for the most part.
-std::set<int> joints_above_floor(const DiagnosisState& x) {
+std::set<int> joints_in_question(const Diagnosis& d) {
   std::set<int> out;
-  for (const JointVerdict& v : x.d.joints) {
-    const bool above = v.left > x.options.thresholds.at_floor * v.floor && v.state != JointState::kNamed;
-    if (v.state == JointState::kUnnamed || above) out.insert(v.joint.value);
-  }
-  return out;
-}
-
-// True for a force of position on a joint, and for a tilt of the whole arm.
-bool is_force_of_position(const Finding& f) {
-  if (!is_name(f) || !has_effect(effect_of(f.cause))) return false;
-  const EffectTraits traits = find_effect(effect_of(f.cause)).traits();
-  if (!std::holds_alternative<NewEffect>(f.cause)) return !f.joint && traits.depends_on_position;
-  return traits.depends_on_position && (traits.uses_source || !traits.uses_velocity);
-}
-
-// True if forces of position are named on several joints, or one on the whole arm: they may be the parts of
-// a cause that acts on all.
-bool may_be_parts_of_one(const Diagnosis& d) {
-  std::set<int> joints;
   for (const Finding& f : d.findings) {
-    if (is_force_of_position(f)) joints.insert(f.joint ? f.joint->value : -1);
+    if (!f.shape || f.status != FindingStatus::kConfirmed) continue;
+    const std::vector<std::string>& of = f.shape->signals;
+    if (std::any_of(of.begin(), of.end(), is_position)) out.insert(f.joint->value);
   }
-  return joints.size() > 1 || joints.count(-1) != 0;
-}
-
-// Mean square of a joint's torque that a finding takes on held-out parts of the training recordings.
-double taken(const Finding& f, int joint) {
-  if (f.shape || f.folds_before.size() <= joint || f.folds_after.size() <= joint) return 0.0;
-  return std::max(0.0, std::pow(f.folds_before[joint], 2) - std::pow(f.folds_after[joint], 2));
-}
-
-// True if a joint has an error without a name beside names; or if most of what is removable there is left, and
-// most of what was taken is not friction: forces of position and errors of one channel imitate other causes.
-bool names_are_doubtful(const DiagnosisState& x) {
-  const std::vector<Finding>& all = x.d.findings;
-  const std::set<int> above = joints_above_floor(x);
-  return std::any_of(x.d.joints.begin(), x.d.joints.end(), [&](const JointVerdict& v) {
-    if (v.state == JointState::kUnnamed) return std::any_of(all.begin(), all.end(), is_name);
-    double of_forces = 0.0;
-    double of_others = 0.0;
-    for (const Finding& f : all) {
-      const bool of_channel = f.joint && std::holds_alternative<ChannelError>(f.cause);
-      (of_channel || is_force_of_position(f) ? of_forces : of_others) += taken(f, v.joint.value);
-    }
-    return above.count(v.joint.value) != 0 && of_forces > of_others;
-  });
-}
-
-// The arm with plain friction, and curves for all that it leaves over: the description without names.
-DiagnosisState without_names(const DiagnosisState& x) {
-  DiagnosisState out = x;
-  out.start = out.d.baseline;
-  begin_tests(out);
-  out.d.extended = out.start;
-  account_for_errors(out);
   return out;
 }
 
-// Puts a later cause, and what is found beside it, in place of what was found, where that says as much.
-// @param hidden  joints with curves over positions where all names are taken away
+VectorXd errors_with_curves(const DiagnosisState& x) {
+  VectorXd out = x.fold_errors(x.d.extended).relative();
+  for (const Finding& f : x.d.findings) {
+    if (!f.shape || f.status != FindingStatus::kConfirmed) continue;
+    const int j = f.joint->value;
+    out[j] = std::min(out[j], f.folds_after[j]);
+  }
+  return out;
+}
+
 void ask_later_causes(DiagnosisState& x, const std::set<int>& hidden) {
   const std::set<int> with_curves = x.d.changes ? std::set<int>() : joints_in_question(x.d);
   std::set<int> joints = with_curves;
@@ -279,63 +212,6 @@ void ask_later_causes(DiagnosisState& x, const std::set<int>& hidden) {
   account_for_errors(y);
   if (joint && needs_another_force_of_position(y.d, *joint, name)) return;
   x = std::move(y);
-}
-
-bool is_later(const Finding& f, const Model& arm) {
-  return !f.shape && has_effect(effect_of(f.cause)) && is_asked_later(find_effect(effect_of(f.cause)), arm);
-}
-
-// Asks everything anew without the names that are doubted. True if there were any, and held-out parts are predicted
-// as well without them. Beside a later cause, which would not be asked about, all are kept.
-bool ask_without_doubted(DiagnosisState& x) {
-  if (std::any_of(x.d.findings.begin(), x.d.findings.end(), [&](const Finding& f) { return is_later(f, x.arm); }))
-    return false;
-  const std::set<int> above = joints_above_floor(x);
-  std::vector<NotSupported> lost;
-  DiagnosisState y = x;
-  for (const Finding& f : x.d.findings) {
-    const std::string why = why_doubted(x.d, f, above);
-    if (why.empty()) continue;
-    lost.push_back({f.cause, f.p_value, why});
-    y.not_asked.insert(to_text(x.arm, f.cause));
-  }
-  if (lost.empty()) return false;
-  y.start = y.d.baseline;
-  begin_tests(y);
-  correct_constants(y);
-  select_causes(y);
-  if (!y.d.extended.model) return false;
-  account_for_errors(y);
-  if (log_fall(errors_with_curves(x), errors_with_curves(y)) < -x.options.thresholds.smallest_gain) return false;
-  x = std::move(y);
-  x.d.not_supported.insert(x.d.not_supported.begin(), lost.begin(), lost.end());
-  return true;
-}
-
-}  // namespace
-
-void test_names_together(DiagnosisState& x) {
-  if (!x.options.effects.empty() || !x.d.extended.model || x.d.provisional || !x.d.moving_as_one.empty()) return;
-  const bool compared = !x.d.changes && x.options.extended == ExtendedModel::kConfirmedOnly;
-  std::optional<DiagnosisState> curves;
-  std::set<int> hidden;
-  if (compared && names_are_doubtful(x)) {
-    curves = without_names(x);
-    if (may_be_parts_of_one(x.d)) hidden = joints_in_question(curves->d);
-  }
-  ask_later_causes(x, hidden);
-  if (!compared) return;
-  if (curves && log_fall(errors_with_curves(x), errors_with_curves(*curves)) >= 0.0) {
-    for (const Finding& f : x.d.findings) {
-      if (is_name(f))
-        curves->d.not_supported.insert(curves->d.not_supported.begin(),
-                                       {f.cause, f.p_value, "smooth functions without any name predict held-out parts as well"});
-    }
-    curves->d.hypotheses = x.d.hypotheses;
-    x = std::move(*curves);
-    return;
-  }
-  for (int turn = 0; turn < x.options.thresholds.withdrawals && ask_without_doubted(x); ++turn) {}
 }
 
 }  // namespace veridyn
