@@ -117,7 +117,7 @@ const std::vector<ThresholdEntry>& threshold_table() {
        "noise floors from repeats differ by a tenth from one recording to the next", ""},
       {"withdrawals", &T::withdrawals,
        "rounds in which names were withdrawn < withdrawals: another one",
-       "each is a fit of the arm; from 1.5 to 6 nothing changes on the board of its sweep", "1"},
+       "each round is a fit of the arm", "1"},
       {"still_revolute", &T::still_revolute, "travel [rad] > still_revolute: the joint moves",
        "friction holds a joint at rest against anything", ""},
       {"still_prismatic", &T::still_prismatic, "travel [m] > still_prismatic: the joint moves",

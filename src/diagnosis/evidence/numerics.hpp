@@ -5,13 +5,13 @@
 
 namespace veridyn::numerics {
 
-/// Numbers that keep arithmetic sound, and the resolution, the rounds and the memory of searches. Evidence is
-/// compared with none of them; those that decide are in Thresholds.
+/// Numbers that keep arithmetic sound, and the resolution, the rounds and the memory of searches. What evidence must
+/// reach before a cause is named is in Thresholds; numbers here only decide what a search can see at all.
 
 // Remainder of a load column outside the span of its other columns, squared and relative.
 constexpr double kLoadRank = 1e-6;
 constexpr double kTiny = 1e-300;  ///< smallest divisor, smallest argument of a logarithm
-constexpr double kHuge = 1e300;   ///< no bound at all
+constexpr double kHuge = 1e300;   ///< stands for a bound that is never reached
 constexpr double kNoise = 1e-12;  ///< a share that rounding may leave
 /// Relative ridge of the diagonal, so that equal columns can be solved for.
 constexpr double kRidge = 1e-11;
@@ -59,8 +59,8 @@ constexpr double kReversalShare = 0.02;
 /// Share of the travel: resolution of displacements after a reversal.
 constexpr double kHistoryUnit = 0.005;
 constexpr double kRowsPerCutoff = 5.0;   ///< rows per period of the cut-off frequency
-constexpr double kSparseEnds = 0.01;     ///< of the rows at either end of a signal: too few for a curve
-constexpr double kShapeFlat = 0.15;      ///< of a curve's range, within which it counts as constant
+constexpr double kSparseEnds = 0.01;     ///< share of the rows, at either end of a signal, where a curve has too little support
+constexpr double kShapeFlat = 0.15;      ///< share of a curve's range within which a part of it counts as constant
 /// Share of a curve's mean square, beyond which it counts as odd, or even.
 constexpr double kShapeMost = 0.8;
 
@@ -82,43 +82,43 @@ constexpr double kFirstPlaces = 0.3;  ///< initial offsets as a share of the rea
 constexpr double kLoadPrior = 1e-6;
 
 // Rounds of a search that ends before them where it has converged.
-constexpr int kChannelSteps = 8;   ///< Newton steps of a channel error
-constexpr int kHalvings = 3;       ///< of a step that makes the fit worse
-constexpr int kStepsTogether = 4;  ///< of a channel error and what became visible with it
-constexpr int kPayloadTurns = 6;   ///< of fitting friction and load, where a CAD model lacks friction
-constexpr int kRefinements = 14;   ///< of a bracket about a constant
-constexpr int kDescentSteps = 60;  ///< of a point mass
+constexpr int kChannelSteps = 8;   ///< Newton steps for the constant of a channel error
+constexpr int kHalvings = 3;       ///< halvings of a step that makes the fit worse
+constexpr int kStepsTogether = 4;  ///< joint steps for a channel error and the causes that became visible with it
+constexpr int kPayloadTurns = 6;   ///< alternations between friction and load, where a CAD model has no friction
+constexpr int kRefinements = 14;   ///< golden sections of the bracket around a constant
+constexpr int kDescentSteps = 60;  ///< Levenberg-Marquardt steps for a point mass
 
 // Resolution, and the samples that it needs.
-constexpr int kPhases = 8;                             ///< of a period, paired across recordings
-constexpr int kPeriods = 20;                           ///< to either side, in which a burst may come back
+constexpr int kPhases = 8;    ///< phases of a period, compared across recordings
+constexpr int kPeriods = 20;  ///< periods before and after a burst, at which it may recur
 constexpr std::size_t kFewestContactSamples = 50;
-constexpr int kPassSamples = 64;                       ///< of one pass over a travel
-constexpr int kTravelBins = 40;                        ///< of the travel of all recordings
-constexpr int kFewestInBin = 6;                        ///< samples of a bin in either direction
-constexpr int kSpectrumSamples = 4000;                 ///< of all recordings together
+constexpr int kPassSamples = 64;        ///< grid points of one pass over a joint's travel
+constexpr int kTravelBins = 40;         ///< bins of the travel that all recordings cover
+constexpr int kFewestInBin = 6;         ///< samples that a bin needs in either direction
+constexpr int kSpectrumSamples = 4000;  ///< samples of a spectrum, shared by all recordings
 constexpr std::size_t kFewestSpectrumSamples = 100;
-constexpr double kVibrationWaves = 3.0;                ///< in a recording: fewer are a drift
-constexpr double kVibrationStep = 0.25;                ///< of the grid, in waves of the longest recording
-constexpr int kConstantParts = 8;                      ///< of a recording, for the scatter of a constant
-constexpr int kMostConstantParts = 64;                 ///< of all: they are in memory together
-constexpr std::size_t kMostMotionRows = 6000;          ///< of all recordings together
-constexpr std::size_t kFewestMotionRows = 300;         ///< of each recording
-constexpr int kIntervals = 20;                         ///< of a function of one signal
-constexpr int kIntervalsOnSides = 12;                  ///< of one function for each direction
-constexpr int kIntervalsOfTwo = 3;                     ///< of each of two signals
-constexpr int kCurvePoints = 41;                       ///< of a printed curve
-constexpr int kCurvePointsOfTwo = 9;                   ///< of each side of a printed surface
-constexpr int kWindows = 5;                            ///< of a table over two signals
+constexpr double kVibrationWaves = 3.0;         ///< waves in a recording; fewer cannot be told from drift
+constexpr double kVibrationStep = 0.25;         ///< step of the frequency grid, in waves of the longest recording
+constexpr int kConstantParts = 8;               ///< parts of a recording, for the scatter of a constant
+constexpr int kMostConstantParts = 64;          ///< parts of all recordings: they are in memory together
+constexpr std::size_t kMostMotionRows = 6000;   ///< rows of all recordings together
+constexpr std::size_t kFewestMotionRows = 300;  ///< rows that each recording keeps
+constexpr int kIntervals = 20;                  ///< spline intervals over one signal
+constexpr int kIntervalsOnSides = 12;           ///< spline intervals for each direction of motion
+constexpr int kIntervalsOfTwo = 3;              ///< spline intervals along each of two signals
+constexpr int kCurvePoints = 41;                ///< points of a printed curve
+constexpr int kCurvePointsOfTwo = 9;            ///< points along each side of a printed surface
+constexpr int kWindows = 5;                     ///< curves that a table over two signals is made of
 
-// Memory: columns of a candidate list, and blocks of all recordings together.
-constexpr int kAskedColumns = 50;
-constexpr int kAskedFromOthers = 4;  ///< for each further joint
-constexpr int kFewestBlocks = 8;
+// Memory.
+constexpr int kAskedColumns = 50;    ///< columns of one joint's candidates
+constexpr int kAskedFromOthers = 4;  ///< columns more for each further joint
+constexpr int kFewestBlocks = 8;     ///< blocks of all recordings together
 
 // Text.
 constexpr std::size_t kNamedParameters = 3;
-constexpr std::size_t kListed = 60;  ///< of what the data rule out
+constexpr std::size_t kListed = 60;  ///< causes printed as ruled out
 constexpr std::size_t kNumberWidth = 8;
 
 }  // namespace veridyn::numerics

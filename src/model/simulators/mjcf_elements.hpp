@@ -37,7 +37,7 @@ class MjcfElements {
   /// True where a range is a limit.
   bool limited(pugi::xml_node node, const char* name) const;
 
-  /// The body of an element; nullopt for none, and for a placeholder.
+  /// Inertial parameters of an element; nullopt where the file gives none, or only the tiny mass that simulators require.
   /// @param moves  relative to the world: geoms of others have no inertia.
   std::optional<Body> inertia(pugi::xml_node node, const Eigen::Isometry3d& T_frame_body, bool moves) const;
 
