@@ -29,6 +29,7 @@ ColumnSet columns_of(const NormalBlocks& data, const Hypothesis& hypothesis);
 /// Tests hypotheses one at a time, each in the presence of a set of accepted ones.
 class Examiner {
  public:
+  /// @param data, hypotheses  must outlive the examiner.
   /// @param base  columns that are always there (independent ones).
   Examiner(const NormalBlocks& data, const ColumnSet& base,
            const std::vector<Hypothesis>& hypotheses, const DiagnosisOptions& options);
@@ -81,9 +82,9 @@ class Examiner {
                   const VectorXd& deviations) const;
 
   const NormalBlocks& data_;
-  const ColumnSet& base_;
+  ColumnSet base_;
   const std::vector<Hypothesis>& hypotheses_;
-  const DiagnosisOptions& options_;
+  DiagnosisOptions options_;
   std::deque<NormalBlocks::Sums> sums_;           // of folds of several clusters
   std::vector<const NormalBlocks::Sums*> folds_;
   std::vector<ColumnSet> columns_;
