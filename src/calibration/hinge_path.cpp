@@ -35,8 +35,8 @@ Vector3d turned(const Line& line, double angle, const Vector3d& point) {
 
 void HingePath::evaluate(const double* const* x, double noise, double* r, double* const* J) const {
   const int depth = static_cast<int>(hinges.size());
-  const double* local = is_reference ? nullptr : x[1 + depth];
   const bool moves = !is_reference && (!root_rests || depth > 0);
+  const double* local = moves ? x[1 + depth] : nullptr;  // a body that rests has no unknowns of the frame
   const int first = root_rests ? 0 : 6;
   // From the marker to the root: points before and after each hinge.
   std::array<Line, kMostHinges> lines;

@@ -115,7 +115,7 @@ TEST(ADamagedTable, IsNamedWithItsPlace) {
 std::string archive_of_size(std::uint64_t size) {
   std::string out = "PK\x03\x04";
   const auto put = [&out](std::uint64_t value, int bytes) {
-    for (int k = 0; k < bytes; ++k) out += static_cast<char>(value >> (8 * k) & 0xFF);
+    for (int k = 0; k < bytes; ++k) out += static_cast<char>(k < 8 ? value >> (8 * k) & 0xFF : 0);
   };
   const std::string name = "q.npy";
   put(0x02014b50, 4);
