@@ -131,6 +131,7 @@ void test_names_together(DiagnosisState& x) {
     }
     curves->d.hypotheses = x.d.hypotheses;
     x = std::move(*curves);
+    ask_about_crosstalk(x);
     return;
   }
   for (int turn = 0; turn < x.options.thresholds.withdrawals && ask_without_doubted(x); ++turn) {}
