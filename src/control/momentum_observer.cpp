@@ -45,8 +45,8 @@ MomentumObserver::MomentumObserver(const Model& arm, const Tip& tip,
       inverse_(arm, tip, TaskRows::kPosition, options.inverse),
       frames_(first_frames(arm)),
       order_(static_cast<size_t>(arm.joints())),
-      C_(MatrixXd::Zero(arm.joints(), arm.joints())),
       r_(VectorXd::Zero(arm.joints())),
+      gradient_(r_),
       threshold_(r_),
       sum_(r_),
       p_(r_),
@@ -95,11 +95,9 @@ const VectorXd& MomentumObserver::update(const ArmState& arm, const VectorXd& ta
     r_.setZero();
     return r_;
   }
-  dynamics_.coriolis_matrix(arm.q(), arm.dq(), C_);
-  // bias = C dq + g + forces, so that g + forces = bias - C dq.
-  sum_ += dt * (tau_motor - friction - arm.bias() - r_);
-  sum_.noalias() += dt * C_.lazyProduct(arm.dq());
-  sum_.noalias() += dt * C_.transpose().lazyProduct(arm.dq());
+  dynamics_.lagrangian_gradient(arm.q(), arm.dq(), gradient_);
+  // What effects add to the bias is its difference from C dq + g.
+  sum_ += dt * (tau_motor - friction - (arm.bias() - arm.rigid_bias()) + gradient_ - r_);
   r_ = options_.bandwidth * (sum_ - p_ + p_start_);
   inverse_.update(arm.tip().jacobian());
   inverse_.solve_wrench(r_, wrench_);

@@ -46,17 +46,54 @@ TaskInverse::TaskInverse(const Model& arm, const Tip& tip, TaskRows rows,
   gain_.setZero();
 }
 
+namespace {
+
+// Factors A - shift 1 = L L' with 1 / L_kk on the diagonal; the part above it is not touched. False
+// where that is not positive definite: where an eigenvalue of A is not above the shift.
+template <int kRows>
+bool cholesky(const Eigen::Matrix<double, kRows, kRows>& A, double shift,
+              Eigen::Matrix<double, 6, 6>& L) {
+  for (int j = 0; j < kRows; ++j) {
+    double pivot = A(j, j) - shift;
+    for (int k = 0; k < j; ++k) pivot -= L(j, k) * L(j, k);
+    if (!(pivot > 0.0)) return false;
+    L(j, j) = 1.0 / std::sqrt(pivot);
+    for (int i = j + 1; i < kRows; ++i) {
+      double sum = A(i, j);
+      for (int k = 0; k < j; ++k) sum -= L(i, k) * L(j, k);
+      L(i, j) = sum * L(j, j);
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+// No direction is damped where all singular values are above the threshold, and then the
+// eigenvectors, which cost ten times a Cholesky factor, are not needed.
 template <int kRows>
 void TaskInverse::factor() noexcept {
   Eigen::Matrix<double, kRows, kRows> square;
   square.noalias() = J_.topRows<kRows>().lazyProduct(J_.topRows<kRows>().transpose());
+  const double least = threshold_ * threshold_;
+  near_singular_ = !cholesky<kRows>(square, least, U_);
+  if (!near_singular_) {
+    cholesky<kRows>(square, 0.0, U_);
+    return;
+  }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, kRows, kRows>> solver(square);
   U_.template topLeftCorner<kRows, kRows>() = solver.eigenvectors();
-  for (int k = 0; k < kRows; ++k) {
-    const double s2 = std::max(solver.eigenvalues()[k], 0.0);
-    gain_[k] = 1.0 / std::max(s2, threshold_ * threshold_);
-    if (k == 0) smallest_ = std::sqrt(s2);
-  }
+  for (int k = 0; k < kRows; ++k)
+    gain_[k] = 1.0 / std::max(solver.eigenvalues()[k], least);
+}
+
+double TaskInverse::smallest_singular_value() const noexcept {
+  Eigen::Matrix<double, 6, 6> square = Eigen::Matrix<double, 6, 6>::Zero();
+  square.topLeftCorner(rows_, rows_).noalias() = J_.lazyProduct(J_.transpose());
+  // Rows that the task does not have must not be the smallest.
+  for (int r = rows_; r < 6; ++r) square(r, r) = square.trace();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> solver(square, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(solver.eigenvalues()[0], 0.0));
 }
 
 void TaskInverse::update(const MatrixXd& J) noexcept {
@@ -74,6 +111,19 @@ void TaskInverse::update(const MatrixXd& J) noexcept {
 // (J~ J~')^-1 a with the damping.
 Vector6d TaskInverse::weigh(const Vector6d& a) const noexcept {
   Vector6d out = Vector6d::Zero();
+  if (!near_singular_) {
+    for (int r = 0; r < rows_; ++r) {
+      double sum = a[r];
+      for (int k = 0; k < r; ++k) sum -= U_(r, k) * out[k];
+      out[r] = sum * U_(r, r);
+    }
+    for (int r = rows_ - 1; r >= 0; --r) {
+      double sum = out[r];
+      for (int k = r + 1; k < rows_; ++k) sum -= U_(k, r) * out[k];
+      out[r] = sum * U_(r, r);
+    }
+    return out;
+  }
   for (int k = 0; k < rows_; ++k) {
     double along = 0.0;
     for (int r = 0; r < rows_; ++r) along += U_(r, k) * a[r];

@@ -7,7 +7,6 @@
 #include <string>
 
 #include "control/static_forces.hpp"
-#include "veridyn/dynamics/recursion.hpp"
 #include "kinematics/standard_motion.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -50,8 +49,7 @@ VectorXd standard_torque(const Model& arm, FrictionCompensation& friction) {
 
 TorqueUncertainty::TorqueUncertainty(const Model& arm, const UncertaintyOptions& options)
     : options_(options),
-      tree_(arm),
-      recursion_(tree_),
+      regressor_(arm),
       friction_(arm),
       unexplained_(VectorXd::Zero(arm.joints())),
       u_(VectorXd::Zero(arm.joints())) {
@@ -62,13 +60,11 @@ TorqueUncertainty::TorqueUncertainty(const Model& arm, const UncertaintyOptions&
   if (arm.description().identified && arm.description().identified->has_scatter())
     read_identified(arm);
   if (!identified_) {
-    factor_ = MatrixXd::Zero(phi.size(), phi.size());
-    for (Eigen::Index p = 0; p < phi.size(); ++p) {
-      column_.push_back(static_cast<int>(p));
-      factor_(p, p) = options.relative * std::abs(phi[p]);
-    }
+    factor_ = options.relative * phi.cwiseAbs().transpose();
+    for (Eigen::Index p = 0; p < phi.size(); ++p) column_.push_back(static_cast<int>(p));
   }
-  sum_ = MatrixXd::Zero(arm.joints(), factor_.cols());
+  Y_ = MatrixXd::Zero(arm.joints(), phi.size());
+  sum_ = MatrixXd::Zero(factor_.rows(), arm.joints());
 }
 
 // A base parameter acts through the column of its leading standard parameter.
@@ -85,39 +81,11 @@ void TorqueUncertainty::read_identified(const Model& arm) {
   }
   if (inertial.empty()) return;
   identified_ = true;
-  factor_ = MatrixXd::Zero(inertial.size(), factors);
+  factor_ = MatrixXd::Zero(factors, inertial.size());
   for (size_t k = 0; k < inertial.size(); ++k)
-    factor_.row(k).head(inertial[k]->scatter.size()) =
-        inertial[k]->scatter.transpose();
+    factor_.col(k).head(inertial[k]->scatter.size()) = inertial[k]->scatter;
   if (base.error.size() == arm.joints())
     unexplained_ = base.error.cwiseProduct(standard_torque(arm, friction_));
-}
-
-// Adds Y F, body by body.
-void TorqueUncertainty::add_parameters() noexcept {
-  const Links links = tree_;
-  sum_.setZero();
-  std::array<double, 10> y{};
-  size_t next = 0;
-  for (size_t k = 0; k < column_.size(); k = next) {
-    const int body = column_[k] / 10;
-    for (next = k; next < column_.size() && column_[next] / 10 == body;) ++next;
-    const int link = tree_.body_links[body];
-    const BodyMotion<double> motion = body_motion(recursion_.link[link]);
-    for (int m = links.link[link].first_support; m < links.link[link].end_support; ++m) {
-      regressor_entries(motion, recursion_.jacobian[m],
-                        [&](int c, double value) { y[c] = value; });
-      const int i = links.support[m].coordinate;
-      for (size_t at = k; at < next; ++at) {
-        const auto row = static_cast<Eigen::Index>(at);
-        const double entry = y[column_[at] % 10];
-        if (identified_)
-          sum_.row(i) += entry * factor_.row(row);
-        else
-          sum_(i, row) += entry * factor_(row, row);  // independent
-      }
-    }
-  }
 }
 
 void TorqueUncertainty::add_friction(const ArmState& arm) noexcept {
@@ -137,13 +105,22 @@ void TorqueUncertainty::add_friction(const ArmState& arm) noexcept {
 
 const VectorXd& TorqueUncertainty::update(const ArmState& arm, const VectorXd& ddq) noexcept {
   assert(ddq.size() == u_.size() && arm.joints() == u_.size());
-  const Links links = tree_;
-  forward_pass(links, arm.q().data(), arm.dq().data(), ddq.data(), tree_.gravity, recursion_);
-  jacobian_pass(links, recursion_);
-  add_parameters();
-  for (Eigen::Index i = 0; i < u_.size(); ++i)
-    u_[i] = options_.deviations *
-            std::sqrt(sum_.row(i).squaredNorm() + unexplained_[i] * unexplained_[i]);
+  regressor_.evaluate(arm.q(), arm.dq(), ddq, Y_);
+  sum_.setZero();
+  for (size_t k = 0; k < column_.size(); ++k) {
+    const auto sigma = factor_.col(static_cast<Eigen::Index>(k));
+    for (Eigen::Index i = 0; i < u_.size(); ++i) {
+      const double y = Y_(i, column_[k]);
+      if (!identified_)
+        sum_(0, i) += y * sigma[0] * y * sigma[0];
+      else if (y != 0.0)  // the joint moves the body
+        sum_.col(i) += y * sigma;
+    }
+  }
+  for (Eigen::Index i = 0; i < u_.size(); ++i) {
+    const double known = identified_ ? sum_.col(i).squaredNorm() : sum_(0, i);
+    u_[i] = options_.deviations * std::sqrt(known + unexplained_[i] * unexplained_[i]);
+  }
   add_friction(arm);
   return u_;
 }

@@ -56,6 +56,12 @@ struct ArmKernelLoops {
                                                        const double* dq, double* C, void* memory) {
     State::coriolis_matrix(arm, ones(q), ones(dq), ones(C), State::divide(arm.tree, memory));
   }
+  __attribute__((flatten)) static void lagrangian_gradient(const InertialLinks& arm,
+                                                           const double* q, const double* dq,
+                                                           double* gradient, void* memory) {
+    State::lagrangian_gradient(arm, ones(q), ones(dq), ones(gradient),
+                               State::divide(arm.tree, memory));
+  }
   __attribute__((flatten)) static void derivatives(const InertialLinks& arm, const double* q,
                                                    const double* dq, const double* ddq,
                                                    double* tau, double* by_q, double* by_dq,
@@ -142,7 +148,7 @@ struct ArmKernelLoops {
                                                        const ColumnsByJoint<double>& out,
                                                        void* memory) {
     const BatchMemory m = divide(tree, memory);
-    const Workspace<P> r{m.at.state, m.jacobian, nullptr};
+    const Workspace<P> r{m.at.state, m.jacobian};
     const long rows = in.rows;
     for_packs(in.rows, [&](int row, int count) {
       load(tree, in, row, count, m);
@@ -213,7 +219,7 @@ struct ArmKernelLoops {
                                                       double* out, void* memory) {
     const BatchMemory m = divide(tree, memory);
     LinkState<D>* const link = reinterpret_cast<LinkState<D>*>(m.duals);
-    const Workspace<D> r{link, reinterpret_cast<Column<D>*>(link + tree.count), nullptr};
+    const Workspace<D> r{link, reinterpret_cast<Column<D>*>(link + tree.count)};
     D* const x = reinterpret_cast<D*>(m.q);
     const int n = tree.joints;
     const SampleColumns* const parts[] = {&in.q, &in.dq, &in.ddq};
@@ -247,6 +253,7 @@ struct ArmKernelLoops {
     out.equation_of_motion = &equation_of_motion;
     out.linearized_equation = &linearized_equation;
     out.coriolis_matrix = &coriolis_matrix;
+    out.lagrangian_gradient = &lagrangian_gradient;
     out.derivatives = &derivatives;
     out.forward_dynamics = &forward_dynamics;
     out.forward_derivatives = &forward_derivatives;

@@ -41,6 +41,8 @@ struct ArmKernels {
                               double* h, double* D, void* workspace) = nullptr;
   void (*coriolis_matrix)(const InertialLinks&, const double* q, const double* dq, double* C,
                           void* workspace) = nullptr;
+  void (*lagrangian_gradient)(const InertialLinks&, const double* q, const double* dq,
+                              double* gradient, void* workspace) = nullptr;
   void (*derivatives)(const InertialLinks&, const double* q, const double* dq, const double* ddq,
                       double* tau, double* by_q, double* by_dq, double* M,
                       void* workspace) = nullptr;

@@ -94,6 +94,13 @@ void RigidBodyDynamics::coriolis_matrix(const VectorRef& q, const VectorRef& dq,
                                 memory_.get());
 }
 
+void RigidBodyDynamics::lagrangian_gradient(const VectorRef& q, const VectorRef& dq,
+                                            VectorXd& gradient) {
+  assert(q.size() == joints() && dq.size() == joints() && gradient.size() == joints());
+  arm_kernels().lagrangian_gradient({tree_, inertia_.data()}, q.data(), dq.data(), gradient.data(),
+                                    memory_.get());
+}
+
 void RigidBodyDynamics::equation_of_motion(const VectorRef& q, const VectorRef& dq, MatrixXd& M,
                                            VectorXd& h) {
   assert(q.size() == joints() && dq.size() == joints() && M.rows() == joints() &&

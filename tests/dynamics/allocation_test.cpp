@@ -26,6 +26,7 @@ TEST_P(AllocationOnEverySampleArm, NothingIsAllocatedAfterTheConstructor) {
   dynamics.gravity_torques(s.q, tau);
   dynamics.mass_matrix(s.q, M);
   dynamics.coriolis_matrix(s.q, s.dq, M);
+  dynamics.lagrangian_gradient(s.q, s.dq, tau);
   const bool solved = dynamics.forward_dynamics(s.q, s.dq, tau, ddq);
   EXPECT_EQ(malloc_count(), before);
   EXPECT_TRUE(solved);

@@ -81,6 +81,10 @@ TEST_P(OnEveryArm, AllInstructionSetsAndBatchesAgree) {
       EXPECT_TRUE(near(same * s.ddq + h, expected.transpose(), allowed));
       kernels.coriolis_matrix(links, q, dq, same.data(), work);
       EXPECT_TRUE(near(2.0 * same, by_q, allowed));
+      VectorXd g(n), gradient(n);
+      kernels.gravity_torques(links, q, g.data(), work);
+      kernels.lagrangian_gradient(links, q, dq, gradient.data(), work);
+      EXPECT_TRUE(near(gradient, same.transpose() * s.dq - g, allowed));
       VectorXd back(n);
       ASSERT_TRUE(kernels.forward_dynamics(links, q, dq, tau.data(), back.data(), same.data(), work));
       EXPECT_TRUE(near(M * back, M * s.ddq, 100.0 * allowed));

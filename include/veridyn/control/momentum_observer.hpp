@@ -70,8 +70,7 @@ class MomentumObserver {
   TaskInverse inverse_;
   std::vector<int> frames_;  // by coordinate: the first frame with a body that it moves
   std::vector<int> order_;   // coordinates from the tip inwards
-  MatrixXd C_;
-  VectorXd r_, threshold_, sum_, p_, p_start_, none_;
+  VectorXd r_, gradient_, threshold_, sum_, p_, p_start_, none_;
   Vector6d wrench_{Vector6d::Zero()};
   std::vector<int> above_;
   std::optional<int> coordinate_ = {};

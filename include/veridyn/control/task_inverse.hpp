@@ -73,9 +73,10 @@ class TaskInverse {
 
   int rows() const { return rows_; }
   double length() const { return length_; }
-  /// The smallest singular value of J~ at the last update().
-  double smallest_singular_value() const { return smallest_; }
-  bool near_singular() const { return smallest_ < threshold_; }
+  /// The smallest singular value of J~ at the last update(); computed anew by every call.
+  double smallest_singular_value() const noexcept;
+  /// True if it is not above the threshold: a direction is damped.
+  bool near_singular() const { return near_singular_; }
 
  private:
   template <int kRows>
@@ -84,12 +85,14 @@ class TaskInverse {
 
   int rows_;
   double length_, threshold_;
-  double smallest_ = 0.0;
+  bool near_singular_ = true;
   VectorXd unit_;  // W_q
   std::vector<char> held_;
   MatrixXd J_;                     // J~, (rows x n)
-  Eigen::Matrix<double, 6, 6> U_;  // left singular vectors
-  Vector6d gain_;                  // 1 / max(s, threshold)^2
+  /// The lower Cholesky factor of J~ J~' with the inverse of its diagonal; near a singularity the
+  /// left singular vectors.
+  Eigen::Matrix<double, 6, 6> U_;
+  Vector6d gain_;  // 1 / max(s, threshold)^2 of those vectors
 };
 
 }  // namespace veridyn

@@ -3,8 +3,7 @@
 #include <Eigen/Geometry>
 #include <string>
 
-#include "veridyn/kinematics/recursion.hpp"
-#include "veridyn/kinematics/tree.hpp"
+#include "veridyn/kinematics/point_motion.hpp"
 #include "veridyn/math/types.hpp"
 #include "veridyn/model/model.hpp"
 
@@ -37,28 +36,24 @@ class TipKinematics {
   /// Vectors have the sizes of the constructor; debug builds assert it.
   void update(const VectorXd& q, const VectorXd& dq) noexcept;
 
-  int joints() const { return tree_.joints; }
+  int joints() const { return motion_.joints(); }
 
   /// T_world_tip: position [m] and rotation. The tip's axes are those of its frame.
   const Eigen::Vector3d& position() const { return position_; }
   const Eigen::Matrix3d& rotation() const { return rotation_; }
 
   /// [v; omega] = J dq, (6 x n), written in the world, linear rows first; and dJ/dt.
-  const MatrixXd& jacobian() const { return J_; }
-  const MatrixXd& jacobian_rate() const { return dJ_; }
+  const MatrixXd& jacobian() const { return motion_.jacobian(); }
+  const MatrixXd& jacobian_rate() const { return motion_.jacobian_rate(); }
 
   /// [v; omega] of the tip.
   const Vector6d& twist() const { return twist_; }
 
  private:
-  Tree tree_;
-  int link_;
-  Recursion<double> recursion_;
-  VectorXd rest_;
+  PointMotion motion_;
   Eigen::Vector3d position_{Eigen::Vector3d::Zero()};
   Eigen::Matrix3d rotation_{Eigen::Matrix3d::Identity()};
   Vector6d twist_{Vector6d::Zero()};
-  MatrixXd J_, dJ_;
 };
 
 }  // namespace veridyn

@@ -4,8 +4,7 @@
 
 #include "veridyn/control/arm_state.hpp"
 #include "veridyn/control/friction_compensation.hpp"
-#include "veridyn/kinematics/recursion.hpp"
-#include "veridyn/kinematics/tree.hpp"
+#include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/math/types.hpp"
 
 namespace veridyn {
@@ -47,18 +46,17 @@ class TorqueUncertainty {
 
  private:
   void read_identified(const Model& arm);
-  void add_parameters() noexcept;
   void add_friction(const ArmState& arm) noexcept;
 
   UncertaintyOptions options_;
-  Tree tree_;
-  Recursion<double> recursion_;
+  TorqueRegressor regressor_;
   FrictionCompensation friction_;
   bool identified_ = false;
   VectorXd unexplained_;     // (n) [N m], [N] rms
   std::vector<int> column_;  // columns of Y with uncertain parameters
-  MatrixXd factor_;          // (columns x factors) F, covariance F F'
-  MatrixXd sum_;             // (n x factors) Y F
+  MatrixXd factor_;          // (factors x columns) F', covariance F F'; its diagonal where it has no other
+  MatrixXd Y_;               // (n x 10 bodies)
+  MatrixXd sum_;             // (factors x n) F' Y', or (1 x n) squares
   VectorXd u_;
 };
 

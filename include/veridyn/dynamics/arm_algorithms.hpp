@@ -89,7 +89,7 @@ struct ArmAlgorithms {
 
   /// Computes velocities, accelerations and the forces that they require.
   static void motion(const InertialLinks& arm, const Memory& at) {
-    const Workspace<S> r{at.state, nullptr, nullptr};
+    const Workspace<S> r{at.state, nullptr};
     for (int k = 0; k < arm.tree.count; ++k) {
       forward_step(arm.tree, k, arm.tree.gravity, r);
       if (arm.inertia == nullptr) continue;
@@ -114,7 +114,7 @@ struct ArmAlgorithms {
       state.force = static_cast<C>(arm.inertia[k].m) * state.accel;
       state.moment = cross(h, state.accel);
     }
-    backward_pass(arm.tree, {at.state, nullptr, nullptr}, g);
+    backward_pass(arm.tree, {at.state, nullptr}, g);
   }
 
   /// tau = M ddq + C dq + g minus the torques of the external wrenches; a null ddq counts as zeros.
@@ -128,7 +128,7 @@ struct ArmAlgorithms {
       state.force = state.force - constant<S>(external[e].force);
       state.moment = state.moment - constant<S>(external[e].moment);
     }
-    backward_pass(arm.tree, {at.state, nullptr, nullptr}, tau);
+    backward_pass(arm.tree, {at.state, nullptr}, tau);
   }
 
   static void mass_matrix(const InertialLinks& arm, const S* q, S* M, const Memory& at) {
@@ -185,6 +185,70 @@ struct ArmAlgorithms {
     inverse_dynamics(arm, q, dq, nullptr, nullptr, 0, at.vector, at);
     rows_along<kOfVelocity>(arm, n, at.rows, at);
     columns(n, groups(n), 0, n, S(0.5), at.rows, C);
+  }
+
+  /// Computes dL/dq = C' dq - g of the Lagrangian L = dq' M dq / 2 - U, from the momentum of all
+  /// that a joint carries: a small turn of the joint turns its velocity against the parent's.
+  static void lagrangian_gradient(const InertialLinks& arm, const S* q, const S* dq, S* gradient,
+                                  const Memory& at) {
+    const Links& tree = arm.tree;
+    const Vec3d& g = tree.gravity;
+    place(tree, q, dq, nullptr, at);
+    for (int k = 0; k < tree.count; ++k) {
+      const Link& link = tree.link[k];
+      LinkState<S>& state = at.state[k];
+      Vec3<S>& w = state.omega;
+      Vec3<S>& v = state.accel;  // velocity of the origin
+      Vec3<S>& down = state.alpha;
+      w = v = recursion_detail::zero3<S>();
+      if (link.parent >= 0) {
+        const LinkState<S>& above = at.state[link.parent];
+        v = above.accel;
+        if (link.A_moves) v = v + cross(above.omega, constant<S>(link.A.p));
+        v = to_joint(link, state.R, v);
+        w = to_joint(link, state.R, above.omega);
+        down = to_joint(link, state.R, above.alpha);
+      } else {
+        down = rotate_back(state.R, constant<S>(g));
+      }
+      if (link.type == JointType::kRevolute) {
+        w.z += state.ds;
+      } else {
+        v.x += state.s * w.y;
+        v.y -= state.s * w.x;
+        v.z += state.ds;
+      }
+      const InertiaOf<S> I = at.carried[k] = own_inertia(arm, k);
+      state.force = I.m * v + cross(w, I.h);
+      state.moment = cross(I.h, v);
+      state.moment.x += (I.yy + I.zz) * w.x - I.xy * w.y - I.xz * w.z;
+      state.moment.y += (I.xx + I.zz) * w.y - I.xy * w.x - I.yz * w.z;
+      state.moment.z += (I.xx + I.yy) * w.z - I.xz * w.x - I.yz * w.y;
+    }
+    for (int i = 0; i < tree.joints; ++i) gradient[i] = S(0.0);
+    for (int k = tree.count - 1; k >= 0; --k) {
+      const Link& link = tree.link[k];
+      const LinkState<S>& state = at.state[k];
+      InertiaOf<S>& I = at.carried[k];  // only its mass and its first moments
+      const Vec3<S>& w = state.omega;
+      S effort = state.force.x * w.y - state.force.y * w.x + I.m * state.alpha.z;
+      if (link.type == JointType::kRevolute) {
+        effort = state.force.x * state.accel.y - state.force.y * state.accel.x +
+                 state.moment.x * w.y - state.moment.y * w.x + I.h.x * state.alpha.y -
+                 I.h.y * state.alpha.x;
+      } else {
+        I.h.z += state.s * I.m;
+      }
+      for (int e = link.first_coefficient; e < link.end_coefficient; ++e) {
+        const JointCoefficient& c = tree.coefficient[e];
+        gradient[c.coordinate] += static_cast<typename ConstantOf<S>::type>(c.coefficient) * effort;
+      }
+      if (link.parent < 0) continue;
+      carry_force(link, state, at.state[link.parent]);
+      InertiaOf<S>& above = at.carried[link.parent];
+      above.m += I.m;
+      above.h = above.h + from_joint(link, state.R, I.h) + I.m * constant<S>(link.A.p);
+    }
   }
 
   /// Computes tau and its derivatives by q, dq and ddq, the last of which is M.
@@ -277,7 +341,7 @@ struct ArmAlgorithms {
     for (int k = 0; k < arm.tree.count; ++k)
       at.state[k].dds = along_joint(arm.tree, arm.tree.link[k], ddq);
     motion(arm, at);
-    backward_pass(arm.tree, {at.state, nullptr, nullptr}, at.vector);
+    backward_pass(arm.tree, {at.state, nullptr}, at.vector);
     const int wide = groups(2 * n);
     rows_along<kOfPosition | kOfVelocity>(arm, 2 * n, at.rows, at);
     solve(n, at.matrix, wide, at.rows);

@@ -103,12 +103,15 @@ inline void to_parent(const Link& link, const Mat3<S>& R, const Vec3<L>& force,
 
 }  // namespace recursion_detail
 
-/// Computes the forces for the links' own motions; requires forward_pass().
+/// Adds force and moment of a link to its parent's: those of a wrench, or of a momentum.
 template <typename S>
-inline void force_pass(const Links& tree, const LinkInertia* inertia, const Workspace<S>& r) {
-  for (int k = 0; k < tree.count; ++k)
-    link_wrench(tree.link[k], inertia[k], r.link[k].accel, r.link[k].E, r.link[k].force,
-                r.link[k].moment);
+inline void carry_force(const Link& link, const LinkState<S>& at, LinkState<S>& parent) {
+  Vec3<S> moment = at.moment;
+  if (link.type == JointType::kPrismatic) {  // (s z) x force
+    moment.x -= at.s * at.force.y;
+    moment.y += at.s * at.force.x;
+  }
+  recursion_detail::to_parent(link, at.R, at.force, moment, parent.force, parent.moment);
 }
 
 /// Projects the links' forces onto the joints; the force in a link's state becomes the sum over all
@@ -127,14 +130,7 @@ inline void backward_pass(const Links& tree, const Workspace<S>& r, S* tau) {
       const JointCoefficient& c = tree.coefficient[e];
       tau[c.coordinate] += static_cast<C>(c.coefficient) * effort;
     }
-    if (link.parent < 0) continue;
-    Vec3<S> moment = at.moment;
-    if (link.type == JointType::kPrismatic) {  // (s z) x force
-      moment.x -= at.s * at.force.y;
-      moment.y += at.s * at.force.x;
-    }
-    LinkState<S>& above = r.link[link.parent];
-    recursion_detail::to_parent(link, at.R, at.force, moment, above.force, above.moment);
+    if (link.parent >= 0) carry_force(link, at, r.link[link.parent]);
   }
 }
 

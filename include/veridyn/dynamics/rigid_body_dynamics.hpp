@@ -67,6 +67,10 @@ class RigidBodyDynamics {
   /// C(q, dq), (n x n), of Christoffel's symbols: dM/dt - 2 C is skew symmetric.
   void coriolis_matrix(const VectorRef& q, const VectorRef& dq, MatrixXd& C);
 
+  /// dL/dq = C(q, dq)' dq - g(q), (n), of the Lagrangian L = dq' M dq / 2 - U: with p = M dq, torques
+  /// tau change p by dp/dt = tau + dL/dq. Cost: O(frames), without C.
+  void lagrangian_gradient(const VectorRef& q, const VectorRef& dq, VectorXd& gradient);
+
   /// ddq from torques that act on the rigid bodies. False if M is not positive definite there.
   bool forward_dynamics(const VectorRef& q, const VectorRef& dq, const VectorRef& tau,
                         VectorXd& ddq);

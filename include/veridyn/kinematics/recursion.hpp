@@ -84,9 +84,8 @@ struct Column {
 /// Arrays that the passes write; links.hpp says why they are plain.
 template <typename S>
 struct Workspace {
-  LinkState<S>* link;        ///< one per link
-  Column<S>* jacobian;       ///< one per supporting coordinate
-  Column<S>* jacobian_rate;  ///< likewise, time derivative within the link's frame
+  LinkState<S>* link;   ///< one per link
+  Column<S>* jacobian;  ///< one per supporting coordinate
 };
 
 /// A workspace with its memory; sized once, reused for ever.
@@ -94,7 +93,7 @@ template <typename S>
 class Recursion : public Workspace<S> {
  public:
   explicit Recursion(const Links& tree)
-      : links_(static_cast<size_t>(tree.count)), columns_(2 * static_cast<size_t>(tree.supports)) {
+      : links_(static_cast<size_t>(tree.count)), columns_(static_cast<size_t>(tree.supports)) {
     point();
   }
   Recursion(const Recursion& other) : links_(other.links_), columns_(other.columns_) { point(); }
@@ -109,7 +108,6 @@ class Recursion : public Workspace<S> {
   void point() {
     this->link = links_.data();
     this->jacobian = columns_.data();
-    this->jacobian_rate = columns_.data() + columns_.size() / 2;
   }
 
   std::vector<LinkState<S>> links_;
@@ -295,36 +293,6 @@ inline void jacobian_step(const Links& tree, int k, const Workspace<S>& r) {
 template <typename S>
 inline void jacobian_pass(const Links& tree, const Workspace<S>& r) {
   for (int k = 0; k < tree.count; ++k) jacobian_step(tree, k, r);
-}
-
-/// Computes the time derivatives of the body Jacobians, taken within each link's frame; requires
-/// forward_pass() and jacobian_pass().
-template <typename S>
-inline void jacobian_rate_pass(const Links& tree, const Workspace<S>& r) {
-  namespace d = recursion_detail;
-  for (int k = 0; k < tree.count; ++k) {
-    const Link& link = tree.link[k];
-    const LinkState<S>& at = r.link[k];
-    for (int m = link.first_support; m < link.end_support; ++m) {
-      const int above = tree.support[m].parent_entry;
-      Column<S> rate{d::zero3<S>(), d::zero3<S>()};
-      if (above >= 0) {
-        const Column<S> c = to_joint(link, at, r.jacobian[above]);
-        rate = to_joint(link, at, r.jacobian_rate[above]);
-        if (link.type == JointType::kRevolute) {
-          rate.w.x += c.w.y * at.ds;  // w x z ds
-          rate.w.y -= c.w.x * at.ds;
-          rate.v.x += c.v.y * at.ds;
-          rate.v.y -= c.v.x * at.ds;
-        } else if (link.type == JointType::kPrismatic) {
-          rate.v.x += c.w.y * at.ds;
-          rate.v.y -= c.w.x * at.ds;
-        }
-        if (!link.B_is_identity) d::transform_motion(link.B, rate.w, rate.v);
-      }
-      r.jacobian_rate[m] = rate;
-    }
-  }
 }
 
 }  // namespace veridyn

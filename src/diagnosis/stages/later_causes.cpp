@@ -173,11 +173,19 @@ void add_rival(const Finding& gone, double gain, const Thresholds& limits, Findi
     f.rivals.push_back({gone.cause, "explains as much with more parameters: these recordings cannot tell the two apart"});
 }
 
+// True if names predict as well as curves did, over all joints and on each that had one.
+bool says_as_much(const VectorXd& curves, const VectorXd& named, const std::set<int>& with_curves, const Thresholds& limits) {
+  return log_fall(curves, named) >= 0.0 && std::all_of(with_curves.begin(), with_curves.end(), [&](int j) {
+    return 2.0 * std::log(named[j] / curves[j]) <= limits.smallest_gain;
+  });
+}
+
 // Asks about these causes, and about all others beside the best of them: in place of what was found where that
 // says as much, over all joints and on each that is in question.
-// @param instead  a name that gives way where the other is simpler; nullptr: curves do.
+// @param instead        a name that gives way where the other is simpler; nullptr: none.
+// @param beside_curves  true: curves give way where the other says as much.
 void ask(DiagnosisState& x, const std::vector<std::string>& later, const std::set<int>& in_question,
-         const Finding* instead) {
+         const Finding* instead, bool beside_curves) {
   if (later.empty()) return;
   DiagnosisState y = x;
   y.start = y.d.baseline;
@@ -202,12 +210,10 @@ void ask(DiagnosisState& x, const std::vector<std::string>& later, const std::se
   if (!joint) drop_unconfirmed(y.d);
   const VectorXd curves = errors_with_curves(x);
   const VectorXd named = y.fold_errors(y.d.extended).relative();
-  if (instead != nullptr ? !is_simpler(x, y, curves, named) : log_fall(curves, named) < 0.0) return;
-  for (const int j : in_question) {
-    if (2.0 * std::log(named[j] / curves[j]) > x.options.thresholds.smallest_gain) return;
-  }
+  const bool simpler = instead != nullptr && is_simpler(x, y, curves, named);
+  if (!simpler && (!beside_curves || !says_as_much(curves, named, in_question, x.options.thresholds))) return;
   y.d.hypotheses += static_cast<int>(later.size());
-  if (instead != nullptr) add_rival(*instead, log_fall(curves, named), x.options.thresholds, y.d.findings[first]);
+  if (simpler) add_rival(*instead, log_fall(curves, named), x.options.thresholds, y.d.findings[first]);
   account_for_errors(y);
   if (joint && needs_another_force_of_position(y.d, *joint, name)) return;
   x = std::move(y);
@@ -243,20 +249,20 @@ VectorXd errors_with_curves(const DiagnosisState& x) {
 
 void ask_about_crosstalk(DiagnosisState& x) {
   const std::set<int> joints = joints_that_others_act_on(x.d);
-  ask(x, errors_from_others(x.arm, joints), joints, nullptr);
+  ask(x, errors_from_others(x.arm, joints), joints, nullptr, true);
 }
 
 void ask_later_causes(DiagnosisState& x, const std::set<int>& hidden) {
   ask_about_crosstalk(x);
-  const std::set<int> with_curves = x.d.changes ? std::set<int>() : joints_in_question(x.d);
+  const std::set<int> with_curves = joints_in_question(x.d);
   std::set<int> joints = with_curves;
   joints.insert(hidden.begin(), hidden.end());
   auto stands_in = std::find_if(x.d.findings.begin(), x.d.findings.end(), may_stand_for_another);
   // Of one wrong zero against a MODEL several names and curves can be made.
   if (x.d.changes && x.d.findings.size() > 1 && stands_in == x.d.findings.end()) stands_in = x.d.findings.begin();
   if (joints.empty() && stands_in == x.d.findings.end()) return;
-  const std::optional<Finding> instead = joints.empty() ? std::make_optional(*stands_in) : std::nullopt;
-  ask(x, causes_through_positions(x.d, x.arm, joints), with_curves, instead ? &*instead : nullptr);
+  const bool against_names = stands_in != x.d.findings.end() && (joints.empty() || x.d.changes);
+  ask(x, causes_through_positions(x.d, x.arm, joints), with_curves, against_names ? &*stands_in : nullptr, !joints.empty());
 }
 
 }  // namespace veridyn
