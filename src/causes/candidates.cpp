@@ -49,10 +49,11 @@ std::optional<TermIndex> own_term(const Model& arm, const std::string& effect, c
   return std::nullopt;
 }
 
-Candidate on_channel(const Model& arm, const ChannelEffect& channel, std::optional<JointIndex> joint) {
+Candidate on_channel(const Model& arm, const ChannelEffect& channel, std::optional<JointIndex> joint,
+                     std::optional<JointIndex> from = {}) {
   VectorXd axis = VectorXd::Zero(arm.joints());
   if (joint) axis[joint->value] = 1.0;
-  return {ChannelError{channel.name(), joint}, joint, {std::move(axis), 0.0}, std::nullopt};
+  return {ChannelError{channel.name(), joint}, joint, {std::move(axis), 0.0}, from};
 }
 
 Candidate load_on(const Model& arm, FrameIndex frame) {
@@ -96,8 +97,7 @@ class Enumeration {
         continue;
       for (const AxisEffect* effect : axis_effects()) add(*effect, axis, joint);
       for (const ChannelEffect* channel : channel_effects()) {
-        if (is_plain(axis) && !channel->whole_arm() && is_wanted(channel->name()))
-          out_.push_back(on_channel(arm_, *channel, joint));
+        if (is_plain(axis) && !channel->whole_arm() && is_wanted(channel->name())) add(*channel, joint);
       }
     }
     if (whole_arm && scope_.changes && is_wanted(AddedLoad::kName)) {
@@ -110,6 +110,18 @@ class Enumeration {
   bool is_wanted(const std::string& name) const {
     const std::vector<std::string>& some = scope_.wanted;
     return some.empty() || std::find(some.begin(), some.end(), name) != some.end();
+  }
+
+  void add(const ChannelEffect& channel, JointIndex joint) {
+    if (scope_.wanted.empty() && is_asked_later(channel, arm_)) return;
+    if (!channel.traits().uses_source) {
+      out_.push_back(on_channel(arm_, channel, joint));
+      return;
+    }
+    for (int from = 0; from < arm_.joints(); ++from) {
+      const bool still = static_cast<size_t>(from) < scope_.still.size() && scope_.still[from];
+      if (from != joint.value && !still) out_.push_back(on_channel(arm_, channel, joint, JointIndex{from}));
+    }
   }
 
   // An effect of the arm may have changed, or have another constant than in its file. A second one

@@ -12,13 +12,14 @@ std::vector<RigidColumn> ChannelEffect::rigid_columns(const Model& /*arm*/, int 
 
 std::string ChannelEffect::place(const Model& arm, const EffectTerm& term) const {
   const bool of_arm = whole_arm() || channel_joint(*this, term) == kAllJoints;
-  return of_arm ? "arm" : axis_text(arm, term.axis);
+  if (of_arm) return "arm";
+  return axis_text(arm, term.axis) + (term.from ? " from " + axis_text(arm, *term.from) : "");
 }
 
-void SensorError::apply(ModelDescription& arm, int joint, const std::vector<double>& values) const {
+void SensorError::apply(ModelDescription& arm, int joint, int from, const std::vector<double>& values) const {
   for (size_t i = 0; i < arm.coordinates.size(); ++i) {
     if (joint == kAllJoints || static_cast<int>(i) == joint)
-      change(arm.coordinates[i].recorded, values);
+      change(arm.coordinates[i].recorded, from, values);
   }
 }
 
@@ -103,12 +104,16 @@ int channel_joint(const ChannelEffect& effect, const EffectTerm& term) {
   return main_coordinate(term.axis);
 }
 
+int channel_source(const EffectTerm& term) {
+  return term.from ? main_coordinate(*term.from) : -1;
+}
+
 Model with_channel_error(const Model& arm, const EffectTerm& term,
                          const std::vector<double>& values) {
   const ChannelEffect* effect = channel_effect(term.effect);
   require(effect != nullptr, "with_channel_error: '", term.effect, "' is not a channel error.");
   ModelDescription out = arm.description();
-  effect->apply(out, channel_joint(*effect, term), values);
+  effect->apply(out, channel_joint(*effect, term), channel_source(term), values);
   return Model(std::move(out));
 }
 

@@ -25,7 +25,7 @@ class Registry {
           &cable_coupling(), &position_force(), &backlash(), &transmission_compliance(),
           &torque_gain(), &torque_drift(), &time_delay(), &gravity_tilt(), &encoder_offset(),
           &warm_up(), &base_compliance(), &end_stop(),
-          &tip_force(), &tabulated_force()}) {
+          &tip_force(), &torque_crosstalk(), &tabulated_force()}) {
       add(effect);
     }
     // clang-format on

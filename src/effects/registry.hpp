@@ -34,5 +34,6 @@ const Effect& base_compliance();
 const Effect& tabulated_force();
 const Effect& end_stop();
 const Effect& tip_force();
+const Effect& torque_crosstalk();
 
 }  // namespace veridyn

@@ -1,5 +1,6 @@
 #include "veridyn/model/fixed_coordinates.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "veridyn/math/require.hpp"
@@ -64,6 +65,15 @@ Model with_fixed(const Model& arm, const std::map<std::string, double>& position
     if (fixed[i] != 0) continue;
     kept.push_back(i);
     coordinates.push_back(d.coordinates[i]);
+  }
+  for (Coordinate& c : coordinates) {
+    std::map<int, double> crosstalk;
+    for (const auto& [from, share] : c.recorded.torque_crosstalk) {
+      require(fixed[from] == 0, "found joint '", names[from], "' fixed, expected it to move: the recorded torque of joint '",
+              c.name, "' contains ", share, " times its torque.");
+      crosstalk[static_cast<int>(std::count(fixed.begin(), fixed.begin() + from, 0))] = share;
+    }
+    c.recorded.torque_crosstalk = std::move(crosstalk);
   }
   require(!kept.empty(), "found all joints of ", arm.name(), " fixed, expected one that moves.");
   d.coordinates = std::move(coordinates);

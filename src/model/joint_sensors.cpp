@@ -9,6 +9,8 @@
 namespace veridyn {
 namespace {
 
+constexpr double kSmallestPivot = 1e-6;
+
 std::vector<RecordedChannel> channels_of(const Model& arm) {
   std::vector<RecordedChannel> out;
   for (const Coordinate& c : arm.coordinates()) out.push_back(c.recorded);
@@ -49,7 +51,48 @@ JointSensors::JointSensors(std::vector<RecordedChannel> channels) : channels_(st
     offset_[j] = c.position_offset;
     gain_[j] = c.torque_gain;
     delay_[j] = c.torque_delay;
-    ideal_ = ideal_ && offset_[j] == 0.0 && gain_[j] == 1.0 && delay_[j] == 0.0;
+    const bool alone = c.torque_crosstalk.empty();
+    ideal_ = ideal_ && offset_[j] == 0.0 && gain_[j] == 1.0 && delay_[j] == 0.0 && alone;
+    if (!alone && crosstalk_.size() == 0) crosstalk_ = MatrixXd::Identity(n, n);
+    for (const auto& [from, share] : c.torque_crosstalk) {
+      require(from >= 0 && from < n && from != j && std::isfinite(share), "JointSensors: joint ", j + 1,
+              " has a torque crosstalk of ", share, " from joint ", from + 1,
+              ", expected a finite number and another of the ", n, " joints.");
+      crosstalk_(j, from) = share;
+    }
+  }
+  // Without exchange of rows: the diagonal of ones is the largest part of any crosstalk that can be removed.
+  for (Eigen::Index k = 0; k < crosstalk_.rows(); ++k) {
+    require(std::abs(crosstalk_(k, k)) > kSmallestPivot,
+            "JointSensors: found a torque crosstalk that leaves nothing of the torque of joint ", k + 1,
+            ", expected torques that can be told apart.");
+    for (Eigen::Index i = k + 1; i < crosstalk_.rows(); ++i) {
+      crosstalk_(i, k) /= crosstalk_(k, k);
+      for (Eigen::Index c = k + 1; c < crosstalk_.cols(); ++c)
+        crosstalk_(i, c) -= crosstalk_(i, k) * crosstalk_(k, c);
+    }
+  }
+}
+
+void JointSensors::remove_crosstalk(InPlace tau) const noexcept {
+  const Eigen::Index n = crosstalk_.rows();
+  for (Eigen::Index i = 1; i < n; ++i) {
+    for (Eigen::Index k = 0; k < i; ++k) tau[i] -= crosstalk_(i, k) * tau[k];
+  }
+  for (Eigen::Index i = n; i-- > 0;) {
+    for (Eigen::Index k = i + 1; k < n; ++k) tau[i] -= crosstalk_(i, k) * tau[k];
+    tau[i] /= crosstalk_(i, i);
+  }
+}
+
+void JointSensors::add_crosstalk(InPlace tau) const noexcept {
+  const Eigen::Index n = crosstalk_.rows();
+  for (Eigen::Index i = 0; i < n; ++i) {
+    tau[i] *= crosstalk_(i, i);
+    for (Eigen::Index k = i + 1; k < n; ++k) tau[i] += crosstalk_(i, k) * tau[k];
+  }
+  for (Eigen::Index i = n; i-- > 1;) {
+    for (Eigen::Index k = 0; k < i; ++k) tau[i] += crosstalk_(i, k) * tau[k];
   }
 }
 
@@ -67,8 +110,15 @@ void JointSensors::show(const VectorXd& time, MatrixXd& q, MatrixXd& tau) const 
   q.rowwise() += offset_.transpose();
   for (Eigen::Index j = 0; j < tau.cols(); ++j) {
     if (delay_[j] > 0.0) tau.col(j) = delayed(tau.col(j), time, delay_[j]);
-    tau.col(j) *= gain_[j];
   }
+  if (crosstalk_.size() > 0) {
+    for (Eigen::Index row = 0; row < tau.rows(); ++row) {
+      VectorXd all = tau.row(row);
+      add_crosstalk(all);
+      tau.row(row) = all;
+    }
+  }
+  for (Eigen::Index j = 0; j < tau.cols(); ++j) tau.col(j) *= gain_[j];
 }
 
 std::vector<std::string> JointSensors::in_words(const Model& arm) const {
@@ -86,6 +136,9 @@ std::vector<std::string> JointSensors::in_words(const Model& arm) const {
     if (e.torque_delay != 0.0)
       out.push_back(torque + digits(1e3 * std::abs(e.torque_delay), 4) + " ms " +
                     (e.torque_delay > 0.0 ? "late" : "early"));
+    for (const auto& [from, share] : e.torque_crosstalk)
+      out.push_back(torque + "mixed with " + digits(share, 6) + " times that of joint '" +
+                    arm.coordinates()[from].name + "'");
   }
   return out;
 }

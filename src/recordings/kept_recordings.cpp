@@ -147,6 +147,8 @@ PreparationKey preparation_key(const Model& arm, const std::string& recording,
   for (const Coordinate& c : arm.coordinates()) {
     const RecordedChannel& shown = c.recorded;
     numbers.insert(numbers.end(), {shown.position_offset, shown.torque_gain, shown.torque_delay, c.drive_gain});
+    for (const auto& [from, share] : shown.torque_crosstalk) numbers.insert(numbers.end(), {1.0 * from, share});
+    numbers.push_back(-1.0);  // the end of this joint's numbers
   }
   std::vector<int> choices = o.derive_velocity_of;
   std::sort(choices.begin(), choices.end());

@@ -87,7 +87,10 @@ class Injector {
         channel.injected(slides ? JointType::kPrismatic : JointType::kRevolute);
     Defaults defaults;
     for (const InjectedValue& key : keys) defaults.emplace_back(key.key, key.initial);
-    auto values = filled(hidden, defaults);
+    const int from = source_of(hidden, channel, cause.joint);
+    HiddenEffect numbers = hidden;
+    if (from >= 0) numbers.from.clear();
+    auto values = filled(numbers, defaults);
     std::vector<double> parameters;
     for (const InjectedValue& key : keys) {
       const double value = values[key.key];
@@ -98,11 +101,11 @@ class Injector {
     if (const auto* sensor = dynamic_cast<const SensorError*>(&channel)) {
       for (size_t i = 0; i < shown_.size(); ++i) {
         if (!cause.joint || static_cast<int>(i) == cause.joint->value)
-          sensor->change(shown_[i], parameters);
+          sensor->change(shown_[i], from, parameters);
       }
     } else {
       ModelDescription arm = out_.arm.description();
-      channel.apply(arm, kAllJoints, parameters);
+      channel.apply(arm, kAllJoints, from, parameters);
       out_.arm = Model(std::move(arm));
     }
     if (cause.joint) {
@@ -110,6 +113,16 @@ class Injector {
     } else {
       add(hidden, kWholeArm, 0, std::move(values));
     }
+  }
+
+  // The joint after from=; -1 for an error without a source.
+  int source_of(const HiddenEffect& hidden, const ChannelEffect& channel, std::optional<JointIndex> joint) const {
+    if (!channel.traits().uses_source) return -1;
+    require(!hidden.from.empty(), "effect '", hidden.asked, "': found no source, expected from=JOINT.");
+    const JointIndex from = find_joint(out_.arm, hidden.from, "effect '" + hidden.asked + "'");
+    require(!joint || !(*joint == from), "effect '", hidden.asked, "': found the joint itself as its source, "
+            "expected another one.");
+    return from.value;
   }
 
   void inject(const HiddenEffect& hidden, const ExternalContact& cause) {

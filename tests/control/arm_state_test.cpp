@@ -107,7 +107,8 @@ TEST(ArmState, LeavesOutWhatHasNoMeaningInControl) {
   }
   const std::vector<std::string> expected{
       "transmission_compliance", "torque_gain", "torque_drift", "time_delay", "gravity_tilt",
-      "encoder_offset",          "warm_up",     "base_compliance", "tip_force"};
+      "encoder_offset",          "warm_up",     "base_compliance", "tip_force",
+      "torque_crosstalk"};
   EXPECT_EQ(left_out, expected);
 }
 

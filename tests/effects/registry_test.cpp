@@ -26,7 +26,8 @@ INSTANTIATE_TEST_SUITE_P(Axis, EveryAxisEffect, testing::ValuesIn(axis_effect_na
 TEST(EffectRegistry, ListsTheEffectsThatActAlongAnAxisInTheOrderOfTheContract) {
   const std::set<std::string> others{"torque_gain",     "time_delay",     "payload",
                                      "gravity_tilt",    "encoder_offset", "coupling_error",
-                                     "external_contact", "base_compliance", "tip_force"};
+                                     "external_contact", "base_compliance", "tip_force",
+                                     "torque_crosstalk"};
   std::vector<std::string> expected;
   for (const std::string& name : effect_names()) {
     if (others.count(name) == 0) expected.push_back(name);

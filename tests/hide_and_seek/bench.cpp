@@ -150,6 +150,7 @@ IdealRecording ideal_recording(const Bench& bench, const std::vector<Cause>& cau
       if (cause.effect == "time_delay")
         out.tau.col(i) = delayed(out.tau.col(i), 1.0 / kRate, cause.values.at("seconds"));
       if (cause.effect == "torque_gain") out.tau.col(i) *= cause.values.at("gain");
+      if (cause.effect == "torque_crosstalk") out.tau.col(i) += cause.values.at("share") * out.tau.col(cause.from);
     }
     if (cause.effect == "encoder_offset")
       out.q.col(cause.joint).array() += cause.values.at("offset");

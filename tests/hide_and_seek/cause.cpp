@@ -89,7 +89,8 @@ const std::vector<std::string>& all_causes() {
                                                 "coupling_error",
                                                 "external_contact",
                                                 "warm_up",
-                                                "end_stop"};
+                                                "end_stop",
+                                                "torque_crosstalk"};
   return kAll;
 }
 
@@ -98,7 +99,7 @@ bool is_structural(const std::string& effect) {
 }
 
 bool is_channel(const std::string& effect) {
-  return one_of(effect, {"torque_gain", "time_delay", "encoder_offset"});
+  return one_of(effect, {"torque_gain", "time_delay", "encoder_offset", "torque_crosstalk"});
 }
 
 std::vector<std::string> linear_parameters(const std::string& effect) {

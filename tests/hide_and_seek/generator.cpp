@@ -177,6 +177,8 @@ class Hider {
     }
     if (e == "external_contact")
       v["effort"] = draw_.sign() * draw_.in(0.3, 0.6) * scale * joint_rms(cause.joint);
+    if (e == "torque_crosstalk")
+      v["share"] = draw_.sign() * draw_.in(0.6, 1.4) * request_.share * joint_rms(cause.joint) / joint_rms(cause.from);
     if (e == "payload") draw_payload(cause, scale);
     if (e == "coupling_error") draw_constant(cause, scale);
     if (!linear_parameters(e).empty()) draw_additive(cause, bench);

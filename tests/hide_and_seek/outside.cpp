@@ -185,7 +185,7 @@ OutsideCause draw_outside(const Bench& bench, const std::string& name, unsigned 
   } else if (name == "elastic_base") {
     c.words = {"base_compliance", "gravity_tilt"};
   } else if (name == "crosstalk") {
-    c.words = {};
+    c.words = {"torque_crosstalk"};
   }
   if (name == "torque_dead_zone" || name == "torque_limit") {
     c.signals = {signal("tau", c.joint)};

@@ -75,8 +75,9 @@ std::vector<Cause> places_for(const std::string& effect, const Bench& bench,
   for (int i = 0; i < arm.joints; ++i) {
     if (std::any_of(taken.begin(), taken.end(), [i](const Cause& c) { return c.joint == i; }))
       continue;
-    if (effect != "cable_coupling") out.push_back({effect, i, -1, "", "", {}});
-    for (int from = 0; effect == "cable_coupling" && from < arm.joints; ++from) {
+    const bool coupled = effect == "cable_coupling" || effect == "torque_crosstalk";
+    if (!coupled) out.push_back({effect, i, -1, "", "", {}});
+    for (int from = 0; coupled && from < arm.joints; ++from) {
       if (from != i) out.push_back({effect, i, from, "", "", {}});
     }
   }

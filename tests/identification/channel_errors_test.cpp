@@ -27,6 +27,8 @@ EffectTerm term_of(const Model& arm, const std::string& effect, int joint) {
   term.effect = effect;
   term.axis.coefficients = VectorXd::Zero(arm.joints());
   if (joint >= 0) term.axis.coefficients[joint] = 1.0;
+  if (channel_effect(effect)->traits().uses_source)
+    term.from = Axis{VectorXd::Unit(arm.joints(), joint == 0 ? 1 : 0), 0.0};
   return term;
 }
 
@@ -73,6 +75,7 @@ class ArmEffect : public testing::TestWithParam<Case> {};
 INSTANTIATE_TEST_SUITE_P(
     Each, ArmEffect,
     testing::Values(Case{"torque_gain", 1, 0, "torque_gain:2:gain=1.0001", 1e-4},
+                    Case{"torque_crosstalk", 1, 0, "torque_crosstalk:2:from=1,share=0.0001", 1e-4},
                     Case{"time_delay", 0, 0, "time_delay:1:seconds=0.0001", 1e-4},
                     Case{"encoder_offset", 1, 0, "encoder_offset:2:offset=0.0001", 1e-4},
                     Case{"gravity_tilt", -1, 0, "gravity_tilt:arm:roll=0.0001,pitch=0", 1e-4},
@@ -121,11 +124,12 @@ TEST(ArmEffect, AnErrorInTheModelIsUndoneWhenRecordingsAreRead) {
   const Model arm(std::move(d));
   const Recording wrong =
       recording_of(simulated(arm, {"torque_gain:1:gain=1.1", "time_delay:2:seconds=0.005",
-                                   "encoder_offset:1:offset=0.02"}));
+                                   "encoder_offset:1:offset=0.02", "torque_crosstalk:3:from=1,share=0.07"}));
   const Recording clean = recording_of(simulated(arm, {}));
   Model aware = with_channel_error(arm, term_of(arm, "torque_gain", 0), {0.1});
   aware = with_channel_error(aware, term_of(arm, "time_delay", 1), {0.005});
   aware = with_channel_error(aware, term_of(arm, "encoder_offset", 0), {0.02});
+  aware = with_channel_error(aware, term_of(arm, "torque_crosstalk", 2), {0.07});
   // And the file keeps it.
   aware = read_yaml(to_yaml(aware), "aware.yaml");
   const auto first = [](const Model& m, const Recording& r) {

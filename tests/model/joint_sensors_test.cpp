@@ -6,6 +6,7 @@
 
 #include "support/near.hpp"
 #include "veridyn/math/require.hpp"
+#include "veridyn/model/fixed_coordinates.hpp"
 #include "veridyn/model/model_file.hpp"
 
 namespace veridyn {
@@ -55,6 +56,49 @@ TEST(JointSensors, AModelThatKnowsNoErrorChangesNoBit) {
   EXPECT_TRUE(sensors.ideal());
   EXPECT_EQ(v, before);
   EXPECT_TRUE(sensors.in_words(read_model("psm-3dof")).empty());
+}
+
+// Gain, then crosstalk, then delay are taken off in this order, and put on in the other.
+TEST(JointSensors, CrosstalkIsPutOnAndTakenOffWithTheGain) {
+  ModelDescription d = wrong_arm().description();
+  d.coordinates[1].recorded.torque_crosstalk = {{0, 0.5}, {2, -0.1}};
+  d.coordinates[2].recorded.torque_crosstalk = {{1, 0.2}};
+  const Model arm(std::move(d));
+  const JointSensors sensors(read_yaml(to_yaml(arm), "again"));
+  const VectorXd true_tau = Eigen::Vector3d(1.0, 2.0, -3.0);
+  VectorXd tau = true_tau;
+  sensors.show_torques(tau);
+  EXPECT_TRUE(near(tau, Eigen::Vector3d(1.0, 1.25 * (2.0 + 0.5 + 0.3), -3.0 + 0.4), 1e-14));
+  sensors.correct_torques(tau);
+  EXPECT_TRUE(near(tau, true_tau, 1e-14));
+  VectorXd current = Eigen::Vector3d(0.0, 1.25 * 2.8 / 2.0, 0.0);  // [A] without drive gains of the others
+  sensors.correct_currents(current);
+  EXPECT_NEAR(current[1], 2.8 / (1.0 + 0.1 * 0.2), 1e-14);
+  VectorXd time = VectorXd::LinSpaced(3, 0.0, 1.0);
+  MatrixXd q = MatrixXd::Zero(3, 3), all = true_tau.transpose().replicate(3, 1);
+  sensors.show(time, q, all);
+  EXPECT_NEAR(all(2, 1), 3.5, 1e-14);
+  EXPECT_FALSE(sensors.ideal());
+  EXPECT_EQ(sensors.in_words(arm).back(),
+            "the recorded torque of joint 'insertion' is mixed with 0.2 times that of joint 'pitch'");
+}
+
+TEST(JointSensors, CrosstalkFollowsItsJointWhereAnotherIsFixed) {
+  ModelDescription d = read_model("psm-3dof").description();
+  d.coordinates[1].recorded.torque_crosstalk = {{2, -0.1}};
+  const Model arm(std::move(d));
+  const Model held = with_fixed(arm, {{"yaw", 0.3}});
+  EXPECT_EQ(held.coordinates()[0].recorded.torque_crosstalk, (std::map<int, double>{{1, -0.1}}));
+  EXPECT_THROW(with_fixed(arm, {{"insertion", 0.1}}), InvalidInput);
+}
+
+TEST(JointSensors, CrosstalkThatLeavesNothingIsRefused) {
+  std::vector<RecordedChannel> both(2);
+  both[0].torque_crosstalk = {{1, 2.0}};
+  both[1].torque_crosstalk = {{0, 0.5}};
+  EXPECT_THROW(JointSensors{both}, InvalidInput);
+  both[1].torque_crosstalk = {{1, 0.5}};
+  EXPECT_THROW(JointSensors{both}, InvalidInput);
 }
 
 // A ramp that is recorded late is exactly the ramp of earlier times, and comes back whole but for

@@ -21,7 +21,8 @@ bool allowed(const fs::path& file, const std::string& word) {
   static const std::map<std::string, std::set<std::string>> kAllowed = {
       {"payload", {"payload.cpp", "payload_command.cpp", "payload_json.cpp"}},  // a command and its function
       // A key of a coordinate's `recorded:` in robot files.
-      {"torque_gain", {"model_file_reader.cpp", "model_file_writer.cpp"}}};
+      {"torque_gain", {"model_file_reader.cpp", "model_file_writer.cpp"}},
+      {"torque_crosstalk", {"model_file_reader.cpp", "model_file_writer.cpp"}}};
   const auto files = kAllowed.find(word);
   return files != kAllowed.end() && files->second.count(file.filename().string()) > 0;
 }

@@ -105,6 +105,7 @@ struct Finding {
   int rank = 0;
   Cause cause;                      ///< words_of() converts it to text
   std::optional<JointIndex> joint;  ///< acting_joint() of the cause; nothing: the whole arm
+  std::optional<JointIndex> from;   ///< the other joint of a coupling or of a crosstalk
   std::string phrase;               ///< description without the place: "a spring of 2 N m/rad"
   std::string remark;               ///< a sentence on its size if that is unusual
   std::string source;               ///< the recording with the contact

@@ -18,6 +18,7 @@ struct ChannelMotion {
   const MatrixXd& ddq;
   const MatrixXd& effort;  ///< (rows x n) bodies and effects together [N m] or [N]
   double dt;               ///< [s] between rows
+  int from = -1;           ///< the other joint of an error that uses a source, see EffectTraits
 };
 
 /// A column that is a torque of the arm's bodies, so that an excitation can be designed for it.
@@ -64,8 +65,9 @@ class ChannelEffect : public Effect {
   /// Those columns; empty where the arm has none, such as without gravity.
   virtual std::vector<RigidColumn> rigid_columns(const Model& arm, int joint) const;
 
-  /// Adds the error to an arm; `joint` may be kAllJoints.
-  virtual void apply(ModelDescription& arm, int joint, const std::vector<double>& values) const = 0;
+  /// Adds the error to an arm; `joint` may be kAllJoints, `from` is -1 without a source.
+  virtual void apply(ModelDescription& arm, int joint, int from,
+                     const std::vector<double>& values) const = 0;
 
   /// Keys for injection, one for each of parameters().
   virtual std::vector<InjectedValue> injected(JointType type) const = 0;
@@ -81,11 +83,13 @@ class SensorError : public ChannelEffect {
  public:
   bool whole_arm() const final { return false; }
 
-  /// Adds the error to the channel of one joint.
-  virtual void change(RecordedChannel& shown, const std::vector<double>& values) const = 0;
+  /// Adds the error to the channel of one joint. @param from  the other joint of an error that uses
+  /// a source; -1 for all others.
+  virtual void change(RecordedChannel& shown, int from, const std::vector<double>& values) const = 0;
 
   /// Adds it to `recorded` of the coordinates.
-  void apply(ModelDescription& arm, int joint, const std::vector<double>& values) const final;
+  void apply(ModelDescription& arm, int joint, int from,
+             const std::vector<double>& values) const final;
 
   /// True if it is a factor on the recorded torque and nothing else.
   virtual bool scales_torque() const { return false; }
@@ -116,7 +120,8 @@ class ArmEffect : public ChannelEffect {
     return arm;
   }
 
-  void apply(ModelDescription& arm, int /*joint*/, const std::vector<double>& values) const final {
+  void apply(ModelDescription& arm, int /*joint*/, int /*from*/,
+             const std::vector<double>& values) const final {
     change(arm, values);
   }
 
@@ -142,6 +147,9 @@ const std::vector<const ChannelEffect*>& channel_effects();
 /// The joint whose channel the term concerns; kAllJoints where its axis is zero and the error can
 /// be common to all.
 int channel_joint(const ChannelEffect& effect, const EffectTerm& term);
+
+/// The joint that an error comes from; -1: it has no source.
+int channel_source(const EffectTerm& term);
 
 /// The arm with the error that `term` describes.
 Model with_channel_error(const Model& arm, const EffectTerm& term,

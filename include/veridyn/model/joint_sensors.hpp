@@ -13,7 +13,9 @@ namespace veridyn {
 /// (`recorded:` of a coordinate in a MODEL, which `diagnose --model-out` writes):
 ///
 ///   measured q   = q + position_offset                  [rad], [m]; velocities have no error
-///   measured tau = torque_gain * tau(t - torque_delay)  [N m], [N]
+///   measured tau = torque_gain * C d,  d = tau(t - torque_delay)  [N m], [N]
+///
+/// where C has ones on its diagonal and the crosstalk between the joints' torque channels beside it.
 ///
 /// All corrections of such errors happen in this class. **All other classes expect true
 /// coordinates**: poses, dynamics, ArmState, GravityCompensation, references, limits of the robot
@@ -58,13 +60,20 @@ class JointSensors {
   /// on dVRK boards, where both are motor currents. They do not share it if torque sensors measure
   /// the torque, or once corrected scales are written into the drives' configuration (`export
   /// --dvrk-scales`): then remove `recorded: torque_gain` from the model.
-  void correct_torques(InPlace tau) const noexcept { tau.array() /= gain_.array(); }
-  void show_torques(InPlace tau) const noexcept { tau.array() *= gain_.array(); }
+  void correct_torques(InPlace tau) const noexcept {
+    tau.array() /= gain_.array();
+    remove_crosstalk(tau);
+  }
+  void show_torques(InPlace tau) const noexcept {
+    add_crosstalk(tau);
+    tau.array() *= gain_.array();
+  }
 
   /// Turns measured motor currents [A] into true torques by the model's drive gains. See
   /// require_drive_gains().
   void correct_currents(InPlace current) const noexcept {
     current.array() *= drive_gain_.array() / gain_.array();
+    remove_crosstalk(current);
   }
 
   /// @throws InvalidInput  a coordinate has no drive gain. @param where  begins the message.
@@ -97,7 +106,11 @@ class JointSensors {
   std::vector<std::string> in_words(const Model& arm) const;
 
  private:
+  void remove_crosstalk(InPlace tau) const noexcept;
+  void add_crosstalk(InPlace tau) const noexcept;
+
   std::vector<RecordedChannel> channels_;
+  MatrixXd crosstalk_;  // L and U of C without the diagonal of L; empty without crosstalk
   VectorXd offset_, gain_, delay_, drive_gain_;
   bool ideal_ = true;
 };

@@ -103,6 +103,8 @@ struct RecordedChannel {
   double torque_gain = 1.0;      ///< recorded torque per true torque
   double torque_delay = 0.0;     ///< [s] by which the recorded torque lags
   double position_offset = 0.0;  ///< [rad] or [m] recorded position minus true position
+  /// Recorded torque per true torque of other joints, by their indices; none of its own.
+  std::map<int, double> torque_crosstalk{};
 };
 
 struct Coordinate {

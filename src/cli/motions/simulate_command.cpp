@@ -128,7 +128,8 @@ std::string footer() {
       "  encoder_offset:JOINT:offset=RAD         external_contact:JOINT:from=S,to=S,effort=NM\n"
       "  coupling_error:CONSTANT:change=X        (a constant of the robot file)\n"
       "  base_compliance:arm:about_x=X,about_y=X (rad/(N m))\n"
-      "  tip_force:arm:x=N,y=N,z=N               (at the end of the arm, along the base's axes)";
+      "  tip_force:arm:x=N,y=N,z=N               (at the end of the arm, along the base's axes)\n"
+      "  torque_crosstalk:JOINT:from=JOINT,share=X";
   return out;
 }
 

@@ -28,6 +28,7 @@ Finding finding_at(const Hypothesis& h) {
   Finding f;
   f.cause = h.cause;
   f.joint = h.joint;
+  f.from = h.from;
   return f;
 }
 

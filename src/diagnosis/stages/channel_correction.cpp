@@ -58,9 +58,9 @@ const Hypothesis* same(const CandidateTests& asked, const Hypothesis& h) {
   return nullptr;
 }
 
-// True if a parameter is the relative error of a factor.
+// True if a parameter is the relative error of a factor, and no share of another joint.
 bool is_relative(const Hypothesis& h, size_t p) {
-  return find_effect(effect_of(h.cause)).parameters()[p].unit_revolute == "1";
+  return !h.from && find_effect(effect_of(h.cause)).parameters()[p].unit_revolute == "1";
 }
 
 // A factor is positive: a torque with the wrong sign is no error of its gain.

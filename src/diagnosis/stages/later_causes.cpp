@@ -24,6 +24,28 @@ bool is_position(const std::string& signal) {
   return signal.size() > 1 && signal[0] == 'q' && std::isdigit(static_cast<unsigned char>(signal[1])) != 0;
 }
 
+// True for the torque or the acceleration of another joint.
+bool is_torque_of_another(const std::string& signal, JointIndex joint) {
+  const std::string own = std::to_string(joint.value + 1);
+  const bool torque = signal.rfind("tau", 0) == 0 && signal != "tau" + own;
+  return torque || (signal.rfind("ddq", 0) == 0 && signal != "ddq" + own);
+}
+
+// Joints with a finding without a name that depends on another joint's torque, or with a name that comes from
+// another joint: a cable whose tension rises with a position looks like the torque that holds that joint up.
+std::set<int> joints_that_others_act_on(const Diagnosis& d) {
+  std::set<int> out;
+  for (const Finding& f : d.findings) {
+    if (f.status != FindingStatus::kConfirmed || !f.joint) continue;
+    const bool cable = !f.shape && f.from && std::holds_alternative<NewEffect>(f.cause);
+    const bool curve = f.shape && std::any_of(f.shape->signals.begin(), f.shape->signals.end(), [&](const std::string& s) {
+                         return is_torque_of_another(s, *f.joint);
+                       });
+    if (cable || curve) out.insert(f.joint->value);
+  }
+  return out;
+}
+
 bool is_force_of_positions(const Cause& cause) {
   if (!std::holds_alternative<NewEffect>(cause) || !has_effect(effect_of(cause))) return false;
   const EffectTraits traits = find_effect(effect_of(cause)).traits();
@@ -58,7 +80,17 @@ std::vector<std::string> wrong_zeros() {
   return out;
 }
 
-std::vector<std::string> later_causes(const Diagnosis& d, const Model& arm, const std::set<int>& joints) {
+// Errors of the channels of these joints that come from another joint.
+std::vector<std::string> errors_from_others(const Model& arm, const std::set<int>& joints) {
+  std::vector<std::string> out;
+  for (const ChannelEffect* channel : channel_effects()) {
+    if (channel->whole_arm() || !is_asked_later(*channel, arm) || !channel->traits().uses_source) continue;
+    for (const int j : joints) out.push_back(to_text(arm, ChannelError{channel->name(), JointIndex{j}}));
+  }
+  return out;
+}
+
+std::vector<std::string> causes_through_positions(const Diagnosis& d, const Model& arm, const std::set<int>& joints) {
   std::vector<std::string> out;
   for (const AxisEffect* effect : axis_effects()) {
     if (!is_asked_later(*effect, arm) || !effect->traits().depends_on_position) continue;
@@ -66,7 +98,7 @@ std::vector<std::string> later_causes(const Diagnosis& d, const Model& arm, cons
   }
   for (const ChannelEffect* channel : channel_effects()) {
     const bool few = static_cast<int>(channel->parameters().size()) <= arm.joints();
-    if (is_asked_later(*channel, arm) && few) out.push_back(channel->name());
+    if (is_asked_later(*channel, arm) && channel->whole_arm() && few) out.push_back(channel->name());
   }
   if (d.changes) {
     for (const std::string& zero : wrong_zeros()) out.push_back(zero);
@@ -148,6 +180,45 @@ bool says_as_much(const VectorXd& curves, const VectorXd& named, const std::set<
   });
 }
 
+// Asks about these causes, and about all others beside the best of them: in place of what was found where that
+// says as much, over all joints and on each that is in question.
+// @param instead        a name that gives way where the other is simpler; nullptr: none.
+// @param beside_curves  true: curves give way where the other says as much.
+void ask(DiagnosisState& x, const std::vector<std::string>& later, const std::set<int>& in_question,
+         const Finding* instead, bool beside_curves) {
+  if (later.empty()) return;
+  DiagnosisState y = x;
+  y.start = y.d.baseline;
+  begin_tests(y);
+  const size_t first = y.d.findings.size();
+  y.options.effects = later;
+  y.options.max_effects = 1;
+  select_causes(y);
+  if (y.d.findings.size() <= first || y.d.findings[first].status != FindingStatus::kConfirmed) return;
+  y.d.findings.resize(first + 1);
+  const std::optional<JointIndex> joint = y.d.findings[first].joint;
+  const std::string name = effect_of(y.d.findings[first].cause);
+  keep_first(y, first);
+  y.options = x.options;
+  y.d.not_supported.clear();
+  y.d.cannot_tell.clear();
+  correct_constants(y);
+  if (!joint) y.options.effects = all_and(name, x.arm);
+  select_causes(y);
+  y.options = x.options;
+  if (!y.d.extended.model) return;
+  if (!joint) drop_unconfirmed(y.d);
+  const VectorXd curves = errors_with_curves(x);
+  const VectorXd named = y.fold_errors(y.d.extended).relative();
+  const bool simpler = instead != nullptr && is_simpler(x, y, curves, named);
+  if (!simpler && (!beside_curves || !says_as_much(curves, named, in_question, x.options.thresholds))) return;
+  y.d.hypotheses += static_cast<int>(later.size());
+  if (simpler) add_rival(*instead, log_fall(curves, named), x.options.thresholds, y.d.findings[first]);
+  account_for_errors(y);
+  if (joint && needs_another_force_of_position(y.d, *joint, name)) return;
+  x = std::move(y);
+}
+
 }  // namespace
 
 bool acts_through_positions(const Finding& f) {
@@ -176,7 +247,13 @@ VectorXd errors_with_curves(const DiagnosisState& x) {
   return out;
 }
 
+void ask_about_crosstalk(DiagnosisState& x) {
+  const std::set<int> joints = joints_that_others_act_on(x.d);
+  ask(x, errors_from_others(x.arm, joints), joints, nullptr, true);
+}
+
 void ask_later_causes(DiagnosisState& x, const std::set<int>& hidden) {
+  ask_about_crosstalk(x);
   const std::set<int> with_curves = joints_in_question(x.d);
   std::set<int> joints = with_curves;
   joints.insert(hidden.begin(), hidden.end());
@@ -184,39 +261,8 @@ void ask_later_causes(DiagnosisState& x, const std::set<int>& hidden) {
   // Of one wrong zero against a MODEL several names and curves can be made.
   if (x.d.changes && x.d.findings.size() > 1 && stands_in == x.d.findings.end()) stands_in = x.d.findings.begin();
   if (joints.empty() && stands_in == x.d.findings.end()) return;
-  const std::vector<std::string> later = later_causes(x.d, x.arm, joints);
-  if (later.empty()) return;
-  DiagnosisState y = x;
-  y.start = y.d.baseline;
-  begin_tests(y);
-  const size_t first = y.d.findings.size();
-  y.options.effects = later;
-  y.options.max_effects = 1;
-  select_causes(y);
-  if (y.d.findings.size() <= first || y.d.findings[first].status != FindingStatus::kConfirmed) return;
-  y.d.findings.resize(first + 1);
-  const std::optional<JointIndex> joint = y.d.findings[first].joint;
-  const std::string name = effect_of(y.d.findings[first].cause);
-  keep_first(y, first);
-  y.options = x.options;
-  y.d.not_supported.clear();
-  y.d.cannot_tell.clear();
-  correct_constants(y);
-  if (!joint) y.options.effects = all_and(name, x.arm);
-  select_causes(y);
-  y.options = x.options;
-  if (!y.d.extended.model) return;
-  if (!joint) drop_unconfirmed(y.d);
-  const VectorXd curves = errors_with_curves(x);
-  const VectorXd named = y.fold_errors(y.d.extended).relative();
   const bool against_names = stands_in != x.d.findings.end() && (joints.empty() || x.d.changes);
-  const bool simpler = against_names && is_simpler(x, y, curves, named);
-  if (!simpler && (joints.empty() || !says_as_much(curves, named, with_curves, x.options.thresholds))) return;
-  y.d.hypotheses += static_cast<int>(later.size());
-  if (simpler) add_rival(*stands_in, log_fall(curves, named), x.options.thresholds, y.d.findings[first]);
-  account_for_errors(y);
-  if (joint && needs_another_force_of_position(y.d, *joint, name)) return;
-  x = std::move(y);
+  ask(x, causes_through_positions(x.d, x.arm, joints), with_curves, against_names ? &*stands_in : nullptr, !joints.empty());
 }
 
 }  // namespace veridyn

@@ -16,6 +16,10 @@ std::set<int> joints_in_question(const Diagnosis& d);
 /// Errors of held-out parts of the training recordings with the curves that have no name, relative, (n).
 VectorXd errors_with_curves(const DiagnosisState& x);
 
+/// Asks about errors of a torque channel that come from another joint, where a joint has a finding without a name that
+/// depends on the torque of another one, or a cable from it: named, they take its place where they say as much.
+void ask_about_crosstalk(DiagnosisState& x);
+
 /// Asks about causes that nobody asked about before, on joints in question or beside names that may stand for another,
 /// and puts the best, with what is found beside it, in place of what was found where that says as much.
 /// @param hidden  joints in question where all names are taken away.

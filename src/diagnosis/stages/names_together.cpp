@@ -156,8 +156,10 @@ void test_names_together(DiagnosisState& x) {
   }
   ask_later_causes(x, hidden);
   if (!compared) return;
-  if (curves && replace_by_curves(x, std::move(*curves), "smooth functions without any name predict held-out parts as well"))
+  if (curves && replace_by_curves(x, std::move(*curves), "smooth functions without any name predict held-out parts as well")) {
+    ask_about_crosstalk(x);
     return;
+  }
   // Beside a later cause other names may stand for what it does not describe.
   const std::vector<std::string> later = later_names(x);
   const bool others = std::any_of(x.d.findings.begin(), x.d.findings.end(), [&](const Finding& f) {

@@ -85,7 +85,7 @@ const Hypothesis& accepted(const Round& round, size_t k) {
 template <typename SomeDiagnosis>
 auto same_channel(SomeDiagnosis& d, const Hypothesis& h) -> decltype(d.findings.data()) {
   for (auto& f : d.findings) {
-    if (effect_of(f.cause) == effect_of(h.cause) && f.joint == h.joint) return &f;
+    if (effect_of(f.cause) == effect_of(h.cause) && f.joint == h.joint && f.from == h.from) return &f;
   }
   return nullptr;
 }

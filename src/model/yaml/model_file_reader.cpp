@@ -25,6 +25,7 @@ class ModelReader {
     for (const YamlNode& node : root_.at("coordinates").items("a list of coordinates"))
       read_coordinate(node);
     if (model_.coordinates.empty()) root_.at("coordinates").fail("no coordinates", "at least one");
+    read_crosstalk();
     model_.frames = read_frames(root_.at("frames"), coordinate_names_, convention_);
     if (const auto effects = root_.find("effects")) {
       model_.effects = read_effects(*effects, coordinate_names_, frame_names());
@@ -115,13 +116,33 @@ class ModelReader {
   }
 
   static RecordedChannel read_channel(const YamlNode& node) {
-    node.allow_keys({"torque_gain", "torque_delay", "position_offset"});
+    node.allow_keys({"torque_gain", "torque_delay", "position_offset", "torque_crosstalk"});
     RecordedChannel channel;
     if (const auto gain = node.find("torque_gain")) channel.torque_gain = gain->positive_number();
     if (const auto delay = node.find("torque_delay")) channel.torque_delay = delay->number();
     if (const auto offset = node.find("position_offset"))
       channel.position_offset = offset->number();
     return channel;
+  }
+
+  // After all coordinates, whose names it uses.
+  void read_crosstalk() {
+    size_t joint = 0;
+    for (const YamlNode& node : root_.at("coordinates").items("a list of coordinates")) {
+      const size_t own = joint++;
+      const auto recorded = node.find("recorded");
+      const auto crosstalk = recorded ? recorded->find("torque_crosstalk") : std::nullopt;
+      if (!crosstalk) continue;
+      for (const YamlNode::Entry& entry : crosstalk->entries("a map {coordinate: share}")) {
+        const auto from = std::find(coordinate_names_.begin(), coordinate_names_.end(), entry.key);
+        const auto at = static_cast<size_t>(from - coordinate_names_.begin());
+        if (from == coordinate_names_.end() || at == own) {
+          entry.key_node.fail("'" + entry.key + "'" + did_you_mean(entry.key, coordinate_names_),
+                              "another coordinate of: " + listed(coordinate_names_));
+        }
+        model_.coordinates[own].recorded.torque_crosstalk[static_cast<int>(at)] = entry.value.number();
+      }
+    }
   }
 
   static Limits read_limits(const YamlNode& node) {

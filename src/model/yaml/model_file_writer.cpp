@@ -129,6 +129,13 @@ class ModelWriter {
     add("torque_gain", channel.torque_gain, 1.0);
     add("torque_delay", channel.torque_delay, 0.0);
     add("position_offset", channel.position_offset, 0.0);
+    std::vector<std::string> crosstalk;
+    for (const auto& [from, share] : channel.torque_crosstalk) {
+      const std::string& name = d_.coordinates[from].name;
+      crosstalk.push_back(quoted_if_needed(name) + ": " +
+                          numbers_.number(place + "/torque_crosstalk/" + name, share));
+    }
+    if (!crosstalk.empty()) parts.push_back("torque_crosstalk: {" + listed(crosstalk) + "}");
     return listed(parts);
   }
 

@@ -97,6 +97,7 @@ Json finding_json(const Diagnosis& d, const Finding& f) {
   out["held_out"] = name_of(f.held_out());
   if (!f.why_not.empty()) out["why_not"] = f.why_not;
   out["main"] = f.main;
+  if (f.from && d.baseline.model) out["from"] = d.baseline.model->coordinates()[f.from->value].name;
   if (!f.source.empty()) out["recording"] = f.source;
   out["parameters"] = Json::object();
   for (const FoundParameter& p : f.parameters) {

@@ -29,7 +29,12 @@ const ModelControlOptions& checked(const ModelControlOptions& options, const Mod
 
 SafetyLimits limits_of(const Model& model, const VectorXd& largest, double longest_gap) {
   VectorXd most = largest.head(model.joints());  // as the drives count
-  JointSensors(model).correct_torques(most);
+  std::vector<RecordedChannel> channels;
+  for (const Coordinate& c : model.coordinates()) {
+    channels.push_back(c.recorded);
+    for (auto& [from, share] : channels.back().torque_crosstalk) share = std::abs(share);  // all of them at their largest
+  }
+  JointSensors(std::move(channels)).correct_torques(most);
   SafetyLimits limits = safety_limits(model, most.maxCoeff());
   limits.torque = limits.torque.cwiseMin(most);
   limits.sensor_age = limits.overrun = longest_gap;
