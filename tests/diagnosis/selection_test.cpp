@@ -28,15 +28,16 @@ const std::vector<std::string>& names() {
 class Columns {
  public:
   /// Shares of the columns in the torque; what of `alike` is not `cause`.
-  explicit Columns(std::map<std::string, double> torque, double unlike = 0.45)
+  /// `cause` acts in the first recordings alone, as a stop does that the others never touch.
+  explicit Columns(std::map<std::string, double> torque, double unlike = 0.45, int acting = kRecordings)
       : torque_(std::move(torque)), unlike_(unlike) {
-    for (int r = 0; r < kRecordings; ++r) recordings_.push_back(recording());
+    for (int r = 0; r < kRecordings; ++r) recordings_.push_back(recording(r < acting ? 1.0 : 0.0));
   }
 
   NormalBlocks blocks() const { return NormalBlocks(recordings_, names()); }
 
  private:
-  CompressedRecording recording() {
+  CompressedRecording recording(double size_of_cause) {
     CompressedRecording out;
     out.joints.resize(1);
     for (int b = 0; b < kBlocks; ++b) {
@@ -44,7 +45,7 @@ class Columns {
       VectorXd tau(kRows);
       for (int k = 0; k < kRows; ++k) {
         const double base = gauss_(random_);
-        const double cause = gauss_(random_);
+        const double cause = size_of_cause * gauss_(random_);
         const double alike = 0.9 * cause + unlike_ * gauss_(random_);
         const double other = gauss_(random_);
         const double idle = gauss_(random_);
@@ -170,6 +171,12 @@ TEST(Selection, LevelAndDampingThatChangedTogetherAreOneQuestion) {
   all[0].cause = ChangedEffect{"viscous_friction", {0}};
   all[1].cause = ChangedEffect{"coulomb_friction", {0}};
   EXPECT_EQ(chosen(), (std::vector<int>{0, 1}));
+}
+
+TEST(Selection, RecordingsInWhichACauseNeverActsSayNothingAboutIt) {
+  const std::vector<Hypothesis> asked = {hypothesis("cause")};
+  EXPECT_EQ(accepted(selected(Columns({{"base", 1.0}, {"cause", 1.0}}, 0.45, 2), asked), asked), Names{"cause"});
+  EXPECT_TRUE(accepted(selected(Columns({{"base", 1.0}}, 0.45, 2), asked), asked).empty());
 }
 
 TEST(Selection, StopsAtTheLargestNumber) {

@@ -52,6 +52,13 @@ bool is_force_of_position(const Hypothesis& h) {
   return traits.role == EffectRole::kForce && traits.uses_position && traits.depends_on_position && !traits.uses_velocity;
 }
 
+// True if any of the columns is not zero there. A fold in which an end stop is never touched says nothing about it.
+bool acts_in(const ColumnSet& columns, const NormalBlocks::Sums& fold) {
+  return std::any_of(columns.begin(), columns.end(), [&fold](int c) {
+    return std::any_of(fold.G.begin(), fold.G.end(), [c](const JointSquares& G) { return G(c, c) > numerics::kNoise; });
+  });
+}
+
 }  // namespace
 
 ColumnSet columns_of(const NormalBlocks& data, const Hypothesis& hypothesis) {
@@ -141,6 +148,7 @@ Evidence Examiner::evaluate(int h, const BaselineFit& before) const {
     const double d = log_fall(before.folds[f].residual2(), held_out.residual2);
     without.col(f) = held_out.values;
     e.gain += d / static_cast<double>(folds_.size());
+    if (!acts_in(own, *folds_[f])) continue;
     falls.push_back(d);
     if (joint) {
       const Eigen::Index j = joint->value;

@@ -165,7 +165,7 @@ class Account {
     keep(left);
     for (const Finding& f : d_.findings) {
       if (!f.shape || f.shape->kept || f.status != FindingStatus::kConfirmed) continue;
-      d_.remarks.push_back(fmt::format("Not in the model: the curve of joint {} over {}, for {}.", f.joint->value + 1,
+      d_.remarks.push_back(fmt::format("Not in the model: the curve of joint {} over {}: {}.", f.joint->value + 1,
                                        joined(f.shape->signals, " and "), why_not_kept(f)));
     }
     for (JointVerdict& v : d_.joints) {

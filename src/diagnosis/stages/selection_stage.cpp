@@ -324,11 +324,19 @@ void merge_corrections(DiagnosisState& x, size_t first) {
       return std::holds_alternative<ChannelError>(f.cause) && effect_of(f.cause) == effect_of(more.cause) && f.joint == more.joint;
     });
     if (!std::holds_alternative<ChannelError>(more.cause) || earlier == all.begin() + static_cast<long>(first)) continue;
-    for (size_t p = 0; more.status == FindingStatus::kConfirmed && p < earlier->parameters.size(); ++p) {
-      FoundParameter& sum = earlier->parameters[p];
-      sum.value += more.parameters[p].value;
-      sum.low += more.parameters[p].value;
-      sum.high += more.parameters[p].value;
+    if (more.status == FindingStatus::kConfirmed) {
+      std::vector<double> values;
+      for (size_t p = 0; p < earlier->parameters.size(); ++p) {
+        FoundParameter& sum = earlier->parameters[p];
+        const double change = more.parameters[p].value;
+        sum = {sum.name, sum.unit, sum.value + change, sum.low + change, sum.high + change};
+        values.push_back(sum.value);
+      }
+      EffectTerm term;
+      term.effect = effect_of(more.cause);
+      term.axis.coefficients = VectorXd::Zero(x.arm.joints());
+      if (more.joint) term.axis.coefficients[more.joint->value] = 1.0;
+      earlier->phrase = channel_phrase(x.arm, term, values);
     }
     all.erase(all.begin() + static_cast<long>(k));
   }
