@@ -17,6 +17,7 @@
 #include "diagnosis/stages/diagnosis_state.hpp"
 #include "diagnosis/stages/newly_visible.hpp"
 #include "diagnosis/findings/next_experiment.hpp"
+#include "veridyn/effects/effect_facts.hpp"
 
 namespace veridyn {
 namespace {
@@ -241,7 +242,7 @@ void settle(DiagnosisState& x, FindingWriter& writer, size_t first, std::set<siz
   bool loads_alone = false;  // without changes of friction beside them
   std::set<size_t> needed;  // taken out once, and the joint was no better off
   const FoldErrors baseline = x.fold_errors(x.d.baseline);
-  for (int turn = 0; turn < x.options.thresholds.settling && x.d.extended.model && !kept.empty(); ++turn) {
+  while (x.d.extended.model && !kept.empty()) {
     for (const size_t k : kept) {
       // Several sizes of one curve may trade with the arm's parameters, which are all free there.
       if (!x.d.changes && names[k].size() == 1)
@@ -297,7 +298,7 @@ void drop_lost_friction(DiagnosisState& x) {
   effects.erase(std::remove_if(effects.begin(), effects.end(),
                                [&](const EffectTerm& term) {
                                  return has_axis_effect(term.effect) &&
-                                        parameters.count(BoundEffect(arm, term).parameter_name(0)) != 0;
+                                        parameters.count(EffectFacts(arm, term).parameter_name(0)) != 0;
                                }),
                 effects.end());
   description.identified.reset();
