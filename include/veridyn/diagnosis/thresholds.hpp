@@ -14,12 +14,17 @@ struct Thresholds {
   double significance = 0.05;
   double tie = 0.95;
   double rival_share = 0.8;
-  double listed_rival = 0.6;
+  double own_cause = 0.5;
+  double rival_same_joint = 0.4;
+  double rival_elsewhere = 0.6;
   double refuting = 0.1;
+  double tested_candidates = 6.0;
   double corrected_channels = 4.0;
+  double settling = 6.0;
   double new_share = 1e-6;
   double compact_load = 0.8;
   double impossible_fall = 1.2;
+  double near_duplicate = 5.0;
   double held_out_worse = 0.02;
   double main_share = 0.9;
   double negative_friction = 6.0;
@@ -43,6 +48,7 @@ struct Thresholds {
   // Wrong constants of the robot file.
   double constant_gain = 2.0;
   double kept_constants = 5.0;
+  double constant_rivals = 5.0;
   double constant_sharpness = 0.4;
   double commoner_cause = 0.93;
   double weaker_rival = 0.3;

@@ -93,7 +93,7 @@ std::optional<WrongConstant> wrong_constant(const Model& arm,
          "another constant, " + words_for(arm, geometry[k].constant) + ", would explain as much"});
   }
   for (const auto& [h, gain] : instead) {
-    if (gain < limits.weaker_rival * best.gain || static_cast<double>(f.rivals.size()) > limits.kept_constants) break;
+    if (gain < limits.weaker_rival * best.gain || static_cast<double>(f.rivals.size()) > limits.constant_rivals) break;
     f.rivals.push_back(
         {h.cause, fmt::format("hides it: alone it gains {:.0f} % as much",
                               numerics::kPercent * gain / best.gain)});

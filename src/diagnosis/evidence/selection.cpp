@@ -124,8 +124,11 @@ class Selector {
     const std::unique_ptr<Examiner::BaselineFit> before = examiner_.baseline(chosen());
     const std::vector<BorderedFit> without_cluster = examiner_.without_clusters(*before);
     std::vector<Evidence> sure;
+    int tested = 0;
     for (Evidence& e : good) {
-      if (!sure.empty() && e.gain < options_.thresholds.rival_share * sure.front().gain) break;
+      if (tested++ >= static_cast<int>(options_.thresholds.tested_candidates) + static_cast<int>(sure.size()) ||
+          (!sure.empty() && e.gain < options_.thresholds.rival_share * sure.front().gain))
+        break;
       e.p_value = examiner_.p_value(e.hypothesis, *before, without_cluster);
       if (e.p_value < examiner_.limit(e.hypothesis)) sure.push_back(e);
     }
@@ -229,8 +232,8 @@ class Selector {
                examiner_.limit(own);
   }
 
-  // Rivals of an accepted hypothesis gain as much in its place, beside all others, and less once it
-  // is there: they explain the same, or a part of it.
+  // Rivals of an accepted hypothesis gain as much in its place, beside all others, and little once
+  // it is there: they explain the same. What still gains is a cause of its own.
   void find_rivals(Selection& out) const {
     const std::vector<int> all = chosen();
     for (size_t k = 0; k < all.size(); ++k) {
@@ -242,8 +245,11 @@ class Selector {
       std::vector<Evidence> rivals;
       for (const Evidence& e : instead) {
         const Evidence& left = out.last_evaluated[e.hypothesis];
-        const bool same = left.collinear || left.gain < e.gain;
-        if (!left.accepted && same && examiner_.passes(e) && e.gain >= options_.thresholds.listed_rival * own_gain)
+        const bool same = left.collinear || left.gain < options_.thresholds.own_cause * e.gain;
+        const bool one_joint =
+            examiner_.hypothesis(e.hypothesis).joint == examiner_.hypothesis(all[k]).joint;
+        const double least = one_joint ? options_.thresholds.rival_same_joint : options_.thresholds.rival_elsewhere;
+        if (!left.accepted && same && examiner_.passes(e) && e.gain >= least * own_gain)
           rivals.push_back(e);
       }
       std::sort(rivals.begin(), rivals.end(),

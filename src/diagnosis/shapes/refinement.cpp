@@ -10,8 +10,9 @@
 namespace veridyn {
 namespace {
 
-// The second of two terms of one candidate.
-std::optional<size_t> second_twin(const CandidateData& asked, const Selection& selection) {
+// Two terms of one candidate whose constants lie near each other.
+std::optional<size_t> second_twin(const CandidateData& asked, const Selection& selection,
+                                  double near_duplicate) {
   const auto hypothesis = [&](size_t k) -> const Hypothesis& {
     return asked.augmented
         .hypotheses[selection.accepted[k].evidence.hypothesis];
@@ -19,7 +20,16 @@ std::optional<size_t> second_twin(const CandidateData& asked, const Selection& s
   for (size_t second = 1; second < selection.accepted.size(); ++second) {
     for (size_t first = 0; first < second; ++first) {
       const Hypothesis& a = hypothesis(first);
-      if (same_candidate(a, hypothesis(second)) && !is_load(a)) return second;
+      const Hypothesis& b = hypothesis(second);
+      if (!same_candidate(a, b) || is_load(a)) continue;
+      const auto& others = term_of(asked.augmented.model, b).values;
+      bool near = true;
+      for (const auto& [key, value] : term_of(asked.augmented.model, a).values) {
+        const auto other = others.find(key);
+        if (other == others.end() || value <= 0.0) continue;
+        near = near && std::abs(std::log(other->second / value)) < std::log(near_duplicate);
+      }
+      if (near) return second;
     }
   }
   return std::nullopt;
@@ -34,8 +44,8 @@ ColumnSet all_columns(const CandidateData& q, const NormalBlocks& data) {
   return set;
 }
 
-// Two memories of one joint may be a single one in between: one is dropped if the other, refined
-// alone, predicts held-out data as well.
+// Two memories of one joint at adjacent grid values may be a single one in between: one is dropped
+// if the other, refined alone, predicts held-out data as well.
 void merge_twins(const Identification& start, const CandidateData& asked, Selection& selection,
                  bool changes, const std::vector<std::string>& train,
                  const DiagnosisOptions& options) {
@@ -45,7 +55,7 @@ void merge_twins(const Identification& start, const CandidateData& asked, Select
                    {}, how);
   };
   std::optional<CandidateData> two;
-  while (const std::optional<size_t> second = second_twin(asked, selection)) {
+  while (const std::optional<size_t> second = second_twin(asked, selection, options.thresholds.near_duplicate)) {
     if (!two) two.emplace(refined(selection));
     Selection merged = selection;
     merged.accepted.erase(merged.accepted.begin() + static_cast<long>(*second));

@@ -242,7 +242,7 @@ void settle(DiagnosisState& x, FindingWriter& writer, size_t first, std::set<siz
   bool loads_alone = false;  // without changes of friction beside them
   std::set<size_t> needed;  // taken out once, and the joint was no better off
   const FoldErrors baseline = x.fold_errors(x.d.baseline);
-  while (x.d.extended.model && !kept.empty()) {
+  for (int turn = 0; turn < x.options.thresholds.settling && x.d.extended.model && !kept.empty(); ++turn) {
     for (const size_t k : kept) {
       // Several sizes of one curve may trade with the arm's parameters, which are all free there.
       if (!x.d.changes && names[k].size() == 1)

@@ -87,7 +87,7 @@ std::optional<Vibration> vibration_of(const Identification& id, int joint, const
     const double share = share_of_line(x.time, residual, frequency);
     for (const auto* signals : {&x.q, &x.dq, &x.modelled}) {
       for (const std::vector<double>& signal : *signals) {
-        if (share_of_line(x.time, centred(signal), frequency) > 0.5 * share) return std::nullopt;
+        if (share_of_line(x.time, centred(signal), frequency) > limits.own_cause * share) return std::nullopt;
       }
     }
     const auto all = static_cast<double>(id.test.size());
