@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "veridyn/effects/effect.hpp"
+#include "veridyn/effects/effect_facts.hpp"
 #include "comparison/comparison_numbers.hpp"
 
 namespace veridyn {
@@ -53,7 +53,7 @@ std::string effect_sentence(const Model& arm, const EffectTerm& term, const Stan
   std::string name = term.effect;
   std::replace(name.begin(), name.end(), '_', ' ');
   if (name.rfind("coulomb", 0) == 0 || name.rfind("stribeck", 0) == 0) name[0] -= 'a' - 'A';
-  const BoundEffect bound(arm, term);
+  const EffectFacts bound(arm, term);
   std::string which = bound.parameter_count() > 1
                           ? " (" + bound.parameters()[p.component].name + ")"
                           : "";

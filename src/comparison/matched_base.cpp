@@ -6,7 +6,7 @@
 #include <unordered_map>
 
 #include "comparison/model_structure.hpp"
-#include "veridyn/effects/effect.hpp"
+#include "veridyn/effects/effect_facts.hpp"
 #include "veridyn/regressor/base_parameters.hpp"
 #include "math/dense.hpp"
 #include "veridyn/math/require.hpp"
@@ -19,7 +19,7 @@ VectorXd values_of(const Model& arm, const std::vector<StandardParameter>& param
   require(arm.inertial_values().has_value(), "compare: found a body without values in robot '",
           arm.name(), "', expected a model that identify or diagnose wrote.");
   for (const EffectTerm& term : arm.effects()) {
-    require(BoundEffect(arm, term).has_values(), "compare: found effect '", term.effect,
+    require(EffectFacts(arm, term).has_values(), "compare: found effect '", term.effect,
             "' without values in robot '", arm.name(),
             "', expected a model that identify or diagnose wrote.");
   }

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "veridyn/effects/effect.hpp"
+#include "veridyn/effects/effect_facts.hpp"
 #include "veridyn/identification/pseudo_inertia.hpp"
 #include "veridyn/regressor/standard_parameters.hpp"
 #include "veridyn/math/require.hpp"
@@ -45,7 +45,7 @@ std::string place_of(const Model& arm, const EffectTerm& term) {
 }
 
 std::vector<double> shape_of(const Model& arm, const EffectTerm& term) {
-  const BoundEffect bound(arm, term);
+  const EffectFacts bound(arm, term);
   const std::size_t count = bound.effect().shapes().size();
   return {bound.shape().begin(), bound.shape().begin() + static_cast<long>(count)};
 }

@@ -9,7 +9,7 @@
 #include "recordings/named_recordings.hpp"
 #include "recordings/steady_runs.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
-#include "veridyn/effects/effect.hpp"
+#include "veridyn/effects/effect_facts.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/fixed_coordinates.hpp"
 
@@ -120,9 +120,9 @@ VectorXd torque_at_rest(const Model& arm, const VectorXd& q) {
   const VectorXd still = VectorXd::Zero(q.size());
   for (const EffectTerm& term : arm.effects()) {
     if (!term.frame.empty() || !has_axis_effect(term.effect)) continue;
-    BoundEffect effect(arm, term);
+    const EffectFacts effect(arm, term);
     if (effect.traits().role != EffectRole::kForce || effect.traits().memory) continue;
-    tau += effect.force(effect.sample(0.0, q.data(), still.data(), still.data(), 1)) * term.axis.coefficients;
+    tau += effect.force_at(effect.sample(0.0, q.data(), still.data(), still.data(), 1)) * term.axis.coefficients;
   }
   return tau;
 }

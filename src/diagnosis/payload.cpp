@@ -14,6 +14,7 @@
 #include "model/suggestion.hpp"
 #include "identification/velocity_choice.hpp"
 #include "recordings/named_recordings.hpp"
+#include "veridyn/effects/effect_facts.hpp"
 
 namespace veridyn {
 namespace {
@@ -77,7 +78,7 @@ Model with_fitted_effects(const Model& cad, const std::vector<std::string>& reco
     if (frame.body) frame.body->fixed = true;
   }
   for (EffectTerm& term : d.effects) {
-    if (has_axis_effect(term.effect)) term.fixed = BoundEffect(cad, term).has_values();
+    if (has_axis_effect(term.effect)) term.fixed = EffectFacts(cad, term).has_values();
   }
   const Identification id = identify(Model(std::move(d)), recordings, {}, options);
   require(id.model.has_value(), "payload: found effects without values in '", cad.name(),

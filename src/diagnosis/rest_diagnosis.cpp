@@ -16,7 +16,7 @@
 #include "identification/hold_out_numbers.hpp"
 #include "math/parallel.hpp"
 #include "math/student_t.hpp"
-#include "veridyn/effects/effect.hpp"
+#include "veridyn/effects/effect_facts.hpp"
 
 namespace veridyn {
 namespace {
@@ -170,10 +170,7 @@ class RestDiagnosis {
   }
 
   std::vector<std::string> names_of(const EffectTerm& term) const {
-    std::vector<std::string> out;
-    const BoundEffect effect(arm_, term);
-    for (int p = 0; p < effect.parameter_count(); ++p) out.push_back(effect.parameter_name(p));
-    return out;
+    return EffectFacts(arm_, term).parameter_names();
   }
 
   void add_finding(const RestQuestion& q, const RestFit& before, const RestFit& after) {

@@ -12,6 +12,7 @@
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/joint_sensors.hpp"
+#include "veridyn/effects/effect_facts.hpp"
 
 namespace veridyn {
 namespace {
@@ -58,7 +59,7 @@ class CWriter {
     phi_ = *phi;
     for (const EffectTerm& term : arm.arm_effects()) left_out_.push_back(term.effect + " on the arm");
     for (const EffectTerm& term : arm.effects()) {
-      const BoundEffect effect(arm, term);
+      const EffectFacts effect(arm, term);
       require(effect.has_values(), "export: arm '", arm.name(), "' has ", term.effect,
               " without values, expected a MODEL that identify or diagnose wrote.");
       if (dynamic_cast<const WrittenInC*>(&effect.effect()) == nullptr) {
@@ -310,7 +311,7 @@ static double {0}_contact(double s, double distance, double* z) {{
 
   // Writes one effect: its columns at this state, times its values, along its axis.
   std::string effect(std::size_t index) {
-    BoundEffect& one = effects_[index];
+    const EffectFacts& one = effects_[index];
     const EffectTerm& term = one.term();
     const Axis& axis = term.axis;
     std::string out = fmt::format("  {{ /* {} on {} */\n", term.effect,
@@ -351,7 +352,7 @@ static double {0}_contact(double s, double distance, double* z) {{
 
   void friction() {
     bool loaded = false;
-    for (const BoundEffect& one : effects_) loaded = loaded || one.traits().uses_load;
+    for (const EffectFacts& one : effects_) loaded = loaded || one.traits().uses_load;
     std::string body = "  int i;\n";
     if (loaded) {
       body += fmt::format("  R rigid[{0}_joints];\n  {0}_inverse_dynamics(q, dq, ddq, rigid);\n",
@@ -376,7 +377,7 @@ static double {0}_contact(double s, double distance, double* z) {{
   Tree tree_;
   std::string name_;
   VectorXd phi_;
-  std::vector<BoundEffect> effects_;
+  std::vector<EffectFacts> effects_;
   std::vector<std::string> left_out_;
   std::string out_, for_doubles_;
 };

@@ -4,24 +4,22 @@
 #include <cmath>
 #include <utility>
 
-#include "veridyn/effects/effect.hpp"
+#include "veridyn/effects/effect_facts.hpp"
 
 namespace veridyn {
 namespace {
 
 // The force at one state along the axis, with unloaded memory.
-double force_at(const BoundEffect& effect, double s, double ds, double dds) {
-  BoundEffect fresh = effect;
-  fresh.reset();
+double force_at(const EffectFacts& effect, double s, double ds, double dds) {
   AxisSample x;
   x.s = s;
   x.ds = ds;
   x.dds = dds;
-  return fresh.force(x);
+  return effect.force_at(x);
 }
 
 // The effect as a simple force, according to its traits; all zero where it is none.
-SimpleForce simple_force(const BoundEffect& effect) {
+SimpleForce simple_force(const EffectFacts& effect) {
   SimpleForce out;
   out.axis = effect.term().axis;
   const EffectTraits& traits = effect.traits();
@@ -45,7 +43,7 @@ bool is_nothing(const SimpleForce& f) {
          f.friction == 0.0;
 }
 
-bool is_written(const BoundEffect& effect) {
+bool is_written(const EffectFacts& effect) {
   const EffectTraits& t = effect.traits();
   const bool own = !t.uses_source && !t.uses_load && !t.depends_on_time && !t.memory;
   return own && (t.affine || t.dry == DryFriction::kConstant);
@@ -80,7 +78,7 @@ KnownEffects known_effects(const Model& arm) {
   KnownEffects out;
   for (const EffectTerm& term : arm.arm_effects()) out.left_out.push_back(term.effect + " on the arm");
   for (const EffectTerm& term : arm.effects()) {
-    const BoundEffect effect(arm, term);
+    const EffectFacts effect(arm, term);
     if (!effect.has_values() || !is_written(effect)) {
       out.left_out.push_back(term.effect + " on " + axis_text(arm, term.axis) +
                              (effect.has_values() ? "" : ", whose values are not known"));

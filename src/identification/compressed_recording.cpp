@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "identification/identification_numbers.hpp"
 #include "many_recordings.hpp"
 #include "period_fold.hpp"
 #include "read_ahead.hpp"
@@ -13,17 +14,6 @@
 
 namespace veridyn {
 namespace {
-
-constexpr size_t kMaxBlocks = 16;
-constexpr size_t kFewestBlocks = 4;       // lower bound for any arm
-constexpr double kMostBytes = 256.0 * 1024.0 * 1024.0;  // memory of one recording's factors
-constexpr double kFirstBlock = 1.0;       // [s]; doubled whenever there are too many blocks
-// Time at the beginning of the file in which the period is sought.
-constexpr double kPeriodSeconds = 125.0;
-constexpr long kPeriodRows = 8192;        // rows of that part at most; more are thinned
-constexpr int kPieceRows = 2048;
-constexpr size_t kGroupsAtOnce = 16;   // groups of joints
-constexpr double kMovingShare = 0.02;  // share of the largest speed, CONTRACT
 
 using Visit = VisitSegment;
 using Pass = StretchPass;
@@ -48,8 +38,8 @@ class Blocks {
     double bytes = 0.0;
     for (const std::vector<std::string>& mine : names_)
       bytes += static_cast<double>(sizeof(double) * mine.size() * mine.size());
-    while (most_ > kFewestBlocks && bytes * static_cast<double>(most_) > kMostBytes) most_ /= 2;
-    while (phases_ > kFewestBlocks && bytes * phases_ > kMostBytes) phases_ /= 2.0;
+    while (most_ > identifying::kFewestBlocks && bytes * static_cast<double>(most_) > identifying::kMostBytes) most_ /= 2;
+    while (phases_ > identifying::kFewestBlocks && bytes * phases_ > identifying::kMostBytes) phases_ /= 2.0;
   }
 
   // Absorbs the rows of some joints from `first` on. Factors of different joints are independent,
@@ -110,10 +100,10 @@ class Blocks {
     duration_ *= 2.0;
   }
 
-  double phases_ = 8.0;
-  size_t most_ = kMaxBlocks;
+  double phases_ = identifying::kMostPhases;
+  size_t most_ = identifying::kMaxBlocks;
   double period_;
-  double duration_ = kFirstBlock;
+  double duration_ = identifying::kFirstBlock;
   std::vector<std::vector<std::string>> names_;  // columns of each joint
   std::vector<std::vector<SquareRootInformation>> blocks_;
 };
@@ -131,8 +121,8 @@ PreprocessingOptions of_this_source(PreprocessingOptions options, const std::str
 // in memory.
 void absorb_all(const RegressorColumns& columns, const Segment& s, int threads, Blocks& blocks) {
   const std::vector<RegressorColumns::Joints> groups = columns.groups(s.q.rows());
-  for (size_t at = 0; at < groups.size(); at += kGroupsAtOnce) {
-    const size_t count = std::min(kGroupsAtOnce, groups.size() - at);
+  for (size_t at = 0; at < groups.size(); at += identifying::kGroupsAtOnce) {
+    const size_t count = std::min(identifying::kGroupsAtOnce, groups.size() - at);
     std::vector<std::vector<JointRows>> of_group(count);
     parallel_for(static_cast<int>(count), threads, [&](int g) {
       of_group[g] = columns.rows(s, groups[at + static_cast<size_t>(g)]);
@@ -219,7 +209,7 @@ class ThinnedPositions {
     if (index_++ % stride_ != 0) return;
     time_.push_back(piece.time[row]);
     q_.push_back(piece.q.row(row));
-    if (static_cast<long>(time_.size()) < kPeriodRows) return;
+    if (static_cast<long>(time_.size()) < identifying::kPeriodRows) return;
     stride_ *= 2;
     for (size_t k = 0; 2 * k < time_.size(); ++k) {
       time_[k] = time_[2 * k];
@@ -252,8 +242,8 @@ Recording first_positions(const Model& arm, const std::string& path,
                           const PreprocessingOptions& options) {
   const OpenedRows rows = open_rows(path, reading_of(arm, options), options.kept.get());
   ThinnedPositions positions;
-  while (positions.duration() < kPeriodSeconds) {
-    const Recording piece = rows.next(kPieceRows);
+  while (positions.duration() < identifying::kPeriodSeconds) {
+    const Recording piece = rows.next(identifying::kPieceRows);
     if (piece.rows() == 0) break;
     for (Eigen::Index k = 0; k < piece.rows(); ++k) positions.add(piece, k);
   }
@@ -339,7 +329,7 @@ ErrorSums run_prediction(const Model& arm, const std::string& source,
     for (Eigen::Index k = s.core_begin; k < s.core_end; ++k) {
       if (s.use[k] == 0) continue;
       for (int i = 0; i < n; ++i) {
-        const double slow = kMovingShare * joints[i].largest_speed;
+        const double slow = identifying::kMovingShare * joints[i].largest_speed;
         const MovingSample moves =
             std::abs(s.dq(k, i)) > slow ? MovingSample::kYes : MovingSample::kNo;
         sums.add(i, p.measured(k, i), p.modelled(k, i), moves);

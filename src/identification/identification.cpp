@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "identification/identification_numbers.hpp"
 #include "identified_base.hpp"
 #include "many_recordings.hpp"
 #include "shortfall.hpp"
@@ -42,7 +43,7 @@ std::vector<std::string> undetermined_parameters(const BaseParameters& arm_base,
   for (int j = 0; j < arm_base.size(); ++j) {
     const VectorXd row = wanted.col(j);
     const VectorXd rest = row - Q * (Q.transpose() * row);
-    if (rest.norm() > 1e-5 * row.norm())
+    if (rest.norm() > identifying::kOutsideSpan * row.norm())
       out.push_back(arm_base.expressions[j]);
   }
   return out;
@@ -339,10 +340,10 @@ Identification identify_compressed(const Model& file, std::vector<CompressedReco
   for (CompressedRecording& r : trained)
     merge_blocks(r, blocks_of_each(static_cast<int>(trained.size())));
   id.seconds.compress = seconds_since(begin);
-  say("solving", 0.4);
+  say("solving", identifying::kSolving);
   if (!fit_factors(arm, trained, options, id)) return id;
   refit_with_instruments(arm.used(), trained, options, id);
-  say("validating", 0.6);
+  say("validating", identifying::kValidating);
   id.factors = std::move(trained);
   validate(arm.used(), test, options, id);
   keep_training_error(id);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identification/identification_numbers.hpp"
 #include "math/clustered_statistics.hpp"
 #include "math/decompositions.hpp"
 #include "math/student_t.hpp"
@@ -13,9 +14,6 @@
 
 namespace veridyn {
 namespace {
-
-// Columns of one joint that are others' combinations up to rounding have smaller pivots.
-constexpr double kDependentColumn = 1e-9;
 
 // A whole recording on its uniform grid: low-passed positions with their derivatives.
 struct SmoothMotion {
@@ -74,7 +72,7 @@ SmoothMotion smooth_motion(const Model& arm, const CompressedRecording& recordin
   out.q.resize(out.time.size(), arm.joints());
   for (Eigen::Index k = 0; k < out.time.size(); ++k) out.q.row(k) = rows[k].transpose();
   const double rate = 1.0 / out.dt;
-  if (how.cutoff > 0.0 && how.cutoff < 0.45 * rate) ZeroPhaseFilter(how.cutoff, how.order, rate).apply(out.q);
+  if (how.cutoff > 0.0 && how.cutoff < identifying::kBelowNyquist * rate) ZeroPhaseFilter(how.cutoff, how.order, rate).apply(out.q);
   out.dq = differentiate(out.q, out.dt);
   out.ddq = differentiate(out.dq, out.dt);
   return out;
@@ -126,7 +124,7 @@ void absorb(const Model& arm, const CompressedRecording& recording, const Identi
   }
   const double length = std::max(smooth.time[smooth.time.size() - 1] - smooth.start, smooth.dt);
   const auto block_of = [&](double time) {
-    const double turns = smooth.period > 0.0 ? time / smooth.period : 0.999999 * std::clamp(time / length, 0.0, 1.0);
+    const double turns = smooth.period > 0.0 ? time / smooth.period : identifying::kEndOfTime * std::clamp(time / length, 0.0, 1.0);
     return first + std::min(count - 1, static_cast<size_t>(static_cast<double>(count) * (turns - std::floor(turns))));
   };
   for_each_segment(arm, recording.source, how, [&](const Segment& s) {
@@ -207,7 +205,7 @@ std::pair<double, int> residual_on(const SquareRootInformation& factor, const Ma
     MatrixXd A = factor.R() * T;
     for (Eigen::Index c = 0; c < A.cols(); ++c) A.col(c) /= std::max(A.col(c).norm(), 1e-300);
     Eigen::ColPivHouseholderQR<MatrixXd> out(A.rows(), A.cols());
-    out.setThreshold(kDependentColumn);
+    out.setThreshold(identifying::kDependentColumn);
     out.compute(A);
     return out;
   }();

@@ -3,18 +3,12 @@
 #include <algorithm>
 #include <utility>
 
+#include "identification/identification_numbers.hpp"
 #include "math/parallel.hpp"
 
 namespace veridyn {
-namespace {
-
-// Blocks of all recordings together: 10 recordings keep 16 each, 16 recordings eight, 100 one.
-constexpr int kMostBlocks = 160;
-
-}  // namespace
-
 int blocks_of_each(int recordings) {
-  return std::max(1, kMostBlocks / std::max(1, recordings));
+  return std::max(1, identifying::kMostBlocks / std::max(1, recordings));
 }
 
 void merge_blocks(CompressedRecording& recording, int most) {

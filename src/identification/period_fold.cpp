@@ -1,12 +1,7 @@
 #include "period_fold.hpp"
+#include "identification/identification_numbers.hpp"
 
 namespace veridyn {
-namespace {
-
-constexpr double kAdjacent = 0.05;  // [s] samples farther apart than this are separated by a gap
-
-}  // namespace
-
 PeriodFold::PeriodFold(int joints, double period)
     : period_(period), difference2_(VectorXd::Zero(joints)), torque2_(difference2_) {}
 
@@ -18,17 +13,17 @@ void PeriodFold::add(double time, const MatrixXd& tau, Eigen::Index row) {
   if (past_.front().time > then || past_.size() < 2) return;
   const Sample& a = past_[0];
   const Sample& b = past_[1];
-  if (b.time - a.time > kAdjacent) return;
+  if (b.time - a.time > identifying::kAdjacent) return;
   const double share = (then - a.time) / (b.time - a.time);
   const VectorXd before = a.tau + share * (b.tau - a.tau);
   difference2_ += (past_.back().tau - before).cwiseAbs2();
   torque2_ += 0.5 * (past_.back().tau.cwiseAbs2() + before.cwiseAbs2());
-  if (time - last_time_ < kAdjacent) compared_time_ += time - last_time_;
+  if (time - last_time_ < identifying::kAdjacent) compared_time_ += time - last_time_;
   last_time_ = time;
 }
 
 VectorXd PeriodFold::relative_floor() const {
-  if (compared_time_ < 0.25 * period_ || period_ <= 0.0) return {};
+  if (compared_time_ < identifying::kCompared * period_ || period_ <= 0.0) return {};
   return (0.5 * difference2_.array() / torque2_.array().max(1e-300)).sqrt();
 }
 

@@ -83,13 +83,13 @@ std::vector<MatrixXd> RegressorColumns::raw_columns(const Segment& s, Joints joi
 
 // Columns of an effect along its axis; computes the load of the bodies when the first one needs it.
 MatrixXd RegressorColumns::columns_of(const EffectTerm& term, const Segment& s, MatrixXd& load) const {
-  const BoundEffect effect(arm_, term);
+  const EffectFacts effect(arm_, term);
   const MotionView motion(s.time, s.q, s.dq, s.ddq);
   if (effect.traits().uses_load && load.size() == 0) {
     load = rigid_load(arm_, bodies_, motion);
     smooth_load(load, s.dt);
   }
-  return columns_along(effect, motion, load, s.start);
+  return columns_along(effect.bound(), motion, load, s.start);
 }
 
 // Torque of the bodies and of the effects along axes, for given parameters.

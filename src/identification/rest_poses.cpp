@@ -3,29 +3,19 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identification/identification_numbers.hpp"
 #include "effects/plain_friction.hpp"
 #include "many_recordings.hpp"
 #include "identification/base_solution.hpp"
 #include "validation.hpp"
 #include "recordings/kept_recordings.hpp"
 #include "veridyn/effects/channel_effect.hpp"
-#include "veridyn/effects/effect.hpp"
+#include "veridyn/effects/effect_facts.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/joint_sensors.hpp"
 
 namespace veridyn {
 namespace {
-
-// A joint that is slower is at rest.
-constexpr double kStillTurning = 5e-3;  // [rad/s]
-constexpr double kStillSliding = 1e-3;  // [m/s]
-constexpr Eigen::Index kFewestRows = 5;  // of a pose between motions: fewer are a reversal
-constexpr Eigen::Index kFewestBlocks = 8;
-constexpr double kRank = 1e-6;  // share of the largest singular value: poses that hardly differ tell nothing
-constexpr double kBand = 0.95;  // share of the poses within the band that is printed
-constexpr double kBallMass = 1.0;     // [kg]
-constexpr double kBallRadius = 0.1;  // [m]
-constexpr double kSolidBall = 0.4;    // of m r^2
 
 RecordingOptions reading_poses(const Model& arm, const PreprocessingOptions& how, double rate) {
   RecordingOptions reading = reading_of(arm, how);
@@ -76,7 +66,7 @@ Recording corrected(const Model& arm, const Recording& r) {
 RestPoses poses_between_motions(const Model& arm, const Recording& r) {
   const int n = arm.joints();
   const auto moves = [&](Eigen::Index k, int j) {
-    const double still = arm.coordinates()[j].prismatic ? kStillSliding : kStillTurning;
+    const double still = arm.coordinates()[j].prismatic ? identifying::kStillSliding : identifying::kStillTurning;
     return std::abs(r.dq(k, j)) > still;
   };
   RestPoses out;
@@ -89,7 +79,7 @@ RestPoses poses_between_motions(const Model& arm, const Recording& r) {
     for (int j = 0; j < n && rests; ++j) rests = !moves(k, j);
     if (rests) continue;
     const Eigen::Index count = k - first;
-    if (count >= kFewestRows) {
+    if (count >= identifying::kFewestRows) {
       q.emplace_back(r.q.middleRows(first, count).colwise().mean());
       tau.emplace_back(r.tau.middleRows(first, count).colwise().mean());
       approach.push_back(last);
@@ -118,7 +108,7 @@ Model resting_arm(const Model& file, bool approached) {
   d.effects.erase(std::remove_if(d.effects.begin(), d.effects.end(),
                                  [&](const EffectTerm& term) {
                                    if (channel_effect(term.effect) != nullptr) return true;
-                                   const EffectTraits t = BoundEffect(file, term).traits();
+                                   const EffectTraits t = EffectFacts(file, term).traits();
                                    const bool dry = t.dry == DryFriction::kConstant && approached;
                                    return t.memory || t.depends_on_time || t.uses_acceleration ||
                                           (t.uses_velocity && !dry);
@@ -158,7 +148,7 @@ std::vector<JointRows> rows_of_poses(const Model& arm, const RestPoses& poses) {
 CompressedRecording compressed(const Model& arm, const RestPoses& poses) {
   const std::vector<JointRows> rows = rows_of_poses(arm, poses);
   const std::vector<std::string> names = parameter_names(standard_parameters(arm));
-  const Eigen::Index blocks = std::min(kFewestBlocks, poses.poses());
+  const Eigen::Index blocks = std::min<Eigen::Index>(identifying::kRestBlocks, poses.poses());
   CompressedRecording out;
   out.source = poses.source;
   out.facts.dt = 1.0;
@@ -264,6 +254,7 @@ Model balls(const Model& arm) {
   for (Frame& frame : d.frames) {
     if (!frame.body) continue;
     InertialParameters phi = InertialParameters::Zero();
+    using identifying::kBallMass, identifying::kBallRadius, identifying::kSolidBall;
     phi[0] = kBallMass;
     phi[4] = phi[7] = phi[9] = kSolidBall * kBallMass * kBallRadius * kBallRadius;
     frame.body->phi = phi;
@@ -288,8 +279,8 @@ void say_bands(const Model& arm, const MatrixXd& residuals, bool approached, Ide
   std::string words;
   for (int i = 0; i < arm.joints(); ++i) {
     const Coordinate& c = arm.coordinates()[i];
-    const double band = quantile(residuals.col(i).cwiseAbs(), kBand);
-    words += text(i > 0 ? ", " : "", c.name, " ", static_cast<double>(std::round(1e4 * band)) * 1e-4, " ",
+    const double band = quantile(residuals.col(i).cwiseAbs(), identifying::kBand);
+    words += text(i > 0 ? ", " : "", c.name, " ", std::round(identifying::kBandSteps * band) / identifying::kBandSteps, " ",
                   c.prismatic ? "N" : "N m");
   }
   id.remarks.push_back(text(
@@ -319,16 +310,15 @@ RestPoses read_rest_poses(const Model& arm, const std::string& path, const Prepr
 }
 
 bool is_at_rest(const Model& arm, const std::string& path, const PreprocessingOptions& how) {
-  constexpr int kPiece = 4096;
   if (find_in_memory(how.in_memory, path) != nullptr) return false;
   const OpenedRows rows = open_rows(path, reading_of(arm, how), how.kept.get());
-  Recording piece = rows.next(kPiece);
+  Recording piece = rows.next(identifying::kRestPiece);
   if (piece.rows() == 0 || piece.dq.size() == 0) return false;
   const Eigen::RowVectorXd first = piece.q.row(0);
   bool one_pose = true;  // which tells nothing about gravity
   while (piece.rows() > 0 && all_zero(piece.dq)) {
     one_pose = one_pose && all_zero(piece.q.rowwise() - first);
-    piece = rows.next(kPiece);
+    piece = rows.next(identifying::kRestPiece);
   }
   return piece.rows() == 0 && !one_pose;
 }
@@ -357,7 +347,7 @@ Identification identify_at_rest(const Model& file, const std::vector<RestPoses>&
   for (const CompressedRecording& r : factors) id.rows += r.rows;
   const std::vector<std::string> names = parameter_names(standard_parameters(arm));
   const SquareRootInformation total = weighted_total(factors, range_weights(factors), names);
-  const BaseParameters base = base_parameters(total, preferred_columns(standard_parameters(arm)), kRank);
+  const BaseParameters base = base_parameters(total, preferred_columns(standard_parameters(arm)), identifying::kRank);
   if (base.size() == 0) {
     id.reason = "the poses determine no parameter";
     return id;

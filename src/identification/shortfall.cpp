@@ -2,17 +2,10 @@
 
 #include <algorithm>
 
+#include "identification/identification_numbers.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
-namespace {
-
-// Travel below which a joint counts as at rest.
-constexpr double kStillRevolute = 2e-3;   // [rad]
-constexpr double kStillPrismatic = 2e-4;  // [m]
-
-}  // namespace
-
 std::vector<std::string> still_joints(const Model& arm,
                                       const std::vector<CompressedRecording>& recordings) {
   std::vector<std::string> still;
@@ -20,7 +13,7 @@ std::vector<std::string> still_joints(const Model& arm,
     const Coordinate& coordinate = arm.coordinates()[i];
     double travel = 0.0;
     for (const CompressedRecording& r : recordings) travel = std::max(travel, r.joints[i].travel());
-    if (travel < (coordinate.prismatic ? kStillPrismatic : kStillRevolute))
+    if (travel < (coordinate.prismatic ? identifying::kStillPrismatic : identifying::kStillRevolute))
       still.push_back(coordinate.name);
   }
   return still;

@@ -7,18 +7,16 @@
 #include <unordered_map>
 #include <utility>
 
+#include "identification/identification_numbers.hpp"
 #include "many_recordings.hpp"
 #include "math/parallel.hpp"
 #include "identification/velocity_choice.hpp"
 #include "recordings/named_recordings.hpp"
 #include "veridyn/math/require.hpp"
+#include "veridyn/effects/effect_facts.hpp"
 
 namespace veridyn {
 namespace {
-
-// [N m], [N] No sensor shows as little; from 1e-16 on tolerances for rounding would count.
-constexpr double kNoTorque = 1e-12;
-constexpr int kSeriesSamples = 30000;  // for plots, over all recordings
 
 // Sets quantities that sums of squares do not determine to NaN.
 PredictionError only_relative(PredictionError error) {
@@ -93,7 +91,7 @@ VectorXd mean_noise_floor(const std::vector<CompressedRecording>& recordings, in
 
 bool without_torque(const CompressedRecording& recording) {
   return std::all_of(recording.joints.begin(), recording.joints.end(), [](const TorqueFacts& joint) {
-    return std::max(-joint.minimum, joint.maximum) < kNoTorque;
+    return std::max(-joint.minimum, joint.maximum) < identifying::kNoTorque;
   });
 }
 
@@ -144,7 +142,7 @@ MeasuredRecording measure(const Model& arm, const CompressedRecording& recording
 
 int series_samples_of_each(int recordings) {
   const int usual = PredictionSeries().wanted;
-  return std::clamp(kSeriesSamples / std::max(1, recordings), 100, usual);
+  return std::clamp(identifying::kSeriesSamples / std::max(1, recordings), identifying::kFewestSamples, usual);
 }
 
 std::vector<CompressedRecording> compress_test(const Model& arm,
@@ -228,7 +226,7 @@ void validate(const Model& arm, const std::vector<std::string>& test,
 bool has_all_values(const Model& arm) {
   if (!arm.inertial_values()) return false;
   for (const EffectTerm& term : arm.effects()) {
-    if (!BoundEffect(arm, term).has_values()) return false;
+    if (!EffectFacts(arm, term).has_values()) return false;
   }
   return true;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "identification/identification_numbers.hpp"
 #include "math/parallel.hpp"
 #include "recordings/kept_recordings.hpp"
 #include "veridyn/math/require.hpp"
@@ -10,18 +11,15 @@
 namespace veridyn {
 namespace {
 
-constexpr double kLeastError = 1e-300;
-constexpr long kLookedAt = 20000;  // rows of a recording from which units and noise are judged
-
 VectorXd logarithm(const VectorXd& relative) {
-  return 2.0 * relative.array().max(kLeastError).min(1.0 / kLeastError).log();
+  return 2.0 * relative.array().max(1e-300).min(1e300).log();
 }
 
 RecordingQuality quality_of(const Model& arm, const std::string& name,
                             const PreprocessingOptions& how) {
   RecordingOptions reading = reading_of(arm, how);
   reading.first_row = std::max(0L, how.first_row);
-  reading.row_count = std::min(how.row_count.value_or(kLookedAt), kLookedAt);
+  reading.row_count = std::min(how.row_count.value_or(identifying::kLookedAt), identifying::kLookedAt);
   const auto judge = [&] { return check_rows(name, open_rows(name, reading, how.kept.get())); };
   try {
     const Recording* there = find_in_memory(how.in_memory, name);
@@ -101,7 +99,7 @@ Identification with_chosen_velocities(
   for (const RecordingError& r : id.train)
     how.preprocessing.known_periods.emplace(r.source, r.period);
   VelocityChoice choice =
-      choose_velocities(id, doubted, kVelocityGain, [&](const std::set<int>& joints) {
+      choose_velocities(id, doubted, identifying::kVelocityGain, [&](const std::set<int>& joints) {
         derive_velocities(joints, how);
         return again(how);
       });

@@ -12,10 +12,6 @@
 
 namespace veridyn {
 
-/// Decrease of ln(mean square) of a joint's torque above which its velocity is derived from the
-/// position: 2 % of the error.
-constexpr double kVelocityGain = 0.04;
-
 /// ln(mean square) per joint on the training recordings, over the fitted rows, (n).
 VectorXd log_training_errors(const Identification& id);
 

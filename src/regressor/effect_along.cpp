@@ -7,6 +7,16 @@ namespace {
 
 constexpr Eigen::Index kBlockRows = 512;
 
+MatrixXd columns_of(BoundEffect& effect, const std::vector<AxisSample>& samples) {
+  MatrixXd columns(samples.size(), effect.parameter_count());
+  EffectColumns row{};
+  for (Eigen::Index k = 0; k < columns.rows(); ++k) {
+    effect.columns(samples[k], row);
+    for (int p = 0; p < effect.parameter_count(); ++p) columns(k, p) = row[p];
+  }
+  return columns;
+}
+
 }  // namespace
 
 MatrixXd rigid_load(const Model& arm, const RegressorBatch& bodies, const MotionView& motion) {
@@ -63,15 +73,9 @@ MatrixXd columns_along(const BoundEffect& effect, const MotionView& motion, cons
                        double start) {
   BoundEffect own = effect;
   own.reset(start);
-  MatrixXd columns(motion.rows(), effect.parameter_count());
-  Eigen::Index k = 0;
-  EffectColumns row{};
-  for (const AxisSample& x : axis_samples(effect, motion, load, start)) {
-    own.columns(x, row);
-    for (int p = 0; p < effect.parameter_count(); ++p) columns(k, p) = row[p];
-    ++k;
-  }
-  return columns;
+  return columns_of(own, axis_samples(effect, motion, load, start));
 }
+
+MatrixXd ColumnsInPieces::next(const std::vector<AxisSample>& samples) { return columns_of(effect_, samples); }
 
 }  // namespace veridyn

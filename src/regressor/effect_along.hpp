@@ -1,9 +1,10 @@
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "veridyn/dynamics/regressor_batch.hpp"
-#include "veridyn/effects/effect.hpp"
+#include "veridyn/effects/effect_facts.hpp"
 #include "veridyn/math/motion_samples.hpp"
 
 namespace veridyn {
@@ -48,5 +49,24 @@ std::vector<AxisSample> axis_samples(const BoundEffect& effect, const MotionView
 /// initially unloaded. Multiply by the axis' coefficients for the joints.
 MatrixXd columns_along(const BoundEffect& effect, const MotionView& motion, const MatrixXd& load,
                        double start);
+
+/// Columns of an effect along samples that arrive in pieces, (rows x parameters); the memory goes on
+/// from piece to piece.
+class ColumnsInPieces {
+ public:
+  explicit ColumnsInPieces(EffectFacts facts) : facts_(std::move(facts)), effect_(facts_.bound()) {}
+  const EffectFacts& facts() const { return facts_; }
+  void reset() { effect_.reset(); }
+  MatrixXd next(const std::vector<AxisSample>& samples);
+
+  /// The samples of its axis along a motion, as axis_samples() computes them.
+  std::vector<AxisSample> samples(const MotionView& motion, const MatrixXd& load) const {
+    return axis_samples(effect_, motion, load, 0.0);
+  }
+
+ private:
+  EffectFacts facts_;
+  BoundEffect effect_;
+};
 
 }  // namespace veridyn

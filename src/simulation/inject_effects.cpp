@@ -12,6 +12,7 @@
 #include "veridyn/model/model_file.hpp"
 #include "model/suggestion.hpp"
 #include "veridyn/simulation/hidden_effect.hpp"
+#include "veridyn/effects/effect_facts.hpp"
 
 namespace veridyn {
 namespace {
@@ -229,7 +230,7 @@ class Injector {
   // of the joint.
   void fill_shapes(const AxisEffect& effect, int joint, EffectTerm& term) const {
     const MotionLimits limits = motion_limits(out_.arm);
-    const ShapeValues initial = BoundEffect(out_.arm, term).shape();
+    const ShapeValues initial = EffectFacts(out_.arm, term).shape();
     const std::vector<EffectShape> shapes = effect.shapes();
     for (size_t k = 0; k < shapes.size(); ++k) {
       const EffectShape& shape = shapes[k];
@@ -245,7 +246,7 @@ class Injector {
 
   // True if the request gave all parameters of a term.
   bool was_given(size_t term) const {
-    return BoundEffect(out_.arm, out_.arm.effects()[term]).has_values();
+    return EffectFacts(out_.arm, out_.arm.effects()[term]).has_values();
   }
 
   static bool has_force(const EffectTerm& term) {

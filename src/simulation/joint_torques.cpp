@@ -2,13 +2,14 @@
 
 #include "simulation/plant_torques.hpp"
 #include "veridyn/math/require.hpp"
+#include "veridyn/effects/effect_facts.hpp"
 
 namespace veridyn {
 namespace {
 
 void require_values(const Model& arm) {
   for (const EffectTerm& term : arm.effects()) {
-    require(BoundEffect(arm, term).has_values(), "joint_torques: arm '", arm.name(), "' has ",
+    require(EffectFacts(arm, term).has_values(), "joint_torques: arm '", arm.name(), "' has ",
             term.effect, " without values.");
   }
 }

@@ -31,12 +31,12 @@ MatrixXd rigid_torques(const Model& arm, const MotionSamples& motion) {
 
 MatrixXd term_columns(const Model& arm, const EffectTerm& term, const MotionSamples& motion,
                         const MatrixXd& rigid, int substeps) {
-  const BoundEffect effect(arm, term);
+  const EffectFacts effect(arm, term);
   if (!effect.traits().memory || substeps == 1)
-    return columns_along(effect, motion, rigid, motion.time[0]);
+    return columns_along(effect.bound(), motion, rigid, motion.time[0]);
   const MotionSamples fine = refined(motion, substeps);
   const MatrixXd load = effect.traits().uses_load ? rigid_torques(arm, fine) : MatrixXd();
-  const MatrixXd all = columns_along(effect, fine, load, motion.time[0]);
+  const MatrixXd all = columns_along(effect.bound(), fine, load, motion.time[0]);
   MatrixXd columns(motion.rows(), all.cols());
   for (Eigen::Index k = 0; k < motion.rows(); ++k) columns.row(k) = all.row(k * substeps);
   return columns;
@@ -47,7 +47,7 @@ MatrixXd effect_torques(const Model& arm, const MotionSamples& motion, const Mat
   MatrixXd tau = MatrixXd::Zero(motion.rows(), motion.joints());
   for (const EffectTerm& term : arm.effects()) {
     if (!wanted(term)) continue;
-    const BoundEffect effect(arm, term);
+    const EffectFacts effect(arm, term);
     const Eigen::Map<const VectorXd> values(effect.values().data(), effect.parameter_count());
     const VectorXd force = term_columns(arm, term, motion, load, substeps) * values;
     tau += force * term.axis.coefficients.transpose();

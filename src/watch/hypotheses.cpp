@@ -5,6 +5,7 @@
 
 #include "veridyn/math/require.hpp"
 #include "watch/watch_numbers.hpp"
+#include "veridyn/effects/effect_facts.hpp"
 
 namespace veridyn::watching {
 namespace {
@@ -52,6 +53,8 @@ VectorXd values_of(const Model& arm) {
   return *phi;
 }
 
+MotionView view(const StepMotion& m) { return {m.time, m.q, m.dq, m.ddq}; }
+
 }  // namespace
 
 Hypotheses::Hypotheses(const Model& arm, const std::vector<std::string>& links)
@@ -62,11 +65,11 @@ Hypotheses::Hypotheses(const Model& arm, const std::vector<std::string>& links)
       phi_(values_of(arm)) {
   for (const EffectTerm& term : arm.effects()) {
     if (!has_axis_effect(term.effect)) continue;
-    effects_.emplace_back(arm, term);
-    require(effects_.back().has_values() || effects_.back().parameter_count() == 0, "watch: robot '",
-            arm.name(), "': ", effects_.back().parameter_name(0),
-            " has no value, expected a MODEL that identify or diagnose wrote.");
-    if (effects_.back().traits().dry != DryFriction::kNone) dry_.push_back({effects_.size() - 1});
+    EffectFacts effect(arm, term);
+    require(effect.has_values() || effect.parameter_count() == 0, "watch: robot '", arm.name(), "': ",
+            effect.parameter_name(0), " has no value, expected a MODEL that identify or diagnose wrote.");
+    if (effect.traits().dry != DryFriction::kNone) dry_.push_back({effects_.size()});
+    effects_.emplace_back(std::move(effect));
   }
   for (const Candidate& c : sudden_candidates(arm, load_frames(arm, links))) {
     all_.push_back({c, unit_of(arm, c)});
@@ -79,7 +82,7 @@ Hypotheses::Hypotheses(const Model& arm, const std::vector<std::string>& links)
       EffectTerm term;
       term.effect = effect_of(c.cause);
       term.axis = c.axis;
-      axis_.emplace_back(arm, term);
+      axis_.emplace_back(EffectFacts(arm, term));
     }
   }
   const size_t loads = body_of_load_.size();
@@ -97,28 +100,29 @@ Hypotheses::Hypotheses(const Model& arm, const std::vector<std::string>& links)
 }
 
 void Hypotheses::reset() {
-  for (BoundEffect& effect : effects_) effect.reset();
-  for (BoundEffect& effect : axis_) effect.reset();
+  for (ColumnsInPieces& effect : effects_) effect.reset();
+  for (ColumnsInPieces& effect : axis_) effect.reset();
 }
 
 void Hypotheses::add_effects(const StepMotion& motion, const MatrixXd& rigid, Answer& out) {
   const Eigen::Index rows = motion.q.rows();
   std::vector<Dry>::iterator dry = dry_.begin();
   for (size_t e = 0; e < effects_.size(); ++e) {
-    BoundEffect& effect = effects_[e];
+    const EffectFacts& effect = effects_[e].facts();
     const VectorXd& c = effect.term().axis.coefficients;
+    const std::vector<AxisSample> samples = effects_[e].samples(view(motion), rigid);
+    const VectorXd forces =
+        effects_[e].next(samples) * Eigen::Map<const VectorXd>(effect.values().data(), effect.parameter_count());
     Dry* of_effect = dry != dry_.end() && dry->effect == e ? &*dry++ : nullptr;
     for (Eigen::Index k = 0; k < rows; ++k) {
-      AxisSample x = effect.sample(motion.time[k], motion.q.data() + k, motion.dq.data() + k,
-                                   motion.ddq.data() + k, rows);
-      if (effect.traits().uses_load) x.load = rigid.row(k).dot(c) / c.squaredNorm();
-      const double force = effect.force(x);
+      const double force = forces[k];
+      const double speed = std::abs(samples[k].ds);
       out.torque.row(k) += force * c.transpose();
       out.parts[2].row(k) += std::abs(force) * c.transpose().cwiseAbs();
       if (of_effect == nullptr) continue;
       of_effect->level = std::max(of_effect->level, std::abs(force));
-      of_effect->fastest = std::max(of_effect->fastest, std::abs(x.ds));
-      if (std::abs(x.ds) < kRestShare * of_effect->fastest)
+      of_effect->fastest = std::max(of_effect->fastest, speed);
+      if (speed < kRestShare * of_effect->fastest)
         out.rest_friction.row(k) += (of_effect->level * c.transpose()).cwiseAbs();
     }
   }
@@ -150,15 +154,10 @@ void Hypotheses::evaluate(const StepMotion& motion, Answer& out) {
   bodies_.torques(motion.q, still, still, phi_, weight);
   out.parts = {weight.cwiseAbs(), (rigid - weight).cwiseAbs(), still};
   add_effects(motion, rigid, out);
-  for (BoundEffect& effect : axis_) {
+  for (ColumnsInPieces& effect : axis_) {
     MatrixXd column = MatrixXd::Zero(rows, n);
-    const int j = main_coordinate(effect.term().axis);
-    EffectColumns row{};
-    for (Eigen::Index k = 0; k < rows; ++k) {
-      effect.columns(effect.sample(motion.time[k], motion.q.data() + k, motion.dq.data() + k,
-                                   motion.ddq.data() + k, rows), row);
-      column(k, j) = row[0];
-    }
+    column.col(main_coordinate(effect.facts().term().axis)) =
+        effect.next(effect.samples(view(motion), MatrixXd())).col(0);
     out.columns.push_back(std::move(column));
   }
   channel_columns(motion, out);

@@ -6,7 +6,7 @@
 #include "causes/candidates.hpp"
 #include "veridyn/dynamics/regressor_batch.hpp"
 #include "veridyn/effects/channel_effect.hpp"
-#include "veridyn/effects/effect.hpp"
+#include "regressor/effect_along.hpp"
 
 namespace veridyn::watching {
 
@@ -61,10 +61,10 @@ class Hypotheses {
   Model arm_, loaded_;
   RegressorBatch bodies_, loads_;
   VectorXd phi_;
-  std::vector<BoundEffect> effects_;
+  std::vector<ColumnsInPieces> effects_;
   std::vector<Dry> dry_;
   std::vector<Hypothesis> all_;
-  std::vector<BoundEffect> axis_;             // of the hypotheses along axes, in their order
+  std::vector<ColumnsInPieces> axis_;         // of the hypotheses along axes, in their order
   std::vector<const ChannelEffect*> channel_; // of those of channels, in their order
   std::vector<int> body_of_load_;             // among the bodies of loaded_
   std::vector<MatrixXd> Y_;

@@ -30,6 +30,11 @@ struct Request {
   std::vector<double> sizes = {0.01, 0.02, 0.04, 0.08, 0.16};
 };
 
+void add_room(CLI::App& app, Request& request) {
+  app.add_option("--of", request.sweep.room, "diagnose, or check: the numbers about signals beside a robot (diagnose)")
+      ->check(CLI::IsMember({"diagnose", "check"}));
+}
+
 void add_board_options(CLI::App& app, Request& request) {
   BoardRequest& board = request.board;
   app.add_option("--arms", board.arms, "Arms of tests/hide_and_seek/robots or data/robots")
@@ -112,9 +117,11 @@ int run(int argc, char** argv) {
 
   CLI::App* thresholds = app.add_subcommand("thresholds", "All numbers that decide, as a table");
   thresholds->add_option("--sweeps", request.sweeps, "File of `sweeps`: a column with what they changed");
+  add_room(*thresholds, request);
 
   CLI::App* sweeps = app.add_subcommand("sweeps", "What numbers are worth: several factors of each, into a file");
-  sweeps->add_option("NUMBERS", request.sweep.numbers, "Of `thresholds` (default: those whose value has no sweep in FILE)");
+  sweeps->add_option("NUMBERS", request.sweep.numbers, "Names (default: those whose value has no sweep in FILE)");
+  add_room(*sweeps, request);
   sweeps->add_option("-o,--output", request.sweep.file, "CSV FILE; rows of other numbers are kept")->required();
   sweeps->add_option("--factors", request.sweep.factors, "(0.5,0.7,1.4,2)")->delimiter(',');
   sweeps->add_option("--seed", request.sweep.seed, "Of the small board (811)");
@@ -149,7 +156,7 @@ int run(int argc, char** argv) {
     asked.options = request.board.options;
     play_outside(asked);
   } else if (thresholds->parsed()) {
-    print_thresholds(request.sweeps);
+    request.sweep.room == "check" ? print_check_numbers(request.sweeps) : print_thresholds(request.sweeps);
   } else if (sweeps->parsed()) {
     request.sweep.options = request.board.options;
     write_sweeps(request.sweep);

@@ -4,15 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "veridyn/diagnosis/diagnosis.hpp"
+#include "hide_and_seek/swept_room.hpp"
 
 namespace veridyn::seek {
-
-/// What a diagnosis says of a case of the small board.
-struct SweepAnswer {
-  bool right = false;  ///< all that is hidden is named, or said in the right words, and nothing else
-  std::string said;    ///< names, places, rivals, states of joints, faults of recordings; no numbers
-};
 
 /// A case whose recordings are written and, where it starts from a MODEL, whose arm is identified.
 struct SweepCase {

@@ -13,6 +13,7 @@
 #include <set>
 
 #include "hide_and_seek/sweep_board.hpp"
+#include "identification/check/check_thresholds.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::seek {
@@ -22,16 +23,16 @@ constexpr const char* kHeader = "number,factor,value,cases,right,gained,lost,oth
 
 using Answers = std::vector<SweepAnswer>;
 
-SweepAnswer ask(const SweepCase& one, const DiagnosisOptions& options) {
+SweepAnswer ask(const RoomCase& one, const std::string& number, double factor) {
   try {
-    return one.ask(options);
+    return one.ask(number, factor);
   } catch (const std::exception& error) {
     return {false, std::string("ERROR ") + error.what()};
   }
 }
 
 // What one value of a number changes: cases gained and lost, and answers that differ otherwise.
-std::string counts(const std::vector<SweepCase>& board, const Answers& base, const Answers& now) {
+std::string counts(const std::vector<RoomCase>& board, const Answers& base, const Answers& now) {
   int right = 0, gained = 0, lost = 0, other = 0;
   std::string which;
   const auto add = [&which](const char* sign, const std::string& name) {
@@ -99,16 +100,15 @@ std::map<std::string, std::string> changes_in(const std::string& file) {
 }
 
 // Numbers without a row of their present value.
-std::vector<std::string> unswept(const std::vector<std::string>& lines) {
-  const Thresholds now;
+std::vector<std::string> unswept(const SweptRoom& room, const std::vector<std::string>& lines) {
   std::set<std::string> known;
   for (size_t k = 1; k < lines.size(); ++k) {
     const std::vector<std::string> row = fields_of(lines[k]);
-    if (row.size() > 2 && row[1] == "1" && row[2] == fmt::format("{:g}", now.*find_threshold(row[0]).value)) known.insert(row[0]);
+    if (row.size() > 2 && row[1] == "1" && row[2] == fmt::format("{:g}", room.value(row[0]))) known.insert(row[0]);
   }
   std::vector<std::string> out;
-  for (const ThresholdEntry& e : threshold_table()) {
-    if (known.count(e.name) == 0) out.push_back(e.name);
+  for (const std::string& number : room.numbers) {
+    if (known.count(number) == 0) out.push_back(number);
   }
   return out;
 }
@@ -139,44 +139,63 @@ void print_thresholds(const std::string& sweeps) {
   }
 }
 
+void print_check_numbers(const std::string& sweeps) {
+  const std::map<std::string, std::string> changed =
+      sweeps.empty() ? std::map<std::string, std::string>() : changes_in(sweeps);
+  fmt::print("| number | value | multiplied by |\n|---|---|---|\n");
+  for (const CheckNumber& one : check_numbers()) {
+    const auto of = changed.find(one.name);
+    fmt::print("| `{}` | {:g} | {} |\n", one.name, value_of(one), of == changed.end() ? "-" : of->second);
+  }
+}
+
+SweptRoom diagnosis_room(const DiagnosisOptions& options, unsigned seed, const std::string& folder) {
+  SweptRoom out;
+  for (const ThresholdEntry& e : threshold_table()) out.numbers.push_back(e.name);
+  out.value = [options](const std::string& number) { return options.thresholds.*find_threshold(number).value; };
+  for (SweepCase& one : sweep_board(seed, folder)) {
+    const auto ask = [one, options](const std::string& number, double factor) {
+      DiagnosisOptions moved = options;
+      moved.thresholds.*find_threshold(number).value *= factor;
+      return one.ask(moved);
+    };
+    out.cases.push_back({one.name, ask, [one](const std::string& number) { return concerns(one, number); }});
+  }
+  return out;
+}
+
 void write_sweeps(const SweepRequest& request) {
-  const std::string& file = request.file;
-  std::vector<std::string> lines =
-      std::filesystem::exists(file) ? read_sweeps(file) : std::vector<std::string>{kHeader};
-  const std::vector<std::string> numbers = request.numbers.empty() ? unswept(lines) : request.numbers;
-  for (const std::string& name : numbers) find_threshold(name);
   namespace fs = std::filesystem;
+  const std::string& file = request.file;
+  std::vector<std::string> lines = fs::exists(file) ? read_sweeps(file) : std::vector<std::string>{kHeader};
   const fs::path folder = fs::temp_directory_path() / fmt::format("veridyn-sweeps-{}", getpid());
-  const std::vector<SweepCase> all = sweep_board(request.seed, folder.string());
+  const SweptRoom room = request.room == "check" ? check_room(request.seed, folder.string())
+                                                 : diagnosis_room(request.options, request.seed, folder.string());
+  const std::vector<std::string> numbers = request.numbers.empty() ? unswept(room, lines) : request.numbers;
+  for (const std::string& number : numbers) room.value(number);  // throws where there is none
   Answers as_it_is;
-  for (const SweepCase& one : all) {
-    as_it_is.push_back(ask(one, request.options));
+  for (const RoomCase& one : room.cases) {
+    as_it_is.push_back(ask(one, room.numbers.front(), 1.0));
     fmt::print("{:<5} {}: {}\n", as_it_is.back().right ? "right" : "wrong", one.name, as_it_is.back().said);
     std::fflush(stdout);
   }
   std::vector<double> factors = request.factors;
   std::sort(factors.begin(), factors.end());
   for (const std::string& name : numbers) {
-    double Thresholds::*value = find_threshold(name).value;
-    const auto moved = [&](double factor) {
-      DiagnosisOptions out = request.options;
-      out.thresholds.*value *= factor;
-      return out;
-    };
-    std::vector<SweepCase> board;
+    std::vector<RoomCase> board;
     Answers base, first, last;
-    for (size_t k = 0; k < all.size(); ++k) {
-      if (!concerns(all[k], name)) continue;
-      board.push_back(all[k]);
+    for (size_t k = 0; k < room.cases.size(); ++k) {
+      if (!room.cases[k].concerns(name)) continue;
+      board.push_back(room.cases[k]);
       base.push_back(as_it_is[k]);
-      first.push_back(ask(all[k], moved(factors.front())));
-      last.push_back(ask(all[k], moved(factors.back())));
+      first.push_back(ask(board.back(), name, factors.front()));
+      last.push_back(ask(board.back(), name, factors.back()));
     }
     lines.erase(std::remove_if(lines.begin(), lines.end(),
                                [&name](const std::string& l) { return fields_of(l).front() == name; }),
                 lines.end());
     const auto add = [&](double factor, const Answers& answers) {
-      lines.push_back(fmt::format("{},{:g},{:g},{},{},{}", name, factor, moved(factor).thresholds.*value,
+      lines.push_back(fmt::format("{},{:g},{:g},{},{},{}", name, factor, factor * room.value(name),
                                   counts(board, base, answers), request.seed, today()));
       fmt::print("{}\n", lines.back());
       std::fflush(stdout);
@@ -186,7 +205,7 @@ void write_sweeps(const SweepRequest& request) {
       Answers answers = factor == factors.front() ? first : last;
       for (size_t k = 0; k < board.size() && factor != factors.front() && factor != factors.back(); ++k) {
         const bool moves = first[k].said != base[k].said || last[k].said != base[k].said;
-        answers[k] = moves ? ask(board[k], moved(factor)) : base[k];
+        answers[k] = moves ? ask(board[k], name, factor) : base[k];
       }
       add(factor, answers);
     }

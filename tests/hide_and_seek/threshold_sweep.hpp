@@ -15,16 +15,21 @@ void set_threshold(const std::string& setting, DiagnosisOptions& options);
 /// @param sweeps  file of write_sweeps(): a column shows what each factor changed; empty: none.
 void print_thresholds(const std::string& sweeps = {});
 
+/// The numbers of `check ROBOT` with what each factor changed; src/identification/check/check_thresholds.hpp
+/// has their inequalities.
+void print_check_numbers(const std::string& sweeps);
+
 struct SweepRequest {
-  std::vector<std::string> numbers;  ///< of threshold_table(); empty: those without a sweep of their value
+  std::string room = "diagnose";     ///< or "check"
+  std::vector<std::string> numbers;  ///< of the room; empty: those without a sweep of their value
   std::vector<double> factors = {0.5, 0.7, 1.4, 2.0};
   unsigned seed = 811;
   std::string file;
   DiagnosisOptions options;
 };
 
-/// Asks the cases of the small board that concern it (sweep_board.hpp) with every number at its value and multiplied by each factor, and
-/// writes a row of CSV for each into the file, in place of earlier rows of the same numbers. A case that
+/// Asks the cases of the room's small board that concern it with every number at its value and multiplied by
+/// each factor, and writes a row of CSV for each into the file, in place of earlier rows of the same numbers. A case that
 /// the smallest and the largest factor leave as it is, is not asked between them.
 void write_sweeps(const SweepRequest& request);
 

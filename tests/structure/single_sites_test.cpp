@@ -72,6 +72,17 @@ TEST(SingleSites, TheMedianIsOne) {
                    "recordings/recording_period.cpp"}));
 }
 
+// Other folders ask for facts of an effect, or for its columns along a motion.
+TEST(SingleSites, EffectsRunSampleBySampleWhereLoopsAre) {
+  const Files with = files_with("", std::regex("\\bBoundEffect\\b"));
+  EXPECT_GE(with.size(), 3U);
+  for (const std::string& file : with) {
+    const std::string folder = file.substr(0, file.find('/'));
+    if (folder == "effects" || folder == "regressor" || folder == "control") continue;
+    ADD_FAILURE() << file << ": found BoundEffect, expected EffectFacts or columns_along().";
+  }
+}
+
 TEST(SingleSites, OneFileDefinesBaseParameters) {
   EXPECT_EQ(files_with("", std::regex("\\nBaseParameters base_parameters\\(")),
             (Files{"regressor/base_parameters.cpp"}));

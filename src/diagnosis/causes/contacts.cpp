@@ -64,9 +64,9 @@ double rest_friction(const Model& arm, const PredictionSeries& x, size_t joint, 
   VectorXd sum = VectorXd::Zero(2 * samples);
   for (const EffectTerm& term : arm.effects()) {
     if (!has_axis_effect(term.effect) || term.axis.coefficients[i] == 0.0) continue;
-    const BoundEffect effect(arm, term);
+    const EffectFacts effect(arm, term);
     if (effect.traits().role != EffectRole::kFriction) continue;
-    const MatrixXd columns = columns_along(effect, pass, load, 0.0);
+    const MatrixXd columns = columns_along(effect.bound(), pass, load, 0.0);
     for (int p = 0; p < effect.parameter_count(); ++p)
       sum += term.axis.coefficients[i] * effect.values()[p] * columns.col(p);
   }

@@ -45,7 +45,7 @@ GeometryProfiler::GeometryProfiler(const Model& arm, const std::vector<std::stri
                                    const IdentificationOptions& options)
     : arm_(arm) {
   for (const EffectTerm& term : arm.effects())
-    acts_on_.insert(acts_on_.end(), static_cast<size_t>(BoundEffect(arm, term).parameter_count()),
+    acts_on_.insert(acts_on_.end(), static_cast<size_t>(EffectFacts(arm, term).parameter_count()),
                     term.axis.coefficients);
   PreprocessingOptions how = options.preprocessing;
   how.filtering = Filtering::kSignals;
@@ -112,10 +112,10 @@ MatrixXd GeometryProfiler::effects_along(const Segment& s) const {
   MatrixXd out(motion.rows(), static_cast<Eigen::Index>(acts_on_.size()));
   Eigen::Index at = 0;
   for (const EffectTerm& term : arm_.effects()) {
-    const BoundEffect effect(arm_, term);
+    const EffectFacts effect(arm_, term);
     if (effect.traits().uses_load && load.size() == 0)
       load = rigid_load(arm_, RegressorBatch(arm_), motion);
-    out.middleCols(at, effect.parameter_count()) = columns_along(effect, motion, load, s.start);
+    out.middleCols(at, effect.parameter_count()) = columns_along(effect.bound(), motion, load, s.start);
     at += effect.parameter_count();
   }
   return out;

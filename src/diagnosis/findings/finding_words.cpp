@@ -12,6 +12,7 @@
 #include "veridyn/effects/cause.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 #include "math/student_t.hpp"
+#include "veridyn/effects/effect_facts.hpp"
 
 namespace veridyn {
 namespace {
@@ -99,7 +100,7 @@ namespace {
 void renew_phrase(const Model& arm, const std::vector<std::string>& names, Finding& f) {
   for (const EffectTerm& term : arm.effects()) {
     if (!has_axis_effect(term.effect)) continue;
-    const BoundEffect effect(arm, term);
+    const EffectFacts effect(arm, term);
     const auto count = static_cast<size_t>(effect.parameter_count());
     if (count != names.size() || effect.parameter_name(0) != names.front()) continue;
     std::vector<double> values;

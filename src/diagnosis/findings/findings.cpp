@@ -18,6 +18,7 @@
 #include "veridyn/effects/cause.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 #include "math/student_t.hpp"
+#include "veridyn/effects/effect_facts.hpp"
 
 namespace veridyn {
 namespace {
@@ -158,7 +159,7 @@ std::string FindingWriter::phrase_of(const Hypothesis& h) const {
   const Model& arm = q_.augmented.model;
   const std::vector<double> values = values_of(h);
   if (is_channel(h)) return channel_phrase(arm, term_of(arm, h), values);
-  return BoundEffect(arm, term_of(arm, h)).phrase(values);
+  return EffectFacts(arm, term_of(arm, h)).phrase(values);
 }
 
 // A load that torques know by its moment alone has no mass to speak of.

@@ -11,7 +11,7 @@
 #include "diagnosis/evidence/folds.hpp"
 #include "model/effect_names.hpp"
 #include "veridyn/effects/channel_effect.hpp"
-#include "veridyn/effects/effect.hpp"
+#include "veridyn/effects/effect_facts.hpp"
 
 // Causes that are asked about only where a joint's error depends on positions and has no name, or the name of
 // a force at each position: few of the recordings need them, and they would cost all others a part of their
@@ -136,10 +136,8 @@ void keep_first(DiagnosisState& y, size_t first) {
   const Finding& f = y.d.findings[first];
   for (const EffectTerm& term : y.start.model->effects()) {
     if (!f.joint || term.effect != effect_of(f.cause) || term.axis.coefficients[f.joint->value] == 0.0) continue;
-    const BoundEffect bound(*y.start.model, term);
     auto& names = y.fitted_by_start[first];
-    for (size_t p = 0; p < find_effect(term.effect).parameters().size(); ++p)
-      names.push_back(bound.parameter_name(static_cast<int>(p)));
+    for (std::string& name : EffectFacts(*y.start.model, term).parameter_names()) names.push_back(std::move(name));
   }
 }
 

@@ -17,6 +17,7 @@
 #include "diagnosis/stages/diagnosis_state.hpp"
 #include "diagnosis/stages/newly_visible.hpp"
 #include "diagnosis/findings/next_experiment.hpp"
+#include "veridyn/effects/effect_facts.hpp"
 
 namespace veridyn {
 namespace {
@@ -298,7 +299,7 @@ void drop_lost_friction(DiagnosisState& x) {
   effects.erase(std::remove_if(effects.begin(), effects.end(),
                                [&](const EffectTerm& term) {
                                  return has_axis_effect(term.effect) &&
-                                        parameters.count(BoundEffect(arm, term).parameter_name(0)) != 0;
+                                        parameters.count(EffectFacts(arm, term).parameter_name(0)) != 0;
                                }),
                 effects.end());
   description.identified.reset();

@@ -6,6 +6,7 @@
 #include "math/numbers.hpp"
 #include "veridyn/math/require.hpp"
 #include "model/suggestion.hpp"
+#include "veridyn/effects/effect_facts.hpp"
 
 namespace veridyn {
 namespace {
@@ -62,7 +63,7 @@ void LimitSignals::add_torques(const Model& powered) {
   bodies_ = std::make_unique<RegressorBatch>(powered);
   const VectorXd rounding = kRoundedShare * motion_limits(powered).velocity;
   for (const EffectTerm& term : powered.effects()) {
-    const BoundEffect bound(powered, term);
+    const EffectFacts bound(powered, term);
     if (!bound.has_values()) continue;
     effects_.push_back(effect_columns(powered, term, rounding));
     effect_values_.push_back(

@@ -13,6 +13,7 @@
 #include "veridyn/math/require.hpp"
 #include "veridyn/effects/cause.hpp"
 #include "veridyn/effects/channel_effect.hpp"
+#include "veridyn/effects/effect_facts.hpp"
 
 namespace veridyn {
 namespace {
@@ -160,7 +161,7 @@ Columns rival_columns(const Model& arm, const KnownRival& rival, double rounding
 Model without_rivals(const Model& arm, const std::array<KnownRival, 2>& rivals) {
   ModelDescription rest = arm.description();
   const auto is_rival = [&](const EffectTerm& term) {
-    if (!BoundEffect(arm, term).has_values()) return false;
+    if (!EffectFacts(arm, term).has_values()) return false;
     return std::any_of(rivals.begin(), rivals.end(), [&term](const KnownRival& rival) {
       const auto* effect = std::get_if<NewEffect>(&rival.cause);
       return effect != nullptr && is_on(term, effect->effect, effect->joint);

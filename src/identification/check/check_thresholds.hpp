@@ -1,5 +1,12 @@
 #pragma once
 
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "veridyn/recordings/preprocessing.hpp"
+#include "veridyn/recordings/recording_quality.hpp"
+
 namespace veridyn {
 
 /// All numbers that can change what `check` says about a recording beside a robot, each with its
@@ -41,5 +48,23 @@ struct CheckThresholds {
   /// |ln(efforts * gain / torques)| < ln(current_factor): they are currents.
   double current_factor = 1.5;
 };
+
+/// A number of the table.
+struct CheckNumber {
+  std::string name;
+  std::variant<double CheckThresholds::*, int CheckThresholds::*> place;
+};
+
+/// Its value in these limits.
+inline double value_of(const CheckNumber& number, const CheckThresholds& limits = {}) {
+  return std::visit([&limits](auto place) { return static_cast<double>(limits.*place); }, number.place);
+}
+
+/// All numbers, in the order of the struct.
+const std::vector<CheckNumber>& check_numbers();
+
+/// check_against() with other numbers.
+std::vector<QualityFinding> check_against(const Model& arm, Recording recording, const PreprocessingOptions& options,
+                                          const CheckThresholds& limits);
 
 }  // namespace veridyn

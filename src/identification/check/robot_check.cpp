@@ -471,6 +471,27 @@ class RobotCheck {
 
 }  // namespace
 
+const std::vector<CheckNumber>& check_numbers() {
+  using T = CheckThresholds;
+  static const std::vector<CheckNumber> kAll = {
+      {"most_rows", &T::most_rows},
+      {"fewest_rows", &T::fewest_rows},
+      {"worst_condition", &T::worst_condition},
+      {"better", &T::better},
+      {"gains_better", &T::gains_better},
+      {"equal_gains", &T::equal_gains},
+      {"well_fitted", &T::well_fitted},
+      {"smallest_share", &T::smallest_share},
+      {"friction_share", &T::friction_share},
+      {"friction_above_rest", &T::friction_above_rest},
+      {"friction_significance", &T::friction_significance},
+      {"beyond_limits", &T::beyond_limits},
+      {"least_gain", &T::least_gain},
+      {"torque_factor", &T::torque_factor},
+      {"current_factor", &T::current_factor}};
+  return kAll;
+}
+
 std::vector<QualityFinding> check_against(const Model& arm, const std::string& path,
                                           const PreprocessingOptions& options) {
   const CheckThresholds limits;
@@ -482,12 +503,16 @@ std::vector<QualityFinding> check_against(const Model& arm, const std::string& p
   PreprocessingOptions rest = options;
   rest.first_row = 0;
   rest.row_count.reset();
-  return check_against(arm, std::move(recording), rest);
+  return check_against(arm, std::move(recording), rest, limits);
 }
 
 std::vector<QualityFinding> check_against(const Model& arm, Recording recording,
                                           const PreprocessingOptions& options) {
-  const CheckThresholds limits;
+  return check_against(arm, std::move(recording), options, CheckThresholds());
+}
+
+std::vector<QualityFinding> check_against(const Model& arm, Recording recording, const PreprocessingOptions& options,
+                                          const CheckThresholds& limits) {
   require(recording.joints() == arm.joints(), recording.source, ": found ", recording.joints(),
           " joints, but '", arm.name(), "' has ", arm.joints(),
           recording.joints() < arm.joints() ? " (files with a part of the joints each are one recording: a.csv+b.csv)." : ".");

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "identification/identification_numbers.hpp"
 #include "identification/drive_gains/gain_fit.hpp"
 #include "math/numbers.hpp"
 #include "veridyn/math/require.hpp"
@@ -15,13 +16,6 @@
 
 namespace veridyn {
 namespace {
-
-// Half the 95 % interval, relative: with a wider one the gain is not identifiable.
-constexpr double kIdentifiable = 0.25;
-constexpr double kNothing = 1e-6;     // share of a joint's torque
-constexpr double kNoWeight = 1e-9;    // [N m/kg]
-constexpr size_t kMostDivisions = 8;  // number of recordings up to which all divisions are tried
-constexpr double kHeavier = 4.0;  // t value that at least one joint must reach
 
 // For every recording the index of its load, or -1; loads without names are skipped.
 std::vector<int> named_loads(const std::vector<std::string>& recordings,
@@ -65,7 +59,7 @@ std::string why_not(const DriveGain& gain, bool feels_weight) {
   if (!std::isfinite(gain.deviation))
     return "nothing ties its currents to the known mass, for it shares no parameters with joints "
            "that feel it";
-  if (gain.share < kNothing)
+  if (gain.share < identifying::kUnloaded)
     return "the known mass does not act on it, and what it shares with other joints tells too "
            "little";
   const std::string share = fmt::format("{:.2g} % of its torque", 100.0 * gain.share);
@@ -88,7 +82,7 @@ DriveGain gain_of(const Coordinate& coordinate, double p, double deviation, doub
   const bool one_sign = std::isfinite(deviation) && low * high > 0.0;
   out.low = one_sign ? 1.0 / high : -kInfinity;
   out.high = one_sign ? 1.0 / low : kInfinity;
-  out.identifiable = one_sign && t * deviation < kIdentifiable * std::abs(p);
+  out.identifiable = one_sign && t * deviation < identifying::kIdentifiable * std::abs(p);
   return out;
 }
 
@@ -113,7 +107,7 @@ std::string problem_of(const GainFit& fit) {
   double best = 0.0;
   for (Eigen::Index j = 0; j < fit.joints(); ++j)
     best = std::max(best, std::abs(p[j]) / std::max(fit.p_deviation(j), 1e-300));
-  if (fit.clusters < 3 || best < kHeavier)
+  if (fit.clusters < identifying::kFewestClusters || best < identifying::kHeavier)
     return "the recordings do not show the known mass: no joint's current differs enough";
   if (direction(fit) >= 0.0) return "";
   return "currents grow where the load is taken off: it is in the other recordings, or they count "
@@ -126,13 +120,13 @@ DriveGains described(const Model& arm, const std::vector<std::string>& recording
   DriveGains out;
   out.clusters = fit.clusters;
   out.problem = problem_of(fit);
-  const double t = student_t_quantile(0.05, std::max(1, out.clusters - 1));
+  const double t = student_t_quantile(identifying::kOutside, std::max(1, out.clusters - 1));
   const VectorXd weight = data.weight_torque(0);
   for (Eigen::Index j = 0; j < fit.joints(); ++j) {
     DriveGain gain = gain_of(arm.coordinates()[j], fit.solution.p()[j],
                              fit.p_deviation(j), t);
     gain.share = fit.mass_share[j];
-    if (!gain.identifiable) gain.reason = why_not(gain, weight[j] > kNoWeight);
+    if (!gain.identifiable) gain.reason = why_not(gain, weight[j] > identifying::kNoWeight);
     out.joints.push_back(std::move(gain));
   }
   for (size_t l = 0; l < loads.size(); ++l) {
@@ -161,7 +155,7 @@ DriveGains find_drive_gains(const Model& arm, const std::vector<std::string>& re
   check(arm, recordings, loads);
   const std::vector<int> load_of = named_loads(recordings, loads);
   const bool identified = loads.front().recordings.empty();
-  require(!identified || recordings.size() <= kMostDivisions, "known mass: found ",
+  require(!identified || recordings.size() <= identifying::kMostDivisions, "known mass: found ",
           recordings.size(), " recordings, expected KG@FRAME=REC,REC that says which carry it.");
   std::vector<bool> loaded(recordings.size());
   std::vector<int> candidates = load_of;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <unordered_map>
 
+#include "identification/identification_numbers.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/regressor/base_parameters.hpp"
@@ -13,8 +14,6 @@
 
 namespace veridyn {
 namespace {
-
-constexpr int kStates = 200;
 
 std::string load_frame(int load) {
   return text("known_load_", load);
@@ -143,7 +142,7 @@ GainData::Columns GainData::columns(const std::vector<bool>& loaded) const {
   std::map<std::string, int> rank;  // preference: effects, moments and inertias, masses
   for (size_t r = 0; r < arms_.size(); ++r) {
     const SquareRootInformation states =
-        random_state_factor(arms_[r], kStates, static_cast<unsigned>(r + 1));
+        random_state_factor(arms_[r], identifying::kStates, static_cast<unsigned>(r + 1));
     const std::vector<std::string> of_load = load_columns(load_of_[r]);
     std::vector<std::string> kept, names;
     for (const StandardParameter& p : parameters_[r]) {
@@ -185,7 +184,7 @@ VectorXd GainData::weight_torque(int load) const {
   RandomNumbers random(1);
   VectorXd out = VectorXd::Zero(n);
   const VectorXd rest = VectorXd::Zero(n);
-  for (int k = 0; k < kStates; ++k) {
+  for (int k = 0; k < identifying::kStates; ++k) {
     VectorXd q(n);
     for (double& value : q) value = random.uniform(-1.0, 1.0);
     out = out.cwiseMax(torque_regressor(arm, q, rest, rest).col(mass).cwiseAbs());

@@ -1,4 +1,5 @@
 #include "identification/drive_gains/gain_fit.hpp"
+#include "identification/identification_numbers.hpp"
 #include "math/numbers.hpp"
 
 #include <algorithm>
@@ -9,8 +10,6 @@
 
 namespace veridyn {
 namespace {
-
-constexpr double kUntied = 1e-6;  // share of a gain's column below which it is rounding
 
 using Clusters = std::vector<std::vector<SquareRootInformation>>;
 
@@ -43,7 +42,7 @@ GainFit solved(const GainData& data, const std::vector<bool>& loaded,
   fit.sigma.resize(static_cast<Eigen::Index>(equations.size()));
   for (size_t j = 0; j < equations.size(); ++j) {
     const GainEquation& e = equations[j];
-    const double noise = std::max(std::sqrt(e.rho2 / std::max(e.rows, 1.0)), 1e-9 * e.z.norm());
+    const double noise = std::max(std::sqrt(e.rho2 / std::max(e.rows, 1.0)), identifying::kLeastNoise * e.z.norm());
     fit.sigma[static_cast<Eigen::Index>(j)] = noise > 0.0 ? noise : 1.0;  // no current at all
   }
   fit.solution = solve_gains(equations, fit.sigma, start_gains(equations, fit.sigma));
@@ -106,7 +105,7 @@ GainFit fit_gains(const GainData& data, const std::vector<KnownMass>& loads,
   fit.deviation = jackknife_deviations(delete_one_estimates(clusters, fit));
   const VectorXd shares = independent_shares(equations, fit.sigma, fit.solution);
   for (Eigen::Index j = 0; j < fit.joints(); ++j) {
-    if (shares[j] < kUntied) fit.deviation[fit.solution.y.size() + j] = kInfinity;
+    if (shares[j] < identifying::kUntied) fit.deviation[fit.solution.y.size() + j] = kInfinity;
   }
   fit.mass_share = mass_shares(data, clusters, loads, fit);
   return fit;
@@ -137,7 +136,7 @@ double direction(const GainFit& fit) {
   double sum = 0.0;
   for (Eigen::Index j = 0; j < fit.joints(); ++j) {
     const double t = p[j] / std::max(fit.p_deviation(j), 1e-300);
-    sum += std::copysign(std::min(t * t, 1e4), t);
+    sum += std::copysign(std::min(t * t, identifying::kSurelySigned), t);
   }
   return sum;
 }

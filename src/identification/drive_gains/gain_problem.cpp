@@ -4,15 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identification/identification_numbers.hpp"
 #include "math/dense.hpp"
 
 namespace veridyn {
 namespace {
 
-constexpr int kIterations = 60;
-constexpr double kConverged = 1e-12;  // relative decrease of the cost that ends the search
 constexpr double kTiny = 1e-300;
-constexpr double kNoScale = 1e-9;  // a gain this far below the largest one counts as zero
 
 Eigen::Index total_rows(const std::vector<GainEquation>& equations) {
   Eigen::Index rows = 0;
@@ -46,7 +44,7 @@ double cost_at(const std::vector<GainEquation>& equations, const VectorRef& sigm
 
 // Joints without a defined gain: least squares leave the gain, and all torque, at zero.
 std::vector<char> without_scale(const VectorXd& gain) {
-  const double least = std::max(kNoScale * gain.cwiseAbs().maxCoeff(), kTiny);
+  const double least = std::max(identifying::kNoScale * gain.cwiseAbs().maxCoeff(), kTiny);
   std::vector<char> out;
   for (const double k : gain) out.push_back(static_cast<char>(std::abs(k) <= least));
   return out;
@@ -177,8 +175,8 @@ GainSolution solve_gains(const std::vector<GainEquation>& equations, const Vecto
   GainSolution now = start;
   now.cost = cost_at(equations, sigma, now);
   const Eigen::Index unknowns = now.y.size();
-  double damping = 1e-6;
-  for (int k = 0; k < kIterations && damping < 1e6; ++k) {
+  double damping = identifying::kFirstDamping;
+  for (int k = 0; k < identifying::kIterations && damping < identifying::kMostDamping; ++k) {
     const VectorXd step = step_at(equations, sigma, now, damping);
     GainSolution next = now;
     next.y += step.head(unknowns);
@@ -186,14 +184,14 @@ GainSolution solve_gains(const std::vector<GainEquation>& equations, const Vecto
     next.ratio += step.tail(now.ratio.size());
     next.cost = cost_at(equations, sigma, next);
     if (!(next.cost <= now.cost)) {
-      damping *= 10.0;
+      damping *= identifying::kDampingUp;
       continue;
     }
-    const bool done = now.cost - next.cost <= kConverged * now.cost;
+    const bool done = now.cost - next.cost <= identifying::kConverged * now.cost;
     now = next;
     now.converged = done;
     if (done) break;
-    damping = std::max(1e-14, 0.1 * damping);
+    damping = std::max(identifying::kLeastDamping, damping / identifying::kDampingUp);
   }
   return now;
 }

@@ -3,38 +3,36 @@
 #include <algorithm>
 #include <cmath>
 
-#include "veridyn/effects/effect.hpp"
+#include "identification/identification_numbers.hpp"
+#include "regressor/effect_along.hpp"
 #include "veridyn/regressor/standard_parameters.hpp"
 
 namespace veridyn {
-namespace {
 
-constexpr int kSpeeds = 30;         // of a friction curve, to either side of rest
-constexpr int kRun = 60;            // steps that friction with a memory slides before it is looked at
-constexpr double kRunSeconds = 2.0;
-constexpr double kNormal95 = 1.96;  // standard deviations of a normal interval
+using identifying::kNormal95, identifying::kRun, identifying::kRunSeconds, identifying::kSpeeds;
+
+namespace {
 
 // Friction of one joint in steady sliding. `columns`, unless null, receives its derivatives by the
 // parameters.
-double friction_at(std::vector<BoundEffect>& effects, int joint, double speed, double q, double load,
+double friction_at(const std::vector<EffectFacts>& effects, int joint, double speed, double q, double load,
                    VectorXd* columns) {
   double torque = 0.0;
   Eigen::Index at = 0;
-  for (BoundEffect& effect : effects) {
+  for (const EffectFacts& effect : effects) {
     const double c = effect.term().axis.coefficients[joint];
-    EffectColumns row{};
-    effect.reset();
-    for (int k = c != 0.0 ? 0 : kRun; k < kRun; ++k) {
-      AxisSample sample;
+    std::vector<AxisSample> slide(c != 0.0 ? kRun : 0);
+    for (int k = 0; k < static_cast<int>(slide.size()); ++k) {
+      AxisSample& sample = slide[k];
       sample.time = kRunSeconds * k / kRun;
       sample.ds = c * speed;
       sample.s = c * q + effect.term().axis.offset + sample.ds * (sample.time - kRunSeconds);
       sample.load = load;
-      effect.columns(sample, row);
     }
+    const MatrixXd rows = ColumnsInPieces(effect).next(slide);
     for (int p = 0; p < effect.parameter_count(); ++p, ++at) {
       const auto place = static_cast<std::size_t>(p);
-      const double column = c != 0.0 ? c * row[place] : 0.0;
+      const double column = c != 0.0 ? c * rows(kRun - 1, p) : 0.0;
       torque += column * effect.values()[place];
       if (columns != nullptr) (*columns)[at] = column;
     }
@@ -106,13 +104,13 @@ double FrictionCurve::at(double speed) const {
 
 std::vector<FrictionCurve> friction_curves(const Identification& id) {
   const Model& arm = *id.model;
-  std::vector<BoundEffect> effects;
+  std::vector<EffectFacts> effects;
   std::vector<std::string> names;
   for (const EffectTerm& term : arm.effects()) {
     if (!term.frame.empty() || !has_axis_effect(term.effect)) continue;
-    BoundEffect effect(arm, term);
+    EffectFacts effect(arm, term);
     if (effect.traits().role != EffectRole::kFriction) continue;
-    for (int p = 0; p < effect.parameter_count(); ++p) names.push_back(effect.parameter_name(p));
+    for (std::string& name : effect.parameter_names()) names.push_back(std::move(name));
     effects.push_back(std::move(effect));
   }
   std::vector<FrictionCurve> out;

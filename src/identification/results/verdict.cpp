@@ -5,18 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identification/identification_numbers.hpp"
 #include "math/numbers.hpp"
 
 namespace veridyn {
 namespace {
-
-// Factor on the noise floor: beyond twice, more than three quarters of the squared residual is no
-// noise (floors from repeats include some variation from period to period, and lie above the
-// noise).
-constexpr double kFarAboveFloor = 2.0;
-// As a share of the torque: 1 % is better than torque sensors.
-constexpr double kBelowAnySensor = 0.01;
-constexpr double kLargestRatio = 1000.0;  // to the floor, in words; a torque that never changes has a floor of zero
 
 double share_of_range(const Identification& id, const Coordinate& joint, size_t i) {
   double lowest = kInfinity, highest = -kInfinity;
@@ -41,7 +34,7 @@ IdentifiedState state_of(const IdentifiedJoint& j) {
   if (j.range < kHardlyMoves && j.speed < kHardlyMoves) return IdentifiedState::kHardlyMoved;
   if (!std::isfinite(j.error)) return IdentifiedState::kNoTorque;
   if (!std::isfinite(j.floor)) return IdentifiedState::kCannotTell;
-  if (j.error <= kBelowAnySensor || j.error <= kFarAboveFloor * j.floor) return IdentifiedState::kAtFloor;
+  if (j.error <= identifying::kBelowAnySensor || j.error <= identifying::kFarAboveFloor * j.floor) return IdentifiedState::kAtFloor;
   return IdentifiedState::kUnexplained;
 }
 
@@ -72,7 +65,7 @@ std::string sentence_of(const IdentificationVerdict& v) {
   out += listed_in(v, IdentifiedState::kUnexplained,
                    "leaves", "leave", "{} times the noise " + whose + ": `veridyn diagnose` says why",
                    [](const IdentifiedJoint& j) {
-                     return j.error > kLargestRatio * j.floor ? fmt::format("over {:.0f}", kLargestRatio)
+                     return j.error > identifying::kLargestRatio * j.floor ? fmt::format("over {:.0f}", identifying::kLargestRatio)
                                                               : fmt::format("{:.2g}", j.error / j.floor);
                    });
   out += listed_in(v, IdentifiedState::kNoTorque, "has", "have", "no torque " + whose + ": it was not recorded, or nothing drove the joint",

@@ -9,7 +9,7 @@
 #include "report/pages/page.hpp"
 #include "report/pages/page_series.hpp"
 #include "veridyn/comparison/model_comparison.hpp"
-#include "veridyn/effects/effect.hpp"
+#include "veridyn/effects/effect_facts.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/model/model_origin.hpp"
@@ -77,7 +77,7 @@ Json parameters_of(const Model& arm) {
   Json out = Json::array();
   for (const EffectTerm& term : arm.effects()) {
     if (!term.frame.empty() || !has_axis_effect(term.effect)) continue;
-    const BoundEffect effect(arm, term);
+    const EffectFacts effect(arm, term);
     for (int p = 0; p < effect.parameter_count(); ++p) {
       const std::string& name = effect.parameters()[p].name;
       if (term.values.count(name) == 0) continue;

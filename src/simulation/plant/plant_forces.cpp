@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "veridyn/math/require.hpp"
+#include "veridyn/effects/effect_facts.hpp"
 
 namespace veridyn {
 
@@ -44,7 +45,7 @@ PlantForces::Affine PlantForces::affine(const Term& term) {
 }
 
 PlantForces::Term PlantForces::bound(const Model& arm, const EffectTerm& of) {
-  const BoundEffect effect(arm, of);
+  const EffectFacts effect(arm, of);
   require(effect.has_values(), "plant: effect '", of.effect, "' on ", axis_text(arm, of.axis),
           " has no values.");
   Term term{&effect.effect(),

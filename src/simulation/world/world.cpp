@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "veridyn/effects/effect.hpp"
+#include "veridyn/effects/effect_facts.hpp"
 #include "veridyn/math/require.hpp"
 #include "simulation/world/world_state.hpp"
 
@@ -43,7 +43,7 @@ World::State::Arm::Arm(WorldArm&& given)
       external(column),
       all(column) {
   for (const EffectTerm& term : model.effects()) {
-    const BoundEffect effect(model, term);
+    const EffectFacts effect(model, term);
     if (effect.traits().role != EffectRole::kInertia || !effect.has_values()) continue;
     rotors += effect.inertia() * term.axis.coefficients * term.axis.coefficients.transpose();
   }

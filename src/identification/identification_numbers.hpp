@@ -1,0 +1,132 @@
+#pragma once
+
+#include <cstddef>
+
+/// Numbers of `identify` outside of the feasible solver. Those of the first part can change what it says
+/// or which model it gives; each has its inequality, and its reason where one is known. Those of the
+/// second part bound memory, or keep arithmetic sound.
+namespace veridyn::identifying {
+
+// Which joints move, and where.
+/// travel of a joint < kStillRevolute [rad] or kStillPrismatic [m]: it never moves, and the arm is not
+/// determined.
+constexpr double kStillRevolute = 2e-3, kStillPrismatic = 2e-4;
+/// speed > kMovingShare * the joint's largest: a moving row, whose error docs/contract.md counts apart.
+constexpr double kMovingShare = 0.02;
+
+// Velocities.
+/// fall of ln(mean square) of a joint's torque > kVelocityGain: its velocity is derived from the position;
+/// 2 % of the error.
+constexpr double kVelocityGain = 0.04;
+
+// Verdicts on joints.
+/// error <= kFarAboveFloor * floor: at its floor. Beyond twice, more than three quarters of the squared
+/// residual is no noise; floors from repeats include some variation from period to period.
+constexpr double kFarAboveFloor = 2.0;
+/// error <= kBelowAnySensor, a share of the torque: at its floor; 1 % is better than torque sensors.
+constexpr double kBelowAnySensor = 0.01;
+/// largest torque of each joint < kNoTorque [N m], [N]: no torque was recorded; no sensor shows as little,
+/// and from 1e-16 on tolerances for rounding would count.
+constexpr double kNoTorque = 1e-12;
+/// distance between samples > kAdjacent [s]: a gap, across which repeats are not compared.
+constexpr double kAdjacent = 0.05;
+/// time compared with the period before < kCompared periods: no floor from repeats.
+constexpr double kCompared = 0.25;
+/// part of a base parameter outside the span of the data's > kOutsideSpan of it: it is not determined.
+constexpr double kOutsideSpan = 1e-5;
+
+// Standard deviations.
+/// blocks of a recording <= kMaxBlocks and >= kFewestBlocks, phases of a period <= kMostPhases: enough for
+/// a jackknife, and long beside the correlation of the residuals.
+constexpr std::size_t kMaxBlocks = 16, kFewestBlocks = 4;
+constexpr double kMostPhases = 8.0;
+/// blocks of all recordings together <= kMostBlocks, one at least of each: 10 recordings keep 16 each,
+/// 16 recordings eight, 100 one.
+constexpr int kMostBlocks = 160;
+/// duration of a block >= kFirstBlock [s]; doubled whenever there are too many.
+constexpr double kFirstBlock = 1.0;
+/// time at the beginning in which a period is sought <= kPeriodSeconds [s].
+constexpr double kPeriodSeconds = 125.0;
+
+// Rests.
+/// |dq| < kStillTurning [rad/s] or kStillSliding [m/s] for >= kFewestRows rows: a pose; fewer are a reversal.
+constexpr double kStillTurning = 5e-3, kStillSliding = 1e-3;
+constexpr long kFewestRows = 5;
+/// blocks of poses <= kRestBlocks: the clusters of the standard deviations.
+constexpr long kRestBlocks = 8;
+/// singular value <= kRank * the largest: poses that hardly differ tell nothing.
+constexpr double kRank = 1e-6;
+/// share of the poses within the printed band = kBand.
+constexpr double kBand = 0.95;
+
+// Gains of drives from a known mass.
+/// half the 95 % interval < kIdentifiable * |gain|, else the gain is not identifiable.
+constexpr double kIdentifiable = 0.25;
+/// t value of some joint >= kHeavier, else the recordings do not show the mass.
+constexpr double kHeavier = 4.0;
+/// clusters >= kFewestClusters, else the same.
+constexpr int kFewestClusters = 3;
+/// t^2 <= kSurelySigned counts in the vote on the sign: one joint does not outvote all others.
+constexpr double kSurelySigned = 1e4;
+/// share of a joint's torque by the mass < kUnloaded: the mass does not act on it.
+constexpr double kUnloaded = 1e-6;
+/// weight on a joint > kNoWeight [N m/kg]: it feels weight.
+constexpr double kNoWeight = 1e-9;
+/// recordings <= kMostDivisions: all divisions into loaded and free ones are tried.
+constexpr std::size_t kMostDivisions = 8;
+/// share of a gain's column outside the span of the others < kUntied: rounding, and the gain is not tied
+/// to the mass.
+constexpr double kUntied = 1e-6;
+
+// Words.
+/// probability outside of an interval = kOutside.
+constexpr double kOutside = 0.05;
+/// half a normal interval = kNormal95 standard deviations.
+constexpr double kNormal95 = 1.96;
+/// error / floor > kLargestRatio: printed as "over"; a torque that never changes has a floor of zero.
+constexpr double kLargestRatio = 1000.0;
+
+/// digits of a band = 1 / kBandSteps [N m], [N].
+constexpr double kBandSteps = 1e4;
+/// progress = kSolving after reading, = kValidating after solving.
+constexpr double kSolving = 0.4, kValidating = 0.6;
+
+// Memory and arithmetic.
+/// rows of the part in which a period is sought <= kPeriodRows; more are thinned.
+constexpr long kPeriodRows = 8192;
+/// rows read at once = kPieceRows, of rests kRestPiece.
+constexpr int kPieceRows = 2048, kRestPiece = 4096;
+/// memory of one recording's factors <= kMostBytes, with kGroupsAtOnce groups of joints at once.
+constexpr double kMostBytes = 256.0 * 1024.0 * 1024.0;
+constexpr std::size_t kGroupsAtOnce = 16;
+/// rows of a recording from which units and noise of velocities are judged <= kLookedAt.
+constexpr long kLookedAt = 20000;
+/// samples of a series for plots <= kSeriesSamples over all recordings, >= kFewestSamples of each.
+constexpr int kSeriesSamples = 30000, kFewestSamples = 100;
+/// columns of one joint that are others' combinations up to rounding: pivot < kDependentColumn.
+constexpr double kDependentColumn = 1e-9;
+/// cut-off of instruments < kBelowNyquist * rate, else their positions are not filtered.
+constexpr double kBelowNyquist = 0.45;
+/// time in shares of a recording <= kEndOfTime, inside of its last segment.
+constexpr double kEndOfTime = 0.999999;
+/// speeds of a friction curve = kSpeeds to either side of rest; friction with a memory slides kRun steps
+/// in = kRunSeconds [s] before it counts.
+constexpr int kSpeeds = 30, kRun = 60;
+constexpr double kRunSeconds = 2.0;
+/// random states of a gain's columns = kStates.
+constexpr int kStates = 200;
+/// steps of the gains' search <= kIterations; its cost falls by <= kConverged of itself: it ends.
+constexpr int kIterations = 60;
+constexpr double kConverged = 1e-12;
+/// its damping = kFirstDamping at first, >= kLeastDamping, < kMostDamping; times kDampingUp after a step
+/// that fails, divided by it after one that does not.
+constexpr double kFirstDamping = 1e-6, kLeastDamping = 1e-14, kMostDamping = 1e6, kDampingUp = 10.0;
+/// noise of a joint >= kLeastNoise * its currents, so that exact data divide by no zero.
+constexpr double kLeastNoise = 1e-9;
+/// gain < kNoScale * the largest one counts as zero.
+constexpr double kNoScale = 1e-9;
+/// a solid ball, whose size and mass = kBallMass [kg], kBallRadius [m] are typical: moments that rests do
+/// not determine; kSolidBall = 2/5 of m r^2.
+constexpr double kBallMass = 1.0, kBallRadius = 0.1, kSolidBall = 0.4;
+
+}  // namespace veridyn::identifying
