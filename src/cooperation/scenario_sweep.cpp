@@ -93,14 +93,13 @@ std::string ScenarioSweepResult::report() const {
   return out;
 }
 
-ScenarioSweepResult sweep_scenario(const Scenario& scenario, const std::string& engine, int threads,
-                                   const std::function<void(double)>& progress) {
+ScenarioSweepResult sweep_scenario(const Scenario& scenario, const SweepOptions& options) {
   require(scenario.sweep.stable_error > 0.0 && !scenario.members.empty(), "scenario '",
           scenario.name, "': found no sweep over members, expected one.");
   const auto begun = std::chrono::steady_clock::now();
   ScenarioSweepResult out;
   out.name = scenario.name;
-  out.engine = engine;
+  out.engine = options.engine;
   out.stable_error = scenario.sweep.stable_error;
   out.stiffness = values_or(scenario.sweep.stiffness, scenario.members.front().stiffness);
   out.delay = values_or(scenario.sweep.delay, scenario.members.front().sensor.delay);
@@ -118,11 +117,16 @@ ScenarioSweepResult sweep_scenario(const Scenario& scenario, const std::string& 
   }
   std::atomic<int> done{0};
   const auto count = static_cast<int>(out.points.size());
-  parallel_for(count, threads, [&](int k) {
+  parallel_for(count, options.threads, [&](int k) {
     SweepPoint& point = out.points[k];
-    judge(run_scenario(at_point(scenario, point), engine), out.stable_error, point);
+    if (const auto kept = options.kept ? options.kept(k) : std::nullopt) {
+      point = *kept;
+    } else {
+      judge(run_scenario(at_point(scenario, point), options.engine), out.stable_error, point);
+      if (options.keep) options.keep(k, point);
+    }
     const int now = ++done;
-    if (progress) progress(static_cast<double>(now) / count);
+    if (options.progress) options.progress(static_cast<double>(now) / count);
   });
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   return out;

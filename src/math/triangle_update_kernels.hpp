@@ -51,11 +51,12 @@ struct TriangleLoops {
     add_up(sum, d);
   }
 
-  // Computes row -= row[j] * w, and d = sum of row[j + 1] * row over the new rows.
+  // Computes row -= row[j] * w, and d = sum of row[j + 1] * row over the new rows. The new row[j + 1] is read back and not
+  // computed a second time: where a column cancels but for rounding, the reflection consists of that rounding, and a
+  // compiler that fuses one of the two computations and not the other would make it no reflection.
   static void reflect_within(double* A, long stride, int rows, int j, const double* w, double* d) {
     P change[kAcross];
     for (int a = 0; a < kAcross; ++a) change[a] = load(w + a * P::kSize);
-    const double ahead = w[j + 1];
     P sum[kUnroll][kAcross];
     for (int k = 0; k < kUnroll; ++k)
       for (int a = 0; a < kAcross; ++a) sum[k][a] = P(0.0);
@@ -64,13 +65,15 @@ struct TriangleLoops {
       for (int k = 0; k < kUnroll; ++k) {
         double* row = A + (r + k) * stride;
         const P mine(row[j]);
-        const P next(row[j + 1] - row[j] * ahead);
+        P now[kAcross];
 #pragma GCC unroll 4
         for (int a = 0; a < kAcross; ++a) {
-          const P now = load(row + a * P::kSize) - mine * change[a];
-          store(now, row + a * P::kSize);
-          sum[k][a] += next * now;
+          now[a] = load(row + a * P::kSize) - mine * change[a];
+          store(now[a], row + a * P::kSize);
         }
+        const P next(row[j + 1]);
+#pragma GCC unroll 4
+        for (int a = 0; a < kAcross; ++a) sum[k][a] += next * now[a];
       }
     }
     add_up(sum, d);

@@ -127,6 +127,7 @@ class UrdfReader {
       const urdf::LinkConstSharedPtr link = urdf_->getLink(element->Attribute("name"));
       if (link->parent_joint) add_link_of(*link->parent_joint);
     }
+    give_bodies_without_values();
     return Model(model_);
   }
 
@@ -223,6 +224,16 @@ class UrdfReader {
     axis.coefficients *= joint.mimic->multiplier;
     axis.offset = axis.offset * joint.mimic->multiplier + joint.mimic->offset;
     return axis;
+  }
+
+  // A file without any inertial describes the kinematics alone: each link that a joint moves has a body then.
+  void give_bodies_without_values() {
+    for (const Frame& frame : model_.frames) {
+      if (frame.body) return;
+    }
+    for (Frame& frame : model_.frames) {
+      if (frame.type != JointType::kFixed) frame.body = Body{};
+    }
   }
 
   void add_root(const urdf::Link& link) {

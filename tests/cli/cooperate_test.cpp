@@ -143,6 +143,30 @@ TEST_F(Cooperate, SweepsAMap) {
   EXPECT_EQ(page.root().at("data-errors"), "0");
 }
 
+// The second point is marked and the others are lost, the last in the middle of its line: a kill.
+TEST_F(Cooperate, ASweepGoesOnAfterAKill) {
+  std::string content = content_of(example("two-arms-string"));
+  content = content.substr(0, content.find("  - {name: turn")) + "sweep: {stiffness: [1000, 20000], stable_error: 0.25}\n";
+  const Words command = {"cooperate", folder_.write("s.yaml", content), "--sweep", "--threads", "1", "--quiet",
+                         "--json", path("out.json"), "--resume", path("points")};
+  ASSERT_EQ(run_tool(command).status, 0);
+  json whole = json_of(path("out.json"));
+  const std::string points = content_of(path("points"));
+  const std::size_t first = points.find('\n') + 1, second = points.find('\n', first) + 1;
+  std::string marked = points.substr(second);
+  ASSERT_EQ(marked.rfind("1 20000 0.002 ", 0), 0U) << points;
+  marked.replace(0, 7, "1 20001");
+  folder_.write("points", points.substr(0, first) + marked + "0 1000 0.002 7");
+  ASSERT_EQ(run_tool(command).status, 0);
+  json resumed = json_of(path("out.json"));
+  EXPECT_EQ(resumed["points"][0], whole["points"][0]);
+  EXPECT_EQ(resumed["points"][1]["stiffness"], 20001.0);
+  folder_.write("s.yaml", content + "# changed\n");
+  const ToolRun other = run_tool(command);
+  EXPECT_EQ(other.status, 3);
+  EXPECT_NE(other.err.find("points:1: found"), std::string::npos) << other.err;
+}
+
 TEST_F(Cooperate, MistakesGetOneLine) {
   const auto expect_line = [&](const Words& words, int status, const std::string& said) {
     const ToolRun run = run_tool(Words{"cooperate"} + words);
@@ -164,6 +188,7 @@ TEST_F(Cooperate, MistakesGetOneLine) {
   content.replace(duration, 11, "duration: 1e9");
   expect_line({folder_.write("c.yaml", content)}, 3, "what this machine holds");
   expect_line({example("gazebo-y"), "--sweep"}, 3, "no sweep");
+  expect_line({example("gazebo-y"), "--resume", path("points")}, 2, "--sweep");
   expect_line({example("gazebo-y"), "--engine", "bullet"}, 2, "bullet");
   expect_line({example("gazebo-y"), "--json", "x", "--report", "x"}, 2, "the same file");
   expect_line({}, 2, "SCENARIO");

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "cli/tool.hpp"
+#include "support/sanitized.hpp"
 
 // The length of a recording costs no memory.
 
@@ -13,7 +14,7 @@ namespace {
 
 constexpr double kAllowedGrowth = 1.25;
 // Sanitizers keep freed memory aside, more of it the longer a program runs.
-#if defined(__SANITIZE_ADDRESS__)
+#if VERIDYN_SANITIZED
 constexpr bool kMemoryIsReal = false;
 #else
 constexpr bool kMemoryIsReal = true;

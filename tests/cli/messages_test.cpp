@@ -87,6 +87,9 @@ TEST_F(Messages, NameWhatIsMissing) {
   expect(identify + Words{"--filter-cutoff", "1000"}, 2, {"--filter-cutoff: found 1000 Hz, expected", "50 Hz"});
   expect(identify + Words{"--known-mass", "x@fore"}, 2, {"--known-mass: ", "x"});
   expect({"check", "planar-2r"}, 2, {"found the robot 'planar-2r' alone, expected recordings"});
+  const std::string exported = folder_.path("arm.urdf");
+  ASSERT_EQ(run_tool({"export", "psm-3dof", "--urdf", exported}).status, 0);
+  expect({"check", exported}, 2, {"arm.urdf' alone, expected recordings behind it (veridyn info checks a robot)"});
   expect({"stability", "missing.yaml"}, 3, {"missing.yaml: found no such file, expected a scenario"});
   expect({"check", folder_.write("rec.bag", std::string("\x01\0\x02", 3))}, 3, {"rec.bag", "a whole bag"});
   expect({"info", "nope"}, 3, {"one of: elbow-6r, ", "mtm, mtm-rods, planar-2r, "});

@@ -225,7 +225,7 @@ TEST(ScenarioSweep, WhereNothingIsTrackedNothingIsStable) {
   s.sweep = {};
   s.sweep.stiffness = {2450.0};
   s.sweep.stable_error = 0.2;
-  const ScenarioSweepResult map = sweep_scenario(s, "veridyn", 1);
+  const ScenarioSweepResult map = sweep_scenario(s);
   ASSERT_EQ(map.points.size(), 1U);
   EXPECT_FALSE(map.points[0].stable);
   EXPECT_NE(map.points[0].ended, "");
@@ -237,7 +237,7 @@ TEST(ScenarioSweep, FindsWhereTheLoopIsStable) {
   s.sweep.stiffness = {2450.0, 50000.0};
   s.sweep.delay = {0.0, 0.005};
   s.sweep.rate = {1000.0};
-  const ScenarioSweepResult map = sweep_scenario(s, "veridyn", 2);
+  const ScenarioSweepResult map = sweep_scenario(s);
   EXPECT_EQ(map.points.size(), 4U);
   EXPECT_TRUE(map.at(0, 0, 0).stable);
   EXPECT_TRUE(map.at(0, 1, 0).stable);
@@ -249,7 +249,7 @@ TEST(ScenarioSweep, FindsWhereTheLoopIsStable) {
   EXPECT_LT(map.largest_generated_where_stable(), 1e-6);
   EXPECT_GT(map.at(1, 1, 0).generated, 5e-6);
   s.sweep = {};
-  EXPECT_THROW(sweep_scenario(s, "veridyn", 1), InvalidInput);
+  EXPECT_THROW(sweep_scenario(s), InvalidInput);
 }
 
 TEST(ScenarioRun, SaysWhatIsWrongWithAnArm) {

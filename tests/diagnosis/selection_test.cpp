@@ -153,6 +153,25 @@ TEST(Selection, WhatStillGainsBesideTheFindingIsNoRival) {
   EXPECT_EQ(asked[s.accepted[0].rivals[0].hypothesis].columns.front(), "alike");
 }
 
+// A law through level and damping that both changed explains more than either of them, and less than both.
+TEST(Selection, LevelAndDampingThatChangedTogetherAreOneQuestion) {
+  const NormalBlocks data = Columns({{"cause", 0.3}, {"other", 0.3}}).blocks();
+  std::vector<Hypothesis> all = {hypothesis("cause"), hypothesis("other"), hypothesis("mixture")};
+  all[2].cause = NewEffect{"sublinear_viscous", {0}};
+  const auto chosen = [&] {
+    std::vector<int> out;
+    for (const Accepted& a : select_effects(data, {0}, all, {}).accepted) out.push_back(a.evidence.hypothesis);
+    std::sort(out.begin(), out.end());
+    return out;
+  };
+  all[0].cause = NewEffect{"viscous_friction", {0}};
+  all[1].cause = NewEffect{"coulomb_friction", {0}};
+  EXPECT_EQ(chosen(), (std::vector<int>{2}));
+  all[0].cause = ChangedEffect{"viscous_friction", {0}};
+  all[1].cause = ChangedEffect{"coulomb_friction", {0}};
+  EXPECT_EQ(chosen(), (std::vector<int>{0, 1}));
+}
+
 TEST(Selection, StopsAtTheLargestNumber) {
   const auto asked = all_hypotheses();
   DiagnosisOptions options;

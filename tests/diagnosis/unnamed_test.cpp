@@ -213,5 +213,14 @@ TEST(RightToAName, IsLostByAnIntervalWithZeroAndByASizeBeyondTheJoint) {
   EXPECT_NE(why_no_finding(found("position_force", "chebyshev_2", 12.0, 1.0), fitted).find("more than"), std::string::npos);
 }
 
+TEST(RightToAName, ALoadHasAMassOrAMoment) {
+  Finding load;
+  load.cause = AddedLoad{FrameIndex{0}};
+  load.parameters = {{"mass", "kg", 0.1, 0.0, 0.4}, {"moment", "kg m", 0.02, 0.01, 0.03}};
+  EXPECT_EQ(why_no_finding(load, {}), "");
+  load.parameters[1].low = 0.0;
+  EXPECT_NE(why_no_finding(load, {}).find("neither its mass nor its moment"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace veridyn

@@ -10,6 +10,7 @@
 
 #include "identification/synthetic_recording.hpp"
 #include "recordings/samples.hpp"
+#include "support/sanitized.hpp"
 #include "veridyn/identification/factor_set.hpp"
 #include "veridyn/identification/identification.hpp"
 #include "veridyn/model/model_file.hpp"
@@ -33,7 +34,7 @@ bool fails() {
 
 }  // namespace
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#if !VERIDYN_SANITIZED
 extern "C" {
 void* __libc_malloc(std::size_t size);                           // NOLINT: glibc's own name
 void* __libc_memalign(std::size_t alignment, std::size_t size);  // NOLINT

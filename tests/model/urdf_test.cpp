@@ -130,6 +130,19 @@ TEST_F(UrdfFile, InertialsAreTurnedIntoTheLinkFrame) {
                    1e-15));
 }
 
+// A file of the kinematics alone: what moves has a body, whose values are unknown. One inertial makes the others bare frames.
+TEST_F(UrdfFile, WithoutAnyInertialLinksThatMoveHaveBodies) {
+  std::string content = kGripper;
+  const std::size_t begin = content.find("<inertial>"), end = content.find("</inertial>") + std::string("</inertial>").size();
+  content.erase(begin, end - begin);
+  const Model arm = read(content);
+  EXPECT_EQ(arm.bodies().size(), 4U);
+  EXPECT_FALSE(arm.inertial_values());
+  EXPECT_FALSE(arm.frames()[arm.find_frame("base")].body);
+  EXPECT_TRUE(physical_faults(arm).empty());
+  EXPECT_EQ(read(kGripper).bodies().size(), 1U);
+}
+
 TEST_F(UrdfFile, DampingAndFrictionBecomeEffects) {
   const Model arm = read(kGripper);
   ASSERT_EQ(arm.effects().size(), 2U);

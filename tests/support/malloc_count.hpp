@@ -2,15 +2,12 @@
 
 #include <cstddef>
 
-// Counts what is taken from the heap, inside compiled libraries too. Include it in exactly one
-// source of a test binary: it defines malloc. Under the address sanitizer, which brings its own
-// malloc, counting is off.
+#include "support/sanitized.hpp"
 
-#if defined(__SANITIZE_ADDRESS__)
-#define VERIDYN_COUNTS_MALLOC 0
-#else
-#define VERIDYN_COUNTS_MALLOC 1
-#endif
+// Counts what is taken from the heap, inside compiled libraries too. Include it in exactly one
+// source of a test binary: it defines malloc. Under sanitizers counting is off.
+
+#define VERIDYN_COUNTS_MALLOC !VERIDYN_SANITIZED
 
 namespace veridyn {
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,9 +42,18 @@ struct ScenarioSweepResult {
   std::string report() const;
 };
 
-/// @param threads  0: one per core.
+struct SweepOptions {
+  std::string engine = "veridyn";
+  int threads = 0;                         ///< 0: one per core
+  std::function<void(double)> progress{};  ///< share done
+  /// Points that an earlier sweep has finished, by their position in `points`: they are not run again.
+  std::function<std::optional<SweepPoint>(int)> kept{};
+  /// Called once for each point that was run, from any thread.
+  std::function<void(int, const SweepPoint&)> keep{};
+};
+
+/// Runs the scenario at every point of its sweep.
 /// @throws InvalidInput  as run_scenario(); a scenario without a sweep.
-ScenarioSweepResult sweep_scenario(const Scenario& scenario, const std::string& engine, int threads,
-                                   const std::function<void(double)>& progress = {});
+ScenarioSweepResult sweep_scenario(const Scenario& scenario, const SweepOptions& options = {});
 
 }  // namespace veridyn

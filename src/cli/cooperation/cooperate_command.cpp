@@ -4,6 +4,7 @@
 #include "cli/commands.hpp"
 #include "cli/options/common_options.hpp"
 #include "cli/cooperation/cooperate_boards.hpp"
+#include "cli/options/kept_results.hpp"
 #include "cli/options/messages.hpp"
 #include "cli/options/option_checks.hpp"
 #include "cooperation/scenario/scenario_models.hpp"
@@ -13,6 +14,7 @@
 #include "veridyn/cooperation/scenario_sweep.hpp"
 #include "veridyn/cooperation/teleoperation_scenario.hpp"
 #include "veridyn/math/require.hpp"
+#include "math/file_hash.hpp"
 #include "math/output_file.hpp"
 #include "model/suggestion.hpp"
 #include "report/json/cooperation_json.hpp"
@@ -24,6 +26,7 @@ namespace {
 struct CooperateRequest {
   const CLI::App* command = nullptr;  // the command whose options were given
   std::string scenario, output;
+  std::string resume;  // file of a sweep's finished points
   std::string engine = "veridyn";
   bool sweep = false;
   LiveRequest live;
@@ -46,6 +49,34 @@ void write(const CooperateRequest& request, const Result& done, const Scenario& 
   std::cout << done.report();
 }
 
+// A sweep whose finished points outlive a kill. Points that ended early are not kept: they take little time.
+ScenarioSweepResult run_sweep(const CooperateRequest& request, const Scenario& scenario,
+                              const std::function<void(double)>& told) {
+  SweepOptions options;
+  options.engine = request.engine;
+  options.threads = request.common.threads;
+  options.progress = told;
+  if (request.resume.empty()) return sweep_scenario(scenario, options);
+  std::string depends_on = text(VERIDYN_VERSION, "\n", request.engine, "\n", sha256_of_file(request.scenario));
+  for (const ScenarioArm& arm : scenario.arms)
+    depends_on += text("\n", arm.model, " ", sha256_of_file(arm.model), "\n", arm.controller_model, " ", sha256_of_file(arm.controller_model));
+  KeptResults points(request.resume, "cooperate: points of the sweep", depends_on);
+  options.kept = [&](int k) -> std::optional<SweepPoint> {
+    const std::optional<VectorXd> numbers = points.find(k);
+    if (!numbers || numbers->size() != 9) return std::nullopt;
+    const VectorXd& x = *numbers;
+    return SweepPoint{x[0], x[1], x[2], x[3], x[4], x[5], x[6], x[7], x[8] != 0.0, ""};
+  };
+  options.keep = [&](int k, const SweepPoint& p) {
+    if (!p.ended.empty()) return;
+    VectorXd numbers(9);
+    numbers << p.stiffness, p.delay, p.rate, p.steady_error, p.force_error, p.oscillation, p.largest_force,
+        p.generated, p.stable ? 1.0 : 0.0;
+    points.keep(k, numbers);
+  };
+  return sweep_scenario(scenario, options);
+}
+
 // Runs commands from a line in real time; reports go to standard output as they occur.
 ExitStatus run_by_line(const CooperateRequest& request) {
   const Scenario scenario = read_scenario(request.scenario);
@@ -64,6 +95,7 @@ ExitStatus run(const CooperateRequest& request, const std::string& command) {
   const bool on_boards = !request.boards.configs.empty();
   expect_needs(*request.command,
                {{"--output", !request.sweep && !live, "a run: --sweep or --live beside it has no rows"},
+                {"--resume", request.sweep, "--sweep"},
                 {"--sweep", !live && !on_boards, "no --live or --boards beside it"},
                 {"--emulate", on_boards, "--boards"},
                 {"--stepped", request.boards.emulate, "--emulate"},
@@ -90,8 +122,7 @@ ExitStatus run(const CooperateRequest& request, const std::string& command) {
     if (bar) bar("cooperating", share);
   };
   if (request.sweep) {
-    write(request, sweep_scenario(scenario, request.engine, request.common.threads, told), scenario,
-          command);
+    write(request, run_sweep(request, scenario, told), scenario, command);
     return kDone;
   }
   const ScenarioRun done = run_scenario(scenario, request.engine, told);
@@ -115,6 +146,9 @@ void add_cooperate_command(CLI::App& tool, Outcome& outcome) {
       ->option_text(listed(engine_names()))
       ->check(CLI::IsMember(engine_names()));
   command.add_flag("--sweep", request->sweep, "Run the scenario's sweep: a map of stability");
+  command.add_option("--resume", request->resume,
+                     "With --sweep: keep each finished point in this file; after a kill the same command goes on from it")
+      ->option_text("FILE");
   add_boards_options(command, request->boards);
   command
       .add_option("--live", request->live.line,

@@ -36,11 +36,12 @@ bool is_robot(const std::string& name) {
   return there ? file && !S_ISDIR(about.st_mode) : file || name.find('.') == std::string::npos;
 }
 
-bool is_known_robot(const std::string& name) {
+// Also false for a bare name that is neither a file nor a robot that comes with the tool: a recording that is missing.
+bool is_surely_robot(const std::string& name) {
   struct stat about {};
+  if (::stat(name.c_str(), &about) == 0) return is_robot(name);
   const std::vector<std::string> known = robot_names();
-  return ::stat(name.c_str(), &about) != 0 &&
-         std::find(known.begin(), known.end(), name) != known.end();
+  return std::find(known.begin(), known.end(), name) != known.end();
 }
 
 void run(CheckRequest& request, const std::string& command_line) {
@@ -52,8 +53,8 @@ void run(CheckRequest& request, const std::string& command_line) {
     arm = read_robot(recordings.front(), request.common, &request.reading.signals);
     recordings.erase(recordings.begin());
   }
-  expect_value(arm || recordings.size() > 1 || !is_known_robot(recordings.front()), "REC",
-               "found the robot '", recordings.front(), "' alone, expected recordings behind it");
+  expect_value(arm || recordings.size() > 1 || !is_surely_robot(recordings.front()), "REC",
+               "found the robot '", recordings.front(), "' alone, expected recordings behind it (veridyn info checks a robot)");
   expect_value(arm || request.common.fixed.empty(), "--fix",
                "found no robot, expected one in front of the recordings");
   RecordingOptions reading;

@@ -15,7 +15,7 @@
 #include "cli/options/common_options.hpp"
 #include "cli/motions/excite_options.hpp"
 #include "cli/motions/excite_poses.hpp"
-#include "cli/motions/kept_searches.hpp"
+#include "cli/options/kept_results.hpp"
 #include "cli/options/messages.hpp"
 #include "cli/options/option_checks.hpp"
 #include "cli/options/recording_options.hpp"
@@ -255,9 +255,9 @@ ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
     say(unknown + ".");
     return kDataCannotAnswer;
   }
-  std::optional<KeptSearches> searches;
+  std::optional<KeptResults> searches;
   if (!request.resume.empty()) {
-    searches.emplace(request.resume, search_words(*request.command));
+    searches.emplace(request.resume, "excite: searches", search_words(*request.command));
     options.kept = [&](int start) { return searches->find(start); };
     options.keep = [&](int start, const VectorXd& numbers) { searches->keep(start, numbers); };
   }

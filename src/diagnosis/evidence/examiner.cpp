@@ -45,6 +45,13 @@ ColumnSet independent(const NormalBlocks& data, const ColumnSet& all, double new
   return out;
 }
 
+// True for a smooth force over one position, of several terms.
+bool is_force_of_position(const Hypothesis& h) {
+  if (!std::holds_alternative<NewEffect>(h.cause) || !has_effect(effect_of(h.cause))) return false;
+  const EffectTraits traits = find_effect(effect_of(h.cause)).traits();
+  return traits.role == EffectRole::kForce && traits.uses_position && traits.depends_on_position && !traits.uses_velocity;
+}
+
 }  // namespace
 
 ColumnSet columns_of(const NormalBlocks& data, const Hypothesis& hypothesis) {
@@ -154,6 +161,14 @@ Evidence Examiner::evaluate(int h, const BaselineFit& before) const {
   return e;
 }
 
+double Examiner::gain_of(const std::vector<int>& hypotheses, const BaselineFit& before) const {
+  ColumnSet own;
+  for (const int h : hypotheses) own.insert(own.end(), columns_[h].begin(), columns_[h].end());
+  double sum = 0.0;
+  for (const BorderedFit& fold : before.folds) sum += log_fall(fold.residual2(), fold.with(own).residual2);
+  return sum / static_cast<double>(before.folds.size());
+}
+
 std::vector<BorderedFit> Examiner::without_clusters(const BaselineFit& before) const {
   std::vector<BorderedFit> out;
   out.reserve(data_.clusters());
@@ -215,17 +230,35 @@ bool Examiner::stays(const Evidence& e) const {
          e.gain > options_.thresholds.smallest_gain;
 }
 
-VectorXd Examiner::deviations(const ColumnSet& set, const VectorXd& weights, double freedom) const {
+VectorXd Examiner::prior(const std::vector<int>& chosen) const {
+  VectorXd out = VectorXd::Zero(static_cast<Eigen::Index>(set_with(chosen).size()));
+  auto at = static_cast<Eigen::Index>(base_.size());
+  const NormalBlocks::Sums& all = data_.total();
+  for (const int h : chosen) {
+    const Hypothesis& one = hypotheses_[h];
+    const auto own = static_cast<Eigen::Index>(columns_[h].size());
+    if (own > 1 && one.joint && is_force_of_position(one)) {
+      const int j = one.joint->value;
+      const double torque2 = all.b2[j] / std::max(1.0, all.rows[j]);
+      for (Eigen::Index k = 0; k < own; ++k)
+        out[at + k] = 1.0 / std::max(torque2 * std::pow(data_.scale()[columns_[h][k]], 2), numerics::kTiny);
+    }
+    at += own;
+  }
+  return out;
+}
+
+VectorXd Examiner::deviations(const ColumnSet& set, const VectorXd& weights, double freedom, const VectorXd& prior) const {
   const auto rows = static_cast<Eigen::Index>(set.size());
   MatrixXd without(rows, data_.clusters());
   for (int c = 0; c < data_.clusters(); ++c)
-    without.col(c) = data_.solve(set, weights, data_.total(), &data_.cluster(c));
+    without.col(c) = data_.solve(set, weights, data_.total(), &data_.cluster(c), prior);
   const VectorXd of_clusters = jackknife_deviations(without);
   if (!several_recordings() || folds_.size() < 3) return of_clusters;
   without.resize(rows, static_cast<Eigen::Index>(folds_.size()));
   for (size_t f = 0; f < folds_.size(); ++f)
     without.col(f) =
-        data_.solve(set, weights, data_.total(), folds_[f]);
+        data_.solve(set, weights, data_.total(), folds_[f], prior);
   const double recordings = static_cast<double>(folds_.size()) - 1.0;
   const double wider = student_t_quantile(numerics::kOutside, recordings) /
                        student_t_quantile(numerics::kOutside, freedom);

@@ -29,6 +29,7 @@ ColumnSet columns_of(const NormalBlocks& data, const Hypothesis& hypothesis);
 /// Tests hypotheses one at a time, each in the presence of a set of accepted ones.
 class Examiner {
  public:
+  /// @param data, hypotheses  must outlive the examiner.
   /// @param base  columns that are always there (independent ones).
   Examiner(const NormalBlocks& data, const ColumnSet& base,
            const std::vector<Hypothesis>& hypotheses, const DiagnosisOptions& options);
@@ -44,6 +45,9 @@ class Examiner {
 
   /// Evaluates a hypothesis, without the Wald test.
   Evidence evaluate(int hypothesis, const BaselineFit& before) const;
+
+  /// Evidence::gain of several hypotheses together.
+  double gain_of(const std::vector<int>& hypotheses, const BaselineFit& before) const;
 
   /// evaluate() for every hypothesis that is not chosen, beside the chosen ones.
   std::vector<Evidence> evaluate_all(const std::vector<int>& chosen) const;
@@ -69,7 +73,13 @@ class Examiner {
   /// Standard deviations of a fit, (set): the larger of two jackknifes, over clusters, and over
   /// whole recordings where there are several, for what is systematic to one motion shows only
   /// there. Scaled for a t distribution with `freedom`.
-  VectorXd deviations(const ColumnSet& set, const VectorXd& weights, double freedom) const;
+  VectorXd deviations(const ColumnSet& set, const VectorXd& weights, double freedom,
+                      const VectorXd& prior = {}) const;
+
+  /// Precisions of a normal prior for NormalBlocks::solve() over set_with(chosen): the terms of a smooth force of
+  /// position are each of the size of their joint's rms torque. What gravity does as well is thereby left to gravity,
+  /// and terms that cancel against it stay small. Zero for all other columns.
+  VectorXd prior(const std::vector<int>& chosen) const;
 
   const NormalBlocks& data() const { return data_; }
   const Hypothesis& hypothesis(int h) const { return hypotheses_[h]; }
@@ -81,9 +91,9 @@ class Examiner {
                   const VectorXd& deviations) const;
 
   const NormalBlocks& data_;
-  const ColumnSet& base_;
+  ColumnSet base_;
   const std::vector<Hypothesis>& hypotheses_;
-  const DiagnosisOptions& options_;
+  DiagnosisOptions options_;
   std::deque<NormalBlocks::Sums> sums_;           // of folds of several clusters
   std::vector<const NormalBlocks::Sums*> folds_;
   std::vector<ColumnSet> columns_;

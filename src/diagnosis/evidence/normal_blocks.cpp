@@ -141,7 +141,7 @@ OwnColumns::OwnColumns(const ColumnSet& set, const JointSquares& of) {
 }
 
 VectorXd NormalBlocks::solve(const ColumnSet& set, const VectorXd& weights, const Sums& sums,
-                             const Sums* without) const {
+                             const Sums* without, const VectorXd& prior) const {
   const auto k = static_cast<Eigen::Index>(set.size());
   if (k == 0) return {};
   MatrixXd A = MatrixXd::Zero(k, k);
@@ -166,6 +166,7 @@ VectorXd NormalBlocks::solve(const ColumnSet& set, const VectorXd& weights, cons
             w * (of_sums[own.in_joint[r]] - of_without[own.in_joint[r]]);
     }
   }
+  if (prior.size() > 0) A.diagonal() += prior;
   return RidgedSolver(std::move(A)).solve(b);
 }
 

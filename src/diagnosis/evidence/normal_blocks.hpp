@@ -96,9 +96,9 @@ class NormalBlocks {
   const Sums& cluster(int c) const { return clusters_[c]; }
 
   /// Least squares of the columns with joint weights; rows are `sums` minus `without` (if not
-  /// null).
+  /// null). @param prior  precisions of a normal prior with mean zero over the set's scaled columns; empty: none.
   VectorXd solve(const ColumnSet& set, const VectorXd& weights, const Sums& sums,
-                 const Sums* without) const;
+                 const Sums* without, const VectorXd& prior = {}) const;
 
   /// Squared residual per joint of x (over `set`) on the rows of `sums`.
   VectorXd residual2(const ColumnSet& set, const VectorXd& x, const Sums& sums) const;

@@ -33,9 +33,10 @@ class Selector {
     out.columns = examiner_.set_with(chosen());
     const NormalBlocks& data = examiner_.data();
     const VectorXd w = joint_weights(data, out.columns);
-    const VectorXd x = data.solve(out.columns, w, data.total(), nullptr);
+    const VectorXd prior = examiner_.prior(chosen());
+    const VectorXd x = data.solve(out.columns, w, data.total(), nullptr, prior);
     out.degrees_of_freedom = std::max(1, data.clusters() - 1);
-    const VectorXd std = examiner_.deviations(out.columns, w, out.degrees_of_freedom);
+    const VectorXd std = examiner_.deviations(out.columns, w, out.degrees_of_freedom, prior);
     out.values.resize(x.size());
     out.standard_deviations.resize(x.size());
     for (Eigen::Index k = 0; k < x.size(); ++k) {
@@ -138,8 +139,56 @@ class Selector {
       // Between candidates the earlier test wins a tie; within one the larger gain.
       if (e.gain > options_.thresholds.tie * sure.front().gain && asked_earlier(e, best)) best = e;
     }
-    accepted_.push_back({best});
+    if (!take_changed_friction(best, *before)) accepted_.push_back({best});
     return true;
+  }
+
+  // Level and damping of a joint's friction change together from one day to the next, and each alone explains less
+  // than another law of friction through both. They are one question where that law is the best answer: with the
+  // larger gain of the two, and each of them certain beside the other, both are accepted in its place.
+  bool take_changed_friction(const Evidence& best, const Examiner::BaselineFit& before) {
+    const Hypothesis& law = examiner_.hypothesis(best.hypothesis);
+    if (!law.joint || is_plain_friction(law) || static_cast<int>(accepted_.size()) + 2 > options_.max_effects) return false;
+    for (int first = 0; first < examiner_.hypotheses(); ++first) {
+      for (int second = first + 1; second < examiner_.hypotheses(); ++second) {
+        if (!is_changed_friction(first, *law.joint) || !is_changed_friction(second, *law.joint) ||
+            examiner_.hypothesis(first).axis.coefficients != examiner_.hypothesis(second).axis.coefficients)
+          continue;
+        std::vector<Accepted> both = {{beside(first, second)}, {beside(second, first)}};
+        if (!are_sure(both) || examiner_.gain_of({first, second}, before) <= best.gain) continue;
+        if (both[0].evidence.gain < both[1].evidence.gain) std::swap(both[0], both[1]);
+        accepted_.insert(accepted_.end(), both.begin(), both.end());
+        return true;
+      }
+    }
+    return false;
+  }
+
+  static bool is_plain_friction(const Hypothesis& h) {
+    return is_friction(effect_of(h.cause)) && find_effect(effect_of(h.cause)).traits().elementary;
+  }
+
+  bool is_changed_friction(int h, JointIndex joint) const {
+    const Hypothesis& hypothesis = examiner_.hypothesis(h);
+    const std::vector<int> taken = chosen();
+    return is_change(hypothesis) && hypothesis.joint == joint && is_plain_friction(hypothesis) &&
+           std::find(taken.begin(), taken.end(), h) == taken.end();
+  }
+
+  // Evidence for a hypothesis beside the chosen ones and another.
+  Evidence beside(int h, int other) const {
+    std::vector<int> others = chosen();
+    others.push_back(other);
+    const std::unique_ptr<Examiner::BaselineFit> fit = examiner_.baseline(others);
+    Evidence e = examiner_.evaluate(h, *fit);
+    if (may_be_taken(e)) e.p_value = examiner_.p_value(h, *fit, examiner_.without_clusters(*fit));
+    return e;
+  }
+
+  bool are_sure(const std::vector<Accepted>& all) const {
+    return std::all_of(all.begin(), all.end(), [this](const Accepted& a) {
+      return may_be_taken(a.evidence) && a.evidence.p_value < examiner_.limit(a.evidence.hypothesis);
+    });
   }
 
   // Replaces an early choice if another hypothesis is clearly better beside the later ones.

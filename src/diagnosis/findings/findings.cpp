@@ -161,11 +161,18 @@ std::string FindingWriter::phrase_of(const Hypothesis& h) const {
   return BoundEffect(arm, term_of(arm, h)).phrase(values);
 }
 
+// A load that torques know by its moment alone has no mass to speak of.
+static std::string load_phrase(const FoundParameter& mass, const FoundParameter& moment) {
+  if (mass.low > 0.0)
+    return fmt::format("a load of {:.3g} kg (95 %: {:.3g} to {:.3g})", mass.value, mass.low, mass.high);
+  return fmt::format("a load with a moment of {:.3g} kg m (95 %: {:.3g} to {:.3g}) and a mass that may be zero (at most {:.3g} kg)",
+                     moment.value, moment.low, moment.high, mass.high);
+}
+
 std::string FindingWriter::phrase_of(const Group& group, const Finding& f) const {
   const Hypothesis& h = accepted(group.front());
   if (is_load(h)) {
-    return fmt::format("a load of {:.3g} kg (95 %: {:.3g} to {:.3g})", f.parameters[0].value,
-                       f.parameters[0].low, f.parameters[0].high);
+    return load_phrase(f.parameters.front(), f.parameters.back());
   }
   if (is_other_constant(h))
     return phrase_of(h) + ". The model has this effect, and its file another constant";

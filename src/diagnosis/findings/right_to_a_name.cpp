@@ -82,9 +82,18 @@ bool has_curve_over(const Diagnosis& d, int joint, int position) {
   });
 }
 
+// True if the interval of a load's size holds zero.
+bool may_be_zero(const Finding& load, const std::string& size) {
+  return std::any_of(load.parameters.begin(), load.parameters.end(), [&size](const FoundParameter& p) {
+    return p.name == size && p.low <= 0.0;
+  });
+}
+
 }  // namespace
 
 std::string why_no_finding(const Finding& f, const Identification& fitted) {
+  if (std::holds_alternative<AddedLoad>(f.cause) && may_be_zero(f, "mass") && may_be_zero(f, "moment"))
+    return "neither its mass nor its moment can be told from zero";
   const std::string effect = effect_of(f.cause);
   int sizes = 0;
   int nothing = 0;

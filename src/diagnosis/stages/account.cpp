@@ -163,6 +163,11 @@ class Account {
     std::vector<double> left;
     for (const JointVerdict& v : d_.joints) left.push_back(v.left);
     keep(left);
+    for (const Finding& f : d_.findings) {
+      if (!f.shape || f.shape->kept || f.status != FindingStatus::kConfirmed) continue;
+      d_.remarks.push_back(fmt::format("Not in the model: the curve of joint {} over {}, for {}.", f.joint->value + 1,
+                                       joined(f.shape->signals, " and "), why_not_kept(f)));
+    }
     for (JointVerdict& v : d_.joints) {
       v.left = left[v.joint.value];
       v.floor = std::min(v.floor, v.left);
@@ -415,6 +420,21 @@ class Account {
     });
   }
 
+  std::vector<MotionSignal> signals_of(const Finding& f) const {
+    std::vector<MotionSignal> out;
+    for (const std::string& name : f.shape->signals) {
+      out.push_back(*std::find_if(signals_.begin(), signals_.end(),
+                                  [&name](const MotionSignal& s) { return s.name == name; }));
+    }
+    return out;
+  }
+
+  const char* why_not_kept(const Finding& f) const {
+    return tables_of(x_.arm, *f.joint, *f.shape, signals_of(f)).empty()
+               ? "a table holds signals of the joint itself and of one other, no accelerations, histories or times"
+               : "with it held-out parts are predicted no better";
+  }
+
   // Adds tables of unnamed findings to the extended model and fits it again. A joint that it
   // predicts worse gets none.
   void keep(std::vector<double>& left) {
@@ -423,12 +443,7 @@ class Account {
     for (size_t k = 0; k < d_.findings.size(); ++k) {
       const Finding& f = d_.findings[k];
       if (!f.shape || f.status != FindingStatus::kConfirmed) continue;
-      std::vector<MotionSignal> signals;
-      for (const std::string& name : f.shape->signals) {
-        signals.push_back(*std::find_if(signals_.begin(), signals_.end(),
-                                        [&name](const MotionSignal& s) { return s.name == name; }));
-      }
-      for (EffectTerm& term : tables_of(x_.arm, *f.joint, *f.shape, signals)) {
+      for (EffectTerm& term : tables_of(x_.arm, *f.joint, *f.shape, signals_of(f))) {
         tables.push_back(std::move(term));
         of.push_back(k);
       }

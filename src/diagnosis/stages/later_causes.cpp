@@ -141,6 +141,13 @@ void add_rival(const Finding& gone, double gain, const Thresholds& limits, Findi
     f.rivals.push_back({gone.cause, "explains as much with more parameters: these recordings cannot tell the two apart"});
 }
 
+// True if names predict as well as curves did, over all joints and on each that had one.
+bool says_as_much(const VectorXd& curves, const VectorXd& named, const std::set<int>& with_curves, const Thresholds& limits) {
+  return log_fall(curves, named) >= 0.0 && std::all_of(with_curves.begin(), with_curves.end(), [&](int j) {
+    return 2.0 * std::log(named[j] / curves[j]) <= limits.smallest_gain;
+  });
+}
+
 }  // namespace
 
 bool acts_through_positions(const Finding& f) {
@@ -170,7 +177,7 @@ VectorXd errors_with_curves(const DiagnosisState& x) {
 }
 
 void ask_later_causes(DiagnosisState& x, const std::set<int>& hidden) {
-  const std::set<int> with_curves = x.d.changes ? std::set<int>() : joints_in_question(x.d);
+  const std::set<int> with_curves = joints_in_question(x.d);
   std::set<int> joints = with_curves;
   joints.insert(hidden.begin(), hidden.end());
   auto stands_in = std::find_if(x.d.findings.begin(), x.d.findings.end(), may_stand_for_another);
@@ -200,15 +207,13 @@ void ask_later_causes(DiagnosisState& x, const std::set<int>& hidden) {
   y.options = x.options;
   if (!y.d.extended.model) return;
   if (!joint) drop_unconfirmed(y.d);
-  // The names say as much as the curves did, over all joints and on each that had one.
   const VectorXd curves = errors_with_curves(x);
   const VectorXd named = y.fold_errors(y.d.extended).relative();
-  if (joints.empty() ? !is_simpler(x, y, curves, named) : log_fall(curves, named) < 0.0) return;
-  for (const int j : with_curves) {
-    if (2.0 * std::log(named[j] / curves[j]) > x.options.thresholds.smallest_gain) return;
-  }
+  const bool against_names = stands_in != x.d.findings.end() && (joints.empty() || x.d.changes);
+  const bool simpler = against_names && is_simpler(x, y, curves, named);
+  if (!simpler && (joints.empty() || !says_as_much(curves, named, with_curves, x.options.thresholds))) return;
   y.d.hypotheses += static_cast<int>(later.size());
-  if (joints.empty()) add_rival(*stands_in, log_fall(curves, named), x.options.thresholds, y.d.findings[first]);
+  if (simpler) add_rival(*stands_in, log_fall(curves, named), x.options.thresholds, y.d.findings[first]);
   account_for_errors(y);
   if (joint && needs_another_force_of_position(y.d, *joint, name)) return;
   x = std::move(y);

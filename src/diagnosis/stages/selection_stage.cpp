@@ -187,8 +187,9 @@ void challenge(const DiagnosisState& x, CandidateList& list, std::optional<Round
   if (round->changed) fit.emplace(fitted(x, *round));
 }
 
-// Updates values of effects that became part of the arm from the last fit.
+// Updates values of effects that became part of the arm from the last fit. With values as facts nothing is fitted.
 void refresh_findings(DiagnosisState& x) {
+  if (x.d.changes) return;
   for (const auto& [k, names] : x.fitted_by_start) {
     if (k < x.d.findings.size()) refresh(x.d.extended, names, x.d.findings[k]);
   }
@@ -313,6 +314,26 @@ void drop_lost_friction(DiagnosisState& x) {
   }
 }
 
+// An error of a channel that is corrected already may need a little more beside causes that came later: it is one
+// finding, with both in its values.
+void merge_corrections(DiagnosisState& x, size_t first) {
+  auto& all = x.d.findings;
+  for (size_t k = all.size(); k-- > first;) {
+    const Finding& more = all[k];
+    const auto earlier = std::find_if(all.begin(), all.begin() + static_cast<long>(first), [&more](const Finding& f) {
+      return std::holds_alternative<ChannelError>(f.cause) && effect_of(f.cause) == effect_of(more.cause) && f.joint == more.joint;
+    });
+    if (!std::holds_alternative<ChannelError>(more.cause) || earlier == all.begin() + static_cast<long>(first)) continue;
+    for (size_t p = 0; more.status == FindingStatus::kConfirmed && p < earlier->parameters.size(); ++p) {
+      FoundParameter& sum = earlier->parameters[p];
+      sum.value += more.parameters[p].value;
+      sum.low += more.parameters[p].value;
+      sum.high += more.parameters[p].value;
+    }
+    all.erase(all.begin() + static_cast<long>(k));
+  }
+}
+
 void write_down(DiagnosisState& x, const Round& round, const Fit& fit) {
   const auto& asked = round.q.augmented.hypotheses;
   x.d.hypotheses = static_cast<int>(std::set<Candidate>(asked.begin(), asked.end()).size());
@@ -335,6 +356,7 @@ void write_down(DiagnosisState& x, const Round& round, const Fit& fit) {
   for (size_t k = own.size(); k-- > 0;) {
     if (own[k] != 0) x.d.findings.erase(x.d.findings.begin() + static_cast<long>(first + k));
   }
+  merge_corrections(x, first);
   refresh_findings(x);
   drop_lost_friction(x);
   x.d.next_experiment = next_experiment(x.d);

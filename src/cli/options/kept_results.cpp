@@ -1,4 +1,4 @@
-#include "cli/motions/kept_searches.hpp"
+#include "cli/options/kept_results.hpp"
 
 #include <fmt/format.h>
 
@@ -16,13 +16,13 @@ namespace {
 
 constexpr const char* kEnd = "end";  // of a line that was not cut short
 
-std::optional<std::pair<int, VectorXd>> search_in(const std::string& line) {
+std::optional<std::pair<int, VectorXd>> result_in(const std::string& line) {
   std::istringstream words(line);
-  int start = 0;
-  if (!(words >> start)) return std::nullopt;
+  int part = 0;
+  if (!(words >> part)) return std::nullopt;
   std::vector<double> numbers;
   for (std::string word; words >> word;) {
-    if (word == kEnd) return std::pair(start, VectorXd(Eigen::Map<VectorXd>(numbers.data(), static_cast<Eigen::Index>(numbers.size()))));
+    if (word == kEnd) return std::pair(part, VectorXd(Eigen::Map<VectorXd>(numbers.data(), static_cast<Eigen::Index>(numbers.size()))));
     numbers.push_back(std::strtod(word.c_str(), nullptr));
   }
   return std::nullopt;
@@ -30,31 +30,31 @@ std::optional<std::pair<int, VectorXd>> search_in(const std::string& line) {
 
 }  // namespace
 
-KeptSearches::KeptSearches(std::string path, const std::string& command) : path_(std::move(path)) {
-  const std::string header = fmt::format("veridyn excite: searches of command {:016x}", std::hash<std::string>{}(command));
+KeptResults::KeptResults(std::string path, const std::string& what, const std::string& command) : path_(std::move(path)) {
+  const std::string header = fmt::format("veridyn {} of command {:016x}", what, std::hash<std::string>{}(command));
   std::ifstream in(path_);
   std::string line;
   const bool any = static_cast<bool>(std::getline(in, line));
   const bool cut = any && in.eof() && header.rfind(line, 0) == 0;
   const bool begun = any && !cut;
-  require(!begun || line == header, path_, ":1: found '", line, "', expected the searches of this command: '", header, "'.");
+  require(!begun || line == header, path_, ":1: found '", line, "', expected what this command keeps: '", header, "'.");
   bool whole = true;
   while (begun && std::getline(in, line)) {
     whole = !in.eof();
-    if (auto search = search_in(line)) all_.insert(std::move(*search));
+    if (auto result = result_in(line)) all_.insert(std::move(*result));
   }
   std::ofstream out(path_, begun ? std::ios::app : std::ios::trunc);
   out << (!begun ? header + "\n" : whole ? "" : "\n");
   require(out.flush().good(), path_, ": cannot be written.");
 }
 
-std::optional<VectorXd> KeptSearches::find(int start) const {
-  const auto found = all_.find(start);
+std::optional<VectorXd> KeptResults::find(int part) const {
+  const auto found = all_.find(part);
   return found == all_.end() ? std::nullopt : std::optional(found->second);
 }
 
-void KeptSearches::keep(int start, const VectorXd& numbers) {
-  std::string line = std::to_string(start);
+void KeptResults::keep(int part, const VectorXd& numbers) {
+  std::string line = std::to_string(part);
   for (const double number : numbers) line += fmt::format(" {}", number);
   const std::lock_guard<std::mutex> lock(writing_);
   std::ofstream out(path_, std::ios::app);

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "veridyn/math/types.hpp"
+
+namespace veridyn::cli {
+
+/// Finished parts of one command's work, each a line of numbers in a file, so that the same command goes
+/// on after a kill. Threads may share it.
+class KeptResults {
+ public:
+  /// @param what     begins the file, such as "excite: searches".
+  /// @param command  everything that the results depend on; the file's first line has its hash.
+  /// @throws InvalidInput  the file is of another command, or cannot be written.
+  KeptResults(std::string path, const std::string& what, const std::string& command);
+
+  std::optional<VectorXd> find(int part) const;
+  void keep(int part, const VectorXd& numbers);
+
+ private:
+  std::string path_;
+  std::map<int, VectorXd> all_;
+  std::mutex writing_;
+};
+
+}  // namespace veridyn::cli
