@@ -109,12 +109,15 @@ const VectorXd& TorqueUncertainty::update(const ArmState& arm, const VectorXd& d
   sum_.setZero();
   for (size_t k = 0; k < column_.size(); ++k) {
     const auto sigma = factor_.col(static_cast<Eigen::Index>(k));
-    for (Eigen::Index i = 0; i < u_.size(); ++i) {
-      const double y = Y_(i, column_[k]);
-      if (!identified_)
-        sum_(0, i) += y * sigma[0] * y * sigma[0];
-      else if (y != 0.0)  // the joint moves the body
-        sum_.col(i) += y * sigma;
+    const double* const y = &Y_(0, column_[k]);
+    if (identified_) {
+      for (Eigen::Index i = 0; i < u_.size(); ++i) {
+        if (y[i] != 0.0) sum_.col(i) += y[i] * sigma;  // the joint moves the body
+      }
+    } else {
+      const double variance = sigma[0] * sigma[0];
+      double* const sum = sum_.data();
+      for (Eigen::Index i = 0; i < u_.size(); ++i) sum[i] += variance * y[i] * y[i];
     }
   }
   for (Eigen::Index i = 0; i < u_.size(); ++i) {

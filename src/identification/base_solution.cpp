@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string_view>
+#include <unordered_set>
 
 #include "estimation/least_squares.hpp"
 #include "math/median.hpp"
@@ -26,7 +28,13 @@ SquareRootInformation weighted_block(const std::vector<SquareRootInformation>& j
                                      const std::vector<std::string>& columns) {
   SquareRootInformation out(columns);
   for (size_t i = 0; i < joints.size(); ++i) {
-    out.merge(joints[i].restricted(columns), weights[static_cast<Eigen::Index>(i)]);
+    const std::vector<std::string>& known = joints[i].columns();
+    const std::unordered_set<std::string_view> has(known.begin(), known.end());
+    std::vector<std::string> own;  // a joint near the tip has a few of the columns
+    for (const std::string& column : columns) {
+      if (has.count(column) != 0) own.push_back(column);
+    }
+    out.merge(joints[i].restricted(own), weights[static_cast<Eigen::Index>(i)]);
   }
   return out;
 }
@@ -61,16 +69,23 @@ MatrixXd jackknife(const std::vector<SquareRootInformation>& blocks,
 
 }  // namespace
 
-SquareRootInformation weighted_total(const std::vector<CompressedRecording>& recordings,
+std::vector<SquareRootInformation> joint_totals(
+    const std::vector<CompressedRecording>& recordings) {
+  std::vector<SquareRootInformation> joints(recordings.front().joints.size());
+  for (const CompressedRecording& recording : recordings) {
+    for (const auto& block : recording.blocks) {
+      for (size_t i = 0; i < block.size(); ++i) joints[i].merge(block[i]);
+    }
+  }
+  return joints;
+}
+
+SquareRootInformation weighted_total(const std::vector<SquareRootInformation>& joints,
                                      const VectorRef& weights,
                                      const std::vector<std::string>& columns) {
   SquareRootInformation total(columns);
-  for (const CompressedRecording& recording : recordings) {
-    for (const auto& block : recording.blocks) {
-      for (size_t i = 0; i < block.size(); ++i)
-        total.merge(block[i], weights[static_cast<Eigen::Index>(i)]);
-    }
-  }
+  for (size_t i = 0; i < joints.size(); ++i)
+    total.merge(joints[i], weights[static_cast<Eigen::Index>(i)]);
   return total;
 }
 
@@ -127,25 +142,20 @@ VectorXd range_weights(const std::vector<CompressedRecording>& recordings) {
   return weights;
 }
 
-VectorXd residual_weights(const std::vector<CompressedRecording>& recordings,
+VectorXd residual_weights(const std::vector<SquareRootInformation>& joints,
                           const VectorRef& start, const BaseParameters& base,
                           const std::vector<std::string>& names) {
   const std::vector<std::string> columns = independent_columns(base, names);
-  const auto n = recordings.front().joints.size();
-  std::vector<SquareRootInformation> joints(n, SquareRootInformation(columns));
-  for (const CompressedRecording& r : recordings) {
-    for (const auto& block : r.blocks) {
-      for (size_t i = 0; i < n; ++i) joints[i].merge(block[i].restricted(columns));
-    }
-  }
-  const VectorXd beta = least_squares(weighted_block(joints, start, columns));
+  std::vector<SquareRootInformation> leading;
+  for (const SquareRootInformation& joint : joints) leading.push_back(joint.restricted(columns));
+  const VectorXd beta = least_squares(weighted_total(leading, start, columns));
   VectorXd weights(start.size());
-  for (size_t i = 0; i < n; ++i) {
+  for (size_t i = 0; i < leading.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
     // No residual is known better than the torques' rounding: an exact fit gets a finite weight.
     const double rounding = std::numeric_limits<double>::epsilon() / start[row];
-    const double least = std::max(joints[i].rows(), 1.0) * rounding * rounding;
-    weights[row] = std::sqrt(joints[i].rows() / std::max(joints[i].residual2(beta), least));
+    const double least = std::max(leading[i].rows(), 1.0) * rounding * rounding;
+    weights[row] = std::sqrt(leading[i].rows() / std::max(leading[i].residual2(beta), least));
   }
   return weights;
 }

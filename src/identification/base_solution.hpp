@@ -22,8 +22,11 @@ struct BaseSolution {
   double effective_samples = 0.0;        ///< rows times the median ratio of the two variances
 };
 
-/// Merges all blocks of all recordings over the given columns, joint i weighted by weights[i].
-SquareRootInformation weighted_total(const std::vector<CompressedRecording>& recordings,
+/// One factor per joint: all blocks of all recordings merged.
+std::vector<SquareRootInformation> joint_totals(const std::vector<CompressedRecording>& recordings);
+
+/// Merges joint_totals() over the given columns, joint i weighted by weights[i].
+SquareRootInformation weighted_total(const std::vector<SquareRootInformation>& joints,
                                      const VectorRef& weights,
                                      const std::vector<std::string>& columns);
 
@@ -40,7 +43,8 @@ VectorXd range_weights(const std::vector<CompressedRecording>& recordings);
 /// 1 / standard deviation of every joint's residual in the fit with the weights `start`: one step
 /// of feasible generalised least squares. Equal initial weights would not do: where parameters are
 /// shared, a joint with small torques is then fitted badly, and would keep a small weight.
-VectorXd residual_weights(const std::vector<CompressedRecording>& recordings,
+/// @param joints  joint_totals().
+VectorXd residual_weights(const std::vector<SquareRootInformation>& joints,
                           const VectorRef& start, const BaseParameters& base,
                           const std::vector<std::string>& names);
 

@@ -9,8 +9,10 @@
 #include "many_recordings.hpp"
 #include "period_fold.hpp"
 #include "read_ahead.hpp"
+#include "velocity_choice.hpp"
 #include "math/parallel.hpp"
 #include "recordings/kept_recordings.hpp"
+#include "recordings/quality/quality_numbers.hpp"
 
 namespace veridyn {
 namespace {
@@ -259,6 +261,13 @@ MotionPeriod period_of(const Model& arm, const std::string& path,
     return period;
   }
   const Recording* there = find_in_memory(options.in_memory, path);
+  if (there == nullptr && options.kept && options.first_row == 0 && !options.row_count) {
+    // The judgement of a short recording has found the period from the same positions.
+    const auto seen = options.kept->known_quality(path, rows_looked_at(arm, options));
+    if (seen && seen->rows < kPeriodRows && seen->duration < kPeriodSeconds &&
+        seen->rows >= quality::kFewestRows && seen->find("absurd_numbers") == nullptr)
+      return seen->period;
+  }
   return detect_period(there != nullptr ? *there : first_positions(arm, path, options));
 }
 

@@ -107,7 +107,7 @@ FoldErrors fold_errors(const Identification& fitted, const IdentificationOptions
       values == FoldValues::kFitted ? identifiable_base_parameters(arm) : BaseParameters();
   VectorXd weights = range_weights(fitted.factors);
   if (values == FoldValues::kFitted && options.weights == JointWeights::kResidual)
-    weights = residual_weights(fitted.factors, weights, base, names);
+    weights = residual_weights(joint_totals(fitted.factors), weights, base, names);
   FoldErrors out;
   out.error2.resize(static_cast<Eigen::Index>(parts.size()), arm.joints());
   VectorXd rows = VectorXd::Zero(arm.joints());

@@ -129,25 +129,30 @@ void solve(const Model& arm, const std::vector<CompressedRecording>& recordings,
   const auto parameters = standard_parameters(arm);
   const std::vector<std::string> names = parameter_names(parameters);
   const BaseParameters base = identifiable_base_parameters(arm);
-  const SquareRootInformation total = weighted_total(recordings, range_weights(recordings), names);
+  std::vector<SquareRootInformation> joints = joint_totals(recordings);
+  const SquareRootInformation total = weighted_total(joints, range_weights(recordings), names);
   if (rank_deficient(arm, base, total, id)) return;
-  fit_base(arm, recordings, base, options, id);
+  fit_base(arm, recordings, std::move(joints), base, options, id);
 }
 
 }  // namespace
 
 void fit_base(const Model& arm, const std::vector<CompressedRecording>& recordings,
-              const BaseParameters& base, const IdentificationOptions& options, Identification& id) {
+              std::vector<SquareRootInformation> joints, const BaseParameters& base,
+              const IdentificationOptions& options, Identification& id) {
   const auto parameters = standard_parameters(arm);
   const std::vector<std::string> names = parameter_names(parameters);
   VectorXd weights = range_weights(recordings);
-  SquareRootInformation total = weighted_total(recordings, weights, names);
+  SquareRootInformation total = weighted_total(joints, weights, names);
   const VectorXd norms = total.column_norms();
   if (options.method == Method::kOls) {
     weights = VectorXd::Ones(weights.size());
   } else if (options.weights == JointWeights::kResidual) {
-    weights = residual_weights(recordings, weights, base, names);
+    weights = residual_weights(joints, weights, base, names);
   }
+  if (options.method == Method::kFeasible) total = weighted_total(joints, weights, names);
+  joints.clear();  // large arms need the memory
+  joints.shrink_to_fit();
   const BaseSolution solution = solve_base(recordings, weights, base, names);
   id.status = IdentificationStatus::kDone;
   id.condition_number = solution.condition_number;
@@ -157,7 +162,6 @@ void fit_base(const Model& arm, const std::vector<CompressedRecording>& recordin
   id.objective = solution.residual2;
   VectorXd beta = solution.beta;
   if (options.method == Method::kFeasible) {
-    total = weighted_total(recordings, weights, names);
     solve_feasible(arm, total, options, id);
     if (id.status == IdentificationStatus::kNotConverged && options.prior) return;
     beta = base.K * id.parameters;
@@ -194,8 +198,9 @@ void refit_with_instruments(const Model& arm, const std::vector<CompressedRecord
   const std::vector<std::string> names = parameter_names(standard_parameters(arm));
   const BaseParameters base = identifiable_base_parameters(arm);
   VectorXd weights = range_weights(recordings);
-  const VectorXd norms = weighted_total(recordings, weights, names).column_norms();
-  if (options.weights == JointWeights::kResidual) weights = residual_weights(recordings, weights, base, names);
+  const std::vector<SquareRootInformation> joints = joint_totals(recordings);
+  const VectorXd norms = weighted_total(joints, weights, names).column_norms();
+  if (options.weights == JointWeights::kResidual) weights = residual_weights(joints, weights, base, names);
   IdentificationOptions how = options;
   how.preprocessing = id.preprocessing;
   InstrumentalFit fit = fit_with_instruments(arm, recordings, base, weights, how);

@@ -276,7 +276,7 @@ InstrumentalFit fit_with_instruments(const Model& arm, const std::vector<Compres
   out.solution.beta = estimate(all, options.method, scale);
   std::vector<std::string> leading;
   for (const int j : base.independent) leading.push_back(names[j]);
-  out.objective = weighted_total(recordings, weights, names).restricted(leading).residual2(out.solution.beta);
+  out.objective = weighted_total(joint_totals(recordings), weights, names).restricted(leading).residual2(out.solution.beta);
   out.solution.clusters = static_cast<int>(blocks.size());
   MatrixXd without(base.size(), static_cast<Eigen::Index>(blocks.size()));
   for (size_t b = 0; b < blocks.size(); ++b) {

@@ -47,8 +47,10 @@ bool fit_factors(AskedArm& arm, std::vector<CompressedRecording>& recordings,
 
 /// From factors to the parameters of an arm and its model, over base parameters that the recordings
 /// determine. Leaves id.model empty where a prior does not let it converge.
+/// @param joints  their joint_totals().
 void fit_base(const Model& arm, const std::vector<CompressedRecording>& recordings,
-              const BaseParameters& base, const IdentificationOptions& options, Identification& id);
+              std::vector<SquareRootInformation> joints, const BaseParameters& base,
+              const IdentificationOptions& options, Identification& id);
 
 /// The errors of training go into the MODEL file with the statistics.
 void keep_training_error(Identification& id);

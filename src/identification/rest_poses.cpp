@@ -346,13 +346,14 @@ Identification identify_at_rest(const Model& file, const std::vector<RestPoses>&
   for (const RestPoses& poses : train) factors.push_back(compressed(arm, poses));
   for (const CompressedRecording& r : factors) id.rows += r.rows;
   const std::vector<std::string> names = parameter_names(standard_parameters(arm));
-  const SquareRootInformation total = weighted_total(factors, range_weights(factors), names);
+  std::vector<SquareRootInformation> joints = joint_totals(factors);
+  const SquareRootInformation total = weighted_total(joints, range_weights(factors), names);
   const BaseParameters base = base_parameters(total, preferred_columns(standard_parameters(arm)), identifying::kRank);
   if (base.size() == 0) {
     id.reason = "the poses determine no parameter";
     return id;
   }
-  fit_base(arm, factors, base, how, id);
+  fit_base(arm, factors, std::move(joints), base, how, id);
   if (!id.model) return id;
   id.rank_gap = base.rank_gap;
   ErrorSums of_train(arm.joints());

@@ -17,9 +17,7 @@ VectorXd logarithm(const VectorXd& relative) {
 
 RecordingQuality quality_of(const Model& arm, const std::string& name,
                             const PreprocessingOptions& how) {
-  RecordingOptions reading = reading_of(arm, how);
-  reading.first_row = std::max(0L, how.first_row);
-  reading.row_count = std::min(how.row_count.value_or(identifying::kLookedAt), identifying::kLookedAt);
+  const RecordingOptions reading = rows_looked_at(arm, how);
   const auto judge = [&] { return check_rows(name, open_rows(name, reading, how.kept.get())); };
   try {
     const Recording* there = find_in_memory(how.in_memory, name);
@@ -31,6 +29,13 @@ RecordingQuality quality_of(const Model& arm, const std::string& name,
 }
 
 }  // namespace
+
+RecordingOptions rows_looked_at(const Model& arm, const PreprocessingOptions& how) {
+  RecordingOptions reading = reading_of(arm, how);
+  reading.first_row = std::max(0L, how.first_row);
+  reading.row_count = std::min(how.row_count.value_or(identifying::kLookedAt), identifying::kLookedAt);
+  return reading;
+}
 
 VectorXd log_training_errors(const Identification& id) {
   const PredictionError& error = id.train_without_excluded.relative.size() > 0

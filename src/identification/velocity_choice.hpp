@@ -34,6 +34,9 @@ VelocityChoice choose_velocities(const Identification& before, std::set<int> can
                                  double least,
                                  const std::function<Identification(const std::set<int>&)>& look);
 
+/// The rows of a recording from which glance_at() judges it.
+RecordingOptions rows_looked_at(const Model& arm, const PreprocessingOptions& how);
+
 /// Quality of the first rows of each recording, sufficient for units and noise; empty if it cannot
 /// be read, which a later step reports.
 std::vector<RecordingQuality> glance_at(const Model& arm, const std::vector<std::string>& recordings,

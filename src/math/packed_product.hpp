@@ -16,7 +16,9 @@ struct PackedBlocks {
   double alpha;
 };
 
-/// With AVX2 and FMA; null if the build does not include them.
+/// With AVX2 and FMA, with AVX-512; null if the build does not include them. Their results are equal
+/// to the last bit.
 void (*packed_product_avx2())(const PackedBlocks&);
+void (*packed_product_avx512())(const PackedBlocks&);
 
 }  // namespace veridyn

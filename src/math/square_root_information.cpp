@@ -158,12 +158,16 @@ SquareRootInformation SquareRootInformation::restricted(
     const std::vector<std::string>& columns) const {
   std::unordered_map<std::string, int> index;
   for (int i = 0; i < size(); ++i) index.emplace(columns_[i], i);
-  MatrixXd T = MatrixXd::Zero(size(), static_cast<Eigen::Index>(columns.size()));
+  MatrixXd A = MatrixXd::Zero(size(), static_cast<Eigen::Index>(columns.size()));
   for (size_t j = 0; j < columns.size(); ++j) {
     const auto found = index.find(columns[j]);
-    if (found != index.end()) T(found->second, static_cast<Eigen::Index>(j)) = 1.0;
+    if (found != index.end()) A.col(static_cast<Eigen::Index>(j)) = R_.col(found->second);
   }
-  return transformed(T, columns);
+  SquareRootInformation out(columns);
+  out.absorb(A, z_);
+  out.rho2_ += rho2_;
+  out.rows_ = rows_;
+  return out;
 }
 
 SquareRootInformation SquareRootInformation::transformed(const MatrixRef& T,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <exception>
 #include <filesystem>
 #include <future>
@@ -51,6 +52,15 @@ class MadeOnce {
       bytes_left_ += wanted;
       throw;
     }
+  }
+
+  // The value if it has been made; else null.
+  std::shared_ptr<const Made> made(const Key& key) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    const auto found = all_.find(key);
+    const bool ready = found != all_.end() && found->second.wait_for(std::chrono::seconds(0)) ==
+                                                  std::future_status::ready;
+    return ready ? found->second.get() : nullptr;
   }
 
  private:
@@ -132,6 +142,11 @@ RecordingQuality KeptRecordings::quality(const std::string& path, const Recordin
       key_of(path, options), [] { return long{sizeof(RecordingQuality)}; },
       [&] { return std::make_shared<const RecordingQuality>(judge()); });
   return kept ? *kept : judge();
+}
+
+std::shared_ptr<const RecordingQuality> KeptRecordings::known_quality(
+    const std::string& path, const RecordingOptions& options) {
+  return state_->qualities.made(key_of(path, options));
 }
 
 std::shared_ptr<const PreparedRecording> KeptRecordings::prepared(

@@ -42,6 +42,10 @@ class KeptRecordings {
   RecordingQuality quality(const std::string& path, const RecordingOptions& options,
                            const std::function<RecordingQuality()>& judge);
 
+  /// The same where it has been judged already; else null.
+  std::shared_ptr<const RecordingQuality> known_quality(const std::string& path,
+                                                        const RecordingOptions& options);
+
   /// A recording in memory, prepared by the first caller; null if it is not to be kept. @param
   /// bytes  of memory that it will take. @throws  the exceptions of make(), which the next caller
   /// repeats.

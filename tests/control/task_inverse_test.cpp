@@ -1,7 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
 #include <limits>
+#include <vector>
 
 #include "control/control_support.hpp"
 #include "veridyn/control/inverse_kinematics.hpp"
@@ -41,6 +44,54 @@ TEST(TaskInverse, AwayFromSingularitiesItSolvesTheTaskAndThePostureOnlyFillsWhat
       EXPECT_TRUE(near((J * y_other).head(used), a.head(used), 1e-9));
       EXPECT_EQ((y - y_other).norm() > 1e-2, arm.joints() > used);
     }
+  }
+}
+
+// The inverse as its definition says, from a singular value decomposition: poses where no direction is
+// damped take a Cholesky factor, the others eigenvectors. The threshold is half way between the poses.
+TEST(TaskInverse, DampedOrNotItIsTheInverseOfItsDefinition) {
+  constexpr double kLength = 0.5;
+  constexpr int kPoses = 64;
+  const Model& arm = sample_arms().at("serial_RRPRRPR");
+  VectorXd unit = VectorXd::Ones(arm.joints());
+  for (int i = 0; i < arm.joints(); ++i) {
+    if (arm.coordinates()[i].prismatic) unit[i] = kLength;
+  }
+  Vector6d weight = Vector6d::Ones();
+  weight.head<3>().setConstant(1.0 / kLength);
+  for (const TaskRows rows : {TaskRows::kPosition, TaskRows::kPose}) {
+    const auto used = static_cast<Eigen::Index>(rows);
+    Random random(8);
+    std::vector<MatrixXd> jacobians;
+    std::vector<Eigen::JacobiSVD<MatrixXd>> parts;
+    std::vector<double> smallest;
+    for (int k = 0; k < kPoses; ++k) {
+      jacobians.push_back(jacobian_at(arm, random.vector(arm.joints(), -1.5, 1.5)));
+      const MatrixXd normal = (weight.asDiagonal() * jacobians.back() * unit.asDiagonal()).topRows(used);
+      parts.emplace_back(normal, Eigen::ComputeThinU | Eigen::ComputeThinV);
+      smallest.push_back(parts.back().singularValues()[used - 1]);
+    }
+    std::vector<double> sorted = smallest;
+    std::sort(sorted.begin(), sorted.end());
+    const double threshold = 0.5 * (sorted[kPoses / 2 - 1] + sorted[kPoses / 2]);
+    TaskInverse inverse(arm, {last_frame(arm)}, rows, {kLength, threshold});
+    VectorXd y(arm.joints());
+    int damped = 0;
+    for (int k = 0; k < kPoses; ++k) {
+      const Vector6d a = random.vector(6, -1, 1);
+      VectorXd gain = parts[k].singularValues();
+      for (double& s : gain) s /= std::pow(std::max(s, threshold), 2);
+      const VectorXd expected =
+          unit.cwiseProduct(parts[k].matrixV() * gain.asDiagonal() * parts[k].matrixU().transpose() *
+                            weight.cwiseProduct(a).head(used));
+      inverse.update(jacobians[k]);
+      inverse.solve(a, VectorXd::Zero(arm.joints()), y);
+      EXPECT_TRUE(near(y, expected, 1e-12 * (1.0 + expected.norm())));
+      EXPECT_EQ(inverse.near_singular(), smallest[k] < threshold);
+      EXPECT_NEAR(inverse.smallest_singular_value(), smallest[k], 1e-12);
+      damped += inverse.near_singular() ? 1 : 0;
+    }
+    EXPECT_EQ(damped, kPoses / 2);
   }
 }
 

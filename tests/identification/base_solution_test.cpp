@@ -171,7 +171,7 @@ TEST(TheBaseSolution, SaysThatTwoBlocksAreTooFewForAStandardDeviation) {
 TEST(TheWeightedTotal, IsTheFactorOfAllRows) {
   const Data d = data(4, 0.3, 4);
   const Eigen::Vector2d weights(3.0, 0.25);
-  const SquareRootInformation total = weighted_total(d.recordings, weights, names());
+  const SquareRootInformation total = weighted_total(joint_totals(d.recordings), weights, names());
   ASSERT_EQ(total.columns(), names());
   Random random(5);
   for (int k = 0; k < 5; ++k) {
@@ -208,7 +208,7 @@ TEST(ResidualWeights, AreThoseOfTheFitWithTheFirstWeights) {
   const Data d = data(3, 0.3, 7, 0.01);
   for (const Eigen::Vector2d& start : {Eigen::Vector2d(1, 1), Eigen::Vector2d(1, 1000)}) {
     const VectorXd direct = deviations_turned_round(d, stacked(d, start).solution());
-    EXPECT_TRUE(near(residual_weights(d.recordings, start, base(), names()), direct, 1e-9));
+    EXPECT_TRUE(near(residual_weights(joint_totals(d.recordings), start, base(), names()), direct, 1e-9));
   }
 }
 
@@ -216,7 +216,7 @@ TEST(ResidualWeights, AreThoseOfTheFitWithTheFirstWeights) {
 // ignores it.
 TEST(ResidualWeights, OfAJointWithSmallTorquesAreThoseOfItsNoise) {
   const Data d = data(3, 0.01, 8, 1e-3);
-  const VectorXd w = residual_weights(d.recordings, Eigen::Vector2d(1, 1000), base(), names());
+  const VectorXd w = residual_weights(joint_totals(d.recordings), Eigen::Vector2d(1, 1000), base(), names());
   EXPECT_NEAR(w[1] / w[0], 1e3, 0.1 * 1e3);
 }
 

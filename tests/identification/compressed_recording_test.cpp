@@ -73,7 +73,7 @@ TEST(ACompressedRecording, HoldsTheSumOfSquaresOfItsRows) {
   });
   EXPECT_EQ(c.rows, rows);
   for (Eigen::Index i = 0; i < 4; ++i) {
-    const SquareRootInformation total = weighted_total({c}, VectorXd::Unit(4, i), names);
+    const SquareRootInformation total = weighted_total(joint_totals({c}), VectorXd::Unit(4, i), names);
     EXPECT_NEAR(total.residual2(x), direct[i], 1e-10 * direct[i]);
   }
 }
@@ -300,8 +300,8 @@ TEST(ACompressedFile, IsTheCompressedRecording) {
     EXPECT_NEAR(file.period.seconds, memory.period.seconds, 1e-3);
     EXPECT_EQ(file.noise_floor.size(), memory.noise_floor.size());
     const VectorXd x = 1.1 * true_parameters(arm);
-    const double expected = weighted_total({memory}, Eigen::Vector2d(1, 1), names).residual2(x);
-    EXPECT_NEAR(weighted_total({file}, Eigen::Vector2d(1, 1), names).residual2(x), expected,
+    const double expected = weighted_total(joint_totals({memory}), Eigen::Vector2d(1, 1), names).residual2(x);
+    EXPECT_NEAR(weighted_total(joint_totals({file}), Eigen::Vector2d(1, 1), names).residual2(x), expected,
                 1e-6 * expected);
     const VectorXd e = prediction_error(arm, path, {}, x, file.joints).error().relative;
     EXPECT_TRUE(near(e, prediction_error(arm, r, {}, x, memory.joints).error().relative, 1e-6));

@@ -65,6 +65,30 @@ TEST(PackedProduct, SolvesTriangles) {
   }
 }
 
+// Machines of either width give the same digits.
+TEST(PackedProduct, BothWidthsAreEqualToTheLastBit) {
+  if (widest_instruction_set() < InstructionSet::kAvx512 || packed_product_avx512() == nullptr)
+    GTEST_SKIP() << "a processor or a build without AVX-512";
+  Random random(73);
+  for (const int rows : {1, 2, 7, 8, 23, 24, 61}) {
+    for (const int cols : {1, 3, 4, 5, 8, 13}) {
+      const long depth = 19;
+      const long packed = rows + cols;
+      const VectorXd A = random.vector(static_cast<int>(rows * depth), -1, 1);
+      const VectorXd B = random.vector(static_cast<int>(cols * depth), -1, 1);
+      MatrixXd narrow = MatrixXd::Constant(packed, cols, 2.0);
+      MatrixXd wide = narrow;
+      const auto product = [&](MatrixXd& C) {
+        return PackedBlocks{A.data(), B.data(), C.data(), packed, rows, depth, cols, depth, depth, 0, 0, 0.7};
+      };
+      packed_product_avx2()(product(narrow));
+      packed_product_avx512()(product(wide));
+      EXPECT_TRUE(narrow == wide) << rows << " x " << cols;
+      EXPECT_TRUE((wide.bottomRows(cols).array() == 2.0).all());
+    }
+  }
+}
+
 TEST(PackedProduct, IsThereOnThisProcessor) {
 #if defined(__x86_64__)
   if (widest_instruction_set() < InstructionSet::kAvx2) GTEST_SKIP() << "a processor without AVX2";

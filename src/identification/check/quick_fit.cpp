@@ -67,7 +67,7 @@ std::pair<int, double> QuickFitter::determined(const Recording& recording) const
   if (c[0].rows == 0.0) return {0, 0.0};
   const VectorXd weights = range_weights(c);
   const BaseParameters found =
-      base_parameters(weighted_total(c, weights, names_), preferred_columns(parameters_));
+      base_parameters(weighted_total(joint_totals(c), weights, names_), preferred_columns(parameters_));
   return {found.size(), solve_base(c, weights, found, names_).condition_number_scaled};
 }
 
