@@ -264,7 +264,7 @@ MotionPeriod period_of(const Model& arm, const std::string& path,
   if (there == nullptr && options.kept && options.first_row == 0 && !options.row_count) {
     // The judgement of a short recording has found the period from the same positions.
     const auto seen = options.kept->known_quality(path, rows_looked_at(arm, options));
-    if (seen && seen->rows < kPeriodRows && seen->duration < kPeriodSeconds &&
+    if (seen && seen->rows < identifying::kPeriodRows && seen->duration < identifying::kPeriodSeconds &&
         seen->rows >= quality::kFewestRows && seen->find("absurd_numbers") == nullptr)
       return seen->period;
   }
