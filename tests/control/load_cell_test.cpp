@@ -456,7 +456,17 @@ TEST(Udp, TheFirstSenderOwnsThePortUntilItIsSilent) {
 }
 
 // What lay in the socket while the program did not look is as old as it is.
+// The kernel begins to stamp datagrams some time after the first socket wants it, and gives the time of reading until then:
+// a channel that stays open waits for it.
 TEST(Udp, TheAgeOfAReadingCountsFromItsArrival) {
+  ForceChannel before(open_force_source("udp:47118"), {});
+  const Sender early(47118);
+  double age = 0.0;
+  for (int k = 0; k < 1000 && age < 0.002; ++k) {
+    early.say("0");
+    ::usleep(3000);
+    age = before.update(1e-3 * k).age;
+  }
   ForceChannel channel(open_force_source("udp:47117"), {});
   const Sender cell(47117);
   cell.say("1");

@@ -294,26 +294,6 @@ TEST_F(NameRules, ANameThatCurvesWithoutNamesSurpassGoes) {
   }));
 }
 
-// Since the model was made the elbow has a stop. A curve over its position says as much, with more constants.
-TEST_F(NameRules, AStopIsAskedAboutAgainstAModel) {
-  std::vector<std::string> files;
-  for (unsigned k = 1; k <= 5; ++k) {
-    files.push_back(record(k, {}));
-    Recording r = read_recording(files.back());
-    for (Eigen::Index t = 0; t < r.tau.rows(); ++t) r.tau(t, 1) += 40.0 * std::max(0.0, r.q(t, 1) - 0.5);
-    write_recording(r, files.back());
-  }
-  DiagnosisOptions options;
-  options.values = RobotValues::kFacts;
-  options.identification.threads = 1;
-  const std::string test = files.back();
-  files.pop_back();
-  const Diagnosis d = diagnose(truth_, files, {test}, options);
-  ASSERT_EQ(d.findings.size(), 1U) << d.report();
-  EXPECT_EQ(effect_of(d.findings[0].cause), "end_stop") << d.report();
-  EXPECT_EQ(d.findings[0].joint, JointIndex{1});
-}
-
 TEST_F(NameRules, AWrongConstantMustShowWhereTheErrorIsExplained) {
   Finding f;
   f.cause = ChannelError{"encoder_offset", JointIndex{0}};
