@@ -16,7 +16,8 @@ std::string ChannelEffect::place(const Model& arm, const EffectTerm& term) const
   return axis_text(arm, term.axis) + (term.from ? " from " + axis_text(arm, *term.from) : "");
 }
 
-void SensorError::apply(ModelDescription& arm, int joint, int from, const std::vector<double>& values) const {
+void SensorError::apply(ModelDescription& arm, int joint, std::optional<JointIndex> from,
+                        const std::vector<double>& values) const {
   for (size_t i = 0; i < arm.coordinates.size(); ++i) {
     if (joint == kAllJoints || static_cast<int>(i) == joint)
       change(arm.coordinates[i].recorded, from, values);
@@ -104,8 +105,9 @@ int channel_joint(const ChannelEffect& effect, const EffectTerm& term) {
   return main_coordinate(term.axis);
 }
 
-int channel_source(const EffectTerm& term) {
-  return term.from ? main_coordinate(*term.from) : -1;
+std::optional<JointIndex> channel_source(const EffectTerm& term) {
+  if (!term.from) return std::nullopt;
+  return JointIndex{main_coordinate(*term.from)};
 }
 
 Model with_channel_error(const Model& arm, const EffectTerm& term,

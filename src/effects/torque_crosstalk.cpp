@@ -1,5 +1,3 @@
-#include <cmath>
-
 #include "math/digits.hpp"
 #include "registry.hpp"
 #include "veridyn/effects/channel_effect.hpp"
@@ -25,12 +23,12 @@ class TorqueCrosstalk final : public SensorError {
     t.lasting = true;
     return t;
   }
-  // For every pair of joints it would be one more question.
+  // One question for each pair of joints would cost all others a part of their significance.
   bool asked_unnamed() const override { return false; }
   bool acts_on(int i, int joint) const override { return i == joint; }
   std::vector<MatrixXd> columns(const ChannelMotion& motion, int joint) const override {
     MatrixXd out = MatrixXd::Zero(motion.effort.rows(), motion.effort.cols());
-    out.col(joint) = motion.effort.col(motion.from);
+    out.col(joint) = motion.effort.col(motion.from->value);
     return {out};
   }
   std::vector<InjectedValue> injected(JointType /*type*/) const override {
@@ -40,8 +38,9 @@ class TorqueCrosstalk final : public SensorError {
                      JointType /*type*/) const override {
     return "a recorded torque that contains " + digits(values[0], 3) + " times the torque";
   }
-  void change(RecordedChannel& shown, int from, const std::vector<double>& values) const override {
-    shown.torque_crosstalk[from] += values[0];
+  void change(RecordedChannel& shown, std::optional<JointIndex> from,
+              const std::vector<double>& values) const override {
+    shown.torque_crosstalk[from->value] += values[0];
   }
 };
 

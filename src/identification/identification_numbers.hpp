@@ -79,54 +79,42 @@ constexpr std::size_t kMostDivisions = 8;
 constexpr double kUntied = 1e-6;
 
 // Words.
-/// probability outside of an interval = kOutside.
-constexpr double kOutside = 0.05;
-/// half a normal interval = kNormal95 standard deviations.
-constexpr double kNormal95 = 1.96;
-/// error / floor > kLargestRatio: printed as "over"; a torque that never changes has a floor of zero.
-constexpr double kLargestRatio = 1000.0;
+constexpr double kOutside = 0.05;          ///< probability outside of a printed interval
+constexpr double kNormal95 = 1.96;         ///< half width of a normal 95 % interval, in standard deviations
+constexpr double kLargestRatio = 1000.0;   ///< larger ratios of error to floor are printed as "over 1000"
+constexpr double kBandSteps = 1e4;         ///< steps per N m or N that a printed band is rounded to
+constexpr double kSolving = 0.4;           ///< share of the work done after reading
+constexpr double kValidating = 0.6;        ///< share of the work done after solving
 
-/// digits of a band = 1 / kBandSteps [N m], [N].
-constexpr double kBandSteps = 1e4;
-/// progress = kSolving after reading, = kValidating after solving.
-constexpr double kSolving = 0.4, kValidating = 0.6;
+// Memory.
+constexpr long kPeriodRows = 8192;         ///< largest number of rows in which a period is sought; more are thinned
+constexpr int kPieceRows = 2048;           ///< rows that are read at once
+constexpr int kRestPiece = 4096;           ///< rows that are read at once in a search for poses at rest
+constexpr double kMostBytes = 256.0 * 1024.0 * 1024.0;  ///< memory of one recording's factors
+constexpr std::size_t kGroupsAtOnce = 16;  ///< groups of joints whose factors are in memory together
+constexpr long kLookedAt = 20000;          ///< rows of a recording from which units and noise of velocities are judged
+constexpr int kSeriesSamples = 30000;      ///< samples of the series for plots, of all recordings together
+constexpr int kFewestSamples = 100;        ///< samples of the series for plots that each recording keeps
 
-// Memory and arithmetic.
-/// rows of the part in which a period is sought <= kPeriodRows; more are thinned.
-constexpr long kPeriodRows = 8192;
-/// rows read at once = kPieceRows, of rests kRestPiece.
-constexpr int kPieceRows = 2048, kRestPiece = 4096;
-/// memory of one recording's factors <= kMostBytes, with kGroupsAtOnce groups of joints at once.
-constexpr double kMostBytes = 256.0 * 1024.0 * 1024.0;
-constexpr std::size_t kGroupsAtOnce = 16;
-/// rows of a recording from which units and noise of velocities are judged <= kLookedAt.
-constexpr long kLookedAt = 20000;
-/// samples of a series for plots <= kSeriesSamples over all recordings, >= kFewestSamples of each.
-constexpr int kSeriesSamples = 30000, kFewestSamples = 100;
-/// columns of one joint that are others' combinations up to rounding: pivot < kDependentColumn.
-constexpr double kDependentColumn = 1e-9;
-/// cut-off of instruments < kBelowNyquist * rate, else their positions are not filtered.
-constexpr double kBelowNyquist = 0.45;
-/// time in shares of a recording <= kEndOfTime, inside of its last segment.
-constexpr double kEndOfTime = 0.999999;
-/// speeds of a friction curve = kSpeeds to either side of rest; friction with a memory slides kRun steps
-/// in = kRunSeconds [s] before it counts.
-constexpr int kSpeeds = 30, kRun = 60;
-constexpr double kRunSeconds = 2.0;
-/// random states of a gain's columns = kStates.
-constexpr int kStates = 200;
-/// steps of the gains' search <= kIterations; its cost falls by <= kConverged of itself: it ends.
-constexpr int kIterations = 60;
-constexpr double kConverged = 1e-12;
-/// its damping = kFirstDamping at first, >= kLeastDamping, < kMostDamping; times kDampingUp after a step
-/// that fails, divided by it after one that does not.
-constexpr double kFirstDamping = 1e-6, kLeastDamping = 1e-14, kMostDamping = 1e6, kDampingUp = 10.0;
-/// noise of a joint >= kLeastNoise * its currents, so that exact data divide by no zero.
-constexpr double kLeastNoise = 1e-9;
-/// gain < kNoScale * the largest one counts as zero.
-constexpr double kNoScale = 1e-9;
-/// a solid ball, whose size and mass = kBallMass [kg], kBallRadius [m] are typical: moments that rests do
-/// not determine; kSolidBall = 2/5 of m r^2.
-constexpr double kBallMass = 1.0, kBallRadius = 0.1, kSolidBall = 0.4;
+// Arithmetic.
+constexpr double kDependentColumn = 1e-9;  ///< smaller pivots: the column is a combination of others up to rounding
+constexpr double kBelowNyquist = 0.45;     ///< share of the sample rate below which positions of instruments are filtered
+constexpr double kEndOfTime = 0.999999;    ///< largest time, as a share of a recording, that lies inside its last segment
+constexpr int kSpeeds = 30;                ///< speeds of a friction curve in either direction
+constexpr int kRun = 60;                   ///< steps that friction with a memory slides before its force is read
+constexpr double kRunSeconds = 2.0;        ///< [s] duration of those steps
+constexpr int kStates = 200;               ///< random states at which columns of drive gains are compared
+constexpr int kIterations = 60;            ///< largest number of Levenberg-Marquardt steps of the drive gains
+constexpr double kConverged = 1e-12;       ///< relative fall of the cost at which that search ends
+constexpr double kFirstDamping = 1e-6;     ///< its damping at first
+constexpr double kLeastDamping = 1e-14;    ///< its smallest damping
+constexpr double kMostDamping = 1e6;       ///< its largest damping: no step succeeds
+constexpr double kDampingUp = 10.0;        ///< factor of the damping after a step that fails; its inverse after a success
+constexpr double kLeastNoise = 1e-9;       ///< smallest noise, as a share of a joint's currents: exact data divide by no zero
+constexpr double kNoScale = 1e-9;          ///< gains below this share of the largest one count as zero
+// A solid ball stands in for moments of inertia that poses at rest cannot determine.
+constexpr double kBallMass = 1.0;          ///< [kg] its mass
+constexpr double kBallRadius = 0.1;        ///< [m] its radius
+constexpr double kSolidBall = 0.4;         ///< its moment of inertia over mass and squared radius
 
 }  // namespace veridyn::identifying

@@ -1,5 +1,6 @@
 #include "veridyn/model/joint_sensors.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -61,7 +62,7 @@ JointSensors::JointSensors(std::vector<RecordedChannel> channels) : channels_(st
       crosstalk_(j, from) = share;
     }
   }
-  // Without exchange of rows: the diagonal of ones is the largest part of any crosstalk that can be removed.
+  // LU without pivoting, which is stable where the shares of each row add up to less than one.
   for (Eigen::Index k = 0; k < crosstalk_.rows(); ++k) {
     require(std::abs(crosstalk_(k, k)) > kSmallestPivot,
             "JointSensors: found a torque crosstalk that leaves nothing of the torque of joint ", k + 1,
@@ -94,6 +95,21 @@ void JointSensors::add_crosstalk(InPlace tau) const noexcept {
   for (Eigen::Index i = n; i-- > 1;) {
     for (Eigen::Index k = 0; k < i; ++k) tau[i] += crosstalk_(i, k) * tau[k];
   }
+}
+
+VectorXd JointSensors::largest_true_torques(const VectorXd& largest) const {
+  const VectorXd alone = largest.cwiseQuotient(gain_);
+  VectorXd ratio = VectorXd::Ones(joints());
+  for (int i = 0; i < joints(); ++i) {
+    double command = alone[i];
+    for (const auto& [from, share] : channels_[i].torque_crosstalk) command += std::abs(share) * alone[from];
+    const double allowed = command > 0.0 ? alone[i] / command : 1.0;
+    ratio[i] = std::min(ratio[i], allowed);
+    for (const auto& [from, share] : channels_[i].torque_crosstalk) {
+      if (share != 0.0) ratio[from] = std::min(ratio[from], allowed);
+    }
+  }
+  return alone.cwiseProduct(ratio);
 }
 
 void JointSensors::require_drive_gains(const Model& arm, const std::string& where) const {

@@ -88,9 +88,9 @@ class Injector {
         channel.injected(slides ? JointType::kPrismatic : JointType::kRevolute);
     Defaults defaults;
     for (const InjectedValue& key : keys) defaults.emplace_back(key.key, key.initial);
-    const int from = source_of(hidden, channel, cause.joint);
+    const std::optional<JointIndex> from = source_of(hidden, channel, cause.joint);
     HiddenEffect numbers = hidden;
-    if (from >= 0) numbers.from.clear();
+    if (from) numbers.from.clear();
     auto values = filled(numbers, defaults);
     std::vector<double> parameters;
     for (const InjectedValue& key : keys) {
@@ -116,14 +116,15 @@ class Injector {
     }
   }
 
-  // The joint after from=; -1 for an error without a source.
-  int source_of(const HiddenEffect& hidden, const ChannelEffect& channel, std::optional<JointIndex> joint) const {
-    if (!channel.traits().uses_source) return -1;
+  // The joint after from=; nothing for an error without a source.
+  std::optional<JointIndex> source_of(const HiddenEffect& hidden, const ChannelEffect& channel,
+                                      std::optional<JointIndex> joint) const {
+    if (!channel.traits().uses_source) return std::nullopt;
     require(!hidden.from.empty(), "effect '", hidden.asked, "': found no source, expected from=JOINT.");
     const JointIndex from = find_joint(out_.arm, hidden.from, "effect '" + hidden.asked + "'");
-    require(!joint || !(*joint == from), "effect '", hidden.asked, "': found the joint itself as its source, "
+    require(joint != from, "effect '", hidden.asked, "': found the joint itself as its source, "
             "expected another one.");
-    return from.value;
+    return from;
   }
 
   void inject(const HiddenEffect& hidden, const ExternalContact& cause) {

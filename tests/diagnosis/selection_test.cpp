@@ -173,6 +173,25 @@ TEST(Selection, LevelAndDampingThatChangedTogetherAreOneQuestion) {
   EXPECT_EQ(chosen(), (std::vector<int>{0, 1}));
 }
 
+// Two terms that differ by a ten thousandth: data leave their difference open. As those of a force of position each stays
+// of the size of the joint's torque (about one), and what they do together is found all the same.
+TEST(Selection, TermsOfAForceOfPositionDoNotCancel) {
+  const NormalBlocks data = Columns({{"base", 1.0}, {"cause", 0.5}}, 1e-4).blocks();
+  std::vector<Hypothesis> all = {hypothesis("cause")};
+  all[0].columns = {"cause", "alike"};
+  all[0].signs = {ParameterSign::kAny, ParameterSign::kAny};
+  const auto terms = [&](const char* effect) {
+    all[0].cause = NewEffect{effect, {0}};
+    const Selection s = refit(data, {0}, all, {});
+    return Eigen::Vector2d(s.values.tail(2));
+  };
+  const Eigen::Vector2d free = terms("sublinear_viscous");
+  const Eigen::Vector2d bounded = terms("position_force");
+  EXPECT_GT(free.cwiseAbs().maxCoeff(), 10.0);
+  EXPECT_LT(bounded.cwiseAbs().maxCoeff(), 3.0);
+  EXPECT_NEAR(bounded[0] + 0.9 * bounded[1], 0.5, 0.05);
+}
+
 TEST(Selection, RecordingsInWhichACauseNeverActsSayNothingAboutIt) {
   const std::vector<Hypothesis> asked = {hypothesis("cause")};
   EXPECT_EQ(accepted(selected(Columns({{"base", 1.0}, {"cause", 1.0}}, 0.45, 2), asked), asked), Names{"cause"});

@@ -71,7 +71,8 @@ TEST(Tables, AreTheCurve) {
 }
 
 // Four recordings of the textbook's SCARA, other motions and noise in each, the last one held out.
-Diagnosis scara_with(const std::function<void(Recording&, unsigned seed)>& change) {
+Diagnosis scara_with(const std::function<void(Recording&, unsigned seed)>& change,
+                     UnnamedForces unnamed = UnnamedForces::kReported) {
   const Model scara = read_model("scara");
   std::vector<Recording> recordings;
   for (unsigned k = 1; k <= 4; ++k) {
@@ -88,6 +89,7 @@ Diagnosis scara_with(const std::function<void(Recording&, unsigned seed)>& chang
     recordings.push_back(std::move(r));
   }
   DiagnosisOptions options;
+  options.unnamed = unnamed;
   options.identification.threads = 1;
   return diagnose(scara, {recordings[0], recordings[1], recordings[2]}, recordings[3], options);
 }
@@ -104,6 +106,19 @@ TEST(Unnamed, SizesHaveTheUnitOfTheJoint) {
   EXPECT_EQ(curve->joint, JointIndex{2});
   EXPECT_EQ(curve->unit, "N");
   EXPECT_NE(curve->phrase.find(" N from its lowest"), std::string::npos) << curve->phrase;
+}
+
+// The square of another joint's torque is no signal of a table: the curve stays out of the model, and a remark says so.
+TEST(Unnamed, ACurveThatIsNotKeptSaysWhy) {
+  const auto squared = [](Recording& r, unsigned) { r.tau.col(0).array() += 0.02 * r.tau.col(1).array().square(); };
+  const auto remarks = [](const Diagnosis& d) {
+    return std::count_if(d.remarks.begin(), d.remarks.end(), [](const std::string& remark) {
+      return remark.find("Not in the model: the curve of joint 1 over tau2: a table holds signals of") == 0;
+    });
+  };
+  const Diagnosis kept = scara_with(squared, UnnamedForces::kKept);
+  EXPECT_EQ(remarks(kept), 1) << kept.report();
+  EXPECT_EQ(remarks(scara_with(squared)), 0);
 }
 
 // Something shakes the shoulder, at a phase of its own in each recording: no joint at its floor says "none".

@@ -58,6 +58,29 @@ TEST(JointSensors, AModelThatKnowsNoErrorChangesNoBit) {
   EXPECT_TRUE(sensors.in_words(read_model("psm-3dof")).empty());
 }
 
+// A strong joint in the channel of a weak one: no command exceeds its drive for any signs, and one reaches it.
+TEST(JointSensors, LimitsStandWhateverTheCrosstalkAdds) {
+  std::vector<RecordedChannel> channels(3);
+  channels[0].torque_gain = 1.25;
+  channels[1].torque_crosstalk = {{0, -0.15}};
+  const JointSensors sensors(channels);
+  const Eigen::Vector3d largest(10.0, 1.0, 3.0);
+  const VectorXd most = sensors.largest_true_torques(largest);
+  EXPECT_GT(most.minCoeff(), 0.0);
+  EXPECT_EQ(most[2], 3.0);
+  double reached = 0.0;
+  for (int signs = 0; signs < 8; ++signs) {
+    VectorXd tau = most;
+    for (int i = 0; i < 3; ++i) tau[i] *= (signs >> i & 1) == 0 ? 1.0 : -1.0;
+    sensors.show_torques(tau);
+    EXPECT_TRUE((tau.cwiseAbs().array() <= largest.array() * (1.0 + 1e-12)).all()) << tau.transpose();
+    reached = std::max(reached, std::abs(tau[1]));
+  }
+  EXPECT_NEAR(reached, 1.0, 1e-12);
+  channels[1].torque_crosstalk.clear();
+  EXPECT_EQ(JointSensors(channels).largest_true_torques(largest), Eigen::Vector3d(8.0, 1.0, 3.0));
+}
+
 // Gain, then crosstalk, then delay are taken off in this order, and put on in the other.
 TEST(JointSensors, CrosstalkIsPutOnAndTakenOffWithTheGain) {
   ModelDescription d = wrong_arm().description();

@@ -187,8 +187,9 @@ struct ArmAlgorithms {
     columns(n, groups(n), 0, n, S(0.5), at.rows, C);
   }
 
-  /// Computes dL/dq = C' dq - g of the Lagrangian L = dq' M dq / 2 - U, from the momentum of all
-  /// that a joint carries: a small turn of the joint turns its velocity against the parent's.
+  /// Computes dL/dq = C' dq - g of the Lagrangian L = dq' M dq / 2 - U in O(links): with the momentum
+  /// (p, l) and the gravity of all that a joint carries, dL/dq = z . (p x v + l x w + h x g) where it
+  /// turns and z . (p x w + m g) where it slides, v and w the velocities of its link.
   static void lagrangian_gradient(const InertialLinks& arm, const S* q, const S* dq, S* gradient,
                                   const Memory& at) {
     const Links& tree = arm.tree;
@@ -229,7 +230,7 @@ struct ArmAlgorithms {
     for (int k = tree.count - 1; k >= 0; --k) {
       const Link& link = tree.link[k];
       const LinkState<S>& state = at.state[k];
-      InertiaOf<S>& I = at.carried[k];  // only its mass and its first moments
+      InertiaOf<S>& I = at.carried[k];  // of the carried sum only m and h are kept up
       const Vec3<S>& w = state.omega;
       S effort = state.force.x * w.y - state.force.y * w.x + I.m * state.alpha.z;
       if (link.type == JointType::kRevolute) {

@@ -103,7 +103,7 @@ inline void to_parent(const Link& link, const Mat3<S>& R, const Vec3<L>& force,
 
 }  // namespace recursion_detail
 
-/// Adds force and moment of a link to its parent's: those of a wrench, or of a momentum.
+/// Moves the wrench (or momentum) in a link's state to the parent's frame and adds it there.
 template <typename S>
 inline void carry_force(const Link& link, const LinkState<S>& at, LinkState<S>& parent) {
   Vec3<S> moment = at.moment;

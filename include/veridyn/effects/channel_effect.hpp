@@ -1,9 +1,11 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "veridyn/dynamics/regressor_batch.hpp"
+#include "veridyn/effects/cause.hpp"
 #include "veridyn/effects/effect.hpp"
 
 namespace veridyn {
@@ -18,7 +20,7 @@ struct ChannelMotion {
   const MatrixXd& ddq;
   const MatrixXd& effort;  ///< (rows x n) bodies and effects together [N m] or [N]
   double dt;               ///< [s] between rows
-  int from = -1;           ///< the other joint of an error that uses a source, see EffectTraits
+  std::optional<JointIndex> from{};  ///< the other joint, of an error that uses a source (EffectTraits)
 };
 
 /// A column that is a torque of the arm's bodies, so that an excitation can be designed for it.
@@ -65,8 +67,9 @@ class ChannelEffect : public Effect {
   /// Those columns; empty where the arm has none, such as without gravity.
   virtual std::vector<RigidColumn> rigid_columns(const Model& arm, int joint) const;
 
-  /// Adds the error to an arm; `joint` may be kAllJoints, `from` is -1 without a source.
-  virtual void apply(ModelDescription& arm, int joint, int from,
+  /// Adds the error to an arm. @param joint  may be kAllJoints. @param from  the other joint of an error
+  /// that uses a source.
+  virtual void apply(ModelDescription& arm, int joint, std::optional<JointIndex> from,
                      const std::vector<double>& values) const = 0;
 
   /// Keys for injection, one for each of parameters().
@@ -84,11 +87,12 @@ class SensorError : public ChannelEffect {
   bool whole_arm() const final { return false; }
 
   /// Adds the error to the channel of one joint. @param from  the other joint of an error that uses
-  /// a source; -1 for all others.
-  virtual void change(RecordedChannel& shown, int from, const std::vector<double>& values) const = 0;
+  /// a source.
+  virtual void change(RecordedChannel& shown, std::optional<JointIndex> from,
+                      const std::vector<double>& values) const = 0;
 
   /// Adds it to `recorded` of the coordinates.
-  void apply(ModelDescription& arm, int joint, int from,
+  void apply(ModelDescription& arm, int joint, std::optional<JointIndex> from,
              const std::vector<double>& values) const final;
 
   /// True if it is a factor on the recorded torque and nothing else.
@@ -120,7 +124,7 @@ class ArmEffect : public ChannelEffect {
     return arm;
   }
 
-  void apply(ModelDescription& arm, int /*joint*/, int /*from*/,
+  void apply(ModelDescription& arm, int /*joint*/, std::optional<JointIndex> /*from*/,
              const std::vector<double>& values) const final {
     change(arm, values);
   }
@@ -148,8 +152,8 @@ const std::vector<const ChannelEffect*>& channel_effects();
 /// be common to all.
 int channel_joint(const ChannelEffect& effect, const EffectTerm& term);
 
-/// The joint that an error comes from; -1: it has no source.
-int channel_source(const EffectTerm& term);
+/// The joint that an error comes from; nothing: it has no source.
+std::optional<JointIndex> channel_source(const EffectTerm& term);
 
 /// The arm with the error that `term` describes.
 Model with_channel_error(const Model& arm, const EffectTerm& term,

@@ -7,8 +7,8 @@
 
 namespace veridyn {
 
-/// An effect along an axis of a model: its properties, units, names and values. Nothing here has a memory
-/// that one sample leaves to the next; loops that need it take bound().
+/// An effect along an axis of a model: its traits, units, parameter names and values. It has no state:
+/// code that evaluates an effect sample by sample, with hysteresis or delays, uses bound().
 class EffectFacts : private BoundEffect {
  public:
   using BoundEffect::BoundEffect;  ///< (arm, term)
@@ -33,7 +33,7 @@ class EffectFacts : private BoundEffect {
     return out;
   }
 
-  /// The force along the axis with the values of the file, from an unloaded memory.
+  /// [N m] or [N] along the axis at one sample, with the values of the model and the initial state.
   double force_at(const AxisSample& sample) const noexcept {
     EffectColumns row{};
     EffectState state{};
@@ -43,7 +43,7 @@ class EffectFacts : private BoundEffect {
     return sum;
   }
 
-  /// The effect prepared for a loop, with an unloaded memory.
+  /// The same effect with a state of its own, initially unloaded, for evaluation sample by sample.
   const BoundEffect& bound() const { return *this; }
 };
 

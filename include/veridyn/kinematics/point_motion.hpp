@@ -7,9 +7,9 @@
 
 namespace veridyn {
 
-/// Motion of one frame, or of a point that is fixed to it, in the world: pose, twist, geometric
-/// Jacobian and its rate, from the joints between it and the world alone. Nothing allocates after
-/// the constructor.
+/// Pose, twist, geometric Jacobian and its time derivative of one frame of an arm, or of a point fixed to
+/// it, written in the world. Only the joints between it and the world are evaluated. Nothing allocates
+/// after the constructor.
 class PointMotion {
  public:
   /// @param arm  a tree of moving links (Tree::Keep::kMovingLinks). @param frame  index in the model.

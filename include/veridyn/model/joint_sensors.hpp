@@ -58,8 +58,8 @@ class JointSensors {
   /// Turns measured torques into true ones, and true torques into recorded ones. The latter is also
   /// the command that makes a drive produce `tau` where commands and recordings share one scale, as
   /// on dVRK boards, where both are motor currents. They do not share it if torque sensors measure
-  /// the torque, or once corrected scales are written into the drives' configuration (`export
-  /// --dvrk-scales`): then remove `recorded: torque_gain` from the model.
+  /// the torque: then remove `torque_gain` and `torque_crosstalk` from `recorded:` in the model. Once
+  /// corrected scales are in the drives' configuration (`export --dvrk-scales`), remove `torque_gain`.
   void correct_torques(InPlace tau) const noexcept {
     tau.array() /= gain_.array();
     remove_crosstalk(tau);
@@ -68,6 +68,10 @@ class JointSensors {
     add_crosstalk(tau);
     tau.array() *= gain_.array();
   }
+
+  /// Largest true torques for which no command exceeds `largest` [N m], [N], both (n), whatever their
+  /// signs. Joints whose crosstalk would make one exceed it are limited in the same ratio. Allocates.
+  VectorXd largest_true_torques(const VectorXd& largest) const;
 
   /// Turns measured motor currents [A] into true torques by the model's drive gains. See
   /// require_drive_gains().
@@ -110,7 +114,7 @@ class JointSensors {
   void add_crosstalk(InPlace tau) const noexcept;
 
   std::vector<RecordedChannel> channels_;
-  MatrixXd crosstalk_;  // L and U of C without the diagonal of L; empty without crosstalk
+  MatrixXd crosstalk_;  // LU factors of C in one matrix (L has a unit diagonal); empty without crosstalk
   VectorXd offset_, gain_, delay_, drive_gain_;
   bool ideal_ = true;
 };

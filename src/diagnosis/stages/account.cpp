@@ -507,10 +507,13 @@ class Account {
     }
     v.removable = v.held_out - v.floor;
     v.left = left;
-    const bool named = std::any_of(d_.findings.begin(), d_.findings.end(), [j](const Finding& f) {
-      return !f.shape && acts_on(f, j);
-    });
+    // What is wrong on one joint can bend the parameters of the others: a name there explains this joint's error if
+    // nothing is left of it.
     const bool at_floor = left <= limits_.at_floor * v.floor;
+    const bool gone = at_floor && v.held_out > limits_.at_floor * v.floor;
+    const bool named = std::any_of(d_.findings.begin(), d_.findings.end(), [&](const Finding& f) {
+      return !f.shape && (gone || acts_on(f, j));
+    });
     if (unnamed) {
       v.state = JointState::kUnnamed;
     } else if (named && v.extended < v.held_out && (at_floor || v.held_out - v.extended > 0.5 * v.removable)) {

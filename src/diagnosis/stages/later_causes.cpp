@@ -13,9 +13,9 @@
 #include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/effects/effect_facts.hpp"
 
-// Causes that are asked about only where a joint's error depends on positions and has no name, or the name of
-// a force at each position: few of the recordings need them, and they would cost all others a part of their
-// significance.
+// Causes that are asked about only where a joint's error depends on positions, or on another joint's torque, and has no
+// name, or the name of a force at each position or of a cable: few of the recordings need them, and they would cost
+// all others a part of their significance.
 
 namespace veridyn {
 namespace {

@@ -74,46 +74,14 @@ bool is_later(const Finding& f, const Model& arm) {
   return !f.shape && has_effect(effect_of(f.cause)) && is_asked_later(find_effect(effect_of(f.cause)), arm);
 }
 
-// The later causes that were found, as text.
-std::vector<std::string> later_names(const DiagnosisState& x) {
-  std::vector<std::string> out;
-  for (const Finding& f : x.d.findings) {
-    if (is_later(f, x.arm) && f.status == FindingStatus::kConfirmed)
-      out.push_back(f.joint ? to_text(x.arm, f.cause) : effect_of(f.cause));
-  }
-  return out;
-}
-
-// The arm with plain friction and these causes alone, and curves for all that it leaves over: the description without
-// other names.
-DiagnosisState without_names(const DiagnosisState& x, const std::vector<std::string>& kept = {}) {
+// The arm with plain friction, and curves for all that it leaves over: the description without names.
+DiagnosisState without_names(const DiagnosisState& x) {
   DiagnosisState out = x;
   out.start = out.d.baseline;
   begin_tests(out);
   out.d.extended = out.start;
-  if (!kept.empty()) {
-    out.options.effects = kept;
-    out.options.max_effects = static_cast<int>(kept.size());
-    select_causes(out);
-    out.options = x.options;
-    out.d.not_supported.clear();
-    out.d.cannot_tell = x.d.cannot_tell;
-  }
-  if (out.d.extended.model) account_for_errors(out);
+  account_for_errors(out);
   return out;
-}
-
-// Takes the description without names where it predicts held-out parts as well. True if it does.
-bool replace_by_curves(DiagnosisState& x, DiagnosisState curves, const char* why) {
-  if (!curves.d.extended.model || log_fall(errors_with_curves(x), errors_with_curves(curves)) < 0.0) return false;
-  for (const Finding& f : x.d.findings) {
-    if (is_name(f) && !is_later(f, x.arm))
-      curves.d.not_supported.insert(curves.d.not_supported.begin(),
-                                    {f.cause, f.p_value, why});
-  }
-  curves.d.hypotheses = x.d.hypotheses;
-  x = std::move(curves);
-  return true;
 }
 
 // Asks everything anew without the names that are doubted. True if there were any, and held-out parts are predicted
@@ -156,17 +124,17 @@ void test_names_together(DiagnosisState& x) {
   }
   ask_later_causes(x, hidden);
   if (!compared) return;
-  if (curves && replace_by_curves(x, std::move(*curves), "smooth functions without any name predict held-out parts as well")) {
+  if (curves && log_fall(errors_with_curves(x), errors_with_curves(*curves)) >= 0.0) {
+    for (const Finding& f : x.d.findings) {
+      if (is_name(f))
+        curves->d.not_supported.insert(curves->d.not_supported.begin(),
+                                       {f.cause, f.p_value, "smooth functions without any name predict held-out parts as well"});
+    }
+    curves->d.hypotheses = x.d.hypotheses;
+    x = std::move(*curves);
     ask_about_crosstalk(x);
     return;
   }
-  // Beside a later cause other names may stand for what it does not describe.
-  const std::vector<std::string> later = later_names(x);
-  const bool others = std::any_of(x.d.findings.begin(), x.d.findings.end(), [&](const Finding& f) {
-    return is_name(f) && !is_later(f, x.arm);
-  });
-  if (!later.empty() && others && names_are_doubtful(x))
-    replace_by_curves(x, without_names(x, later), "curves beside the later cause (a stop, a force on the tip, an elastic base) predict held-out parts as well");
   for (int turn = 0; turn < x.options.thresholds.withdrawals && ask_without_doubted(x); ++turn) {}
 }
 

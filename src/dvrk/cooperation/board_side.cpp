@@ -96,7 +96,7 @@ VectorXd BoardSide::largest_torque() const {
     const ActuatorConfig& a = session_.robot().actuators[i];
     out[i] = std::abs(a.max_current / a.effort_to_amps);
   }
-  sensors_.correct_torques(out);
+  out = sensors_.largest_true_torques(out);
   for (int i = 0; i < joints_; ++i)
     out[i] = std::min(out[i], models_.known.coordinates()[i].limits.effort);
   return out;

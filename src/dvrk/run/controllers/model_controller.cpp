@@ -28,13 +28,7 @@ const ModelControlOptions& checked(const ModelControlOptions& options, const Mod
 }
 
 SafetyLimits limits_of(const Model& model, const VectorXd& largest, double longest_gap) {
-  VectorXd most = largest.head(model.joints());  // as the drives count
-  std::vector<RecordedChannel> channels;
-  for (const Coordinate& c : model.coordinates()) {
-    channels.push_back(c.recorded);
-    for (auto& [from, share] : channels.back().torque_crosstalk) share = std::abs(share);  // all of them at their largest
-  }
-  JointSensors(std::move(channels)).correct_torques(most);
+  const VectorXd most = JointSensors(model).largest_true_torques(largest.head(model.joints()));
   SafetyLimits limits = safety_limits(model, most.maxCoeff());
   limits.torque = limits.torque.cwiseMin(most);
   limits.sensor_age = limits.overrun = longest_gap;
