@@ -1,37 +1,55 @@
 #pragma once
 
+#include <vector>
+
+#include "math/number_table.hpp"
+#include "veridyn/comparison/model_comparison.hpp"
+
+namespace veridyn {
+
 /// All numbers that can change what `compare` says, each with its inequality, and with its
 /// reason where one is known.
-namespace veridyn::comparison_numbers {
+struct ComparisonNumbers {
+  /// |difference| <= same_to_rounding * the larger one counts as a deviation: rounding in files, and the
+  /// discretisation of a noise-free recording.
+  double same_to_rounding = 1e-6;
+  /// probability outside of an interval = outside.
+  double outside = 0.05;
+  /// share of a parameter's rms torque < rounded_away: due to the grid of samples, and zero.
+  double rounded_away = 5e-3;
+  /// relative error of a file's base parameters <= from_values: they are those of its values.
+  double from_values = 1e-6;
+  /// distance of two motions < same_motion of their spread over clusters: one motion, compared in pairs.
+  double same_motion = 0.2;
+  /// part of a combination outside the span <= in_span: the other model determines it.
+  double in_span = 1e-5;
+  /// relative difference of shape constants <= like: effects are comparable.
+  double like = 0.2;
+  /// share of a column's rms due to weight > weight_share: a sentence mentions it.
+  double weight_share = 0.05;
+  /// torque on another joint >= also_on of the largest: a sentence mentions it.
+  double also_on = 0.2;
+  /// value before > surely_there deviations: a percentage is printed.
+  double surely_there = 3.0;
+};
 
-/// |difference| <= kSameToRounding * the larger one counts as a deviation: rounding in files, and the
-/// discretisation of a noise-free recording.
-constexpr double kSameToRounding = 1e-6;
-/// probability outside of an interval = kOutside.
-constexpr double kOutside = 0.05;
+/// All numbers, in the order of the struct.
+const std::vector<TableNumber<ComparisonNumbers>>& comparison_numbers();
+
+/// compare() with other numbers.
+ModelComparison compare(const Model& before, const Model& after, const ComparisonOptions& options,
+                        const ComparisonNumbers& numbers);
+
+/// What no answer turns on: rounding, a moment of the normal distribution, and how numbers are printed.
+namespace comparing {
+
 /// fourth moment of a normal distribution = kKurtosis of its squared variance, less what equal clusters
 /// would give by chance.
 constexpr double kKurtosis = 3.0;
-/// share of a parameter's rms torque < kRoundedAway: due to the grid of samples, and zero.
-constexpr double kRoundedAway = 5e-3;
 /// time < end of the last whole period - kSameTime [s]: it counts.
 constexpr double kSameTime = 1e-9;
-/// relative error of a file's base parameters <= kFromValues: they are those of its values.
-constexpr double kFromValues = 1e-6;
-/// distance of two motions < kSameMotion of their spread over clusters: one motion, compared in pairs.
-constexpr double kSameMotion = 0.2;
-/// part of a combination outside the span <= kInSpan: the other model determines it.
-constexpr double kInSpan = 1e-5;
-/// relative difference of shape constants <= kLike: effects are comparable.
-constexpr double kLike = 0.2;
 /// |a - b| <= kSame * (1 + |a|): equal; what files lose in rounding is less.
 constexpr double kSame = 1e-9;
-/// share of a column's rms due to weight > kWeightShare: a sentence mentions it.
-constexpr double kWeightShare = 0.05;
-/// torque on another joint >= kAlsoOn of the largest: a sentence mentions it.
-constexpr double kAlsoOn = 0.2;
-/// value before > kSurelyThere deviations: a percentage is printed.
-constexpr double kSurelyThere = 3.0;
 /// digits of a value without a deviation >= those of kDigits of it.
 constexpr double kDigits = 1e-3;
 /// differences of a list that are printed <= kListed.
@@ -39,4 +57,5 @@ constexpr int kListed = 8;
 /// decimals > kMostDecimals: printed with an exponent.
 constexpr int kMostDecimals = 9;
 
-}  // namespace veridyn::comparison_numbers
+}  // namespace comparing
+}  // namespace veridyn

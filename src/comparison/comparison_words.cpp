@@ -22,12 +22,12 @@ std::string signed_text(double value, double resolution) {
 }
 
 // "from 0.40 to 0.48 N m (+20 %; by +0.08 N m, 95 %: +0.05 to +0.11)"
-std::string sizes(const ModelDifference& d) {
-  const double resolution = std::isfinite(d.deviation) ? d.deviation : comparison_numbers::kDigits * std::abs(d.before);
+std::string sizes(const ModelDifference& d, const ComparisonNumbers& numbers) {
+  const double resolution = std::isfinite(d.deviation) ? d.deviation : comparing::kDigits * std::abs(d.before);
   std::string out = fmt::format("from {} to {} {}", number_text(d.before, resolution),
                                 number_text(d.after, resolution), d.unit);
   std::string more;
-  const double known = std::isfinite(d.deviation) ? comparison_numbers::kSurelyThere * d.deviation : 0.0;
+  const double known = std::isfinite(d.deviation) ? numbers.surely_there * d.deviation : 0.0;
   if (d.before > known && d.after > 0.0)
     more = fmt::format("{:+.0f} %", 100.0 * (d.after / d.before - 1.0));
   if (std::isfinite(d.deviation)) {
@@ -49,7 +49,7 @@ std::string joint_text(const Model& arm, int joint) {
 }
 
 std::string effect_sentence(const Model& arm, const EffectTerm& term, const StandardParameter& p,
-                            const ModelDifference& d) {
+                            const ModelDifference& d, const ComparisonNumbers& numbers) {
   std::string name = term.effect;
   std::replace(name.begin(), name.end(), '_', ' ');
   if (name.rfind("coulomb", 0) == 0 || name.rfind("stribeck", 0) == 0) name[0] -= 'a' - 'A';
@@ -66,19 +66,19 @@ std::string effect_sentence(const Model& arm, const EffectTerm& term, const Stan
   const std::string where =
       one_joint ? joint_text(arm, d.joint)
                 : "the axis " + axis_text(arm, term.axis) + " (joints " + joints + ")";
-  return fmt::format("{}{} of {} {} {}.", name, which, where, verb(d), sizes(d));
+  return fmt::format("{}{} of {} {} {}.", name, which, where, verb(d), sizes(d, numbers));
 }
 
 // "joint 1 (yaw) changed by up to 0.10 N m, on joint 2 (pitch) by 0.08 N m": the main joint, then
 // those with the same unit and at least a fifth of its change.
-std::string joints_text(const Model& arm, const VectorXd& torque, int main) {
+std::string joints_text(const Model& arm, const VectorXd& torque, int main, const ComparisonNumbers& numbers) {
   const auto unit = [&arm](int joint) {
     return effort_unit(arm.coordinates()[joint - 1]);
   };
   std::string out = fmt::format("{} changed by up to {} {}", joint_text(arm, main),
                                 number_text(torque[main - 1], 0.0), unit(main));
   for (int joint = 1; joint <= arm.joints(); ++joint) {
-    if (joint == main || unit(joint) != unit(main) || torque[joint - 1] < comparison_numbers::kAlsoOn * torque[main - 1])
+    if (joint == main || unit(joint) != unit(main) || torque[joint - 1] < numbers.also_on * torque[main - 1])
       continue;
     out += fmt::format(", on {} by {} {}", joint_text(arm, joint),
                        number_text(torque[joint - 1], 0.0), unit(joint));
@@ -94,11 +94,11 @@ std::string inertial_sentence(const Model& arm, const StandardTorque& torque,
                            : p.component <= 3 ? "the first moment "
                                               : "the inertia ";
   std::string out =
-      kind + d.name + with + " " + (verb(d) == "went" ? "went " : "changed ") + sizes(d) + ": ";
+      kind + d.name + with + " " + (verb(d) == "went" ? "went " : "changed ") + sizes(d, torque.numbers()) + ": ";
   const VectorXd weight = torque.weight_of(standard);
   const auto i = static_cast<Eigen::Index>(d.joint - 1);
-  if (weight[i] > comparison_numbers::kWeightShare * torque.rms_of(standard)[i]) {
-    return out + "weight on " + joints_text(arm, weight * std::abs(d.difference), d.joint) + ".";
+  if (weight[i] > torque.numbers().weight_share * torque.rms_of(standard)[i]) {
+    return out + "weight on " + joints_text(arm, weight * std::abs(d.difference), d.joint, torque.numbers()) + ".";
   }
   return out + fmt::format("{} feels it when the arm moves, {} {} rms over the standard motion.",
                            joint_text(arm, d.joint), number_text(d.torque[i], 0.0),
@@ -112,7 +112,7 @@ std::string number_text(double value, double deviation) {
   if (!(least > 0.0) || !std::isfinite(value)) return fmt::format("{:.3g}", value);
   // Two digits of the deviation.
   const int decimals = std::max(0, 1 - static_cast<int>(std::floor(std::log10(least))));
-  if (decimals > comparison_numbers::kMostDecimals) return fmt::format("{:.3g}", value);
+  if (decimals > comparing::kMostDecimals) return fmt::format("{:.3g}", value);
   return fmt::format("{:.{}f}", value, decimals);
 }
 
@@ -121,11 +121,11 @@ std::string parameter_sentence(const Model& arm, const StandardTorque& torque, i
   const StandardParameter& p = torque.parameters()[standard];
   return capitalised(
       p.effect
-          ? effect_sentence(arm, arm.effects()[*p.effect], p, difference)
+          ? effect_sentence(arm, arm.effects()[*p.effect], p, difference, torque.numbers())
           : inertial_sentence(arm, torque, p, standard, difference));
 }
 
-std::string joint_sentence(const Model& arm, JointQuantity which, const ModelDifference& d) {
+std::string joint_sentence(const Model& arm, JointQuantity which, const ModelDifference& d, const ComparisonNumbers& numbers) {
   const char* what = "";
   switch (which) {
     case JointQuantity::kFriction:
@@ -147,7 +147,7 @@ std::string joint_sentence(const Model& arm, JointQuantity which, const ModelDif
       break;
   }
   return capitalised(
-      fmt::format("{} {} {} {}.", what, joint_text(arm, d.joint), verb(d), sizes(d)));
+      fmt::format("{} {} {} {}.", what, joint_text(arm, d.joint), verb(d), sizes(d, numbers)));
 }
 
 }  // namespace veridyn

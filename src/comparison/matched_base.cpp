@@ -43,7 +43,7 @@ std::string expression_of(const VectorXd& row, Eigen::Index leading,
 
 // Reads the section of the file; false (with a note) if it is inconsistent with the file's values.
 bool take_identified(const IdentifiedBase& file, const std::vector<StandardParameter>& parameters,
-                     const VectorXd& values, BaseNumbers& out) {
+                     const VectorXd& values, const ComparisonNumbers& numbers, BaseNumbers& out) {
   std::unordered_map<std::string, Eigen::Index> index;
   for (std::size_t j = 0; j < parameters.size(); ++j)
     index.emplace(parameters[j].name, static_cast<Eigen::Index>(j));
@@ -65,7 +65,7 @@ bool take_identified(const IdentifiedBase& file, const std::vector<StandardParam
       sum += coefficient * values[found->second];
       size += std::abs(coefficient * values[found->second]);
     }
-    if (std::abs(sum - p.value) > comparison_numbers::kFromValues * size) {
+    if (std::abs(sum - p.value) > numbers.from_values * size) {
       out.note = "its values were changed after the identification (" + p.name + ")";
       return false;
     }
@@ -85,7 +85,7 @@ void make_canonical(BaseNumbers& numbers) {
   MatrixXd leading(count, count);
   for (Eigen::Index r = 0; r < count; ++r)
     leading.col(r) = numbers.K.col(numbers.leading[r]);
-  if (leading.isIdentity(comparison_numbers::kSame)) return;
+  if (leading.isIdentity(comparing::kSame)) return;
   const auto solve = [&leading](MatrixXd& columns) {
     for (Eigen::Index c = 0; c < columns.cols(); ++c)
       columns.col(c) = least_norm(leading, columns.col(c));
@@ -105,12 +105,12 @@ void take_values(const Model& arm, const VectorXd& values, BaseNumbers& out) {
 
 }  // namespace
 
-BaseNumbers base_numbers(const Model& arm) {
+BaseNumbers base_numbers(const Model& arm, const ComparisonNumbers& numbers) {
   const std::vector<StandardParameter> parameters = standard_parameters(arm);
   const VectorXd values = values_of(arm, parameters);
   const std::optional<IdentifiedBase>& file = arm.description().identified;
   BaseNumbers out;
-  if (!file || !file->has_scatter() || !take_identified(*file, parameters, values, out)) {
+  if (!file || !file->has_scatter() || !take_identified(*file, parameters, values, numbers, out)) {
     if (file && !file->has_scatter())
       out.note = fmt::format("{} clusters are too few for statistics", file->clusters);
     out.leading.clear();
@@ -127,16 +127,16 @@ BaseNumbers base_numbers(const Model& arm) {
   return out;
 }
 
-bool same_motion(const BaseNumbers& a, const BaseNumbers& b) {
+bool same_motion(const BaseNumbers& a, const BaseNumbers& b, const ComparisonNumbers& numbers) {
   if (a.motion.rows() == 0 || a.motion.rows() != b.motion.rows()) return false;
   const auto spread = [](const MatrixXd& m) { return (m.rowwise() - m.colwise().mean()).norm(); };
-  return (a.motion - b.motion).norm() < comparison_numbers::kSameMotion * std::max(spread(a.motion), spread(b.motion));
+  return (a.motion - b.motion).norm() < numbers.same_motion * std::max(spread(a.motion), spread(b.motion));
 }
 
 MatchedBase matched_base(const Model& before, const BaseNumbers& a, const Model& after,
                          const BaseNumbers& b, const VectorRef& scale_before,
-                         const VectorRef& scale_after) {
-  const MatchingNames names = matching_names(before, after);
+                         const VectorRef& scale_after, const ComparisonNumbers& numbers) {
+  const MatchingNames names = matching_names(before, after, numbers);
   std::unordered_map<std::string, Eigen::Index> column;
   std::vector<double> scale;
   const auto columns_of = [&](const std::vector<std::string>& of, const VectorRef& sizes) {
@@ -163,7 +163,7 @@ MatchedBase matched_base(const Model& before, const BaseNumbers& a, const Model&
   MatchedBase out;
   for (Eigen::Index r = 0; r < in_a.cols(); ++r) {
     const VectorXd w = least_norm(in_b, in_a.col(r));
-    if ((in_b * w - in_a.col(r)).norm() > comparison_numbers::kInSpan * in_a.col(r).norm()) {
+    if ((in_b * w - in_a.col(r)).norm() > numbers.in_span * in_a.col(r).norm()) {
       out.only_before.push_back(a.expressions[r]);
       continue;
     }
@@ -172,7 +172,7 @@ MatchedBase matched_base(const Model& before, const BaseNumbers& a, const Model&
   }
   for (Eigen::Index r = 0; r < in_b.cols(); ++r) {
     const VectorXd w = least_norm(in_a, in_b.col(r));
-    if ((in_a * w - in_b.col(r)).norm() > comparison_numbers::kInSpan * in_b.col(r).norm())
+    if ((in_a * w - in_b.col(r)).norm() > numbers.in_span * in_b.col(r).norm())
       out.only_after.push_back(b.expressions[r]);
   }
   return out;

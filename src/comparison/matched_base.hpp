@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "veridyn/math/types.hpp"
+#include "comparison/comparison_numbers.hpp"
 #include "veridyn/model/model.hpp"
 
 namespace veridyn {
@@ -25,10 +26,10 @@ struct BaseNumbers {
 };
 
 /// @throws InvalidInput  a body or an effect has no values.
-BaseNumbers base_numbers(const Model& arm);
+BaseNumbers base_numbers(const Model& arm, const ComparisonNumbers& numbers);
 
 /// True if both were identified from the same motion, so that their clusters are pairs.
-bool same_motion(const BaseNumbers& a, const BaseNumbers& b);
+bool same_motion(const BaseNumbers& a, const BaseNumbers& b, const ComparisonNumbers& numbers);
 
 /// One base parameter of `before` that both models determine.
 struct MatchedParameter {
@@ -48,6 +49,6 @@ struct MatchedBase {
 /// by it before entries are compared with zero.
 MatchedBase matched_base(const Model& before, const BaseNumbers& a, const Model& after,
                          const BaseNumbers& b, const VectorRef& scale_before,
-                         const VectorRef& scale_after);
+                         const VectorRef& scale_after, const ComparisonNumbers& numbers);
 
 }  // namespace veridyn

@@ -52,15 +52,15 @@ std::string list_text(const char* title, const std::vector<ModelDifference>& all
   });
   std::string out;
   for (const ModelDifference& d : told) {
-    if (&d - told.data() == comparison_numbers::kListed) break;
+    if (&d - told.data() == comparing::kListed) break;
     out += fmt::format(
         "  {}\n     t = {:.1f} with {:.1f} degrees of freedom, p = {:.1e}, "
         "corrected {:.1e}\n",
         d.sentence, d.t, d.degrees_of_freedom, d.p_value, d.p_corrected);
   }
-  if (told.size() > static_cast<std::size_t>(comparison_numbers::kListed))
+  if (told.size() > static_cast<std::size_t>(comparing::kListed))
     out += fmt::format("  and {} more, less sure; --json has all.\n",
-                       told.size() - static_cast<std::size_t>(comparison_numbers::kListed));
+                       told.size() - static_cast<std::size_t>(comparing::kListed));
   return out.empty() ? out : std::string("\n") + title + "\n" + out;
 }
 

@@ -19,7 +19,7 @@ namespace veridyn {
 namespace {
 
 bool same(double a, double b) {
-  return a == b || std::abs(a - b) <= comparison_numbers::kSame * (1.0 + std::abs(a));
+  return a == b || std::abs(a - b) <= comparing::kSame * (1.0 + std::abs(a));
 }
 
 bool same(const Vec3d& a, const Vec3d& b) {
@@ -33,7 +33,7 @@ bool same(const Posed& a, const Posed& b) {
 
 bool same_place(const Frame& a, const Frame& b) {
   return same(a.A, b.A) && same(a.B, b.B) && same(a.variable.offset, b.variable.offset) &&
-         a.variable.coefficients.isApprox(b.variable.coefficients, comparison_numbers::kSame);
+         a.variable.coefficients.isApprox(b.variable.coefficients, comparing::kSame);
 }
 
 // Identifies an effect's terms, without their shape constants.
@@ -65,13 +65,14 @@ std::map<std::string, std::vector<int>> terms_by_place(const Model& arm) {
 }
 
 // True if the shapes differ so little that the parameters keep their meaning.
-bool comparable(const Model& before, int term_before, const Model& after, int term_after) {
+bool comparable(const Model& before, int term_before, const Model& after, int term_after,
+                const ComparisonNumbers& numbers) {
   const std::vector<double> a =
       shape_of(before, before.effects()[term_before]);
   const std::vector<double> b =
       shape_of(after, after.effects()[term_after]);
   for (std::size_t s = 0; s < a.size(); ++s) {
-    if (std::abs(a[s] - b[s]) > comparison_numbers::kLike * std::max(std::abs(a[s]), std::abs(b[s]))) return false;
+    if (std::abs(a[s] - b[s]) > numbers.like * std::max(std::abs(a[s]), std::abs(b[s]))) return false;
   }
   return true;
 }
@@ -165,7 +166,7 @@ void compare_bodies(const Model& before, const Model& after, Differences& out) {
       if (other.find_frame(frame.name) >= 0) continue;
       const std::string mass = frame.body->phi ? fmt::format(" ({:.4g} kg)", (*frame.body->phi)[0]) : "";
       out.push_back({"body", fmt::format("only the model {} has the body {}{} on {}.", first ? "before" : "after", frame.name, mass,
-                                         frame.parent < 0 ? "the world" : arm.frames()[frame.parent].name)});
+                                         frame.parent ? arm.frames()[frame.parent->value].name : "the world")});
     }
   }
 }
@@ -190,7 +191,7 @@ void compare_coordinates(const Model& before, const Model& after, Differences& o
 }
 
 std::string parent_of(const Model& arm, const Frame& frame) {
-  return frame.parent < 0 ? std::string() : arm.frames()[frame.parent].name;
+  return frame.parent ? arm.frames()[frame.parent->value].name : std::string();
 }
 
 std::string robot_text(const Model& arm) {
@@ -302,20 +303,19 @@ Model without_frames_of_its_own(const Model& arm, const Model& other) {
               "', expected a model that identify or diagnose wrote.");
       // Frames without a body that are fixed to one, such as a flange, pass it on.
       InertialParameters phi = moved(*frame.body->phi, frame);
-      int carrier = frame.parent;
-      while (carrier >= 0 && !d.frames[carrier].body &&
-             d.frames[carrier].type == JointType::kFixed) {
-        phi = moved(phi, d.frames[carrier]);
-        carrier = d.frames[carrier].parent;
+      std::optional<FrameIndex> carrier = frame.parent;
+      while (carrier && !d.frames[carrier->value].body && d.frames[carrier->value].type == JointType::kFixed) {
+        phi = moved(phi, d.frames[carrier->value]);
+        carrier = d.frames[carrier->value].parent;
       }
-      require(carrier >= 0 && d.frames[carrier].body && d.frames[carrier].body->phi,
+      require(carrier && d.frames[carrier->value].body && d.frames[carrier->value].body->phi,
               "compare: found the body ", frame.name, " of '", arm.name(),
               "' on a link without a body, expected two models of one arm.");
-      *d.frames[carrier].body->phi += phi;
+      *d.frames[carrier->value].body->phi += phi;
     }
     d.frames.erase(d.frames.begin() + static_cast<long>(k));
     for (Frame& below : d.frames) {
-      if (below.parent > static_cast<int>(k)) --below.parent;
+      if (below.parent && below.parent->value > static_cast<int>(k)) --below.parent->value;
     }
   }
   if (d.frames.size() == arm.frames().size()) return arm;
@@ -337,7 +337,7 @@ std::vector<StructureDifference> structure_differences(const Model& before, cons
   return out;
 }
 
-MatchingNames matching_names(const Model& before, const Model& after) {
+MatchingNames matching_names(const Model& before, const Model& after, const ComparisonNumbers& numbers) {
   const bool one_geometry = same_geometry(before, after);
   const auto a = terms_by_place(before);
   const auto b = terms_by_place(after);
@@ -349,7 +349,7 @@ MatchingNames matching_names(const Model& before, const Model& after) {
       const auto other = a.find(place);
       for (std::size_t k = 0; k < terms.size(); ++k) {
         const bool foreign = !first && other != a.end() && k < other->second.size() &&
-                             !comparable(before, other->second[k], after, terms[k]);
+                             !comparable(before, other->second[k], after, terms[k], numbers);
         of_term[terms[k]] =
             fmt::format("{}#{}{}", place, k, foreign ? "'" : "");
       }

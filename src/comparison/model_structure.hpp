@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "comparison/comparison_numbers.hpp"
 #include "veridyn/comparison/model_comparison.hpp"
 #include "veridyn/model/model.hpp"
 
@@ -27,6 +28,6 @@ std::vector<StructureDifference> structure_differences(const Model& before, cons
 struct MatchingNames {
   std::vector<std::string> before, after;
 };
-MatchingNames matching_names(const Model& before, const Model& after);
+MatchingNames matching_names(const Model& before, const Model& after, const ComparisonNumbers& numbers);
 
 }  // namespace veridyn

@@ -41,7 +41,8 @@ VectorXd column(const JointRows& rows, int parameter) {
 
 }  // namespace
 
-StandardTorque::StandardTorque(const Model& arm) : parameters_(standard_parameters(arm)) {
+StandardTorque::StandardTorque(const Model& arm, const ComparisonNumbers& numbers)
+    : numbers_(numbers), parameters_(standard_parameters(arm)) {
   PreprocessingOptions unfiltered;
   unfiltered.cutoff = 0.0;
   unfiltered.decimation = 1;
@@ -108,7 +109,7 @@ VectorXd StandardTorque::quantity(JointQuantity which, int joint) const {
   const Eigen::ArrayXd time = motion_.time.array() - motion_.time[0];
   const double period = 1.0 / standard_frequency(joint);
   const double whole = period * std::floor(time[time.size() - 1] / period);
-  const Eigen::ArrayXd used = (time < whole - comparison_numbers::kSameTime).cast<double>();
+  const Eigen::ArrayXd used = (time < whole - comparing::kSameTime).cast<double>();
   const VectorXd mean = used / used.sum();
   const Eigen::ArrayXd forward = used * (motion_.dq.col(joint).array() > 0.0).cast<double>();
   const Eigen::ArrayXd backward = used * (motion_.dq.col(joint).array() < 0.0).cast<double>();
@@ -139,7 +140,7 @@ VectorXd StandardTorque::quantity(JointQuantity which, int joint) const {
   for (Eigen::Index p = 0; p < out.size(); ++p) {
     const double own = std::max(rms(column(moving_[i], static_cast<int>(p)))[0],
                                 rms(column(speeding_up_[i], static_cast<int>(p)))[0]);
-    if (std::abs(out[p]) < comparison_numbers::kRoundedAway * own) out[p] = 0.0;
+    if (std::abs(out[p]) < numbers_.rounded_away * own) out[p] = 0.0;
   }
   return out;
 }

@@ -1,6 +1,5 @@
 #include "identification/base_solution.hpp"
 
-#include <Eigen/QR>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
@@ -42,29 +41,6 @@ SquareRootInformation weighted_block(const std::vector<SquareRootInformation>& j
 double condition(const MatrixXd& A) {
   const VectorXd s = singular_values(A);
   return s[s.size() - 1] > 0.0 ? s[0] / s[s.size() - 1] : std::numeric_limits<double>::infinity();
-}
-
-// A factor of the covariance from all solutions without one block: the blocks before it merged with
-// those after it.
-MatrixXd jackknife(const std::vector<SquareRootInformation>& blocks,
-                   const std::vector<std::string>& columns) {
-  const size_t count = blocks.size();
-  const auto k = static_cast<Eigen::Index>(columns.size());
-  if (count < 3) return MatrixXd(k, 0);
-  std::vector<SquareRootInformation> after(count, SquareRootInformation(columns));
-  for (size_t b = count - 1; b > 0; --b) {
-    after[b - 1] = after[b];
-    after[b - 1].merge(blocks[b]);
-  }
-  SquareRootInformation before(columns);
-  MatrixXd solutions(k, static_cast<Eigen::Index>(count));
-  for (size_t b = 0; b < count; ++b) {
-    SquareRootInformation rest = before;
-    rest.merge(after[b]);
-    solutions.col(b) = least_squares(rest);
-    before.merge(blocks[b]);
-  }
-  return jackknife_factor(solutions);
 }
 
 }  // namespace
@@ -110,10 +86,11 @@ BaseSolution solve_base(const std::vector<CompressedRecording>& recordings,
     scaled.col(j) /= std::max(scaled.col(j).norm(), 1e-300);
   out.condition_number_scaled = condition(scaled);
   const double freedom = std::max(1.0, total.rows() - total.size());
-  const MatrixXd inverse = Eigen::ColPivHouseholderQR<MatrixXd>(total.R()).inverse();
+  const MatrixXd inverse =
+      total.R().triangularView<Eigen::Upper>().solve(MatrixXd::Identity(total.size(), total.size()));
   out.white_std = inverse.rowwise().norm() * std::sqrt(out.residual2 / freedom);
   out.clusters = static_cast<int>(blocks.size());
-  out.scatter = jackknife(blocks, columns);
+  out.scatter = blocks.size() < 3 ? MatrixXd(out.beta.size(), 0) : jackknife_factor(solutions_without(blocks));
   out.std = out.scatter.cols() > 0
                 ? VectorXd(out.scatter.rowwise().norm())
                 : VectorXd::Constant(out.beta.size(), std::numeric_limits<double>::quiet_NaN());

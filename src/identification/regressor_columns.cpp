@@ -128,7 +128,7 @@ void RegressorColumns::for_channel_errors(const Segment& s, const Put& put) cons
       effort = torque(s, own);
       motion.emplace(ChannelMotion{arm_, bodies_, *phi, s.q, s.dq, s.ddq, effort, s.dt});
     }
-    const int joint = channel_joint(*channel, term);
+    const std::optional<JointIndex> joint = channel_joint(*channel, term);
     motion->from = channel_source(term);
     const std::vector<MatrixXd> columns = channel->columns(*motion, joint);
     for (int i = 0; i < arm_.joints(); ++i) {

@@ -8,16 +8,15 @@
 #include "veridyn/effects/effect.hpp"
 #include "math/student_t.hpp"
 #include "watch/event_words.hpp"
-#include "watch/watch_numbers.hpp"
 
 namespace veridyn::watching {
 
 ChangeFinder::ChangeFinder(const Model& arm, const std::vector<Hypothesis>& hypotheses,
-                           const WatchOptions& options)
-    : arm_(arm), hypotheses_(hypotheses), options_(options), noise_(arm, hypotheses),
-      quantiles_(static_cast<int>(hypotheses.size()), static_cast<int>(std::size(kMemories))),
+                           const WatchOptions& options, const WatchNumbers& numbers)
+    : numbers_(numbers), arm_(arm), hypotheses_(hypotheses), options_(options),
+      noise_(arm, hypotheses, numbers), quantiles_(static_cast<int>(hypotheses.size()), 3, numbers),
       known_(VectorXd::Zero(hypotheses.size())) {
-  for (const double seconds : kMemories) {
+  for (const double seconds : {numbers.short_memory, numbers.middle_memory, numbers.long_memory}) {
     Memory m;
     m.seconds = seconds;
     m.forgetting = 1.0 - options.step / seconds;
@@ -37,7 +36,7 @@ ChangeFinder::ChangeFinder(const Model& arm, const std::vector<Hypothesis>& hypo
 }
 
 void ChangeFinder::learn(const std::vector<Step>& quiet) {
-  NoiseModel own(arm_, hypotheses_);
+  NoiseModel own(arm_, hypotheses_, numbers_);
   own.fit({}, quiet);
   for (const Step& step : quiet) {
     before_.push_back(step);
@@ -71,12 +70,12 @@ void ChangeFinder::calibrate() {
       const auto i = static_cast<Eigen::Index>(m);
       if (!step.follows) memories_[m].clear();
       memories_[m].add(white);
-      if (since < std::min(memories_[m].seconds, kFilled * options_.learn)) continue;
+      if (since < std::min(memories_[m].seconds, numbers_.filled * options_.learn)) continue;
       sum.col(i) += memories_[m].statistics(least_, largest_);
       counts[i] += 1.0;
     }
   }
-  while (recent_.size() > static_cast<size_t>(kRecent / options_.step)) recent_.pop_front();
+  while (recent_.size() > static_cast<size_t>(numbers_.recent / options_.step)) recent_.pop_front();
   for (Eigen::Index m = 0; m < sum.cols(); ++m) sum.col(m) /= std::max(counts[m], 1.0);
   quantiles_.learn(sum, memories_, options_.step * static_cast<double>(all.size()),
                    options_.false_alarms);
@@ -103,10 +102,10 @@ void ChangeFinder::add(const Step& step, WatchState& state) {
   const WhiteStep white = noise_.whiten(step, known_);
   if (!step.follows) {
     reset();
-    refractory_until_ = step.time + kRefractoryTime;
+    refractory_until_ = step.time + numbers_.refractory_time;
   }
   recent_.push_back(white);
-  if (recent_.size() > static_cast<size_t>(kRecent / options_.step)) recent_.pop_front();
+  if (recent_.size() > static_cast<size_t>(numbers_.recent / options_.step)) recent_.pop_front();
   for (Memory& m : memories_) m.add(white);
   if (refining_) refine(white, step.time);
   detect(step.time, state);
@@ -123,20 +122,20 @@ void ChangeFinder::go_on_learning(const Step& step, double strength) {
   if (open_ || (!relearning && (refining_ || strength >= 1.0))) return;
   const bool novel = noise_.novel(step);
   unseen_motion_ = novel ? unseen_motion_ + options_.step : std::max(0.0, unseen_motion_ - options_.step);
-  if (!relearning && unseen_motion_ >= kUnseenMotion) {  // the arm began an unseen motion
+  if (!relearning && unseen_motion_ >= numbers_.unseen_motion) {  // the arm began an unseen motion
     relearn_until_ = refractory_until_ = step.time + options_.learn;
     unseen_motion_ = 0.0;
   }
   if (!novel && !relearning && (!past_.empty() || quiet_live_ >= options_.learn_more)) return;
   quiet_.push_back(step);
   quiet_.back().residual -= step.columns * known_;
-  quiet_.back().follows = step.follows && step.time - last_learned_ < kFollows * options_.step;
+  quiet_.back().follows = step.follows && step.time - last_learned_ < numbers_.follows * options_.step;
   last_learned_ = step.time;
   quiet_live_ += options_.step;
-  if (quiet_.size() > kMostQuiet) quiet_.erase(quiet_.begin());
+  if (static_cast<int>(quiet_.size()) > numbers_.most_quiet) quiet_.erase(quiet_.begin());
   const bool more = past_.empty() && quiet_live_ >= 2.0 * calibrated_at_ &&
-                    quiet_live_ <= options_.learn_more && strength < kQuietLevel;
-  const bool learned = relearning && step.time + kFollows * options_.step >= relearn_until_;
+                    quiet_live_ <= options_.learn_more && strength < numbers_.quiet_level;
+  const bool learned = relearning && step.time + numbers_.follows * options_.step >= relearn_until_;
   if (learned || (more && !relearning)) calibrate();
 }
 
@@ -159,7 +158,7 @@ void ChangeFinder::set_bounds() {
     largest_[h] = c.prismatic ? p.largest_prismatic : p.largest_revolute;
     if (!one.along_axis()) continue;
     const bool viscous = effect.traits().affine && effect.traits().uses_velocity;
-    largest_[h] = kLargestTorques * noise_.scale()[joint] / (viscous ? kSlow : 1.0);
+    largest_[h] = numbers_.largest_torques * noise_.scale()[joint] / (viscous ? numbers_.slow : 1.0);
   }
   least_ = -largest_;
   for (Eigen::Index h = 0; h < known_.size(); ++h) {  // friction does not fall below zero
@@ -188,14 +187,14 @@ void ChangeFinder::emit_present(double now) {
   c.lookback = options_.step;
   const std::vector<Score> all = scores(c, whole);
   c.score = all.front();
-  const double odds = quantiles_.dispersion() * kOdds;
-  if (c.score.size.size() == 0 || c.score.gain < odds * kPresentOdds) return;
+  const double odds = quantiles_.dispersion() * numbers_.odds;
+  if (c.score.size.size() == 0 || c.score.gain < odds * numbers_.present_odds) return;
   VectorXd power = VectorXd::Zero(arm_.joints());
   for (const Step& step : quiet_)
     power += (step.columns(Eigen::all, c.score.columns) * c.score.size).cwiseAbs2() /
              static_cast<double>(quiet_.size());
   const VectorXd share = power.cwiseSqrt().cwiseQuotient(noise_.scale().cwiseMax(kNothing));
-  if (share.maxCoeff() < kPresentShare || std::abs(c.score.size[0]) <= half_width(c.score)) return;
+  if (share.maxCoeff() < numbers_.present_share || std::abs(c.score.size[0]) <= half_width(c.score)) return;
   c.id = ++ids_;
   WatchEvent e = event(c, WatchStage::kPresent, now);
   add_rivals(all, c.score, e);
@@ -225,7 +224,7 @@ void ChangeFinder::detect(double now, WatchState& state) {
   }
   state.suspect = hypothesis >= 0 ? to_text(arm_, hypotheses_[hypothesis].of.cause) : "";
   above_ = state.strength > 1.0 ? above_ + 1 : 0;
-  if (open_ || above_ < kAboveInARow || now < refractory_until_) return;
+  if (open_ || above_ < numbers_.above_in_a_row || now < refractory_until_) return;
   if (refining_ && ask_again(now)) return;
   if (refining_) {  // values from the refinement are kept
     past_.push_back(*refining_);
@@ -252,9 +251,9 @@ std::vector<Score> ChangeFinder::scores(const Change& change,
     if (one.companion) continue;
     const Score alone = best_onset(steps, h, least_[h], largest_[h],
                                    change.alarm - change.lookback, change.alarm);
-    Score whole = with_companions(steps, alone, one.companions, price);
+    Score whole = with_companions(steps, alone, one.companions, price, numbers_);
     // First moments without a mass are no load.
-    const Score later = measured_again(steps, whole, kMixed * options_.step);
+    const Score later = measured_again(steps, whole, numbers_.mixed * options_.step, numbers_);
     const bool load = whole.columns.size() < 2 || std::abs(later.size[0]) > half_width(later);
     out.push_back(load ? std::move(whole) : alone);
   }
@@ -267,17 +266,17 @@ void ChangeFinder::isolate(double now, bool last) {
   const double earliest = open_->alarm - open_->lookback;
   const std::vector<Score> scores = this->scores(*open_, recent_);
   const Score& best = scores.front();
-  const double odds = quantiles_.dispersion() * kOdds;
+  const double odds = quantiles_.dispersion() * numbers_.odds;
   const double price = quantiles_.dispersion() * std::log(static_cast<double>(recent_.size()));
-  const Push lasting = best_push(recent_, offset_of_joint_, earliest, open_->alarm, 0.0, price);
-  const Push ended = best_push(recent_, offset_of_joint_, earliest, open_->alarm, kPushEnds, price);
+  const Push lasting = best_push(recent_, offset_of_joint_, earliest, open_->alarm, 0.0, price, numbers_);
+  const Push ended = best_push(recent_, offset_of_joint_, earliest, open_->alarm, numbers_.push_ends, price, numbers_);
   const bool still = ended.gain + odds > lasting.gain;  // no significant residual after its end
   if (still && ended.gain > best.gain + odds) {
     push_is_over(ended, now);
     return;
   }
   const bool late = last || now - open_->alarm >= options_.longest_naming;
-  const bool explained = best.gain > kExplains * lasting.gain;
+  const bool explained = best.gain > numbers_.explains * lasting.gain;
   if (late && !explained) {
     push_is_over(lasting, now);
     return;
@@ -293,20 +292,20 @@ void ChangeFinder::isolate(double now, bool last) {
   const bool again = open_->likeliest && effect_of(*open_->likeliest) == effect_of(likeliest);
   open_->likely = !likely ? 0 : again ? open_->likely + 1 : 1;
   open_->likeliest = likeliest;
-  const bool soon = now - best.onset < kSoonestName;
-  if (late || (open_->likely >= kLikelyInARow && !soon)) name(scores, now);
+  const bool soon = now - best.onset < numbers_.soonest_name;
+  if (late || (open_->likely >= numbers_.likely_in_a_row && !soon)) name(scores, now);
 }
 
 double ChangeFinder::half_width(const Score& score) const {
   // Quantities learned while quiet are inexact as well, and columns are of first order.
   const double learned = options_.step * static_cast<double>(before_.size() + quiet_.size());
   const double since = std::max(0.0, recent_.empty() ? 0.0 : recent_.back().time - score.onset);
-  const double random = student_t_quantile(kOutside, quantiles_.freedom()) *
+  const double random = student_t_quantile(numbers_.outside, quantiles_.freedom()) *
                         std::sqrt(std::max(1.0, quantiles_.dispersion()) *
                                   (1.0 + since / std::max(learned, options_.step))) *
                         score.deviation();
   const double size = score.size.size() > 0 ? score.size[0] : 0.0;
-  return std::hypot(random, kSystematic * size);
+  return std::hypot(random, numbers_.systematic * size);
 }
 
 void ChangeFinder::compensate(const Score& score, double share) {
@@ -336,7 +335,7 @@ void ChangeFinder::add_rivals(const std::vector<Score>& scores, const Score& bes
                               WatchEvent& e) const {
   const double phi = quantiles_.dispersion();
   for (const Score& s : scores) {
-    if (s.hypothesis == best.hypothesis || best.gain - s.gain > phi * kOdds) continue;
+    if (s.hypothesis == best.hypothesis || best.gain - s.gain > phi * numbers_.odds) continue;
     const Cause& other = hypotheses_[s.hypothesis].of.cause;
     e.rivals.push_back({other, to_text(arm_, other), 0.5 * (best.gain - s.gain) / phi});
   }
@@ -345,7 +344,7 @@ void ChangeFinder::add_rivals(const std::vector<Score>& scores, const Score& bes
 void ChangeFinder::name(const std::vector<Score>& scores, double now) {
   Change c = *open_;
   open_.reset();
-  c.score = measured_again(recent_, scores.front(), kMixed * options_.step);
+  c.score = measured_again(recent_, scores.front(), numbers_.mixed * options_.step, numbers_);
   c.named = now;
   WatchEvent e = event(c, WatchStage::kNamed, now);
   add_rivals(scores, c.score, e);
@@ -353,7 +352,7 @@ void ChangeFinder::name(const std::vector<Score>& scores, double now) {
   const double size = c.score.size[0];
   const auto before = std::find_if(past_.rbegin(), past_.rend(), [&](const Change& p) {
     return p.score.hypothesis == c.score.hypothesis &&
-           std::abs(p.score.size[0] + size) < kReversalShare * std::abs(p.score.size[0]);
+           std::abs(p.score.size[0] + size) < numbers_.reversal_share * std::abs(p.score.size[0]);
   });
   if (before != past_.rend()) {
     e = event(*before, WatchStage::kOver, now);
@@ -367,7 +366,7 @@ void ChangeFinder::name(const std::vector<Score>& scores, double now) {
   }
   emit(std::move(e));
   reset();
-  refractory_until_ = now + kRefractoryTime;
+  refractory_until_ = now + numbers_.refractory_time;
 }
 
 void ChangeFinder::push_is_over(const Push& push, double now) {
@@ -375,20 +374,20 @@ void ChangeFinder::push_is_over(const Push& push, double now) {
   open_.reset();
   const int j = push.last_joint ? push.last_joint->value : 0;
   const Coordinate& joint = arm_.coordinates()[j];
-  WatchEvent e = event(c, now - push.to < kPushEnds ? WatchStage::kNamed : WatchStage::kOver, now);
+  WatchEvent e = event(c, now - push.to < numbers_.push_ends ? WatchStage::kNamed : WatchStage::kOver, now);
   e.cause = ExternalContact{{j}};
   e.since = push.from;
   e.until = push.to;
   e.value = push.torque.size() > j ? push.torque[j] : 0.0;
   const double steps = std::max(1.0, (push.to - push.from) / options_.step);
-  const double half = student_t_quantile(kOutside, quantiles_.freedom()) * noise_.deviation()[j] *
+  const double half = student_t_quantile(numbers_.outside, quantiles_.freedom()) * noise_.deviation()[j] *
                       std::sqrt(std::max(1.0, quantiles_.dispersion()) / steps);
   e.low = e.value - half;
   e.high = e.value + half;
   e.unit = effort_unit(joint);
   emit(std::move(e));
   reset();
-  refractory_until_ = now + kRefractoryTime;
+  refractory_until_ = now + numbers_.refractory_time;
 }
 
 void ChangeFinder::refine(const WhiteStep& white, double now) {
@@ -411,12 +410,12 @@ void ChangeFinder::refine(const WhiteStep& white, double now) {
 // opens the change again.
 bool ChangeFinder::ask_again(double now) {
   Change& c = *refining_;
-  if (c.withdrawn >= kMostWithdrawn) return false;
+  if (c.withdrawn >= numbers_.most_withdrawn) return false;
   const std::vector<Score> all = scores(c, c.seen);
   const auto same = std::find_if(all.begin(), all.end(), [&](const Score& s) {
     return s.hypothesis == c.score.hypothesis;
   });
-  if (all.front().gain - same->gain <= quantiles_.dispersion() * kOdds) return false;
+  if (all.front().gain - same->gain <= quantiles_.dispersion() * numbers_.odds) return false;
   emit(event(c, WatchStage::kWithdrawn, now));
   compensate(c.score, -1.0);
   open_ = std::move(c);
@@ -441,11 +440,11 @@ void ChangeFinder::jump(const PositionJump& jump, double now) {
   c.score.size = VectorXd::Constant(1, jump.size);
   c.strength = std::abs(jump.size) / std::max(jump.noise, 1e-300);
   WatchEvent e = event(c, WatchStage::kNamed, std::max(now, jump.time));
-  const double half = student_t_quantile(kOutside, quantiles_.freedom()) * jump.noise;
+  const double half = student_t_quantile(numbers_.outside, quantiles_.freedom()) * jump.noise;
   e.low = jump.size - half;
   e.high = jump.size + half;
   emit(std::move(e));
-  refractory_until_ = jump.time + kRefractoryTime;
+  refractory_until_ = jump.time + numbers_.refractory_time;
 }
 
 void ChangeFinder::finish(double now) {

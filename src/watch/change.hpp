@@ -31,7 +31,7 @@ struct Change {
 class ChangeFinder {
  public:
   ChangeFinder(const Model& arm, const std::vector<Hypothesis>& hypotheses,
-               const WatchOptions& options);
+               const WatchOptions& options, const WatchNumbers& numbers);
 
   void learn(const std::vector<Step>& quiet);
   void add(const Step& step, WatchState& state);
@@ -59,6 +59,7 @@ class ChangeFinder {
   WatchEvent event(const Change& change, WatchStage stage, double now) const;
   void emit(WatchEvent e);
 
+  const WatchNumbers& numbers_;
   Model arm_;
   std::vector<Hypothesis> hypotheses_;
   WatchOptions options_;

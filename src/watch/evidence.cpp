@@ -6,7 +6,6 @@
 #include "estimation/least_squares.hpp"
 #include "math/numbers.hpp"
 #include "math/student_t.hpp"
-#include "watch/watch_numbers.hpp"
 
 namespace veridyn::watching {
 namespace {
@@ -41,8 +40,8 @@ VectorXd Memory::statistics(const VectorXd& least, const VectorXd& largest) cons
   return out;
 }
 
-Quantiles::Quantiles(int hypotheses, int memories)
-    : threshold_(static_cast<size_t>(memories), VectorXd::Constant(hypotheses, kInfinity)) {}
+Quantiles::Quantiles(int hypotheses, int memories, const WatchNumbers& numbers)
+    : numbers_(numbers), threshold_(static_cast<size_t>(memories), VectorXd::Constant(hypotheses, kInfinity)) {}
 
 void Quantiles::learn(const MatrixXd& mean, const std::vector<Memory>& memories,
                       double quiet_seconds, double false_alarms_per_hour) {
@@ -52,7 +51,7 @@ void Quantiles::learn(const MatrixXd& mean, const std::vector<Memory>& memories,
     VectorXd& threshold = threshold_[m];
     threshold.setConstant(kInfinity);
     if (windows < 1.0) continue;
-    const double freedom = kPriorFreedom + windows;
+    const double freedom = numbers_.prior_freedom + windows;
     // Fitted to a quiet time, the statistic is too small there by 1 - 1/windows, and too large
     // afterwards by 1 + 1/windows.
     const double fitted = std::pow(1.0 + 1.0 / windows, 2);
@@ -62,7 +61,7 @@ void Quantiles::learn(const MatrixXd& mean, const std::vector<Memory>& memories,
     for (Eigen::Index h = 0; h < mean.rows(); ++h) {
       const double seen = mean(h, static_cast<Eigen::Index>(m));
       const double dispersion =
-          (kPriorFreedom * kPriorDispersion + windows * seen * fitted) / freedom;
+          (numbers_.prior_freedom * numbers_.prior_dispersion + windows * seen * fitted) / freedom;
       threshold[h] = dispersion * quantile;
       all += dispersion / static_cast<double>(mean.rows());
     }
@@ -101,7 +100,7 @@ double Score::deviation() const {
 namespace {
 
 // Least squares of the score's columns from a time on; @returns the gain.
-double solve_from(const std::deque<WhiteStep>& steps, double from, double mass, Score& score) {
+double solve_from(const std::deque<WhiteStep>& steps, double from, double mass, const WatchNumbers& numbers, Score& score) {
   const auto count = static_cast<Eigen::Index>(score.columns.size());
   score.A = MatrixXd::Zero(count, count);
   VectorXd b = VectorXd::Zero(count);
@@ -111,7 +110,7 @@ double solve_from(const std::deque<WhiteStep>& steps, double from, double mass, 
     score.A += X.transpose() * X;
     b += X.transpose() * step.e;
   }
-  const double lever = kLever * std::max(std::abs(mass), kLightest);
+  const double lever = numbers.lever * std::max(std::abs(mass), numbers.lightest);
   score.A.diagonal().tail(count - 1).array() += 1.0 / (lever * lever);
   if (!(score.A(0, 0) > kNothing)) return 0.0;
   score.size = normal_solution(score.A, b);
@@ -120,26 +119,28 @@ double solve_from(const std::deque<WhiteStep>& steps, double from, double mass, 
 
 }  // namespace
 
-Score measured_again(const std::deque<WhiteStep>& steps, const Score& score, double skipped) {
+Score measured_again(const std::deque<WhiteStep>& steps, const Score& score, double skipped,
+                     const WatchNumbers& numbers) {
   if (score.size.size() == 0) return score;
   Score out = score;
-  const bool some = solve_from(steps, score.onset + skipped, score.size[0], out) > 0.0;
+  const bool some = solve_from(steps, score.onset + skipped, score.size[0], numbers, out) > 0.0;
   return some && std::abs(out.size[0]) < 2.0 * std::abs(score.size[0]) ? out : score;
 }
 
 Score with_companions(const std::deque<WhiteStep>& steps, const Score& alone,
-                      const std::vector<int>& companions, double price) {
+                      const std::vector<int>& companions, double price, const WatchNumbers& numbers) {
   if (companions.empty() || alone.size.size() == 0) return alone;
   Score out = alone;
   out.columns.insert(out.columns.end(), companions.begin(), companions.end());
   const auto count = static_cast<Eigen::Index>(out.columns.size());
-  out.gain = solve_from(steps, alone.onset, alone.size[0], out) - price * static_cast<double>(count - 1);
+  out.gain = solve_from(steps, alone.onset, alone.size[0], numbers, out) - price * static_cast<double>(count - 1);
   const bool known = std::abs(out.size[0]) > 2.0 * out.deviation();
   return known && out.gain > alone.gain ? out : alone;
 }
 
 Push best_push(const std::deque<WhiteStep>& steps, const std::vector<int>& offset_of_joint,
-               double earliest, double latest, double still, double price) {
+               double earliest, double latest, double still, double price,
+               const WatchNumbers& numbers) {
   const size_t n = offset_of_joint.size();
   Push best;
   if (steps.empty()) return best;
@@ -160,10 +161,10 @@ Push best_push(const std::deque<WhiteStep>& steps, const std::vector<int>& offse
         all_b[i] += x * steps[k].e[i];
         if (A[i] > kNothing) open += std::max(0.0, b[i] * b[i] / A[i] - price);
       }
-      const bool whole = steps[k].time - segment >= kSegment;
+      const bool whole = steps[k].time - segment >= numbers.segment;
       const bool last = k + 1 == steps.size() || steps[k + 1].time > end;
       // A push that has not ended extends to the last step.
-      if (steps[k].time - steps[o].time >= kShortestPush && settled + open > best.gain &&
+      if (steps[k].time - steps[o].time >= numbers.shortest_push && settled + open > best.gain &&
           (still > 0.0 || last)) {
         best.gain = settled + open;
         best.from = steps[o].time;
@@ -172,7 +173,7 @@ Push best_push(const std::deque<WhiteStep>& steps, const std::vector<int>& offse
         best.last_joint.reset();
         const VectorXd share = all_b.cwiseAbs2().cwiseQuotient(all_A.cwiseMax(kNothing));
         for (size_t j = 0; j < n; ++j)
-          if (share[static_cast<Eigen::Index>(j)] > std::max(price, kActive * share.maxCoeff()))
+          if (share[static_cast<Eigen::Index>(j)] > std::max(price, numbers.active * share.maxCoeff()))
             best.last_joint = JointIndex{static_cast<int>(j)};
       }
       if (!whole) continue;

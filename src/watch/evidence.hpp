@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "watch/noise.hpp"
+#include "watch/watch_numbers.hpp"
 
 namespace veridyn::watching {
 
@@ -26,7 +27,7 @@ struct Memory {
 /// The statistics of a quiet arm, and their thresholds.
 class Quantiles {
  public:
-  Quantiles(int hypotheses, int memories);
+  Quantiles(int hypotheses, int memories, const WatchNumbers& numbers);
 
   /// Learns from the mean statistics (hypotheses x memories) of a quiet time.
   void learn(const MatrixXd& mean, const std::vector<Memory>& memories, double quiet_seconds,
@@ -41,6 +42,7 @@ class Quantiles {
   double freedom() const { return freedom_; }
 
  private:
+  const WatchNumbers& numbers_;
   std::vector<VectorXd> threshold_;
   double dispersion_ = 1.0, freedom_ = 1.0;
 };
@@ -73,17 +75,19 @@ Score best_onset(const std::deque<WhiteStep>& steps, int hypothesis, double leas
 /// The same with companions, where their gain exceeds the price: the centre of a load of that mass
 /// lies within some centimetres of its frame's origin.
 Score with_companions(const std::deque<WhiteStep>& steps, const Score& alone,
-                      const std::vector<int>& companions, double price);
+                      const std::vector<int>& companions, double price, const WatchNumbers& numbers);
 
 /// Estimates the sizes again from steps later than the onset by `skipped` [s]: the step of the
 /// change mixes both states, and the autoregression includes it.
-Score measured_again(const std::deque<WhiteStep>& steps, const Score& score, double skipped);
+Score measured_again(const std::deque<WhiteStep>& steps, const Score& score, double skipped,
+                     const WatchNumbers& numbers);
 
 /// The best push that starts there and ends `still` seconds before the last step, or has not ended
 /// (still = 0).
 /// @param offset_of_joint  (n) hypothesis of each joint's torque offset.
 /// @param price  gain required of each joint in each half second.
 Push best_push(const std::deque<WhiteStep>& steps, const std::vector<int>& offset_of_joint,
-               double earliest, double latest, double still, double price);
+               double earliest, double latest, double still, double price,
+               const WatchNumbers& numbers);
 
 }  // namespace veridyn::watching

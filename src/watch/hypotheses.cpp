@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "veridyn/math/require.hpp"
-#include "watch/watch_numbers.hpp"
 #include "veridyn/effects/effect_facts.hpp"
 
 namespace veridyn::watching {
@@ -19,7 +18,7 @@ std::string unit_of(const Model& arm, const Candidate& c) {
 
 bool is_last(const Model& arm, int frame) {
   return std::none_of(arm.frames().begin(), arm.frames().end(),
-                      [frame](const Frame& f) { return f.parent == frame; });
+                      [frame](const Frame& f) { return f.parent == FrameIndex{frame}; });
 }
 
 std::vector<FrameIndex> load_frames(const Model& arm, const std::vector<std::string>& links) {
@@ -57,8 +56,9 @@ MotionView view(const StepMotion& m) { return {m.time, m.q, m.dq, m.ddq}; }
 
 }  // namespace
 
-Hypotheses::Hypotheses(const Model& arm, const std::vector<std::string>& links)
-    : arm_(arm),
+Hypotheses::Hypotheses(const Model& arm, const std::vector<std::string>& links, const WatchNumbers& numbers)
+    : numbers_(numbers),
+      arm_(arm),
       loaded_(with_bodies(arm, load_frames(arm, links))),
       bodies_(arm),
       loads_(loaded_),
@@ -122,7 +122,7 @@ void Hypotheses::add_effects(const StepMotion& motion, const MatrixXd& rigid, An
       if (of_effect == nullptr) continue;
       of_effect->level = std::max(of_effect->level, std::abs(force));
       of_effect->fastest = std::max(of_effect->fastest, speed);
-      if (speed < kRestShare * of_effect->fastest)
+      if (speed < numbers_.rest_share * of_effect->fastest)
         out.rest_friction.row(k) += (of_effect->level * c.transpose()).cwiseAbs();
     }
   }
@@ -132,8 +132,7 @@ void Hypotheses::channel_columns(const StepMotion& motion, Answer& out) const {
   const double dt = motion.time.size() > 1 ? motion.time[1] - motion.time[0] : 1.0;
   const ChannelMotion along{arm_, bodies_, phi_, motion.q, motion.dq, motion.ddq, out.torque, dt};
   for (size_t h = 0; h < channel_.size(); ++h) {
-    const std::optional<JointIndex> of = all_[axis_.size() + h].of.joint;
-    const int joint = of ? of->value : kAllJoints;
+    const std::optional<JointIndex> joint = all_[axis_.size() + h].of.joint;
     MatrixXd column = channel_[h]->columns(along, joint).front();
     for (int i = 0; i < arm_.joints(); ++i) {
       if (!channel_[h]->acts_on(i, joint)) column.col(i).setZero();

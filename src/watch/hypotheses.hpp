@@ -7,6 +7,7 @@
 #include "veridyn/dynamics/regressor_batch.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 #include "regressor/effect_along.hpp"
+#include "watch/watch_numbers.hpp"
 
 namespace veridyn::watching {
 
@@ -32,7 +33,7 @@ struct StepMotion {
 class Hypotheses {
  public:
   /// @throws InvalidInput  the model lacks values; a link is no frame.
-  Hypotheses(const Model& arm, const std::vector<std::string>& links);
+  Hypotheses(const Model& arm, const std::vector<std::string>& links, const WatchNumbers& numbers);
 
   const std::vector<Hypothesis>& all() const { return all_; }
   int size() const { return static_cast<int>(all_.size()); }
@@ -58,6 +59,7 @@ class Hypotheses {
   MatrixXd load_column(int body, int parameter, Eigen::Index rows) const;
   void channel_columns(const StepMotion& motion, Answer& out) const;
 
+  const WatchNumbers& numbers_;
   Model arm_, loaded_;
   RegressorBatch bodies_, loads_;
   VectorXd phi_;

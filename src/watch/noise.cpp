@@ -5,12 +5,13 @@
 
 #include "estimation/least_squares.hpp"
 #include "veridyn/effects/effect.hpp"
-#include "watch/watch_numbers.hpp"
 
 namespace veridyn::watching {
 
-NoiseModel::NoiseModel(const Model& arm, const std::vector<Hypothesis>& hypotheses)
-    : n_(arm.joints()),
+NoiseModel::NoiseModel(const Model& arm, const std::vector<Hypothesis>& hypotheses,
+                       const WatchNumbers& numbers)
+    : numbers_(numbers),
+      n_(arm.joints()),
       ar_(MatrixXd::Zero(arm.joints(), kOrder)),
       deviation_(VectorXd::Ones(arm.joints())),
       today_(VectorXd::Zero(hypotheses.size())),
@@ -21,7 +22,7 @@ NoiseModel::NoiseModel(const Model& arm, const std::vector<Hypothesis>& hypothes
     daily_.push_back(static_cast<int>(h));
     joint_of_.push_back(one.of.joint->value);
     const EffectTraits t = find_effect(effect_of(one.of.cause)).traits();
-    speed_of_.push_back(t.uses_velocity && t.dry == DryFriction::kNone ? kSlow : 1.0);
+    speed_of_.push_back(t.uses_velocity && t.dry == DryFriction::kNone ? numbers_.slow : 1.0);
   }
 }
 
@@ -32,18 +33,18 @@ VectorXd NoiseModel::rest(const Step& step, const VectorXd& known) const {
 double NoiseModel::novelty(const Step& step, int joint) const {
   double beyond = 0.0;
   for (Eigen::Index p = 0; p < envelope_.cols(); ++p)
-    beyond += std::max(0.0, step.parts(joint, p) - kBeyond * envelope_(joint, p));
+    beyond += std::max(0.0, step.parts(joint, p) - numbers_.beyond * envelope_(joint, p));
   return beyond;
 }
 
 bool NoiseModel::novel(const Step& step) const {
   for (int j = 0; j < n_; ++j)
-    if (kUnlearned * novelty(step, j) > deviation_[j]) return true;
+    if (numbers_.unlearned * novelty(step, j) > deviation_[j]) return true;
   return false;
 }
 
 void NoiseModel::fit(const std::vector<Step>& before, const std::vector<Step>& today) {
-  if (before.size() + today.size() < static_cast<size_t>(kStepsForPole * kOrder)) return;
+  if (before.size() + today.size() < static_cast<size_t>(numbers_.steps_for_pole * kOrder)) return;
   const std::vector<const std::vector<Step>*> all = {&before, &today};
   scale_.setZero();
   envelope_ = MatrixXd::Zero(n_, 3);
@@ -56,7 +57,7 @@ void NoiseModel::fit(const std::vector<Step>& before, const std::vector<Step>& t
   scale_ = scale_.cwiseSqrt();
   today_.setZero();
   ar_.setZero();
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < numbers_.rounds; ++round) {
     fit_colour(all);
     fit_today(today);
   }
@@ -90,11 +91,11 @@ void NoiseModel::fit_colour(const std::vector<const std::vector<Step>*>& quiet) 
       power += rest[k][j] * rest[k][j];
       count += 1.0;
     }
-    const double least = std::max(kLeastShare * scale_[j], kNothing);
+    const double least = std::max(numbers_.least_share * scale_[j], kNothing);
     ar_.row(j).setZero();
     deviation_[j] = least;
     // At rest or nearly so: only the bound of friction at rest is known.
-    if (count < kStepsForPole * kOrder) {
+    if (count < numbers_.steps_for_pole * kOrder) {
       double all = 0.0;
       for (const VectorXd& x : rest) all += x[j] * x[j];
       deviation_[j] = std::max(least, std::sqrt(all / static_cast<double>(rest.size())));
@@ -103,8 +104,8 @@ void NoiseModel::fit_colour(const std::vector<const std::vector<Step>*>& quiet) 
     const double ridge = count * least * least;
     Eigen::Vector2d a = normal_solution(R + ridge * Eigen::Matrix2d::Identity(), r);
     // Schur's condition for both poles inside the unit circle.
-    a[1] = std::clamp(a[1], -kLargestPole, kLargestPole);
-    a[0] = std::clamp(a[0], -kLargestPole * (1.0 - a[1]), kLargestPole * (1.0 - a[1]));
+    a[1] = std::clamp(a[1], -numbers_.largest_pole, numbers_.largest_pole);
+    a[0] = std::clamp(a[0], -numbers_.largest_pole * (1.0 - a[1]), numbers_.largest_pole * (1.0 - a[1]));
     const double left = power - 2.0 * a.dot(r) + a.dot(R * a);
     ar_.row(j) = a.transpose();
     deviation_[j] =
@@ -136,7 +137,7 @@ void NoiseModel::fit_today(const std::vector<Step>& quiet) {
   past_.clear();
   for (Eigen::Index p = 0; p < count; ++p) {
     const int j = joint_of_[p];
-    const double prior = kDailyShare * scale_[j] / speed_of_[p];
+    const double prior = numbers_.daily_share * scale_[j] / speed_of_[p];
     A(p, p) += 1.0 / std::max(prior * prior, kNothing * kNothing);
   }
   const VectorXd x = normal_solution(A, b);
@@ -159,7 +160,7 @@ WhiteStep NoiseModel::whiten(const Step& step, const VectorXd& known) {
   for (int j = 0; j < n_; ++j) {
     const double weight =
         1.0 / std::sqrt(deviation_[j] * deviation_[j] + step.rest_friction2[j] +
-                        std::pow(kUnlearned * novelty(step, j), 2));
+                        std::pow(numbers_.unlearned * novelty(step, j), 2));
     out.e[j] *= weight;
     out.X.row(j) *= weight;
   }

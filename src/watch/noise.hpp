@@ -5,6 +5,7 @@
 
 #include "watch/hypotheses.hpp"
 #include "watch/step.hpp"
+#include "watch/watch_numbers.hpp"
 
 namespace veridyn::watching {
 
@@ -19,7 +20,8 @@ struct WhiteStep {
 /// Residual of a quiet arm: its differences from other days, and an autoregression of the rest.
 class NoiseModel {
  public:
-  NoiseModel(const Model& arm, const std::vector<Hypothesis>& hypotheses);
+  NoiseModel(const Model& arm, const std::vector<Hypothesis>& hypotheses,
+             const WatchNumbers& numbers);
 
   /// Fits the quiet steps so far: the autoregression to all, the day's differences to those of
   /// today.
@@ -47,6 +49,7 @@ class NoiseModel {
   double novelty(const Step& step, int joint) const;
   void fit_today(const std::vector<Step>& quiet);
 
+  const WatchNumbers& numbers_;
   int n_;
   std::vector<int> daily_;  // hypotheses that differ from day to day
   std::vector<int> joint_of_;

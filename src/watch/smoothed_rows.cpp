@@ -6,7 +6,6 @@
 #include "math/median.hpp"
 #include "math/decompositions.hpp"
 #include "veridyn/math/require.hpp"
-#include "watch/watch_numbers.hpp"
 
 namespace veridyn::watching {
 namespace {
@@ -33,8 +32,9 @@ MatrixXd local_polynomial(int half, int degree) {
 
 }  // namespace
 
-SmoothedRows::SmoothedRows(const Model& arm)
-    : arm_(arm),
+SmoothedRows::SmoothedRows(const Model& arm, const WatchNumbers& numbers)
+    : numbers_(numbers),
+      arm_(arm),
       sensors_(arm),
       offset_(VectorXd::Zero(arm.joints())),
       spread2_(VectorXd::Zero(arm.joints())),
@@ -68,7 +68,7 @@ bool SmoothedRows::take(const Recording& rows, int k, Row& row) const {
       std::max({row.q.lpNorm<Eigen::Infinity>(), row.dq.lpNorm<Eigen::Infinity>(),
                 row.tau.lpNorm<Eigen::Infinity>()});
   return std::isfinite(row.t) && row.q.allFinite() && row.dq.allFinite() && row.tau.allFinite() &&
-         largest < kAbsurd;
+         largest < numbers_.absurd;
 }
 
 void SmoothedRows::add(const Recording& rows) {
@@ -83,14 +83,14 @@ void SmoothedRows::add(const Recording& rows) {
       continue;
     }
     start_.push_back(row);
-    if (start_.size() < static_cast<size_t>(kRowsForStep)) continue;
+    if (start_.size() < static_cast<size_t>(numbers_.rows_for_step)) continue;
     std::vector<double> times;
     for (const Row& one : start_) times.push_back(one.t);
     dt_ = median_step(times);
     require(dt_ > 0.0, rows.source, ": found times that do not rise, expected a clock.");
     half_ = std::max(3, static_cast<int>(std::lround(
-                            (has_velocity_ ? kHalfWindow : kHalfWindowOfPosition) / dt_)));
-    reach_ = std::clamp(static_cast<int>(std::lround(kJumpReach / dt_)), 2, half_ - 1);
+                            (has_velocity_ ? numbers_.half_window : numbers_.half_window_of_position) / dt_)));
+    reach_ = std::clamp(static_cast<int>(std::lround(numbers_.jump_reach / dt_)), 2, half_ - 1);
     const MatrixXd kernel = local_polynomial(half_, has_velocity_ ? 2 : 3);
     value_ = kernel.row(0);
     slope_ = kernel.row(1) / dt_;
@@ -104,9 +104,9 @@ void SmoothedRows::add(const Recording& rows) {
 void SmoothedRows::place(const Row& row) {
   if (has_last_) {
     if (row.t <= last_.t) return;
-    if (row.t - last_.t > kPause) {
+    if (row.t - last_.t > numbers_.pause) {
       begin_again();
-    } else if (row.q == last_.q && row.tau == last_.tau && repeats_ < kRepeats) {
+    } else if (row.q == last_.q && row.tau == last_.tau && repeats_ < numbers_.repeats) {
       ++repeats_;  // repeated row: interpolated once a new row arrives
       return;
     }
@@ -158,13 +158,13 @@ void SmoothedRows::look_for_jump() {
     }
     const double spread = std::sqrt(spread2_[j]);
     const bool slides = arm_.coordinates()[j].prismatic;
-    const double least = std::max({kJumpDeviations * spread, kJumpOverLargest * largest_[j],
-                                   kJumpOfWay * gain.way, kSmallestJump[slides ? 1 : 0]});
+    const double least = std::max({numbers_.jump_deviations * spread, numbers_.jump_over_largest * largest_[j],
+                                   numbers_.jump_of_way * gain.way, slides ? numbers_.smallest_jump_sliding : numbers_.smallest_jump_turning});
     if (tell_jumps_ && std::abs(gain.size) > least) {
       found.push_back({gain.at, j, gain.size, spread});
       continue;
     }
-    spread2_[j] += std::max(1.0 / seen_, kQuietLeak) * (gain.size * gain.size - spread2_[j]);
+    spread2_[j] += std::max(1.0 / seen_, numbers_.quiet_leak) * (gain.size * gain.size - spread2_[j]);
     largest_[j] = std::max(largest_[j], std::abs(gain.size));
   }
   if (found.size() > 1) {  // simultaneous jumps of several encoders indicate missing or joined rows

@@ -6,6 +6,7 @@
 
 #include "veridyn/model/joint_sensors.hpp"
 #include "veridyn/recordings/recording.hpp"
+#include "watch/watch_numbers.hpp"
 
 namespace veridyn::watching {
 
@@ -28,7 +29,7 @@ struct PositionJump {
 /// of an encoder, and estimates velocity and acceleration by local least squares.
 class SmoothedRows {
  public:
-  explicit SmoothedRows(const Model& arm);
+  SmoothedRows(const Model& arm, const WatchNumbers& numbers);
 
   /// Called with each finished row and each jump, in the order of time.
   std::function<void(const SmoothedRow&)> on_row;
@@ -62,6 +63,7 @@ class SmoothedRows {
   void smooth();
   void begin_again();
 
+  const WatchNumbers& numbers_;
   Model arm_;
   JointSensors sensors_;
   bool has_velocity_ = false, tell_jumps_ = false;

@@ -58,9 +58,9 @@ Recording with_sound_velocities(Recording rows, const std::set<int>& wrong) {
 
 class Watch::Implementation {
  public:
-  Implementation(const Model& arm, const WatchOptions& options)
-      : arm_(arm), options_(options), rows_(arm), hypotheses_(arm, options.links),
-        steps_(hypotheses_, options.step), finder_(arm, hypotheses_.all(), options) {
+  Implementation(const Model& arm, const WatchOptions& options, const WatchNumbers& numbers)
+      : numbers_(numbers), arm_(arm), options_(options), rows_(arm, numbers_), hypotheses_(arm, options.links, numbers_),
+        steps_(hypotheses_, options.step), finder_(arm, hypotheses_.all(), options, numbers_) {
     check(options);
     state_.residual = state_.torque = state_.noise = VectorXd::Zero(arm.joints());
     rows_.on_row = [this](const watching::SmoothedRow& row) { steps_.add(row, rows_.dt()); };
@@ -75,15 +75,15 @@ class Watch::Implementation {
 
   void learn(const Recording& recorded) {
     const Recording quiet = with_sound_velocities(recorded, wrong_velocities(recorded));
-    watching::SmoothedRows rows(arm_);
-    watching::Hypotheses hypotheses(arm_, options_.links);
+    watching::SmoothedRows rows(arm_, numbers_);
+    watching::Hypotheses hypotheses(arm_, options_.links, numbers_);
     watching::StepBuilder steps(hypotheses, options_.step);
     std::vector<Step> all;
     rows.on_row = [&](const watching::SmoothedRow& row) { steps.add(row, rows.dt()); };
     rows.on_break = [&] { steps.begin_again(); };
     steps.on_step = [&](const Step& step) { all.push_back(step); };
     rows.add(quiet);
-    require(all.size() > watching::kFewestQuiet, quiet.source, ": found less than two seconds of usable rows, expected a quiet recording.");
+    require(static_cast<int>(all.size()) > numbers_.fewest_quiet, quiet.source, ": found less than two seconds of usable rows, expected a quiet recording.");
     finder_.learn(all);
   }
 
@@ -93,7 +93,7 @@ class Watch::Implementation {
       watch(rows);
     } else if (rows.rows() > 0) {
       unjudged_ = joined(unjudged_, rows);
-      if (unjudged_.time[unjudged_.rows() - 1] - unjudged_.time[0] >= watching::kJudged * options_.learn)
+      if (unjudged_.time[unjudged_.rows() - 1] - unjudged_.time[0] >= numbers_.judged * options_.learn)
         judge_velocities();
     }
     return taken();
@@ -126,6 +126,7 @@ class Watch::Implementation {
     unjudged_ = {};
   }
 
+  WatchNumbers numbers_;  // the parts below refer to it
   Model arm_;
   WatchOptions options_;
   Recording unjudged_;  // first rows, until the velocities are judged
@@ -142,8 +143,9 @@ class Watch::Implementation {
   double now_ = 0.0;
 };
 
-Watch::Watch(const Model& arm, const WatchOptions& options)
-    : own_(std::make_unique<Implementation>(arm, options)) {}
+Watch::Watch(const Model& arm, const WatchOptions& options) : Watch(arm, options, WatchNumbers()) {}
+Watch::Watch(const Model& arm, const WatchOptions& options, const WatchNumbers& numbers)
+    : own_(std::make_unique<Implementation>(arm, options, numbers)) {}
 Watch::~Watch() = default;
 Watch::Watch(Watch&&) noexcept = default;
 Watch& Watch::operator=(Watch&&) noexcept = default;
@@ -156,6 +158,67 @@ void Watch::on_step(std::function<void(const WatchState&)> call) { own_->told_ =
 const Model& Watch::arm() const { return own_->arm_; }
 const std::vector<WatchEvent>& Watch::events() const { return own_->events_; }
 const std::vector<std::string>& Watch::remarks() const { return own_->remarks_; }
+
+const std::vector<TableNumber<WatchNumbers>>& watch_numbers() {
+  using T = WatchNumbers;
+  static const std::vector<TableNumber<T>> kAll = {
+      number_of<&T::half_window>("half_window"),
+      number_of<&T::half_window_of_position>("half_window_of_position"),
+      number_of<&T::rows_for_step>("rows_for_step"),
+      number_of<&T::pause>("pause"),
+      number_of<&T::absurd>("absurd"),
+      number_of<&T::repeats>("repeats"),
+      number_of<&T::judged>("judged"),
+      number_of<&T::fewest_quiet>("fewest_quiet"),
+      number_of<&T::jump_reach>("jump_reach"),
+      number_of<&T::jump_deviations>("jump_deviations"),
+      number_of<&T::jump_over_largest>("jump_over_largest"),
+      number_of<&T::jump_of_way>("jump_of_way"),
+      number_of<&T::smallest_jump_turning>("smallest_jump_turning"),
+      number_of<&T::smallest_jump_sliding>("smallest_jump_sliding"),
+      number_of<&T::quiet_leak>("quiet_leak"),
+      number_of<&T::steps_for_pole>("steps_for_pole"),
+      number_of<&T::daily_share>("daily_share"),
+      number_of<&T::slow>("slow"),
+      number_of<&T::least_share>("least_share"),
+      number_of<&T::largest_pole>("largest_pole"),
+      number_of<&T::unlearned>("unlearned"),
+      number_of<&T::beyond>("beyond"),
+      number_of<&T::rounds>("rounds"),
+      number_of<&T::rest_share>("rest_share"),
+      number_of<&T::short_memory>("short_memory"),
+      number_of<&T::middle_memory>("middle_memory"),
+      number_of<&T::long_memory>("long_memory"),
+      number_of<&T::filled>("filled"),
+      number_of<&T::prior_freedom>("prior_freedom"),
+      number_of<&T::prior_dispersion>("prior_dispersion"),
+      number_of<&T::above_in_a_row>("above_in_a_row"),
+      number_of<&T::refractory_time>("refractory_time"),
+      number_of<&T::quiet_level>("quiet_level"),
+      number_of<&T::unseen_motion>("unseen_motion"),
+      number_of<&T::most_quiet>("most_quiet"),
+      number_of<&T::follows>("follows"),
+      number_of<&T::recent>("recent"),
+      number_of<&T::odds>("odds"),
+      number_of<&T::likely_in_a_row>("likely_in_a_row"),
+      number_of<&T::soonest_name>("soonest_name"),
+      number_of<&T::explains>("explains"),
+      number_of<&T::push_ends>("push_ends"),
+      number_of<&T::shortest_push>("shortest_push"),
+      number_of<&T::segment>("segment"),
+      number_of<&T::active>("active"),
+      number_of<&T::mixed>("mixed"),
+      number_of<&T::largest_torques>("largest_torques"),
+      number_of<&T::lever>("lever"),
+      number_of<&T::lightest>("lightest"),
+      number_of<&T::systematic>("systematic"),
+      number_of<&T::outside>("outside"),
+      number_of<&T::reversal_share>("reversal_share"),
+      number_of<&T::present_odds>("present_odds"),
+      number_of<&T::present_share>("present_share"),
+      number_of<&T::most_withdrawn>("most_withdrawn")};
+  return kAll;
+}
 
 const char* name_of(WatchStage stage) {
   switch (stage) {

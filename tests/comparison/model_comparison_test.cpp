@@ -300,7 +300,7 @@ TEST(TheComparison, ComparesAnArmWithTheSameArmUnderALoad) {
   ModelDescription d = planar().description();
   Frame load;
   load.name = "load";
-  load.parent = static_cast<int>(d.frames.size()) - 1;
+  load.parent = FrameIndex{static_cast<int>(d.frames.size()) - 1};
   load.A = {rotation_x(0.3), {0.1, 0.05, 0.02}};
   load.variable.coefficients = VectorXd::Zero(2);
   Body body;
@@ -342,7 +342,7 @@ TEST(TheComparison, RefusesAnArmWithOneMoreJointFrame) {
   ModelDescription d = planar().description();
   Frame more = d.frames.back();
   more.name = "more";
-  more.parent = static_cast<int>(d.frames.size()) - 1;
+  more.parent = FrameIndex{static_cast<int>(d.frames.size()) - 1};
   d.frames.push_back(more);
   EXPECT_THROW(compare(planar(), Model(d)), InvalidInput);
 }
@@ -421,7 +421,7 @@ TEST(TheComparison, SpeaksOfValuesBelowZeroAndOfSlidingJoints) {
   d.deviation = 0.06;
   d.low = 8.6;
   d.high = 8.85;
-  const std::string words = joint_sentence(read_model("psm-3dof"), JointQuantity::kWeightSlope, d);
+  const std::string words = joint_sentence(read_model("psm-3dof"), JointQuantity::kWeightSlope, d, ComparisonNumbers());
   for (const char* part : {"follows the position of joint 3 (insertion) went from -8.75", "by +8.7",
                            " N, 95 %: +8.6", " to +8.85"})
     EXPECT_NE(words.find(part), std::string::npos) << words;

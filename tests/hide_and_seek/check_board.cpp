@@ -73,29 +73,11 @@ std::vector<std::string> expected_of(const Mistake& one, const Model& arm) {
   return out;
 }
 
-void multiply(CheckThresholds& limits, const std::string& number, double factor) {
-  for (const CheckNumber& one : check_numbers()) {
-    if (one.name != number) continue;
-    if (const auto* real = std::get_if<double CheckThresholds::*>(&one.place)) limits.**real *= factor;
-    if (const auto* whole = std::get_if<int CheckThresholds::*>(&one.place))
-      limits.**whole = static_cast<int>(std::lround(factor * limits.**whole));
-  }
-}
-
-double value_named(const std::string& number) {
-  for (const CheckNumber& one : check_numbers()) {
-    if (one.name == number) return value_of(one);
-  }
-  throw InvalidInput("found the number '" + number + "', expected one of `check`.");
-}
-
-RoomCase mistaken(const Mistake& mistake, const std::string& name, const Model& arm, Recording r) {
+TableCase<CheckThresholds> mistaken(const Mistake& mistake, const std::string& name, const Model& arm, Recording r) {
   mistake.make(r);
   const Model robot = std::string(mistake.name).rfind("currents", 0) == 0 ? with_gains(arm) : arm;
   const std::vector<std::string> expected = expected_of(mistake, arm);
-  const auto ask = [robot, r, expected](const std::string& number, double factor) {
-    CheckThresholds limits;
-    multiply(limits, number, factor);
+  const auto ask = [robot, r, expected](const CheckThresholds& limits) {
     std::vector<std::string> found, faults;
     for (const QualityFinding& f : check_against(robot, r, {}, limits)) {
       found.push_back(fmt::format("{}:{}", f.finding, f.joint));
@@ -103,15 +85,13 @@ RoomCase mistaken(const Mistake& mistake, const std::string& name, const Model& 
     }
     return SweepAnswer{faults == expected, found.empty() ? "nothing" : fmt::format("{}", fmt::join(found, " "))};
   };
-  return {name, ask, [](const std::string&) { return true; }};
+  return {name, ask};
 }
 
 }  // namespace
 
 SweptRoom check_room(unsigned seed, const std::string& folder) {
-  SweptRoom out;
-  for (const CheckNumber& one : check_numbers()) out.numbers.push_back(one.name);
-  out.value = value_named;
+  std::vector<TableCase<CheckThresholds>> cases;
   std::filesystem::create_directories(folder);
   for (const char* arm : {"psm-3dof", "pick-scara"}) {
     const Bench bench = make_bench(arm, seed);
@@ -121,9 +101,9 @@ SweptRoom check_room(unsigned seed, const std::string& folder) {
     const Identification known = identify(bench.robot, {path}, {}, {});
     require(known.model.has_value(), "sweeps: ", arm, " is not identified: ", known.reason);
     for (const Mistake& one : mistakes())
-      out.cases.push_back(mistaken(one, fmt::format("{} {}", one.name, arm), one.of_model ? *known.model : bench.robot, sound));
+      cases.push_back(mistaken(one, fmt::format("{} {}", one.name, arm), one.of_model ? *known.model : bench.robot, sound));
   }
-  return out;
+  return room_of(check_numbers(), cases);
 }
 
 }  // namespace veridyn::seek

@@ -31,8 +31,9 @@ struct Request {
 };
 
 void add_room(CLI::App& app, Request& request) {
-  app.add_option("--of", request.sweep.room, "diagnose, or check: the numbers about signals beside a robot (diagnose)")
-      ->check(CLI::IsMember({"diagnose", "check"}));
+  std::vector<std::string> rooms = swept_rooms();
+  rooms.emplace_back("diagnose");
+  app.add_option("--of", request.sweep.room, "Whose numbers: diagnose, check, watch, compare or fleet (diagnose)")->check(CLI::IsMember(rooms));
 }
 
 void add_board_options(CLI::App& app, Request& request) {
@@ -156,7 +157,11 @@ int run(int argc, char** argv) {
     asked.options = request.board.options;
     play_outside(asked);
   } else if (thresholds->parsed()) {
-    request.sweep.room == "check" ? print_check_numbers(request.sweeps) : print_thresholds(request.sweeps);
+    if (request.sweep.room == "diagnose") {
+      print_thresholds(request.sweeps);
+    } else {
+      print_numbers(request.sweep.room, request.sweeps);
+    }
   } else if (sweeps->parsed()) {
     request.sweep.options = request.board.options;
     write_sweeps(request.sweep);

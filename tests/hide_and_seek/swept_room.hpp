@@ -2,8 +2,10 @@
 
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "math/number_table.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 
 namespace veridyn::seek {
@@ -29,10 +31,38 @@ struct SweptRoom {
   std::vector<RoomCase> cases;
 };
 
+/// A case of a room whose numbers are a struct with a table.
+template <typename Numbers>
+using TableCase = std::pair<std::string, std::function<SweepAnswer(const Numbers&)>>;
+
+/// The room of such a table; every case is asked for every number.
+template <typename Numbers>
+SweptRoom room_of(const std::vector<TableNumber<Numbers>>& table, const std::vector<TableCase<Numbers>>& cases) {
+  SweptRoom out;
+  for (const TableNumber<Numbers>& one : table) out.numbers.push_back(one.name);
+  out.value = [&table](const std::string& number) { return number_named(table, number).in(Numbers()); };
+  for (const TableCase<Numbers>& one : cases) {
+    const auto ask = [&table, asked = one.second](const std::string& number, double factor) {
+      return asked(multiplied(Numbers(), number_named(table, number), factor));
+    };
+    out.cases.push_back({one.first, ask, [](const std::string&) { return true; }});
+  }
+  return out;
+}
+
 /// The numbers of `diagnose`. @param folder  of the recordings; it stays as long as the cases are asked.
 SweptRoom diagnosis_room(const DiagnosisOptions& options, unsigned seed, const std::string& folder);
 
 /// The numbers of `check ROBOT`: sound and mistaken recordings of a SCARA and the first axes of a PSM.
 SweptRoom check_room(unsigned seed, const std::string& folder);
+
+/// The numbers of `watch`: simulated arms that change while they are watched.
+SweptRoom watch_room(unsigned seed);
+
+/// The numbers of `compare`: pairs of models before and after something happened to the arm.
+SweptRoom comparison_room(unsigned seed, const std::string& folder);
+
+/// The numbers of `fleet`: arms of one type, one of them odd.
+SweptRoom fleet_room(unsigned seed);
 
 }  // namespace veridyn::seek

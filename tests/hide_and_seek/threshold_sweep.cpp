@@ -12,9 +12,12 @@
 #include <map>
 #include <set>
 
+#include "comparison/comparison_numbers.hpp"
 #include "hide_and_seek/sweep_board.hpp"
 #include "identification/check/check_thresholds.hpp"
+#include "identification/fleet/fleet_numbers.hpp"
 #include "veridyn/math/require.hpp"
+#include "watch/watch_numbers.hpp"
 
 namespace veridyn::seek {
 namespace {
@@ -139,14 +142,39 @@ void print_thresholds(const std::string& sweeps) {
   }
 }
 
-void print_check_numbers(const std::string& sweeps) {
+const std::vector<std::string>& swept_rooms() {
+  static const std::vector<std::string> kAll = {"check", "watch", "compare", "fleet"};
+  return kAll;
+}
+
+namespace {
+
+template <typename Numbers>
+void print_table(const std::vector<TableNumber<Numbers>>& table, const std::string& sweeps) {
   const std::map<std::string, std::string> changed =
       sweeps.empty() ? std::map<std::string, std::string>() : changes_in(sweeps);
   fmt::print("| number | value | multiplied by |\n|---|---|---|\n");
-  for (const CheckNumber& one : check_numbers()) {
+  for (const TableNumber<Numbers>& one : table) {
     const auto of = changed.find(one.name);
-    fmt::print("| `{}` | {:g} | {} |\n", one.name, value_of(one), of == changed.end() ? "-" : of->second);
+    fmt::print("| `{}` | {:g} | {} |\n", one.name, one.in(Numbers()), of == changed.end() ? "-" : of->second);
   }
+}
+
+SweptRoom room_named(const SweepRequest& request, const std::string& folder) {
+  if (request.room == "check") return check_room(request.seed, folder);
+  if (request.room == "watch") return watch_room(request.seed);
+  if (request.room == "compare") return comparison_room(request.seed, folder);
+  if (request.room == "fleet") return fleet_room(request.seed);
+  return diagnosis_room(request.options, request.seed, folder);
+}
+
+}  // namespace
+
+void print_numbers(const std::string& room, const std::string& sweeps) {
+  if (room == "check") print_table(check_numbers(), sweeps);
+  if (room == "watch") print_table(watch_numbers(), sweeps);
+  if (room == "compare") print_table(comparison_numbers(), sweeps);
+  if (room == "fleet") print_table(fleet_numbers(), sweeps);
 }
 
 SweptRoom diagnosis_room(const DiagnosisOptions& options, unsigned seed, const std::string& folder) {
@@ -169,8 +197,7 @@ void write_sweeps(const SweepRequest& request) {
   const std::string& file = request.file;
   std::vector<std::string> lines = fs::exists(file) ? read_sweeps(file) : std::vector<std::string>{kHeader};
   const fs::path folder = fs::temp_directory_path() / fmt::format("veridyn-sweeps-{}", getpid());
-  const SweptRoom room = request.room == "check" ? check_room(request.seed, folder.string())
-                                                 : diagnosis_room(request.options, request.seed, folder.string());
+  const SweptRoom room = room_named(request, folder.string());
   const std::vector<std::string> numbers = request.numbers.empty() ? unswept(room, lines) : request.numbers;
   for (const std::string& number : numbers) room.value(number);  // throws where there is none
   Answers as_it_is;

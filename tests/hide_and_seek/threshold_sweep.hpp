@@ -15,12 +15,14 @@ void set_threshold(const std::string& setting, DiagnosisOptions& options);
 /// @param sweeps  file of write_sweeps(): a column shows what each factor changed; empty: none.
 void print_thresholds(const std::string& sweeps = {});
 
-/// The numbers of `check ROBOT` with what each factor changed; src/identification/check/check_thresholds.hpp
-/// has their inequalities.
-void print_check_numbers(const std::string& sweeps);
+/// The numbers of a room with what each factor changed; the header of its numbers has their inequalities.
+void print_numbers(const std::string& room, const std::string& sweeps);
+
+/// Rooms other than diagnose: "check", "watch", "compare", "fleet".
+const std::vector<std::string>& swept_rooms();
 
 struct SweepRequest {
-  std::string room = "diagnose";     ///< or "check"
+  std::string room = "diagnose";     ///< or one of swept_rooms()
   std::vector<std::string> numbers;  ///< of the room; empty: those without a sweep of their value
   std::vector<double> factors = {0.5, 0.7, 1.4, 2.0};
   unsigned seed = 811;

@@ -5,11 +5,17 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iterator>
+#include <map>
+#include <set>
 
+#include "comparison/comparison_numbers.hpp"
 #include "hide_and_seek/sweep_board.hpp"
 #include "identification/check/check_thresholds.hpp"
+#include "identification/fleet/fleet_numbers.hpp"
 #include "veridyn/math/require.hpp"
+#include "watch/watch_numbers.hpp"
 
 namespace veridyn::seek {
 namespace {
@@ -50,9 +56,50 @@ TEST(ThresholdSweep, TheTableShowsWhatMultiplesChanged) {
   EXPECT_NE(message().find(file + ":1: found no sweeps"), std::string::npos) << message();
 }
 
-std::string printed(void (*print)(const std::string&), const std::string& sweeps) {
+// Of the rooms of swept_rooms().
+const std::map<std::string, std::string>& sweep_files() {
+  static const std::map<std::string, std::string> kAll = {{"check", "identification/check/check_sweeps.csv"},
+                                                          {"watch", "watch/watch_sweeps.csv"},
+                                                          {"compare", "comparison/comparison_sweeps.csv"},
+                                                          {"fleet", "identification/fleet/fleet_sweeps.csv"}};
+  return kAll;
+}
+
+std::string in_source(const std::string& file) { return std::string(VERIDYN_SOURCE_DIR) + "/src/" + file; }
+
+// Sweeps are of the numbers as they are; `veridyn-hide-and-seek sweeps --of ROOM -o FILE` makes those that are missing.
+template <typename Numbers>
+void expect_all_swept(const std::vector<TableNumber<Numbers>>& table, const std::string& room) {
+  std::size_t bytes = 0;
+  for (const TableNumber<Numbers>& one : table) bytes += one.whole ? sizeof(int) : sizeof(double);
+  EXPECT_LT(sizeof(Numbers) - bytes, table.size() * sizeof(int)) << room << ": a number is not in the table";
+  std::ifstream file(in_source(sweep_files().at(room)));
+  ASSERT_TRUE(file.good()) << room;
+  std::string line;
+  std::getline(file, line);
+  std::set<std::string> swept;
+  while (std::getline(file, line)) {
+    const std::size_t one = line.find(','), two = line.find(',', one + 1);
+    ASSERT_NE(two, std::string::npos) << line;
+    const double factor = std::stod(line.substr(one + 1)), value = std::stod(line.substr(two + 1));
+    const TableNumber<Numbers>& number = number_named(table, line.substr(0, one));
+    swept.insert(number.name);
+    EXPECT_NEAR(value, factor * number.in(Numbers()), 1e-5 * value) << line;
+  }
+  for (const TableNumber<Numbers>& one : table) EXPECT_EQ(swept.count(one.name), 1U) << room << ": " << one.name << " has no sweep";
+}
+
+TEST(ThresholdSweep, EveryRoomsNumbersAreSwept) {
+  expect_all_swept(check_numbers(), "check");
+  expect_all_swept(watch_numbers(), "watch");
+  expect_all_swept(comparison_numbers(), "compare");
+  expect_all_swept(fleet_numbers(), "fleet");
+  for (const std::string& room : swept_rooms()) EXPECT_EQ(sweep_files().count(room), 1U) << room;
+}
+
+std::string printed(const std::function<void()>& print) {
   testing::internal::CaptureStdout();
-  print(std::string(VERIDYN_SOURCE_DIR) + "/src/" + sweeps);
+  print();
   return testing::internal::GetCapturedStdout();
 }
 
@@ -60,8 +107,12 @@ TEST(ThresholdSweep, TheTablesOfTheDocsAreThoseOfTheFiles) {
   std::ifstream file(std::string(VERIDYN_SOURCE_DIR) + "/docs/numbers.md");
   ASSERT_TRUE(file.good());
   const std::string docs((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  EXPECT_NE(docs.find(printed(print_thresholds, "diagnosis/threshold_sweeps.csv")), std::string::npos);
-  EXPECT_NE(docs.find(printed(print_check_numbers, "identification/check/check_sweeps.csv")), std::string::npos);
+  const std::string of_diagnosis = printed([] { print_thresholds(in_source("diagnosis/threshold_sweeps.csv")); });
+  EXPECT_NE(docs.find(of_diagnosis), std::string::npos);
+  for (const auto& [room, sweeps] : sweep_files()) {
+    const std::string table = printed([&name = room, &from = sweeps] { print_numbers(name, in_source(from)); });
+    EXPECT_NE(docs.find(table), std::string::npos) << room;
+  }
 }
 
 // A factor of 1 is the check itself, and another number gives another answer.

@@ -237,7 +237,8 @@ TEST(AFleet, IsTheLeastSquaresSolutionOfTheBlockArrow) {
     }
     arms.push_back(one);
   }
-  const FleetProblem problem(arm, arms);
+  const FleetNumbers numbers;
+  const FleetProblem problem(arm, arms, numbers);
   const VectorXd weights = VectorXd::LinSpaced(arm.joints(), 0.5, 2.0);
   SquareRootInformation total(problem.shared());
   std::vector<SquareRootInformation> factors;

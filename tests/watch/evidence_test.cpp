@@ -18,6 +18,8 @@ double bell(Random& random) {
   return random.vector(12, -0.5, 0.5).sum();
 }
 
+const WatchNumbers kNumbers;
+
 WhiteStep white(double time, const VectorXd& e, const MatrixXd& X) {
   WhiteStep s;
   s.time = time;
@@ -66,7 +68,7 @@ TEST(Evidence, AnImpossibleSizeCountsAsThePossibleOneNearestToIt) {
 TEST(Evidence, ThresholdsGrowWithTheShortnessOfWhatWasLearned) {
   std::vector<Memory> memories(1);
   memories[0].seconds = 8.0;
-  Quantiles quantiles(2, 1);
+  Quantiles quantiles(2, 1, kNumbers);
   EXPECT_TRUE(std::isinf(quantiles.threshold(0)[0]));
   MatrixXd mean(2, 1);
   mean << 4.0, 0.0;
@@ -83,7 +85,7 @@ TEST(Evidence, AMemoryLongerThanTheQuietTimeRaisesNoAlarm) {
   std::vector<Memory> memories(2);
   memories[0].seconds = 0.5;
   memories[1].seconds = 8.0;
-  Quantiles quantiles(1, 2);
+  Quantiles quantiles(1, 2, kNumbers);
   quantiles.learn(MatrixXd::Ones(1, 2), memories, 4.0, 0.5);
   EXPECT_TRUE(std::isfinite(quantiles.threshold(0)[0]));
   EXPECT_TRUE(std::isinf(quantiles.threshold(1)[0]));
@@ -93,7 +95,7 @@ TEST(Evidence, AMemoryLongerThanTheQuietTimeRaisesNoAlarm) {
 TEST(Evidence, ThresholdsFollowTheRateOfFalseAlarms) {
   std::vector<Memory> memories(1);
   memories[0].seconds = 0.5;
-  Quantiles rare(1, 1), often(1, 1);
+  Quantiles rare(1, 1, kNumbers), often(1, 1, kNumbers);
   rare.learn(MatrixXd::Ones(1, 1), memories, 60.0, 0.01);
   often.learn(MatrixXd::Ones(1, 1), memories, 60.0, 1.0);
   EXPECT_GT(rare.threshold(0)[0], 1.2 * often.threshold(0)[0]);
@@ -124,13 +126,13 @@ TEST(Evidence, ASizeIsMeasuredAgainWithoutItsFirstSteps) {
   steps[20].e[0] = 1.0;  // at 2.1 s
   const Score s = best_onset(steps, 0, -10.0, 10.0, 2.05, 2.15);
   EXPECT_LT(s.size[0], 2.95);
-  EXPECT_NEAR(measured_again(steps, s, 2.5 * kStep).size[0], 3.0, 1e-9);
+  EXPECT_NEAR(measured_again(steps, s, 2.5 * kStep, kNumbers).size[0], 3.0, 1e-9);
   // Nothing is left behind the last step, and a size that doubles is another change.
-  EXPECT_EQ(measured_again(steps, s, 5.0).size[0], s.size[0]);
+  EXPECT_EQ(measured_again(steps, s, 5.0, kNumbers).size[0], s.size[0]);
   for (WhiteStep& step : steps)
     if (step.time > 2.35) step.e[0] = 30.0;
-  EXPECT_EQ(measured_again(steps, s, 2.5 * kStep).size[0], s.size[0]);
-  EXPECT_EQ(measured_again(steps, Score(), 0.1).size.size(), 0);
+  EXPECT_EQ(measured_again(steps, s, 2.5 * kStep, kNumbers).size[0], s.size[0]);
+  EXPECT_EQ(measured_again(steps, Score(), 0.1, kNumbers).size.size(), 0);
 }
 
 class Companions : public testing::Test {
@@ -152,13 +154,13 @@ class Companions : public testing::Test {
 TEST_F(Companions, AreTakenWhereTheyExplainMoreThanTheirPrice) {
   const auto steps = loaded(1.0, 0.1);
   const Score alone = best_onset(steps, 0, 0.0, 5.0, 0.0, kStep);
-  const Score both = with_companions(steps, alone, {1}, 10.0);
+  const Score both = with_companions(steps, alone, {1}, 10.0, kNumbers);
   ASSERT_EQ(both.columns.size(), 2U);
   EXPECT_NEAR(both.size[1], 0.1, 0.03);
   EXPECT_GT(both.gain, alone.gain + 100.0);
   // The price is higher than what the moment explains.
-  EXPECT_EQ(with_companions(steps, alone, {1}, 1e4).columns.size(), 1U);
-  EXPECT_EQ(with_companions(steps, alone, {}, 0.0).columns.size(), 1U);
+  EXPECT_EQ(with_companions(steps, alone, {1}, 1e4, kNumbers).columns.size(), 1U);
+  EXPECT_EQ(with_companions(steps, alone, {}, 0.0, kNumbers).columns.size(), 1U);
 }
 
 // The prior keeps a load's centre within some centimetres of its frame.
@@ -167,7 +169,7 @@ TEST_F(Companions, ALeverOfMetresIsNotBelieved) {
   for (WhiteStep& s : steps) s.X.col(1) *= 1e-3;
   for (WhiteStep& s : steps) s.e += 1.0 * s.X.col(1) / 0.03;  // a moment of 33 kg m
   const Score alone = best_onset(steps, 0, 0.0, 5.0, 0.0, kStep);
-  const Score both = with_companions(steps, alone, {1}, -1e6);
+  const Score both = with_companions(steps, alone, {1}, -1e6, kNumbers);
   EXPECT_LT(std::abs(both.size.tail(both.size.size() - 1).sum()), 0.5);
 }
 
@@ -188,36 +190,36 @@ class Pushes : public testing::Test {
 };
 
 TEST_F(Pushes, BeginEndAndJointAreFound) {
-  const Push push = best_push(pushed(6.0, 0.0), offsets_, 1.0, 3.0, 0.8, 4.0);
+  const Push push = best_push(pushed(6.0, 0.0), offsets_, 1.0, 3.0, 0.8, 4.0, kNumbers);
   EXPECT_NEAR(push.from, 2.1, 1e-9);
   EXPECT_NEAR(push.to, 3.0, 0.2);
   EXPECT_NEAR(push.torque[0], 6.0, 1.2);
   ASSERT_TRUE(push.last_joint.has_value());
   EXPECT_EQ(push.last_joint->value, 0);
-  const Push both = best_push(pushed(6.0, 5.0), offsets_, 1.0, 3.0, 0.8, 4.0);
+  const Push both = best_push(pushed(6.0, 5.0), offsets_, 1.0, 3.0, 0.8, 4.0, kNumbers);
   EXPECT_EQ(both.last_joint->value, 1);
   EXPECT_GT(both.gain, push.gain);
 }
 
 // A share below a tenth of the strongest joint's does not move the place of a push outwards.
 TEST_F(Pushes, AWeakJointIsNotNamed) {
-  const Push push = best_push(pushed(20.0, 3.0), offsets_, 1.0, 3.0, 0.8, 4.0);
+  const Push push = best_push(pushed(20.0, 3.0), offsets_, 1.0, 3.0, 0.8, 4.0, kNumbers);
   EXPECT_EQ(push.last_joint->value, 0);
 }
 
 TEST_F(Pushes, NothingIsFoundWhereNothingPushes) {
-  EXPECT_EQ(best_push(pushed(0.0, 0.0), offsets_, 1.0, 3.0, 0.8, 4.0).gain, 0.0);
-  EXPECT_EQ(best_push({}, offsets_, 0.0, 1.0, 0.0, 4.0).gain, 0.0);
+  EXPECT_EQ(best_push(pushed(0.0, 0.0), offsets_, 1.0, 3.0, 0.8, 4.0, kNumbers).gain, 0.0);
+  EXPECT_EQ(best_push({}, offsets_, 0.0, 1.0, 0.0, 4.0, kNumbers).gain, 0.0);
   // Half a second of 1 explains 5, less than its price.
-  EXPECT_EQ(best_push(pushed(1.0, 0.0, 2.05, 2.55), offsets_, 1.0, 3.0, 0.8, 20.0).gain, 0.0);
+  EXPECT_EQ(best_push(pushed(1.0, 0.0, 2.05, 2.55), offsets_, 1.0, 3.0, 0.8, 20.0, kNumbers).gain, 0.0);
 }
 
 // One that has not ended extends to the last step; one that has ended is at rest for `still`.
 TEST_F(Pushes, APushThatLastsExtendsToTheLastStep) {
   const auto steps = pushed(6.0, 0.0, 2.05, 9.0);
-  const Push lasting = best_push(steps, offsets_, 1.0, 3.0, 0.0, 4.0);
+  const Push lasting = best_push(steps, offsets_, 1.0, 3.0, 0.0, 4.0, kNumbers);
   EXPECT_NEAR(lasting.to, 5.0, 1e-9);
-  const Push ended = best_push(steps, offsets_, 1.0, 3.0, 0.8, 4.0);
+  const Push ended = best_push(steps, offsets_, 1.0, 3.0, 0.8, 4.0, kNumbers);
   EXPECT_LE(ended.to, 4.2 + 1e-9);
   EXPECT_LT(ended.gain, lasting.gain);
 }

@@ -60,7 +60,8 @@ class Noise : public testing::Test {
   std::vector<Hypothesis> offsets_ = {
       {Candidate{NewEffect{"torque_offset", JointIndex{0}}, JointIndex{0}, {}, {}}},
       {Candidate{NewEffect{"torque_offset", JointIndex{1}}, JointIndex{1}, {}, {}}}};
-  NoiseModel noise_{arm_, offsets_};
+  WatchNumbers numbers_;
+  NoiseModel noise_{arm_, offsets_, numbers_};
 };
 
 TEST_F(Noise, FindsAPoleAndItsInnovation) {

@@ -7,6 +7,7 @@
 #include "veridyn/math/require.hpp"
 #include "watch/event_words.hpp"
 #include "watch/onsets.hpp"
+#include "watch/watch_numbers.hpp"
 
 namespace veridyn {
 namespace {
@@ -147,6 +148,23 @@ TEST(Watch, NoAlarmWithinASecondAfterAPause) {
     EXPECT_GE(events.front().time, kChange + 4.0 + 1.0) << all_of(events);
     EXPECT_LT(events.front().time, kChange + 4.0 + 2.0) << all_of(events);
   }
+}
+
+// Numbers reach every part: without consecutive steps enough there is no alarm, with absurd torques no row.
+TEST(Watch, TakesOtherNumbers) {
+  const Recording recording = with_change("payload:tool:mass=0.3", 16.0, 1);
+  const auto events = [&recording](const WatchNumbers& numbers) {
+    Watch watch(bench().arm, {}, numbers);
+    watch.add(recording);
+    watch.finish();
+    return watch.events();
+  };
+  WatchNumbers patient, mistrusting;
+  patient.above_in_a_row = 1000000;
+  mistrusting.absurd = 1e-9;
+  EXPECT_FALSE(events(WatchNumbers()).empty());
+  EXPECT_TRUE(events(patient).empty());
+  EXPECT_TRUE(events(mistrusting).empty());
 }
 
 // A change that the watch finds when it begins is told, and is no alarm.

@@ -10,6 +10,8 @@
 
 namespace veridyn {
 
+struct WatchNumbers;
+
 struct WatchOptions {
   /// [s] quiet beginning in which the noise is learned and nothing is reported
   double learn = 4.0;
@@ -97,6 +99,8 @@ class Watch {
   /// @throws InvalidInput  the model lacks values, a link is no frame, or an option is out of
   /// range.
   explicit Watch(const Model& arm, const WatchOptions& options = {});
+  /// With other numbers than those of docs/numbers.md.
+  Watch(const Model& arm, const WatchOptions& options, const WatchNumbers& numbers);
   ~Watch();
   Watch(Watch&&) noexcept;
   Watch& operator=(Watch&&) noexcept;

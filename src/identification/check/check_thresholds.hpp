@@ -1,9 +1,8 @@
 #pragma once
 
-#include <string>
-#include <variant>
 #include <vector>
 
+#include "math/number_table.hpp"
 #include "veridyn/recordings/preprocessing.hpp"
 #include "veridyn/recordings/recording_quality.hpp"
 
@@ -49,19 +48,8 @@ struct CheckThresholds {
   double current_factor = 1.5;
 };
 
-/// A number of the table.
-struct CheckNumber {
-  std::string name;
-  std::variant<double CheckThresholds::*, int CheckThresholds::*> place;
-};
-
-/// Its value in these limits.
-inline double value_of(const CheckNumber& number, const CheckThresholds& limits = {}) {
-  return std::visit([&limits](auto place) { return static_cast<double>(limits.*place); }, number.place);
-}
-
 /// All numbers, in the order of the struct.
-const std::vector<CheckNumber>& check_numbers();
+const std::vector<TableNumber<CheckThresholds>>& check_numbers();
 
 /// check_against() with other numbers.
 std::vector<QualityFinding> check_against(const Model& arm, Recording recording, const PreprocessingOptions& options,

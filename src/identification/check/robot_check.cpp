@@ -471,24 +471,24 @@ class RobotCheck {
 
 }  // namespace
 
-const std::vector<CheckNumber>& check_numbers() {
+const std::vector<TableNumber<CheckThresholds>>& check_numbers() {
   using T = CheckThresholds;
-  static const std::vector<CheckNumber> kAll = {
-      {"most_rows", &T::most_rows},
-      {"fewest_rows", &T::fewest_rows},
-      {"worst_condition", &T::worst_condition},
-      {"better", &T::better},
-      {"gains_better", &T::gains_better},
-      {"equal_gains", &T::equal_gains},
-      {"well_fitted", &T::well_fitted},
-      {"smallest_share", &T::smallest_share},
-      {"friction_share", &T::friction_share},
-      {"friction_above_rest", &T::friction_above_rest},
-      {"friction_significance", &T::friction_significance},
-      {"beyond_limits", &T::beyond_limits},
-      {"least_gain", &T::least_gain},
-      {"torque_factor", &T::torque_factor},
-      {"current_factor", &T::current_factor}};
+  static const std::vector<TableNumber<T>> kAll = {
+      number_of<&T::most_rows>("most_rows"),
+      number_of<&T::fewest_rows>("fewest_rows"),
+      number_of<&T::worst_condition>("worst_condition"),
+      number_of<&T::better>("better"),
+      number_of<&T::gains_better>("gains_better"),
+      number_of<&T::equal_gains>("equal_gains"),
+      number_of<&T::well_fitted>("well_fitted"),
+      number_of<&T::smallest_share>("smallest_share"),
+      number_of<&T::friction_share>("friction_share"),
+      number_of<&T::friction_above_rest>("friction_above_rest"),
+      number_of<&T::friction_significance>("friction_significance"),
+      number_of<&T::beyond_limits>("beyond_limits"),
+      number_of<&T::least_gain>("least_gain"),
+      number_of<&T::torque_factor>("torque_factor"),
+      number_of<&T::current_factor>("current_factor")};
   return kAll;
 }
 

@@ -1,6 +1,5 @@
 #include "identification/drive_gains/gain_problem.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -84,8 +83,7 @@ VectorXd step_at(const std::vector<GainEquation>& equations, const VectorRef& si
   }
   const VectorXd scale = scale_columns(A);
   A.bottomRows(columns).diagonal().setConstant(std::sqrt(damping));
-  const Eigen::ColPivHouseholderQR<MatrixXd> qr(A);
-  return scale.cwiseProduct(VectorXd(qr.solve(b)));
+  return scale.cwiseProduct(least_squares_solution(A, b));
 }
 
 // Solves U x + k = K z for x and K, weighted like the currents; K follows x. Given gains are one.
@@ -106,7 +104,7 @@ VectorXd linear_solution(const std::vector<GainEquation>& equations, const Vecto
     row += count;
   }
   const VectorXd scale = scale_columns(A);
-  VectorXd out = scale.cwiseProduct(VectorXd(Eigen::ColPivHouseholderQR<MatrixXd>(A).solve(b)));
+  VectorXd out = scale.cwiseProduct(least_squares_solution(A, b));
   for (Eigen::Index j = 0; j < n; ++j) {
     if (given[j] != 0) out[unknowns + j] = 1.0;
   }

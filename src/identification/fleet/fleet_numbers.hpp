@@ -1,40 +1,58 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
+#include <vector>
+
+#include "math/number_table.hpp"
+#include "veridyn/identification/fleet.hpp"
+
+namespace veridyn {
 
 /// All numbers that can change what `fleet` says, each with its inequality, and with its reason where
 /// one is known.
-namespace veridyn::fleet_numbers {
+struct FleetNumbers {
+  /// arms of a quantity >= fewest, else nobody is compared: of two nobody knows which one is odd.
+  int fewest = 3;
+  /// |value - median| > noticeable * |median|, else not reported, however narrow the fleet is (an
+  /// argument, not measured).
+  double noticeable = 0.02;
+  /// rounds of weights, gains and odd arms = rounds; the last one leaves out those found before.
+  int rounds = 4;
+  /// groups of arms for the deviations of the bodies <= groups (not measured).
+  int groups = 64;
+  /// degrees of freedom of robust deviations <= most_freedom: fleets have heavier tails than a normal
+  /// distribution.
+  double most_freedom = 30.0;
+  /// share of a column's norm outside the span of the others < telling: its value means nothing.
+  double telling = 1e-6;
+  /// quantities of one kind < fewest_spreads: no prior of their spreads.
+  int fewest_spreads = 4;
+  /// degrees of freedom of that prior <= most_prior: the arms' own spread still counts.
+  double most_prior = 8.0;
+  /// fall of the squares by an arm's own bodies > least_excess, else its bodies are those of the fleet.
+  double least_excess = 0.02;
+  /// ridge of an own column = own_ridge * its norm: without data it is zero; of a gain = gain_ridge * its
+  /// norm: the mean gain is one, which fixes the common scale of bodies and gains.
+  double own_ridge = 1e-7;
+  double gain_ridge = 1e-3;
+};
 
-/// arms of a quantity >= kFewest, else nobody is compared: of two nobody knows which one is odd.
-constexpr int kFewest = 3;
-/// |value - median| > kNoticeable * |median|, else not reported, however narrow the fleet is (an
-/// argument, not measured).
-constexpr double kNoticeable = 0.02;
-/// rounds of weights, gains and odd arms = kRounds; the last one leaves out those found before.
-constexpr int kRounds = 4;
-/// groups of arms for the deviations of the bodies <= kGroups (not measured).
-constexpr int kGroups = 64;
-/// degrees of freedom of robust deviations <= kFreedom: fleets have heavier tails than a normal
-/// distribution.
-constexpr double kFreedom = 30.0;
+/// All numbers, in the order of the struct.
+const std::vector<TableNumber<FleetNumbers>>& fleet_numbers();
+
+/// identify_fleet() with other numbers.
+Fleet identify_fleet(const Model& arm, const std::vector<std::string>& names, const std::vector<FactorSet>& factors,
+                     const FleetOptions& options, const FleetNumbers& numbers);
+
+/// What no answer turns on: a fact of statistics, accuracies, and how much is printed.
+namespace fleets {
+
 /// degrees of freedom = kEfficiency * (arms - 1): efficiency of the median deviation relative to the
 /// standard deviation (Rousseeuw and Croux, JASA 88(424), 1993).
 constexpr double kEfficiency = 0.37;
-/// share of a column's norm outside the span of the others < kTelling: its value means nothing.
-constexpr double kTelling = 1e-6;
-/// quantities of one kind < kFewestSpreads: no prior of their spreads.
-constexpr std::size_t kFewestSpreads = 4;
-/// degrees of freedom of that prior <= kMostPrior: the arms' own spread still counts.
-constexpr double kMostPrior = 8.0;
-/// fall of the squares by an arm's own bodies > kLeastExcess, else its bodies are those of the fleet.
-constexpr double kLeastExcess = 0.02;
-/// spread of these falls >= kLeastSpread, so that equal arms divide by no zero.
+/// spread of the falls >= kLeastSpread, so that equal arms divide by no zero.
 constexpr double kLeastSpread = 1e-6;
-/// ridge of an own column = kOwnRidge * its norm: without data it is zero; of a gain = kGainRidge * its
-/// norm: the mean gain is one, which fixes the common scale of bodies and gains.
-constexpr double kOwnRidge = 1e-7;
-constexpr double kGainRidge = 1e-3;
 /// bisection of the prior's degrees of freedom ends at a width < kWidth.
 constexpr double kWidth = 1e-3;
 /// entries of a list in the text <= kShown; the JSON has all.
@@ -42,4 +60,5 @@ constexpr std::size_t kShown = 20;
 /// progress = kReading when all arms are read.
 constexpr double kReading = 0.9;
 
-}  // namespace veridyn::fleet_numbers
+}  // namespace fleets
+}  // namespace veridyn

@@ -41,32 +41,32 @@ std::string Fleet::report() const {
     out += "\nno arm stands out\n";
   } else {
     out += fmt::format("\n{} that stand out\n", outliers.size());
-    for (size_t k = 0; k < std::min(fleet_numbers::kShown, outliers.size()); ++k) out += line_of(outliers[k]);
-    if (outliers.size() > fleet_numbers::kShown)
-      out += fmt::format("  and {} more\n", outliers.size() - fleet_numbers::kShown);
+    for (size_t k = 0; k < std::min(fleets::kShown, outliers.size()); ++k) out += line_of(outliers[k]);
+    if (outliers.size() > fleets::kShown)
+      out += fmt::format("  and {} more\n", outliers.size() - fleets::kShown);
   }
   if (!other_bodies.empty()) {
     out += fmt::format(
         "\n{} of {} arms left out of the shared bodies: bodies of their own explain more of their "
         "torques than of the others'\n",
         other_bodies.size(), members.size());
-    for (size_t k = 0; k < std::min(fleet_numbers::kShown, other_bodies.size()); ++k) {
+    for (size_t k = 0; k < std::min(fleets::kShown, other_bodies.size()); ++k) {
       const FleetLeftOut& o = other_bodies[k];
       out += fmt::format(
           "  {}: {:.2f} % of joint {}'s torque is unexplained with the fleet's bodies, {:.2f} % "
           "with its own; {:.1f} deviations\n",
           o.arm, 100.0 * o.with_fleet, o.joint, 100.0 * o.with_own, o.deviations);
     }
-    if (other_bodies.size() > fleet_numbers::kShown)
-      out += fmt::format("  and {} more\n", other_bodies.size() - fleet_numbers::kShown);
+    if (other_bodies.size() > fleets::kShown)
+      out += fmt::format("  and {} more\n", other_bodies.size() - fleets::kShown);
   }
   if (!undetermined.empty()) {
     out += fmt::format("\n{} left out whose recordings leave the bodies open\n",
                        undetermined.size() == 1 ? "1 arm" : fmt::format("{} arms", undetermined.size()));
-    for (size_t k = 0; k < std::min(fleet_numbers::kShown, undetermined.size()); ++k)
+    for (size_t k = 0; k < std::min(fleets::kShown, undetermined.size()); ++k)
       out += fmt::format("  {}: {}\n", undetermined[k].arm, undetermined[k].why);
-    if (undetermined.size() > fleet_numbers::kShown)
-      out += fmt::format("  and {} more\n", undetermined.size() - fleet_numbers::kShown);
+    if (undetermined.size() > fleets::kShown)
+      out += fmt::format("  and {} more\n", undetermined.size() - fleets::kShown);
   }
   for (const std::string& remark : remarks) out += "remark: " + remark + "\n";
   if (!unusable_recordings.empty()) out += fmt::format("\n{} files left out\n", unusable_recordings.size());

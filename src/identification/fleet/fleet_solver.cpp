@@ -47,7 +47,7 @@ VectorXd FleetSolver::weights_from(const Squares& squares) const {
 
 void FleetSolver::solve() {
   VectorXd weights = weights_from([&](size_t a, int i) { return arms_[a].joints[i].rhs_norm2(); });
-  for (int round = 0; round < fleet_numbers::kRounds; ++round) {
+  for (int round = 0; round < numbers_.rounds; ++round) {
     const VectorXd at_beta = beta_;
     each_arm([&](size_t a) {
       fitted_[a].factor = problem_.of_arm(a, weights, at_beta, fitted_[a].eta);
@@ -59,7 +59,7 @@ void FleetSolver::solve() {
     each_arm([&](size_t a) { fit_arm(a, at_beta); });
     weights = weights_from([&](size_t a, int i) { return fitted_[a].residual2[i]; });
     // Outliers found in the last round were excluded from the last fit.
-    if (round + 1 < fleet_numbers::kRounds) find_odd();
+    if (round + 1 < numbers_.rounds) find_odd();
   }
 }
 
@@ -102,8 +102,8 @@ void FleetSolver::find_odd() {
   size_t count = 0;
   for (size_t a = 0; a < arms_.size(); ++a) {
     fitted_[a].excess = all[a];
-    fitted_[a].deviations = (all[a] - median) / std::max(spread, fleet_numbers::kLeastSpread);
-    fitted_[a].odd = all[a] > fleet_numbers::kLeastExcess && fitted_[a].deviations > far;
+    fitted_[a].deviations = (all[a] - median) / std::max(spread, fleets::kLeastSpread);
+    fitted_[a].odd = all[a] > numbers_.least_excess && fitted_[a].deviations > far;
     count += static_cast<size_t>(fitted_[a].odd);
   }
   if (2 * count < arms_.size()) return;
@@ -117,28 +117,15 @@ double FleetSolver::looked_at() const {
 
 double FleetSolver::threshold(double looked_at, double more_freedom) const {
   return student_t_quantile(options_.significance / std::max(1.0, looked_at),
-                            std::min(fleet_numbers::kFreedom, freedom() + more_freedom));
+                            std::min(numbers_.most_freedom, freedom() + more_freedom));
 }
 
 VectorXd FleetSolver::deviations() const {
-  const size_t groups = std::min<size_t>(fleet_numbers::kGroups, arms_.size());
+  const size_t groups = std::min(static_cast<size_t>(numbers_.groups), arms_.size());
   std::vector<SquareRootInformation> of_group(groups, SquareRootInformation(problem_.shared()));
   for (size_t a = 0; a < arms_.size(); ++a)
     if (!fitted_[a].odd) of_group[a % groups].merge(problem_.over_shared(fitted_[a].factor));
-  MatrixXd without(beta_.size(), static_cast<Eigen::Index>(groups));
-  std::vector<SquareRootInformation> after(groups, SquareRootInformation(problem_.shared()));
-  for (size_t g = groups - 1; g > 0; --g) {
-    after[g - 1] = after[g];
-    after[g - 1].merge(of_group[g]);
-  }
-  SquareRootInformation before(problem_.shared());
-  for (size_t g = 0; g < groups; ++g) {
-    SquareRootInformation rest = before;
-    rest.merge(after[g]);
-    without.col(g) = least_squares(rest);
-    before.merge(of_group[g]);
-  }
-  return jackknife_deviations(without);
+  return jackknife_deviations(solutions_without(of_group));
 }
 
 }  // namespace veridyn

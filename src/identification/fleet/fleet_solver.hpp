@@ -26,11 +26,13 @@ struct FittedArm {
 /// Fits the shared values and every arm's own in turn, and leaves out the arms whose bodies are others.
 class FleetSolver {
  public:
-  FleetSolver(const Model& arm, const std::vector<ArmFactor>& arms, const FleetOptions& options)
-      : problem_(arm, arms), arms_(arms), options_(options), fitted_(arms.size()) {}
+  FleetSolver(const Model& arm, const std::vector<ArmFactor>& arms, const FleetOptions& options,
+              const FleetNumbers& numbers)
+      : numbers_(numbers), problem_(arm, arms, numbers), arms_(arms), options_(options), fitted_(arms.size()) {}
 
   void solve();
 
+  const FleetNumbers& numbers() const { return numbers_; }
   const FleetProblem& problem() const { return problem_; }
   const VectorXd& beta() const { return beta_; }
   const FittedArm& fitted(size_t a) const { return fitted_[a]; }
@@ -39,7 +41,7 @@ class FleetSolver {
   VectorXd deviations() const;
 
   /// Degrees of freedom of a robust deviation over the arms.
-  double freedom() const { return fleet_numbers::kEfficiency * (static_cast<double>(arms_.size()) - 1.0); }
+  double freedom() const { return fleets::kEfficiency * (static_cast<double>(arms_.size()) - 1.0); }
 
   /// Number of tested quantities: every own value and the bodies of every arm.
   double looked_at() const;
@@ -62,6 +64,7 @@ class FleetSolver {
   std::vector<double> excess() const;
   void find_odd();
 
+  const FleetNumbers& numbers_;
   FleetProblem problem_;
   const std::vector<ArmFactor>& arms_;
   const FleetOptions& options_;
