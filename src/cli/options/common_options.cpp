@@ -3,10 +3,10 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <system_error>
 #include <utility>
 
@@ -67,9 +67,13 @@ bool same_recording(const std::string& a, const std::string& b) {
   if (fs::file_size(a, error) != fs::file_size(b, error) || fs::file_size(a, error) == 0) return false;
   std::ifstream one(a, std::ios::binary);
   std::ifstream other(b, std::ios::binary);
-  return one && other &&
-         std::equal(std::istreambuf_iterator<char>(one), std::istreambuf_iterator<char>(),
-                    std::istreambuf_iterator<char>(other));
+  std::array<char, 1 << 16> a_bytes, b_bytes;
+  while (one && other) {
+    const auto a_count = one.read(a_bytes.data(), a_bytes.size()).gcount();
+    if (other.read(b_bytes.data(), b_bytes.size()).gcount() != a_count) return false;
+    if (!std::equal(a_bytes.begin(), a_bytes.begin() + a_count, b_bytes.begin())) return false;
+  }
+  return one.eof() && other.eof();
 }
 
 }  // namespace

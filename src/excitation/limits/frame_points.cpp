@@ -14,11 +14,10 @@ Eigen::Vector3d eigen(const Vec3d& a) {
 FramePoints::FramePoints(const Model& arm)
     : tree_(arm, Tree::Keep::kEveryFrame),
       recursion_(tree_),
-      rest_(VectorXd::Zero(arm.joints())),
       T_world_(tree_.links.size(), identity_pose()) {}
 
 void FramePoints::move_to(const VectorXd& q) {
-  forward_pass<double>(tree_, q.data(), rest_.data(), rest_.data(), {0, 0, 0}, recursion_);
+  joint_pass<double>(tree_, q.data(), nullptr, nullptr, recursion_);
   jacobian_pass<double>(tree_, recursion_);
   for (size_t k = 0; k < tree_.links.size(); ++k) {
     const Link& link = tree_.links[k];

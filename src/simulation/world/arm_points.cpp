@@ -21,16 +21,15 @@ ArmPoints::ArmPoints(const Model& arm, const Posed& T_world_base)
     : tree_(arm, Tree::Keep::kEveryFrame),
       recursion_(tree_),
       base_(T_world_base),
-      rest_(VectorXd::Zero(arm.joints())),
-      dq_(rest_),
+      dq_(VectorXd::Zero(arm.joints())),
       T_world_(tree_.links.size(), identity_pose()) {
-  move_to(rest_, rest_);
+  move_to(dq_, dq_);
 }
 
 void ArmPoints::move_to(const VectorXd& q, const VectorXd& dq) noexcept {
-  forward_pass(tree_, q.data(), dq.data(), rest_.data(), {0, 0, 0}, recursion_);
+  joint_pass<double>(tree_, q.data(), nullptr, nullptr, recursion_);
   dq_ = dq;
-  jacobian_pass(tree_, recursion_);
+  jacobian_pass<double>(tree_, recursion_);
   for (size_t k = 0; k < tree_.links.size(); ++k) {
     const Link& link = tree_.links[k];
     Posed J = identity_pose();
