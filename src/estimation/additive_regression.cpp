@@ -3,7 +3,6 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "estimation/estimation_numbers.hpp"
 #include "math/signed_rank.hpp"

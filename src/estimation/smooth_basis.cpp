@@ -1,7 +1,6 @@
 #include "estimation/smooth_basis.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "estimation/estimation_numbers.hpp"
 

@@ -5,6 +5,7 @@
 #include <functional>
 #include <tuple>
 
+#include "support/simulated.hpp"
 #include "diagnosis/findings/right_to_a_name.hpp"
 #include "diagnosis/unnamed/dependence.hpp"
 #include "diagnosis/unnamed/tables.hpp"
@@ -80,11 +81,7 @@ Diagnosis scara_with(const std::function<void(Recording&, unsigned seed)>& chang
     options.noise = sensor_noise("low");
     options.seed = k;
     const SimulatedRecording s = simulate_recording(scara, waves(scara.joints(), 0.08 + 0.01 * k), options);
-    Recording r;
-    r.time = s.measured.time;
-    r.q = s.measured.q;
-    r.dq = s.measured.dq;
-    r.tau = s.tau;
+    Recording r = recording_of(s);
     change(r, k);
     recordings.push_back(std::move(r));
   }

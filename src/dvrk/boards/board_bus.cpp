@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "dvrk/protocol/hub_block.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {

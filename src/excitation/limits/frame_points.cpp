@@ -2,14 +2,9 @@
 
 #include <Eigen/Geometry>
 
+#include "math/eigen_pose.hpp"
+
 namespace veridyn {
-namespace {
-
-Eigen::Vector3d eigen(const Vec3d& a) {
-  return {a.x, a.y, a.z};
-}
-
-}  // namespace
 
 FramePoints::FramePoints(const Model& arm)
     : tree_(arm, Tree::Keep::kEveryFrame),
@@ -33,7 +28,7 @@ void FramePoints::move_to(const VectorXd& q) {
 Eigen::Vector3d FramePoints::point(int frame, const Eigen::Vector3d& in_frame) const {
   if (frame < 0) return in_frame;
   const Posed& T = T_world_[tree_.link_of_frame[frame]];
-  return eigen(T.p) + eigen(rotate(T.R, Vec3d{in_frame.x(), in_frame.y(), in_frame.z()}));
+  return eigen(T.p) + eigen(rotate(T.R, from_eigen(in_frame)));
 }
 
 MatrixXd FramePoints::point_slope(int frame, const Eigen::Vector3d& in_frame) const {

@@ -84,10 +84,6 @@ Json correlations_of_worst(const Identification& id) {
   return out;
 }
 
-Json limits_json(double lower, double upper) {
-  return {lower, upper};
-}
-
 }  // namespace
 
 std::string to_page(const Identification& id, const std::string& command, const Model* robot) {
@@ -138,9 +134,9 @@ std::string to_page(const Excitation& e, const std::string& command, const Model
                       {"dq", packed(m.dq.col(i), step)},
                       {"ddq", packed(m.ddq.col(i), step)},
                       {"limits",
-                       {{"q", limits_json(e.limits.lower[i], e.limits.upper[i])},
-                        {"dq", limits_json(-e.limits.velocity[i], e.limits.velocity[i])},
-                        {"ddq", limits_json(-e.limits.acceleration[i], e.limits.acceleration[i])}}}});
+                       {{"q", {e.limits.lower[i], e.limits.upper[i]}},
+                        {"dq", {-e.limits.velocity[i], e.limits.velocity[i]}},
+                        {"ddq", {-e.limits.acceleration[i], e.limits.acceleration[i]}}}}});
   }
   series["recordings"].push_back(
       {{"source", ""}, {"role", "motion"}, {"time", times(m.time, step)}, {"joints", joints}});
