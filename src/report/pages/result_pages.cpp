@@ -23,6 +23,8 @@ std::string signal_of(const Finding& f) {
   if (!has_effect(effect)) return "q" + joint;
   const EffectTraits traits = find_effect(effect).traits();
   if (traits.depends_on_time) return "t";
+  const bool of_torque = traits.role == EffectRole::kSensor && traits.uses_source;
+  if (of_torque && f.from) return "tau" + std::to_string(f.from->value + 1);
   if (traits.depends_on_position || traits.holds_at_rest) return "q" + joint;
   if (traits.role == EffectRole::kInertia || traits.uses_acceleration) return "ddq" + joint;
   if (traits.uses_load) return "tau" + joint;
