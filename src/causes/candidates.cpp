@@ -62,10 +62,10 @@ Candidate load_on(const Model& arm, FrameIndex frame) {
 }
 
 // The frame that a link's frames are fixed to, itself if it moves; nothing: it is fixed to the world.
-std::optional<FrameIndex> link_of(const Model& arm, int frame) {
-  while (frame >= 0 && arm.frames()[frame].type == JointType::kFixed)
-    frame = arm.frames()[frame].parent;
-  return frame < 0 ? std::nullopt : std::make_optional(FrameIndex{frame});
+std::optional<FrameIndex> link_of(const Model& arm, FrameIndex of) {
+  std::optional<FrameIndex> frame = of;
+  while (frame && arm.frames()[frame->value].type == JointType::kFixed) frame = arm.frames()[frame->value].parent;
+  return frame;
 }
 
 // Identity of a candidate, for comparisons.
@@ -230,7 +230,7 @@ bool is_friction(const std::string& effect) {
 std::vector<FrameIndex> payload_frames(const Model& arm) {
   std::vector<FrameIndex> out;
   for (int k = 0; k < static_cast<int>(arm.frames().size()); ++k) {
-    if (!link_of(arm, k)) continue;
+    if (!link_of(arm, {k})) continue;
     const auto same = std::find_if(out.begin(), out.end(),
                                    [&](FrameIndex other) { return same_link(arm, other, {k}); });
     if (same == out.end()) {
@@ -243,7 +243,7 @@ std::vector<FrameIndex> payload_frames(const Model& arm) {
 }
 
 bool same_link(const Model& arm, FrameIndex a, FrameIndex b) {
-  return link_of(arm, a.value) == link_of(arm, b.value);
+  return link_of(arm, a) == link_of(arm, b);
 }
 
 }  // namespace veridyn

@@ -13,7 +13,7 @@ std::vector<bool> carriers(const Model& arm) {
   for (size_t k = out.size(); k-- > 0;) {
     const Frame& frame = arm.frames()[k];
     if (frame.body) out[k] = true;
-    if (out[k] && frame.parent >= 0) out[frame.parent] = true;
+    if (out[k] && frame.parent) out[frame.parent->value] = true;
   }
   return out;
 }

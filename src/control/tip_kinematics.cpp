@@ -27,7 +27,7 @@ std::string default_tip(const Model& arm) {
   std::vector<int> joints;  // above each frame, its own included
   int best = -1;
   for (const Frame& frame : arm.frames()) {
-    const int above = frame.parent < 0 ? 0 : joints[frame.parent];
+    const int above = frame.parent ? joints[frame.parent->value] : 0;
     joints.push_back(above + (frame.type == JointType::kFixed ? 0 : 1));
     if (best < 0 || joints.back() >= joints[best])
       best = static_cast<int>(joints.size()) - 1;

@@ -131,7 +131,7 @@ void MotionPlan::pull(State& state) {
     double force = m.stiffness * (length - state.length[k]) + m.damping * rate;
     if (state.held[k] == 0 || (m.pulls_only && length < state.length[k])) force = 0.0;
     ForceReading& reading = state.seen.force[k];
-    reading = {force, 0.0, reading.number + 1, force};
+    reading = {force, 0.0, reading.number.value_or(-1) + 1, force};
     tips_[from].force -= force * u;
     tips_[to].force += force * u;
   }

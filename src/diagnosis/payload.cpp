@@ -91,7 +91,7 @@ Model with_load(const Model& arm, const PayloadEstimate& load) {
   ModelDescription d = arm.description();
   Frame frame;
   frame.name = std::string(AddedLoad::kName) + "@" + load.frame;
-  frame.parent = arm.find_frame(load.frame);
+  frame.parent = FrameIndex{arm.find_frame(load.frame)};
   frame.variable.coefficients = VectorXd::Zero(arm.joints());
   frame.body = Body{};
   frame.body->phi = load.phi;

@@ -30,7 +30,7 @@ ModelDescription on_free_base(ModelDescription arm) {
     arm.coordinates.push_back(turn);
     Frame frame;
     frame.name = kTurns[k];
-    frame.parent = k - 1;
+    if (k > 0) frame.parent = FrameIndex{k - 1};
     frame.type = JointType::kRevolute;
     frame.variable.coefficients = VectorXd::Unit(n + 2, n + k);
     // Joints turn about z; these rotations align z with x and with y.
@@ -39,7 +39,7 @@ ModelDescription on_free_base(ModelDescription arm) {
     frames.push_back(frame);
   }
   for (Frame& frame : arm.frames) {
-    frame.parent = frame.parent < 0 ? 1 : frame.parent + 2;
+    frame.parent = FrameIndex{frame.parent ? frame.parent->value + 2 : 1};
     widen(frame.variable.coefficients);
     frames.push_back(std::move(frame));
   }
@@ -78,7 +78,7 @@ class BaseCompliance final : public ArmEffect {
   // On five real recordings of a PSM it was found in all, and worsened the prediction of three.
   bool asked_unnamed() const override { return false; }
 
-  std::vector<MatrixXd> columns(const ChannelMotion& motion, int /*joint*/) const override {
+  std::vector<MatrixXd> columns(const ChannelMotion& motion, std::optional<JointIndex> /*joint*/) const override {
     const RegressorBatch bodies(Model(on_free_base(motion.arm.description())));
     const Eigen::Index rows = motion.q.rows(), n = motion.q.cols();
     const MatrixXd none = MatrixXd::Zero(rows, 2);

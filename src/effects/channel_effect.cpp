@@ -6,20 +6,20 @@
 
 namespace veridyn {
 
-std::vector<RigidColumn> ChannelEffect::rigid_columns(const Model& /*arm*/, int /*joint*/) const {
+std::vector<RigidColumn> ChannelEffect::rigid_columns(const Model& /*arm*/, std::optional<JointIndex> /*joint*/) const {
   return {};
 }
 
 std::string ChannelEffect::place(const Model& arm, const EffectTerm& term) const {
-  const bool of_arm = whole_arm() || channel_joint(*this, term) == kAllJoints;
+  const bool of_arm = whole_arm() || !channel_joint(*this, term);
   if (of_arm) return "arm";
   return axis_text(arm, term.axis) + (term.from ? " from " + axis_text(arm, *term.from) : "");
 }
 
-void SensorError::apply(ModelDescription& arm, int joint, std::optional<JointIndex> from,
+void SensorError::apply(ModelDescription& arm, std::optional<JointIndex> joint, std::optional<JointIndex> from,
                         const std::vector<double>& values) const {
   for (size_t i = 0; i < arm.coordinates.size(); ++i) {
-    if (joint == kAllJoints || static_cast<int>(i) == joint)
+    if (!joint || static_cast<int>(i) == joint->value)
       change(arm.coordinates[i].recorded, from, values);
   }
 }
@@ -77,7 +77,7 @@ MatrixXd arm_effect_torques(const Model& arm, const RegressorBatch& bodies, cons
   for (const EffectTerm& term : arm.arm_effects()) {
     const ArmEffect& effect = arm_effect(arm, term);
     const std::vector<double> values = values_of(effect, term);
-    const std::vector<MatrixXd> columns = effect.columns(motion, kAllJoints);
+    const std::vector<MatrixXd> columns = effect.columns(motion, std::nullopt);
     for (size_t p = 0; p < columns.size(); ++p) out += values[p] * columns[p];
   }
   return out;
@@ -100,9 +100,9 @@ Model with_arm_states(const Model& arm) {
   return Model(std::move(out));
 }
 
-int channel_joint(const ChannelEffect& effect, const EffectTerm& term) {
-  if (effect.can_be_common() && term.axis.coefficients.isZero(0.0)) return kAllJoints;
-  return main_coordinate(term.axis);
+std::optional<JointIndex> channel_joint(const ChannelEffect& effect, const EffectTerm& term) {
+  if (effect.can_be_common() && term.axis.coefficients.isZero(0.0)) return std::nullopt;
+  return JointIndex{main_coordinate(term.axis)};
 }
 
 std::optional<JointIndex> channel_source(const EffectTerm& term) {

@@ -27,14 +27,14 @@ class EncoderOffset final : public SensorError {
     t.lasting = true;
     return t;
   }
-  bool acts_on(int /*i*/, int /*joint*/) const override { return true; }
-  std::vector<MatrixXd> columns(const ChannelMotion& motion, int joint) const override {
+  bool acts_on(int /*i*/, std::optional<JointIndex> /*joint*/) const override { return true; }
+  std::vector<MatrixXd> columns(const ChannelMotion& motion, std::optional<JointIndex> joint) const override {
     MatrixXd q = motion.q;
     MatrixXd below;
     MatrixXd above;
-    q.col(joint).array() -= kStep;
+    q.col(joint->value).array() -= kStep;
     motion.bodies.torques(q, motion.dq, motion.ddq, motion.phi, below);
-    q.col(joint).array() += 2.0 * kStep;
+    q.col(joint->value).array() += 2.0 * kStep;
     motion.bodies.torques(q, motion.dq, motion.ddq, motion.phi, above);
     return {(below - above) / (2.0 * kStep)};
   }

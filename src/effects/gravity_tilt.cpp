@@ -29,7 +29,7 @@ class GravityTilt final : public ArmEffect {
     return {{"roll", "rad", "rad", ParameterSign::kAny, kLargest, kLargest},
             {"pitch", "rad", "rad", ParameterSign::kAny, kLargest, kLargest}};
   }
-  std::vector<MatrixXd> columns(const ChannelMotion& motion, int /*joint*/) const override {
+  std::vector<MatrixXd> columns(const ChannelMotion& motion, std::optional<JointIndex> /*joint*/) const override {
     const MatrixXd rest = MatrixXd::Zero(motion.q.rows(), motion.q.cols());
     std::vector<MatrixXd> out(2);
     for (size_t k = 0; k < out.size(); ++k) {
@@ -42,7 +42,7 @@ class GravityTilt final : public ArmEffect {
   }
   bool has_rigid_columns() const override { return true; }
   // Any two directions perpendicular to gravity span the tilts.
-  std::vector<RigidColumn> rigid_columns(const Model& arm, int /*joint*/) const override {
+  std::vector<RigidColumn> rigid_columns(const Model& arm, std::optional<JointIndex> /*joint*/) const override {
     const Eigen::Vector3d& g = arm.gravity();
     if (g.isZero(0.0)) return {};
     const Eigen::Vector3d across = g.unitOrthogonal();

@@ -16,19 +16,9 @@ namespace {
 class Registry {
  public:
   Registry() {
-    // clang-format off
-    for (const Effect* effect :
-         {&rotor_inertia(), &joint_spring(), &viscous_friction(), &coulomb_friction(),
-          &torque_offset(), &stribeck_friction(), &presliding_hysteresis(), &asymmetric_friction(),
-          &position_dependent_friction(), &position_dependent_viscosity(),
-          &load_dependent_friction(), &quadratic_drag(), &sublinear_viscous(), &torque_ripple(),
-          &cable_coupling(), &position_force(), &backlash(), &transmission_compliance(),
-          &torque_gain(), &torque_drift(), &time_delay(), &gravity_tilt(), &encoder_offset(),
-          &warm_up(), &base_compliance(), &end_stop(),
-          &tip_force(), &torque_crosstalk(), &tabulated_force()}) {
-      add(effect);
-    }
-    // clang-format on
+#define VERIDYN_ADD_EFFECT(name) add(&name());
+    VERIDYN_EFFECTS(VERIDYN_ADD_EFFECT)
+#undef VERIDYN_ADD_EFFECT
     for (const std::string& cause : names_of_causes()) file_names_.push_back(cause);
   }
 

@@ -3,37 +3,45 @@
 #include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/effects/effect.hpp"
 
+/// The effects of the library in the order of docs/contract.md, which is that of questions and tables. One line per
+/// effect: its function is defined in the file of its name.
+// clang-format off
+#define VERIDYN_EFFECTS(EFFECT) \
+  EFFECT(rotor_inertia) \
+  EFFECT(joint_spring) \
+  EFFECT(viscous_friction) \
+  EFFECT(coulomb_friction) \
+  EFFECT(torque_offset) \
+  EFFECT(stribeck_friction) \
+  EFFECT(presliding_hysteresis) \
+  EFFECT(asymmetric_friction) \
+  EFFECT(position_dependent_friction) \
+  EFFECT(position_dependent_viscosity) \
+  EFFECT(load_dependent_friction) \
+  EFFECT(quadratic_drag) \
+  EFFECT(sublinear_viscous) \
+  EFFECT(torque_ripple) \
+  EFFECT(cable_coupling) \
+  EFFECT(position_force) \
+  EFFECT(backlash) \
+  EFFECT(transmission_compliance) \
+  EFFECT(torque_gain) \
+  EFFECT(torque_drift) \
+  EFFECT(time_delay) \
+  EFFECT(gravity_tilt) \
+  EFFECT(encoder_offset) \
+  EFFECT(warm_up) \
+  EFFECT(base_compliance) \
+  EFFECT(end_stop) \
+  EFFECT(tip_force) \
+  EFFECT(torque_crosstalk) \
+  EFFECT(tabulated_force)
+// clang-format on
+
 namespace veridyn {
 
-// One line per effect; each function is defined in the file of its name.
-const Effect& rotor_inertia();
-const Effect& joint_spring();
-const Effect& viscous_friction();
-const Effect& coulomb_friction();
-const Effect& torque_offset();
-const Effect& stribeck_friction();
-const Effect& presliding_hysteresis();
-const Effect& asymmetric_friction();
-const Effect& position_dependent_friction();
-const Effect& position_dependent_viscosity();
-const Effect& load_dependent_friction();
-const Effect& quadratic_drag();
-const Effect& sublinear_viscous();
-const Effect& torque_ripple();
-const Effect& cable_coupling();
-const Effect& position_force();
-const Effect& backlash();
-const Effect& transmission_compliance();
-const Effect& torque_gain();
-const Effect& torque_drift();
-const Effect& time_delay();
-const Effect& gravity_tilt();
-const Effect& encoder_offset();
-const Effect& warm_up();
-const Effect& base_compliance();
-const Effect& tabulated_force();
-const Effect& end_stop();
-const Effect& tip_force();
-const Effect& torque_crosstalk();
+#define VERIDYN_DECLARE_EFFECT(name) const Effect& name();
+VERIDYN_EFFECTS(VERIDYN_DECLARE_EFFECT)
+#undef VERIDYN_DECLARE_EFFECT
 
 }  // namespace veridyn

@@ -19,7 +19,7 @@ class TimeDelay final : public TorqueChannel {
     constexpr double kLargest = 0.02;
     return {{"seconds", "s", "s", ParameterSign::kAny, kLargest, kLargest}};
   }
-  std::vector<MatrixXd> columns(const ChannelMotion& motion, int joint) const override {
+  std::vector<MatrixXd> columns(const ChannelMotion& motion, std::optional<JointIndex> joint) const override {
     MatrixXd out = MatrixXd::Zero(motion.effort.rows(), motion.effort.cols());
     for (Eigen::Index i = 0; i < out.cols(); ++i) {
       if (acts_on(static_cast<int>(i), joint))

@@ -15,7 +15,7 @@ size_t tip_of(const Model& arm) {
   std::vector<int> joints;
   for (size_t k = 0; k < arm.frames().size(); ++k) {
     const Frame& frame = arm.frames()[k];
-    const int before = frame.parent < 0 ? 0 : joints[frame.parent];
+    const int before = frame.parent ? joints[frame.parent->value] : 0;
     joints.push_back(before + (frame.type == JointType::kFixed ? 0 : 1));
     if (joints.back() < most) continue;
     most = joints.back();
@@ -47,7 +47,7 @@ class TipForce final : public ArmEffect {
   }
   // Along few paths it is what springs, cables and wrong zeros are, too.
   bool asked_unnamed() const override { return false; }
-  std::vector<MatrixXd> columns(const ChannelMotion& motion, int /*joint*/) const override {
+  std::vector<MatrixXd> columns(const ChannelMotion& motion, std::optional<JointIndex> /*joint*/) const override {
     ModelDescription d = motion.arm.description();
     d.effects.clear();
     d.arm_effects.clear();

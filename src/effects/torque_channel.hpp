@@ -15,7 +15,7 @@ class TorqueChannel : public SensorError {
     return t;
   }
   bool can_be_common() const final { return true; }
-  bool acts_on(int i, int joint) const final { return joint == kAllJoints || i == joint; }
+  bool acts_on(int i, std::optional<JointIndex> joint) const final { return !joint || i == joint->value; }
 };
 
 }  // namespace veridyn

@@ -25,10 +25,10 @@ class TorqueCrosstalk final : public SensorError {
   }
   // One question for each pair of joints would cost all others a part of their significance.
   bool asked_unnamed() const override { return false; }
-  bool acts_on(int i, int joint) const override { return i == joint; }
-  std::vector<MatrixXd> columns(const ChannelMotion& motion, int joint) const override {
+  bool acts_on(int i, std::optional<JointIndex> joint) const override { return i == joint->value; }
+  std::vector<MatrixXd> columns(const ChannelMotion& motion, std::optional<JointIndex> joint) const override {
     MatrixXd out = MatrixXd::Zero(motion.effort.rows(), motion.effort.cols());
-    out.col(joint) = motion.effort.col(motion.from->value);
+    out.col(joint->value) = motion.effort.col(motion.from->value);
     return {out};
   }
   std::vector<InjectedValue> injected(JointType /*type*/) const override {

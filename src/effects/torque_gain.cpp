@@ -18,13 +18,13 @@ class TorqueGain final : public TorqueChannel {
     constexpr double kLargest = 0.6;  // largest plausible error
     return {{"error", "1", "1", ParameterSign::kAny, kLargest, kLargest}};
   }
-  std::vector<MatrixXd> columns(const ChannelMotion& motion, int /*joint*/) const override {
+  std::vector<MatrixXd> columns(const ChannelMotion& motion, std::optional<JointIndex> /*joint*/) const override {
     return {motion.effort};
   }
   bool has_rigid_columns() const override { return true; }
-  std::vector<RigidColumn> rigid_columns(const Model& arm, int joint) const override {
-    const VectorXd joints = joint == kAllJoints ? VectorXd(VectorXd::Ones(arm.joints()))
-                                                : VectorXd(VectorXd::Unit(arm.joints(), joint));
+  std::vector<RigidColumn> rigid_columns(const Model& arm, std::optional<JointIndex> joint) const override {
+    const VectorXd joints = joint ? VectorXd(VectorXd::Unit(arm.joints(), joint->value))
+                                  : VectorXd(VectorXd::Ones(arm.joints()));
     return {{arm.gravity(), false, joints}};
   }
   std::vector<InjectedValue> injected(JointType /*type*/) const override {

@@ -29,7 +29,7 @@ InertialVector rod(const Model& arm, int frame) {
   std::vector<Eigen::Vector3d> points = {Eigen::Vector3d::Zero(),
                                          eigen(inverse(arm.frames()[frame].B).p)};
   for (const Frame& child : arm.frames()) {
-    if (child.parent == frame) points.push_back(eigen(child.A.p));
+    if (child.parent == FrameIndex{frame}) points.push_back(eigen(child.A.p));
   }
   Eigen::Vector3d first = points[0], last = points[0];
   for (const Eigen::Vector3d& a : points) {

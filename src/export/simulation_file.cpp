@@ -64,7 +64,7 @@ class UpdatedSimulation {
       const Frame& mine = arm_.frames()[k];
       const int there = in_file_.find_frame(mine.name);
       if (there < 0) {
-        const bool added = mine.type == JointType::kFixed && mine.parent >= 0 && add(mine);
+        const bool added = mine.type == JointType::kFixed && mine.parent && add(mine);
         (added ? out_.changed : out_.left_out).push_back((added ? "a new body " : "the body ") + mine.name);
         continue;
       }
@@ -249,12 +249,12 @@ class UpdatedMjcf : public UpdatedSimulation {
 
   bool add_body(const Frame& mine) {
     Posed T = mine.A * mine.B;
-    int carrier = mine.parent;
+    int carrier = mine.parent->value;
     pugi::xml_node above = find("body", arm_.frames()[carrier].name);
     // A site is a fixed frame on its body.
-    while (!above && arm_.frames()[carrier].type == JointType::kFixed && arm_.frames()[carrier].parent >= 0) {
+    while (!above && arm_.frames()[carrier].type == JointType::kFixed && arm_.frames()[carrier].parent) {
       T = arm_.frames()[carrier].A * arm_.frames()[carrier].B * T;
-      carrier = arm_.frames()[carrier].parent;
+      carrier = arm_.frames()[carrier].parent->value;
       above = find("body", arm_.frames()[carrier].name);
     }
     if (!above) return false;
@@ -311,7 +311,7 @@ class UpdatedSdf : public UpdatedSimulation {
   }
 
   bool add_link(const Frame& mine) {
-    const std::string parent = arm_.frames()[mine.parent].name;
+    const std::string parent = arm_.frames()[mine.parent->value].name;
     pugi::xml_node above = find("link", parent);
     if (!above) return false;
     const Posed T = mine.A * mine.B;

@@ -34,17 +34,17 @@ Traced::Traced(double constant) : node_(TracedProgram::open().constant(constant)
 int TracedProgram::constant(double value) {
   if (std::abs(value) < kNothing) value = 0.0;
   const auto [at, fresh] = constants_.emplace(value, static_cast<int>(nodes_.size()));
-  if (fresh) nodes_.push_back({Kind::kConstant, -1, -1, value, {}});
+  if (fresh) nodes_.push_back({Kind::kConstant, {}, {}, value, {}});
   return at->second;
 }
 
 Traced TracedProgram::input(const std::string& name) {
-  nodes_.push_back({Kind::kInput, -1, -1, 0.0, name});
+  nodes_.push_back({Kind::kInput, {}, {}, 0.0, name});
   return Traced::of_node(static_cast<int>(nodes_.size()) - 1);
 }
 
-int TracedProgram::node(Kind kind, int a, int b) {
-  if ((kind == Kind::kSum || kind == Kind::kProduct) && b < a) std::swap(a, b);
+int TracedProgram::node(Kind kind, int a, std::optional<int> b) {
+  if ((kind == Kind::kSum || kind == Kind::kProduct) && *b < a) std::swap(a, *b);
   const auto [at, fresh] = known_.emplace(std::make_tuple(kind, a, b),
                                           static_cast<int>(nodes_.size()));
   if (fresh) nodes_.push_back({kind, a, b, 0.0, {}});
@@ -62,10 +62,10 @@ Traced TracedProgram::sum(int a, int b) {
   if (is(a, 0.0)) return Traced::of_node(b);
   if (is(b, 0.0)) return Traced::of_node(a);
   if (x.kind == Kind::kConstant && y.kind == Kind::kConstant) return Traced(x.value + y.value);
-  if (y.kind == Kind::kMinus) return difference(a, y.a);
-  if (x.kind == Kind::kMinus) return difference(b, x.a);
-  if (x.kind == Kind::kDifference && x.b == b) return Traced::of_node(x.a);
-  if (y.kind == Kind::kDifference && y.b == a) return Traced::of_node(y.a);
+  if (y.kind == Kind::kMinus) return difference(a, *y.a);
+  if (x.kind == Kind::kMinus) return difference(b, *x.a);
+  if (x.kind == Kind::kDifference && *x.b == b) return Traced::of_node(*x.a);
+  if (y.kind == Kind::kDifference && *y.b == a) return Traced::of_node(*y.a);
   return Traced::of_node(node(Kind::kSum, a, b));
 }
 
@@ -76,9 +76,9 @@ Traced TracedProgram::difference(int a, int b) {
   if (is(b, 0.0)) return Traced::of_node(a);
   if (is(a, 0.0)) return minus(b);
   if (x.kind == Kind::kConstant && y.kind == Kind::kConstant) return Traced(x.value - y.value);
-  if (y.kind == Kind::kMinus) return sum(a, y.a);
-  if (x.kind == Kind::kSum && x.b == b) return Traced::of_node(x.a);
-  if (x.kind == Kind::kSum && x.a == b) return Traced::of_node(x.b);
+  if (y.kind == Kind::kMinus) return sum(a, *y.a);
+  if (x.kind == Kind::kSum && *x.b == b) return Traced::of_node(*x.a);
+  if (x.kind == Kind::kSum && *x.a == b) return Traced::of_node(*x.b);
   return Traced::of_node(node(Kind::kDifference, a, b));
 }
 
@@ -91,17 +91,17 @@ Traced TracedProgram::product(int a, int b) {
   if (is(a, -1.0)) return minus(b);
   if (is(b, -1.0)) return minus(a);
   if (x.kind == Kind::kConstant && y.kind == Kind::kConstant) return Traced(x.value * y.value);
-  if (x.kind == Kind::kMinus && y.kind == Kind::kMinus) return product(x.a, y.a);
-  if (x.kind == Kind::kMinus) return minus(product(x.a, b).node());
-  if (y.kind == Kind::kMinus) return minus(product(a, y.a).node());
+  if (x.kind == Kind::kMinus && y.kind == Kind::kMinus) return product(*x.a, *y.a);
+  if (x.kind == Kind::kMinus) return minus(product(*x.a, b).node());
+  if (y.kind == Kind::kMinus) return minus(product(a, *y.a).node());
   return Traced::of_node(node(Kind::kProduct, a, b));
 }
 
 Traced TracedProgram::minus(int a) {
   const Node x = nodes_[a];
   if (x.kind == Kind::kConstant) return Traced(-x.value);
-  if (x.kind == Kind::kMinus) return Traced::of_node(x.a);
-  if (x.kind == Kind::kDifference) return difference(x.b, x.a);
+  if (x.kind == Kind::kMinus) return Traced::of_node(*x.a);
+  if (x.kind == Kind::kDifference) return difference(*x.b, *x.a);
   return Traced::of_node(node(Kind::kMinus, a));
 }
 
@@ -151,14 +151,14 @@ void sine_cosine(const Traced& x, Traced& sine, Traced& cosine) {
     const TracedProgram::Node& n = program.nodes_[at];
     if (n.kind == Kind::kMinus) {
       side = -side;
-      at = n.a;
-    } else if ((n.kind == Kind::kSum || n.kind == Kind::kDifference) && is_constant(n.a)) {
-      offset += side * value(n.a);
+      at = *n.a;
+    } else if ((n.kind == Kind::kSum || n.kind == Kind::kDifference) && is_constant(*n.a)) {
+      offset += side * value(*n.a);
       side = n.kind == Kind::kSum ? side : -side;
-      at = n.b;
-    } else if ((n.kind == Kind::kSum || n.kind == Kind::kDifference) && is_constant(n.b)) {
-      offset += (n.kind == Kind::kSum ? side : -side) * value(n.b);
-      at = n.a;
+      at = *n.b;
+    } else if ((n.kind == Kind::kSum || n.kind == Kind::kDifference) && is_constant(*n.b)) {
+      offset += (n.kind == Kind::kSum ? side : -side) * value(*n.b);
+      at = *n.a;
     }
   }
   double quarters = std::round(offset / M_PI_2);
@@ -207,19 +207,19 @@ std::string TracedProgram::expression(int at, const std::vector<int>& uses, int 
     case Kind::kInput:
       return n.name;
     case Kind::kSum:
-      return enclosed(around > 1, part(n.a, 1) + " + " + part(n.b, 1));
+      return enclosed(around > 1, part(*n.a, 1) + " + " + part(*n.b, 1));
     case Kind::kDifference:
-      return enclosed(around > 1, part(n.a, 1) + " - " + part(n.b, 2));
+      return enclosed(around > 1, part(*n.a, 1) + " - " + part(*n.b, 2));
     case Kind::kProduct:
-      return enclosed(around > 3, part(n.a, 3) + " * " + part(n.b, 3));
+      return enclosed(around > 3, part(*n.a, 3) + " * " + part(*n.b, 3));
     case Kind::kQuotient:
-      return enclosed(around > 2, part(n.a, 3) + " / " + part(n.b, 4));
+      return enclosed(around > 2, part(*n.a, 3) + " / " + part(*n.b, 4));
     case Kind::kMinus:
-      return enclosed(around > 0, "-" + part(n.a, 3));
+      return enclosed(around > 0, "-" + part(*n.a, 3));
     case Kind::kSine:
-      return "@sin(" + part(n.a, 0) + ")";
+      return "@sin(" + part(*n.a, 0) + ")";
     case Kind::kCosine:
-      return "@cos(" + part(n.a, 0) + ")";
+      return "@cos(" + part(*n.a, 0) + ")";
   }
   return {};
 }
@@ -231,8 +231,8 @@ std::string TracedProgram::statements(
   for (const auto& [name, value] : results) ++uses[value.node()];
   for (size_t k = nodes_.size(); k-- > 0;) {
     if (uses[k] == 0) continue;
-    for (const int child : {nodes_[k].a, nodes_[k].b}) {
-      if (child >= 0) ++uses[child];
+    for (const std::optional<int>& child : {nodes_[k].a, nodes_[k].b}) {
+      if (child) ++uses[*child];
     }
   }
   // A node that is used once is inlined, unless the expression becomes too long.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -66,14 +67,14 @@ class TracedProgram {
   enum class Kind { kConstant, kInput, kSum, kDifference, kProduct, kQuotient, kMinus, kSine, kCosine };
   struct Node {
     Kind kind;
-    int a = -1, b = -1;
+    std::optional<int> a, b;  ///< operands
     double value = 0.0;
     std::string name;
   };
 
   static TracedProgram& open();
   int constant(double value);
-  int node(Kind kind, int a, int b = -1);
+  int node(Kind kind, int a, std::optional<int> b = {});
   bool is(int node, double value) const;
   Traced sum(int a, int b);
   Traced difference(int a, int b);
@@ -83,7 +84,7 @@ class TracedProgram {
 
   std::vector<Node> nodes_;
   std::map<double, int> constants_;
-  std::map<std::tuple<Kind, int, int>, int> known_;
+  std::map<std::tuple<Kind, int, std::optional<int>>, int> known_;
   TracedProgram* before_ = nullptr;
 };
 

@@ -15,7 +15,7 @@ std::vector<char> needed_frames(const Model& arm) {
   for (int k = static_cast<int>(arm.frames().size()) - 1; k >= 0; --k) {
     const Frame& frame = arm.frames()[k];
     if (frame.body) needed[k] = 1;
-    if (needed[k] != 0 && frame.parent >= 0) needed[frame.parent] = 1;
+    if (needed[k] != 0 && frame.parent) needed[frame.parent->value] = 1;
   }
   return needed;
 }
@@ -58,7 +58,7 @@ Tree::Tree(const Model& arm, Keep keep)
   for (int k = 0; k < static_cast<int>(all.size()); ++k) {
     const Frame& frame = all[k];
     const BodyPlace above =
-        frame.parent < 0 ? BodyPlace{-1, true, identity_pose(), -1} : frames[frame.parent];
+        frame.parent ? frames[frame.parent->value] : BodyPlace{-1, true, identity_pose(), -1};
     const bool fixed = frame.type == JointType::kFixed;
     const bool carries = keep == Keep::kBodiesOnly && frame.body;
     if (needed[k] == 0 || (fixed && !carries && keep != Keep::kEveryFrame)) {

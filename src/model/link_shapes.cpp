@@ -268,7 +268,7 @@ std::vector<Capsule> capsules_along_links(const Model& arm, double radius) {
   };
   for (const Frame& frame : arm.frames()) {
     // To the joint the way belongs to the parent, from there on to the frame.
-    add(frame.parent < 0 ? "world" : arm.frames()[frame.parent].name, eigen(frame.A.p));
+    add(frame.parent ? arm.frames()[frame.parent->value].name : "world", eigen(frame.A.p));
     add(frame.name, eigen(inverse(frame.B).p));
   }
   return out;

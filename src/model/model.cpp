@@ -59,14 +59,14 @@ Model::Model(ModelDescription description) : description_(std::move(description)
   for (int k = 0; k < static_cast<int>(description_.frames.size()); ++k) {
     Frame& frame = description_.frames[k];
     require(names.insert(frame.name).second, where, ": frame '", frame.name, "' stands twice.");
-    require(frame.parent < k && frame.parent >= -1, where, ": the parent of frame '", frame.name,
+    require(!frame.parent || (frame.parent->value < k && frame.parent->value >= 0), where, ": the parent of frame '", frame.name,
             "' does not stand before it.");
     if (frame.variable.coefficients.size() == 0) frame.variable.coefficients = VectorXd::Zero(n);
     require(frame.variable.coefficients.size() == n, where, ": frame '", frame.name, "' has ",
             frame.variable.coefficients.size(), " joint coefficients, but there are ", n,
             " coordinates.");
     std::vector<char> support(n, 0);
-    if (frame.parent >= 0) support = support_[frame.parent];
+    if (frame.parent) support = support_[frame.parent->value];
     for (int i = 0; i < n; ++i) {
       if (frame.variable.coefficients[i] == 0.0) continue;
       support[i] = 1;

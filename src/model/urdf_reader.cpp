@@ -236,16 +236,16 @@ class UrdfReader {
     model_.frames.push_back(std::move(frame));
   }
 
-  int find_frame(const std::string& name) const {
+  std::optional<FrameIndex> find_frame(const std::string& name) const {
     for (std::size_t k = 0; k < model_.frames.size(); ++k) {
-      if (model_.frames[k].name == name) return static_cast<int>(k);
+      if (model_.frames[k].name == name) return FrameIndex{static_cast<int>(k)};
     }
-    return -1;
+    return std::nullopt;
   }
 
   // Adds the child link of a joint, after the links above it.
   void add_link_of(const urdf::Joint& joint, std::size_t depth = 0) {
-    if (find_frame(joint.child_link_name) >= 0) return;
+    if (find_frame(joint.child_link_name)) return;
     if (depth > urdf_->joints_.size())
       fail_at("joint", joint.name, "a link below itself", "a tree of links");
     const urdf::LinkConstSharedPtr parent = urdf_->getLink(joint.parent_link_name);

@@ -299,7 +299,7 @@ class UrdfWriter {
 
   void frame(int k) {
     const Frame& f = arm_.frames()[at(k)];
-    const std::string parent = f.parent < 0 ? "world" : arm_.frames()[at(f.parent)].name;
+    const std::string parent = f.parent ? arm_.frames()[at(f.parent->value)].name : "world";
     link(f);
     const JointPlacement placed = joint_placement_with_offset(f);
     std::vector<int> coordinates;

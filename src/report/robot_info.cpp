@@ -52,7 +52,7 @@ std::string frames(const Model& arm) {
   TextTable table({kLeft, kLeft, kLeft, kLeft});
   table.add({"frame", "parent", "", "joint variable"});
   for (const Frame& frame : arm.frames()) {
-    const std::string parent = frame.parent < 0 ? "world" : arm.frames()[frame.parent].name;
+    const std::string parent = frame.parent ? arm.frames()[frame.parent->value].name : "world";
     table.add({frame.name, parent, body_text(frame), variable_text(arm, frame)});
   }
   return table.text();

@@ -105,7 +105,7 @@ class Injector {
       }
     } else {
       ModelDescription arm = out_.arm.description();
-      channel.apply(arm, kAllJoints, from, parameters);
+      channel.apply(arm, std::nullopt, from, parameters);
       out_.arm = Model(std::move(arm));
     }
     if (cause.joint) {

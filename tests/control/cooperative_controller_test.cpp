@@ -40,7 +40,7 @@ void follow(CooperativeController& control, CooperativeInput& input, int steps,
   for (int k = 0; k < steps; ++k) {
     for (ForceReading& reading : input.force) {
       reading.force = force ? force(input) : 0.0;
-      ++reading.number;
+      reading.number = reading.number.value_or(-1) + 1;
     }
     const auto& targets = control.update(input);
     for (size_t i = 0; i < targets.size(); ++i) {

@@ -251,7 +251,7 @@ TEST(ForceChannel, TheAgeOfASensorThatNeverSpokeCountsFromTheStart) {
   ForceChannel channel(std::make_unique<Spoken>(fresh, raw), {});
   EXPECT_EQ(channel.update(7.0).age, 0.0);
   const ForceReading reading = channel.update(7.5);
-  EXPECT_EQ(reading.number, -1);
+  EXPECT_FALSE(reading.number);
   EXPECT_NEAR(reading.age, 0.5, 1e-12);
   EXPECT_EQ(channel.state(), ForceState::kWaiting);
 }

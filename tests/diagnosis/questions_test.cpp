@@ -190,7 +190,7 @@ TEST(ExtendedArm, HasNewChangedLoadedAndCorrectedParts) {
   EXPECT_FALSE(out.effects().back().values.empty());
   ASSERT_EQ(out.frames().size(), 3U);
   EXPECT_EQ(out.frames()[2].name, "payload");
-  EXPECT_EQ(out.frames()[2].parent, 1);
+  EXPECT_EQ(out.frames()[2].parent, FrameIndex{1});
   EXPECT_DOUBLE_EQ((*out.frames()[2].body->phi)[0], 2.0);
   EXPECT_DOUBLE_EQ(out.coordinates()[1].recorded.torque_delay, 0.02);
   // Friction cannot fall below nothing.

@@ -58,7 +58,7 @@ std::string inertial_element(const InertialParameters& phi, const Posed& B) {
 }
 
 // The frames that hang on `parent`; T_before is the parent's B, which MuJoCo's body does not know.
-void write_children(const Model& arm, int parent, const Posed& T_before, std::ostream& out) {
+void write_children(const Model& arm, std::optional<FrameIndex> parent, const Posed& T_before, std::ostream& out) {
   for (int k = 0; k < static_cast<int>(arm.frames().size()); ++k) {
     const Frame& frame = arm.frames()[k];
     if (frame.parent != parent) continue;
@@ -69,7 +69,7 @@ void write_children(const Model& arm, int parent, const Posed& T_before, std::os
         << ">\n<joint name='" << arm.coordinates()[main_coordinate(frame.variable)].name
         << "' type='" << (turns ? "hinge" : "slide") << "' axis='0 0 1'/>\n"
         << inertial_element(*frame.body->phi, frame.B);
-    write_children(arm, k, frame.B, out);
+    write_children(arm, FrameIndex{k}, frame.B, out);
     out << "</body>\n";
   }
 }
@@ -80,7 +80,7 @@ std::string mjcf(const Model& arm) {
       << "<mujoco><compiler angle='radian' inertiafromgeom='false'/>\n<option gravity='"
       << arm.gravity().x() << ' ' << arm.gravity().y() << ' ' << arm.gravity().z()
       << "'><flag constraint='disable' contact='disable'/></option>\n<worldbody>\n";
-  write_children(arm, -1, identity_pose(), out);
+  write_children(arm, std::nullopt, identity_pose(), out);
   out << "</worldbody></mujoco>\n";
   return out.str();
 }

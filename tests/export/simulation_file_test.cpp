@@ -52,7 +52,7 @@ Model extended(const Model& arm, const std::string& frame) {
   }
   Frame load;
   load.name = "load";
-  load.parent = static_cast<int>(d.frames.size()) - 1;
+  load.parent = FrameIndex{static_cast<int>(d.frames.size()) - 1};
   load.A.p = {0.01, 0.02, 0.03};
   load.variable.coefficients = VectorXd::Zero(arm.joints());
   Body body;
@@ -125,7 +125,7 @@ TEST_F(SimulationFile, ALoadOnASiteIsAdded) {
   const std::string path = write("arm.xml", kStrangerMjcf);
   ModelDescription d = extended(read_model(path), "none").description();
   d.effects = read_model(path).effects();
-  d.frames.back().parent = read_model(path).find_frame("mark");
+  d.frames.back().parent = FrameIndex{read_model(path).find_frame("mark")};
   const Model after(std::move(d));
   const UpdatedFile updated = updated_mjcf(after, path);
   EXPECT_EQ(updated.changed, std::vector<std::string>{"a new body load"});

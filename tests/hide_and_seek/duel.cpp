@@ -36,10 +36,11 @@ bool lists(const NamedFinding& f, const std::string& effect) {
 
 // The name of the frame that moves a frame: all that are fixed to it carry the same loads.
 std::string link_of(const Model& arm, const std::string& frame) {
-  int k = arm.find_frame(frame);
-  while (k >= 0 && arm.frames()[k].type == JointType::kFixed)
-    k = arm.frames()[k].parent;
-  return k >= 0 ? arm.frames()[k].name : "";
+  const int found = arm.find_frame(frame);
+  std::optional<FrameIndex> k;
+  if (found >= 0) k = FrameIndex{found};
+  while (k && arm.frames()[k->value].type == JointType::kFixed) k = arm.frames()[k->value].parent;
+  return k ? arm.frames()[k->value].name : "";
 }
 
 // A load's finding stands for all links that carry it alike: they are among its rivals.

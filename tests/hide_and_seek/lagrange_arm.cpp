@@ -131,7 +131,7 @@ LagrangeArm lagrange_arm(const Model& arm) {
             "' has no DH row, expected one.");
     Link link;
     link.name = frame.name;
-    link.parent = frame.parent;
+    if (frame.parent) link.parent = frame.parent->value;
     link.a = frame.dh->a;
     link.alpha = frame.dh->alpha;
     link.d = frame.dh->d;

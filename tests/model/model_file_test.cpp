@@ -55,7 +55,7 @@ TEST(ModelFile, ReadsWhatItSays) {
   EXPECT_TRUE(arm.coordinates()[1].prismatic);
   EXPECT_EQ(arm.frames()[0].variable.offset, 0.25);
   EXPECT_EQ(arm.frames()[1].variable.coefficients, Eigen::Vector2d(0, -2));
-  EXPECT_EQ(arm.frames()[1].parent, 0);
+  EXPECT_EQ(arm.frames()[1].parent, FrameIndex{0});
   const InertialParameters phi = *arm.frames()[1].body->phi;
   EXPECT_EQ(phi[3], 1.0);  // m c_z
   EXPECT_EQ(phi[4], 0.6);  // 0.1 + m c_z^2

@@ -61,7 +61,7 @@ std::vector<Homogeneous<S>> world_poses(const Model& arm, const std::vector<S>& 
       J[2][3] = s;
     }
     const Homogeneous<S> T_parent_frame = homogeneous<S>(frame.A) * J * homogeneous<S>(frame.B);
-    T_world.push_back(frame.parent < 0 ? T_parent_frame : T_world[frame.parent] * T_parent_frame);
+    T_world.push_back(frame.parent ? T_world[frame.parent->value] * T_parent_frame : T_parent_frame);
   }
   return T_world;
 }

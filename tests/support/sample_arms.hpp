@@ -46,7 +46,7 @@ class ArmBuilder {
            const Posed& A, const Posed& B) {
     Frame frame;
     frame.name = text_of("frame", static_cast<int>(arm_.frames.size()));
-    frame.parent = parent;
+    if (parent >= 0) frame.parent = FrameIndex{parent};
     frame.type = type;
     frame.A = A;
     frame.B = B;

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "veridyn/control/force_law.hpp"
@@ -175,9 +176,9 @@ class CooperativeController {
  private:
   struct Watch {  // state of the checks on one sensor
     double force = 0.0, length = 0.0;
-    long number = -1;
+    std::optional<long> number;
     double last_force = 0.0, last_length = 0.0;  // of the previous sample
-    long last_number = -1;
+    std::optional<long> last_number;
     double silent = 0.0;                         // [s] since the start without any
     bool compared = false;                       // with these, when the wanted force last arrived:
     double sound_force = 0.0, sound_length = 0.0;

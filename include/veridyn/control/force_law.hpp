@@ -1,6 +1,7 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 
 namespace veridyn {
 
@@ -50,7 +51,7 @@ struct CooperativeMember {
 struct ForceReading {
   double force = 0.0;  ///< [N], positive in tension, filtered if the channel has a filter
   double age = 0.0;    ///< [s]
-  long number = -1;    ///< sequence number of the sample; -1: none yet
+  std::optional<long> number{};  ///< sequence number of the sample; nothing: none yet
   /// [N] unfiltered, for the stuck-sensor check; not finite: equal to `force`.
   double raw = std::numeric_limits<double>::quiet_NaN();
 };
@@ -79,7 +80,7 @@ class ForceTracker {
   ForceLaw law_;
   double x_f_ = 0.0, value_ = 0.0, velocity_ = 0.0;
   double last_time_ = 0.0, clock_ = 0.0;
-  long number_ = -1;
+  std::optional<long> number_;
 };
 
 }  // namespace veridyn

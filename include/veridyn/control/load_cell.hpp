@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -153,7 +154,8 @@ class ForceChannel {
   double begun_ = std::numeric_limits<double>::quiet_NaN();
   double waiting_ = 0.0;  // [N] step that a second reading may confirm
   bool waits_ = false, beyond_ = false, noisy_ = false;
-  long number_ = -1, beyond_range_ = 0, jumps_ = 0, refused_ = 0;
+  std::optional<long> number_;  // of the last sample
+  long beyond_range_ = 0, jumps_ = 0, refused_ = 0;
   long good_ = 0, bad_ = 0;  // counts within the window
   int alike_ = 0;
 };

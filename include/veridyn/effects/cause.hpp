@@ -9,29 +9,6 @@
 
 namespace veridyn {
 
-/// Index of a generalized coordinate, from 0. People read its name or its number from 1.
-struct JointIndex {
-  int value = 0;
-};
-
-/// Index of a frame in Model::frames().
-struct FrameIndex {
-  int value = 0;
-};
-
-inline bool operator==(JointIndex a, JointIndex b) {
-  return a.value == b.value;
-}
-inline bool operator!=(JointIndex a, JointIndex b) {
-  return a.value != b.value;
-}
-inline bool operator==(FrameIndex a, FrameIndex b) {
-  return a.value == b.value;
-}
-inline bool operator!=(FrameIndex a, FrameIndex b) {
-  return a.value != b.value;
-}
-
 /// An effect along an axis that the model does not have.
 struct NewEffect {
   std::string effect;

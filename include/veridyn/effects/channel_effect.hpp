@@ -30,9 +30,6 @@ struct RigidColumn {
   VectorXd joints;          ///< (n) nonzero for joints whose rows count
 };
 
-/// Stands in place of a joint index: all joints have the same error.
-constexpr int kAllJoints = -1;
-
 /// A key under which a channel error is injected into a simulation.
 struct InjectedValue {
   std::string key;   ///< "gain"
@@ -53,23 +50,23 @@ class ChannelEffect : public Effect {
   virtual bool can_be_common() const { return false; }
 
   /// True if the torque of joint i depends on it; `joint` is the one whose channel has the error,
-  /// or kAllJoints where all have the same one (can_be_common()).
-  virtual bool acts_on(int i, int joint) const = 0;
+  /// nothing where all have the same one (can_be_common()).
+  virtual bool acts_on(int i, std::optional<JointIndex> joint) const = 0;
 
   /// Torque per unit of every parameter, (rows x n) each; columns of joints that acts_on() denies
   /// are not read.
-  virtual std::vector<MatrixXd> columns(const ChannelMotion& motion, int joint) const = 0;
+  virtual std::vector<MatrixXd> columns(const ChannelMotion& motion, std::optional<JointIndex> joint) const = 0;
 
   /// True if the columns are torques of the arm's bodies; an excitation can be designed for these
   /// only.
   virtual bool has_rigid_columns() const { return false; }
 
   /// Those columns; empty where the arm has none, such as without gravity.
-  virtual std::vector<RigidColumn> rigid_columns(const Model& arm, int joint) const;
+  virtual std::vector<RigidColumn> rigid_columns(const Model& arm, std::optional<JointIndex> joint) const;
 
-  /// Adds the error to an arm. @param joint  may be kAllJoints. @param from  the other joint of an error
+  /// Adds the error to an arm. @param joint  nothing: all joints. @param from  the other joint of an error
   /// that uses a source.
-  virtual void apply(ModelDescription& arm, int joint, std::optional<JointIndex> from,
+  virtual void apply(ModelDescription& arm, std::optional<JointIndex> joint, std::optional<JointIndex> from,
                      const std::vector<double>& values) const = 0;
 
   /// Keys for injection, one for each of parameters().
@@ -92,7 +89,7 @@ class SensorError : public ChannelEffect {
                       const std::vector<double>& values) const = 0;
 
   /// Adds it to `recorded` of the coordinates.
-  void apply(ModelDescription& arm, int joint, std::optional<JointIndex> from,
+  void apply(ModelDescription& arm, std::optional<JointIndex> joint, std::optional<JointIndex> from,
              const std::vector<double>& values) const final;
 
   /// True if it is a factor on the recorded torque and nothing else.
@@ -109,7 +106,7 @@ class ArmEffect : public ChannelEffect {
  public:
   bool whole_arm() const final { return true; }
   EffectTraits traits(const ShapeValues& shape) const override;
-  bool acts_on(int /*i*/, int /*joint*/) const override { return true; }
+  bool acts_on(int /*i*/, std::optional<JointIndex> /*joint*/) const override { return true; }
 
   /// Gives the arm this property, either through facts that every model has (its gravity) or as a
   /// term among its arm_effects, see term_of(). Such a term contributes its columns times its
@@ -124,7 +121,7 @@ class ArmEffect : public ChannelEffect {
     return arm;
   }
 
-  void apply(ModelDescription& arm, int /*joint*/, std::optional<JointIndex> /*from*/,
+  void apply(ModelDescription& arm, std::optional<JointIndex> /*joint*/, std::optional<JointIndex> /*from*/,
              const std::vector<double>& values) const final {
     change(arm, values);
   }
@@ -148,9 +145,9 @@ const ChannelEffect* channel_effect(const std::string& name);
 /// All channel effects in the order of docs/contract.md; registered ones follow.
 const std::vector<const ChannelEffect*>& channel_effects();
 
-/// The joint whose channel the term concerns; kAllJoints where its axis is zero and the error can
+/// The joint whose channel the term concerns; nothing where its axis is zero and the error can
 /// be common to all.
-int channel_joint(const ChannelEffect& effect, const EffectTerm& term);
+std::optional<JointIndex> channel_joint(const ChannelEffect& effect, const EffectTerm& term);
 
 /// The joint that an error comes from; nothing: it has no source.
 std::optional<JointIndex> channel_source(const EffectTerm& term);

@@ -77,10 +77,33 @@ struct Body {
   ParameterBox box;                           ///< bounds of this body, where given
 };
 
+/// Index of a generalized coordinate, from 0. People read its name or its number from 1.
+struct JointIndex {
+  int value = 0;
+};
+
+/// Index of a frame in Model::frames().
+struct FrameIndex {
+  int value = 0;
+};
+
+inline bool operator==(JointIndex a, JointIndex b) {
+  return a.value == b.value;
+}
+inline bool operator!=(JointIndex a, JointIndex b) {
+  return a.value != b.value;
+}
+inline bool operator==(FrameIndex a, FrameIndex b) {
+  return a.value == b.value;
+}
+inline bool operator!=(FrameIndex a, FrameIndex b) {
+  return a.value != b.value;
+}
+
 /// One frame of the tree. T_parent_frame = A * J(s) * B, where J turns about z or slides along z.
 struct Frame {
   std::string name;
-  int parent = -1;  ///< index of the parent frame; -1: the world
+  std::optional<FrameIndex> parent;  ///< nothing: the world
   JointType type = JointType::kFixed;
   Axis variable;              ///< s; coefficients are zero where fixed
   Posed A = identity_pose();  ///< T_parent_joint

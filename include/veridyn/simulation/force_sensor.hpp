@@ -2,6 +2,7 @@
 
 #include <limits>
 #include <memory>
+#include <optional>
 
 namespace veridyn {
 
@@ -26,7 +27,7 @@ struct ForceSensorOptions {
 struct ForceSample {
   double force = 0.0;  ///< [N]
   double time = 0.0;   ///< [s] at which it was taken
-  long number = -1;    ///< counts samples; -1: none has arrived
+  std::optional<long> number{};  ///< counts samples; nothing: none has arrived
 };
 
 /// Simulates a force sensor. Call it once per control period, in order of time; nothing allocates

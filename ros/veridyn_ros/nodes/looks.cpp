@@ -52,12 +52,12 @@ UrdfAppearance rods(const Model& arm) {
             "<material name=\"shaft\"><color rgba=\"0.25 0.27 0.30 1\"/></material>";
   const VectorXd low = posture(arm, 0.1), high = posture(arm, 1.0);
   for (std::size_t f = 0; f < arm.frames().size(); ++f) {
-    const int own = static_cast<int>(f), parent = arm.frames()[f].parent;
-    const auto at = [&](const VectorXd& q, int frame) { return frame < 0 ? Isometry3d::Identity() : frame_pose(arm, q, frame); };
+    const std::optional<FrameIndex> own = FrameIndex{static_cast<int>(f)}, parent = arm.frames()[f].parent;
+    const auto at = [&](const VectorXd& q, std::optional<FrameIndex> frame) { return frame ? frame_pose(arm, q, frame->value) : Isometry3d::Identity(); };
     const Vector3d there = (at(low, parent).inverse() * at(low, own)).translation();
     const Vector3d later = (at(high, parent).inverse() * at(high, own)).translation();
     if ((there - later).norm() < kSame) {
-      const std::string link = parent < 0 ? "world" : arm.frames()[parent].name;
+      const std::string link = parent ? arm.frames()[parent->value].name : "world";
       if (there.norm() > kShortest) out[link] += shape(there, "steel", 0.012);
       continue;
     }

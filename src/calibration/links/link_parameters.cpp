@@ -41,8 +41,8 @@ bool mentions(const std::string& formula, const std::string& name) {
 LinkParameters::LinkParameters(const Model& arm, int frame, bool base_free, bool tool_free,
                                bool oriented)
     : arm_(arm) {
-  for (int k = frame; k >= 0; k = arm.frames()[k].parent)
-    path_.insert(path_.begin(), k);
+  for (std::optional<FrameIndex> k = FrameIndex{frame}; k; k = arm.frames()[k->value].parent)
+    path_.insert(path_.begin(), k->value);
   collect_entries();
   collect_parameters(base_free, tool_free, oriented);
 }

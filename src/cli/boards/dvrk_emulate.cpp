@@ -142,8 +142,8 @@ std::vector<dvrk::BoardSetup> boards_of(const DvrkRequest& request,
     dvrk::BoardSetup setup;
     setup.id = id;
     setup.firmware = request.firmware;
-    setup.pot_noise = request.pot_noise < 0.0 ? kPotNoise : request.pot_noise;
-    setup.current_noise = request.current_noise < 0.0 ? kCurrentNoise : request.current_noise;
+    setup.pot_noise = request.pot_noise.value_or(kPotNoise);
+    setup.current_noise = request.current_noise.value_or(kCurrentNoise);
     setup.dallas = chip_of(request, id);
     for (const EmulatedArm& arm : arms) {
       for (const dvrk::BoardSerial& own : arm.of.robot.board_serials)

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -50,7 +51,7 @@ struct DvrkRequest {
   std::vector<std::string> events;
   std::vector<std::string> arms, models;          ///< of the emulator, which may have several arms
   std::vector<std::string> chips;                 ///< BOARD=FILE
-  double pot_noise = -1.0, current_noise = -1.0;  ///< [bits]; negative: default
+  std::optional<double> pot_noise, current_noise;  ///< [bits]
   CommonOptions common;
 };
 

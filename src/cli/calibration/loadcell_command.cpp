@@ -7,6 +7,7 @@
 #include <iostream>
 #include <map>
 #include <memory>
+#include <optional>
 #include <thread>
 
 #include "cli/options/column_file.hpp"
@@ -149,7 +150,8 @@ ForceChannelOptions channel_options(const LoadcellRequest& request) {
 struct ReadingTally {
   std::string rows = "t,raw,force\n";
   double worst = 0.0, lowest = 0.0, highest = 0.0, sum = 0.0;
-  long readings = 0, last = -1;
+  long readings = 0;
+  std::optional<long> last;
   std::map<ForceState, double> seconds;  // in each state
 
   void take(double t, double passed, const ForceReading& reading, const ForceChannel& channel) {
@@ -161,8 +163,8 @@ struct ReadingTally {
       last = reading.number;
       rows += fmt::format("{:.6f},{:.9g},{:.9g}\n", t, channel.believed(), reading.force);
     }
-    if (last >= 0) worst = std::max(worst, reading.age);
-    if (last >= 0 || channel.state() != ForceState::kWaiting) seconds[channel.state()] += passed;
+    if (last) worst = std::max(worst, reading.age);
+    if (last || channel.state() != ForceState::kWaiting) seconds[channel.state()] += passed;
   }
   double mean() const { return readings > 0 ? sum / static_cast<double>(readings) : 0.0; }
 };

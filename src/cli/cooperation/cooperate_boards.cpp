@@ -111,8 +111,8 @@ std::string boards_json(const dvrk::BoardCooperationRun& done, const Scenario& s
                                             {"held", one.held()},
                                             {"answered", one.known},
                                             {"moved", one.moved},
-                                            {"rest_after", one.rest_after < 0.0 ? nlohmann::ordered_json() : nlohmann::ordered_json(one.rest_after)},
-                                            {"off_at", one.off_at < 0.0 ? nlohmann::ordered_json() : nlohmann::ordered_json(one.off_at)}});
+                                            {"rest_after", one.rest_after ? nlohmann::ordered_json(*one.rest_after) : nlohmann::ordered_json()},
+                                            {"off_at", one.off_at ? nlohmann::ordered_json(*one.off_at) : nlohmann::ordered_json()}});
   for (const dvrk::LaterFault& one : done.later)
     out["boards"]["later"].push_back({{"at", one.at}, {"what", one.what}});
   out["met"] = done.met();

@@ -252,7 +252,7 @@ bool CooperativeController::is_stuck(size_t member, const ForceReading& reading,
                                      double length) noexcept {
   Watch& watch = watches_[member];
   const double force = std::isfinite(reading.raw) ? reading.raw : reading.force;
-  if (watch.number < 0 || force != watch.force) {
+  if (!watch.number || force != watch.force) {
     watch.force = force;
     watch.length = length;
     watch.number = reading.number;
@@ -271,7 +271,7 @@ bool CooperativeController::jumps(size_t member, const ForceReading& reading,
   Watch& watch = watches_[member];
   const double force = std::isfinite(reading.raw) ? reading.raw : reading.force;
   if (reading.number == watch.last_number) return false;
-  const bool first = watch.last_number < 0;
+  const bool first = !watch.last_number;
   const double change = std::abs(force - watch.last_force);
   const double way = std::abs(length - watch.last_length);
   watch.last_number = reading.number;
@@ -312,7 +312,7 @@ bool CooperativeController::drifts(size_t member, const ForceReading& reading,
 bool CooperativeController::makes_energy(size_t member, const ForceReading& reading,
                                          const CooperativeInput& input) noexcept {
   PassivityMonitor& monitor = monitors_[member];
-  if (!wanted_.arrived() || reading.number < 0) {
+  if (!wanted_.arrived() || !reading.number) {
     monitor.reset();
     return false;
   }
@@ -347,22 +347,22 @@ CooperativeState CooperativeController::judge(const CooperativeInput& input) noe
     const ForceReading& reading = input.force[k];
     if (!std::isfinite(reading.force)) return CooperativeState::kNotFinite;
     Watch& watch = watches_[k];
-    watch.silent = reading.number < 0 ? watch.silent + options_.period : 0.0;
+    watch.silent = !reading.number ? watch.silent + options_.period : 0.0;
     if (std::max(reading.age, watch.silent) > options_.largest_age)
       return CooperativeState::kSensorStale;
     const double wanted = wanted_.x()[static_cast<Eigen::Index>(k)];
-    if (reading.number >= 0 && std::abs(reading.force) > options_.largest_force)
+    if (reading.number && std::abs(reading.force) > options_.largest_force)
       return CooperativeState::kForceTooLarge;
-    if (reading.number >= 0 && std::abs(reading.force - wanted) > options_.largest_force_error)
+    if (reading.number && std::abs(reading.force - wanted) > options_.largest_force_error)
       return CooperativeState::kForceMissed;
     const CooperativeMember& m = options_.members[k];
     if (makes_energy(k, reading, input)) return CooperativeState::kEnergyMade;
     const double length =
         (input.position[m.to] - input.position[m.from])
             .norm();
-    if (reading.number >= 0 && is_stuck(k, reading, length)) return CooperativeState::kSensorStuck;
-    if (reading.number >= 0 && jumps(k, reading, length)) return CooperativeState::kSensorJumped;
-    if (reading.number >= 0 && drifts(k, reading, input)) return CooperativeState::kSensorDrifted;
+    if (reading.number && is_stuck(k, reading, length)) return CooperativeState::kSensorStuck;
+    if (reading.number && jumps(k, reading, length)) return CooperativeState::kSensorJumped;
+    if (reading.number && drifts(k, reading, input)) return CooperativeState::kSensorDrifted;
   }
   return CooperativeState::kTracking;
 }
@@ -388,7 +388,7 @@ void CooperativeController::relieve(const CooperativeInput& input) noexcept {
 
 void CooperativeController::learn_lengths(const CooperativeInput& input) noexcept {
   for (size_t k = 0; k < trackers_.size(); ++k) {
-    if (tracked_[k] == 0 || input.force[k].number < 0) continue;
+    if (tracked_[k] == 0 || !input.force[k].number) continue;
     const CooperativeMember& m = options_.members[k];
     const Vector3d line =
         input.position[m.to] - input.position[m.from];

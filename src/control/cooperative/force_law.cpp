@@ -40,16 +40,16 @@ ForceTracker::ForceTracker(const ForceLaw& law) : law_(law) {
 
 void ForceTracker::reset() noexcept {
   x_f_ = value_ = velocity_ = 0.0;
-  number_ = -1;
+  number_.reset();
 }
 
 double ForceTracker::update(double wanted, const ForceReading& reading, double rate,
                             double dt) noexcept {
   clock_ += dt;
   const double e = wanted - reading.force;
-  if (reading.number >= 0 && reading.number != number_) {
+  if (reading.number && reading.number != number_) {
     // Time between samples, so that a lost sample is counted with the next.
-    const double since = number_ < 0 ? dt : clock_ - last_time_;
+    const double since = !number_ ? dt : clock_ - last_time_;
     const double before = x_f_;
     if (std::abs(e) > law_.deadband) {
       x_f_ += law_.kind == ForceLaw::Kind::kIncrement ? std::copysign(law_.increment, e)
@@ -61,7 +61,7 @@ double ForceTracker::update(double wanted, const ForceReading& reading, double r
     last_time_ = clock_;
   }
   double now = x_f_ + law_.feed_forward * wanted - law_.damping * rate;
-  if (number_ >= 0 && law_.kind == ForceLaw::Kind::kProportional) now += law_.proportional * e;
+  if (number_ && law_.kind == ForceLaw::Kind::kProportional) now += law_.proportional * e;
   value_ = std::clamp(now, -law_.reach, law_.reach);
   return value_;
 }

@@ -54,7 +54,7 @@ bool ForceChannel::is_believed(double force) noexcept {
     ++beyond_range_;
     return false;
   }
-  const bool agrees = number_ < 0 || std::abs(force - force_) <= options_.largest_jump ||
+  const bool agrees = !number_ || std::abs(force - force_) <= options_.largest_jump ||
                       (waits_ && std::abs(force - waiting_) <= options_.largest_jump);
   waits_ = !agrees;
   waiting_ = force;
@@ -80,18 +80,18 @@ void ForceChannel::take(int fresh, double at) noexcept {
   count(believed ? fresh : 0, believed ? 0 : fresh);
   if (!believed) return;
   force_ = force;
-  const bool alike = number_ >= 0 && raw == last_raw_;
+  const bool alike = number_ && raw == last_raw_;
   alike_ = alike ? alike_ + fresh : 0;
   if (!alike) changed_ = at;
-  if (number_ < 0 || options_.cutoff <= 0.0) {
+  if (!number_ || options_.cutoff <= 0.0) {
     filtered_ = force_;
   } else {
     const double since = std::max(0.0, at - heard_);
     filtered_ += (1.0 - std::exp(-2.0 * M_PI * options_.cutoff * since)) * (force_ - filtered_);
   }
   last_raw_ = raw;
-  heard_ = number_ < 0 ? at : std::max(heard_, at);
-  number_ += fresh;
+  heard_ = !number_ ? at : std::max(heard_, at);
+  number_ = number_.value_or(-1) + fresh;
 }
 
 ForceReading ForceChannel::update(double now) noexcept {
@@ -104,9 +104,9 @@ ForceReading ForceChannel::update(double now) noexcept {
   const long refused = source_->refused();
   count(0, refused - refused_);
   refused_ = refused;
-  if (number_ < 0) {
+  if (!number_) {
     state_ = beyond_ ? ForceState::kRange : ForceState::kWaiting;
-    return {0.0, now - begun_ + options_.latency, -1};
+    return {0.0, now - begun_ + options_.latency, {}};
   }
   state_ = ForceState::kGood;
   if (noisy_) state_ = ForceState::kNoisy;

@@ -19,7 +19,7 @@ void add_load(const FoundCause& found, int joints, ModelDescription& d) {
   load.name = AddedLoad::kName;
   for (int count = 2; known(load.name); ++count)
     load.name = std::string(AddedLoad::kName) + "_" + std::to_string(count);
-  load.parent = frame_of(found.hypothesis.cause)->value;
+  load.parent = frame_of(found.hypothesis.cause);
   load.variable.coefficients = VectorXd::Zero(joints);
   load.body = Body{};
   load.body->phi = found.load;

@@ -141,13 +141,13 @@ std::vector<char> longest_chain(const Model& arm) {
   size_t last = 0;
   for (size_t k = 0; k < depth.size(); ++k) {
     const Frame& frame = arm.frames()[k];
-    depth[k] = (frame.parent < 0 ? 0 : depth[frame.parent]) +
+    depth[k] = (frame.parent ? depth[frame.parent->value] : 0) +
                static_cast<int>(frame.type != JointType::kFixed);
     if (depth[k] > depth[last]) last = k;
   }
   std::vector<char> out(depth.size(), 0);
-  for (int k = static_cast<int>(last); k >= 0; k = arm.frames()[k].parent)
-    out[k] = 1;
+  for (std::optional<FrameIndex> k = FrameIndex{static_cast<int>(last)}; k; k = arm.frames()[k->value].parent)
+    out[k->value] = 1;
   return out;
 }
 

@@ -150,7 +150,7 @@ class Builder {
     Frame load;
     load.name =
         std::string(AddedLoad::kName) + "@" + arm_.frames()[on.value].name;
-    load.parent = on.value;
+    load.parent = on;
     load.variable.coefficients = VectorXd::Zero(arm_.joints());
     load.body = Body{};
     load.body->phi = InertialParameters::Zero();

@@ -141,7 +141,7 @@ static std::optional<JointIndex> only_joint(const Finding& f) {
   if (!f.joint || !std::holds_alternative<ChannelError>(f.cause)) return f.joint;
   const auto* channel = dynamic_cast<const ChannelEffect*>(&find_effect(effect_of(f.cause)));
   const int another = f.joint->value == 0 ? 1 : 0;
-  return channel != nullptr && channel->acts_on(another, f.joint->value) ? std::nullopt : f.joint;
+  return channel != nullptr && channel->acts_on(another, f.joint) ? std::nullopt : f.joint;
 }
 
 FindingStatus status_of(const Finding& f) {

@@ -32,7 +32,7 @@ Model with_additions(const Model& arm, const std::vector<int>& bodies) {
   for (const int at : bodies) {
     Frame more;
     more.name = kAddition + d.frames[at].name;
-    more.parent = at;
+    more.parent = FrameIndex{at};
     more.variable.coefficients = VectorXd::Zero(arm.joints());
     more.body = Body{};
     more.body->phi = InertialParameters::Zero();

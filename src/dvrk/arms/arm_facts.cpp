@@ -77,7 +77,7 @@ Model arm_model(const ArmFacts& arm) {
     description.coordinates.push_back(coordinate);
     Frame frame;
     frame.name = joint.name;
-    frame.parent = k - 1;
+    if (k > 0) frame.parent = FrameIndex{k - 1};
     frame.type = joint.prismatic ? JointType::kPrismatic : JointType::kRevolute;
     frame.variable.coefficients = VectorXd::Unit(n, k);
     place(frame, *joint.dh);
@@ -85,7 +85,7 @@ Model arm_model(const ArmFacts& arm) {
   }
   Frame tip;
   tip.name = "tip";
-  tip.parent = n - 1;
+  if (n > 0) tip.parent = FrameIndex{n - 1};
   tip.variable.coefficients = VectorXd::Zero(n);
   tip.A = from_eigen(Eigen::Isometry3d(arm.T_last_tip));
   description.frames.push_back(tip);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
 
 #include "dvrk/protocol/hub_block.hpp"
 #include "veridyn/math/require.hpp"
@@ -199,10 +200,9 @@ void BoardBus::accept(Board& b, QuadletView block) noexcept {
 // Section 17 #26; a counter that disagrees with our clock may mean a reboot (#25).
 void BoardBus::check_timestamp(Board& b) noexcept {
   const double now = link_.now();
-  const double passed = now - b.read_at;
-  const bool first = b.read_at < 0.0;
-  b.read_at = now;
-  if (first) return;
+  const std::optional<double> before = std::exchange(b.read_at, now);
+  if (!before) return;
+  const double passed = now - *before;
   const double told = b.feedback.seconds();
   const bool late = options_.cycle_time > 0.0 && told > kLateCycles * options_.cycle_time;
   if (b.feedback.timestamp == 0 || late)

@@ -145,7 +145,7 @@ class BoardBus {
     std::array<std::uint16_t, kChannels> sent{};    ///< last value of each channel
     std::array<std::uint16_t, kChannels> before{};  ///< the one before it
     std::array<bool, kChannels> has_sent{};
-    double read_at = -1.0;
+    std::optional<double> read_at;
     bool valid = false;
     bool rebooted = false;
     bool suspect = false;  ///< look at its registers soon

@@ -97,11 +97,11 @@ void BoardSession::check_amp(int b, int c, const BoardFeedback& f) noexcept {
     return;
   }
   if (!had_power() || f.status.amp_on(c)) {
-    state.amp_missing_since = -1.0;
+    state.amp_missing_since.reset();
     return;
   }
-  if (state.amp_missing_since < 0.0) state.amp_missing_since = now;
-  if (now - state.amp_missing_since < options_.amp_grace) return;
+  if (!state.amp_missing_since) state.amp_missing_since = now;
+  if (now - *state.amp_missing_since < options_.amp_grace) return;
   note(Condition::kAmpOff, Reaction::kAmpsOff, b, c, f.status.word);
 }
 
@@ -145,11 +145,11 @@ void BoardSession::check_pot(int b, int c, const ChannelFeedback& one) noexcept 
   const double difference =
       s.counts_to_position(encoder_counts(one.encoder.position)) - s.pot_to_position(one.pot);
   if (s.pot_tolerance <= 0.0 || !on_the_way() || std::abs(difference) <= s.pot_tolerance) {
-    state.pot_off_since = -1.0;
+    state.pot_off_since.reset();
     return;
   }
-  if (state.pot_off_since < 0.0) state.pot_off_since = now;
-  if (now - state.pot_off_since > s.pot_latency)
+  if (!state.pot_off_since) state.pot_off_since = now;
+  if (now - *state.pot_off_since > s.pot_latency)
     note(Condition::kPot, Reaction::kPowerOff, b, c, one.pot);
 }
 

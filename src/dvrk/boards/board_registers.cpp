@@ -66,7 +66,7 @@ bool BoardBus::read_words(Board& b, QuadletSpan words) noexcept {
       address::kAnalog,   address::kPosition, address::kPeriod,     address::kQuarter1,
       address::kQuarter5, address::kRunning,  address::kMotorStatus};
   constexpr std::uint16_t kBoard[] = {address::kStatus, address::kDigitalIn, address::kTemperature};
-  const double passed = b.read_at < 0.0 ? 0.0 : std::max(0.0, link_.now() - b.read_at);
+  const double passed = b.read_at ? std::max(0.0, link_.now() - *b.read_at) : 0.0;
   words.set(0, static_cast<std::uint32_t>(std::min(passed * kTicksPerSecond, 4e9)));
   for (std::size_t k = 1; k < words.size(); ++k) {
     const std::uint16_t where =

@@ -223,7 +223,7 @@ void BoardBus::start() {
   for (Board& b : boards_) {
     b.valid = b.rebooted = b.suspect = false;
     b.lost_reads = b.lost_writes = 0;
-    b.read_at = -1.0;
+    b.read_at.reset();
     b.has_sent.fill(false);
   }
   state_ = BusState::kRunning;
@@ -271,7 +271,7 @@ void BoardBus::scan_step() noexcept {
       return;
     }
     b.suspect = true;  // it may have been off in between
-    b.read_at = -1.0;
+    b.read_at.reset();
     b.has_sent.fill(false);
   }
   state_ = BusState::kRunning;

@@ -39,7 +39,7 @@ void BoardSession::enter(PowerState state) noexcept {
   entered_ = link_.now();
   off_cycles_ = 0;
   for (auto& board : states_) {
-    for (ChannelState& c : board) c.amp_missing_since = -1.0;
+    for (ChannelState& c : board) c.amp_missing_since.reset();
   }
 }
 

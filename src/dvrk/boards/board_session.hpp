@@ -145,8 +145,8 @@ class BoardSession {
     bool asked = false;
     int excess_cycles = 0;
     std::array<std::uint16_t, 4> sent{};  ///< last commands, of which lost writes leave older ones
-    double amp_missing_since = -1.0;
-    double pot_off_since = -1.0;
+    std::optional<double> amp_missing_since;
+    std::optional<double> pot_off_since;
   };
 
   const ChannelSafety& safety(int b, int c) const {

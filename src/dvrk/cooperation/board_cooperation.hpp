@@ -128,11 +128,10 @@ struct ArmAfterFault {
   std::string name;
   bool known = true;          ///< its boards answered throughout
   double moved = 0.0;         ///< [m] largest displacement of its tip
-  /// [s] after which it was at rest; negative: it was not at rest at the end.
-  double rest_after = -1.0;
-  double off_at = -1.0;  ///< [s] at which its own power went, before that of all; below zero: not
+  std::optional<double> rest_after;  ///< [s] after which it was at rest; nothing: it was not at rest at the end
+  std::optional<double> off_at;      ///< [s] at which its own power went, before that of all; nothing: not
   /// True if it was powered and came to rest.
-  bool held() const { return known && rest_after >= 0.0 && off_at < 0.0; }
+  bool held() const { return known && rest_after && !off_at; }
 };
 
 /// A fault that came after the first.

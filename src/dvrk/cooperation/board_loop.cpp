@@ -112,12 +112,12 @@ void BoardLoop::watch_hold() noexcept {
     }
     if (side.deaf()) arm.known = false;
     if (!side.valid()) continue;
-    if (arm.off < 0.0 && !side.powered()) arm.off = time_;
+    if (!arm.off && !side.powered()) arm.off = time_;
     if (gives_up_) continue;  // arms yield then
     arm.moved = std::max(arm.moved, (side.tip() - arm.from).norm());
     const bool rests = side.speed() <= kAtRest;
-    if (rests && arm.rest < 0.0) arm.rest = time_ - fault_at_;
-    if (!rests) arm.rest = -1.0;
+    if (rests && !arm.rest) arm.rest = time_ - fault_at_;
+    if (!rests) arm.rest.reset();
   }
 }
 

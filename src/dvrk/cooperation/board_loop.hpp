@@ -134,7 +134,7 @@ class BoardLoop {
   struct Watched {
     Eigen::Vector3d from{Eigen::Vector3d::Zero()};
     double moved = 0.0, at_fault = 0.0;  // [m], share of the velocity limits
-    double rest = -1.0, off = -1.0;      // [s]
+    std::optional<double> rest, off;     // [s]
     bool known = true, began = false;
   };
   struct Later {

@@ -47,9 +47,9 @@ std::string words_after_fault(const std::vector<ArmAfterFault>& arms,
   for (const LaterFault& one : later) out += fmt::format("At {:.4g} s also: {}.\n", one.at, one.what);
   for (const ArmAfterFault& arm : arms) {
     out += fmt::format("Arm {} {}; its tip moved {:.3g} mm{}.\n", arm.name,
-                       arm.off_at >= 0.0       ? fmt::format("lost its power at {:.4g} s", arm.off_at)
-                       : arm.rest_after >= 0.0 ? fmt::format("was at rest after {:.3g} s", arm.rest_after)
-                                               : "did NOT come to rest",
+                       arm.off_at       ? fmt::format("lost its power at {:.4g} s", *arm.off_at)
+                       : arm.rest_after ? fmt::format("was at rest after {:.3g} s", *arm.rest_after)
+                                        : "did NOT come to rest",
                        1e3 * arm.moved,
                        arm.known ? "" : " as far as is known, its boards did not answer to the end");
   }

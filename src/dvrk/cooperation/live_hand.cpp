@@ -86,7 +86,7 @@ std::string LiveHand::objection(const LiveCommand& command, const Shown& now) {
 
 // A jog continues while the next half second can be planned.
 void LiveHand::plan_jog(const Shown& now) {
-  if (!plan_ || now.time < planned_ + kJogAhead) return;
+  if (!plan_ || (planned_ && now.time < *planned_ + kJogAhead)) return;
   planned_ = now.time;
   const std::string why = objection(LiveJog{now.velocity}, now);
   if (why.empty()) {
@@ -100,7 +100,7 @@ void LiveHand::plan_jog(const Shown& now) {
 void LiveHand::say() {
   if (!report_.state) return;
   const Shown now = shown();
-  if (!now.plan || now.time < told_ + options_.tell) return;
+  if (!now.plan || (told_ && now.time < *told_ + options_.tell)) return;
   told_ = now.time;
   std::string line =
       fmt::format("t={:.3f} state=\"{}\"", now.time, describe(now.plan->control.state()));

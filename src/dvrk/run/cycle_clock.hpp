@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <ctime>
+#include <optional>
 
 #include "dvrk/protocol/datagram_link.hpp"
 #include "dvrk/run/loop_timing.hpp"
@@ -21,19 +22,19 @@ class CycleClock {
     double now = link_.now();
     gap_ = WriteGap();
     late_ = false;
-    if (next_ < 0.0) next_ = window_began_ = now;  // the first cycle
+    if (!next_) next_ = window_began_ = now;  // the first cycle
     const double entered = now;
-    if (now < next_) {
-      link_.wait(next_ - now);
+    if (now < *next_) {
+      link_.wait(*next_ - now);
       now = link_.now();
-      gap_.slept = std::max(0.0, next_ - entered);
-      gap_.woken_late = std::max(0.0, now - next_);
+      gap_.slept = std::max(0.0, *next_ - entered);
+      gap_.woken_late = std::max(0.0, now - *next_);
     }
-    if (now - next_ > period_) {
+    if (now - *next_ > period_) {
       late_ = true;
       next_ = now;
     }
-    next_ += period_;
+    *next_ += period_;
     began_ = now;
     cpu_ = processor_seconds();
     return now;
@@ -57,8 +58,8 @@ class CycleClock {
     const double worked = processor_seconds() - cpu_;
     gap_.own += worked;
     gap_.interrupted += std::max(0.0, now - read_at_ - worked);
-    if (written_ >= 0.0) {
-      gap_.seconds = now - written_;
+    if (written_) {
+      gap_.seconds = now - *written_;
       gap_.at = now - first_;
       if (gap_.seconds > timing_.longest_gap.seconds) timing_.longest_gap = gap_;
     }
@@ -85,7 +86,7 @@ class CycleClock {
     const double rate = 1.0 / period_;
     timing_ = LoopTiming();
     timing_.rate = rate;
-    written_ = -1.0;
+    written_.reset();
   }
   const LoopTiming& timing() const { return timing_; }
 
@@ -121,8 +122,8 @@ class CycleClock {
 
   DatagramLink& link_;
   double period_;
-  double next_ = -1.0;
-  double began_ = 0.0, read_at_ = 0.0, written_ = -1.0, first_ = 0.0, cpu_ = 0.0;
+  std::optional<double> next_, written_;
+  double began_ = 0.0, read_at_ = 0.0, first_ = 0.0, cpu_ = 0.0;
   bool late_ = false;
   WriteGap gap_, before_;
   LoopTiming timing_;

@@ -92,7 +92,7 @@ bool MotionRun::cycle(Make&& make) {
 }
 
 bool MotionRun::control(double now) noexcept {
-  const CycleTimes times{before_ < 0.0 ? 1.0 / options_.rate : now - before_, link_.now() - now};
+  const CycleTimes times{before_ ? now - *before_ : 1.0 / options_.rate, link_.now() - now};
   before_ = now;
   if (!controller_.torques(arm_.state(), wanted_, times, tau_)) return false;
   arm_.set_torques(tau_);
@@ -102,7 +102,7 @@ bool MotionRun::control(double now) noexcept {
 
 void MotionRun::forget() noexcept {
   controller_.reset();
-  before_ = -1.0;
+  before_.reset();
 }
 
 bool MotionRun::stays_inside() {

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <atomic>
+#include <optional>
 #include <string>
 
 #include "cycle_clock.hpp"
@@ -56,7 +57,7 @@ class MotionRun {
   LatchTime latch_;
   JointReference wanted_;
   VectorXd tau_;
-  double before_ = -1.0;  // [s] of the last call for torques
+  std::optional<double> before_;  // [s] of the last call for torques
   std::string why_, busy_;
   bool looks_ = false;  // before power
 };

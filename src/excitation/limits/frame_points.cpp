@@ -25,16 +25,16 @@ void FramePoints::move_to(const VectorXd& q) {
   }
 }
 
-Eigen::Vector3d FramePoints::point(int frame, const Eigen::Vector3d& in_frame) const {
-  if (frame < 0) return in_frame;
-  const Posed& T = T_world_[tree_.link_of_frame[frame]];
+Eigen::Vector3d FramePoints::point(std::optional<FrameIndex> frame, const Eigen::Vector3d& in_frame) const {
+  if (!frame) return in_frame;
+  const Posed& T = T_world_[tree_.link_of_frame[frame->value]];
   return eigen(T.p) + eigen(rotate(T.R, from_eigen(in_frame)));
 }
 
-MatrixXd FramePoints::point_slope(int frame, const Eigen::Vector3d& in_frame) const {
+MatrixXd FramePoints::point_slope(std::optional<FrameIndex> frame, const Eigen::Vector3d& in_frame) const {
   MatrixXd slope = MatrixXd::Zero(3, tree_.joints);
-  if (frame < 0) return slope;
-  const auto k = static_cast<size_t>(tree_.link_of_frame[frame]);
+  if (!frame) return slope;
+  const auto k = static_cast<size_t>(tree_.link_of_frame[frame->value]);
   const Vec3d r{in_frame.x(), in_frame.y(), in_frame.z()};
   for (int m = tree_.links[k].first_support; m < tree_.links[k].end_support; ++m) {
     const Column<double>& c = recursion_.jacobian[m];
@@ -44,11 +44,11 @@ MatrixXd FramePoints::point_slope(int frame, const Eigen::Vector3d& in_frame) co
   return slope;
 }
 
-Eigen::Vector3d FramePoints::z_axis(int frame) const {
+Eigen::Vector3d FramePoints::z_axis(std::optional<FrameIndex> frame) const {
   return point(frame, Eigen::Vector3d::UnitZ()) - point(frame, Eigen::Vector3d::Zero());
 }
 
-MatrixXd FramePoints::z_axis_slope(int frame) const {
+MatrixXd FramePoints::z_axis_slope(std::optional<FrameIndex> frame) const {
   return point_slope(frame, Eigen::Vector3d::UnitZ()) - point_slope(frame, Eigen::Vector3d::Zero());
 }
 

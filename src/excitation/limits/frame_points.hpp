@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "veridyn/kinematics/recursion.hpp"
 #include "veridyn/kinematics/tree.hpp"
 #include "veridyn/math/types.hpp"
@@ -16,13 +18,13 @@ class FramePoints {
   /// Computes the poses of all frames at q.
   void move_to(const VectorXd& q);
 
-  /// A point of a frame in the world, and its derivative by q; frame -1 is the world.
-  Eigen::Vector3d point(int frame, const Eigen::Vector3d& in_frame) const;
-  MatrixXd point_slope(int frame, const Eigen::Vector3d& in_frame) const;
+  /// A point of a frame in the world, and its derivative by q; no frame: the world.
+  Eigen::Vector3d point(std::optional<FrameIndex> frame, const Eigen::Vector3d& in_frame) const;
+  MatrixXd point_slope(std::optional<FrameIndex> frame, const Eigen::Vector3d& in_frame) const;
 
   /// The frame's z axis in the world, and its derivative by q.
-  Eigen::Vector3d z_axis(int frame) const;
-  MatrixXd z_axis_slope(int frame) const;
+  Eigen::Vector3d z_axis(std::optional<FrameIndex> frame) const;
+  MatrixXd z_axis_slope(std::optional<FrameIndex> frame) const;
 
  private:
   Tree tree_;

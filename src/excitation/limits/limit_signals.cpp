@@ -71,21 +71,21 @@ void LimitSignals::add_torques(const Model& powered) {
   }
 }
 
-int LimitSignals::frame_index(const Model& arm, const std::string& name) const {
-  if (name == "world") return -1;
+std::optional<FrameIndex> LimitSignals::frame_index(const Model& arm, const std::string& name) const {
+  if (name == "world") return std::nullopt;
   std::vector<std::string> names;
   for (const Frame& frame : arm.frames()) names.push_back(frame.name);
   const int k = arm.find_frame(name);
   require(k >= 0, "excitation: found the frame '", name, "'", did_you_mean(name, names),
           ", expected world or one of: ", listed(names), ".");
-  return k;
+  return FrameIndex{k};
 }
 
 void LimitSignals::add_workspace(const Model& arm, const WorkspaceLimits& workspace) {
   using Kind = Geometry::Kind;
   const Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   for (const FrameBox& box : workspace.boxes) {
-    const int frame = frame_index(arm, box.frame);
+    const std::optional<FrameIndex> frame = frame_index(arm, box.frame);
     for (int axis = 0; axis < 3; ++axis) {
       const double low = box.lower[axis];
       const double high = box.upper[axis];
@@ -93,7 +93,7 @@ void LimitSignals::add_workspace(const Model& arm, const WorkspaceLimits& worksp
               high, " m, expected the smaller bound first.");
       if (!std::isfinite(low) && !std::isfinite(high)) continue;
       const double size = std::isfinite(high - low) ? high - low : 0.1;
-      geometries_.push_back({Kind::kCoordinate, axis, frame, -1, origin, origin});
+      geometries_.push_back({Kind::kCoordinate, axis, frame, std::nullopt, origin, origin});
       signals_.push_back({text("xyz"[axis], " of ", box.frame), "m", low, high, size});
     }
   }
@@ -111,9 +111,9 @@ void LimitSignals::add_workspace(const Model& arm, const WorkspaceLimits& worksp
     require(range.lower < range.upper, "excitation: the insertion of '", range.frame,
             "' goes from ", range.lower, " m to ", range.upper,
             " m, expected the smaller bound first.");
-    const int frame = frame_index(arm, range.frame);
-    require(frame >= 0, "excitation: the world cannot be inserted anywhere.");
-    geometries_.push_back({Kind::kInsertion, 0, frame, -1, origin, range.centre});
+    const std::optional<FrameIndex> frame = frame_index(arm, range.frame);
+    require(frame.has_value(), "excitation: the world cannot be inserted anywhere.");
+    geometries_.push_back({Kind::kInsertion, 0, frame, std::nullopt, origin, range.centre});
     signals_.push_back({text("insertion of ", range.frame), "m", range.lower, range.upper,
                         range.upper - range.lower});
   }
@@ -151,7 +151,7 @@ double LimitSignals::gap(const FramePoints& at, size_t k, Eigen::RowVectorXd* sl
   const LinkGap::Nearest nearest = gaps_[k].nearest(at);
   if (slope != nullptr) {
     *slope = nearest.direction.transpose() * at.point_slope(nearest.frame, nearest.point);
-    if (nearest.other >= 0)
+    if (nearest.other)
       *slope -= nearest.direction.transpose() * at.point_slope(nearest.other, nearest.other_point);
   }
   return nearest.gap;

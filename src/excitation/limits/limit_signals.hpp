@@ -52,7 +52,7 @@ class LimitSignals {
   void add_stops(const MotionLimits& joints);
   void add_torques(const Model& powered);
   void add_workspace(const Model& arm, const WorkspaceLimits& workspace);
-  int frame_index(const Model& arm, const std::string& name) const;
+  std::optional<FrameIndex> frame_index(const Model& arm, const std::string& name) const;
   MatrixXd torques(const MotionSamples& motion) const;
   void torque_slopes(const MotionSamples& motion, std::vector<MatrixXd>& slopes) const;
   double geometry(const FramePoints& at, size_t k, Eigen::RowVectorXd* slope) const;
@@ -61,7 +61,7 @@ class LimitSignals {
   struct Geometry {
     enum class Kind { kCoordinate, kDistance, kInsertion } kind;
     int axis;
-    int frame, other;
+    std::optional<FrameIndex> frame, other;
     Eigen::Vector3d point, other_point;
   };
 

@@ -62,22 +62,22 @@ double outside(const Obstacle& box, const Eigen::Vector3d& p, Eigen::Vector3d* d
 }
 
 // The frame that moves last on the way to a frame: frames of one mover are one rigid body.
-int mover_of(const Model& arm, int frame) {
-  while (frame >= 0 && arm.frames()[frame].type == JointType::kFixed)
-    frame = arm.frames()[frame].parent;
+std::optional<FrameIndex> mover_of(const Model& arm, std::optional<FrameIndex> frame) {
+  while (frame && arm.frames()[frame->value].type == JointType::kFixed) frame = arm.frames()[frame->value].parent;
   return frame;
 }
 
-// -1: the world.
-int frame_of(const Model& arm, const Capsule& capsule) {
-  const int frame = capsule.frame == "world" ? -1 : arm.find_frame(capsule.frame);
-  require(frame >= 0 || capsule.frame == "world", "excitation: found a shape on the frame '",
+// Nothing: the world.
+std::optional<FrameIndex> frame_of(const Model& arm, const Capsule& capsule) {
+  if (capsule.frame == "world") return std::nullopt;
+  const int frame = arm.find_frame(capsule.frame);
+  require(frame >= 0, "excitation: found a shape on the frame '",
           capsule.frame, "', which '", arm.name(), "' does not have.");
-  return frame;
+  return FrameIndex{frame};
 }
 
 struct RigidBody {
-  int mover;
+  std::optional<FrameIndex> mover;
   std::string name;
   std::vector<Capsule> capsules;
 };
@@ -85,7 +85,7 @@ struct RigidBody {
 std::vector<RigidBody> rigid_bodies(const Model& arm, const std::vector<Capsule>& shapes) {
   std::vector<RigidBody> out;
   for (const Capsule& capsule : shapes) {
-    const int mover = mover_of(arm, frame_of(arm, capsule));
+    const std::optional<FrameIndex> mover = mover_of(arm, frame_of(arm, capsule));
     const auto own = std::find_if(out.begin(), out.end(), [&](const RigidBody& b) { return b.mover == mover; });
     if (own != out.end()) {
       own->capsules.push_back(capsule);
@@ -96,11 +96,11 @@ std::vector<RigidBody> rigid_bodies(const Model& arm, const std::vector<Capsule>
   return out;
 }
 
-bool joined_by_one_joint(const Model& arm, int a, int b) {
-  const auto before = [&](int mover) {
-    return mover < 0 ? -2 : mover_of(arm, arm.frames()[mover].parent);
+bool joined_by_one_joint(const Model& arm, std::optional<FrameIndex> a, std::optional<FrameIndex> b) {
+  const auto hangs_on = [&](std::optional<FrameIndex> mover, std::optional<FrameIndex> other) {
+    return mover && mover_of(arm, arm.frames()[mover->value].parent) == other;
   };
-  return before(a) == b || before(b) == a;
+  return hangs_on(a, b) || hangs_on(b, a);
 }
 
 VectorXd random_posture(const Model& arm, RandomNumbers& random) {
@@ -142,7 +142,7 @@ LinkGap::Nearest LinkGap::nearest(const FramePoints& at) const {
       for (const double s : {0.0, 0.5 * (low + high), 1.0}) {
         Eigen::Vector3d direction;
         const double gap = outside(*obstacle_, from + s * along, &direction) - a.radius;
-        if (gap < best.gap) best = {gap, direction, a.frame, a.from + s * (a.to - a.from)};
+        if (gap < best.gap) best = {gap, direction, a.frame, a.from + s * (a.to - a.from), {}};
       }
     }
     for (const Rod& b : second_) {
@@ -171,7 +171,7 @@ CollisionLimits collision_limits(const Model& arm, const std::vector<Capsule>& s
       if (joined_by_one_joint(arm, bodies[a].mover, bodies[b].mover)) continue;
       asked.push_back({bodies[a].name, bodies[b].name, bodies[a].capsules, bodies[b].capsules, {}, clearance});
     }
-    if (bodies[a].mover < 0) continue;
+    if (!bodies[a].mover) continue;
     for (const Obstacle& o : obstacles) asked.push_back({bodies[a].name, o.name, bodies[a].capsules, {}, o, clearance});
   }
   std::vector<LinkGap> gaps;

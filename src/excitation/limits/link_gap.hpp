@@ -19,16 +19,16 @@ class LinkGap {
   struct Nearest {
     double gap = 0.0;
     Eigen::Vector3d direction{0, 0, 0};  ///< in the world, from the second to the first; of norm one
-    int frame = -1;                      ///< -1: the world
+    std::optional<FrameIndex> frame;     ///< nothing: the world
     Eigen::Vector3d point{0, 0, 0};      ///< in the frame
-    int other = -1;
+    std::optional<FrameIndex> other;
     Eigen::Vector3d other_point{0, 0, 0};
   };
   Nearest nearest(const FramePoints& at) const;
 
  private:
   struct Rod {
-    int frame;
+    std::optional<FrameIndex> frame;
     Eigen::Vector3d from, to;
     double radius;
   };

@@ -47,9 +47,8 @@ Columns channel_columns(const Model& arm, const KnownRival& rival, const Channel
   require(channel.has_rigid_columns(), "excitation: '", rival.label,
           "' has no column that the motion of joints could be planned for.");
   const VectorXd phi = own_values(arm, rival);
-  const int joint = cause.joint ? cause.joint->value : 0;
   Columns out;
-  for (const RigidColumn& column : channel.rigid_columns(arm, joint)) {
+  for (const RigidColumn& column : channel.rigid_columns(arm, cause.joint)) {
     ModelDescription d = arm.description();
     d.gravity = column.gravity;
     out.push_back(torque_column(Model(std::move(d)), phi,

@@ -25,7 +25,7 @@ class MjcfReader : private MjcfElements {
         if (const pugi::xml_node node = world.child(kind))
           xml_.fail(node, text("<", kind, "> in the worldbody"), "it inside of a body");
       }
-      children(world, -1, Eigen::Isometry3d::Identity(), false);
+      children(world, std::nullopt, Eigen::Isometry3d::Identity(), false);
     }
     read_couplings();
     read_actuators();
@@ -67,7 +67,7 @@ class MjcfReader : private MjcfElements {
   }
 
   // Bodies and sites below a body. `T` places the body's own axes in the frame `parent`.
-  void children(pugi::xml_node above, int parent, const Eigen::Isometry3d& T, bool moves) {
+  void children(pugi::xml_node above, std::optional<FrameIndex> parent, const Eigen::Isometry3d& T, bool moves) {
     for (const pugi::xml_node node : above.children()) {
       const std::string kind = node.name();
       if (kind == "body") body(node, parent, T, moves);
@@ -89,7 +89,7 @@ class MjcfReader : private MjcfElements {
            std::strcmp(node.attribute("name").value(), node.parent().attribute("name").value()) == 0;
   }
 
-  void site(pugi::xml_node node, int parent, const Eigen::Isometry3d& T) {
+  void site(pugi::xml_node node, std::optional<FrameIndex> parent, const Eigen::Isometry3d& T) {
     Frame frame;
     frame.name = free_name(node.attribute("name").value());
     frame.parent = parent;
@@ -97,7 +97,7 @@ class MjcfReader : private MjcfElements {
     add_frame(std::move(frame), -1);
   }
 
-  void body(pugi::xml_node node, int parent, const Eigen::Isometry3d& before, bool moves) {
+  void body(pugi::xml_node node, std::optional<FrameIndex> parent, const Eigen::Isometry3d& before, bool moves) {
     if (node.child("freejoint")) xml_.fail(node.child("freejoint"), "a body that moves freely", "arms on a fixed base");
     if (const pugi::xml_attribute a = node.attribute("gravcomp"); a && xml_.number(node, "gravcomp", a.value()) != 0.0)
       xml_.fail(node, "gravity compensation of a body (gravcomp)", "none: motors carry the weight");
@@ -117,7 +117,7 @@ class MjcfReader : private MjcfElements {
       const int index = joint(joints[k], name, frame, T);
       frame.name = last ? name : free_name(name + "__" + joints_[index].name);
       if (last) frame.B = frame.B * from_eigen(T_body_frame);
-      parent = static_cast<int>(model_.frames.size());
+      parent = FrameIndex{static_cast<int>(model_.frames.size())};
       add_frame(std::move(frame), index);
       T = Eigen::Isometry3d::Identity();
     }
@@ -126,12 +126,12 @@ class MjcfReader : private MjcfElements {
       frame.name = name;
       frame.parent = parent;
       place(frame, {from_eigen(T * T_body_frame), {0, 0, 1}, {0, 0, 0}});
-      parent = static_cast<int>(model_.frames.size());
+      parent = FrameIndex{static_cast<int>(model_.frames.size())};
       add_frame(std::move(frame), -1);
     }
     moves = moves || !joints.empty();
     const Eigen::Isometry3d T_frame_body = T_body_frame.inverse(Eigen::Isometry);
-    model_.frames[parent].body = inertia(node, T_frame_body, moves);
+    model_.frames[parent->value].body = inertia(node, T_frame_body, moves);
     children(node, parent, T_frame_body, moves);
   }
 

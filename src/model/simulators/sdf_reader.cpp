@@ -207,7 +207,7 @@ class SdfReader {
     Eigen::Isometry3d T_parent_model = T_world_model_;
     if (parent != "world" && parent != "__model__") {
       add_link(parts_.at(parent), depth + 1);
-      frame.parent = frame_of(parent);
+      frame.parent = FrameIndex{frame_of(parent)};
       T_parent_model = place_of(joint, parent, 0).inverse(Eigen::Isometry);
     }
     if (is_fixed(joint)) {

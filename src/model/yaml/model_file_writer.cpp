@@ -173,7 +173,7 @@ class ModelWriter {
   std::string frame_text(const Frame& frame) const {
     const std::string place = "frames/" + frame.name;
     const std::string parent =
-        frame.parent < 0 ? "world" : d_.frames[frame.parent].name;
+        frame.parent ? d_.frames[frame.parent->value].name : "world";
     std::vector<std::string> parts{"name: " + quoted_if_needed(frame.name),
                                    "parent: " + quoted_if_needed(parent)};
     const std::optional<DhRow> row = row_of(frame);

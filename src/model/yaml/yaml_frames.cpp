@@ -64,11 +64,11 @@ class FrameReader {
     return frame;
   }
 
-  int parent_index(const YamlNode& node, int k) const {
+  std::optional<FrameIndex> parent_index(const YamlNode& node, int k) const {
     const std::string& parent = parents_[k];
-    if (parent == "world") return -1;
+    if (parent == "world") return std::nullopt;
     const int p = index_of(names_, parent);
-    if (p >= 0 && p < k) return p;
+    if (p >= 0 && p < k) return FrameIndex{p};
     if (p < 0) {
       std::vector<std::string> known = names_;
       known.insert(known.begin(), "world");

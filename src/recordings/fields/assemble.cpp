@@ -25,8 +25,8 @@ int base_stream(const RawRecording& raw, const ChosenFields& chosen) {
   std::map<int, std::pair<int, std::size_t>> weight;
   for (const auto& places : chosen.places) {
     for (int signal = 0; signal < kSignalCount; ++signal) {
-      const int stream = places[signal].stream;
-      if (stream < 0) continue;
+      if (!places[signal]) continue;
+      const int stream = places[signal]->stream;
       weight[stream].first += signal == 0 ? 100 : 1;
       weight[stream].second = raw.streams[stream].rows();
     }
@@ -128,10 +128,10 @@ class Assembler {
     MatrixXd values;
     std::vector<std::string> missing;
     for (std::size_t j = 0; j < chosen_.places.size(); ++j) {
-      const FieldPlace& place = chosen_.places[j][signal];
+      const std::optional<FieldPlace>& place = chosen_.places[j][signal];
       VectorXd one;
-      if (place.found()) one = column(place, base);
-      if (!place.found() || one.array().isNaN().all()) {
+      if (place) one = column(*place, base);
+      if (!place || one.array().isNaN().all()) {
         missing.push_back(chosen_.joints[j]);
         continue;
       }
@@ -192,8 +192,8 @@ class Assembler {
 
   bool uses(int stream) const {
     for (const auto& places : chosen_.places) {
-      for (const FieldPlace& place : places) {
-        if (place.stream == stream) return true;
+      for (const std::optional<FieldPlace>& place : places) {
+        if (place && place->stream == stream) return true;
       }
     }
     return false;

@@ -38,16 +38,16 @@ std::vector<std::string> joints_with_position(const RawRecording& raw, const std
 }
 
 // The longest stream of the topic that has this signal of the joint.
-FieldPlace place_of(const RawRecording& raw, const std::string& topic, const std::string& joint,
+std::optional<FieldPlace> place_of(const RawRecording& raw, const std::string& topic, const std::string& joint,
                     int signal) {
-  FieldPlace best;
+  std::optional<FieldPlace> best;
   std::size_t rows = 0;
   for (std::size_t s = 0; s < raw.streams.size(); ++s) {
     const RawStream& stream = raw.streams[s];
     if (stream.topic != topic || stream.rows() <= rows) continue;
     for (std::size_t f = 0; f < stream.fields.size(); ++f) {
       if (stream.fields[f].signal != signal || stream.fields[f].joint != joint) continue;
-      best = {static_cast<int>(s), static_cast<int>(f)};
+      best = FieldPlace{static_cast<int>(s), static_cast<int>(f)};
       rows = stream.rows();
     }
   }
@@ -129,8 +129,8 @@ Candidate candidate_of(const RawRecording& raw, const std::string& topic,
     c.matched = static_cast<int>(std::count_if(c.match.begin(), c.match.end(), [](int k) { return k >= 0; }));
   }
   for (const std::string& joint : c.recorded)
-    c.efforts = c.efforts || place_of(raw, topic, joint, kTau).found() ||
-                place_of(raw, topic, joint, kCurrent).found();
+    c.efforts = c.efforts || place_of(raw, topic, joint, kTau) ||
+                place_of(raw, topic, joint, kCurrent);
   return c;
 }
 
@@ -189,7 +189,7 @@ void add_separate_efforts(const RawRecording& raw, const std::vector<std::string
                           ChosenFields* chosen) {
   const auto lacks = [&](int signal) {
     return std::none_of(chosen->places.begin(), chosen->places.end(),
-                        [&](const auto& p) { return p[signal].found(); });
+                        [&](const auto& p) { return p[signal].has_value(); });
   };
   if (!lacks(kTau) || !lacks(kCurrent)) return;
   const std::size_t n = chosen->joints.size();
@@ -198,7 +198,7 @@ void add_separate_efforts(const RawRecording& raw, const std::vector<std::string
     for (std::size_t j = 0; j < n; ++j)
       chosen->places[j][kTau] = place_of(raw, stream.topic, chosen->recorded[j], kTau);
     if (std::all_of(chosen->places.begin(), chosen->places.end(),
-                    [](const auto& p) { return p[kTau].found(); })) {
+                    [](const auto& p) { return p[kTau].has_value(); })) {
       chosen->remarks.push_back(text("torques are taken from ", stream.topic, "."));
       return;
     }
@@ -298,7 +298,7 @@ ChosenFields choose_fields(const RawRecording& given, const std::string& path,
     const Candidate c = best_candidate(*raw, path, choice, map.renamed(), &chosen.remarks);
     const std::size_t n = c.match.size();
     mapped.resize(n);
-    for (std::size_t j = 0; j < n; ++j) mapped[j] = map.place(kQ, j).found() ? 1 : 0;
+    for (std::size_t j = 0; j < n; ++j) mapped[j] = map.place(kQ, j) ? 1 : 0;
     if (!choice.joints.empty()) require_all_joints(c, path, choice, mapped);
     chosen.places.resize(n);
     std::vector<std::string> topics = {c.topic};
@@ -309,11 +309,11 @@ ChosenFields choose_fields(const RawRecording& given, const std::string& path,
       chosen.joints.push_back(choice.joints.empty() ? recorded : choice.joints[j].name);
       if (recorded.empty()) continue;
       for (int signal = 0; signal < kSignalCount; ++signal) {
-        FieldPlace& place = chosen.places[j][signal];
+        std::optional<FieldPlace>& place = chosen.places[j][signal];
         place = place_of(*raw, c.topic, recorded, signal);
         // Other chosen topics provide signals that the first lacks.
         for (const std::string& other : choice.topics) {
-          if (!place.found()) place = place_of(*raw, other, recorded, signal);
+          if (!place) place = place_of(*raw, other, recorded, signal);
         }
       }
     }
@@ -329,8 +329,7 @@ ChosenFields choose_fields(const RawRecording& given, const std::string& path,
   }
   for (std::size_t j = 0; j < chosen.places.size(); ++j) {
     for (int signal = 0; signal < kSignalCount; ++signal) {
-      const FieldPlace place = map.place(signal, j);
-      if (place.found()) chosen.places[j][signal] = place;
+      if (const auto place = map.place(signal, j)) chosen.places[j][signal] = place;
     }
   }
   return chosen;

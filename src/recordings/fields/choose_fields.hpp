@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,11 +10,10 @@
 
 namespace veridyn::recordings {
 
-/// A column of one of the streams; stream -1: none.
+/// A column of one of the streams.
 struct FieldPlace {
-  int stream = -1;
-  int field = -1;
-  bool found() const { return stream >= 0; }
+  int stream;
+  int field;
 };
 
 constexpr int kSignalCount = 5;  ///< as kRecordingSignals
@@ -22,7 +22,7 @@ constexpr int kSignalCount = 5;  ///< as kRecordingSignals
 struct ChosenFields {
   std::vector<std::string> joints;    ///< names of the arm, or of the file if no arm is given
   std::vector<std::string> recorded;  ///< names in the file, joint by joint
-  std::vector<std::array<FieldPlace, kSignalCount>> places;  ///< joint by joint
+  std::vector<std::array<std::optional<FieldPlace>, kSignalCount>> places;  ///< joint by joint
   std::vector<std::string> remarks;
 };
 

@@ -47,15 +47,15 @@ std::optional<long> number_behind(const std::string& name, const std::string& pr
   return std::stol(rest);
 }
 
-FieldPlace column(const RawRecording& raw, const std::string& source) {
-  FieldPlace best;
+std::optional<FieldPlace> column(const RawRecording& raw, const std::string& source) {
+  std::optional<FieldPlace> best;
   std::size_t rows = 0;
   for (std::size_t s = 0; s < raw.streams.size(); ++s) {
     for (std::size_t f = 0; f < raw.streams[s].fields.size(); ++f) {
       const std::vector<std::string> names = names_of(raw.streams[s], raw.streams[s].fields[f]);
       const bool same = std::find(names.begin(), names.end(), plain(source)) != names.end();
       if (!same || raw.streams[s].rows() <= rows) continue;
-      best = {static_cast<int>(s), static_cast<int>(f)};
+      best = FieldPlace{static_cast<int>(s), static_cast<int>(f)};
       rows = raw.streams[s].rows();
     }
   }
@@ -133,18 +133,19 @@ FieldMap::FieldMap(const RawRecording& raw, const std::string& path, const Signa
                               "', expected a signal as tau1 or tau, t, or a joint",
                               names.empty() ? "" : " of " + listed(names), "."));
     } else if (signal->joint > 0) {
-      const FieldPlace place = column(raw, source);
+      const std::optional<FieldPlace> place = column(raw, source);
       const std::optional<Key> other = key_of(source);
-      if (!place.found() && other && other->joint > 0) {
+      if (!place && other && other->joint > 0) {
         taken_[{signal->signal, signal->joint - 1}] = {other->signal, other->joint - 1};
         continue;
       }
-      if (!place.found()) fail(path, key, source, raw);
-      places_[{signal->signal, signal->joint - 1}] = place;
+      if (!place) fail(path, key, source, raw);
+      places_[{signal->signal, signal->joint - 1}] = *place;
     } else {
       const std::vector<FieldPlace> found = columns(raw, source);
-      if (found.empty() && column(raw, source).found()) {
-        places_[{signal->signal, 0}] = column(raw, source);
+      const std::optional<FieldPlace> one = found.empty() ? column(raw, source) : std::nullopt;
+      if (one) {
+        places_[{signal->signal, 0}] = *one;
         continue;
       }
       if (found.empty()) fail(path, key, source, raw);
@@ -155,9 +156,9 @@ FieldMap::FieldMap(const RawRecording& raw, const std::string& path, const Signa
   }
 }
 
-FieldPlace FieldMap::place(int signal, std::size_t joint) const {
+std::optional<FieldPlace> FieldMap::place(int signal, std::size_t joint) const {
   const auto found = places_.find({signal, joint});
-  return found == places_.end() ? FieldPlace{} : found->second;
+  return found == places_.end() ? std::nullopt : std::make_optional(found->second);
 }
 
 bool FieldMap::touches(int signal) const {
@@ -177,7 +178,7 @@ bool FieldMap::maps_all_positions() const {
   const std::size_t n = wanted_ > 0 ? wanted_ : largest_joint();
   if (n == 0) return false;
   for (std::size_t j = 0; j < n; ++j) {
-    if (!place(0, j).found()) return false;
+    if (!place(0, j)) return false;
   }
   return true;
 }

@@ -18,7 +18,7 @@ class FieldMap {
   FieldMap(const RawRecording& raw, const std::string& path, const SignalChoice& choice);
 
   /// The mapped column of a signal of joint `joint` (from 0); not found() if it is not mapped.
-  FieldPlace place(int signal, std::size_t joint) const;
+  std::optional<FieldPlace> place(int signal, std::size_t joint) const;
   /// Signals that take another joint's, as in tau1=tau2: by the mapped one, the source.
   struct Taken {
     int signal;

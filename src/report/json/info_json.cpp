@@ -41,7 +41,7 @@ Json frames_json(const Model& arm) {
   Json out = Json::array();
   for (const Frame& frame : arm.frames()) {
     out.push_back({{"name", frame.name},
-                   {"parent", frame.parent < 0 ? "world" : arm.frames()[frame.parent].name},
+                   {"parent", frame.parent ? arm.frames()[frame.parent->value].name : "world"},
                    {"type", type_name(frame.type)},
                    {"variable", form_json(arm, frame.variable)},
                    {"offset", frame.variable.offset},

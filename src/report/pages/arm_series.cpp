@@ -60,7 +60,7 @@ Json arm_json(const Model& arm, const Eigen::Isometry3d& T_world_base) {
         form.push_back({i, frame.variable.coefficients[i]});
     }
     out["frames"].push_back({{"name", frame.name},
-                             {"parent", frame.parent},
+                             {"parent", frame.parent ? frame.parent->value : -1},
                              {"kind", kind_of(frame.type)},
                              {"c", form},
                              {"s0", frame.type == JointType::kFixed ? 0.0 : frame.variable.offset},

@@ -63,7 +63,7 @@ ForceSample ForceSensor::read(double time, double force) noexcept {
     const ForceSample& next = s.ring[s.arrived % size];
     if (next.time + s.options.delay > time + kSameTime) break;
     if (next.time < s.options.stale_from) {
-      const bool stuck = next.time >= s.options.stuck_from && s.latest.number >= 0;
+      const bool stuck = next.time >= s.options.stuck_from && s.latest.number;
       const double since = next.time - s.options.jump_from;
       const double off = since >= 0.0 ? s.options.jump_by + since * s.options.drift : 0.0;
       s.latest = {stuck ? s.latest.force : next.force + off, next.time, next.number};
