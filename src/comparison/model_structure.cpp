@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "math/eigen_pose.hpp"
 #include "veridyn/effects/effect_facts.hpp"
 #include "veridyn/identification/pseudo_inertia.hpp"
 #include "veridyn/regressor/standard_parameters.hpp"
@@ -233,14 +234,7 @@ namespace {
 
 // A body's parameters in a frame in which its own frame has the pose A B.
 InertialParameters moved(const InertialParameters& phi, const Frame& frame) {
-  const Posed T = frame.A * frame.B;
-  Eigen::Matrix4d H;
-  // clang-format off
-  H << T.R.row0.x, T.R.row0.y, T.R.row0.z, T.p.x,
-       T.R.row1.x, T.R.row1.y, T.R.row1.z, T.p.y,
-       T.R.row2.x, T.R.row2.y, T.R.row2.z, T.p.z,
-       0, 0, 0, 1;
-  // clang-format on
+  const Eigen::Matrix4d H = eigen(frame.A * frame.B).matrix();
   return inertial_parameters(Eigen::Matrix4d(H * pseudo_inertia(phi) * H.transpose()));
 }
 

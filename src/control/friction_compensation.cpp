@@ -17,6 +17,12 @@ double pick(const Deadband& deadband, bool prismatic) {
   return prismatic ? deadband.prismatic : deadband.revolute;
 }
 
+double along(const std::vector<JointCoefficient>& axis, const VectorXd& x) {
+  double sum = 0.0;
+  for (const JointCoefficient& c : axis) sum += c.coefficient * x[c.coordinate];
+  return sum;
+}
+
 double weighted(const BoundEffect& term, const EffectColumns& row) {
   double sum = 0.0;
   for (int p = 0; p < term.parameter_count(); ++p)
@@ -38,23 +44,28 @@ FrictionCompensation::FrictionCompensation(const Model& arm, const FrictionOptio
     if (control_part(bound.traits()) != ControlPart::kFriction) continue;
     require(bound.has_values(), "FrictionCompensation: effect ", bound.parameter_name(0),
             " of arm '", arm.name(), "' has no value; identify it first.");
-    const auto known = std::find_if(axes_.begin(), axes_.end(), [&](const Axis& axis) {
+    auto known = std::find_if(axes_.begin(), axes_.end(), [&](const Axis& axis) {
       return axis.c == term.axis.coefficients && axis.offset == term.axis.offset;
     });
-    if (known != axes_.end()) {
-      known->terms.push_back(std::move(bound));
-      continue;
+    if (known == axes_.end()) {
+      Axis axis;
+      axis.c = term.axis.coefficients;
+      for (Eigen::Index i = 0; i < axis.c.size(); ++i)
+        if (axis.c[i] != 0.0) axis.along.push_back({static_cast<int>(i), axis.c[i]});
+      axis.offset = term.axis.offset;
+      axis.squared = axis.c.squaredNorm();
+      axis.prismatic = is_prismatic(arm, term.axis);
+      axis.velocity_deadband = pick(options.velocity, axis.prismatic);
+      axis.position_deadband = pick(options.position, axis.prismatic);
+      axis.tank_capacity = pick(options.tank_capacity, axis.prismatic);
+      known = axes_.insert(axes_.end(), std::move(axis));
     }
-    Axis axis;
-    axis.c = term.axis.coefficients;
-    axis.offset = term.axis.offset;
-    axis.prismatic = is_prismatic(arm, term.axis);
-    axis.velocity_deadband = pick(options.velocity, axis.prismatic);
-    axis.position_deadband = pick(options.position, axis.prismatic);
-    axis.tank_capacity = pick(options.tank_capacity, axis.prismatic);
-    axis.terms.push_back(std::move(bound));
-    axes_.push_back(std::move(axis));
+    const EffectTraits& traits = bound.traits();
+    known->loaded = known->loaded || traits.uses_load;
+    known->constant = known->constant && !traits.uses_position && !traits.uses_load && !traits.memory;
+    known->terms.push_back(std::move(bound));
   }
+  for (Axis& axis : axes_) axis.at_rest = at_rest(axis);
   reset();
 }
 
@@ -94,6 +105,10 @@ double FrictionCompensation::sliding(const Axis& axis, double direction, double 
 
 double FrictionCompensation::sliding(int k, double direction, double speed) const noexcept {
   return sliding(axes_[k], direction, speed);
+}
+
+double FrictionCompensation::at_rest(const Axis& axis) noexcept {
+  return std::max(std::abs(sliding(axis, 1.0, 0.0)), std::abs(sliding(axis, -1.0, 0.0)));
 }
 
 double FrictionCompensation::tank_level(const Axis& axis) noexcept {
@@ -147,10 +162,8 @@ double FrictionCompensation::whole(Axis& axis, double v, double v_wanted,
 
 void FrictionCompensation::supervise(Axis& axis, double v_wanted, double dt) const noexcept {
   if (!std::isfinite(axis.tank_capacity)) return;
-  const double level =
-      options_.share * axis.scale *
-      std::max(std::abs(sliding(axis, 1.0, 0.0)), std::abs(sliding(axis, -1.0, 0.0)));
-  axis.largest = level * axis.tank_capacity;
+  const double level = axis.constant ? axis.at_rest : at_rest(axis);
+  axis.largest = options_.share * axis.scale * level * axis.tank_capacity;
   if (axis.first) {
     axis.energy = axis.largest;
     return;
@@ -164,8 +177,8 @@ void FrictionCompensation::supervise(Axis& axis, double v_wanted, double dt) con
 
 void FrictionCompensation::locate(const ArmState& arm) noexcept {
   for (Axis& axis : axes_) {
-    axis.s = axis.offset + axis.c.dot(arm.q());
-    axis.load = axis.c.dot(arm.rigid_bias()) / axis.c.squaredNorm();
+    axis.s = axis.offset + along(axis.along, arm.q());
+    if (axis.loaded) axis.load = along(axis.along, arm.rigid_bias()) / axis.squared;
   }
 }
 
@@ -178,15 +191,15 @@ const VectorXd& FrictionCompensation::update(const ArmState& arm, const VectorXd
     return tau_;
   locate(arm);
   for (Axis& axis : axes_) {
-    const double v = axis.c.dot(arm.dq());
-    const double v_wanted = axis.c.dot(dq_wanted);
-    const double e = axis.c.dot(error);
+    const double v = along(axis.along, arm.dq());
+    const double v_wanted = along(axis.along, dq_wanted);
+    const double e = along(axis.along, error);
     supervise(axis, v_wanted, dt);
     const double force = whole(axis, v, v_wanted, e);
     axis.force = options_.share * axis.scale * std::min(1.0, tank_level(axis) / kFadesBelow) * force;
     axis.before = axis.s;
     axis.first = false;
-    tau_ += axis.force * axis.c;
+    for (const JointCoefficient& part : axis.along) tau_[part.coordinate] += axis.force * part.coefficient;
   }
   return tau_;
 }

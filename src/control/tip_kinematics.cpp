@@ -3,6 +3,7 @@
 #include <cassert>
 #include <vector>
 
+#include "math/eigen_pose.hpp"
 #include "model/suggestion.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -42,12 +43,8 @@ void TipKinematics::update(const VectorXd& q, const VectorXd& dq) noexcept {
   assert(q.size() == joints() && dq.size() == joints());
   motion_.update(q.data(), dq.data());
   const Posed& T = motion_.pose();
-  // clang-format off
-  rotation_ << T.R.row0.x, T.R.row0.y, T.R.row0.z,
-               T.R.row1.x, T.R.row1.y, T.R.row1.z,
-               T.R.row2.x, T.R.row2.y, T.R.row2.z;
-  // clang-format on
-  position_ << T.p.x, T.p.y, T.p.z;
+  rotation_ = eigen(T.R);
+  position_ = eigen(T.p);
   const Vec3d& v = motion_.velocity();
   const Vec3d& omega = motion_.omega();
   twist_ << v.x, v.y, v.z, omega.x, omega.y, omega.z;

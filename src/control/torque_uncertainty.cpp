@@ -60,8 +60,11 @@ TorqueUncertainty::TorqueUncertainty(const Model& arm, const UncertaintyOptions&
   if (arm.description().identified && arm.description().identified->has_scatter())
     read_identified(arm);
   if (!identified_) {
-    factor_ = options.relative * phi.cwiseAbs().transpose();
-    for (Eigen::Index p = 0; p < phi.size(); ++p) column_.push_back(static_cast<int>(p));
+    for (Eigen::Index p = 0; p < phi.size(); ++p)
+      if (phi[p] != 0.0) column_.push_back(static_cast<int>(p));
+    factor_.resize(1, static_cast<Eigen::Index>(column_.size()));
+    for (Eigen::Index k = 0; k < factor_.cols(); ++k)
+      factor_(0, k) = options.relative * std::abs(phi[column_[k]]);
   }
   Y_ = MatrixXd::Zero(arm.joints(), phi.size());
   sum_ = MatrixXd::Zero(factor_.rows(), arm.joints());
@@ -92,14 +95,15 @@ void TorqueUncertainty::add_friction(const ArmState& arm) noexcept {
   friction_.locate(arm);
   const double moving = std::min(1.0, options_.relative * options_.deviations / 3.0);
   for (int k = 0; k < friction_.axes(); ++k) {
-    const VectorXd& c = friction_.axis(k);
-    const double v = c.dot(arm.dq());
+    double v = 0.0;
+    for (const JointCoefficient& c : friction_.terms(k)) v += c.coefficient * arm.dq()[c.coordinate];
     const double slow =
         friction_.prismatic(k) ? options_.velocity.prismatic : options_.velocity.revolute;
     const double level =
         std::max(std::abs(friction_.sliding(k, 1.0, v)), std::abs(friction_.sliding(k, -1.0, v)));
     const double unknown = (std::abs(v) < slow ? 1.0 : moving) * level;
-    for (Eigen::Index i = 0; i < u_.size(); ++i) u_[i] += std::abs(c[i]) * unknown;
+    for (const JointCoefficient& c : friction_.terms(k))
+      u_[c.coordinate] += std::abs(c.coefficient) * unknown;
   }
 }
 

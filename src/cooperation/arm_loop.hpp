@@ -1,6 +1,5 @@
 #pragma once
 
-#include <memory>
 #include <optional>
 
 #include "veridyn/control/adaptive_friction.hpp"
@@ -11,7 +10,6 @@
 #include "veridyn/control/model_error_observer.hpp"
 #include "veridyn/control/velocity_observer.hpp"
 #include "veridyn/cooperation/scenario.hpp"
-#include "veridyn/math/vector3.hpp"
 
 namespace veridyn {
 

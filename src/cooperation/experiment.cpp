@@ -4,21 +4,17 @@
 #include <cmath>
 #include <utility>
 
+#include "math/eigen_pose.hpp"
 #include "end_stops.hpp"
 #include "loop_gains.hpp"
 #include "phase_commands.hpp"
 #include "cooperation/scenario/scenario_models.hpp"
-#include "veridyn/math/require.hpp"
 #include "veridyn/simulation/sensor_noise.hpp"
 
 namespace veridyn {
 namespace {
 
 using Eigen::Vector3d;
-
-Mat3d plain(const Eigen::Matrix3d& R) {
-  return {{R(0, 0), R(0, 1), R(0, 2)}, {R(1, 0), R(1, 1), R(1, 2)}, {R(2, 0), R(2, 1), R(2, 2)}};
-}
 
 VectorXd encoder_steps(const Model& model, const std::string& preset) {
   const SensorNoise noise = sensor_noise(preset);
@@ -57,7 +53,7 @@ void Experiment::add_arm(std::size_t index, const std::string& engine) {
   const ScenarioArm& arm = scenario_.arms[index];
   const ScenarioControl& c = scenario_.control;
   const ScenarioModels models = scenario_models(scenario_, index);
-  const Posed base{plain(models.R_world_base), {arm.position.x(), arm.position.y(), arm.position.z()}};
+  const Posed base{from_eigen(models.R_world_base), from_eigen(arm.position)};
   arms_.push_back(models.real);
   shown_.emplace_back(models.real);
   known_.emplace_back(models.known);

@@ -6,6 +6,7 @@
 #include <limits>
 #include <sstream>
 
+#include "math/words.hpp"
 #include "math/excerpt.hpp"
 #include "control/sensors/udp_port.hpp"
 #include "model/suggestion.hpp"
@@ -27,10 +28,9 @@ class Words {
   }
   double number(const char* what) {
     const std::string one = name(what);
-    char* end = nullptr;
-    const double x = std::strtod(one.c_str(), &end);
-    require(*end == '\0' && std::isfinite(x), "found '", excerpt(one), "', expected ", what, ".");
-    return x;
+    const std::optional<double> x = number_in(one);
+    require(x && std::isfinite(*x), "found '", excerpt(one), "', expected ", what, ".");
+    return *x;
   }
   double seconds() {
     const double x = number("seconds");

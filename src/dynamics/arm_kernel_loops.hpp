@@ -19,74 +19,25 @@ struct ArmKernelLoops {
   using State = ArmAlgorithms<One, P>;
   using Batch = ArmAlgorithms<P>;
 
-  static const One* ones(const double* x) { return reinterpret_cast<const One*>(x); }
-  static One* ones(double* x) { return reinterpret_cast<One*>(x); }
+  // Arguments of a kernel in the types of the algorithms.
+  static const One* lane(const Links&, const double* x) { return reinterpret_cast<const One*>(x); }
+  static One* lane(const Links&, double* x) { return reinterpret_cast<One*>(x); }
+  static typename State::Memory lane(const Links& tree, void* memory) { return State::divide(tree, memory); }
+  template <typename Other>
+  static Other lane(const Links&, Other other) { return other; }
 
-  // The functions below are flattened into one each: otherwise the compiler leaves calls in the
-  // innermost loops (a third slower).
+  static const Links& tree_of(const Links& tree) { return tree; }
+  static const Links& tree_of(const InertialLinks& arm) { return arm.tree; }
 
-  __attribute__((flatten)) static void inverse_dynamics(const InertialLinks& arm, const double* q,
-                                                        const double* dq, const double* ddq,
-                                                        const LinkWrench* external, int externals,
-                                                        double* tau, void* memory) {
-    State::inverse_dynamics(arm, ones(q), ones(dq), ones(ddq), external, externals, ones(tau),
-                            State::divide(arm.tree, memory));
+  // Flattened into one function each, as the batches below: otherwise the compiler leaves calls in
+  // the innermost loops (a third slower).
+  template <auto kAlgorithm, typename Result, typename Arm, typename... In>
+  __attribute__((flatten)) static Result run(const Arm& arm, In... in) {
+    return kAlgorithm(arm, lane(tree_of(arm), in)...);
   }
-  __attribute__((flatten)) static void gravity_torques(const InertialLinks& arm, const double* q,
-                                                       double* g, void* memory) {
-    State::gravity_torques(arm, ones(q), ones(g), State::divide(arm.tree, memory));
-  }
-  __attribute__((flatten)) static void mass_matrix(const InertialLinks& arm, const double* q,
-                                                   double* M, void* memory) {
-    State::mass_matrix(arm, ones(q), ones(M), State::divide(arm.tree, memory));
-  }
-  __attribute__((flatten)) static void equation_of_motion(const InertialLinks& arm,
-                                                          const double* q, const double* dq,
-                                                          double* M, double* h, void* memory) {
-    State::equation_of_motion(arm, ones(q), ones(dq), ones(M), ones(h), State::divide(arm.tree, memory));
-  }
-  __attribute__((flatten)) static void linearized_equation(const InertialLinks& arm,
-                                                           const double* q, const double* dq,
-                                                           double* M, double* h, double* D_,
-                                                           void* memory) {
-    State::linearized_equation(arm, ones(q), ones(dq), ones(M), ones(h), ones(D_),
-                               State::divide(arm.tree, memory));
-  }
-  __attribute__((flatten)) static void coriolis_matrix(const InertialLinks& arm, const double* q,
-                                                       const double* dq, double* C, void* memory) {
-    State::coriolis_matrix(arm, ones(q), ones(dq), ones(C), State::divide(arm.tree, memory));
-  }
-  __attribute__((flatten)) static void lagrangian_gradient(const InertialLinks& arm,
-                                                           const double* q, const double* dq,
-                                                           double* gradient, void* memory) {
-    State::lagrangian_gradient(arm, ones(q), ones(dq), ones(gradient),
-                               State::divide(arm.tree, memory));
-  }
-  __attribute__((flatten)) static void derivatives(const InertialLinks& arm, const double* q,
-                                                   const double* dq, const double* ddq,
-                                                   double* tau, double* by_q, double* by_dq,
-                                                   double* M, void* memory) {
-    State::derivatives(arm, ones(q), ones(dq), ones(ddq), ones(tau), ones(by_q), ones(by_dq), ones(M),
-                       State::divide(arm.tree, memory));
-  }
-  __attribute__((flatten)) static bool forward_dynamics(const InertialLinks& arm, const double* q,
-                                                        const double* dq, const double* tau,
-                                                        double* ddq, double* M, void* memory) {
-    return State::forward_dynamics(arm, ones(q), ones(dq), ones(tau), ones(ddq), ones(M),
-                                   State::divide(arm.tree, memory));
-  }
-  __attribute__((flatten)) static bool forward_derivatives(const InertialLinks& arm,
-                                                           const double* q, const double* dq,
-                                                           const double* tau, double* ddq,
-                                                           double* by_q, double* by_dq,
-                                                           double* by_tau, void* memory) {
-    return State::forward_derivatives(arm, ones(q), ones(dq), ones(tau), ones(ddq), ones(by_q), ones(by_dq),
-                                      ones(by_tau), State::divide(arm.tree, memory));
-  }
-  __attribute__((flatten)) static void regressor(const Links& tree, const double* q,
-                                                 const double* dq, const double* ddq, double* Y,
-                                                 void* memory) {
-    State::regressor(tree, ones(q), ones(dq), ones(ddq), ones(Y), State::divide(tree, memory));
+  template <auto kAlgorithm, typename Result, typename Arm, typename... In>
+  static void set(Result (*&kernel)(const Arm&, In...)) {
+    kernel = &run<kAlgorithm, Result, Arm, In...>;
   }
 
   // ---- batches -----------------------------------------------------------------------------------
@@ -247,17 +198,16 @@ struct ArmKernelLoops {
   static ArmKernels kernels() {
     ArmKernels out;
     out.workspace = &State::workspace;
-    out.inverse_dynamics = &inverse_dynamics;
-    out.gravity_torques = &gravity_torques;
-    out.mass_matrix = &mass_matrix;
-    out.equation_of_motion = &equation_of_motion;
-    out.linearized_equation = &linearized_equation;
-    out.coriolis_matrix = &coriolis_matrix;
-    out.lagrangian_gradient = &lagrangian_gradient;
-    out.derivatives = &derivatives;
-    out.forward_dynamics = &forward_dynamics;
-    out.forward_derivatives = &forward_derivatives;
-    out.regressor = &regressor;
+    set<&State::inverse_dynamics>(out.inverse_dynamics);
+    set<&State::gravity_torques>(out.gravity_torques);
+    set<&State::mass_matrix>(out.mass_matrix);
+    set<&State::equation_of_motion>(out.equation_of_motion);
+    set<&State::velocity_derivative>(out.velocity_derivative);
+    set<&State::lagrangian_gradient>(out.lagrangian_gradient);
+    set<&State::derivatives>(out.derivatives);
+    set<&State::forward_dynamics>(out.forward_dynamics);
+    set<&State::forward_derivatives>(out.forward_derivatives);
+    set<&State::regressor>(out.regressor);
     out.lanes = kLanes;
     out.batch_workspace = &batch_workspace;
     out.batch_regressor = &batch_regressor;

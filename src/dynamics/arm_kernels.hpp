@@ -37,10 +37,8 @@ struct ArmKernels {
   void (*mass_matrix)(const InertialLinks&, const double* q, double* M, void* workspace) = nullptr;
   void (*equation_of_motion)(const InertialLinks&, const double* q, const double* dq, double* M,
                              double* h, void* workspace) = nullptr;
-  void (*linearized_equation)(const InertialLinks&, const double* q, const double* dq, double* M,
-                              double* h, double* D, void* workspace) = nullptr;
-  void (*coriolis_matrix)(const InertialLinks&, const double* q, const double* dq, double* C,
-                          void* workspace) = nullptr;
+  void (*velocity_derivative)(const InertialLinks&, const double* q, const double* dq, double scale,
+                              double* M, double* h, double* D, void* workspace) = nullptr;
   void (*lagrangian_gradient)(const InertialLinks&, const double* q, const double* dq,
                               double* gradient, void* workspace) = nullptr;
   void (*derivatives)(const InertialLinks&, const double* q, const double* dq, const double* ddq,

@@ -20,7 +20,7 @@ void EquationOfMotion::evaluate_with_derivative(const VectorXd& q, const VectorX
                                                 VectorXd& h, MatrixXd& D) noexcept {
   assert(q.size() == h.size() && dq.size() == h.size() && M.rows() == h.size() &&
          D.rows() == h.size());
-  arm_kernels().linearized_equation({bodies_.tree_, bodies_.inertia_.data()}, q.data(), dq.data(),
+  arm_kernels().velocity_derivative({bodies_.tree_, bodies_.inertia_.data()}, q.data(), dq.data(), 1.0,
                                     M.data(), h.data(), D.data(), bodies_.memory_.get());
 }
 

@@ -2,18 +2,14 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "math/eigen_pose.hpp"
+
 namespace veridyn {
 namespace {
 
 constexpr double kRounding = 1e-9;  // relative to the largest principal moment
 
 }  // namespace
-
-Eigen::Matrix3d rotation_matrix(const Mat3d& R) {
-  Eigen::Matrix3d M;
-  M << R.row0.x, R.row0.y, R.row0.z, R.row1.x, R.row1.y, R.row1.z, R.row2.x, R.row2.y, R.row2.z;
-  return M;
-}
 
 bool PrincipalBody::possible() const {
   return moments[0] > 0.0 && moments[0] + moments[1] >= moments[2] * (1.0 - kRounding);
@@ -26,7 +22,7 @@ PrincipalBody principal_body(const double* phi, const Posed& B) {
   L << phi[4], phi[5], phi[7], phi[5], phi[6], phi[8], phi[7], phi[8], phi[9];
   const Eigen::Matrix3d about_com =
       L - m * (c.dot(c) * Eigen::Matrix3d::Identity() - c * c.transpose());
-  const Eigen::Matrix3d R = rotation_matrix(B.R);
+  const Eigen::Matrix3d R = eigen(B.R);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(R * about_com * R.transpose());
   Eigen::Matrix3d axes = principal.eigenvectors();
   if (axes.determinant() < 0) axes.col(0) *= -1;

@@ -19,7 +19,4 @@ struct PrincipalBody {
 /// parent frame of B.
 PrincipalBody principal_body(const double* phi, const Posed& B);
 
-/// R as an Eigen matrix.
-Eigen::Matrix3d rotation_matrix(const Mat3d& R);
-
 }  // namespace veridyn

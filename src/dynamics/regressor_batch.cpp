@@ -1,7 +1,6 @@
 #include "veridyn/dynamics/regressor_batch.hpp"
 
 #include <algorithm>
-#include <new>
 #include <vector>
 
 #include "arm_kernels.hpp"
@@ -14,20 +13,6 @@ namespace {
 // An odd number of cache lines, so that the columns of a block do not evict each other from the
 // cache.
 constexpr int kBlockRows = 72;
-
-// Byte storage aligned for the widest vectors.
-class AlignedMemory {
- public:
-  explicit AlignedMemory(size_t bytes) : bytes_(::operator new(bytes, kAlignment)) {}
-  ~AlignedMemory() { ::operator delete(bytes_, kAlignment); }
-  AlignedMemory(const AlignedMemory&) = delete;
-  AlignedMemory& operator=(const AlignedMemory&) = delete;
-  void* get() const { return bytes_; }
-
- private:
-  static constexpr std::align_val_t kAlignment{64};
-  void* bytes_;
-};
 
 BatchInput input(const char* where, int joints, const MatrixRef& q, const MatrixRef& dq,
                  const MatrixRef& ddq) {
@@ -76,12 +61,13 @@ void RegressorBatch::evaluate(const MatrixRef& q, const MatrixRef& dq, const Mat
     if (Y[i].rows() != in.rows || Y[i].cols() < cols) Y[i].resize(in.rows, cols);
   }
   const Links tree = tree_;
-  const AlignedMemory workspace(arm_kernels().batch_workspace(tree));
+  AlignedDoubles own;
+  void* const workspace = own.get(arm_kernels().batch_workspace(tree) / sizeof(double));
   std::vector<double*> data(joints(), nullptr);
   const ColumnsByJoint<double> out{data.data(), first_column_.data()};
   if (in.rows <= 2 * kBlockRows) {
     for (int i = first; i < end; ++i) data[i] = Y[i].data();
-    arm_kernels().batch_regressor(tree, in, out, workspace.get());
+    arm_kernels().batch_regressor(tree, in, out, workspace);
     return;
   }
   // Columns of many rows lie far apart in memory: blocks are computed side by side in the cache,
@@ -101,7 +87,7 @@ void RegressorBatch::evaluate(const MatrixRef& q, const MatrixRef& dq, const Mat
       return SampleColumns{of.data + row, of.stride};
     };
     arm_kernels().batch_regressor(tree, {rows, part(in.q), part(in.dq), part(in.ddq)}, out,
-                                     workspace.get());
+                                     workspace);
     for (int i = first; i < end; ++i) {
       const double* from = data[i];
       const auto cols = static_cast<Eigen::Index>(columns(i).size());
@@ -116,9 +102,10 @@ void RegressorBatch::torques(const MatrixRef& q, const MatrixRef& dq, const Matr
   const BatchInput in = input("RegressorBatch", joints(), q, dq, ddq);
   tau.resize(in.rows, joints());
   const Links tree = tree_;
-  const AlignedMemory workspace(arm_kernels().batch_workspace(tree));
+  AlignedDoubles own;
+  void* const workspace = own.get(arm_kernels().batch_workspace(tree) / sizeof(double));
   const std::vector<LinkInertia> inertia = inertias(phi);
-  arm_kernels().batch_torques({tree, inertia.data()}, in, tau.data(), workspace.get());
+  arm_kernels().batch_torques({tree, inertia.data()}, in, tau.data(), workspace);
 }
 
 void RegressorBatch::gradient(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
@@ -137,9 +124,10 @@ void RegressorBatch::gradient(const MatrixRef& q, const MatrixRef& dq, const Mat
   }
   slopes.resize(in.rows, Eigen::Index{3} * joints());
   const Links tree = tree_;
-  const AlignedMemory workspace(arm_kernels().batch_workspace(tree));
+  AlignedDoubles own;
+  void* const workspace = own.get(arm_kernels().batch_workspace(tree) / sizeof(double));
   arm_kernels().batch_gradient(tree, in, {data.data(), first_column_.data()}, slopes.data(),
-                               workspace.get());
+                               workspace);
 }
 
 void RegressorBatch::torque_derivatives(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
@@ -147,9 +135,10 @@ void RegressorBatch::torque_derivatives(const MatrixRef& q, const MatrixRef& dq,
   const BatchInput in = input("RegressorBatch", joints(), q, dq, ddq);
   slopes.resize(in.rows, Eigen::Index{3} * joints() * joints());
   const Links tree = tree_;
-  const AlignedMemory workspace(arm_kernels().batch_workspace(tree));
+  AlignedDoubles own;
+  void* const workspace = own.get(arm_kernels().batch_workspace(tree) / sizeof(double));
   const std::vector<LinkInertia> inertia = inertias(phi);
-  arm_kernels().batch_derivatives({tree, inertia.data()}, in, slopes.data(), workspace.get());
+  arm_kernels().batch_derivatives({tree, inertia.data()}, in, slopes.data(), workspace);
 }
 
 std::vector<LinkInertia> RegressorBatch::inertias(const VectorRef& phi) const {

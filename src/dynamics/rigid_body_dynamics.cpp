@@ -90,8 +90,8 @@ void RigidBodyDynamics::mass_matrix(const VectorRef& q, MatrixXd& M) {
 void RigidBodyDynamics::coriolis_matrix(const VectorRef& q, const VectorRef& dq, MatrixXd& C) {
   assert(q.size() == joints() && dq.size() == joints() && C.rows() == joints() &&
          C.cols() == joints());
-  arm_kernels().coriolis_matrix({tree_, inertia_.data()}, q.data(), dq.data(), C.data(),
-                                memory_.get());
+  arm_kernels().velocity_derivative({tree_, inertia_.data()}, q.data(), dq.data(), 0.5, nullptr,
+                                    nullptr, C.data(), memory_.get());
 }
 
 void RigidBodyDynamics::lagrangian_gradient(const VectorRef& q, const VectorRef& dq,

@@ -3,7 +3,6 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "estimation/estimation_numbers.hpp"
 #include "math/signed_rank.hpp"
@@ -280,29 +279,36 @@ Eigen::Index SmoothTerm::size() const {
 
 MatrixXd SmoothTerm::columns(const MatrixXd& x) const {
   MatrixXd out(x.rows(), size());
-  const Eigen::Index k1 = bases.front().size();
-  VectorXd first(k1);
-  VectorXd second = VectorXd::Ones(bases.size() > 1 ? bases[1].size() : 1);
+  VectorXd product(size());
+  VectorXd factor;
   for (Eigen::Index r = 0; r < x.rows(); ++r) {
-    bases.front().values(x(r, signals.front()), first.data());
-    if (bases.size() > 1) bases[1].values(x(r, signals[1]), second.data());
-    for (Eigen::Index b = 0; b < second.size(); ++b)
-      out.row(r).segment(b * k1, k1) = second[b] * first.transpose();
+    product[0] = 1.0;
+    Eigen::Index so_far = 1;
+    for (size_t b = 0; b < bases.size(); ++b) {
+      factor.resize(bases[b].size());
+      bases[b].values(x(r, signals[b]), factor.data());
+      for (Eigen::Index k = factor.size(); k-- > 0;)  // from the last: the first block is overwritten last
+        product.segment(k * so_far, so_far) = factor[k] * product.head(so_far);
+      so_far *= factor.size();
+    }
+    out.row(r) = product.transpose();
   }
   return out;
 }
 
 MatrixXd SmoothTerm::penalty() const {
-  const MatrixXd first = bases.front().penalty();
-  if (bases.size() == 1) return first;
-  const MatrixXd second = bases[1].penalty();
-  const Eigen::Index k1 = first.rows();
-  const Eigen::Index k2 = second.rows();
-  MatrixXd out = MatrixXd::Zero(k1 * k2, k1 * k2);
-  for (Eigen::Index a = 0; a < k2; ++a) {
-    out.block(a * k1, a * k1, k1, k1) += first;
-    for (Eigen::Index b = 0; b < k2; ++b)
-      out.block(a * k1, b * k1, k1, k1).diagonal().array() += second(a, b);
+  MatrixXd out = MatrixXd::Zero(size(), size());
+  Eigen::Index inside = 1;
+  for (const SmoothBasis& basis : bases) {
+    const MatrixXd own = basis.penalty();
+    const Eigen::Index block = own.rows() * inside;
+    for (Eigen::Index first = 0; first < out.rows(); first += block) {
+      for (Eigen::Index a = 0; a < own.rows(); ++a) {
+        for (Eigen::Index b = 0; b < own.rows(); ++b)
+          out.block(first + a * inside, first + b * inside, inside, inside).diagonal().array() += own(a, b);
+      }
+    }
+    inside = block;
   }
   return out;
 }

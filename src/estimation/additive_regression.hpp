@@ -6,9 +6,9 @@
 
 namespace veridyn {
 
-/// A smooth function of one signal, or of two (every product of their functions).
+/// A smooth function of one or more signals: every product of their functions.
 struct SmoothTerm {
-  std::vector<int> signals;        ///< one or two columns of the signals
+  std::vector<int> signals;        ///< columns of the signals
   std::vector<SmoothBasis> bases;  ///< one for each
   /// Factor on its gain when terms are compared, in (0, 1], so that simpler and closer terms win
   /// ties.

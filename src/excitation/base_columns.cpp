@@ -4,7 +4,6 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "regressor/arm_columns.hpp"
 #include "regressor/column_choice.hpp"

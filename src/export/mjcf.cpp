@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "math/eigen_pose.hpp"
 #include "known_effects.hpp"
 #include "dynamics/principal_body.hpp"
 #include "veridyn/kinematics/tree.hpp"
@@ -27,7 +28,7 @@ void set_pose(pugi::xml_node node, const Eigen::Vector3d& p, const Eigen::Matrix
 }
 
 void set_pose(pugi::xml_node node, const Posed& T) {
-  set_pose(node, {T.p.x, T.p.y, T.p.z}, rotation_matrix(T.R));
+  set_pose(node, eigen(T.p), eigen(T.R));
 }
 
 class MjcfWriter {

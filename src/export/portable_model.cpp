@@ -4,6 +4,8 @@
 #include <cmath>
 #include <filesystem>
 
+#include "math/words.hpp"
+#include "math/eigen_pose.hpp"
 #include "veridyn/regressor/base_parameters.hpp"
 #include "veridyn/identification/feasible_least_squares.hpp"
 #include "veridyn/identification/pseudo_inertia.hpp"
@@ -21,10 +23,6 @@ constexpr double kSmallestRadius = 0.005;  // [m] of a manufacturer's body, abou
 constexpr double kTorquesOverPrior = 1e4;  // weight of the torques' rows relative to the prior
 
 const char* const kSymbols[] = {"m", "hx", "hy", "hz", "Lxx", "Lxy", "Lyy", "Lxz", "Lyz", "Lzz"};
-
-Eigen::Vector3d eigen(const Vec3d& v) {
-  return {v.x, v.y, v.z};
-}
 
 // A rod that connects the frame's joint, its origin and the joints attached to it.
 InertialVector rod(const Model& arm, int frame) {
@@ -242,10 +240,6 @@ Model with_sizes_of_points(const Model& arm) {
   return Model(std::move(d));
 }
 
-bool ends_in_urdf(const std::string& path) {
-  return path.size() > 5 && path.compare(path.size() - 5, 5, ".urdf") == 0;
-}
-
 }  // namespace
 
 ExportedModel exported_model(const Model& arm, const std::optional<Model>& prior,
@@ -265,7 +259,7 @@ ExportedModel exported_model(const Model& arm, const std::optional<Model>& prior
     out.warnings.push_back("found bodies without values: a URDF of them has no masses; expected a MODEL "
                            "that identify or diagnose wrote");
   const std::string& source = arm.description().source;
-  const std::string from = !meshes_from.empty() ? meshes_from : ends_in_urdf(source) ? source : "";
+  const std::string from = !meshes_from.empty() ? meshes_from : ends_with(source, ".urdf") ? source : "";
   if (from.empty()) return out;
   if (meshes_from.empty() && !std::filesystem::exists(from)) {
     out.warnings.push_back("the meshes of " + from +

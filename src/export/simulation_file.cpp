@@ -9,12 +9,12 @@
 #include <set>
 #include <vector>
 
+#include "math/eigen_pose.hpp"
 #include "dynamics/principal_body.hpp"
 #include "known_effects.hpp"
 #include "model/joint_placement.hpp"
 #include "model/physical_body.hpp"
 #include "veridyn/effects/effect.hpp"
-#include "veridyn/kinematics/kinematics.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/simulator_files.hpp"
 #include "xml.hpp"
@@ -216,8 +216,7 @@ class UpdatedMjcf : public UpdatedSimulation {
       double p[3] = {0, 0, 0}, q[4] = {1, 0, 0, 0};
       std::istringstream(site.attribute("pos").value()) >> p[0] >> p[1] >> p[2];
       std::istringstream(site.attribute("quat").value()) >> q[0] >> q[1] >> q[2] >> q[3];
-      const Eigen::Matrix3d R = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized().toRotationMatrix();
-      T = {{{R(0, 0), R(0, 1), R(0, 2)}, {R(1, 0), R(1, 1), R(1, 2)}, {R(2, 0), R(2, 1), R(2, 2)}}, {p[0], p[1], p[2]}};
+      T = {from_eigen(Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized().toRotationMatrix()), {p[0], p[1], p[2]}};
     }
     return T;
   }
@@ -263,7 +262,7 @@ class UpdatedMjcf : public UpdatedSimulation {
     pugi::xml_node body = above.append_child("body");
     set(body, "name", mine.name);
     set(body, "pos", xml_vector(T.p));
-    set(body, "quat", quaternion_text(rotation_matrix(T.R)));
+    set(body, "quat", quaternion_text(eigen(T.R)));
     inertial(body.append_child("inertial"), *mine.body->phi, identity_pose(), mine.name);
     return true;
   }

@@ -4,6 +4,8 @@
 
 #include <sstream>
 
+#include "math/eigen_pose.hpp"
+
 namespace veridyn {
 
 std::string xml_number(double value) {
@@ -15,7 +17,7 @@ std::string xml_vector(const Vec3d& v) {
 }
 
 std::string xml_vector(const Eigen::Vector3d& v) {
-  return xml_vector(Vec3d{v.x(), v.y(), v.z()});
+  return xml_vector(from_eigen(v));
 }
 
 void set(pugi::xml_node node, const char* name, const std::string& value) {

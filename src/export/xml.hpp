@@ -2,7 +2,6 @@
 
 #include <pugixml.hpp>
 #include <string>
-#include <vector>
 
 #include "veridyn/math/types.hpp"
 #include "veridyn/math/vector3.hpp"

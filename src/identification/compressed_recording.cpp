@@ -35,11 +35,10 @@ class Blocks {
         if (!columns.parameters()[p].fixed)
           mine.push_back(names[p]);
       }
-      names_.push_back(std::move(mine));
+      none_.emplace_back(std::move(mine));
     }
     double bytes = 0.0;
-    for (const std::vector<std::string>& mine : names_)
-      bytes += static_cast<double>(sizeof(double) * mine.size() * mine.size());
+    for (const SquareRootInformation& mine : none_) bytes += 0.5 * sizeof(double) * mine.size() * mine.size();
     while (most_ > identifying::kFewestBlocks && bytes * static_cast<double>(most_) > identifying::kMostBytes) most_ /= 2;
     while (phases_ > identifying::kFewestBlocks && bytes * phases_ > identifying::kMostBytes) phases_ /= 2.0;
   }
@@ -57,7 +56,7 @@ class Blocks {
       for (Eigen::Index k = 0; k < joint.time.size(); ++k)
         last = std::max(last, block_of(joint.time[k]) + 1);
     }
-    while (blocks_.size() < last) blocks_.emplace_back(names_.begin(), names_.end());
+    while (blocks_.size() < last) blocks_.push_back(none_);
     parallel_for(static_cast<int>(rows.size()), threads, [&](int i) {
       absorb(static_cast<size_t>(first + i), rows[i]);
     });
@@ -106,7 +105,7 @@ class Blocks {
   size_t most_ = identifying::kMaxBlocks;
   double period_;
   double duration_ = identifying::kFirstBlock;
-  std::vector<std::vector<std::string>> names_;  // columns of each joint
+  std::vector<SquareRootInformation> none_;  // a block without rows
   std::vector<std::vector<SquareRootInformation>> blocks_;
 };
 

@@ -93,7 +93,7 @@ constexpr int kRestPiece = 4096;           ///< rows that are read at once in a 
 constexpr double kMostBytes = 256.0 * 1024.0 * 1024.0;  ///< memory of one recording's factors
 constexpr std::size_t kGroupsAtOnce = 16;  ///< groups of joints whose factors are in memory together
 constexpr long kLookedAt = 20000;          ///< rows of a recording from which units and noise of velocities are judged
-constexpr int kSeriesSamples = 30000;      ///< samples of the series for plots, of all recordings together
+constexpr int kSeriesSamples = 15000;      ///< samples of the series for plots, of all recordings together
 constexpr int kFewestSamples = 100;        ///< samples of the series for plots that each recording keeps
 
 // Arithmetic.

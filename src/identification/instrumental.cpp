@@ -175,8 +175,9 @@ CrossMoments cross_moments(const std::vector<SquareRootInformation>& block, cons
   CrossMoments out(scale.size());
   for (size_t i = 0; i < joints.size(); ++i) {
     const double w = std::pow(weights[static_cast<Eigen::Index>(i)], 2);
-    const MatrixXd G = block[i].R().transpose() * block[i].R();
-    const VectorXd g = block[i].R().transpose() * block[i].z();
+    const MatrixXd R = block[i].R();
+    const MatrixXd G = R.transpose() * R;
+    const VectorXd g = R.transpose() * block[i].z();
     const Eigen::Index k = joints[i].count();
     for (Eigen::Index r = 0; r < k; ++r) {
       const int row = joints[i].unknowns[r];

@@ -11,7 +11,7 @@
 namespace veridyn {
 namespace {
 
-constexpr Eigen::Index kGroupEntries = 1 << 21;  // entries of columns in memory at once
+constexpr Eigen::Index kGroupEntries = 1 << 19;  // entries of columns in memory at once
 
 }  // namespace
 

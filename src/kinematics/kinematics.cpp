@@ -1,5 +1,6 @@
 #include "veridyn/kinematics/kinematics.hpp"
 
+#include "math/eigen_pose.hpp"
 #include "veridyn/kinematics/point_motion.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -23,16 +24,7 @@ PointMotion motion_of(const Model& arm, const VectorXd& q, const VectorXd& dq, i
 
 Eigen::Isometry3d frame_pose(const Model& arm, const VectorRef& q, int frame) {
   check("frame_pose", arm, q, frame);
-  const PointMotion motion = motion_of(arm, q, VectorXd::Zero(arm.joints()), frame);
-  const Posed& T = motion.pose();
-  Eigen::Isometry3d pose;
-  // clang-format off
-  pose.matrix() << T.R.row0.x, T.R.row0.y, T.R.row0.z, T.p.x,
-                   T.R.row1.x, T.R.row1.y, T.R.row1.z, T.p.y,
-                   T.R.row2.x, T.R.row2.y, T.R.row2.z, T.p.z,
-                   0, 0, 0, 1;
-  // clang-format on
-  return pose;
+  return eigen(motion_of(arm, q, VectorXd::Zero(arm.joints()), frame).pose());
 }
 
 MatrixXd frame_jacobian(const Model& arm, const VectorRef& q, int frame) {

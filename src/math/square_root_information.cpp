@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <unordered_map>
 #include <utility>
 
@@ -15,6 +16,10 @@ namespace {
 
 constexpr Eigen::Index kBlockRows = 256;      // rows of a block: 60 columns are half of a 256 KiB cache
 constexpr Eigen::Index kPieceRows = 1 << 15;  // rows of a thread's piece
+
+Eigen::Index packed_size(Eigen::Index columns) {
+  return columns * (columns + 1) / 2;
+}
 
 }  // namespace
 
@@ -30,9 +35,10 @@ class SquareRootInformation::Triangle {
     const auto top = static_cast<size_t>(columns_ * stride_);
     R_ = memory.zeros(top + static_cast<size_t>(rows_ * stride_));
     A_ = R_ + top;
-    for (Eigen::Index j = 0; j < of.R_.cols(); ++j)
-      for (Eigen::Index i = 0; i <= j; ++i) R_[i * stride_ + j] = of.R_(i, j);
-    for (Eigen::Index i = 0; i < of.z_.size(); ++i) R_[i * stride_ + k_] = of.z_[i];
+    const double* next = of.R_.data();
+    for (Eigen::Index j = 0; j < k_; ++j)
+      for (Eigen::Index i = 0; i <= j; ++i) R_[i * stride_ + j] = *next++;
+    for (Eigen::Index i = 0; i < k_; ++i) R_[i * stride_ + k_] = of.z_[i];
     R_[k_ * stride_ + k_] = std::sqrt(of.rho2_);
   }
 
@@ -54,8 +60,9 @@ class SquareRootInformation::Triangle {
   }
 
   void give_to(SquareRootInformation& to) const {
+    double* next = to.R_.data();
     for (Eigen::Index j = 0; j < k_; ++j)
-      for (Eigen::Index i = 0; i <= j; ++i) to.R_(i, j) = R_[i * stride_ + j];
+      for (Eigen::Index i = 0; i <= j; ++i) *next++ = R_[i * stride_ + j];
     for (Eigen::Index i = 0; i < k_; ++i) to.z_[i] = R_[i * stride_ + k_];
     to.rho2_ = R_[k_ * stride_ + k_] * R_[k_ * stride_ + k_];
   }
@@ -68,20 +75,35 @@ class SquareRootInformation::Triangle {
   double* A_;
 };
 
+const SquareRootInformation::Names& SquareRootInformation::no_names() {
+  static const Names none = std::make_shared<const std::vector<std::string>>();
+  return none;
+}
+
 SquareRootInformation::SquareRootInformation(std::vector<std::string> columns)
-    : columns_(std::move(columns)),
-      R_(MatrixXd::Zero(size(), size())),
+    : columns_(std::make_shared<const std::vector<std::string>>(std::move(columns))),
+      R_(VectorXd::Zero(packed_size(size()))),
       z_(VectorXd::Zero(size())) {}
 
 SquareRootInformation::SquareRootInformation(std::vector<std::string> columns, MatrixXd R,
                                              VectorXd z, double rho2, double rows)
-    : columns_(std::move(columns)), R_(std::move(R)), z_(std::move(z)), rho2_(rho2), rows_(rows) {
-  require(R_.rows() == size() && R_.cols() == size() && z_.size() == size(),
-          "SquareRootInformation: R is (", R_.rows(), " x ", R_.cols(), ") and z has ", z_.size(),
+    : SquareRootInformation(std::move(columns)) {
+  require(R.rows() == size() && R.cols() == size() && z.size() == size(),
+          "SquareRootInformation: R is (", R.rows(), " x ", R.cols(), ") and z has ", z.size(),
           " entries; expected ", size(), " of each.");
-  require(R_.isUpperTriangular(0.0) && rho2 >= 0.0 && rows >= 0.0,
+  require(R.isUpperTriangular(0.0) && rho2 >= 0.0 && rows >= 0.0,
           "SquareRootInformation: expected an upper triangular R, and neither rho2 nor rows below "
           "zero.");
+  for (Eigen::Index j = 0; j < R.cols(); ++j) R_.segment(j * (j + 1) / 2, j + 1) = R.col(j).head(j + 1);
+  z_ = std::move(z);
+  rho2_ = rho2;
+  rows_ = rows;
+}
+
+MatrixXd SquareRootInformation::R() const {
+  MatrixXd out = MatrixXd::Zero(size(), size());
+  for (Eigen::Index j = 0; j < out.cols(); ++j) out.col(j).head(j + 1) = packed(j);
+  return out;
 }
 
 void SquareRootInformation::absorb(const MatrixRef& A, const VectorRef& b) {
@@ -105,8 +127,7 @@ void SquareRootInformation::absorb(const MatrixRef& A, const VectorRef& b) {
 void SquareRootInformation::absorb(const MatrixRef& A, const VectorRef& b, int threads) {
   const auto pieces = static_cast<int>((A.rows() + kPieceRows - 1) / kPieceRows);
   if (pieces < 2 || A.rows() != b.size()) return absorb(A, b);
-  std::vector<SquareRootInformation> factors(pieces,
-                                             SquareRootInformation(columns_));
+  std::vector<SquareRootInformation> factors(pieces, SquareRootInformation(columns()));
   parallel_for(pieces, threads, [&](int p) {
     const Eigen::Index at = p * kPieceRows;
     const Eigen::Index n = std::min(kPieceRows, A.rows() - at);
@@ -119,29 +140,32 @@ void SquareRootInformation::absorb(const MatrixRef& A, const VectorRef& b, int t
 }
 
 void SquareRootInformation::merge(const SquareRootInformation& other, double weight) {
-  std::unordered_map<std::string, int> index;
-  for (int i = 0; i < size(); ++i) index.emplace(columns_[i], i);
-  std::vector<int> place(other.columns_.size());
-  std::vector<std::string> added;
-  for (size_t j = 0; j < other.columns_.size(); ++j) {
-    const auto found = index.find(other.columns_[j]);
-    place[j] = found != index.end() ? found->second : size() + static_cast<int>(added.size());
-    if (found == index.end()) added.push_back(other.columns_[j]);
-  }
-  const int before = size();
-  columns_.insert(columns_.end(), added.begin(), added.end());
-  const int k = size();
   const int m = other.size();
-  R_.conservativeResize(k, k);
-  z_.conservativeResize(k);
-  if (k > before) {
-    R_.rightCols(k - before).setZero();
-    R_.bottomRows(k - before).setZero();
-    z_.tail(k - before).setZero();
+  std::vector<int> place(static_cast<size_t>(m));
+  if (columns_ == other.columns_ || columns() == other.columns()) {
+    std::iota(place.begin(), place.end(), 0);
+  } else {
+    std::unordered_map<std::string, int> index;
+    for (int i = 0; i < size(); ++i) index.emplace(columns()[i], i);
+    std::vector<std::string> all = columns();
+    for (int j = 0; j < m; ++j) {
+      const auto found = index.find(other.columns()[j]);
+      place[j] = found != index.end() ? found->second : static_cast<int>(all.size());
+      if (found == index.end()) all.push_back(other.columns()[j]);
+    }
+    if (static_cast<int>(all.size()) > size()) {
+      SquareRootInformation wider(std::move(all));
+      wider.R_.head(R_.size()) = R_;
+      wider.z_.head(z_.size()) = z_;
+      wider.rho2_ = rho2_;
+      wider.rows_ = rows_;
+      *this = std::move(wider);
+    }
   }
+  const int k = size();
   Triangle triangle(*this, m);
   for (int j = 0; j < m; ++j)
-    triangle.set_column(place[j], weight * other.R_.col(j).head(j + 1));
+    triangle.set_column(place[j], weight * other.packed(j));
   triangle.set_column(k, weight * other.z_);
   // Row i begins at place[i]: the block is triangular only if the columns keep their order.
   triangle.update(std::is_sorted(place.begin(), place.end()));
@@ -151,17 +175,20 @@ void SquareRootInformation::merge(const SquareRootInformation& other, double wei
 }
 
 double SquareRootInformation::residual2(const VectorRef& x) const {
-  return (R_ * x - z_).squaredNorm() + rho2_;
+  VectorXd error = -z_;
+  for (Eigen::Index j = 0; j < size(); ++j) error.head(j + 1) += x[j] * packed(j);
+  return error.squaredNorm() + rho2_;
 }
 
 SquareRootInformation SquareRootInformation::restricted(
     const std::vector<std::string>& columns) const {
   std::unordered_map<std::string, int> index;
-  for (int i = 0; i < size(); ++i) index.emplace(columns_[i], i);
+  for (int i = 0; i < size(); ++i) index.emplace(this->columns()[i], i);
   MatrixXd A = MatrixXd::Zero(size(), static_cast<Eigen::Index>(columns.size()));
   for (size_t j = 0; j < columns.size(); ++j) {
     const auto found = index.find(columns[j]);
-    if (found != index.end()) A.col(static_cast<Eigen::Index>(j)) = R_.col(found->second);
+    if (found == index.end()) continue;
+    A.col(static_cast<Eigen::Index>(j)).head(found->second + 1) = packed(found->second);
   }
   SquareRootInformation out(columns);
   out.absorb(A, z_);
@@ -173,14 +200,16 @@ SquareRootInformation SquareRootInformation::restricted(
 SquareRootInformation SquareRootInformation::transformed(const MatrixRef& T,
                                                          std::vector<std::string> columns) const {
   SquareRootInformation out(std::move(columns));
-  out.absorb(R_.triangularView<Eigen::Upper>() * T, z_);
+  out.absorb(R().triangularView<Eigen::Upper>() * T, z_);
   out.rho2_ += rho2_;
   out.rows_ = rows_;
   return out;
 }
 
 VectorXd SquareRootInformation::column_norms() const {
-  return R_.colwise().norm().transpose();
+  VectorXd norms(size());
+  for (Eigen::Index j = 0; j < norms.size(); ++j) norms[j] = packed(j).norm();
+  return norms;
 }
 
 }  // namespace veridyn

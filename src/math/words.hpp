@@ -1,8 +1,11 @@
 #pragma once
 
 #include <cctype>
+#include <cstdlib>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace veridyn {
 
@@ -23,6 +26,26 @@ inline bool ends_with(const std::string& text, const std::string& end) {
 /// True of digits alone.
 inline bool is_number(const std::string& text) {
   return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+}
+
+/// The number that is the whole word; it may be infinite or NaN.
+inline std::optional<double> number_in(const std::string& word) {
+  char* end = nullptr;
+  const double value = std::strtod(word.c_str(), &end);
+  return word.empty() || *end != '\0' ? std::nullopt : std::optional(value);
+}
+
+/// The parts between separators, one at least; empty parts are kept.
+inline std::vector<std::string> split(const std::string& words, char separator) {
+  std::vector<std::string> parts{""};
+  for (const char c : words) {
+    if (c == separator) {
+      parts.emplace_back();
+    } else {
+      parts.back() += c;
+    }
+  }
+  return parts;
 }
 
 }  // namespace veridyn

@@ -8,6 +8,7 @@
 #include <pugixml.hpp>
 #include <sstream>
 
+#include "math/eigen_pose.hpp"
 #include "math/decompositions.hpp"
 #include "model/joint_placement.hpp"
 #include "model/mesh_file.hpp"
@@ -23,10 +24,6 @@ constexpr int kMostHalvings = 2;        // of a mesh: at most four capsules
 constexpr double kWorthTwo = 0.75;      // volume of two capsules, as a share of one's, that makes them worth while
 constexpr double kWider[] = {1.0, 1.1, 1.25, 1.5};  // radii tried: a wider capsule may be a shorter one
 
-Eigen::Vector3d eigen(const Vec3d& v) {
-  return {v.x, v.y, v.z};
-}
-
 Eigen::Vector3d three_numbers(const pugi::xml_attribute& words, const Eigen::Vector3d& otherwise) {
   if (!words) return otherwise;
   std::istringstream in(words.value());
@@ -37,11 +34,7 @@ Eigen::Vector3d three_numbers(const pugi::xml_attribute& words, const Eigen::Vec
 Eigen::Isometry3d origin_of(const pugi::xml_node& shape) {
   const pugi::xml_node origin = shape.child("origin");
   const Eigen::Vector3d rpy = three_numbers(origin.attribute("rpy"), {0, 0, 0});
-  const Mat3d R = rotation_from_rpy({rpy.x(), rpy.y(), rpy.z()});
-  Eigen::Isometry3d out = Eigen::Isometry3d::Identity();
-  out.linear() << R.row0.x, R.row0.y, R.row0.z, R.row1.x, R.row1.y, R.row1.z, R.row2.x, R.row2.y, R.row2.z;
-  out.translation() = three_numbers(origin.attribute("xyz"), {0, 0, 0});
-  return out;
+  return eigen(Posed{rotation_from_rpy(from_eigen(rpy)), from_eigen(three_numbers(origin.attribute("xyz"), {0, 0, 0}))});
 }
 
 // The file of a mesh, or nothing.

@@ -1,6 +1,5 @@
 #include "veridyn/model/model.hpp"
 
-#include <cmath>
 #include <set>
 #include <utility>
 

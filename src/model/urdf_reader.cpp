@@ -1,4 +1,5 @@
 #include "veridyn/math/require.hpp"
+#include "math/eigen_pose.hpp"
 #include "math/numbers.hpp"
 #include "veridyn/model/urdf.hpp"
 
@@ -10,8 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <iterator>
 #include <limits>
 #include <mutex>
 
@@ -89,12 +88,6 @@ Mat3d rotation(const urdf::Rotation& r) {
           {clean(2 * (xy + wz)),     clean(1 - 2 * (xx + zz)), clean(2 * (yz - wx))},
           {clean(2 * (xz - wy)),     clean(2 * (yz + wx)),     clean(1 - 2 * (xx + yy))}};
   // clang-format on
-}
-
-Eigen::Matrix3d matrix(const Mat3d& R) {
-  Eigen::Matrix3d M;
-  M << R.row0.x, R.row0.y, R.row0.z, R.row1.x, R.row1.y, R.row1.z, R.row2.x, R.row2.y, R.row2.z;
-  return M;
 }
 
 bool is_finite(const Vec3d& v) {
@@ -291,7 +284,7 @@ class UrdfReader {
   std::optional<Body> body(const urdf::Link& link) const {
     if (!link.inertial) return std::nullopt;
     const urdf::Inertial& given = *link.inertial;
-    const Eigen::Matrix3d R = matrix(rotation(given.origin.rotation));
+    const Eigen::Matrix3d R = eigen(rotation(given.origin.rotation));
     Eigen::Matrix3d I;
     I << given.ixx, given.ixy, given.ixz, given.ixy, given.iyy, given.iyz, given.ixz, given.iyz,
         given.izz;

@@ -1,11 +1,14 @@
 #include "recordings/kept_recordings.hpp"
 
+#include "recordings/rows_on_disk.hpp"
+
 #include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <exception>
 #include <filesystem>
 #include <future>
+#include <limits>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -77,6 +80,7 @@ struct KeptRecordings::State {
   internal::MadeOnce<std::string, Whole> recordings;  // by path and how it is read
   internal::MadeOnce<PreparationKey, PreparedRecording> prepared;
   internal::MadeOnce<std::string, RecordingQuality> qualities;
+  RowsOnDisk on_disk;
 };
 
 namespace {
@@ -175,6 +179,38 @@ PreparationKey preparation_key(const Model& arm, const std::string& recording,
   return {key_of(recording, reading), std::move(numbers), std::move(choices)};
 }
 
+// A pass over the text, which stores the rows for coming passes if it reads all of them.
+OpenedRows KeptRecordings::stored_rows(const std::string& path, const RecordingOptions& options) {
+  RecordingOptions all = options;
+  all.row_count.reset();
+  RowsOnDisk& disk = state_->on_disk;
+  std::string key = key_of(path, all);
+  if (const auto stored = disk.find(key)) {
+    const bool whole = !options.row_count || *options.row_count >= stored->rows();
+    if (whole) return {disk.rows_of(stored), [stored] { return stored->facts; }};
+  }
+  ++g_parsed;
+  struct Pass {
+    RecordingReader reader;
+    RowsOnDisk::Stored stored = {};
+    bool storing = true;
+  };
+  auto pass = std::make_shared<Pass>(Pass{RecordingReader(path, options)});
+  const long most = options.row_count.value_or(std::numeric_limits<long>::max());
+  return {[pass, most, &disk, key = std::move(key)](int rows) {
+            Recording piece = pass->reader.next(rows);
+            if (piece.rows() > 0) pass->storing = pass->storing && disk.append(piece, pass->stored);
+            const bool ended = piece.rows() < rows;
+            if (ended && pass->storing && !pass->stored.pieces.empty() && pass->stored.rows() < most) {
+              pass->stored.facts = pass->reader.facts();
+              disk.finish(key, std::move(pass->stored));
+            }
+            pass->storing = pass->storing && !ended;
+            return piece;
+          },
+          [pass] { return pass->reader.facts(); }};
+}
+
 OpenedRows open_rows(const std::string& path, const RecordingOptions& options,
                      KeptRecordings* kept) {
   const auto whole = whole_file(path, options, kept);
@@ -188,6 +224,7 @@ OpenedRows open_rows(const std::string& path, const RecordingOptions& options,
             },
             [whole] { return whole->facts; }};
   }
+  if (kept != nullptr && options.first_row == 0) return kept->stored_rows(path, options);
   ++g_parsed;
   auto reader = std::make_shared<RecordingReader>(path, options);
   return {[reader](int rows) { return reader->next(rows); }, [reader] { return reader->facts(); }};

@@ -18,7 +18,7 @@ struct OpenedRows {
 };
 
 /// Files that are parsed once and kept in memory, up to `most_bytes` of text in total, and their
-/// prepared forms, up to as many bytes; others are streamed every time. Pipes are always kept. Code
+/// prepared forms, up to as many bytes; rows of others are in RowsOnDisk. Pipes are always kept. Code
 /// that reads the same recordings many times creates one and passes it on in
 /// PreprocessingOptions::kept. Threads may share it.
 class KeptRecordings {
@@ -51,6 +51,10 @@ class KeptRecordings {
   /// repeats.
   std::shared_ptr<const PreparedRecording> prepared(const PreparationKey& key, long bytes,
                                                     const std::function<PreparedRecording()>& make);
+
+  /// A pass over a recording that is not kept in memory, by its text or by RowsOnDisk.
+  /// The object must outlive it.
+  OpenedRows stored_rows(const std::string& path, const RecordingOptions& options);
 
  private:
   struct State;

@@ -80,19 +80,12 @@ Segment make_segment(const Model& arm, const UniformStream& stream, Eigen::Index
   s.dt = stream.dt();
   s.start = stream.start();
   s.time.resize(rows);
-  s.q.resize(rows, n);
-  s.tau.resize(rows, n);
-  const int blocks = stream.has_velocity() ? 3 : 2;
-  if (stream.has_velocity()) s.dq.resize(rows, n);
-  for (Eigen::Index i = 0; i < rows; ++i) {
-    const std::vector<double>& values = stream.samples()[i];
+  for (Eigen::Index i = 0; i < rows; ++i)
     s.time[i] = stream.start() + static_cast<double>(stream.first_index() + i) * s.dt;
-    for (int j = 0; j < n; ++j) {
-      s.q(i, j) = values[j];
-      if (stream.has_velocity()) s.dq(i, j) = values[n + j];
-      s.tau(i, j) = values[(blocks - 1) * n + j];
-    }
-  }
+  const auto samples = stream.samples().topRows(rows);
+  s.q = samples.leftCols(n);
+  if (stream.has_velocity()) s.dq = samples.middleCols(n, n);
+  s.tau = samples.rightCols(n);
   undo_delays(stream.sensors(), s.dt, s.tau);
   const bool signals = o.filtering == Filtering::kSignals;
   const ZeroPhaseFilter* filter =

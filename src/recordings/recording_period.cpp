@@ -91,8 +91,9 @@ Grid resampled(const Motion& motion, double duration, int rows) {
   return grid;
 }
 
-// d(lag), the lag in steps of the grid and not necessarily whole.
-double difference(const Grid& grid, double lag, std::vector<double>* scratch) {
+// d(lag), the lag in steps of the grid and not necessarily whole; any number above `most` if it is
+// above.
+double difference(const Grid& grid, double lag, std::vector<double>* scratch, double most = INFINITY) {
   const int whole = static_cast<int>(lag);
   const double part = lag - whole;
   const int rows = static_cast<int>(grid.q.rows()) - whole - 1;
@@ -104,16 +105,18 @@ double difference(const Grid& grid, double lag, std::vector<double>* scratch) {
             .array()
             .square();
   }
+  const auto kept = static_cast<int>(kKeptShare * rows);
+  const double scale = 2.0 * static_cast<double>(grid.q.cols());
+  // The smallest values add up to at least the sum of all, each cut at `cap`, less `cap` for each
+  // value that is not kept.
+  const double cap = kCap * most * scale;
+  if (most < INFINITY && sum.cwiseMin(cap).sum() > cap * (rows - kept) + most * scale * kept) return INFINITY;
   scratch->assign(sum.data(), sum.data() + rows);
-  const auto kept = scratch->begin() + static_cast<std::ptrdiff_t>(kKeptShare * rows);
-  std::nth_element(scratch->begin(), kept, scratch->end());
-  double total = 0.0;
-  for (auto value = scratch->begin(); value != kept; ++value) total += *value;
-  return total /
-         (2.0 * static_cast<double>(grid.q.cols()) * static_cast<double>(kept - scratch->begin()));
+  std::nth_element(scratch->begin(), scratch->begin() + kept, scratch->end());
+  return std::accumulate(scratch->begin(), scratch->begin() + kept, 0.0) / (scale * kept);
 }
 
-// d at whole lags, computed on demand.
+// d at whole lags, computed on demand: exact up to `most`, which later calls must not exceed.
 class Differences {
  public:
   explicit Differences(const Grid& grid)
@@ -124,9 +127,9 @@ class Differences {
 
   int longest() const { return longest_; }
 
-  double operator()(int lag) {
+  double operator()(int lag, double most = kDeep) {
     double& value = values_[lag];
-    if (value < 0.0) value = difference(grid_, lag, &scratch_);
+    if (value < 0.0) value = difference(grid_, lag, &scratch_, most);
     return value;
   }
 
@@ -170,7 +173,7 @@ class Differences {
 int coarse_period(const Grid& grid) {
   Differences d(grid);
   int lag = 0;
-  while (lag <= d.longest() && (!d.is_above(kSurelyRisen * kRisen, lag) || d(lag) <= kRisen)) ++lag;
+  while (lag <= d.longest() && (!d.is_above(kSurelyRisen * kRisen, lag) || d(lag, kRisen) <= kRisen)) ++lag;
   std::vector<int> minima;
   double best = kDeep;
   for (++lag; lag < d.longest(); ++lag) {

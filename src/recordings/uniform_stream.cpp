@@ -55,11 +55,12 @@ bool UniformStream::usable(const Recording& piece, Eigen::Index row) const {
          good(piece.tau.size() > 0 ? piece.tau : piece.current);
 }
 
-UniformStream::Row UniformStream::make_row(const Recording& piece, Eigen::Index row) const {
+void UniformStream::make_row(const Recording& piece, Eigen::Index row, Row& out) const {
   const int n = arm_.joints();
   const bool torques = piece.tau.size() > 0;
-  Row out{piece.time[row], std::vector<double>(static_cast<size_t>(has_velocity_ ? 3 * n : 2 * n))};
-  Eigen::Map<VectorXd> values(out.values.data(), static_cast<Eigen::Index>(out.values.size()));
+  out.t = piece.time[row];
+  out.values.resize(static_cast<size_t>(width_));
+  Eigen::Map<VectorXd> values(out.values.data(), width_);
   values.head(n) = piece.q.row(row).transpose();
   if (has_velocity_) values.segment(n, n) = piece.dq.row(row).transpose();
   values.tail(n) = (torques ? piece.tau : piece.current).row(row).transpose();
@@ -69,7 +70,6 @@ UniformStream::Row UniformStream::make_row(const Recording& piece, Eigen::Index 
   } else {
     sensors_.correct_currents(values.tail(n));
   }
-  return out;
 }
 
 void UniformStream::read_piece() {
@@ -87,6 +87,7 @@ void UniformStream::read_piece() {
     require(step_ >= kShortestPeriod && step_ <= kLongestPeriod, name_, ": found a sampling period of ",
             step_, " s, expected ", kShortestPeriod, " s to ", kLongestPeriod, " s.");
     dt_ = options_.rate > 0.0 ? 1.0 / options_.rate : step_;
+    width_ = (has_velocity_ ? 3 : 2) * arm_.joints();
     most_held_ = most_rows(3.0 * arm_.joints() + kOverhead);
   }
   for (Eigen::Index i = 0; i < piece.rows(); ++i) {
@@ -95,10 +96,10 @@ void UniformStream::read_piece() {
     if (options_.row_count && file_row == options_.first_row + *options_.row_count - 1)
       t_wanted_last_ = piece.time[i];
     if (!usable(piece, i)) continue;
-    Row row = make_row(piece, i);
-    if (!started_) t_first_ = row.t;
-    emit_until(row);
-    previous_ = std::move(row);
+    make_row(piece, i, row_);
+    if (!started_) t_first_ = row_.t;
+    emit_until(row_);
+    std::swap(previous_, row_);
     started_ = true;
   }
 }
@@ -106,7 +107,7 @@ void UniformStream::read_piece() {
 // Emits all grid points between the previous row and this one (the grid starts at the first row).
 void UniformStream::emit_until(const Row& row) {
   const double tolerance = 1e-6 * dt_;
-  const double wanted = static_cast<double>(samples_.size()) + (row.t - t_first_) / dt_ -
+  const double wanted = static_cast<double>(held()) + (row.t - t_first_) / dt_ -
                         static_cast<double>(next_index_);
   require(wanted < most_held_, name_, ": found ", std::floor(wanted), " samples at ", 1.0 / dt_,
           " Hz up to ", row.t, " s, expected fewer than ", std::floor(most_held_),
@@ -114,27 +115,27 @@ void UniformStream::emit_until(const Row& row) {
   while (true) {
     const double t = t_first_ + static_cast<double>(next_index_) * dt_;
     if (t > row.t + tolerance) return;
-    std::vector<double> values = row.values;
+    samples_.insert(samples_.end(), row.values.begin(), row.values.end());
     bool good = true;
     if (std::abs(t - row.t) > tolerance) {
       const double gap = row.t - previous_.t;
       const double share = (t - previous_.t) / gap;
-      for (size_t k = 0; k < values.size(); ++k)
+      double* values = samples_.data() + samples_.size() - row.values.size();
+      for (size_t k = 0; k < row.values.size(); ++k)
         values[k] = previous_.values[k] + share * (row.values[k] - previous_.values[k]);
       good = gap < kGapInSteps * std::max(step_, dt_);
     }
-    samples_.push_back(std::move(values));
     sound_.push_back(good ? 1 : 0);
     ++next_index_;
   }
 }
 
 Eigen::Index UniformStream::hold(Eigen::Index rows, Eigen::Index discard) {
-  samples_.erase(samples_.begin(), samples_.begin() + discard);
+  samples_.erase(samples_.begin(), samples_.begin() + discard * width_);
   sound_.erase(sound_.begin(), sound_.begin() + discard);
   first_index_ += static_cast<long>(discard);
-  while (!ended_ && static_cast<Eigen::Index>(samples_.size()) < rows) read_piece();
-  return static_cast<Eigen::Index>(samples_.size());
+  while (!ended_ && held() < rows) read_piece();
+  return held();
 }
 
 }  // namespace veridyn

@@ -28,8 +28,10 @@ class UniformStream {
   double start() const { return t_first_; }
   long rows_read() const { return rows_read_; }
 
-  /// Held samples by row: q, dq (if present), tau; and a flag for each that it is valid.
-  const std::vector<std::vector<double>>& samples() const { return samples_; }
+  /// Held samples, (rows x 3 n): q, dq (if present, else 2 n columns), tau; and a flag for each that
+  /// it is valid.
+  using Samples = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
+  Samples samples() const { return {samples_.data(), held(), width_}; }
   const std::vector<char>& sound() const { return sound_; }
 
   /// Index on the grid of the first held sample.
@@ -50,7 +52,8 @@ class UniformStream {
   void read_piece();
   void emit_until(const Row& row);
   bool usable(const Recording& piece, Eigen::Index row) const;
-  Row make_row(const Recording& piece, Eigen::Index row) const;
+  void make_row(const Recording& piece, Eigen::Index row, Row& out) const;
+  Eigen::Index held() const { return static_cast<Eigen::Index>(sound_.size()); }
   void check(const Recording& piece) const;
 
   const Model& arm_;
@@ -69,9 +72,10 @@ class UniformStream {
   long next_index_ = 0;
   long first_index_ = 0;
   long rows_read_ = 0;
-  Row previous_{0.0, {}};
+  Row row_{0.0, {}}, previous_{0.0, {}};
   double most_held_ = 0.0;  ///< in samples
-  std::vector<std::vector<double>> samples_;
+  Eigen::Index width_ = 0;
+  std::vector<double> samples_;  ///< row by row
   std::vector<char> sound_;
 };
 

@@ -7,14 +7,49 @@ namespace {
 
 constexpr Eigen::Index kBlockRows = 512;
 
-MatrixXd columns_of(BoundEffect& effect, const std::vector<AxisSample>& samples) {
-  MatrixXd columns(samples.size(), effect.parameter_count());
-  EffectColumns row{};
-  for (Eigen::Index k = 0; k < columns.rows(); ++k) {
-    effect.columns(samples[k], row);
-    for (int p = 0; p < effect.parameter_count(); ++p) columns(k, p) = row[p];
+struct RowRange {
+  Eigen::Index first, count;
+};
+
+void take_samples(const BoundEffect& effect, const MotionView& motion, const MatrixXd& load,
+                  double start, const RowRange& rows, std::vector<AxisSample>& out) {
+  const EffectTerm& term = effect.term();
+  AxisSample origin;
+  origin.s = term.axis.offset;
+  origin.from_s = term.from ? term.from->offset : 0.0;
+  out.assign(static_cast<size_t>(rows.count), origin);
+  for (Eigen::Index k = 0; k < rows.count; ++k) out[k].time = motion.time[rows.first + k] - start;
+  const auto add = [&](const Axis& axis, const MatrixXd& of, double AxisSample::* sum) {
+    for (Eigen::Index i = 0; i < axis.coefficients.size(); ++i) {
+      const double c = axis.coefficients[i];
+      if (c == 0.0) continue;
+      const double* values = &of(rows.first, i);
+      for (Eigen::Index k = 0; k < rows.count; ++k) out[k].*sum += c * values[k];
+    }
+  };
+  if (rows.count == 0) return;
+  add(term.axis, motion.q, &AxisSample::s);
+  add(term.axis, motion.dq, &AxisSample::ds);
+  add(term.axis, motion.ddq, &AxisSample::dds);
+  if (term.from) {
+    add(*term.from, motion.q, &AxisSample::from_s);
+    add(*term.from, motion.dq, &AxisSample::from_ds);
   }
-  return columns;
+  if (effect.traits().uses_load && load.rows() == motion.rows()) {
+    const VectorXd effort = effort_along(term.axis, load.middleRows(rows.first, rows.count));
+    for (Eigen::Index k = 0; k < rows.count; ++k) out[k].load = effort[k];
+  }
+}
+
+// Columns of samples in order of time, into rows from `first` on.
+void take_columns(BoundEffect& effect, const std::vector<AxisSample>& samples, Eigen::Index first,
+                  MatrixXd& columns) {
+  EffectColumns row{};
+  for (const AxisSample& sample : samples) {
+    effect.columns(sample, row);
+    for (int p = 0; p < effect.parameter_count(); ++p) columns(first, p) = row[p];
+    ++first;
+  }
 }
 
 }  // namespace
@@ -39,33 +74,8 @@ VectorXd effort_along(const Axis& axis, const MatrixXd& tau) {
 
 std::vector<AxisSample> axis_samples(const BoundEffect& effect, const MotionView& motion,
                                      const MatrixXd& load, double start) {
-  const EffectTerm& term = effect.term();
-  const Eigen::Index rows = motion.rows();
-  std::vector<AxisSample> out(rows);
-  for (Eigen::Index k = 0; k < rows; ++k) {
-    AxisSample& x = out[k];
-    x.time = motion.time[k] - start;
-    x.s = term.axis.offset;
-    x.from_s = term.from ? term.from->offset : 0.0;
-  }
-  const auto add = [&](const Axis& axis, const MatrixXd& of, double AxisSample::* sum) {
-    for (Eigen::Index i = 0; i < axis.coefficients.size(); ++i) {
-      const double c = axis.coefficients[i];
-      if (c == 0.0) continue;
-      for (Eigen::Index k = 0; k < rows; ++k) out[k].*sum += c * of(k, i);
-    }
-  };
-  add(term.axis, motion.q, &AxisSample::s);
-  add(term.axis, motion.dq, &AxisSample::ds);
-  add(term.axis, motion.ddq, &AxisSample::dds);
-  if (term.from) {
-    add(*term.from, motion.q, &AxisSample::from_s);
-    add(*term.from, motion.dq, &AxisSample::from_ds);
-  }
-  if (effect.traits().uses_load && load.rows() == rows) {
-    const VectorXd effort = effort_along(term.axis, load);
-    for (Eigen::Index k = 0; k < rows; ++k) out[k].load = effort[k];
-  }
+  std::vector<AxisSample> out;
+  take_samples(effect, motion, load, start, {0, motion.rows()}, out);
   return out;
 }
 
@@ -73,9 +83,20 @@ MatrixXd columns_along(const BoundEffect& effect, const MotionView& motion, cons
                        double start) {
   BoundEffect own = effect;
   own.reset(start);
-  return columns_of(own, axis_samples(effect, motion, load, start));
+  MatrixXd columns(motion.rows(), own.parameter_count());
+  std::vector<AxisSample> samples;
+  for (Eigen::Index first = 0; first < motion.rows(); first += kBlockRows) {
+    const Eigen::Index count = std::min(kBlockRows, motion.rows() - first);
+    take_samples(effect, motion, load, start, {first, count}, samples);
+    take_columns(own, samples, first, columns);
+  }
+  return columns;
 }
 
-MatrixXd ColumnsInPieces::next(const std::vector<AxisSample>& samples) { return columns_of(effect_, samples); }
+MatrixXd ColumnsInPieces::next(const std::vector<AxisSample>& samples) {
+  MatrixXd columns(samples.size(), effect_.parameter_count());
+  take_columns(effect_, samples, 0, columns);
+  return columns;
+}
 
 }  // namespace veridyn

@@ -1,7 +1,7 @@
 #include "veridyn/simulation/hidden_effect.hpp"
 
-#include <cmath>
 
+#include "math/words.hpp"
 #include "veridyn/effects/cause.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/math/require.hpp"
@@ -13,18 +13,6 @@ namespace veridyn {
 namespace {
 
 const char* const kForm = "NAME:JOINT[:KEY=VALUE,...]";
-
-std::vector<std::string> split(const std::string& words, char separator) {
-  std::vector<std::string> parts{""};
-  for (const char c : words) {
-    if (c == separator) {
-      parts.emplace_back();
-    } else {
-      parts.back() += c;
-    }
-  }
-  return parts;
-}
 
 [[noreturn]] void fail(const std::string& asked, const std::string& found,
                        const std::string& expected) {

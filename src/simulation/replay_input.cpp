@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <set>
 
-#include "recordings/remark.hpp"
 #include "recordings/velocity_trust.hpp"
 #include "veridyn/simulation/replay.hpp"
 

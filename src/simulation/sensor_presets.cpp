@@ -1,8 +1,7 @@
 #include <fmt/format.h>
 
-#include <cmath>
-#include <utility>
 
+#include "math/words.hpp"
 #include "veridyn/math/require.hpp"
 #include "model/expression.hpp"
 #include "model/suggestion.hpp"
@@ -92,9 +91,7 @@ SensorNoise sensor_noise(const std::string& asked) {
   const auto colon = asked.find(':');
   SensorNoise noise = preset_of(asked.substr(0, colon));
   if (colon == std::string::npos) return noise;
-  std::string rest = asked.substr(colon + 1) + ",";
-  for (size_t at = 0; at < rest.size(); at = rest.find(',', at) + 1)
-    change(rest.substr(at, rest.find(',', at) - at), noise);
+  for (const std::string& pair : split(asked.substr(colon + 1), ',')) change(pair, noise);
   return noise;
 }
 

@@ -1,8 +1,6 @@
 #include "veridyn/simulation/simulate_recording.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "plant_torques.hpp"
 #include "recorded.hpp"

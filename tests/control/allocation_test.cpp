@@ -12,7 +12,6 @@
 #include "veridyn/control/inverse_kinematics.hpp"
 #include "veridyn/control/model_error_observer.hpp"
 #include "veridyn/control/momentum_observer.hpp"
-#include "control/moving_average.hpp"
 #include "veridyn/control/quintic_interpolator.hpp"
 #include "veridyn/control/safety_supervisor.hpp"
 #include "veridyn/control/velocity_observer.hpp"
@@ -107,11 +106,9 @@ TEST(Allocation, NoUpdateTakesMemory) {
   }
 
   GravityCompensation gravity(arm);
-  MovingAverage mean(n);
   VelocityObserver velocity(n);
   expect_no_allocation("filters", n, [&](const Cycle& c) {
     gravity.update(c.q);
-    mean.update(c.q);
     velocity.update(c.q, c.dq, 1e-3);
   });
 

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "support/near.hpp"
-#include "control/moving_average.hpp"
 #include "veridyn/control/velocity_observer.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -12,25 +11,6 @@ namespace {
 
 VectorXd one(double value) {
   return VectorXd::Constant(1, value);
-}
-
-TEST(MovingAverage, IsTheMeanOfTheLastTen) {
-  MovingAverage mean(1);
-  double sum = 0.0;
-  for (int k = 1; k <= 37; ++k) {
-    const double at = mean.update(one(k * k))[0];
-    sum = 0.0;
-    const int from = std::max(1, k - 9);
-    for (int j = from; j <= k; ++j) sum += j * j;
-    EXPECT_NEAR(at, sum / (k - from + 1), 1e-12);
-  }
-  mean.update(one(NAN));
-  for (int k = 0; k < 10; ++k) mean.update(one(2.0));
-  EXPECT_EQ(mean.mean()[0], 2.0);  // a bad sample leaves no trace
-  mean.reset();
-  EXPECT_EQ(mean.update(one(5.0))[0], 5.0);
-  EXPECT_THROW(MovingAverage(0), InvalidInput);
-  EXPECT_THROW(MovingAverage(3, 0), InvalidInput);
 }
 
 // On a ramp the velocity is exact in the end; on a parabola late by 2 / bandwidth without the

@@ -5,6 +5,7 @@
 
 #include "veridyn/cooperation/scenario.hpp"
 #include "veridyn/math/require.hpp"
+#include "support/refusal.hpp"
 
 namespace veridyn {
 namespace {
@@ -30,12 +31,7 @@ std::string message(const std::string& from, const std::string& to) {
   const auto at = content.find(from);
   EXPECT_NE(at, std::string::npos) << from;
   content.replace(at, from.size(), to);
-  try {
-    parse_scenario(content, "s.yaml");
-  } catch (const InvalidInput& error) {
-    return error.what();
-  }
-  return "";
+  return refusal([&] { parse_scenario(content, "s.yaml"); });
 }
 
 TEST(ScenarioReader, ReadsWhatIsThere) {

@@ -2,6 +2,7 @@
 
 #include <regex>
 
+#include "support/simulated.hpp"
 #include "diagnosis/stage_support.hpp"
 #include "veridyn/regressor/base_parameters.hpp"
 #include "veridyn/regressor/standard_parameters.hpp"
@@ -36,12 +37,8 @@ class ErrorsInVariables : public Stages {
         add_wave(i, 0.4 / harmonic, 2.0 * M_PI * harmonic / kPeriod, 0.7 * harmonic * (1 + i), m);
       for (const double w : {0.97, 2.31, 5.83, 9.41}) add_wave(i, 0.04 / w, w, phase(random), m);
     }
-    Recording r;
     const SimulatedRecording s = simulate_recording(truth_, m, {});
-    r.time = s.measured.time;
-    r.q = s.measured.q;
-    r.dq = s.measured.dq;
-    r.tau = s.tau;
+    Recording r = recording_of(s);
     std::normal_distribution<double> gauss;
     for (double& v : r.dq.reshaped()) v += velocity_noise * gauss(random);
     for (double& t : r.tau.reshaped()) t += torque_noise * gauss(random);

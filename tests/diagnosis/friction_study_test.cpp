@@ -1,3 +1,4 @@
+#include "support/simulated.hpp"
 #include "veridyn/diagnosis/friction_study.hpp"
 
 #include <gtest/gtest.h>
@@ -51,12 +52,8 @@ class OneJoint : public testing::Test {
       options.noise = sensor_noise("low");
       options.seed = seed;
       const SimulatedRecording s = simulate_recording(arm_, constant_speeds(3, 2), options);
-      Recording r;
+      Recording r = recording_of(s);
       r.source = "run " + std::to_string(seed);
-      r.time = s.measured.time;
-      r.q = s.measured.q;
-      r.dq = s.measured.dq;
-      r.tau = s.tau;
       recordings.push_back(std::move(r));
     }
     return study_friction(asked, recordings);

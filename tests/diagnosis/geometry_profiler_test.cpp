@@ -1,3 +1,4 @@
+#include "support/simulated.hpp"
 #include "diagnosis/causes/geometry.hpp"
 #include "diagnosis/causes/geometry_profiler.hpp"
 
@@ -37,11 +38,7 @@ TEST_P(Effects, AreTheSameColumnsAsInTheSimulation) {
   with.effects.push_back(term);
   const Model arm(with);
   const SimulatedRecording s = simulate_recording(arm, waves(6, 0.6), {});
-  Recording r;
-  r.time = s.measured.time;
-  r.q = s.measured.q;
-  r.dq = s.measured.dq;
-  r.tau = s.tau;
+  Recording r = recording_of(s);
   TemporaryFolder folder;
   const std::string path = folder.path("r.csv");
   write_recording(r, path);
@@ -84,13 +81,8 @@ TEST(AWrongLength, IsAsUncertainAsItDiffersBetweenRecordings) {
       motion.ddq.col(i).array() -= 0.2 * w * w * angle.sin();
     }
     const SimulatedRecording s = simulate_recording(real, motion, exact);
-    Recording r;
-    r.time = s.measured.time;
-    r.q = s.measured.q;
-    r.dq = s.measured.dq;
-    r.tau = s.tau;
     paths.push_back(folder.path(std::to_string(paths.size()) + ".csv"));
-    write_recording(r, paths.back());
+    write_recording(recording_of(s), paths.back());
   }
   const std::vector<GeometryFinding> found = profile_geometry(arm, paths, {}, Thresholds());
   const auto mine = std::find_if(found.begin(), found.end(), [&](const GeometryFinding& f) {

@@ -1,3 +1,4 @@
+#include "support/simulated.hpp"
 #include "veridyn/diagnosis/payload.hpp"
 
 #include <gtest/gtest.h>
@@ -46,13 +47,8 @@ class Payload : public testing::Test {
     options.noise = sensor_noise("dvrk");
     options.seed = seed;
     const SimulatedRecording s = simulate_recording(arm_, motion, options);
-    Recording r;
-    r.time = s.measured.time;
-    r.q = s.measured.q;
-    r.dq = s.measured.dq;
-    r.tau = s.tau;
     const std::string path = folder_.path("load" + std::to_string(seed) + ".csv");
-    write_recording(r, path);
+    write_recording(recording_of(s), path);
     return path;
   }
 

@@ -6,6 +6,7 @@
 #include <functional>
 #include <random>
 
+#include "support/simulated.hpp"
 #include "cli/tool.hpp"
 #include "diagnosis/stages/diagnosis_state.hpp"
 #include "simulation/simulation_support.hpp"
@@ -42,13 +43,8 @@ class Stages : public testing::Test {
     if (velocity_noise) options.noise.velocity = {*velocity_noise, *velocity_noise};
     options.seed = seed;
     const SimulatedRecording s = simulate_recording(truth_, motion(seed), options);
-    Recording r;
-    r.time = s.measured.time;
-    r.q = s.measured.q;
-    r.dq = s.measured.dq;
-    r.tau = s.tau;
     const std::string path = folder_.path("recording" + std::to_string(seed) + ".csv");
-    write_recording(r, path);
+    write_recording(recording_of(s), path);
     return path;
   }
 

@@ -11,14 +11,6 @@
 namespace veridyn {
 namespace {
 
-MotionSamples waves_of(unsigned seed) {
-  MotionSamples m{VectorXd::LinSpaced(4000, 0.0, 39.99), MatrixXd(4000, 2), {}, {}};
-  for (int i = 0; i < 2; ++i)
-    m.q.col(i) = 0.3 + 0.6 * ((1.1 + 0.23 * i + 0.1 * seed) * m.time.array() + i * (1.0 + seed)).sin() +
-                 0.3 * ((2.9 - 0.31 * i) * m.time.array()).cos();
-  return with_derivatives(m);
-}
-
 Diagnosis diagnosed(const Model& arm, const std::string& hidden, const DiagnosisOptions& how = {}) {
   std::vector<Recording> rows;
   for (const unsigned seed : {1U, 2U, 3U}) {

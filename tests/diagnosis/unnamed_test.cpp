@@ -5,8 +5,10 @@
 #include <functional>
 #include <tuple>
 
+#include "support/simulated.hpp"
 #include "diagnosis/findings/right_to_a_name.hpp"
 #include "diagnosis/unnamed/dependence.hpp"
+#include "diagnosis/unnamed/shared_residual.hpp"
 #include "diagnosis/unnamed/tables.hpp"
 #include "diagnosis/unnamed/vibration.hpp"
 #include "math/correlated_columns.hpp"
@@ -80,11 +82,7 @@ Diagnosis scara_with(const std::function<void(Recording&, unsigned seed)>& chang
     options.noise = sensor_noise("low");
     options.seed = k;
     const SimulatedRecording s = simulate_recording(scara, waves(scara.joints(), 0.08 + 0.01 * k), options);
-    Recording r;
-    r.time = s.measured.time;
-    r.q = s.measured.q;
-    r.dq = s.measured.dq;
-    r.tau = s.tau;
+    Recording r = recording_of(s);
     change(r, k);
     recordings.push_back(std::move(r));
   }
@@ -165,11 +163,11 @@ TEST(Unnamed, ALineOfTheMotionIsNoVibration) {
   EXPECT_FALSE(seen(1.3).has_value());
 }
 
-// A torque on joint 1 of two joints' velocities, which is a function of neither alone.
-TEST(Unnamed, AProductOfTwoVelocitiesIsFound) {
+// Independent signals, four folds, and what the first joint's residual is of them.
+MotionRows independent_rows(const std::vector<std::tuple<SignalKind, int, const char*>>& signals,
+                            const std::function<double(const Eigen::RowVectorXd&)>& residual) {
   MotionRows rows;
-  for (const auto& [kind, joint, name] : {std::tuple{SignalKind::kPosition, 0, "q1"}, {SignalKind::kVelocity, 0, "dq1"},
-                                          {SignalKind::kPosition, 1, "q2"}, {SignalKind::kVelocity, 1, "dq2"}}) {
+  for (const auto& [kind, joint, name] : signals) {
     MotionSignal s = signal(kind, -1.0, 1.0);
     s.joint = joint;
     s.name = name;
@@ -177,22 +175,71 @@ TEST(Unnamed, AProductOfTwoVelocitiesIsFound) {
   }
   constexpr int kRows = 1200;
   RandomNumbers random(5);
-  rows.values = MatrixXd(kRows, 4);
+  rows.values = MatrixXd(kRows, static_cast<Eigen::Index>(signals.size()));
   rows.residual = rows.measured = MatrixXd(kRows, 2);
   for (int r = 0; r < kRows; ++r) {
-    for (int s = 0; s < 4; ++s) rows.values(r, s) = random.uniform(-1.0, 1.0);
-    rows.residual.row(r).setConstant(rows.values(r, 1) * rows.values(r, 3) + 0.05 * random.normal());
+    for (Eigen::Index s = 0; s < rows.values.cols(); ++s) rows.values(r, s) = random.uniform(-1.0, 1.0);
+    rows.residual.row(r).setConstant(residual(rows.values.row(r)) + 0.05 * random.normal());
     rows.fold.push_back(r * 4 / kRows);
   }
   rows.measured.setOnes();
   rows.used.setConstant(kRows, 2, true);
   rows.folds = 4;
+  return rows;
+}
+
+// A torque on joint 1 of two joints' velocities, which is a function of neither alone.
+TEST(Unnamed, AProductOfTwoVelocitiesIsFound) {
+  const MotionRows rows = independent_rows({{SignalKind::kPosition, 0, "q1"}, {SignalKind::kVelocity, 0, "dq1"},
+                                            {SignalKind::kPosition, 1, "q2"}, {SignalKind::kVelocity, 1, "dq2"}},
+                                           [](const Eigen::RowVectorXd& x) { return x[1] * x[3]; });
   const Thresholds limits;
   const std::vector<SmoothTerm> terms = smooth_terms(rows.signals, 0, limits);
   const Dependence found = find_dependence(0, rows, rows, terms, limits);
   ASSERT_EQ(found.model.chosen.size(), 1u);
   EXPECT_EQ(terms[found.model.chosen.front().term].signals, (std::vector<int>{1, 3}));
   EXPECT_GT(found.predicted_of_test.front(), 0.9);
+}
+
+// Weight that turns with positions and with a lean that follows another joint's torque: the one with the own position
+// alone, the other with the own one and another.
+TEST(Unnamed, AGainOnATorqueThatVariesWithPositionsIsFound) {
+  const auto seen = [](const std::function<double(const Eigen::RowVectorXd&)>& residual, const std::vector<std::string>& of) {
+    const MotionRows rows = independent_rows({{SignalKind::kPosition, 0, "q1"}, {SignalKind::kTorque, 0, "tau1"},
+                                              {SignalKind::kPosition, 1, "q2"}, {SignalKind::kTorque, 1, "tau2"}}, residual);
+    const Thresholds limits;
+    const std::vector<SmoothTerm> terms = smooth_terms(rows.signals, 0, limits);
+    const Dependence found = find_dependence(0, rows, rows, terms, limits);
+    ASSERT_EQ(found.model.chosen.size(), 1u);
+    EXPECT_GT(found.predicted_of_test.front(), 0.7);
+    const UnnamedShape shape = shape_of(found, 0, rows, terms, "N m");
+    EXPECT_EQ(shape.signals, of);
+    EXPECT_EQ(shape.words.find("in proportion to tau2, at its largest: "), 0u) << shape.words;
+    EXPECT_EQ(shape.curve.front().at.back(), 1.0);
+    std::vector<MotionSignal> kept;
+    for (const int s : terms[found.model.chosen.front().term].signals) kept.push_back(rows.signals[s]);
+    EXPECT_TRUE(tables_of(read_model("planar-2r"), {0}, shape, kept).empty());
+  };
+  seen([](const Eigen::RowVectorXd& x) { return 0.2 * std::sin(2.0 * x[0]) * x[3]; }, {"q1", "tau2"});
+  seen([](const Eigen::RowVectorXd& x) { return 0.2 * std::sin(2.0 * (x[0] + x[2])) * x[3]; }, {"q1", "q2", "tau2"});
+}
+
+// What is left on two joints comes from one source where it goes together in every fold.
+TEST(Unnamed, AResidualThatTwoJointsShareIsSeen) {
+  MotionRows rows = independent_rows({{SignalKind::kPosition, 0, "q1"}}, [](const Eigen::RowVectorXd& x) { return x[0]; });
+  rows.residual.col(1) *= -2.0;
+  const std::optional<SharedResidual> both = shared_residual(rows, 0, Thresholds{});
+  ASSERT_TRUE(both.has_value());
+  EXPECT_EQ(both->with, 1);
+  EXPECT_NEAR(both->correlation, -1.0, 1e-9);
+  MotionRows differ = rows;
+  for (int r = 0; r < differ.residual.rows(); ++r) {
+    if (differ.fold[r] == 2) differ.residual(r, 1) *= -1.0;
+  }
+  EXPECT_FALSE(shared_residual(differ, 0, Thresholds{}).has_value());
+  RandomNumbers random(9);
+  for (int r = 0; r < rows.residual.rows(); ++r) rows.residual(r, 1) = random.normal();
+  EXPECT_FALSE(shared_residual(rows, 0, Thresholds{}).has_value());
 }
 
 // The same arm in which joints 1 and 3 follow one sine, 2 another one.

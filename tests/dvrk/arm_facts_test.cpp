@@ -11,6 +11,7 @@
 
 #include "support/near.hpp"
 #include "veridyn/math/require.hpp"
+#include "support/refusal.hpp"
 
 namespace veridyn::dvrk {
 namespace {
@@ -108,12 +109,7 @@ TEST(ArmFacts, AWrongFileNamesLineAndReason) {
     const auto place = wrong.find(from);
     if (place == std::string::npos) return "no '" + from + "' in the file";
     std::ofstream(path) << wrong.replace(place, from.size(), to);
-    try {
-      read_arm(path.string() + ":PSM2");
-    } catch (const InvalidInput& error) {
-      return error.what();
-    }
-    return "";
+    return refusal([&] { read_arm(path.string() + ":PSM2"); });
   };
   EXPECT_EQ(message_of("PSM", "PSM"), "");
   EXPECT_NE(message_of("gear: 56.50", "gear: 0").find("positive"), std::string::npos);

@@ -19,6 +19,7 @@
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/simulation/plant.hpp"
+#include "support/refusal.hpp"
 
 // A whole arm in one process: client, boards, motors, encoders, with a clock of its own.
 
@@ -199,12 +200,7 @@ TEST_F(ArmRun, AMotionThatCouldNotStopBeforeALimitIsRefusedBeforePower) {
   const PidGains gains = sensible_gains(model_);
   MotionSamples fast = swinging(4.0, Eigen::Vector2d(1.69, 0.1), 0.8);
   ASSERT_LT(fast.q.maxCoeff(), 2.4901);
-  try {
-    run_motion(arm, link_, fast, gains, RunOptions(), stop_);
-    ADD_FAILURE() << "too fast for the limit";
-  } catch (const InvalidInput& error) {
-    EXPECT_NE(std::string(error.what()).find("--limit-share"), std::string::npos) << error.what();
-  }
+  EXPECT_TRUE(refuses_with("--limit-share", [&] { run_motion(arm, link_, fast, gains, RunOptions(), stop_); }));
   EXPECT_EQ(emulator_.counters().writes, 0);
   EXPECT_FALSE(emulator_.board(0).status().power_requested());
   const MotionSamples slower = swinging(8.0, Eigen::Vector2d(1.69, 0.1), 0.74);
@@ -407,13 +403,7 @@ TEST_F(ArmRun, AClockThatStandsStillIsMarkedInTheRecording) {
 TEST_F(ArmRun, APotAtItsEndRefusesHomingAndPower) {
   emulator_.board(0).faults.pot_wire[1] = true;
   ArmSession arm(link_, planar_config());
-  try {
-    arm.start();
-    ADD_FAILURE() << "loaded from a pot at its end";
-  } catch (const InvalidInput& error) {
-    EXPECT_NE(std::string(error.what()).find("pot of actuator 1"), std::string::npos)
-        << error.what();
-  }
+  EXPECT_TRUE(refuses_with("pot of actuator 1", [&] { arm.start(); }));
   emulator_.board(0).faults.pot_wire[1] = false;
   link_.wait(0.01);
   arm.start();
@@ -461,13 +451,7 @@ TEST_F(ArmRun, WhatDoesNotFitIsRefused) {
                InvalidInput);
   MotionSamples far = motion(1.0);
   far.q.col(1).array() += 2.5;
-  try {
-    run_motion(arm, link_, far, sensible_gains(model_), RunOptions(), stop_);
-    ADD_FAILURE() << "beyond the soft limits";
-  } catch (const InvalidInput& error) {
-    EXPECT_NE(std::string(error.what()).find("takes actuator 1 to 2"), std::string::npos)
-        << error.what();
-  }
+  EXPECT_TRUE(refuses_with("takes actuator 1 to 2", [&] { run_motion(arm, link_, far, sensible_gains(model_), RunOptions(), stop_); }));
   RobotConfig other = planar_config();
   other.hardware = "DQLA";
   EXPECT_THROW(ArmSession(link_, other), InvalidInput);

@@ -233,20 +233,6 @@ TEST(ArmUnits, OverflowAndImpossibleTransitionsMakeEncodersInvalid) {
   EXPECT_FALSE(state.encoders_valid);
 }
 
-TEST(PotCheck, ADifferenceCountsWhenItLasts) {
-  const RobotConfig robot = example();  // 5 mm for 10 ms on axis 2
-  PotCheck check(robot);
-  BoardArmState state(7);
-  state.pot_q[2] = 0.0051;
-  for (int k = 0; k < 10; ++k) EXPECT_EQ(check.update(state, 0.001), -1) << k;
-  EXPECT_EQ(check.update(state, 0.001), 2);
-  state.pot_q[2] = 0.0049;
-  EXPECT_EQ(check.update(state, 0.001), -1);
-  state.pot_q[2] = std::nan("");
-  for (int k = 0; k < 10; ++k) check.update(state, 0.001);
-  EXPECT_EQ(check.update(state, 0.001), 2);
-}
-
 TEST(ArmUnits, CouplingsThatCannotBeInvertedAreRefused) {
   MatrixXd K = MatrixXd::Identity(7, 7);
   K(3, 3) = 0.0;

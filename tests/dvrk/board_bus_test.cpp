@@ -9,6 +9,7 @@
 #include "dvrk/vectors.hpp"
 #include "support/malloc_count.hpp"
 #include "veridyn/math/require.hpp"
+#include "support/refusal.hpp"
 
 namespace veridyn::dvrk {
 
@@ -157,13 +158,10 @@ std::string refusal(const BusOptions& options, const std::vector<BoardSetup>& bo
   BoardEmulator emulator(boards, 3);
   if (spoil) spoil(emulator);
   EmulatedLink link(emulator);
-  try {
+  return refusal([&] {
     BoardBus bus(link, options);
     bus.start();
-  } catch (const InvalidInput& error) {
-    return error.what();
-  }
-  return "";
+  });
 }
 
 TEST(BoardBus, WhatCannotBeDrivenIsRefusedWithItsName) {

@@ -82,13 +82,6 @@ TEST(EncoderWords, PowerUpWordsMeanRest) {
   EXPECT_EQ(encoder_counts(EncoderWords{}.position), 0);
 }
 
-TEST(EncoderWords, OlderFirmwareHasAnotherClockAndFewerBits) {
-  EXPECT_NEAR(encoder_velocity_rev6(0x40000000 | 3072), 4000.0, 1e-9);  // 4 counts in 1 ms
-  EXPECT_NEAR(encoder_velocity_rev6(3072), -4000.0, 1e-9);
-  EXPECT_NEAR(encoder_velocity_rev6(0x40000000 | (0xFFU << 22) | 3072), 4000.0, 1e-9);
-  EXPECT_EQ(encoder_velocity_rev6(0x80000000 | 3072), 0.0);
-}
-
 // Numbers of specification 12.
 TEST(Analog, NominalConversionsAreThoseOfTheBoard) {
   EXPECT_NEAR(kNominalAmpsToBits.scale, 5242.88, 1e-9);
@@ -96,9 +89,6 @@ TEST(Analog, NominalConversionsAreThoseOfTheBoard) {
   EXPECT_NEAR(kNominalBitsToAmps(0x8000), 0.0, 1e-15);
   EXPECT_NEAR(kNominalBitsToAmps.scale, 1.9073486e-4, 1e-11);
   EXPECT_NEAR(kNominalBitsToVolts(65536), 4.5, 1e-15);
-  EXPECT_NEAR(kMotorVoltsToBits(-45.5), 0.0, 1e-9);
-  EXPECT_NEAR(kMotorVoltsToBits(45.5), 65535.0, 1e-9);
-  EXPECT_NEAR(1.0 / kMotorVoltsToBits.scale, 1.39e-3, 1e-5);
   EXPECT_EQ(temperature(0x32), 25.0);
   EXPECT_TRUE(std::isnan(temperature(0xFF)));
   EXPECT_EQ(nearest_word(32767.6, 7), 32768);

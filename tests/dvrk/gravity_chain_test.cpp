@@ -13,6 +13,7 @@
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
+#include "support/refusal.hpp"
 
 namespace veridyn::dvrk {
 namespace {
@@ -75,21 +76,6 @@ INSTANTIATE_TEST_SUITE_P(Arms, OnEveryArm,
                                          Case{"ecm", "ECM"}),
                          [](const auto& c) { return c.param.arm; });
 
-// A chain that is serial already keeps its base moments: torques read back from the file agree.
-TEST(GravityChain, TheFileComesBack) {
-  const Model robot = ecm_with_bodies(4);
-  const GravityChain chain = fit_gravity_chain(robot, read_arm("ECM"));
-  const GravityChain back = read_gravity_json(to_gravity_json(chain, "ecm"), "f.json");
-  EXPECT_EQ(back.arm, "ECM");
-  Random random(5);
-  for (int trial = 0; trial < 10; ++trial) {
-    const VectorXd q = random.vector(4, -1.0, 1.0);
-    EXPECT_TRUE(near(gravity_torques(back, q), gravity_torques(chain, q), 1e-12));
-    const VectorXd rest = VectorXd::Zero(4);
-    EXPECT_TRUE(near(gravity_torques(back, q), inverse_dynamics(robot, q, rest, rest), 1e-8));
-  }
-}
-
 // Centres stay where a laboratory can read them, also where a mass could be anything.
 TEST(GravityChain, CentresAreNearTheirLinks) {
   const GravityChain chain =
@@ -128,12 +114,7 @@ TEST(GravityChain, TheErrorOfAnArmThatIsNoChainIsStated) {
 TEST(GravityChain, WhatCannotBeWrittenIsRefused) {
   const ArmFacts psm = read_arm("PSM1");
   const auto message_of = [](const Model& model, const ArmFacts& arm) -> std::string {
-    try {
-      fit_gravity_chain(model, arm);
-    } catch (const InvalidInput& error) {
-      return error.what();
-    }
-    return "";
+    return refusal([&] { fit_gravity_chain(model, arm); });
   };
   EXPECT_NE(message_of(read_model("psm-3dof"), psm).find("without values"), std::string::npos);
   EXPECT_NE(message_of(with_random_bodies(read_model("ur10e"), 1), psm).find("no coordinate"),
@@ -148,33 +129,6 @@ TEST(GravityChain, WhatCannotBeWrittenIsRefused) {
   EXPECT_NE(message_of(with_random_bodies(read_model("psm-3dof-printed"), 7), psm)
                 .find("expected at most 5 %"),
             std::string::npos);
-}
-
-TEST(GravityChain, BadFilesNameRowAndReason) {
-  const std::string good =
-      to_gravity_json(fit_gravity_chain(ecm_with_bodies(1), read_arm("ECM")), "");
-  EXPECT_NO_THROW(read_gravity_json(good, "f"));
-  const auto message_of = [&](const std::string& from, const std::string& to) -> std::string {
-    std::string wrong = good;
-    wrong.replace(wrong.find(from), from.size(), to);
-    try {
-      read_gravity_json(wrong, "f.json");
-    } catch (const InvalidInput& error) {
-      return error.what();
-    }
-    return "";
-  };
-  EXPECT_NE(message_of("\"mass\"", "\"maas\"").find("DH/joints/0: found no number 'mass'"),
-            std::string::npos);
-  EXPECT_NE(message_of("\"revolute\"", "\"screw\"").find("'screw'"), std::string::npos);
-  EXPECT_NE(message_of("\"revolute\"", "7").find("f.json: DH/joints/0: found no text 'type'"),
-            std::string::npos);
-  EXPECT_NE(
-      message_of("\"arm\": \"ECM\"", "\"arm\": 7").find("f.json: veridyn: found no text 'arm'"),
-      std::string::npos);
-  EXPECT_NE(message_of("modified", "standard").find("convention"), std::string::npos);
-  EXPECT_THROW(read_gravity_json("{}", "f"), InvalidInput);
-  EXPECT_THROW(read_gravity_json("[", "f"), InvalidInput);
 }
 
 class StaticFile : public testing::Test {
@@ -203,12 +157,7 @@ TEST_F(StaticFile, HeaderOrNone) {
 
 TEST_F(StaticFile, MistakesNameTheLine) {
   const auto message_of = [&](const std::string& content) -> std::string {
-    try {
-      read_static_torques(write(content));
-    } catch (const InvalidInput& error) {
-      return error.what();
-    }
-    return "";
+    return refusal([&] { read_static_torques(write(content)); });
   };
   EXPECT_NE(message_of("1,2,3\n").find(":1: found 3 columns"), std::string::npos);
   EXPECT_NE(message_of("q1,tau1\n1,2\n1,x\n").find(":3: found 'x'"), std::string::npos);

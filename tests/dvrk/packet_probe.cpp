@@ -38,10 +38,7 @@ const char* probe_blocks(QuadletView block) {
     }
     for (int board = 0; board < kMaxBoards; ++board) find_command(block, board, firmware, command);
     const BoardFeedback f = decode_feedback(block, firmware);
-    for (const ChannelFeedback& c : f.channel) {
-      encoder_motion(c.encoder);
-      encoder_velocity_rev6(c.encoder.period);
-    }
+    for (const ChannelFeedback& c : f.channel) encoder_motion(c.encoder);
     if (block.size() >= read_quadlets(firmware)) {
       std::array<std::uint8_t, 128> again{};
       encode_feedback(f, firmware, QuadletSpan({again.data(), again.size()}));

@@ -76,10 +76,10 @@ TEST_P(OnEveryArm, AllInstructionSetsAndBatchesAgree) {
       EXPECT_TRUE(near(by_dq, by_all.middleCols(n, n), allowed));
       EXPECT_TRUE(near(M, by_all.rightCols(n), allowed));
       VectorXd h(n);
-      kernels.linearized_equation(links, q, dq, same.data(), h.data(), by_q.data(), work);
+      kernels.velocity_derivative(links, q, dq, 1.0, same.data(), h.data(), by_q.data(), work);
       EXPECT_TRUE(near(same, M, allowed));
       EXPECT_TRUE(near(same * s.ddq + h, expected.transpose(), allowed));
-      kernels.coriolis_matrix(links, q, dq, same.data(), work);
+      kernels.velocity_derivative(links, q, dq, 0.5, nullptr, nullptr, same.data(), work);
       EXPECT_TRUE(near(2.0 * same, by_q, allowed));
       VectorXd g(n), gradient(n);
       kernels.gravity_torques(links, q, g.data(), work);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "support/simulated.hpp"
 #include "cli/tool.hpp"
 #include "veridyn/control/friction_compensation.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
@@ -115,13 +116,8 @@ class OwnEffect : public testing::Test {
     options.noise = sensor_noise("dvrk");
     options.seed = seed;
     const SimulatedRecording s = simulate_recording(plain(), motion(seed), options);
-    Recording r;
-    r.time = s.measured.time;
-    r.q = s.measured.q;
-    r.dq = s.measured.dq;
-    r.tau = s.tau;
     const std::string path = folder_.path("brake" + std::to_string(seed) + ".csv");
-    write_recording(r, path);
+    write_recording(recording_of(s), path);
     return path;
   }
 

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "support/near.hpp"
+#include "support/simulated.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 #include "veridyn/veridyn.hpp"
@@ -36,12 +37,8 @@ struct Laboratory {
     options.noise = sensor_noise("low");
     options.hidden = hidden;
     const SimulatedRecording s = simulate_recording(arm, with_derivatives(m), options);
-    Recording out;
+    Recording out = recording_of(s);
     out.source = "run " + std::to_string(seed);
-    out.time = s.measured.time;
-    out.q = s.measured.q;
-    out.dq = s.measured.dq;
-    out.tau = s.tau;
     return out;
   }
 };

@@ -202,14 +202,6 @@ std::string probe_arm_facts(std::string_view bytes) {
   return wrong;
 }
 
-std::string probe_gravity(std::string_view bytes) {
-  return refusal_or([&] {
-    const dvrk::GravityChain chain = dvrk::read_gravity_json(std::string(bytes), "gravity.json");
-    dvrk::gravity_torques(chain, VectorXd::Zero(chain.rows.size()));
-    return std::string();
-  });
-}
-
 std::string probe_static_torques(std::string_view bytes) {
   const FileInMemory file(bytes);
   return refusal_or([&] {
@@ -376,12 +368,6 @@ const std::vector<FuzzTarget>& fuzz_targets() {
       {"io_xml", probe_io_xml, io_xml_seeds},
       {"io_json", probe_io_json, io_json_seeds},
       {"arm_facts", probe_arm_facts, [] { return files("data/dvrk", {".yaml"}); }},
-      {"gravity", probe_gravity,
-       [] {
-         return Seeds{R"({"DH": {"convention": "modified", "joints": [
-  {"name": "yaw", "type": "revolute", "alpha": 1.5708, "A": 0.0, "theta": 1.5708, "D": 0.0,
-   "offset": 0.0, "mass": 1.5, "cx": 0.01, "cy": 0.02, "cz": -0.03}]}})"};
-       }},
       {"static_torques", probe_static_torques,
        [] { return Seeds{"q1,q2,tau1,tau2\n0.1,0.2,1,2\n0.2,0.3,1.5,2.5\n", "0.1 0.2 1 2\n0.2 0.3 1 2\n"}; }},
       {"datagram", probe_datagram, datagram_seeds},

@@ -15,6 +15,7 @@
 
 #include "identification/many_recordings.hpp"
 #include "identification/synthetic_recording.hpp"
+#include "recordings/kept_recordings.hpp"
 #include "support/near.hpp"
 #include "veridyn/identification/many_machines.hpp"
 #include "veridyn/math/require.hpp"
@@ -69,6 +70,27 @@ testing::AssertionResult same_answer(const Identification& a, const Identificati
       return testing::AssertionFailure() << "deviation of " << a.base[j].name;
   }
   return near(a.train_error.relative, b.train_error.relative, tolerance);
+}
+
+// Recordings that do not fit the memory are parsed once, and their answer is that of recordings in
+// memory to the last bit.
+TEST(ManyRecordings, AreParsedOnce) {
+  const Model arm = robot("scara");
+  const Files files("parsed-once");
+  const std::vector<std::string> paths = files.recordings(arm, 3);
+  const auto answer = [&](long most_bytes) {
+    IdentificationOptions how;
+    how.preprocessing.kept = std::make_shared<KeptRecordings>(most_bytes);
+    return identify(arm, {paths[0], paths[1]}, {paths[2]}, how);
+  };
+  const Identification in_memory = answer(KeptRecordings::kFewPasses);
+  const long before = files_parsed();
+  const Identification on_disk = answer(0);
+  EXPECT_EQ(files_parsed() - before, 3);
+  ASSERT_TRUE(in_memory.model);
+  EXPECT_EQ(in_memory.parameters, on_disk.parameters);
+  EXPECT_EQ(in_memory.train_error.relative, on_disk.train_error.relative);
+  EXPECT_EQ(in_memory.test_error.relative, on_disk.test_error.relative);
 }
 
 TEST(Factors, AreTheSameAfterAFile) {

@@ -5,17 +5,13 @@
 #include <cmath>
 
 #include "veridyn/math/require.hpp"
+#include "support/refusal.hpp"
 
 namespace veridyn {
 namespace {
 
 std::string reason(const std::string& expression, const Constants& constants = {}) {
-  try {
-    evaluate(expression, constants);
-  } catch (const InvalidInput& error) {
-    return error.what();
-  }
-  return "";
+  return refusal([&] { evaluate(expression, constants); });
 }
 
 TEST(Expression, NumbersAreReadExactly) {

@@ -9,6 +9,7 @@
 
 #include "veridyn/math/require.hpp"
 #include "model/effect_names.hpp"
+#include "support/refusal.hpp"
 
 namespace veridyn {
 namespace {
@@ -242,12 +243,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(ModelFile, AMissingFileIsNamedAndABareNameGetsTheNearest) {
   const auto error_of_name = [](const std::string& name) -> std::string {
-    try {
-      read_model(name);
-    } catch (const InvalidInput& error) {
-      return error.what();
-    }
-    return "";
+    return refusal([&] { read_model(name); });
   };
   EXPECT_EQ(error_of_name("nowhere/psm-3dof.yaml"),
             "nowhere/psm-3dof.yaml: found no such file (did you mean 'psm-3dof'?), expected a "

@@ -69,7 +69,7 @@ GENERATED = {
                   "diagnosis/stages/errors_in_variables.cpp": 3, "diagnosis/unnamed/dependence.cpp": 3},
     "control": {"control/adaptive_friction.cpp": 3, "control/computed_torque.cpp": 2, "control/cooperative/force_law.cpp": 2, "control/momentum_observer.cpp": 3, "control/velocity_observer.cpp": 2,
                 "control/quintic_interpolator.cpp": 3, "control/impedance.cpp": 2, "control/model_error_observer.cpp": 3,
-                "control/cooperative/tether_guard.cpp": 3, "control/moving_average.cpp": 1},
+                "control/cooperative/tether_guard.cpp": 3},
     "dvrk": {"dvrk/arms/psm_kinematics.cpp": 3, "dvrk/arms/mtm_kinematics.cpp": 3, "dvrk/arms/arm_units.cpp": 3,
              "dvrk/protocol/encoder_words.cpp": 3, "dvrk/arms/gravity_chain.cpp": 3, "dvrk/config/io_config_check.cpp": 3,
              "dvrk/arms/joint_ranges.cpp": 2},

@@ -314,6 +314,15 @@ TEST_F(OpenedInMemory, WhatChangedSinceAndWhatWasLeftOutIsShown) {
   EXPECT_EQ(ends, 2);
 }
 
+// What a joint's torque takes from another one is drawn over the torque that it is a share of.
+TEST(DiagnosisPage, CrosstalkIsDrawnOverTheTorqueThatItComesFrom) {
+  Diagnosis d = diagnosis();
+  EXPECT_EQ(series_of(to_page(d))["causes"], json({"q2"}));
+  d.findings[0].cause = ChannelError{"torque_crosstalk", JointIndex{1}};
+  d.findings[0].from = JointIndex{0};
+  EXPECT_EQ(series_of(to_page(d))["causes"], json({"tau1"}));
+}
+
 TEST_F(OpenedInMemory, NothingFoundIsSaidInWords) {
   Diagnosis d = diagnosis();
   d.findings.clear();

@@ -10,6 +10,7 @@
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/math/require.hpp"
 #include "simulation/rotors_at_zero.hpp"
+#include "support/refusal.hpp"
 
 namespace veridyn {
 namespace {
@@ -174,12 +175,7 @@ TEST(Plant, ANumberThatIsNoneStopsItAtTheJoint) {
 }
 
 std::string refusal(const Model& arm) {
-  try {
-    Plant plant(arm);
-  } catch (const InvalidInput& error) {
-    return error.what();
-  }
-  return "";
+  return refusal([&] { Plant plant(arm); });
 }
 
 TEST(Plant, RefusesAModelThatCannotBeAndSaysWhere) {

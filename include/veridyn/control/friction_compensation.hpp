@@ -4,6 +4,7 @@
 
 #include "veridyn/control/arm_state.hpp"
 #include "veridyn/effects/effect.hpp"
+#include "veridyn/kinematics/links.hpp"
 #include "veridyn/math/types.hpp"
 
 namespace veridyn {
@@ -79,6 +80,8 @@ class FrictionCompensation {
 
   int axes() const { return static_cast<int>(axes_.size()); }
   const VectorXd& axis(int k) const { return axes_[k].c; }
+  /// The coefficients of that axis that are not zero.
+  const std::vector<JointCoefficient>& terms(int k) const { return axes_[k].along; }
 
   bool prismatic(int k) const { return axes_[k].prismatic; }
   double share() const { return options_.share; }
@@ -101,11 +104,16 @@ class FrictionCompensation {
  private:
   struct Axis {
     VectorXd c;
+    std::vector<JointCoefficient> along;  // its entries that are not zero
     double offset = 0.0;
+    double squared = 0.0;  // |c|^2
     bool prismatic = false;
+    bool loaded = false;    // a term depends on the load
+    bool constant = true;   // the friction depends on neither position nor load
     std::vector<BoundEffect> terms;
     double velocity_deadband = 0.0, position_deadband = 0.0, tank_capacity = 0.0;
     double scale = 1.0;
+    double at_rest = 0.0;  // the larger sliding force at rest of the two directions, if constant
     double energy = 0.0;   // content of the tank [J]
     double largest = 0.0;  // capacity of the tank [J]
     double s = 0.0, load = 0.0;
@@ -114,6 +122,7 @@ class FrictionCompensation {
     bool first = true;
   };
   static double sliding(const Axis& axis, double direction, double speed) noexcept;
+  static double at_rest(const Axis& axis) noexcept;
   static double tank_level(const Axis& axis) noexcept;
   double by_velocity(const Axis& axis, double v, double v_wanted, double error) const noexcept;
   static double by_memory(Axis& axis, double will, double speed, double v) noexcept;

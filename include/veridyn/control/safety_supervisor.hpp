@@ -53,7 +53,6 @@ enum class SafetyAction {
 /// Fixed text, such as "position limit".
 const char* describe(SafetyState state) noexcept;
 const char* describe(SafetyFault fault) noexcept;
-const char* describe(SafetyAction action) noexcept;
 
 /// The action of a fault: kMotorsOff for an arm that is not held, kFreeze where positions cannot be
 /// trusted, kRelease for forces, kHold for all others. Among several faults the strongest action

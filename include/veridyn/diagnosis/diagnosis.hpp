@@ -86,8 +86,9 @@ struct CurvePoint {
 /// Dependence of a residual on signals, where no known cause has that shape.
 struct UnnamedShape {
   static constexpr const char* kName = "unnamed";
-  /// One or two of "q1".., "dq1".., "ddq1".., "tau1".. (the model's torque), "history1".. (signed
-  /// travel since the last reversal) and "t" (since the recording began).
+  /// One to three of "q1".., "dq1".., "ddq1".., "tau1".. (the model's torque), "history1".. (signed
+  /// travel since the last reversal) and "t" (since the recording began). Of three, two positions and a torque, and of
+  /// some pairs, a position and a torque, the curve is in proportion to the last one, and shown at its largest size.
   std::vector<std::string> signals;
   std::vector<std::string> units;
   /// The second signal is a velocity of which only the sign counts: one curve for each direction.

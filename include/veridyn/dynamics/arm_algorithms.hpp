@@ -69,21 +69,13 @@ struct ArmAlgorithms {
 
   /// Computes joint variables, sines, cosines and rotations; a null pointer counts as zeros.
   static void place(const Links& tree, const S* q, const S* dq, const S* ddq, const Memory& at) {
-    for (int k = 0; k < tree.count; ++k) {
-      const Link& link = tree.link[k];
-      LinkState<S>& state = at.state[k];
-      using C = typename ConstantOf<S>::type;
-      state.s = along_joint(tree, link, q) + S(static_cast<C>(link.offset));
-      state.ds = dq == nullptr ? S(0.0) : along_joint(tree, link, dq);
-      state.dds = ddq == nullptr ? S(0.0) : along_joint(tree, link, ddq);
-      if constexpr (kWide) at.angle[k / lanes()].v[k % lanes()] = state.s.v;
-      if constexpr (!kWide) {
-        if (link.type == JointType::kRevolute) sine_cosine(state.s, state.sine, state.cosine);
+    if constexpr (!kWide) return joint_pass(tree, q, dq, ddq, {at.state, nullptr});
+    if constexpr (kWide) {
+      for (int k = 0; k < tree.count; ++k) {
+        joint_variable(tree, tree.link[k], q, dq, ddq, at.state[k]);
+        at.angle[k / lanes()].v[k % lanes()] = at.state[k].s.v;
       }
-    }
-    if constexpr (kWide) sines(tree, at);
-    if constexpr (!kWide) {
-      for (int k = 0; k < tree.count; ++k) rotation_step(tree.link[k], at.state[k]);
+      sines(tree, at);
     }
   }
 
@@ -169,22 +161,15 @@ struct ArmAlgorithms {
     mass_of(arm, M, at);
   }
 
-  /// Computes M, h and D = dh/d(dq).
-  static void linearized_equation(const InertialLinks& arm, const S* q, const S* dq, S* M, S* h,
-                                  S* D, const Memory& at) {
-    equation_of_motion(arm, q, dq, M, h, at);
+  /// Computes M and h, where they are not null, and D = scale * dh/d(dq): with 1/2 the Coriolis
+  /// matrix of Christoffel's symbols, for which dM/dt - 2 C is skew.
+  static void velocity_derivative(const InertialLinks& arm, const S* q, const S* dq, double scale,
+                                  S* M, S* h, S* D, const Memory& at) {
     const int n = arm.tree.joints;
+    inverse_dynamics(arm, q, dq, nullptr, nullptr, 0, h == nullptr ? at.vector : h, at);
+    if (M != nullptr) mass_of(arm, M, at);
     rows_along<kOfVelocity>(arm, n, at.rows, at);
-    columns(n, groups(n), 0, n, S(1.0), at.rows, D);
-  }
-
-  /// The Coriolis matrix of Christoffel's symbols, C = 1/2 d(C dq)/d(dq): dM/dt - 2 C is skew.
-  static void coriolis_matrix(const InertialLinks& arm, const S* q, const S* dq, S* C,
-                              const Memory& at) {
-    const int n = arm.tree.joints;
-    inverse_dynamics(arm, q, dq, nullptr, nullptr, 0, at.vector, at);
-    rows_along<kOfVelocity>(arm, n, at.rows, at);
-    columns(n, groups(n), 0, n, S(0.5), at.rows, C);
+    columns(n, groups(n), 0, n, S(static_cast<typename ConstantOf<S>::type>(scale)), at.rows, D);
   }
 
   /// Computes dL/dq = C' dq - g of the Lagrangian L = dq' M dq / 2 - U in O(links): with the momentum

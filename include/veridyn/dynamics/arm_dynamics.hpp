@@ -56,7 +56,8 @@ class ArmDynamics {
   }
   /// Coriolis matrix of Christoffel's symbols.
   void coriolis_matrix(const Vector& q, const Vector& dq, Matrix& C) {
-    Algorithms::coriolis_matrix(links(), q.data(), dq.data(), C.data(), memory());
+    Algorithms::velocity_derivative(links(), q.data(), dq.data(), 0.5, nullptr, nullptr, C.data(),
+                                    memory());
   }
   /// False if M is not positive definite; scalars that cannot be compared are not checked.
   bool forward_dynamics(const Vector& q, const Vector& dq, const Vector& tau, Vector& ddq) {

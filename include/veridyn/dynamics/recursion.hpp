@@ -45,7 +45,7 @@ inline BodyMotion<S> body_motion(const LinkState<S>& at, const BodyPlace& place)
 }
 
 /// The ten entries of the regressor that belong to one body and one coordinate, or to several side
-/// by side, tau_i = w_i . n + v_i . f; needs forward_pass() and jacobian_pass(). Order:
+/// by side, tau_i = w_i . n + v_i . f; needs forward_step() and jacobian_pass(). Order:
 /// InertialParameters.
 ///
 /// @param put  called as put(k, entry) for k = 0 .. 9, so that the caller stores each entry
@@ -190,7 +190,7 @@ struct Seed {
   L s, ds;
 };
 
-/// Computes one link's tangents from its parent's; requires forward_pass().
+/// Computes one link's tangents from its parent's; requires forward_step().
 ///
 /// @param above  tangents of the parent; null where they are zero.
 template <unsigned kOf, typename S, typename L>

@@ -63,12 +63,6 @@ class RegressorBatch {
   void torque_derivatives(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
                           const VectorRef& phi, MatrixXd& slopes) const;
 
-  /// Former name of torque_derivatives().
-  void torque_slopes(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
-                     const VectorRef& phi, MatrixXd& slopes) const {
-    torque_derivatives(q, dq, ddq, phi, slopes);
-  }
-
  private:
   std::vector<LinkInertia> inertias(const VectorRef& phi) const;
 

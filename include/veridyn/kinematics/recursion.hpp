@@ -90,28 +90,13 @@ struct Workspace {
 
 /// A workspace with its memory; sized once, reused for ever.
 template <typename S>
-class Recursion : public Workspace<S> {
- public:
+struct Recursion {
   explicit Recursion(const Links& tree)
-      : links_(static_cast<size_t>(tree.count)), columns_(static_cast<size_t>(tree.supports)) {
-    point();
-  }
-  Recursion(const Recursion& other) : links_(other.links_), columns_(other.columns_) { point(); }
-  Recursion& operator=(const Recursion& other) {
-    links_ = other.links_;
-    columns_ = other.columns_;
-    point();
-    return *this;
-  }
+      : link(static_cast<size_t>(tree.count)), jacobian(static_cast<size_t>(tree.supports)) {}
+  operator Workspace<S>() { return {link.data(), jacobian.data()}; }  // NOLINT: a view
 
- private:
-  void point() {
-    this->link = links_.data();
-    this->jacobian = columns_.data();
-  }
-
-  std::vector<LinkState<S>> links_;
-  std::vector<Column<S>> columns_;
+  std::vector<LinkState<S>> link;
+  std::vector<Column<S>> jacobian;
 };
 
 namespace recursion_detail {
@@ -231,30 +216,26 @@ inline void forward_step(const Links& tree, int k, const Vec3d& gravity, const W
   at.accel = accel;
 }
 
-/// Computes joint variables and rotations. @param q, dq, ddq  n entries each.
+/// Computes one link's joint variable and its derivatives; a null dq or ddq counts as zeros.
+template <typename S>
+inline void joint_variable(const Links& tree, const Link& link, const S* q, const S* dq, const S* ddq,
+                           LinkState<S>& at) {
+  at.s = along_joint(tree, link, q) + S(static_cast<typename ConstantOf<S>::type>(link.offset));
+  at.ds = dq == nullptr ? S(0.0) : along_joint(tree, link, dq);
+  at.dds = ddq == nullptr ? S(0.0) : along_joint(tree, link, ddq);
+}
+
+/// Computes joint variables and rotations of all links. @param q, dq, ddq  n entries each.
 template <typename S>
 inline void joint_pass(const Links& tree, const S* q, const S* dq, const S* ddq,
                        const Workspace<S>& r) {
-  using C = typename ConstantOf<S>::type;
   for (int k = 0; k < tree.count; ++k) {
     const Link& link = tree.link[k];
     LinkState<S>& at = r.link[k];
-    at.s = along_joint(tree, link, q) + S(static_cast<C>(link.offset));
-    at.ds = along_joint(tree, link, dq);
-    at.dds = along_joint(tree, link, ddq);
+    joint_variable(tree, link, q, dq, ddq, at);
     if (link.type == JointType::kRevolute) sine_cosine(at.s, at.sine, at.cosine);
     rotation_step(link, at);
   }
-}
-
-/// Computes joint variables, velocities and accelerations of all links.
-///
-/// @param gravity  in the world [m/s^2]; zero for pure motion.
-template <typename S>
-inline void forward_pass(const Links& tree, const S* q, const S* dq, const S* ddq,
-                         const Vec3d& gravity, const Workspace<S>& r) {
-  joint_pass(tree, q, dq, ddq, r);
-  for (int k = 0; k < tree.count; ++k) forward_step(tree, k, gravity, r);
 }
 
 /// Transforms one column of the parent's Jacobian, or several side by side, to the link's joint, so
@@ -289,7 +270,7 @@ inline void jacobian_step(const Links& tree, int k, const Workspace<S>& r) {
   }
 }
 
-/// Computes the body Jacobians of all links; requires forward_pass() at the same q.
+/// Computes the body Jacobians of all links; requires joint_pass() at the same q.
 template <typename S>
 inline void jacobian_pass(const Links& tree, const Workspace<S>& r) {
   for (int k = 0; k < tree.count; ++k) jacobian_step(tree, k, r);

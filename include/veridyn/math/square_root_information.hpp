@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -14,7 +15,7 @@ namespace veridyn {
 ///
 /// R is upper triangular (k x k). Rows are absorbed in blocks by QR; factors over the same columns
 /// merge by one more QR, in any order. Columns have names, so that a subset can be solved without a
-/// copy of the data. Source: Bierman, Factorization Methods for Discrete Sequential Estimation,
+/// copy of the data; copies share the names. R is stored as a packed triangle. Source: Bierman, Factorization Methods for Discrete Sequential Estimation,
 /// 1977.
 class SquareRootInformation {
  public:
@@ -27,10 +28,11 @@ class SquareRootInformation {
   SquareRootInformation(std::vector<std::string> columns, MatrixXd R, VectorXd z, double rho2,
                         double rows);
 
-  const std::vector<std::string>& columns() const { return columns_; }
-  int size() const { return static_cast<int>(columns_.size()); }
+  const std::vector<std::string>& columns() const { return *columns_; }
+  int size() const { return static_cast<int>(columns_->size()); }
 
-  const MatrixXd& R() const { return R_; }
+  /// (size() x size()), made from the packed triangle at every call.
+  MatrixXd R() const;
   const VectorXd& z() const { return z_; }
 
   /// Squared residual that no x can remove.
@@ -73,8 +75,12 @@ class SquareRootInformation {
  private:
   class Triangle;
 
-  std::vector<std::string> columns_;
-  MatrixXd R_;
+  using Names = std::shared_ptr<const std::vector<std::string>>;
+  static const Names& no_names();
+  auto packed(Eigen::Index j) const { return R_.segment(j * (j + 1) / 2, j + 1); }
+
+  Names columns_ = no_names();
+  VectorXd R_;  // column by column down to the diagonal
   VectorXd z_;
   double rho2_ = 0.0;
   double rows_ = 0.0;

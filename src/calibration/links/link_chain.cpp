@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "math/eigen_pose.hpp"
 #include "model/joint_placement.hpp"
 
 namespace veridyn::internal {
@@ -11,14 +12,6 @@ using Kind = LinkParameter::Kind;
 using Eigen::Isometry3d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-
-Isometry3d isometry(const Posed& T) {
-  Isometry3d out = Isometry3d::Identity();
-  out.linear() << T.R.row0.x, T.R.row0.y, T.R.row0.z, T.R.row1.x, T.R.row1.y, T.R.row1.z,
-      T.R.row2.x, T.R.row2.y, T.R.row2.z;
-  out.translation() = Vector3d(T.p.x, T.p.y, T.p.z);
-  return out;
-}
 
 Isometry3d turn_z(double angle) {
   return Isometry3d(Eigen::AngleAxisd(angle, Vector3d::UnitZ()));
@@ -74,7 +67,7 @@ LinkChain::LinkChain(const LinkParameters& parameters, const Isometry3d& base,
   for (const int k : parameters.path()) {
     const Frame& frame = arm.frames()[k];
     rest_.push_back(frame.dh ? Isometry3d::Identity()
-                             : isometry(inverse(joint_placement(frame).origin) * frame.A));
+                             : eigen(inverse(joint_placement(frame).origin) * frame.A));
   }
   set(VectorXd::Zero(parameters.size()));
 }
@@ -166,7 +159,7 @@ Isometry3d LinkChain::pose(const VectorRef& recorded, MatrixXd* J) const {
       joint.point = T.translation();
       if (turns) T = T * turn_z(s);
       if (slides) T = T * shift(0, 0, s);
-      T = T * isometry(frame.B);
+      T = T * eigen(frame.B);
     }
     for (std::size_t r = 0; r < ratios; ++r)
       note(entry + own + r, joint.turns, joint.axis, joint.point);

@@ -21,53 +21,41 @@ extern "C" void ask_to_stop(int) {
 }
 
 void add_config_options(CLI::App& command, DvrkRequest& request) {
-  command.add_option("--config", request.config, "sawRobotIO1394 file of the arm, XML or JSON")
-      ->option_text("FILE");
-  command.add_option("--robot", request.robot, "Robot in the configuration, if there are several")
-      ->option_text("NAME");
-  command
-      .add_option("--instrument", request.instrument,
-                  "Instrument, which sets the coupling of the last joints")
-      ->option_text("NAME");
+  add_value(command, "--config FILE", request.config,
+            "sawRobotIO1394 file of the arm, XML or JSON");
+  add_value(command, "--robot NAME", request.robot,
+            "Robot in the configuration, if there are several");
+  add_value(command, "--instrument NAME", request.instrument,
+            "Instrument, which sets the coupling of the last joints");
 }
 
 void add_arm_options(CLI::App& command, DvrkRequest& request) {
   add_config_options(command, request);
-  command
-      .add_option("--arm", request.arm,
-                  "Nominal configuration of a known arm (PSM1 to PSM3, MTML, MTMR, ECM); with "
-                  "--config: the known arm whose coupling and gains apply")
-      ->option_text("NAME");
+  add_value(command, "--arm NAME", request.arm,
+            "Nominal configuration of a known arm (PSM1 to PSM3, MTML, MTMR, ECM); with --config: "
+            "the known arm whose coupling and gains apply");
 }
 
 void add_client_options(CLI::App& command, DvrkRequest& request) {
   add_arm_options(command, request);
-  command.add_option("--host", request.host, "Address of the boards (127.0.0.1)")
-      ->option_text("HOST");
-  command.add_option("--port", request.port, "UDP port of the boards (1394)")->option_text("PORT");
-  command.add_option("--rate", request.rate, "Cycle rate [Hz] (default: monitor 25, else 1500)")
-      ->option_text("HZ")
-      ->check(CLI::Range(1.0, 10000.0));
-  command
-      .add_option("--watchdog", request.watchdog,
-                  "Watchdog period, after which boards without a packet switch their amplifiers "
-                  "off [s]; read and monitor set it only with --home (0.03)")
-      ->option_text("S")
-      ->check(CLI::Range(0.001, 0.34));
-  command
-      .add_option("--mtu", request.mtu, "Largest packet of the network to the boards [byte] (1500)")
-      ->option_text("BYTES")
-      ->check(CLI::Range(576, 65535));
+  add_value(command, "--host HOST", request.host, "Address of the boards (127.0.0.1)");
+  add_value(command, "--port PORT", request.port, "UDP port of the boards (1394)");
+  add_value(command, "--rate HZ", request.rate, "Cycle rate [Hz] (default: monitor 25, else 1500)",
+            CLI::Range(1.0, 10000.0));
+  add_value(command, "--watchdog S", request.watchdog,
+            "Watchdog period, after which boards without a packet switch their amplifiers off [s]; "
+            "read and monitor set it only with --home (0.03)",
+            CLI::Range(0.001, 0.34));
+  add_value(command, "--mtu BYTES", request.mtu,
+            "Largest packet of the network to the boards [byte] (1500)", CLI::Range(576, 65535));
   command.add_flag("--firewire", request.firewire,
                    "FireWire joins the boards, though they are FPGA V3 with firmware 9, which are "
                    "otherwise taken for boards that Ethernet alone joins");
-  command
-      .add_option("--protocol", request.protocol,
-                  "sequential: one board after the other; broadcast-write: one write for all; "
-                  "broadcast: one read and one write for all; to a reading command its query is "
-                  "a write, too, that only keeps watchdogs quiet (what the firmware allows)")
-      ->option_text("automatic|sequential|broadcast-write|broadcast")
-      ->check(CLI::IsMember({"automatic", "sequential", "broadcast-write", "broadcast"}));
+  add_value(command, "--protocol automatic|sequential|broadcast-write|broadcast", request.protocol,
+            "sequential: one board after the other; broadcast-write: one write for all; broadcast: "
+            "one read and one write for all; to a reading command its query is a write, too, that "
+            "only keeps watchdogs quiet (what the firmware allows)",
+            CLI::IsMember({"automatic", "sequential", "broadcast-write", "broadcast"}));
 }
 
 void add_reading_options(CLI::App& command, DvrkRequest& request) {
@@ -80,9 +68,7 @@ void add_reading_options(CLI::App& command, DvrkRequest& request) {
 }
 
 void add_seconds(CLI::App& command, DvrkRequest& request, const char* help) {
-  command.add_option("--seconds", request.seconds, help)
-      ->option_text("S")
-      ->check(CLI::PositiveNumber);
+  add_value(command, "--seconds S", request.seconds, help, CLI::PositiveNumber);
 }
 
 using Action = ExitStatus (*)(const DvrkRequest&);
@@ -101,54 +87,36 @@ void add_emulate(CLI::App& dvrk, Outcome& outcome) {
   CLI::App& command = add(dvrk, "emulate", "Emulate boards with a simulated arm, in real time",
                           run_dvrk_emulate, outcome, request);
   add_config_options(command, *request);
-  command
-      .add_option("--arm", request->arms,
-                  "Nominal configuration of known arms (PSM1 to PSM3, MTML, MTMR, ECM) on one bus; "
-                  "with --config: the known arm whose coupling applies")
-      ->option_text("NAME...");
-  command
-      .add_option("--model", request->models,
-                  "Model of the simulated arm, one for all arms or one for each (default: the "
-                  "joints do not move)")
-      ->option_text("MODEL...");
-  command.add_option("--port", request->port, "UDP port to listen on; 0: any (1394)")
-      ->option_text("PORT");
+  add_value(command, "--arm NAME...", request->arms,
+            "Nominal configuration of known arms (PSM1 to PSM3, MTML, MTMR, ECM) on one bus; with "
+            "--config: the known arm whose coupling applies");
+  add_value(command, "--model MODEL...", request->models,
+            "Model of the simulated arm, one for all arms or one for each (default: the joints do "
+            "not move)");
+  add_value(command, "--port PORT", request->port, "UDP port to listen on; 0: any (1394)");
   command.add_flag("--all-addresses", request->everywhere,
                    "Also accept packets from other machines: any of them can then drive the arm "
                    "(default: this machine only)");
-  command.add_option("--firmware", request->firmware, "Firmware version of the boards (8)")
-      ->option_text("7|8|9")
-      ->check(CLI::Range(7, 9));
+  add_value(command, "--firmware 7|8|9", request->firmware, "Firmware version of the boards (8)",
+            CLI::Range(7, 9));
   command.add_flag("--ethernet-only", request->ethernet_only,
                    "Emulate FPGA V3 boards (firmware 9) that are connected by Ethernet only");
   command.add_flag(
       "--io-expander", request->io_expander,
       "Emulate QLA 1.5 boards: I/O expander, voltage mode, comparator of the motor supply");
-  command
-      .add_option("--start", request->start,
-                  "Initial joint positions (default: 0 where that is well inside the limits, else "
-                  "the middle)")
-      ->option_text("Q,Q,...")
+  add_value(
+      command, "--start Q,Q,...", request->start,
+      "Initial joint positions (default: 0 where that is well inside the limits, else the middle)")
       ->delimiter(',');
-  command
-      .add_option("--event", request->events,
-                  "Fault or event at a time, from the list below; can be repeated")
-      ->option_text("EVENT@S");
+  add_value(command, "--event EVENT@S", request->events,
+            "Fault or event at a time, from the list below; can be repeated");
   command.footer(dvrk::board_event_help());
-  command
-      .add_option("--pot-noise", request->pot_noise,
-                  "Standard deviation of the potentiometers [bit] (3)")
-      ->option_text("BITS")
-      ->check(CLI::NonNegativeNumber);
-  command
-      .add_option("--current-noise", request->current_noise,
-                  "Standard deviation of measured currents [bit] (4)")
-      ->option_text("BITS")
-      ->check(CLI::NonNegativeNumber);
-  command
-      .add_option("--instrument-chip", request->chips,
-                  "Memory of the Dallas chip on a board, up to 2048 bytes (no chip)")
-      ->option_text("BOARD=FILE");
+  add_value(command, "--pot-noise BITS", request->pot_noise,
+            "Standard deviation of the potentiometers [bit] (3)", CLI::NonNegativeNumber);
+  add_value(command, "--current-noise BITS", request->current_noise,
+            "Standard deviation of measured currents [bit] (4)", CLI::NonNegativeNumber);
+  add_value(command, "--instrument-chip BOARD=FILE", request->chips,
+            "Memory of the Dallas chip on a board, up to 2048 bytes (no chip)");
   add_output_option(command, "--config-out", request->config_out,
                     "Write the configuration in use (XML)");
   add_seconds(command, *request, "Duration [s] (default: until Ctrl-C)");
@@ -188,51 +156,35 @@ void add_run(CLI::App& dvrk, Outcome& outcome) {
   motion.add_flag(
       "--emulate", run->emulate,
       "Run on emulated boards within this program, with the arm of --model and simulated time");
-  motion
-      .add_option(
-          "--event", run->events,
-          "With --emulate: fault or event at a time, from the list of `dvrk emulate --help`")
-      ->option_text("EVENT@S");
-  motion
-      .add_option("--controller", run->controller,
-                  "pid: one per joint; computed-torque: the joints follow, with the model as "
-                  "feed-forward; impedance: the tip follows like a spring; gravity: the arm is "
-                  "weightless, without a trajectory. All but pid need --model (pid)")
-      ->option_text("pid|computed-torque|impedance|gravity")
-      ->check(CLI::IsMember({"pid", "computed-torque", "impedance", "gravity"}));
-  motion.add_option("--trajectory", run->trajectory, "CSV file with t and q, optionally dq")
-      ->option_text("TRAJ.csv");
+  add_value(motion, "--event EVENT@S", run->events,
+            "With --emulate: fault or event at a time, from the list of `dvrk emulate --help`");
+  add_value(motion, "--controller pid|computed-torque|impedance|gravity", run->controller,
+            "pid: one per joint; computed-torque: the joints follow, with the model as "
+            "feed-forward; impedance: the tip follows like a spring; gravity: the arm is "
+            "weightless, without a trajectory. All but pid need --model (pid)",
+            CLI::IsMember({"pid", "computed-torque", "impedance", "gravity"}));
+  add_value(motion, "--trajectory TRAJ.csv", run->trajectory,
+            "CSV file with t and q, optionally dq");
   add_output_option(motion, "-o,--output", run->output, "Output file of the recording")
       ->option_text("REC.csv")
       ->required();
-  motion
-      .add_option("--model", run->model,
-                  "A robot with values: the controller's, or the one whose inertia the PID's gains "
-                  "shall fit (those of the laboratory for a known arm)")
-      ->option_text("MODEL");
-  motion
-      .add_option("--gains", run->gains,
-                  "YAML file, with --model: lists p, i and d of a PID, p [1/s^2] and d [1/s] of "
-                  "computed torque, or mass, damping and stiffness (3 each) of an impedance")
-      ->option_text("FILE");
-  motion
-      .add_option("--tip", run->tip, "Frame of the impedance (default: the one with most joints)")
-      ->option_text("FRAME");
-  motion.add_option("--stiffness", run->stiffness, "Stiffness of the impedance (800 N/m)")
-      ->option_text("K")
-      ->check(CLI::PositiveNumber);
+  add_value(motion, "--model MODEL", run->model,
+            "A robot with values: the controller's, or the one whose inertia the PID's gains shall "
+            "fit (those of the laboratory for a known arm)");
+  add_value(motion, "--gains FILE", run->gains,
+            "YAML file, with --model: lists p, i and d of a PID, p [1/s^2] and d [1/s] of computed "
+            "torque, or mass, damping and stiffness (3 each) of an impedance");
+  add_value(motion, "--tip FRAME", run->tip,
+            "Frame of the impedance (default: the one with most joints)");
+  add_value(motion, "--stiffness K", run->stiffness, "Stiffness of the impedance (800 N/m)",
+            CLI::PositiveNumber);
   add_seconds(motion, *run, "Duration of gravity compensation [s] (30)");
-  motion
-      .add_option("--approach-speed", run->approach_speed,
-                  "Speed of the approach to the first set point (0.25 rad/s)")
-      ->option_text("V")
-      ->check(CLI::PositiveNumber);
-  motion
-      .add_option("--largest-error", run->largest_error,
-                  "Largest tracking error, beyond which power goes off: one number per joint in "
-                  "its own unit, or one in rad for the revolute joints (0.35 rad, 0.02 m for "
-                  "prismatic ones); not for gravity")
-      ->option_text("Q[,Q...]")
+  add_value(motion, "--approach-speed V", run->approach_speed,
+            "Speed of the approach to the first set point (0.25 rad/s)", CLI::PositiveNumber);
+  add_value(motion, "--largest-error Q[,Q...]", run->largest_error,
+            "Largest tracking error, beyond which power goes off: one number per joint in its own "
+            "unit, or one in rad for the revolute joints (0.35 rad, 0.02 m for prismatic ones); "
+            "not for gravity")
       ->delimiter(',')
       ->check(CLI::PositiveNumber);
 }

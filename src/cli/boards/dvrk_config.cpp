@@ -3,6 +3,7 @@
 #include <cmath>
 #include <memory>
 
+#include "math/words.hpp"
 #include "cli/boards/dvrk_request.hpp"
 #include "math/output_file.hpp"
 #include "cli/options/option_checks.hpp"
@@ -17,10 +18,6 @@ struct DvrkConfigRequest {
   std::string arm;
   std::string output;
 };
-
-bool ends_in(const std::string& path, const std::string& end) {
-  return path.size() >= end.size() && path.compare(path.size() - end.size(), end.size(), end) == 0;
-}
 
 // Prints values that a laboratory can compare with its documents, in degrees and millimetres.
 void print_actuator(const dvrk::ActuatorConfig& a, int index) {
@@ -56,8 +53,8 @@ void print(const dvrk::IoConfig& config) {
 void run(const DvrkConfigRequest& request) {
   if (request.config.empty() == request.arm.empty())
     throw CLI::ValidationError("dvrk config", "expected one of --config and --arm");
-  const bool json = ends_in(request.output, ".json");
-  if (!request.output.empty() && !json && !ends_in(request.output, ".xml"))
+  const bool json = ends_with(request.output, ".json");
+  if (!request.output.empty() && !json && !ends_with(request.output, ".xml"))
     throw CLI::ValidationError(
         "--output", "found '" + request.output + "', expected a file that ends in .xml or .json");
   require_writable(request.output);
@@ -82,12 +79,10 @@ void add_dvrk_config(CLI::App& dvrk) {
   const auto request = std::make_shared<DvrkConfigRequest>();
   CLI::App& command =
       *dvrk.add_subcommand("config", "Check a configuration, convert it between XML and JSON");
-  command.add_option("--config", request->config, "sawRobotIO1394 file, XML (version 5) or JSON")
-      ->option_text("FILE");
-  command
-      .add_option("--arm", request->arm,
-                  "Nominal configuration of a known arm, instead of --config")
-      ->option_text("NAME");
+  add_value(command, "--config FILE", request->config,
+            "sawRobotIO1394 file, XML (version 5) or JSON");
+  add_value(command, "--arm NAME", request->arm,
+            "Nominal configuration of a known arm, instead of --config");
   add_output_option(command, "-o,--output", request->output,
                     "Write the configuration; the ending of the file name decides the format")
       ->option_text("FILE.xml|FILE.json");

@@ -206,21 +206,13 @@ void watch_arms(std::vector<EmulatedArm>& arms, double t) {
   }
 }
 
-std::vector<dvrk::BoardEvent> events_of(const DvrkRequest& request, BoardEmulator& emulator) {
-  try {
-    return dvrk::board_events(request.events, emulator);
-  } catch (const InvalidInput& error) {
-    throw CLI::ValidationError("--event", error.what());
-  }
-}
-
 // Boards, their arms and their events, without a clock.
 struct Emulated {
   explicit Emulated(const DvrkRequest& request)
       : arms(arms_of(request)),
         boards(boards_of(request, arms)),
         emulator(boards),
-        events(events_of(request, emulator)),
+        events(value_of("--event", [&] { return dvrk::board_events(request.events, emulator); })),
         quiet(request.common.quiet) {
     expect_value(!request.ethernet_only || request.firmware >= 9, "--ethernet-only", "found firmware ",
                  request.firmware, ", expected 9");

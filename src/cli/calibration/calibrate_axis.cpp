@@ -39,21 +39,15 @@ void add_calibrate_axis(CLI::App& calibrate, Outcome& outcome) {
   const auto request = std::make_shared<CalibrateAxisRequest>();
   CLI::App& command = *calibrate.add_subcommand(
       "axis", "Joint axes and links between tracked bodies, from markers");
-  command.add_option("MARKERS", request->markers, "t,BODY/MARKER/x,BODY/MARKER/y,BODY/MARKER/z,...")
-      ->required()
-      ->option_text(" ");
-  command
-      .add_option(
-          "--between", request->between,
-          "Pairs of bodies (default: all with one axis of rotation); 'world' is the camera system")
-      ->option_text("BODY,BODY")
+  add_value(command, "MARKERS", request->markers, "t,BODY/MARKER/x,BODY/MARKER/y,BODY/MARKER/z,...")
+      ->required();
+  add_value(
+      command, "--between BODY,BODY", request->between,
+      "Pairs of bodies (default: all with one axis of rotation); 'world' is the camera system")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  command
-      .add_option("--frames", request->options.most_frames,
-                  "Largest number of frames to use (1500)")
-      ->option_text("N")
-      ->check(CLI::Range(10, 1000000));
+  add_value(command, "--frames N", request->options.most_frames,
+            "Largest number of frames to use (1500)", CLI::Range(10, 1000000));
   add_capture_options(command, request->capture);
   add_report_option(command, request->common);
   add_common_options(command, request->common);

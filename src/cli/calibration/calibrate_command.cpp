@@ -8,20 +8,17 @@
 namespace veridyn::cli {
 
 void add_capture_options(CLI::App& command, CaptureOptions& options) {
-  command
-      .add_option("--unit", options.unit, "Unit of positions (default: as the file states, else m)")
-      ->option_text("m|cm|mm")
-      ->check(CLI::IsMember({"m", "cm", "mm"}))
+  add_value(command, "--unit m|cm|mm", options.unit,
+            "Unit of positions (default: as the file states, else m)",
+            CLI::IsMember({"m", "cm", "mm"}))
       ->group("Recordings");
-  command.add_option("--rate", options.rate, "Sample rate of files without a time column [Hz]")
-      ->option_text("HZ")
-      ->check(CLI::PositiveNumber)
+  add_value(command, "--rate HZ", options.rate, "Sample rate of files without a time column [Hz]",
+            CLI::PositiveNumber)
       ->group("Recordings");
 }
 
 void add_body_option(CLI::App& command, CaptureOptions& options) {
-  command.add_option("--body", options.body, "Rigid body to use, if a file has several")
-      ->option_text("NAME")
+  add_value(command, "--body NAME", options.body, "Rigid body to use, if a file has several")
       ->group("Recordings");
 }
 

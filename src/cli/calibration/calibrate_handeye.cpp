@@ -36,10 +36,8 @@ void add_calibrate_handeye(CLI::App& calibrate, Outcome& outcome) {
   const auto request = std::make_shared<CalibrateHandeyeRequest>();
   CLI::App& command =
       *calibrate.add_subcommand("handeye", "Pose between two arms, or between an arm and a camera");
-  command.add_option("A", request->a, "t,x,y,z,qw,qx,qy,qz")->required()->option_text(" ");
-  command.add_option("B", request->b, "The same, each row paired with that of A")
-      ->required()
-      ->option_text(" ");
+  add_value(command, "A", request->a, "t,x,y,z,qw,qx,qy,qz")->required();
+  add_value(command, "B", request->b, "The same, each row paired with that of A")->required();
   CLI::Option* form = add_choice(
       command, "--form", request->form,
       {HandEyeForm::kCommonPoses, HandEyeForm::kCommonPoints, HandEyeForm::kHandEye,

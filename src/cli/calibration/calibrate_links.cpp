@@ -1,4 +1,3 @@
-#include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -97,11 +96,10 @@ void add_calibrate_links(CLI::App& calibrate, Outcome& outcome) {
   CLI::App& command = *calibrate.add_subcommand(
       "links", "Kinematic parameters of a robot, from poses of one frame and joint positions");
   add_robot_argument(command, request->robot);
-  command.add_option("POSES", request->poses, "t,q1..qn,x,y,z,qw,qx,qy,qz; orientation may miss")
-      ->required()
-      ->option_text(" ");
-  command.add_option("--frame", request->options.frame, "Frame that was tracked (default: the last)")
-      ->option_text("NAME");
+  add_value(command, "POSES", request->poses, "t,q1..qn,x,y,z,qw,qx,qy,qz; orientation may miss")
+      ->required();
+  add_value(command, "--frame NAME", request->options.frame,
+            "Frame that was tracked (default: the last)");
   add_output_option(command, "--robot-out", request->robot_out, "Write the calibrated robot file");
   const auto pose = [&](const char* option, std::string& target, const char* help) {
     command.add_option(option, target, help)
@@ -112,10 +110,8 @@ void add_calibrate_links(CLI::App& calibrate, Outcome& outcome) {
        "Pose of the robot's base in the frame of the poses: known (identity), free, or chosen by "
        "fit (auto)");
   pose("--tool", request->tool, "Pose of the tracked body on the frame, likewise (auto)");
-  command
-      .add_option("--diagnosis", request->diagnosis,
-                  "Result of diagnose --json, whose wrong constant is compared")
-      ->option_text("FILE");
+  add_value(command, "--diagnosis FILE", request->diagnosis,
+            "Result of diagnose --json, whose wrong constant is compared");
   add_body_option(command, request->capture);
   add_capture_options(command, request->capture);
   add_report_option(command, request->common);

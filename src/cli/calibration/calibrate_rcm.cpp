@@ -36,11 +36,9 @@ void add_calibrate_rcm(CLI::App& calibrate, Outcome& outcome) {
   const auto request = std::make_shared<CalibrateRcmRequest>();
   CLI::App& command =
       *calibrate.add_subcommand("rcm", "Remote centre of motion of a body, by pivot calibration");
-  command
-      .add_option("POSES", request->poses,
-                  "t,x,y,z,qw,qx,qy,qz of one rigid body, or its markers")
-      ->required()
-      ->option_text(" ");
+  add_value(command, "POSES", request->poses,
+            "t,x,y,z,qw,qx,qy,qz of one rigid body, or its markers")
+      ->required();
   add_body_option(command, request->capture);
   add_capture_options(command, request->capture);
   add_report_option(command, request->common);

@@ -19,7 +19,7 @@
 #include "cli/options/sound_arguments.hpp"
 #include "veridyn/control/load_cell.hpp"
 #include "veridyn/math/require.hpp"
-#include "report/json/loadcell_json.hpp"
+#include "report/json/calibration_json.hpp"
 
 namespace veridyn::cli {
 namespace {
@@ -226,21 +226,14 @@ ExitStatus read(const LoadcellRequest& request) {
 void add_calibrate(CLI::App& parent, Outcome& outcome) {
   const auto request = std::make_shared<LoadcellRequest>();
   CLI::App& command = *parent.add_subcommand("calibrate", "Offset and scale from known weights");
-  command.add_option("READINGS", request->readings, "CSV: mass,raw or force,raw; rows per weight")
-      ->option_text(" ");
-  command
-      .add_option("--source", request->source, "Read the sensor itself, one weight after the other")
-      ->option_text("serial:DEVICE[:BAUD][:text|binary]|udp:[ADDRESS:]PORT[:text|binary]");
-  command.add_option("--weights", request->weights, "Masses to hang on the sensor [kg]")
-      ->option_text("M1,M2,...")
+  add_value(command, "READINGS", request->readings, "CSV: mass,raw or force,raw; rows per weight");
+  add_value(command, "--source serial:DEVICE[:BAUD][:text|binary]|udp:[ADDRESS:]PORT[:text|binary]",
+            request->source, "Read the sensor itself, one weight after the other");
+  add_value(command, "--weights M1,M2,...", request->weights, "Masses to hang on the sensor [kg]")
       ->delimiter(',');
-  command
-      .add_option("--seconds", request->seconds, "Duration of the reading for each weight [s] (2)")
-      ->option_text("S")
-      ->check(CLI::Range(0.01, 3600.0));
-  command.add_option("--gravity", request->gravity, "[m/s^2] (9.81)")
-      ->option_text("G")
-      ->check(CLI::Range(0.1, 100.0));
+  add_value(command, "--seconds S", request->seconds,
+            "Duration of the reading for each weight [s] (2)", CLI::Range(0.01, 3600.0));
+  add_value(command, "--gravity G", request->gravity, "[m/s^2] (9.81)", CLI::Range(0.1, 100.0));
   add_output_option(command, "-o,--output", request->output, "Write the calibration as YAML");
   add_common_options(command, request->common);
   command.callback([request, &outcome] { outcome.status = calibrate(*request); });
@@ -250,35 +243,26 @@ void add_read(CLI::App& parent, Outcome& outcome) {
   const auto request = std::make_shared<LoadcellRequest>();
   CLI::App& command =
       *parent.add_subcommand("read", "Show readings, and whether the sensor is alive");
-  command.add_option("SOURCE", request->source,
-                     "serial:DEVICE[:BAUD][:text|binary] or udp:[ADDRESS:]PORT[:text|binary]")
-      ->required()
-      ->option_text(" ");
-  command
-      .add_option("--calibration", request->calibration,
-                  "Calibration file; without it readings are in counts")
-      ->option_text("FILE");
-  command.add_option("--seconds", request->seconds, "Duration [s] (2)")
-      ->option_text("S")
-      ->check(CLI::Range(0.01, 1e6));
-  command.add_option("--cutoff", request->cutoff, "Cut-off of the low-pass filter [Hz]; 0: none")
-      ->option_text("HZ")
-      ->check(CLI::NonNegativeNumber);
-  command.add_option("--range", request->range,
-                     "Of the cell [N]: readings beyond it are not given (200; without a calibration none)")
-      ->option_text("N")
-      ->check(CLI::PositiveNumber);
-  command.add_option("--jump", request->jump,
-                     "Between two readings [N]: one that is farther off waits for a second that "
-                     "agrees with it (a tenth of the range)")
-      ->option_text("N")
-      ->check(CLI::PositiveNumber);
-  command.add_option("--silence", request->silence, "After which it is dead [ms] (15)")
-      ->option_text("MS")
-      ->check(CLI::PositiveNumber);
-  command.add_option("--stuck", request->stuck, "Of equal readings, after which it is stuck [ms] (15); 0: never")
-      ->option_text("MS")
-      ->check(CLI::NonNegativeNumber);
+  add_value(command, "SOURCE", request->source,
+            "serial:DEVICE[:BAUD][:text|binary] or udp:[ADDRESS:]PORT[:text|binary]")
+      ->required();
+  add_value(command, "--calibration FILE", request->calibration,
+            "Calibration file; without it readings are in counts");
+  add_value(command, "--seconds S", request->seconds, "Duration [s] (2)", CLI::Range(0.01, 1e6));
+  add_value(command, "--cutoff HZ", request->cutoff, "Cut-off of the low-pass filter [Hz]; 0: none",
+            CLI::NonNegativeNumber);
+  add_value(command, "--range N", request->range,
+            "Of the cell [N]: readings beyond it are not given (200; without a calibration none)",
+            CLI::PositiveNumber);
+  add_value(command, "--jump N", request->jump,
+            "Between two readings [N]: one that is farther off waits for a second that agrees with "
+            "it (a tenth of the range)",
+            CLI::PositiveNumber);
+  add_value(command, "--silence MS", request->silence, "After which it is dead [ms] (15)",
+            CLI::PositiveNumber);
+  add_value(command, "--stuck MS", request->stuck,
+            "Of equal readings, after which it is stuck [ms] (15); 0: never",
+            CLI::NonNegativeNumber);
   add_output_option(command, "-o,--output", request->output, "Write t, raw, force as CSV");
   add_common_options(command, request->common);
   command.callback([request, &outcome] { outcome.status = read(*request); });

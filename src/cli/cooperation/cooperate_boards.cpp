@@ -16,10 +16,32 @@
 #include "dvrk/cooperation/board_cooperation.hpp"
 #include "dvrk/cooperation/board_teleoperation.hpp"
 #include "report/json/cooperation_json.hpp"
-#include "cli/cooperation/teleoperation_json.hpp"
+#include "report/json/json_value.hpp"
 
 namespace veridyn::cli {
 namespace {
+
+std::string teleoperation_json(const dvrk::TeleoperationRun& run) {
+  Json out = json_head("cooperate");
+  out["kind"] = "teleoperation";
+  out["scenario"] = run.name;
+  out["status"] = run.met() ? "done" : "stopped";
+  out["reason"] = run.why;
+  out["latency"] = run.latency ? Json(*run.latency) : Json();
+  out["largest_force"] = run.largest_force;
+  out["cycles"] = run.cycles;
+  out["late"] = run.late;
+  out["power"] = describe(run.power);
+  out["phases"] = Json::array();
+  for (std::size_t p = 0; p < run.phases.size(); ++p)
+    out["phases"].push_back({{"phase", run.phases[p]},
+                             {"tracking_rms", run.tracking_rms[p]},
+                             {"tracking_largest", run.tracking_largest[p]},
+                             {"follower_moved", run.follower_moved[p]},
+                             {"force", run.force_follower[p]},
+                             {"hand_force", run.force_hand[p]}});
+  return written(out);
+}
 
 dvrk::CooperatingArm board_arm(const std::string& config) {
   dvrk::CooperatingArm out;
@@ -116,32 +138,24 @@ ExitStatus run_teleoperation(const BoardsRequest& request, const std::string& pa
 }  // namespace
 
 void add_boards_options(CLI::App& command, BoardsRequest& request) {
-  command
-      .add_option("--boards", request.configs,
-                  "Run on dVRK boards: a configuration (XML, JSON, or PSM1, ...) for each arm")
-      ->option_text("IO...");
-  command.add_option("--board-hosts", request.hosts, "Address of the boards of each arm")
-      ->option_text("HOST[:PORT]...");
+  add_value(command, "--boards IO...", request.configs,
+            "Run on dVRK boards: a configuration (XML, JSON, or PSM1, ...) for each arm");
+  add_value(command, "--board-hosts HOST[:PORT]...", request.hosts,
+            "Address of the boards of each arm");
   command.add_flag("--emulate", request.emulate,
                    "Emulate the boards over UDP; the emulated arms hold the scenario's object");
-  command
-      .add_option("--force-sensor", request.sensors,
-                  "Force sensor of each member, then of each wall: serial:... or udp:PORT; three of them "
-                  "(x, y, z) for a wall's sensor of three axes")
-      ->option_text("SOURCE...");
-  command
-      .add_option("--force-calibration", request.calibrations,
-                  "Calibration file of each force sensor")
-      ->option_text("FILE...");
+  add_value(command, "--force-sensor SOURCE...", request.sensors,
+            "Force sensor of each member, then of each wall: serial:... or udp:PORT; three of them "
+            "(x, y, z) for a wall's sensor of three axes");
+  add_value(command, "--force-calibration FILE...", request.calibrations,
+            "Calibration file of each force sensor");
   command.add_flag("--unrehearsed", request.unrehearsed,
                    "Skip the simulation that checks the scenario's requirements before power");
   command.add_flag("--stepped", request.stepped,
                    "With --emulate: simulated time, independent of this machine's speed");
-  command
-      .add_option("--board-fault", request.faults,
-                  "With --emulate, a fault: silent, amplifier, power, encoder, jump, limp, weak, "
-                  "reversed or stuck")
-      ->option_text("KIND:ARM@S...");
+  add_value(command, "--board-fault KIND:ARM@S...", request.faults,
+            "With --emulate, a fault: silent, amplifier, power, encoder, jump, limp, weak, "
+            "reversed or stuck");
 }
 
 std::unique_ptr<LineSource> open_line(const LiveRequest& request) {

@@ -138,32 +138,25 @@ void add_cooperate_command(CLI::App& tool, Outcome& outcome) {
   CLI::App& command = *tool.add_subcommand(
       "cooperate", "Control arms that hold one object, simulated or on dVRK boards");
   request->command = &command;
-  command.add_option("SCENARIO", request->scenario, "YAML: arms, object, loops, phases")
-      ->required()
-      ->option_text(" ");
+  add_value(command, "SCENARIO", request->scenario, "YAML: arms, object, loops, phases")
+      ->required();
   add_output_option(command, "-o,--output", request->output, "Write the recorded signals as CSV", {".csv"});
   command.add_option("--engine", request->engine, "Simulation engine (veridyn)")
       ->option_text(listed(engine_names()))
       ->check(CLI::IsMember(engine_names()));
   command.add_flag("--sweep", request->sweep, "Run the scenario's sweep: a map of stability");
-  command.add_option("--resume", request->resume,
-                     "With --sweep: keep each finished point in this file; after a kill the same command goes on from it")
-      ->option_text("FILE");
+  add_value(command, "--resume FILE", request->resume,
+            "With --sweep: keep each finished point in this file; after a kill the same command "
+            "goes on from it");
   add_boards_options(command, request->boards);
-  command
-      .add_option("--live", request->live.line,
-                  "Read commands from standard input or a socket instead of the phases")
-      ->option_text("-|udp:[ADDRESS:]PORT");
-  command
-      .add_option("--pace", request->live.pace,
-                  "With --live: simulated seconds per second (1); 0: as fast as possible")
-      ->option_text("X")
-      ->check(CLI::NonNegativeNumber);
-  command
-      .add_option("--silence", request->live.silence,
-                  "With --live udp: seconds without a command until the line counts as lost (0.5)")
-      ->option_text("S")
-      ->check(CLI::PositiveNumber);
+  add_value(command, "--live -|udp:[ADDRESS:]PORT", request->live.line,
+            "Read commands from standard input or a socket instead of the phases");
+  add_value(command, "--pace X", request->live.pace,
+            "With --live: simulated seconds per second (1); 0: as fast as possible",
+            CLI::NonNegativeNumber);
+  add_value(command, "--silence S", request->live.silence,
+            "With --live udp: seconds without a command until the line counts as lost (0.5)",
+            CLI::PositiveNumber);
   add_common_options(command, request->common);
   add_report_option(command, request->common);
   command.callback([request, &outcome] { outcome.status = run(*request, outcome.command_line); });

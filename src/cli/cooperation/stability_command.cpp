@@ -2,6 +2,7 @@
 #include <memory>
 #include <optional>
 
+#include "math/words.hpp"
 #include "cli/commands.hpp"
 #include "cli/options/common_options.hpp"
 #include "cli/options/messages.hpp"
@@ -28,16 +29,10 @@ Scenario changed(Scenario scenario, const std::string& word) {
   const auto equals = word.find('=');
   expect_value(equals != std::string::npos && equals > 0, "--set", "found '", word,
                "', expected NAME=VALUE.");
-  std::size_t end = 0;
-  double value = 0.0;
-  try {
-    value = std::stod(word.substr(equals + 1), &end);
-  } catch (const std::exception&) {
-    end = 0;
-  }
-  expect_value(end > 0 && equals + 1 + end == word.size(), "--set", "found '", word,
+  const std::optional<double> value = number_in(word.substr(equals + 1));
+  expect_value(value.has_value(), "--set", "found '", word,
                "', expected NAME=VALUE with a number.");
-  return value_of("--set", [&] { return with_parameter(scenario, word.substr(0, equals), value); });
+  return value_of("--set", [&] { return with_parameter(scenario, word.substr(0, equals), *value); });
 }
 
 struct Ranges {
@@ -112,35 +107,23 @@ void add_stability_command(CLI::App& tool, Outcome& outcome) {
   const auto request = std::make_shared<StabilityRequest>();
   CLI::App& command = *tool.add_subcommand(
       "stability", "Linear stability of a cooperation loop: eigenvalues, margins, maps");
-  command
-      .add_option("SCENARIO", request->scenario,
-                  "YAML of a scenario; or a MODEL: its impedance against a wall")
-      ->required()
-      ->option_text(" ");
-  command.add_option("--set", request->set, "Change a parameter of the scenario first")
-      ->option_text("NAME=VALUE")
+  add_value(command, "SCENARIO", request->scenario,
+            "YAML of a scenario; or a MODEL: its impedance against a wall")
+      ->required();
+  add_value(command, "--set NAME=VALUE", request->set, "Change a parameter of the scenario first")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  command.add_option("--map", request->map, "Map of stability over two parameters")
-      ->option_text("A=FROM:TO:COUNT,B=FROM:TO:COUNT");
-  command.add_option("--locus", request->locus, "Root locus over one parameter")
-      ->option_text("A=FROM:TO:COUNT");
-  command
-      .add_option("--recommend", request->recommend,
-                  "Recommend gains with at least this phase margin [deg]")
-      ->option_text("DEGREES")
-      ->check(CLI::Range(1.0, 120.0));
-  command
-      .add_option("--bounds", request->bounds,
-                  "Worst margins over the intervals of all parameters, from so many samples")
-      ->option_text("COUNT")
-      ->check(CLI::Range(1, 10000));
-  command.add_option("--frame", request->frame, "With a MODEL: frame that is in contact")
-      ->option_text("NAME");
-  command
-      .add_option("--pose", request->pose,
-                  "With a MODEL: joint positions (default: middle of the ranges)")
-      ->option_text("Q1,Q2,...")
+  add_value(command, "--map A=FROM:TO:COUNT,B=FROM:TO:COUNT", request->map,
+            "Map of stability over two parameters");
+  add_value(command, "--locus A=FROM:TO:COUNT", request->locus, "Root locus over one parameter");
+  add_value(command, "--recommend DEGREES", request->recommend,
+            "Recommend gains with at least this phase margin [deg]", CLI::Range(1.0, 120.0));
+  add_value(command, "--bounds COUNT", request->bounds,
+            "Worst margins over the intervals of all parameters, from so many samples",
+            CLI::Range(1, 10000));
+  add_value(command, "--frame NAME", request->frame, "With a MODEL: frame that is in contact");
+  add_value(command, "--pose Q1,Q2,...", request->pose,
+            "With a MODEL: joint positions (default: middle of the ranges)")
       ->delimiter(',');
   add_common_options(command, request->common);
   add_report_option(command, request->common);

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "cli/help/manual.hpp"
+#include "cli/options/common_options.hpp"
 #include "cli/options/sound_arguments.hpp"
 #include "math/output_file.hpp"
 #include "model/suggestion.hpp"
@@ -54,10 +55,8 @@ void add_help_command(CLI::App& tool) {
   const auto request = std::make_shared<HelpRequest>();
   CLI::App& command =
       *tool.add_subcommand("help", "Show the help of a command, or write all of it");
-  command.add_option("COMMAND", request->command, "Command, as identify or dvrk run")
-      ->option_text("COMMAND...");
-  command.add_option("--man", request->man, "Write a man page for every command")
-      ->option_text("FOLDER");
+  add_value(command, "COMMAND COMMAND...", request->command, "Command, as identify or dvrk run");
+  add_value(command, "--man FOLDER", request->man, "Write a man page for every command");
   add_output_option(command, "--markdown", request->markdown, "Write the help of all commands",
                     {".md"});
   add_output_option(command, "--bash", request->bash, "Write completion for bash");

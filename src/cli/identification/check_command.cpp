@@ -88,11 +88,9 @@ void add_check_command(CLI::App& tool, Outcome& outcome) {
   const auto request = std::make_shared<CheckRequest>();
   CLI::App& command =
       *tool.add_subcommand("check", "Data quality of recordings, and whether they fit a robot");
-  command
-      .add_option("REC", request->files,
-                  "Recordings (CSV, bags, MCAP, .npz, .mat, HDF5); a ROBOT may stand in front")
-      ->required()
-      ->option_text("[ROBOT] REC...");
+  add_value(command, "REC [ROBOT] REC...", request->files,
+            "Recordings (CSV, bags, MCAP, .npz, .mat, HDF5); a ROBOT may stand in front")
+      ->required();
   add_headerless_options(command, request->reading.columns, request->reading.header_rate);
   add_signal_options(command, request->reading.signals);
   add_robot_options(command, request->common);

@@ -124,17 +124,13 @@ void add_diagnose_command(CLI::App& tool, Outcome& outcome) {
   CLI::App& command =
       *tool.add_subcommand("diagnose", "Name the causes of a model's error and extend the model");
   add_robot_argument(command, request->robot);
-  command.add_option("--train", request->train, "Training recordings")
-      ->required()
-      ->option_text("REC...");
-  command.add_option("--test", request->test, "Held-out recordings, on which the gain is measured")
-      ->required()
-      ->option_text("REC...");
-  command
-      .add_option("--effects", request->options.effects,
-                  "Test these effects only, at every joint or at one")
-      ->delimiter(',')
-      ->option_text("EFFECT[:PLACE],...");
+  add_value(command, "--train REC...", request->train, "Training recordings")->required();
+  add_value(command, "--test REC...", request->test,
+            "Held-out recordings, on which the gain is measured")
+      ->required();
+  add_value(command, "--effects EFFECT[:PLACE],...", request->options.effects,
+            "Test these effects only, at every joint or at one")
+      ->delimiter(',');
   command.add_option("--max-effects", request->options.max_effects, "Largest number of findings")
       ->check(CLI::Range(0, 100));
   command.add_flag_callback(
@@ -147,12 +143,10 @@ void add_diagnose_command(CLI::App& tool, Outcome& outcome) {
   command.add_flag_callback(
       "--keep-unnamed", [request] { request->options.unnamed = UnnamedForces::kKept; },
       "Write unnamed findings into the extended model, as tabulated forces");
-  command
-      .add_option("--values", request->values,
-                  "Meaning of values in the robot file: facts of a MODEL, from which changes are "
-                  "sought, or a prior that is identified first (default for URDF, MJCF and SDF)")
-      ->check(CLI::IsMember({"facts", "prior"}))
-      ->option_text("facts|prior");
+  add_value(command, "--values facts|prior", request->values,
+            "Meaning of values in the robot file: facts of a MODEL, from which changes are sought, "
+            "or a prior that is identified first (default for URDF, MJCF and SDF)",
+            CLI::IsMember({"facts", "prior"}));
   add_friction_option(command, request->options.identification.friction);
   add_output_option(command, "--model-out", request->model_out,
                     "Write the extended model as YAML, or into a copy of an MJCF or SDF robot (.xml, .sdf)",

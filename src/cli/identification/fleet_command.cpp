@@ -53,16 +53,11 @@ void add_fleet_command(CLI::App& tool, Outcome& outcome) {
   CLI::App& command = *tool.add_subcommand(
       "fleet", "One model for many arms of a type, and the arms that differ from it");
   add_robot_argument(command, request->robot);
-  command
-      .add_option("LIST", request->list,
-                  "Lines ARM,FILE: recordings, or factor files of identify --factor-out")
-      ->required()
-      ->option_text(" ");
-  command
-      .add_option("--significance", request->options.significance,
-                  "Probability of naming an arm although all are alike (0.01)")
-      ->option_text("P")
-      ->check(CLI::Range(1e-12, 0.5));
+  add_value(command, "LIST", request->list,
+            "Lines ARM,FILE: recordings, or factor files of identify --factor-out")
+      ->required();
+  add_value(command, "--significance P", request->options.significance,
+            "Probability of naming an arm although all are alike (0.01)", CLI::Range(1e-12, 0.5));
   add_output_option(command, "--model-out", request->model_out, "Write the fleet's model as YAML");
   add_preprocessing_options(command, request->options.preprocessing);
   add_common_options(command, request->common);

@@ -46,16 +46,12 @@ void add_friction_command(CLI::App& tool, Outcome& outcome) {
   CLI::App& command = *tool.add_subcommand(
       "friction", "Friction of each joint: against speed, at breakaway, and its kind");
   add_robot_argument(command, request->robot);
-  command
-      .add_option("REC", request->recordings,
-                  "Recordings: constant speeds, slow ramps, or any motion")
-      ->required()
-      ->option_text("REC...");
-  command
-      .add_option("--test", request->test,
-                  "Held-out recordings, which decide the kind of friction (default: the last one, "
-                  "or the last third of a single one)")
-      ->option_text("REC...");
+  add_value(command, "REC REC...", request->recordings,
+            "Recordings: constant speeds, slow ramps, or any motion")
+      ->required();
+  add_value(command, "--test REC...", request->test,
+            "Held-out recordings, which decide the kind of friction (default: the last one, or the "
+            "last third of a single one)");
   add_preprocessing_options(command, request->options.identification.preprocessing);
   add_robot_options(command, request->common);
   add_common_options(command, request->common);

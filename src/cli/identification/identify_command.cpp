@@ -275,17 +275,11 @@ void add_fit_options(CLI::App& command, IdentifyRequest& request) {
   add_choice(command, "--signs", options.signs, {EffectSigns::kPhysical, EffectSigns::kAny},
              "Signs of friction, inertia and stiffness, with --method feasible");
   add_friction_option(command, options.friction);
-  command
-      .add_option(
-          "--prior", request.prior,
-          "Prior model (CAD) for parameters that the data leave open, with --method feasible")
-      ->option_text("MODEL");
-  command
-      .add_option(
-          "--known-mass", request.known_masses,
-          "Find the drive gains of an arm that reports motor currents: a mass of KG is mounted on "
-          "FRAME in the training recordings REC (default: the data decide which)")
-      ->option_text("KG@FRAME[=REC,REC]")
+  add_value(command, "--prior MODEL", request.prior,
+            "Prior model (CAD) for parameters that the data leave open, with --method feasible");
+  add_value(command, "--known-mass KG@FRAME[=REC,REC]", request.known_masses,
+            "Find the drive gains of an arm that reports motor currents: a mass of KG is mounted "
+            "on FRAME in the training recordings REC (default: the data decide which)")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
 }
@@ -298,14 +292,12 @@ void add_identify_command(CLI::App& tool, Outcome& outcome) {
       *tool.add_subcommand("identify", "Identify the dynamic parameters of an arm from recordings");
   request->command = &command;
   add_robot_argument(command, request->robot);
-  command.add_option("--train", request->train, "Training recordings")->option_text("REC...");
-  command.add_option("--factors", request->factors, "Factor files to use as training data")
-      ->option_text("FILE...");
+  add_value(command, "--train REC...", request->train, "Training recordings");
+  add_value(command, "--factors FILE...", request->factors, "Factor files to use as training data");
   add_output_option(
       command, "--factor-out", request->factor_out,
       "Write the information of the training recordings as a factor file, which holds no samples");
-  command.add_option("--test", request->test, "Held-out recordings for validation")
-      ->option_text("REC...");
+  add_value(command, "--test REC...", request->test, "Held-out recordings for validation");
   add_fit_options(command, *request);
   add_output_option(command, "--model-out", request->model_out,
                     "Write the identified model as YAML, or into a copy of an MJCF or SDF robot (.xml, .sdf)",

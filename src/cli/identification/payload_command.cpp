@@ -52,11 +52,10 @@ void add_payload_command(CLI::App& tool, Outcome& outcome) {
       "payload", "Mass, centre of mass and inertia of a load that the model lacks");
   command.add_option("MODEL", request->model, "Model file written by identify or diagnose")
       ->required();
-  command.add_option("REC,--recording", request->recordings, "Recordings with the load")
-      ->required()
-      ->option_text("REC...");
-  command.add_option("--link", request->link, "Test only the link of this frame (default: all)")
-      ->option_text("FRAME");
+  add_value(command, "REC,--recording REC...", request->recordings, "Recordings with the load")
+      ->required();
+  add_value(command, "--link FRAME", request->link,
+            "Test only the link of this frame (default: all)");
   add_preprocessing_options(command, request->options.preprocessing);
   add_robot_options(command, request->common);
   add_common_options(command, request->common);

@@ -202,37 +202,24 @@ void add_watch_command(CLI::App& tool, Outcome& outcome) {
       "watch", "Monitor a running arm: detect changes, isolate their cause, size it");
   command.add_option("MODEL", request->model, "Model file written by identify or diagnose")
       ->required();
-  command.add_option("SOURCE", request->sources, "Recordings, one after the other; - is standard input")
-      ->required()
-      ->option_text("SOURCE...");
+  add_value(command, "SOURCE SOURCE...", request->sources,
+            "Recordings, one after the other; - is standard input")
+      ->required();
   command.add_flag("--follow", request->follow, "Wait for more samples of a file that grows");
-  command
-      .add_option("--idle", request->idle,
-                  "With --follow: end after so many seconds without a sample; 0: never")
-      ->option_text("S")
-      ->check(CLI::NonNegativeNumber);
-  command
-      .add_option("--serve", request->port,
-                  "Serve the live page at http://127.0.0.1:PORT; 0: any free port")
-      ->option_text("PORT")
-      ->check(CLI::Range(0, 65535));
-  command
-      .add_option("--learn", request->options.learn,
-                  "Duration of the fault-free beginning from which noise is learned [s]")
-      ->option_text("S")
-      ->check(CLI::PositiveNumber);
-  command
-      .add_option("--learn-from", request->learn_from,
-                  "Fault-free recordings of the same arm to learn noise from")
-      ->option_text("REC...");
-  command
-      .add_option("--false-alarms", request->options.false_alarms,
-                  "Allowed rate of false alarms [1/h]")
-      ->option_text("N")
-      ->check(CLI::PositiveNumber);
-  command
-      .add_option("--link", request->options.links, "Links that may carry a load (default: all)")
-      ->option_text("FRAME...");
+  add_value(command, "--idle S", request->idle,
+            "With --follow: end after so many seconds without a sample; 0: never",
+            CLI::NonNegativeNumber);
+  add_value(command, "--serve PORT", request->port,
+            "Serve the live page at http://127.0.0.1:PORT; 0: any free port", CLI::Range(0, 65535));
+  add_value(command, "--learn S", request->options.learn,
+            "Duration of the fault-free beginning from which noise is learned [s]",
+            CLI::PositiveNumber);
+  add_value(command, "--learn-from REC...", request->learn_from,
+            "Fault-free recordings of the same arm to learn noise from");
+  add_value(command, "--false-alarms N", request->options.false_alarms,
+            "Allowed rate of false alarms [1/h]", CLI::PositiveNumber);
+  add_value(command, "--link FRAME...", request->options.links,
+            "Links that may carry a load (default: all)");
   command.add_flag("--json-lines", request->json_lines,
                    "Print each event as a line of JSON on standard output");
   add_signal_options(command, request->reading.signals);

@@ -34,17 +34,13 @@ void add_compare_command(CLI::App& tool, Outcome& outcome) {
   const auto request = std::make_shared<CompareRequest>();
   CLI::App& command =
       *tool.add_subcommand("compare", "Significant differences between two models of one arm");
-  command.add_option("BEFORE", request->before, "MODEL that identify or diagnose wrote")
-      ->required()
-      ->option_text(" ");
-  command.add_option("AFTER", request->after, "MODEL of the same arm, later or after a repair")
-      ->required()
-      ->option_text(" ");
-  command
-      .add_option("--significance", request->options.significance,
-                  "Significance level: probability of calling an unchanged arm different (0.05)")
-      ->option_text("P")
-      ->check(CLI::Range(1e-12, 0.5));
+  add_value(command, "BEFORE", request->before, "MODEL that identify or diagnose wrote")
+      ->required();
+  add_value(command, "AFTER", request->after, "MODEL of the same arm, later or after a repair")
+      ->required();
+  add_value(command, "--significance P", request->options.significance,
+            "Significance level: probability of calling an unchanged arm different (0.05)",
+            CLI::Range(1e-12, 0.5));
   add_common_options(command, request->common);
   add_report_option(command, request->common);
   command.callback([request, &outcome] { run(*request, outcome.command_line); });

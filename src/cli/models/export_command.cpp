@@ -11,7 +11,6 @@
 #include "cli/options/option_checks.hpp"
 #include "cli/options/sound_arguments.hpp"
 #include "model/robot_format.hpp"
-#include "model/suggestion.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/export/c_code.hpp"
 #include "veridyn/export/mjcf.hpp"
@@ -127,9 +126,7 @@ void add_export_command(CLI::App& tool, Outcome& outcome) {
   const auto request = std::make_shared<ExportRequest>();
   CLI::App& command = *tool.add_subcommand(
       "export", "Convert a model: URDF, MJCF, SDF, C, YAML, JSON, dVRK gravity");
-  command.add_option("MODEL", request->model, "Identified model, or any robot")
-      ->required()
-      ->option_text(" ");
+  add_value(command, "MODEL", request->model, "Identified model, or any robot")->required();
   const auto file = [&command](const char* option, std::string& target, const char* help) {
     add_output_option(command, option, target, help);
   };
@@ -141,21 +138,15 @@ void add_export_command(CLI::App& tool, Outcome& outcome) {
   file("--json", request->json, "Write the robot file as JSON");
   file("--yaml", request->yaml, "Write YAML");
   file("--report", request->report, "Write one HTML page of the arm with the bodies that are exported");
-  command
-      .add_option("--prior", request->prior,
-                  "With --urdf, --mjcf and --sdf: prior model (CAD) for values that torques do not "
-                  "determine (default: small rods)")
-      ->option_text("MODEL");
-  command
-      .add_option("--meshes-from", request->meshes_from,
-                  "With --urdf and --sdf: URDF file to take meshes from (default: the one that the "
-                  "model came from)")
-      ->option_text("URDF");
-  command
-      .add_option("--into", request->into,
-                  "With --mjcf and --sdf: simulation's file whose values are replaced; all else of it stays "
-                  "(default: the file that the model came from)")
-      ->option_text("FILE");
+  add_value(command, "--prior MODEL", request->prior,
+            "With --urdf, --mjcf and --sdf: prior model (CAD) for values that torques do not "
+            "determine (default: small rods)");
+  add_value(command, "--meshes-from URDF", request->meshes_from,
+            "With --urdf and --sdf: URDF file to take meshes from (default: the one that the model "
+            "came from)");
+  add_value(command, "--into FILE", request->into,
+            "With --mjcf and --sdf: simulation's file whose values are replaced; all else of it "
+            "stays (default: the file that the model came from)");
   command.add_flag("--quiet", request->quiet, "Print only errors on standard error");
   add_dvrk_export_options(command, request->dvrk);
   command.set_version_flag("--version", "veridyn " VERIDYN_VERSION);

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cctype>
-#include <iostream>
 
+#include "cli/options/common_options.hpp"
 #include "cli/options/option_checks.hpp"
 #include "cli/options/sound_arguments.hpp"
 #include "dvrk/arms/effort_scales.hpp"
@@ -105,19 +105,12 @@ void add_dvrk_export_options(CLI::App& command, DvrkExport& request) {
                   "Write gravity as rows of a PSM or ECM for the dVRK's compensation (JSON)");
   add_output_option(command, "--dvrk-scales", request.scales,
                   "Write current per effort with identified gains (JSON)");
-  command
-      .add_option("--dvrk-arm", request.arm,
-                  "Arm, such as PSM1 [the first whose name the model's begins with]")
-      ->option_text("NAME");
-  command
-      .add_option("--dvrk-config", request.config,
-                  "Configuration of the controllers whose scales are corrected (XML or JSON) "
-                  "[nominal]")
-      ->option_text("FILE");
-  command
-      .add_option("--static-torques", request.torques,
-                  "Compare the gravity rows with efforts of the resting arm (CSV)")
-      ->option_text("FILE");
+  add_value(command, "--dvrk-arm NAME", request.arm,
+            "Arm, such as PSM1 [the first whose name the model's begins with]");
+  add_value(command, "--dvrk-config FILE", request.config,
+            "Configuration of the controllers whose scales are corrected (XML or JSON) [nominal]");
+  add_value(command, "--static-torques FILE", request.torques,
+            "Compare the gravity rows with efforts of the resting arm (CSV)");
 }
 
 void check_dvrk_export(const DvrkExport& request) {

@@ -3,16 +3,19 @@
 #include <memory>
 #include <sstream>
 
+#include "math/words.hpp"
 #include "cli/options/column_file.hpp"
 #include "cli/commands.hpp"
 #include "cli/options/common_options.hpp"
-#include "cli/models/kinematics_closed_form.hpp"
 #include "cli/options/messages.hpp"
 #include "cli/options/option_checks.hpp"
 #include "cli/options/sound_arguments.hpp"
 #include "control/kinematics_table.hpp"
+#include "dvrk/arms/arm_facts.hpp"
+#include "dvrk/arms/arm_kinematics.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
+#include "veridyn/model/model_file.hpp"
 #include "report/json/kinematics_json.hpp"
 
 namespace veridyn::cli {
@@ -32,11 +35,10 @@ struct KinematicsRequest {
 std::vector<double> numbers_of(const std::string& word) {
   std::vector<double> out;
   std::istringstream parts(word);
-  std::string part;
-  while (std::getline(parts, part, ',')) {
-    char* end = nullptr;
-    out.push_back(std::strtod(part.c_str(), &end));
-    if (part.empty() || *end != '\0') return {};
+  for (std::string part; std::getline(parts, part, ',');) {
+    const std::optional<double> number = number_in(part);
+    if (!number) return {};
+    out.push_back(*number);
   }
   return out;
 }
@@ -51,6 +53,71 @@ Eigen::Isometry3d pose_of(const ColumnFile& file, Eigen::Index row, bool oriente
           ": found a quaternion of length zero, expected one of length one.");
   out.linear() = q.normalized().toRotationMatrix();
   return out;
+}
+
+// An arm with its closed-form kinematics, if it has one.
+struct Arm {
+  Model model;
+  std::string frame;
+  InverseSolver closed_form;
+};
+
+const char* describe(dvrk::InverseStatus status) {
+  switch (status) {
+    case dvrk::InverseStatus::kDone:
+      return "reached";
+    case dvrk::InverseStatus::kOutsideLimits:
+      return "outside limits";
+    case dvrk::InverseStatus::kSingular:
+      return "singular";
+    case dvrk::InverseStatus::kOutOfReach:
+      return "out of reach";
+  }
+  return "";
+}
+
+template <typename Kinematics>
+InverseSolver solver_of(const dvrk::ArmFacts& facts) {
+  const auto closed = std::make_shared<Kinematics>(facts);
+  return [closed](const Eigen::Isometry3d& T_base_tip, VectorXd& q) -> std::string {
+    const typename Kinematics::Joints near = q;
+    const auto solution = closed->inverse(T_base_tip.matrix(), near);
+    q = solution.q;
+    return describe(solution.status);
+  };
+}
+
+InverseSolver closed_form(const dvrk::ArmFacts& facts) {
+  if (facts.kind == "PSM") return solver_of<dvrk::PsmKinematics>(facts);
+  if (facts.kind == "ECM") return solver_of<dvrk::EcmKinematics>(facts);
+  if (facts.kind == "MTM") return solver_of<dvrk::MtmKinematics>(facts);
+  return {};
+}
+
+std::string chosen(const Model& model, const std::string& asked) {
+  if (!asked.empty()) {
+    expect_one_of("--frame", asked, frame_names(model));
+    return asked;
+  }
+  for (const char* usual : {"tip", "tool"}) {
+    if (model.find_frame(usual) >= 0) return usual;
+  }
+  return model.frames().back().name;
+}
+
+// A robot file or name, or an arm of the dVRK ("PSM1", "MTMR", "ECM").
+Arm read_kinematic_arm(const std::string& robot, const std::string& frame) {
+  const std::vector<std::string> known = dvrk::arm_names();
+  if (std::find(known.begin(), known.end(), robot) == known.end()) {
+    Model model = read_model(robot);
+    std::string at = chosen(model, frame);
+    return {std::move(model), std::move(at), {}};
+  }
+  const dvrk::ArmFacts facts = dvrk::read_arm(robot);
+  Model model = dvrk::arm_model(facts);
+  std::string at = chosen(model, frame);
+  const bool of_tip = at == "tip";
+  return {std::move(model), std::move(at), of_tip ? closed_form(facts) : InverseSolver{}};
 }
 
 struct Times {
@@ -149,31 +216,23 @@ void add_kinematics_command(CLI::App& tool, Outcome& outcome) {
   const auto request = std::make_shared<KinematicsRequest>();
   CLI::App& command =
       *tool.add_subcommand("kinematics", "Forward and inverse kinematics, Jacobians, conditioning");
-  command
-      .add_option("ROBOT", request->robot,
-                  "Robot file or name, or an arm of the dVRK by its closed form: PSM1, MTMR, ECM")
-      ->required()
-      ->option_text(" ");
-  command.add_option("--forward", request->forward, "Forward kinematics of these joint positions")
-      ->option_text("FILE.csv|Q1,Q2,...");
-  command.add_option("--inverse", request->inverse, "Inverse kinematics of these poses")
-      ->option_text("FILE.csv|X,Y,Z[,QW,QX,QY,QZ]");
-  command
-      .add_option("--workspace", request->workspace,
-                  "Conditioning over the joint ranges, at so many random postures (1000 if no "
-                  "other output is selected)")
-      ->option_text("COUNT")
-      ->check(CLI::Range(1, 1000000));
-  command.add_option("--frame", request->frame, "Frame (default: tip, tool, or the last)")
-      ->option_text("NAME");
-  command.add_option("--start", request->start, "Start of inverse kinematics")
-      ->option_text("Q1,Q2,...")
+  add_value(command, "ROBOT", request->robot,
+            "Robot file or name, or an arm of the dVRK by its closed form: PSM1, MTMR, ECM")
+      ->required();
+  add_value(command, "--forward FILE.csv|Q1,Q2,...", request->forward,
+            "Forward kinematics of these joint positions");
+  add_value(command, "--inverse FILE.csv|X,Y,Z[,QW,QX,QY,QZ]", request->inverse,
+            "Inverse kinematics of these poses");
+  add_value(command, "--workspace COUNT", request->workspace,
+            "Conditioning over the joint ranges, at so many random postures (1000 if no other "
+            "output is selected)",
+            CLI::Range(1, 1000000));
+  add_value(command, "--frame NAME", request->frame, "Frame (default: tip, tool, or the last)");
+  add_value(command, "--start Q1,Q2,...", request->start, "Start of inverse kinematics")
       ->delimiter(',');
-  command
-      .add_option("--solver", request->solver,
-                  "Solver of inverse kinematics; closed-form where the arm has one")
-      ->option_text("closed-form|newton")
-      ->check(CLI::IsMember({"closed-form", "newton"}));
+  add_value(command, "--solver closed-form|newton", request->solver,
+            "Solver of inverse kinematics; closed-form where the arm has one",
+            CLI::IsMember({"closed-form", "newton"}));
   command.add_flag("--jacobian", request->jacobian, "Also write the Jacobian");
   add_output_option(command, "-o,--output", request->output, "Write the results as CSV", {".csv"});
   add_common_options(command, request->common);

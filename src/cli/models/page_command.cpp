@@ -19,11 +19,11 @@ void add_page_command(CLI::App& tool, Outcome& outcome) {
   const auto request = std::make_shared<PageRequest>();
   CLI::App& command =
       *tool.add_subcommand("page", "One HTML page for a folder of models and results");
-  command.add_option("FOLDER", request->folder, "MODEL files, pages, results and recordings of one arm")
-      ->required()
-      ->option_text(" ");
-  command.add_option("-o,--output", request->output, "Output file (default: FOLDER/index.html)")
-      ->option_text("F.html");
+  add_value(command, "FOLDER", request->folder,
+            "MODEL files, pages, results and recordings of one arm")
+      ->required();
+  add_value(command, "-o,--output F.html", request->output,
+            "Output file (default: FOLDER/index.html)");
   add_common_options(command, request->common);
   command.callback([request, &outcome] {
     if (request->output.empty()) request->output = request->folder + "/index.html";

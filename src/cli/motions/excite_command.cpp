@@ -301,45 +301,33 @@ void add_limit_options(CLI::App& command, ExciteRequest& r) {
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
         ->group(group);
   };
-  command
-      .add_option("--model", r.model,
-                  "Model with values, for torque limits and for causes to discriminate")
-      ->option_text("FILE")
+  add_value(command, "--model FILE", r.model,
+            "Model with values, for torque limits and for causes to discriminate")
       ->group(group);
   several("--box", r.boxes, "FRAME:X,X,Y,Y,Z,Z",
           "Keep the origin of a frame inside a box, in world coordinates");
   several("--sphere", r.spheres, "FRAME:R[,X,Y,Z]",
           "Sphere around a point of a frame, kept clear of other spheres and of obstacles");
   several("--obstacle", r.obstacles, "X,Y,Z,R", "Spherical obstacle in world coordinates");
-  command
-      .add_option("--collisions", r.collisions,
-                  "Keep links apart from each other, from the mount and from obstacles; auto: where "
-                  "their shapes are known")
-      ->option_text("auto|off")
-      ->check(CLI::IsMember({"auto", "off"}))
+  add_value(command, "--collisions auto|off", r.collisions,
+            "Keep links apart from each other, from the mount and from obstacles; auto: where "
+            "their shapes are known",
+            CLI::IsMember({"auto", "off"}))
       ->group(group);
-  command
-      .add_option("--shapes", r.shapes,
-                  "URDF file with the collision shapes of the links (default: ROBOT)")
-      ->option_text("FILE")
-      ->check(CLI::ExistingFile)
+  add_value(command, "--shapes FILE", r.shapes,
+            "URDF file with the collision shapes of the links (default: ROBOT)", CLI::ExistingFile)
       ->group(group);
-  command
-      .add_option("--link-radius", r.link_radius,
-                  "Model links as capsules of this radius along the lines between joints [m]")
-      ->option_text("M")
-      ->check(CLI::PositiveNumber)
+  add_value(command, "--link-radius M", r.link_radius,
+            "Model links as capsules of this radius along the lines between joints [m]",
+            CLI::PositiveNumber)
       ->group(group);
-  command.add_option("--floor", r.floor, "Height of a floor, above which links stay [m]")
-      ->option_text("Z")
+  add_value(command, "--floor Z", r.floor, "Height of a floor, above which links stay [m]")
       ->group(group);
   several("--keep-out", r.keep_out, "X,X,Y,Y,Z,Z",
           "Box in world coordinates that links stay out of, as a table or a mount");
-  command
-      .add_option("--clearance", r.clearance,
-                  "Clearance between spheres (default: 0) and between links (default: 0.01) [m]")
-      ->option_text("M")
-      ->check(CLI::NonNegativeNumber)
+  add_value(command, "--clearance M", r.clearance,
+            "Clearance between spheres (default: 0) and between links (default: 0.01) [m]",
+            CLI::NonNegativeNumber)
       ->group(group);
   several("--insertion", r.insertions, "FRAME:LOW,HIGH[,X,Y,Z]",
           "Bounds of a frame's insertion depth through a remote centre (default: the world's "
@@ -354,31 +342,24 @@ void add_excite_command(CLI::App& tool, Outcome& outcome) {
   add_robot_argument(command, request->robot);
   add_output_option(command, "-o,--output", request->output, "Write the motion as CSV: t, q, dq, ddq", {".csv"})->required();
   add_output_option(command, "--coefficients", request->coefficients, "Write the series' coefficients as YAML");
-  command.add_option("--resume", request->resume,
-                     "Keep each finished search in this file; after a kill the same command goes on from it")
-      ->option_text("FILE");
+  add_value(
+      command, "--resume FILE", request->resume,
+      "Keep each finished search in this file; after a kill the same command goes on from it");
   add_motion_options(command, request->options);
   add_search_options(command, request->options);
-  command
-      .add_option("--between", request->between,
-                  "Two causes to discriminate, with --criterion discriminate")
-      ->option_text("EFFECT:PLACE,EFFECT:PLACE")
+  add_value(command, "--between EFFECT:PLACE,EFFECT:PLACE", request->between,
+            "Two causes to discriminate, with --criterion discriminate")
       ->group("Search");
-  command.add_option("--given", request->given, "Recordings to add information to")
-      ->option_text("FILE...")
+  add_value(command, "--given FILE...", request->given, "Recordings to add information to")
       ->group("Search");
-  command
-      .add_option(
-          "--torque-noise", request->torque_noise,
-          "Torque noise as a share of the largest effort (default: the model's error, or 0.01 for the "
-          "design and 0.2 of the rms torque along the motion for predicted deviations)")
-      ->option_text("X")
-      ->check(CLI::Range(1e-6, 10.0))
+  add_value(command, "--torque-noise X", request->torque_noise,
+            "Torque noise as a share of the largest effort (default: the model's error, or 0.01 "
+            "for the design and 0.2 of the rms torque along the motion for predicted deviations)",
+            CLI::Range(1e-6, 10.0))
       ->group("Search");
-  command
-      .add_option("--noise-of", request->noise_of,
-                  "Take the torque noise from what an identification from these recordings of the arm leaves")
-      ->option_text("REC...")
+  add_value(
+      command, "--noise-of REC...", request->noise_of,
+      "Take the torque noise from what an identification from these recordings of the arm leaves")
       ->excludes("--torque-noise")
       ->group("Search");
   add_limit_options(command, *request);

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdlib>
 
+#include "math/words.hpp"
 #include "cli/options/choice.hpp"
 #include "cli/options/common_options.hpp"
 
@@ -20,10 +21,9 @@ std::vector<double> numbers(const std::string& option, const std::string& words,
                             const std::string& expected) {
   std::vector<double> out;
   for (const std::string& word : CLI::detail::split(list, ',')) {
-    char* end = nullptr;
-    const double value = std::strtod(word.c_str(), &end);
-    if (word.empty() || *end != '\0' || value != value) fail(option, words, expected);
-    out.push_back(value);
+    const std::optional<double> value = number_in(word);
+    if (!value || std::isnan(*value)) fail(option, words, expected);
+    out.push_back(*value);
   }
   for (const size_t count : counts) {
     if (out.size() == count) return out;
@@ -113,27 +113,20 @@ void add_motion_options(CLI::App& command, ExcitationOptions& o) {
         ->group(group);
   };
   number("--frequency", o.frequency, "HZ", "Base frequency of the Fourier series [Hz] (0.13)");
-  command.add_option("--harmonics", o.harmonics, "Harmonics per joint (5)")
-      ->option_text("N")
-      ->check(CLI::Range(2, 100))
+  add_value(command, "--harmonics N", o.harmonics, "Harmonics per joint (5)", CLI::Range(2, 100))
       ->group(group);
   number("--duration", o.duration, "S",
          "Duration [s]; rounded to whole periods, at least two (30)");
-  command
-      .add_option("--slow-passes", o.slow_passes,
-                  "Constant-velocity segments of every joint at the end, at 1 to 10 % of its speed "
-                  "limit (0)")
-      ->option_text("N")
-      ->check(CLI::Range(0, 100))
+  add_value(
+      command, "--slow-passes N", o.slow_passes,
+      "Constant-velocity segments of every joint at the end, at 1 to 10 % of its speed limit (0)",
+      CLI::Range(0, 100))
       ->group(group);
   number("--rate", o.rate, "HZ", "Sample rate [Hz] (200)");
-  command
-      .add_option(
-          "--limit-share", o.limit_share,
-          "Share of each limit to use (default: the margin of the safety supervisor, 0.98 of "
-          "speed, 0.95 of torque, and the range as far as the arm can stop before its end)")
-      ->option_text("X")
-      ->check(CLI::Range(0.01, 1.0))
+  add_value(command, "--limit-share X", o.limit_share,
+            "Share of each limit to use (default: the margin of the safety supervisor, 0.98 of "
+            "speed, 0.95 of torque, and the range as far as the arm can stop before its end)",
+            CLI::Range(0.01, 1.0))
       ->group(group);
 }
 
@@ -150,27 +143,22 @@ void add_search_options(CLI::App& command, ExcitationOptions& o) {
              {ColumnScaling::kNorm, ColumnScaling::kNone, ColumnScaling::kOrthogonal},
              "Scaling of the regressor's columns before its condition number")
       ->group(group);
-  command
-      .add_option("--essential", o.essential,
-                  "Regroup base parameters that contribute less than this share (0: keep all)")
-      ->option_text("SHARE")
-      ->check(CLI::Range(0.0, 0.99))
+  add_value(command, "--essential SHARE", o.essential,
+            "Regroup base parameters that contribute less than this share (0: keep all)",
+            CLI::Range(0.0, 0.99))
       ->group(group);
   add_choice(command, "--solver", o.solver,
              {ExcitationSolver::kInteriorPoint, ExcitationSolver::kIpopt, ExcitationSolver::kNlopt,
               ExcitationSolver::kRandom},
              "Optimiser", {{"nlopt-derivative-free", ExcitationSolver::kNlopt}})
       ->group(group);
-  command.add_option("--starts", o.starts, "Number of independent starts (2)")
-      ->option_text("N")
-      ->check(CLI::Range(1, 100000))
+  add_value(command, "--starts N", o.starts, "Number of independent starts (2)",
+            CLI::Range(1, 100000))
       ->group(group);
-  command
-      .add_option("--iterations,--evaluations", o.iterations, "Iteration limit of each start (400)")
-      ->option_text("N")
-      ->check(CLI::Range(1, 100000000))
+  add_value(command, "--iterations,--evaluations N", o.iterations,
+            "Iteration limit of each start (400)", CLI::Range(1, 100000000))
       ->group(group);
-  command.add_option("--seed", o.seed, "Random seed (1)")->option_text("N")->group(group);
+  add_value(command, "--seed N", o.seed, "Random seed (1)")->group(group);
 }
 
 }  // namespace veridyn::cli

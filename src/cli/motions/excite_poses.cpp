@@ -30,19 +30,14 @@ std::string csv(const PoseDesign& design) {
 
 void add_poses_options(CLI::App& command, PosesRequest& request) {
   const char* const group = "Poses (--for calibration)";
-  command
-      .add_option("--for", request.purpose,
-                  "Design a trajectory for identification, or poses for kinematic calibration "
-                  "(identification)")
-      ->option_text("identification|calibration")
-      ->check(CLI::IsMember({"identification", "calibration"}))
+  add_value(
+      command, "--for identification|calibration", request.purpose,
+      "Design a trajectory for identification, or poses for kinematic calibration (identification)",
+      CLI::IsMember({"identification", "calibration"}))
       ->group(group);
-  command.add_option("--frame", request.frame, "Frame tracked by cameras (default: the last)")
-      ->option_text("NAME")
+  add_value(command, "--frame NAME", request.frame, "Frame tracked by cameras (default: the last)")
       ->group(group);
-  command.add_option("--poses", request.poses, "Number of poses (30)")
-      ->option_text("N")
-      ->check(CLI::Range(1, 10000))
+  add_value(command, "--poses N", request.poses, "Number of poses (30)", CLI::Range(1, 10000))
       ->group(group);
 }
 

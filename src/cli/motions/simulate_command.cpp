@@ -141,21 +141,14 @@ void add_simulate_command(CLI::App& tool, Outcome& outcome) {
       "simulate", "Simulate the recording of an arm, with faults of your choice");
   request->command = &command;
   add_robot_argument(command, request->robot);
-  command
-      .add_option("--trajectory", request->trajectory,
-                  "CSV file with t and q, optionally dq and ddq")
-      ->option_text("TRAJ");
-  command
-      .add_option(
-          "--steps", request->steps,
-          "In place of a trajectory: one joint after the other steps by this, each over 1 s")
-      ->option_text("X,X,...")
+  add_value(command, "--trajectory TRAJ", request->trajectory,
+            "CSV file with t and q, optionally dq and ddq");
+  add_value(command, "--steps X,X,...", request->steps,
+            "In place of a trajectory: one joint after the other steps by this, each over 1 s")
       ->delimiter(',');
   add_output_option(command, "-o,--output", request->output, "Write the recording as CSV: t, q, dq, tau", {".csv"});
-  command
-      .add_option("--effect", request->effects,
-                  "Add an effect that the robot file lacks; see below")
-      ->option_text("NAME:JOINT[:KEY=VALUE,...]")
+  add_value(command, "--effect NAME:JOINT[:KEY=VALUE,...]", request->effects,
+            "Add an effect that the robot file lacks; see below")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command.add_option("--noise", request->noise, "Preset of sensor noise; see below (low)")
@@ -170,18 +163,13 @@ void add_simulate_command(CLI::App& tool, Outcome& outcome) {
             return std::string();
           },
           ""));
-  command
-      .add_option("--sample-rate", request->sample_rate,
-                  "Sample rate of the recording (default: that of the trajectory)")
-      ->option_text("HZ")
-      ->check(CLI::PositiveNumber);
+  add_value(command, "--sample-rate HZ", request->sample_rate,
+            "Sample rate of the recording (default: that of the trajectory)", CLI::PositiveNumber);
   command.add_option("--engine", request->engine, "Simulation engine (veridyn)")
       ->option_text(listed(engine_names()));
-  command.add_option("--seed", request->seed, "Random seed of the noise (1)")->option_text("N");
-  command
-      .add_option("--arm-seed", request->arm_seed,
-                  "Random seed of plausible parameters for a robot file without values (1)")
-      ->option_text("N");
+  add_value(command, "--seed N", request->seed, "Random seed of the noise (1)");
+  add_value(command, "--arm-seed N", request->arm_seed,
+            "Random seed of plausible parameters for a robot file without values (1)");
   add_output_option(command, "--model-out", request->model_out,
                     "Write the simulated arm's true model as YAML");
   add_control_options(command, *request);

@@ -86,51 +86,37 @@ void add_control_options(CLI::App& command, SimulateRequest& request) {
         ->check(CLI::NonNegativeNumber)
         ->group(kControl);
   };
-  command
-      .add_option(
-          "--controller", request.controller,
-          "pid: forward dynamics under a PID per joint; computed-torque: under that law, whose "
-          "--kp [1/s^2] and --kd [1/s] are the same for any inertia; none: the arm makes the "
-          "motion exactly, its torques by inverse dynamics (none)")
-      ->option_text("none|pid|computed-torque")
-      ->check(CLI::IsMember({"none", "pid", "computed-torque"}))
+  add_value(command, "--controller none|pid|computed-torque", request.controller,
+            "pid: forward dynamics under a PID per joint; computed-torque: under that law, whose "
+            "--kp [1/s^2] and --kd [1/s] are the same for any inertia; none: the arm makes the "
+            "motion exactly, its torques by inverse dynamics (none)",
+            CLI::IsMember({"none", "pid", "computed-torque"}))
       ->group(kControl);
-  command
-      .add_option("--controller-model", request.controller_model,
-                  "What computed torque takes the arm for (the arm without its hidden effects)")
-      ->option_text("MODEL")
+  add_value(command, "--controller-model MODEL", request.controller_model,
+            "What computed torque takes the arm for (the arm without its hidden effects)")
       ->group(kControl);
   number("--friction-share", request.loop.friction, "X",
          "Of the model's friction that computed torque compensates (0)");
-  command
-      .add_option("--replay", request.replay,
-                  "Drive the simulated arm with a recording instead of a trajectory, and compare")
-      ->option_text("REC")
+  add_value(command, "--replay REC", request.replay,
+            "Drive the simulated arm with a recording instead of a trajectory, and compare")
       ->group(kControl);
-  command
-      .add_option(
-          "--drive", request.drive,
-          "What of the recording drives: the commands that its PD must have had, its motion "
-          "as set points, or its torques (commands)")
-      ->option_text("commands|set-points|torques")
-      ->check(CLI::IsMember({"commands", "set-points", "torques"}))
+  add_value(command, "--drive commands|set-points|torques", request.drive,
+            "What of the recording drives: the commands that its PD must have had, its motion as "
+            "set points, or its torques (commands)",
+            CLI::IsMember({"commands", "set-points", "torques"}))
       ->group(kControl);
-  command
-      .add_option("--breakaway", request.breakaway,
-                  "With --replay of slow ramps: report the breakaway effort of this joint")
-      ->option_text("JOINT")
+  add_value(command, "--breakaway JOINT", request.breakaway,
+            "With --replay of slow ramps: report the breakaway effort of this joint")
       ->group(kControl);
   number("--breakaway-speed", request.breakaway_speed, "M/S",
          "Speed above which the joint slides (5 mm/s, 50 mrad/s)");
-  command.add_option("--gains", request.gains, "YAML file with lists p, i and d")
-      ->option_text("FILE")
+  add_value(command, "--gains FILE", request.gains, "YAML file with lists p, i and d")
       ->group(kControl);
   numbers("--kp", request.p, "Position gains (default: 6 Hz of bandwidth)");
   numbers("--ki", request.i, "Integral gains (default: none with --kp)");
   numbers("--kd", request.d, "Velocity gains (default: critical damping)");
-  command.add_option("--control-rate", request.loop.rate, "Rate of the controller [Hz] (1000)")
-      ->option_text("HZ")
-      ->check(CLI::Range(1.0, 1e6))
+  add_value(command, "--control-rate HZ", request.loop.rate, "Rate of the controller [Hz] (1000)",
+            CLI::Range(1.0, 1e6))
       ->group(kControl);
   numbers("--torque-limit", request.limit,
           "Torque limits of the motors (default: the robot file's)");

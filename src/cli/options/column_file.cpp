@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <sstream>
 
+#include "math/words.hpp"
 #include "math/input_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "model/suggestion.hpp"
@@ -16,14 +17,7 @@ constexpr const char* kBlank = " \t\r";
 
 // Blanks around a field are removed; those within it are kept.
 std::vector<std::string> fields(const std::string& line) {
-  std::vector<std::string> out(1);
-  for (const char c : line) {
-    if (c == ',') {
-      out.emplace_back();
-    } else {
-      out.back() += c;
-    }
-  }
+  std::vector<std::string> out = split(line, ',');
   for (std::string& field : out) {
     const std::size_t first = field.find_first_not_of(kBlank);
     const std::size_t last = field.find_last_not_of(kBlank);
@@ -66,11 +60,10 @@ ColumnFile read_columns(const std::string& path, const std::string& expected) {
     require(row.size() == out.names.size(), path, ":", number, ": found ", row.size(),
             " fields, expected ", out.names.size(), ".");
     for (std::size_t k = 0; k < row.size(); ++k) {
-      char* end = nullptr;
-      const double x = std::strtod(row[k].c_str(), &end);
-      require(!row[k].empty() && *end == '\0' && std::isfinite(x), path, ":", number, ": found '",
+      const std::optional<double> x = number_in(row[k]);
+      require(x && std::isfinite(*x), path, ":", number, ": found '",
               row[k], "' in column ", out.names[k], ", expected a finite number.");
-      numbers.push_back(x);
+      numbers.push_back(*x);
     }
   }
   require(!numbers.empty(), path, ": found no rows, expected at least one.");

@@ -3,10 +3,10 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <system_error>
 #include <utility>
 
@@ -67,9 +67,13 @@ bool same_recording(const std::string& a, const std::string& b) {
   if (fs::file_size(a, error) != fs::file_size(b, error) || fs::file_size(a, error) == 0) return false;
   std::ifstream one(a, std::ios::binary);
   std::ifstream other(b, std::ios::binary);
-  return one && other &&
-         std::equal(std::istreambuf_iterator<char>(one), std::istreambuf_iterator<char>(),
-                    std::istreambuf_iterator<char>(other));
+  std::array<char, 1 << 16> a_bytes, b_bytes;
+  while (one && other) {
+    const auto a_count = one.read(a_bytes.data(), a_bytes.size()).gcount();
+    if (other.read(b_bytes.data(), b_bytes.size()).gcount() != a_count) return false;
+    if (!std::equal(a_bytes.begin(), a_bytes.begin() + a_count, b_bytes.begin())) return false;
+  }
+  return one.eof() && other.eof();
 }
 
 }  // namespace
@@ -78,9 +82,8 @@ void add_common_options(CLI::App& command, CommonOptions& options) {
   const char* const group = "Common";
   add_output_option(command, "--json", options.json, "Write the result as JSON")
       ->group(group);
-  command.add_option("--threads", options.threads, "Threads; 0: one per core")
-      ->option_text("N")
-      ->check(CLI::NonNegativeNumber)
+  add_value(command, "--threads N", options.threads, "Threads; 0: one per core",
+            CLI::NonNegativeNumber)
       ->group(group);
   command.add_flag("--quiet", options.quiet, "Do not print progress on standard error")
       ->group(group);
@@ -94,11 +97,9 @@ void add_report_option(CLI::App& command, CommonOptions& options) {
 }
 
 void add_robot_argument(CLI::App& command, std::string& robot) {
-  command
-      .add_option("ROBOT", robot,
-                  "YAML, URDF, MJCF or SDF file, or the bare name of a robot that comes with the tool")
-      ->required()
-      ->option_text(" ");
+  add_value(command, "ROBOT", robot,
+            "YAML, URDF, MJCF or SDF file, or the bare name of a robot that comes with the tool")
+      ->required();
 }
 
 CLI::Option* add_row_range(CLI::App& command, const std::string& option, const std::string& help,
@@ -146,9 +147,8 @@ void add_preprocessing_options(CLI::App& command, PreprocessingOptions& o) {
   };
   number("--filter-cutoff", o.cutoff, "HZ",
          "Cut-off of the zero-phase low-pass filter [Hz]; 0: none");
-  command.add_option("--filter-order", o.order, "Filter order of each of the two passes")
-      ->option_text("N")
-      ->check(CLI::Range(1, 20))
+  add_value(command, "--filter-order N", o.order, "Filter order of each of the two passes",
+            CLI::Range(1, 20))
       ->group(kRecordings);
   add_choice(command, "--filtering", o.filtering, {Filtering::kMatched, Filtering::kSignals},
              "Filter torque and regressor columns alike (matched), or the measured signals")
@@ -165,11 +165,9 @@ void add_preprocessing_options(CLI::App& command, PreprocessingOptions& o) {
   number("--drop-end", o.drop_end, "S", "Seconds to drop at the end of each file");
   number("--min-speed", o.min_speed, "V",
          "Exclude samples at which a joint is slower than this [rad/s or m/s]");
-  command
-      .add_option("--decimation", o.decimation,
-                  "Keep every N-th filtered sample; 0: as many as the cut-off frequency needs")
-      ->option_text("N")
-      ->check(CLI::NonNegativeNumber)
+  add_value(command, "--decimation N", o.decimation,
+            "Keep every N-th filtered sample; 0: as many as the cut-off frequency needs",
+            CLI::NonNegativeNumber)
       ->group(kRecordings);
 }
 

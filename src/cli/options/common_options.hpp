@@ -5,7 +5,6 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "veridyn/recordings/preprocessing.hpp"
@@ -29,6 +28,17 @@ struct RowRange {
   long first = 0;
   std::optional<long> count = {};
 };
+
+/// Adds an option with a value, such as "--rate HZ": its names, then how the help calls the value;
+/// or an argument, "ROBOT", which has no such word.
+template <typename T, typename... Checks>
+CLI::Option* add_value(CLI::App& command, const std::string& name, T& target,
+                       const std::string& help, const Checks&... checks) {
+  const std::size_t blank = name.find(' ');
+  CLI::Option* const option = command.add_option(name.substr(0, blank), target, help);
+  (option->check(checks), ...);
+  return option->option_text(blank == std::string::npos ? " " : name.substr(blank + 1));
+}
 
 /// Adds --json, --threads, --quiet and --version.
 void add_common_options(CLI::App& command, CommonOptions& options);

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <charconv>
 #include <set>
 
@@ -77,11 +76,9 @@ void add_signal_options(CLI::App& command, SignalChoice& signals) {
 }
 
 void add_robot_options(CLI::App& command, CommonOptions& options) {
-  command
-      .add_option("--drive-gains", options.drive_gains,
-                  "Torque per ampere of each joint [N m/A], for recordings of motor currents")
-      ->delimiter(',')
-      ->option_text("K,K,...");
+  add_value(command, "--drive-gains K,K,...", options.drive_gains,
+            "Torque per ampere of each joint [N m/A], for recordings of motor currents")
+      ->delimiter(',');
   std::map<std::string, double>& fixed = options.fixed;
   add_list(command, "--fix", "JOINT=VALUE", "Position of a joint that is not recorded or stands still [rad or m]",
            [&fixed](const std::string& words) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "cli/options/common_options.hpp"
 #include "cli/options/option_checks.hpp"
 
 namespace veridyn::cli {
@@ -10,13 +11,11 @@ void add_rest_options(CLI::App& command, RestRequest& request, const std::string
   command.add_flag("--at-rest", request.at_rest,
                    "Recordings of poses at rest, with or without time: " + identifies +
                        " (default if every recorded velocity is zero)");
-  command
-      .add_option("--approach", request.approach,
-                  "With --at-rest: direction from which the poses of each recording were approached "
-                  "(default: columns dq1.. of -1, 0 and 1)")
-      ->delimiter(',')
-      ->check(CLI::IsMember({-1, 0, 1}))
-      ->option_text("1,-1,...");
+  add_value(command, "--approach 1,-1,...", request.approach,
+            "With --at-rest: direction from which the poses of each recording were approached "
+            "(default: columns dq1.. of -1, 0 and 1)",
+            CLI::IsMember({-1, 0, 1}))
+      ->delimiter(',');
 }
 
 bool are_poses(const RestRequest& request, const Model& arm, const std::vector<std::string>& train,

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "math/words.hpp"
 #include "recordings/csv/csv_table.hpp"
 #include "recordings/bags/file_kind.hpp"
 #include "model/robot_format.hpp"
@@ -31,12 +32,6 @@ struct NamedFile {
 
 bool is_output(const CLI::Option& option) { return option.get_type_name() == kOutputType; }
 
-bool is_number(const std::string& word, double& value) {
-  char* end = nullptr;
-  value = std::strtod(word.c_str(), &end);
-  return !word.empty() && end == word.c_str() + word.size();
-}
-
 // The absolute path of a file that may not exist yet.
 fs::path place(const std::string& path) {
   std::error_code error;
@@ -51,8 +46,7 @@ bool same_file(const fs::path& a, const fs::path& b) {
 }
 
 void expect_finite(const std::string& name, const std::string& word) {
-  double value = 0.0;
-  if (is_number(word, value) && !std::isfinite(value))
+  if (const auto value = number_in(word); value && !std::isfinite(*value))
     throw CLI::ValidationError(name, "found " + word + ", expected a finite number");
 }
 
@@ -105,9 +99,8 @@ void expect_sound(const CLI::App& command) {
         continue;
       }
       expect_finite(name, word);
-      double number = 0.0;
       std::error_code error;
-      if (!is_number(word, number) && fs::is_regular_file(word, error))
+      if (!number_in(word) && fs::is_regular_file(word, error))
         inputs.push_back({name, place(word)});
     }
   }

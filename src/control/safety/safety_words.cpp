@@ -52,20 +52,4 @@ const char* describe(SafetyFault fault) noexcept {
   return "a force sensor that cannot be right";
 }
 
-const char* describe(SafetyAction action) noexcept {
-  switch (action) {
-    case SafetyAction::kMotorsOff:
-      return "motors off";
-    case SafetyAction::kPass:
-      return "pass";
-    case SafetyAction::kHold:
-      return "brake and hold";
-    case SafetyAction::kRelease:
-      return "release";
-    case SafetyAction::kFreeze:
-      break;
-  }
-  return "freeze";
-}
-
 }  // namespace veridyn

@@ -2,6 +2,7 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "math/words.hpp"
 #include "control/sensors/terminal_line.hpp"
 #include "control/sensors/udp_port.hpp"
 #include "veridyn/control/load_cell.hpp"
@@ -15,18 +16,6 @@ namespace {
 
 constexpr int kMostReads = 64;         // per poll, to bound its time
 constexpr double kOwnersSilence = 1.0;  // [s] after which another sender may take the port
-
-std::vector<std::string> parts_of(const std::string& name) {
-  std::vector<std::string> parts(1);
-  for (const char c : name) {
-    if (c == ':') {
-      parts.emplace_back();
-    } else {
-      parts.back() += c;
-    }
-  }
-  return parts;
-}
 
 [[noreturn]] void refuse(const std::string& name) {
   throw InvalidInput(text("found the force source '", name,
@@ -135,7 +124,7 @@ std::unique_ptr<ForceSource> open_serial(const std::string& device, int baud,
 }  // namespace
 
 std::unique_ptr<ForceSource> open_force_source(const std::string& name) {
-  const std::vector<std::string> parts = parts_of(name);
+  const std::vector<std::string> parts = split(name, ':');
   if (parts.size() < 2 || parts[1].empty()) refuse(name);
   LoadCellFormat format = LoadCellFormat::kText;
   if (parts[0] == "udp") {

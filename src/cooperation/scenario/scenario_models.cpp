@@ -1,12 +1,15 @@
 #include "cooperation/scenario/scenario_models.hpp"
 
 #include <Eigen/Geometry>
+#include <limits>
 #include <utility>
 
-#include "cooperation/scenario/model_errors.hpp"
 #include "cooperation/scenario/scenario_parts.hpp"
+#include "math/random_numbers.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
+#include "veridyn/regressor/base_parameters.hpp"
+#include "veridyn/regressor/standard_parameters.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 
 namespace veridyn {
@@ -20,6 +23,26 @@ Model in_base(const std::string& file, const Eigen::Matrix3d& R_world_base, unsi
   ModelDescription description = read_model(file).description();
   description.gravity = R_world_base.transpose() * description.gravity;
   return plausible_model(Model(std::move(description)), seed).arm;
+}
+
+// The arm with every base parameter wrong by `share`, up or down at random: what a controller
+// knows of it. Base parameters, because torques depend on nothing else: the single parameters
+// behind them may cancel out by the hundred.
+Model with_parameter_errors(const Model& arm, double share, unsigned seed) {
+  if (!(share > 0.0)) return arm;
+  const std::vector<StandardParameter> parameters = standard_parameters(arm);
+  VectorXd phi(parameters.size());
+  for (size_t k = 0; k < parameters.size(); ++k)
+    phi[static_cast<Eigen::Index>(k)] = parameters[k].value;
+  const BaseParameters base = base_parameters(arm);
+  const VectorXd beta = base.K * phi;
+  RandomNumbers random(seed, 77);
+  for (int j = 0; j < base.size(); ++j) {
+    const double sign = random.uniform() < 0.5 ? -1.0 : 1.0;
+    phi[base.independent[j]] += sign * share * beta[j];
+  }
+  const VectorXd none = VectorXd::Constant(phi.size(), std::numeric_limits<double>::quiet_NaN());
+  return with_values(arm, phi, none);
 }
 
 }  // namespace

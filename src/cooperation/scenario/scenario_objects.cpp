@@ -1,6 +1,5 @@
 #include "cooperation/scenario/scenario_objects.hpp"
 
-#include <cmath>
 
 namespace veridyn {
 namespace {

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <iterator>
 
 #include "math/input_file.hpp"
 #include "math/random_numbers.hpp"

@@ -4,7 +4,6 @@
 
 #include "cooperation/scenario/scenario_parts.hpp"
 #include "veridyn/cooperation/teleoperation_scenario.hpp"
-#include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 
 #include "loop_search.hpp"
 #include "math/parallel.hpp"

@@ -1,6 +1,5 @@
 #include "linear_arm.hpp"
 
-#include <cmath>
 
 #include "veridyn/control/arm_state.hpp"
 #include "veridyn/control/friction_compensation.hpp"

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "math/words.hpp"
 #include "veridyn/cooperation/stability.hpp"
 #include "veridyn/math/require.hpp"
 #include "model/suggestion.hpp"
@@ -127,11 +128,10 @@ const Access& access(const std::string& name) {
 }
 
 double read_number(const std::string& word, const std::string& whole) {
-  char* end = nullptr;
-  const double x = std::strtod(word.c_str(), &end);
-  require(!word.empty() && *end == '\0' && std::isfinite(x), "found '", whole,
+  const std::optional<double> x = number_in(word);
+  require(x && std::isfinite(*x), "found '", whole,
           "', expected NAME=FROM:TO:COUNT with two numbers and a count.");
-  return x;
+  return *x;
 }
 
 }  // namespace

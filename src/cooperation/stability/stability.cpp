@@ -10,7 +10,6 @@
 #include "loop_search.hpp"
 #include "veridyn/cooperation/scenario_run.hpp"
 #include "math/parallel.hpp"
-#include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {

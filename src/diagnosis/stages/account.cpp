@@ -13,6 +13,7 @@
 #include "diagnosis/stages/diagnosis_state.hpp"
 #include "diagnosis/stages/asked_tables.hpp"
 #include "diagnosis/unnamed/dependence.hpp"
+#include "diagnosis/unnamed/shared_residual.hpp"
 #include "diagnosis/unnamed/tables.hpp"
 #include "diagnosis/unnamed/vibration.hpp"
 #include "effects/tabulated_force.hpp"
@@ -431,7 +432,7 @@ class Account {
 
   const char* why_not_kept(const Finding& f) const {
     return tables_of(x_.arm, *f.joint, *f.shape, signals_of(f)).empty()
-               ? "a table holds signals of the joint itself and of one other, no accelerations, histories or times"
+               ? "a table holds signals of the joint itself and of one other, no accelerations, histories or times, and nothing in proportion to a torque"
                : "with it held-out parts are predicted no better";
   }
 
@@ -522,7 +523,7 @@ class Account {
       v.state = JointState::kAtFloor;
     } else {
       v.state = JointState::kCannotTell;
-      v.why = vibration ? words_of(*vibration, j) : why_not(found, repeats);
+      v.why = vibration ? words_of(*vibration, j) : why_not(found, repeats) + words_of_shared(j);
     }
     return v;
   }
@@ -532,6 +533,14 @@ class Account {
                        "not have: something shakes the arm, or a part of it swings",
                        kPercent * vibration.share, vibration.frequency, vibration.amplitude,
                        effort_unit(x_.arm.coordinates()[j]));
+  }
+
+  std::string words_of_shared(int j) const {
+    const std::optional<SharedResidual> shared = shared_residual(train_, j, limits_);
+    if (!shared) return "";
+    return fmt::format("; it goes together with what is left over on joint {} (correlation {:.2f} in training, of one sign "
+                       "in every part): one cause may act on both, as what the arm stands on or carries does",
+                       shared->with + 1, shared->correlation);
   }
 
   std::string why_not(const Dependence& found, bool repeats) const {
@@ -546,7 +555,7 @@ class Account {
     }
     if (repeats)
       return "it comes back with the motion, yet no signal of the recordings predicts it on rows that were held out";
-    return "what the findings leave over is no function of one or two signals of the recordings";
+    return "what the findings leave over is no function of one or two signals of the recordings, nor of positions times a torque";
   }
 
   DiagnosisState& x_;

@@ -49,6 +49,9 @@ class Terms {
           add_product(k, l);
       }
     }
+    for (int k = 0; k < count() && own >= 0; ++k) {
+      if (kind(k) == SignalKind::kTorque) add_gains(k, own);
+    }
     return std::move(out_);
   }
 
@@ -68,7 +71,7 @@ class Terms {
   double preference(const std::vector<int>& of) const {
     const bool own = std::all_of(of.begin(), of.end(), [this](int k) { return is_own(k); });
     return (own ? 1.0 : limits_.unnamed_other_joint) *
-           (of.size() > 1 ? limits_.unnamed_two_signals : 1.0);
+           std::pow(limits_.unnamed_two_signals, static_cast<double>(of.size() - 1));
   }
 
   void add_one(int k) {
@@ -90,6 +93,21 @@ class Terms {
                     {basis_of(signals_[k], BasisKind::kSmooth, numerics::kIntervalsOfTwo),
                      basis_of(signals_[l], BasisKind::kSmooth, numerics::kIntervalsOfTwo)},
                     preference({k, l})});
+  }
+
+  // Gains on a torque that vary with one position, and with the own one and another: what leans or gives way under
+  // that torque turns the weight that a joint carries.
+  void add_gains(int torque, int own) {
+    const SmoothBasis gain = basis_of(signals_[torque], BasisKind::kProportional, 1);
+    for (int k = 0; k < count(); ++k) {
+      if (kind(k) != SignalKind::kPosition || (k == own && is_own(torque))) continue;
+      const SmoothBasis fine = basis_of(signals_[k], BasisKind::kSmooth, numerics::kIntervalsOnSides);
+      out_.push_back({{k, torque}, {fine, gain}, preference({k, torque})});
+      if (k == own) continue;
+      const SmoothBasis first = basis_of(signals_[own], BasisKind::kSmooth, numerics::kIntervalsOfTwo);
+      const SmoothBasis second = basis_of(signals_[k], BasisKind::kSmooth, numerics::kIntervalsOfTwo);
+      out_.push_back({{own, k, torque}, {first, second, gain}, preference({own, k, torque})});
+    }
   }
 
   const std::vector<MotionSignal>& signals_;
@@ -194,15 +212,16 @@ UnnamedShape shape_of(const Dependence& found, size_t k, const MotionRows& train
     std::nth_element(values.begin(), at, values.end());
     return *at;
   };
+  const bool surface = term.bases.size() > 1 && term.bases[1].kind() == BasisKind::kSmooth;
   std::vector<std::vector<double>> grids;
   for (size_t s = 0; s < term.signals.size(); ++s) {
     const SmoothBasis& basis = term.bases[s];
     std::vector<double> grid;
-    const int points = term.signals.size() > 1 && term.bases[1].kind() != BasisKind::kSides
-                           ? numerics::kCurvePointsOfTwo
-                           : numerics::kCurvePoints;
+    const int points = surface ? numerics::kCurvePointsOfTwo : numerics::kCurvePoints;
     if (basis.kind() == BasisKind::kSides) {
       grid = {basis.low(), basis.high()};
+    } else if (basis.kind() == BasisKind::kProportional) {
+      grid = {std::max(std::abs(basis.low()), std::abs(basis.high()))};
     } else {
       const double low = quantile(term.signals[s], numerics::kSparseEnds);
       const double high = quantile(term.signals[s], 1.0 - numerics::kSparseEnds);
@@ -210,15 +229,14 @@ UnnamedShape shape_of(const Dependence& found, size_t k, const MotionRows& train
     }
     grids.push_back(std::move(grid));
   }
-  const size_t second = grids.size() > 1 ? grids[1].size() : 1;
-  MatrixXd at = MatrixXd::Zero(grids[0].size() * second, train.values.cols());
-  Eigen::Index row = 0;
-  for (size_t b = 0; b < second; ++b) {
-    for (const double x : grids[0]) {
-      at(row, term.signals[0]) = x;
-      if (grids.size() > 1) at(row, term.signals[1]) = grids[1][b];
-      ++row;
-    }
+  Eigen::Index rows = 1;
+  for (const auto& grid : grids) rows *= static_cast<Eigen::Index>(grid.size());
+  MatrixXd at = MatrixXd::Zero(rows, train.values.cols());
+  Eigen::Index repeats = 1;
+  for (size_t s = 0; s < grids.size(); ++s) {
+    for (Eigen::Index r = 0; r < rows; ++r)
+      at(r, term.signals[s]) = grids[s][(r / repeats) % grids[s].size()];
+    repeats *= static_cast<Eigen::Index>(grids[s].size());
   }
   const Eigen::Index first = found.model.first_of(terms, k);
   const Eigen::RowVectorXd centre = term.columns(train.values).colwise().mean();
@@ -244,7 +262,13 @@ UnnamedShape shape_of(const Dependence& found, size_t k, const MotionRows& train
   for (const int s : term.signals) of.push_back(train.signals[s]);
   for (const MotionSignal& s : of) out.units.push_back(s.unit);
   out.on_sides = term.bases.size() > 1 && term.bases[1].kind() == BasisKind::kSides;
-  out.words = shape_words(out, of);
+  if (term.bases.back().kind() == BasisKind::kProportional) {
+    const MotionSignal scaled = of.back();
+    of.pop_back();
+    out.words = "in proportion to " + scaled.name + ", at its largest: " + shape_words(out, of);
+  } else {
+    out.words = shape_words(out, of);
+  }
   return out;
 }
 

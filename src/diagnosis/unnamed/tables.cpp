@@ -38,6 +38,7 @@ double value_at(const UnnamedShape& shape, size_t first, size_t count, double x)
 
 std::vector<EffectTerm> tables_of(const Model& arm, JointIndex joint, const UnnamedShape& shape,
                                   const std::vector<MotionSignal>& of) {
+  if (of.size() > 2) return {};
   std::vector<TableSignal> signals;
   for (const MotionSignal& s : of) signals.push_back(signal_of(s, joint));
   if (signals.empty() || signals.front() == TableSignal::kNone) return {};
@@ -70,6 +71,7 @@ std::vector<EffectTerm> tables_of(const Model& arm, JointIndex joint, const Unna
   size_t row = 1;
   while (row < shape.curve.size() && shape.curve[row].at[1] == shape.curve.front().at[1]) ++row;
   const size_t rows = shape.curve.size() / row;
+  if (rows == 1) return {};  // in proportion to the second signal
   const size_t windows = shape.on_sides ? 2 : static_cast<size_t>(numerics::kWindows);
   for (size_t w = 0; w < windows; ++w) {
     const size_t at = w * (rows - 1) / (windows - 1);

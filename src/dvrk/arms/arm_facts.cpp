@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "math/eigen_pose.hpp"
 #include "model/suggestion.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -13,11 +14,6 @@ namespace {
 constexpr double kPotTolerance = 5.0 * M_PI / 180.0;  // [rad]
 constexpr double kPotToleranceLength = 0.005;         // [m]
 constexpr double kPotLatency = 0.01;                  // [s]
-
-Posed pose_of(const Eigen::Matrix4d& T) {
-  return {{{T(0, 0), T(0, 1), T(0, 2)}, {T(1, 0), T(1, 1), T(1, 2)}, {T(2, 0), T(2, 1), T(2, 2)}},
-          {T(0, 3), T(1, 3), T(2, 3)}};
-}
 
 ActuatorConfig nominal_actuator(const ArmActuator& facts, const std::vector<int>& boards) {
   ActuatorConfig actuator;
@@ -91,7 +87,7 @@ Model arm_model(const ArmFacts& arm) {
   tip.name = "tip";
   if (n > 0) tip.parent = FrameIndex{n - 1};
   tip.variable.coefficients = VectorXd::Zero(n);
-  tip.A = pose_of(arm.T_last_tip);
+  tip.A = from_eigen(Eigen::Isometry3d(arm.T_last_tip));
   description.frames.push_back(tip);
   return Model(description);
 }

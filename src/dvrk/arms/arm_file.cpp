@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <iterator>
 
 #include "math/input_file.hpp"
 #include "math/beside_program.hpp"

@@ -7,9 +7,9 @@
 
 namespace veridyn::dvrk {
 
-// Closed forms of the arms' kinematics, for control loops: constructors throw InvalidInput where an
-// arm's DH rows have another form; the functions never throw or allocate. They return the same
-// poses as frame_pose() of arm_model(). Poses that go in must be rigid; that is not checked.
+// Closed forms of the arms' inverse kinematics, for control loops: constructors throw InvalidInput
+// where an arm's DH rows have another form; the functions never throw or allocate. Poses are those
+// of frame_pose() of arm_model(); they must be rigid, which is not checked.
 
 enum class InverseStatus {
   kDone,           ///< q reaches the pose, within the limits
@@ -58,9 +58,6 @@ class PsmKinematics {
 
   explicit PsmKinematics(const ArmFacts& arm);
 
-  /// T_base_tip.
-  Eigen::Matrix4d forward(const Joints& q) const noexcept;
-
   /// The solution within the limits that is nearest to `near`, out of up to four.
   ///
   /// Singular where the shaft's end is in the remote centre (q3 = 0.0156 m), where the axis of
@@ -76,7 +73,6 @@ class PsmKinematics {
   double remote_;  ///< [m] insertion at which the frame of insertion is in the remote centre
   double shaft_;   ///< [m] from there to the wrist
   double wrist_;   ///< [m] between the axes of the wrist
-  Eigen::Matrix4d T_last_tip_;
   Eigen::Matrix4d T_tip_last_;
   JointRanges<6> ranges_;
 };
@@ -87,8 +83,6 @@ class EcmKinematics {
   using Joints = Eigen::Vector4d;
 
   explicit EcmKinematics(const ArmFacts& arm);
-
-  Eigen::Matrix4d forward(const Joints& q) const noexcept;
 
   /// The arm has four joints: a pose whose z axis misses the remote centre by more than 1e-6 m is
   /// out of reach. Yaw and pitch come from that axis, so that the tip may be in the remote centre.
@@ -109,11 +103,6 @@ class MtmKinematics {
 
   explicit MtmKinematics(const ArmFacts& arm);
 
-  Eigen::Matrix4d forward(const Joints& q) const noexcept;
-
-  /// Position of the wrist in the base frame [m] from yaw, shoulder, elbow.
-  Eigen::Vector3d wrist_position(const Eigen::Vector3d& q) const noexcept;
-
   /// Yaw, shoulder, elbow that put the wrist there: of up to four, the one within the limits,
   /// nearest to `near`. Singular where the wrist is on the axis of yaw (yaw is `near`'s). Where the
   /// arm is stretched two solutions meet, and errors grow to the square root of rounding (1e-8
@@ -132,7 +121,6 @@ class MtmKinematics {
   double upper_;    ///< [m] length of the upper arm
   double forearm_;  ///< [m]
   double offset_;   ///< [m] of the wrist across the forearm
-  Eigen::Matrix4d T_last_tip_;
   Eigen::Matrix4d T_tip_last_;
   JointRanges<7> ranges_;
   JointRanges<3> position_ranges_;  ///< Position ranges of yaw, shoulder, elbow

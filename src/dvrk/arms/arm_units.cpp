@@ -142,21 +142,4 @@ void ArmUnits::preload_words(const VectorXd& actuator_q, std::uint32_t* words) c
   }
 }
 
-PotCheck::PotCheck(const RobotConfig& robot)
-    : tolerances_(robot.pot_tolerances), lasting_(tolerances_.size(), 0.0) {}
-
-int PotCheck::update(const BoardArmState& state, double seconds) noexcept {
-  int wrong = -1;
-  for (std::size_t k = 0; k < tolerances_.size(); ++k) {
-    const PotTolerance& tolerance = tolerances_[k];
-    const double difference =
-        std::abs(state.pot_q[tolerance.axis] - state.actuator_q[tolerance.axis]);
-    const bool far = tolerance.distance > 0.0 && !(difference <= tolerance.distance);
-    lasting_[k] = far ? lasting_[k] + seconds : 0.0;
-    // Sums of cycles are compared with a grain of rounding.
-    if (far && lasting_[k] > tolerance.latency + 1e-9 && wrong < 0) wrong = tolerance.axis;
-  }
-  return wrong;
-}
-
 }  // namespace veridyn::dvrk

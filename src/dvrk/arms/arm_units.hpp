@@ -93,17 +93,4 @@ class ArmUnits {
   VectorXd effort_;
 };
 
-/// Pots against encoders: differences above the configured tolerance that last.
-class PotCheck {
- public:
-  explicit PotCheck(const RobotConfig& robot);
-
-  /// @returns  the first axis that differs for longer than its latency, or -1.
-  int update(const BoardArmState& state, double seconds) noexcept;
-
- private:
-  std::vector<PotTolerance> tolerances_;
-  std::vector<double> lasting_;
-};
-
 }  // namespace veridyn::dvrk

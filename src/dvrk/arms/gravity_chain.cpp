@@ -3,7 +3,6 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "math/random_numbers.hpp"
 #include "model/suggestion.hpp"

@@ -55,9 +55,6 @@ VectorXd gravity_torques(const GravityChain& chain, const VectorRef& q);
 /// beside them what they were made from.
 std::string to_gravity_json(const GravityChain& chain, const std::string& model);
 
-/// The rows of such a file. @throws InvalidInput  the file, the row, what was found and expected.
-GravityChain read_gravity_json(const std::string& content, const std::string& file);
-
 /// Positions and efforts of a resting arm.
 struct StaticTorques {
   MatrixXd q;    ///< (samples x n) [rad, m]

@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 
 #include "math/excerpt.hpp"
-#include "dvrk/config/json_text.hpp"
 #include "model/suggestion.hpp"
 #include "recordings/csv/csv_layout.hpp"
 #include "recordings/csv/csv_lines.hpp"
@@ -30,39 +29,6 @@ Json row_json(const GravityRow& row) {
           {"cx", row.com.x()},
           {"cy", row.com.y()},
           {"cz", row.com.z()}};
-}
-
-double number_at(const Json& row, const std::string& key, const std::string& where) {
-  const auto value = row.find(key);
-  require(value != row.end() && value->is_number(), where, ": found no number '", key,
-          "', expected one.");
-  return value->get<double>();
-}
-
-std::string word_at(const Json& row, const std::string& key, const std::string& where) {
-  const auto value = row.find(key);
-  require(value != row.end() && value->is_string(), where, ": found no text '", key,
-          "', expected one.");
-  return value->get<std::string>();
-}
-
-GravityRow row_of(const Json& json, const std::string& where) {
-  require(json.is_object(), where, ": found no object, expected a joint.");
-  GravityRow row;
-  row.joint = word_at(json, "name", where);
-  const std::string type = word_at(json, "type", where);
-  require(type == "revolute" || type == "prismatic", where, ": found the type '", excerpt(type),
-          "', expected revolute or prismatic.");
-  row.prismatic = type == "prismatic";
-  row.dh.convention = DhConvention::kModified;
-  row.dh.a = number_at(json, "A", where);
-  row.dh.alpha = number_at(json, "alpha", where);
-  const double offset = number_at(json, "offset", where);
-  row.dh.d = number_at(json, "D", where) + (row.prismatic ? offset : 0.0);
-  row.dh.theta = number_at(json, "theta", where) + (row.prismatic ? 0.0 : offset);
-  row.mass = number_at(json, "mass", where);
-  for (int k = 0; k < 3; ++k) row.com[k] = number_at(json, std::string("c") + "xyz"[k], where);
-  return row;
 }
 
 // The index of a column called prefix + "3": 2; -1 for other columns.
@@ -136,25 +102,6 @@ std::string to_gravity_json(const GravityChain& chain, const std::string& model)
         {"not_in_the_rows", chain.left_out},
         {"gravity_torques", errors}}}};
   return file.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-}
-
-GravityChain read_gravity_json(const std::string& content, const std::string& file) {
-  Json json = parse_json_text(content, file);
-  require(json.is_object() && json.contains("DH") && json["DH"].is_object() &&
-              json["DH"].contains("joints") && json["DH"]["joints"].is_array(),
-          file, ": found no DH/joints, expected a list of joints.");
-  require(json["DH"].contains("convention") && json["DH"]["convention"] == "modified", file,
-          ": found another DH convention, expected \"modified\".");
-  GravityChain chain;
-  for (const Json& joint : json["DH"]["joints"])
-    chain.rows.push_back(row_of(joint, text(file, ": DH/joints/", chain.rows.size())));
-  if (!json.contains("veridyn")) return chain;
-  const Json& about = json["veridyn"];
-  const std::string where = file + ": veridyn";
-  require(about.is_object(), where, ": found no object, expected one.");
-  if (about.contains("arm")) chain.arm = word_at(about, "arm", where);
-  if (about.contains("gravity")) chain.gravity = number_at(about, "gravity", where);
-  return chain;
 }
 
 StaticTorques read_static_torques(const std::string& path) {

@@ -1,5 +1,4 @@
 #include <cmath>
-#include <limits>
 
 #include "dvrk/arms/arm_kinematics.hpp"
 

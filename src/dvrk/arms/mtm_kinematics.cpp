@@ -29,8 +29,7 @@ Eigen::Matrix3d gimbal(double pitch, double yaw) {
 }  // namespace
 
 MtmKinematics::MtmKinematics(const ArmFacts& arm)
-    : T_last_tip_(arm.T_last_tip),
-      T_tip_last_(inverse_pose(arm.T_last_tip)),
+    : T_tip_last_(inverse_pose(arm.T_last_tip)),
       ranges_(arm),
       position_ranges_(arm) {
   require_form(arm, {{0.0, 0.0, {}, 0.0},
@@ -46,24 +45,9 @@ MtmKinematics::MtmKinematics(const ArmFacts& arm)
   offset_ = arm.joints[3].dh->d;
 }
 
-Eigen::Vector3d MtmKinematics::wrist_position(const Eigen::Vector3d& q) const noexcept {
-  const double reach = std::hypot(forearm_, offset_);
-  const double angle = q[1] + q[2] + M_PI + std::atan2(offset_, forearm_);
-  const double out = -upper_ * std::sin(q[1]) + reach * std::cos(angle);
-  const double down = upper_ * std::cos(q[1]) + reach * std::sin(angle);
-  return {out * std::cos(q[0]), out * std::sin(q[0]), height_ - down};
-}
-
 Eigen::Matrix3d MtmKinematics::platform_orientation(const Joints& q) const noexcept {
   return turn_z(q[0]) * turn_x(-kRight) * turn_z(q[1] + q[2] + M_PI) * turn_x(-kRight) *
          turn_z(q[3]);
-}
-
-Eigen::Matrix4d MtmKinematics::forward(const Joints& q) const noexcept {
-  Eigen::Matrix4d T = Eigen::Matrix4d::Identity();
-  T.topLeftCorner<3, 3>() = platform_orientation(q) * gimbal(q[4], q[5]) * turn_z(q[6] + M_PI);
-  T.topRightCorner<3, 1>() = wrist_position(q.head<3>());
-  return T * T_last_tip_;
 }
 
 InverseSolution<3> MtmKinematics::inverse_position(const Eigen::Vector3d& wrist,

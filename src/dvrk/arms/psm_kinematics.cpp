@@ -20,18 +20,6 @@ void aim(const Eigen::Vector3d& u, double near_yaw, double& yaw, double& pitch, 
   }
 }
 
-// Rx(-90 deg) Rz(angle - 90 deg), which both wrist joints have.
-Eigen::Matrix3d wrist_turn(double angle) {
-  const double s = std::sin(angle), c = std::cos(angle);
-  Eigen::Matrix3d R;
-  // clang-format off
-  R << s,   c, 0.0,
-     0.0, 0.0, 1.0,
-       c,  -s, 0.0;
-  // clang-format on
-  return R;
-}
-
 Eigen::Matrix3d turn_z(double angle) {
   const double s = std::sin(angle), c = std::cos(angle);
   Eigen::Matrix3d R;
@@ -52,7 +40,7 @@ Eigen::Vector3d across(const Eigen::Vector3d& v, const Eigen::Vector3d& n) {
 }  // namespace
 
 PsmKinematics::PsmKinematics(const ArmFacts& arm)
-    : T_last_tip_(arm.T_last_tip), T_tip_last_(inverse_pose(arm.T_last_tip)), ranges_(arm) {
+    : T_tip_last_(inverse_pose(arm.T_last_tip)), ranges_(arm) {
   require_form(arm, {{0.0, kRight, 0.0, kRight},
                      {0.0, -kRight, 0.0, -kRight},
                      {0.0, kRight, {}, 0.0, true},
@@ -62,15 +50,6 @@ PsmKinematics::PsmKinematics(const ArmFacts& arm)
   remote_ = -arm.joints[2].dh->d;
   shaft_ = arm.joints[3].dh->d;
   wrist_ = arm.joints[5].dh->a;
-}
-
-Eigen::Matrix4d PsmKinematics::forward(const Joints& q) const noexcept {
-  const Eigen::Matrix3d R3 = shaft_orientation(q[0], q[1]);
-  const Eigen::Matrix3d R5 = R3 * turn_z(q[3]) * wrist_turn(q[4]);
-  Eigen::Matrix4d T = Eigen::Matrix4d::Identity();
-  T.topLeftCorner<3, 3>() = R5 * wrist_turn(q[5]);
-  T.topRightCorner<3, 1>() = (q[2] - remote_ + shaft_) * R3.col(2) + wrist_ * R5.col(0);
-  return T * T_last_tip_;
 }
 
 PsmKinematics::Joints PsmKinematics::candidate(const Eigen::Matrix4d& T, double wrist_side,
@@ -129,14 +108,6 @@ EcmKinematics::EcmKinematics(const ArmFacts& arm) : ranges_(arm) {
           ": found a tip behind the last row, expected none for an endoscope.");
   remote_ = -arm.joints[2].dh->d;
   shaft_ = arm.joints[3].dh->d;
-}
-
-Eigen::Matrix4d EcmKinematics::forward(const Joints& q) const noexcept {
-  const Eigen::Matrix3d R3 = shaft_orientation(q[0], q[1]);
-  Eigen::Matrix4d T = Eigen::Matrix4d::Identity();
-  T.topLeftCorner<3, 3>() = R3 * turn_z(q[3]);
-  T.topRightCorner<3, 1>() = (q[2] - remote_ + shaft_) * R3.col(2);
-  return T;
 }
 
 InverseSolution<4> EcmKinematics::inverse(const Eigen::Matrix4d& T_base_tip,

@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "dvrk/protocol/hub_block.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {

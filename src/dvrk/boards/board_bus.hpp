@@ -11,7 +11,6 @@
 #include "dvrk/protocol/exchange.hpp"
 #include "dvrk/protocol/fault_log.hpp"
 #include "dvrk/protocol/feedback.hpp"
-#include "dvrk/protocol/hub_block.hpp"
 
 namespace veridyn::dvrk {
 

@@ -6,17 +6,12 @@
 #include <cmath>
 #include <optional>
 
+#include "math/words.hpp"
 #include "model/suggestion.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {
 namespace {
-
-std::string lower_case(std::string word) {
-  for (char& letter : word)
-    letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
-  return word;
-}
 
 // Parses the whole text as a finite number, independent of the locale; surrounding spaces are
 // allowed.
@@ -148,7 +143,7 @@ int ConfigNode::choice(const std::string& name, const std::vector<std::string>& 
   if (!has(name)) return fallback;
   const std::string given = word(name);
   for (std::size_t k = 0; k < words.size(); ++k)
-    if (lower_case(given) == lower_case(words[k])) return static_cast<int>(k);
+    if (lower(given) == lower(words[k])) return static_cast<int>(k);
   at(name).fail("'" + given + "'", "one of: " + listed(words));
 }
 

@@ -5,7 +5,6 @@
 #include <optional>
 
 #include "board_loop.hpp"
-#include "cooperation/loop_gains.hpp"
 #include "veridyn/control/gravity_compensation.hpp"
 #include "veridyn/control/load_cell.hpp"
 #include "veridyn/control/quintic_interpolator.hpp"

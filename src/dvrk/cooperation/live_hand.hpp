@@ -6,7 +6,6 @@
 #include <mutex>
 #include <optional>
 #include <thread>
-#include <vector>
 
 #include "cooperation/motion_plan.hpp"
 #include "veridyn/control/cooperative_controller.hpp"

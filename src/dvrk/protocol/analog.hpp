@@ -22,8 +22,6 @@ constexpr LinearScale kNominalAmpsToBits{32768.0 / 6.25, 32768.0};
 constexpr LinearScale kNominalBitsToAmps{12.5 / 65536.0, -6.25};
 /// Potentiometer, 0 .. 4.5 V.
 constexpr LinearScale kNominalBitsToVolts{4.5 / 65536.0, 0.0};
-/// Motor voltage, where the board can command it (QLA 1.5, firmware 8).
-constexpr LinearScale kMotorVoltsToBits{65535.0 / 91.0, 45.5 * 65535.0 / 91.0};
 
 /// The nearest word of 16 bits; held at the ends; `zero` if the value is NaN.
 inline std::uint16_t nearest_word(double value, std::uint16_t zero) noexcept {

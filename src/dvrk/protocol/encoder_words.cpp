@@ -69,10 +69,4 @@ EncoderMotion encoder_motion(const EncoderWords& words, double threshold) noexce
           predicted * kEncoderClock};
 }
 
-double encoder_velocity_rev6(std::uint32_t period) noexcept {
-  if ((period & kOverflow) != 0) return 0.0;
-  const double P = std::max<double>(period & 0x3FFFFF, 1.0);
-  return direction(period) * 4.0 / P * kEncoderClockRev6;
-}
-
 }  // namespace veridyn::dvrk

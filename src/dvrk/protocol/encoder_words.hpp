@@ -4,9 +4,8 @@
 
 namespace veridyn::dvrk {
 
-/// Ticks per second of the counters in firmware 7 and later, and in firmware 6.
+/// Ticks per second of the counters in firmware 7 and later.
 constexpr double kEncoderClock = 49.152e6;
-constexpr double kEncoderClockRev6 = 3.072e6;
 
 /// The counter that means zero.
 constexpr std::int32_t kEncoderZero = 0x800000;
@@ -53,8 +52,5 @@ std::uint32_t preload_word(std::int64_t counts) noexcept;
 /// a change of direction.
 EncoderMotion encoder_motion(const EncoderWords& words,
                              double threshold = kAccelerationThreshold) noexcept;
-
-/// Velocity [counts/s] from the period word of firmware 6.
-double encoder_velocity_rev6(std::uint32_t period) noexcept;
 
 }  // namespace veridyn::dvrk

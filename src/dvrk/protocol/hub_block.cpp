@@ -38,8 +38,4 @@ std::uint32_t encode_hub_timing(const HubTiming& timing, int firmware) noexcept 
   return ((timing.read_start & mask) << 16) | (timing.read_end & mask);
 }
 
-HubTiming decode_hub_timing(std::uint32_t word) noexcept {
-  return {static_cast<std::uint16_t>(word >> 16), static_cast<std::uint16_t>(word)};
-}
-
 }  // namespace veridyn::dvrk

@@ -1,10 +1,7 @@
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 
-#include "dvrk/protocol/bytes.hpp"
-#include "dvrk/protocol/protocol.hpp"
 
 namespace veridyn::dvrk {
 
@@ -39,6 +36,5 @@ struct HubTiming {
 };
 
 std::uint32_t encode_hub_timing(const HubTiming& timing, int firmware) noexcept;
-HubTiming decode_hub_timing(std::uint32_t word) noexcept;
 
 }  // namespace veridyn::dvrk

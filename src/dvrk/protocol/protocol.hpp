@@ -11,7 +11,6 @@ namespace veridyn::dvrk {
 constexpr std::uint16_t kUdpPort = 1394;
 constexpr int kMaxBoards = 16;  ///< ids of the rotary switch
 constexpr int kChannels = 4;    ///< Channels of a QLA
-constexpr int kMaxNode = 62;
 constexpr std::uint8_t kBroadcastNode = 0x3F;
 constexpr std::uint8_t kNoForward = 0x01;  ///< control flag
 constexpr std::size_t kControlBytes = 2;   ///< in front of a request
@@ -39,7 +38,6 @@ constexpr std::uint8_t kFlagDropped = 0x02;
 constexpr std::uint8_t kFlagInternalError = 0x04;
 constexpr std::uint8_t kFlagProtocolError = 0x08;
 constexpr std::uint8_t kFlagNoForward = 0x10;  ///< Rev 9: echo
-constexpr std::uint8_t kFlagSourcePort = 0x60;  ///< Rev 9 on FPGA V3: where the packet came in
 
 // Section 7: registers.
 namespace address {
@@ -57,7 +55,6 @@ constexpr std::uint16_t kDigitalIn = 10;
 constexpr std::uint16_t kIpAddress = 11;
 constexpr std::uint16_t kEthernet = 12;
 constexpr std::uint16_t kDallas = 13;
-constexpr std::uint16_t kIoExpander = 14;
 constexpr std::uint16_t kGitDescription = 15;
 constexpr std::uint16_t kRealTime = 0;  ///< block access
 constexpr std::uint16_t kHub = 0x1000;

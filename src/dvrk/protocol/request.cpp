@@ -75,20 +75,6 @@ Malformed decode_body(const std::uint8_t* packet, std::size_t size, Request& r) 
 
 }  // namespace
 
-const char* describe(Malformed why) {
-  switch (why) {
-    case Malformed::kNone:
-      return "a whole packet";
-    case Malformed::kLength:
-      return "a length that its fields do not explain";
-    case Malformed::kBus:
-      return "a destination bus other than 0x3FF";
-    case Malformed::kTcode:
-      return "an unknown transaction code";
-  }
-  return "";
-}
-
 std::size_t encoded_size(const Request& request) noexcept {
   switch (request.tcode) {
     case Tcode::kQuadletWrite:

@@ -16,7 +16,6 @@ enum class Malformed {
   kTcode    ///< not part of the protocol
 };
 
-const char* describe(Malformed why);
 
 /// A packet from the PC to a board: sections 2 and 3.
 struct Request {

@@ -1,13 +1,13 @@
 #include "dvrk/run/arm_run.hpp"
 
 #include <Eigen/LU>
-#include <algorithm>
 #include <cmath>
 
 #include "cycle_clock.hpp"
 #include "motion_check.hpp"
 #include "motion_run.hpp"
-#include "dvrk/run/controllers/pid_controller.hpp"
+#include "dvrk/run/controllers/joint_pid.hpp"
+#include "dvrk/run/controllers/motion_controller.hpp"
 #include "dvrk/run/rows/row_file.hpp"
 #include "dvrk/run/rows/row_keeper.hpp"
 #include "run_end.hpp"
@@ -15,6 +15,24 @@
 
 namespace veridyn::dvrk {
 namespace {
+
+// PID per joint behind the interface of all controllers.
+class PidController final : public MotionController {
+ public:
+  PidController(const PidGains& gains, const VectorXd& integral_limit, double dt)
+      : pid_(gains, integral_limit), dt_(dt) {}
+
+  void reset() noexcept override { pid_.reset(); }
+  bool torques(const BoardArmState& state, const JointReference& wanted, const CycleTimes&,
+               VectorXd& tau) noexcept override {
+    pid_.torques(state.q, state.dq, wanted.q, wanted.dq, dt_, tau);
+    return true;
+  }
+
+ private:
+  JointPid pid_;
+  double dt_;
+};
 
 constexpr double kSilence = 0.5;        // [s] without a valid read at the end: the boards are gone
 constexpr double kIntegralShare = 0.5;  // share of the largest torque

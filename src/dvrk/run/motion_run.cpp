@@ -1,14 +1,28 @@
 #include "motion_run.hpp"
 
 #include <algorithm>
-#include <cmath>
 
-#include "approach.hpp"
 #include "run_end.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {
 namespace {
+
+// A smooth path from the arm's position to the start of the motion.
+struct Approach {
+  VectorXd from, to;
+  double duration = 0.0;
+
+  void at(double t, JointReference& point) const noexcept {
+    const double s = std::clamp(t / duration, 0.0, 1.0);
+    const double a = s * s * s * (10.0 - s * (15.0 - 6.0 * s));
+    const double da = 30.0 * s * s * (1.0 - s) * (1.0 - s) / duration;
+    const double dda = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / (duration * duration);
+    point.q = from + a * (to - from);
+    point.dq = da * (to - from);
+    point.ddq = dda * (to - from);
+  }
+};
 
 constexpr double kLooking = 0.1;       // [s] of reading before power-up
 constexpr double kLookingAgain = 0.5;  // [s] of reading after a stall

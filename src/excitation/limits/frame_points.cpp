@@ -2,23 +2,17 @@
 
 #include <Eigen/Geometry>
 
+#include "math/eigen_pose.hpp"
+
 namespace veridyn {
-namespace {
-
-Eigen::Vector3d eigen(const Vec3d& a) {
-  return {a.x, a.y, a.z};
-}
-
-}  // namespace
 
 FramePoints::FramePoints(const Model& arm)
     : tree_(arm, Tree::Keep::kEveryFrame),
       recursion_(tree_),
-      rest_(VectorXd::Zero(arm.joints())),
       T_world_(tree_.links.size(), identity_pose()) {}
 
 void FramePoints::move_to(const VectorXd& q) {
-  forward_pass<double>(tree_, q.data(), rest_.data(), rest_.data(), {0, 0, 0}, recursion_);
+  joint_pass<double>(tree_, q.data(), nullptr, nullptr, recursion_);
   jacobian_pass<double>(tree_, recursion_);
   for (size_t k = 0; k < tree_.links.size(); ++k) {
     const Link& link = tree_.links[k];
@@ -34,7 +28,7 @@ void FramePoints::move_to(const VectorXd& q) {
 Eigen::Vector3d FramePoints::point(std::optional<FrameIndex> frame, const Eigen::Vector3d& in_frame) const {
   if (!frame) return in_frame;
   const Posed& T = T_world_[tree_.link_of_frame[frame->value]];
-  return eigen(T.p) + eigen(rotate(T.R, Vec3d{in_frame.x(), in_frame.y(), in_frame.z()}));
+  return eigen(T.p) + eigen(rotate(T.R, from_eigen(in_frame)));
 }
 
 MatrixXd FramePoints::point_slope(std::optional<FrameIndex> frame, const Eigen::Vector3d& in_frame) const {

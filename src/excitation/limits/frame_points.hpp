@@ -29,7 +29,6 @@ class FramePoints {
  private:
   Tree tree_;
   Recursion<double> recursion_;
-  VectorXd rest_;
   std::vector<Posed> T_world_;  // by link
 };
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <memory>
 
 #include "excitation/limits/limit_signals.hpp"
 #include "excitation/search/motion_space.hpp"

@@ -1,14 +1,69 @@
 #include "excitation/search/question.hpp"
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
-#include <limits>
-#include <utility>
 
 #include "regressor/random_states.hpp"
+#include "regressor/stacked_columns.hpp"
 #include "veridyn/math/require.hpp"
+#include "veridyn/regressor/standard_parameters.hpp"
 
 namespace veridyn {
 namespace {
+
+constexpr double kFloorOfTorque = 1e-3;
+constexpr int kStates = 400;
+constexpr double kNoTorque2 = 1e-12;  // share of the largest joint's mean square
+constexpr double kRidge = 1e-14;
+
+// The inverse of a positive matrix, scaled to a diagonal of ones first; a ridge keeps it finite.
+MatrixXd inverse_of(const MatrixXd& M) {
+  const VectorXd d = M.diagonal().cwiseSqrt().cwiseMax(1e-150).cwiseInverse();
+  const MatrixXd one = MatrixXd::Identity(M.rows(), M.cols());
+  const MatrixXd scaled = d.asDiagonal() * M * d.asDiagonal();
+  const Eigen::LLT<MatrixXd> llt(scaled + kRidge * one);
+  if (llt.info() == Eigen::Success) return d.asDiagonal() * llt.solve(one) * d.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(scaled);
+  const VectorXd values = eigen.eigenvalues().cwiseMax(kRidge).cwiseInverse();
+  const MatrixXd V = d.asDiagonal() * eigen.eigenvectors();
+  return V * values.asDiagonal() * V.transpose();
+}
+
+// Reference sizes of the base parameters' relative deviations: |beta_b|, but at least that of a
+// parameter that makes kFloorOfTorque of all torques at random states, because a deviation
+// relative to zero is meaningless.
+// @param arm  with values.
+VectorXd parameter_sizes(const Model& arm, const BaseRegressor& regressor) {
+  const VectorXd beta = regressor.combination() * standard_values(arm);
+  const std::vector<MatrixXd> grams = regressor.columns()->joint_grams(random_states(arm, kStates));
+  VectorXd square(arm.joints());
+  for (Eigen::Index i = 0; i < square.size(); ++i)
+    square[i] = beta.dot(grams[i] * beta) / kStates;
+  const double none = std::max(1e-300, kNoTorque2 * square.maxCoeff());
+  VectorXd by_one = VectorXd::Zero(beta.size());  // squared torque of one unit, relative
+  for (Eigen::Index i = 0; i < square.size(); ++i)
+    by_one += grams[i].diagonal() / kStates / std::max(square[i], none);
+  return beta.cwiseAbs().cwiseMax(kFloorOfTorque *
+                                  by_one.cwiseMax(1e-300).cwiseSqrt().cwiseInverse());
+}
+
+// A-optimality with relative deviations: the accuracy of the base parameters in least squares,
+// with the Gram matrix G of rows divided by their noise:
+//
+//   ln( 1/p sum_b sqrt(inv(G)_bb) / size_b )
+//
+// It equals mean_relative of predict_identification(), up to a factor that does not depend on the
+// motion.
+SmoothValue smooth_a_optimality(const MatrixXd& gram, const VectorXd& size) {
+  const MatrixXd P = inverse_of(gram);
+  const VectorXd deviation = P.diagonal().cwiseMax(1e-300).cwiseSqrt();
+  const double mean = deviation.cwiseQuotient(size).mean();
+  const VectorXd by_variance =
+      (0.5 / (mean * static_cast<double>(size.size())) / (deviation.array() * size.array())).matrix();
+  return {std::log(mean), -P * by_variance.asDiagonal() * P};
+}
 
 // Reference torque of each joint: that of the arm's own values at random states, or its largest
 // effort.

@@ -6,7 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "excitation/search/a_optimality.hpp"
+#include "excitation/search/base_regressor.hpp"
+#include "excitation/search/criterion.hpp"
 #include "excitation/search/criterion.hpp"
 #include "excitation/search/motion_objective.hpp"
 #include "regressor/stacked_columns.hpp"

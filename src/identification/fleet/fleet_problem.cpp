@@ -58,12 +58,13 @@ SquareRootInformation FleetProblem::of_arm(size_t arm, const VectorXd& weights,
   double rows = 0.0;
   for (int i = 0; i < joints_; ++i) {
     const SquareRootInformation& f = arms_[arm].joints[i];
+    const MatrixXd R = f.R();
     MatrixXd A = MatrixXd::Zero(f.size(), width);
     for (int c = 0; c < f.size(); ++c) {
       const auto found = place.find(f.columns()[c]);
-      if (found != place.end()) A.col(found->second) = weights[i] * f.R().col(c);
+      if (found != place.end()) A.col(found->second) = weights[i] * R.col(c);
     }
-    if (beta.size() > 0) A.col(own + i) = weights[i] * (f.R() * on_joint(f, beta, eta));
+    if (beta.size() > 0) A.col(own + i) = weights[i] * (R * on_joint(f, beta, eta));
     out.absorb(A, weights[i] * f.z());
     rho2 += weights[i] * weights[i] * f.rho2();
     rows += f.rows();
@@ -84,8 +85,9 @@ SquareRootInformation FleetProblem::over_shared(const SquareRootInformation& of_
 
 VectorXd FleetProblem::own_values(const SquareRootInformation& of_arm, const VectorXd& beta) const {
   const Eigen::Index own = of_arm.size() - beta.size();
-  const VectorXd rest = of_arm.z().head(own) - of_arm.R().topRightCorner(own, beta.size()) * beta;
-  return of_arm.R().topLeftCorner(own, own).triangularView<Eigen::Upper>().solve(rest);
+  const MatrixXd R = of_arm.R();
+  const VectorXd rest = of_arm.z().head(own) - R.topRightCorner(own, beta.size()) * beta;
+  return R.topLeftCorner(own, own).triangularView<Eigen::Upper>().solve(rest);
 }
 
 VectorXd FleetProblem::residual2(size_t arm, const VectorXd& beta, const VectorXd& eta,

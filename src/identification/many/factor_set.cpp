@@ -87,8 +87,9 @@ void write_columns(const CompressedRecording& r, ByteWriter& out) {
 void write_factor(const SquareRootInformation& factor, ByteWriter& out) {
   out.real(factor.rows());
   out.real(factor.rho2());
+  const MatrixXd R = factor.R();
   for (Eigen::Index j = 0; j < factor.size(); ++j)
-    for (Eigen::Index i = 0; i <= j; ++i) out.real(factor.R()(i, j));
+    for (Eigen::Index i = 0; i <= j; ++i) out.real(R(i, j));
   for (Eigen::Index i = 0; i < factor.size(); ++i) out.real(factor.z()[i]);
 }
 

@@ -93,7 +93,7 @@ class MjcfReader : private MjcfElements {
     Frame frame;
     frame.name = free_name(node.attribute("name").value());
     frame.parent = parent;
-    place(frame, {posed(T), {0, 0, 1}, {0, 0, 0}});
+    place(frame, {from_eigen(T), {0, 0, 1}, {0, 0, 0}});
     add_frame(std::move(frame), -1);
   }
 
@@ -116,7 +116,7 @@ class MjcfReader : private MjcfElements {
       frame.parent = parent;
       const int index = joint(joints[k], name, frame, T);
       frame.name = last ? name : free_name(name + "__" + joints_[index].name);
-      if (last) frame.B = frame.B * posed(T_body_frame);
+      if (last) frame.B = frame.B * from_eigen(T_body_frame);
       parent = FrameIndex{static_cast<int>(model_.frames.size())};
       add_frame(std::move(frame), index);
       T = Eigen::Isometry3d::Identity();
@@ -125,7 +125,7 @@ class MjcfReader : private MjcfElements {
       Frame frame;
       frame.name = name;
       frame.parent = parent;
-      place(frame, {posed(T * T_body_frame), {0, 0, 1}, {0, 0, 0}});
+      place(frame, {from_eigen(T * T_body_frame), {0, 0, 1}, {0, 0, 0}});
       parent = FrameIndex{static_cast<int>(model_.frames.size())};
       add_frame(std::move(frame), -1);
     }
@@ -159,7 +159,7 @@ class MjcfReader : private MjcfElements {
     const Eigen::Vector3d at = p.empty() ? Eigen::Vector3d(0, 0, 0) : as_vector(p);
     const auto axis = numbers(node, "axis", 3, 3);
     frame.type = out.turns ? JointType::kRevolute : JointType::kPrismatic;
-    place(frame, {posed(T * Eigen::Translation3d(at)),
+    place(frame, {from_eigen(Eigen::Isometry3d(T * Eigen::Translation3d(at))),
                   unit_axis(xml_, node, axis.empty() ? Eigen::Vector3d(0, 0, 1) : as_vector(axis)),
                   {-at.x(), -at.y(), -at.z()}});
     frame.variable.offset = -unit * number(node, "ref", 0.0);

@@ -98,7 +98,7 @@ class SdfReader {
     }
     const std::string degrees = pose.attribute("degrees").value();
     const double unit = degrees == "true" || degrees == "1" ? M_PI / 180.0 : 1.0;
-    T.linear() = matrix3(rotation_from_rpy({unit * v[3], unit * v[4], unit * v[5]}));
+    T.linear() = eigen(rotation_from_rpy({unit * v[3], unit * v[4], unit * v[5]}));
     return T;
   }
 
@@ -193,7 +193,7 @@ class SdfReader {
     const auto above = above_.find(name);
     const Eigen::Isometry3d T_model_link = place_of(node, name, 0);
     if (above == above_.end()) {
-      place(frame, {posed(T_world_model_ * T_model_link), {0, 0, 1}, {0, 0, 0}});
+      place(frame, {from_eigen(T_world_model_ * T_model_link), {0, 0, 1}, {0, 0, 0}});
     } else {
       if (depth > parts_.size()) xml_.fail(node, "the link '" + name + "' in a cycle of joints", "chains that end");
       place_below(above->second, frame, T_model_link, depth);
@@ -211,7 +211,7 @@ class SdfReader {
       T_parent_model = place_of(joint, parent, 0).inverse(Eigen::Isometry);
     }
     if (is_fixed(joint)) {
-      place(frame, {posed(T_parent_model * T_model_link), {0, 0, 1}, {0, 0, 0}});
+      place(frame, {from_eigen(T_parent_model * T_model_link), {0, 0, 1}, {0, 0, 0}});
       return;
     }
     const auto j = static_cast<std::size_t>(index_of(joint));
@@ -225,7 +225,7 @@ class SdfReader {
     origin.linear() = (origin.linear() * R).eval();
     const Eigen::Vector3d axis = R.transpose() * axis_of(joint, T_model_joint.linear());
     const Eigen::Vector3d tip = R.transpose() * T_joint_link.translation();
-    place(frame, {posed(origin), unit_axis(xml_, joint, axis), {tip.x(), tip.y(), tip.z()}});
+    place(frame, {from_eigen(origin), unit_axis(xml_, joint, axis), {tip.x(), tip.y(), tip.z()}});
   }
 
   int index_of(pugi::xml_node joint) const {

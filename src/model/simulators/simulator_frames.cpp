@@ -3,21 +3,10 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
-#include "math/numbers.hpp"
 #include "model/effect_names.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
-
-Mat3d matrix3(const Eigen::Matrix3d& R) {
-  return {{R(0, 0), R(0, 1), R(0, 2)}, {R(1, 0), R(1, 1), R(1, 2)}, {R(2, 0), R(2, 1), R(2, 2)}};
-}
-
-Eigen::Matrix3d matrix3(const Mat3d& R) {
-  Eigen::Matrix3d M;
-  M << R.row0.x, R.row0.y, R.row0.z, R.row1.x, R.row1.y, R.row1.z, R.row2.x, R.row2.y, R.row2.z;
-  return M;
-}
 
 std::optional<Body> body_of(const XmlFile& xml, pugi::xml_node at, double mass, const Eigen::Isometry3d& T,
                             const Eigen::Matrix3d& inertia) {
@@ -36,7 +25,7 @@ std::optional<Body> body_of(const XmlFile& xml, pugi::xml_node at, double mass, 
 Vec3d unit_axis(const XmlFile& xml, pugi::xml_node at, const Eigen::Vector3d& axis) {
   const double length = axis.norm();
   if (!(length > 1e-10) || !std::isfinite(length)) xml.fail(at, "no direction of the joint's axis", "one");
-  return {axis.x() / length, axis.y() / length, axis.z() / length};
+  return from_eigen(Eigen::Vector3d(axis / length));
 }
 
 std::vector<Axis> joint_variables(const XmlFile& xml, const std::vector<FileJoint>& joints,

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "math/eigen_pose.hpp"
 #include "model/joint_placement.hpp"
 #include "model/xml_file.hpp"
 
@@ -16,12 +17,6 @@ namespace veridyn {
 /// writers here use 1e-12 and 1e-9); such a frame has no body. No arm's torque shows ten micrograms:
 /// at a metre they weigh 1e-7 N m.
 constexpr double kPlaceholderMass = 1e-8;
-
-Mat3d matrix3(const Eigen::Matrix3d& R);
-Eigen::Matrix3d matrix3(const Mat3d& R);
-inline Posed posed(const Eigen::Isometry3d& T) {
-  return {matrix3(Eigen::Matrix3d(T.linear())), {T.translation().x(), T.translation().y(), T.translation().z()}};
-}
 
 /// A body from its mass [kg], and the tensor about its centre [kg m^2] along the axes of T, which
 /// places the centre of mass; nullopt for a placeholder.

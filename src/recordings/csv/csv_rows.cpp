@@ -170,15 +170,14 @@ CsvLayout layout_from_names(const std::vector<std::string>& names, std::string_v
   return layout;
 }
 
-Recording empty_recording(const CsvLayout& layout, const std::string& source, int rows) {
-  Recording recording;
-  recording.source = source;
-  recording.time.resize(rows);
+constexpr int kFirstRows = 4096;  // room of a piece at first; it doubles, as files may end early
+
+void set_room(const CsvLayout& layout, int rows, Recording& recording) {
+  recording.time.conservativeResize(rows);
   for (std::size_t s = 0; s < layout.has_signal.size(); ++s) {
     MatrixXd& values = recording.*kRecordingSignals[s].values;
-    if (layout.has_signal[s] || s == 0) values.resize(rows, layout.joints);
+    if (layout.has_signal[s] || s == 0) values.conservativeResize(rows, layout.joints);
   }
-  return recording;
 }
 
 }  // namespace
@@ -387,9 +386,13 @@ bool CsvRows::next_row() {
 }
 
 Recording CsvRows::next(int rows) {
-  Recording piece = empty_recording(layout, lines.path(), rows);
+  Recording piece;
+  piece.source = lines.path();
+  int room = std::min(rows, kFirstRows);
+  set_room(layout, room, piece);
   int count = 0;
   while (count < rows && next_row()) {
+    if (count == room) set_room(layout, room = room > rows / 2 ? rows : 2 * room, piece);
     piece.time[count] = row[CsvLayout::kTime];
     for (std::size_t s = 0; s < layout.has_signal.size(); ++s) {
       if (!layout.has_signal[s]) continue;
@@ -403,7 +406,7 @@ Recording CsvRows::next(int rows) {
     piece.current = std::move(piece.tau);
     piece.tau.resize(0, 0);
   }
-  return count == rows ? piece : rows_of(piece, 0, count);
+  return count == room ? piece : rows_of(piece, 0, count);
 }
 
 }  // namespace

@@ -91,6 +91,13 @@ double quantile(std::vector<double> values, double share) {
   return *place;
 }
 
+bool quantile_exceeds(const std::vector<double>& values, double share, double bound) {
+  const auto count = [&](auto counted) { return std::count_if(values.begin(), values.end(), counted); };
+  const auto present = count([](double x) { return !std::isnan(x); });
+  return present > 0 && count([=](double x) { return x <= bound; }) <=
+                            static_cast<std::ptrdiff_t>(share * static_cast<double>(present - 1));
+}
+
 double between_quantiles(std::vector<double> values, double low, double high) {
   remove_missing(values);
   if (values.empty()) return kNone;

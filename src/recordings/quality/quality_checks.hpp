@@ -72,6 +72,9 @@ std::string unit_of(const std::string& signal);
 /// Value at the given share (0 to 1) of the sorted finite values; NaN if there are none.
 double quantile(std::vector<double> values, double share);
 
+/// quantile(values, share) > bound, without the order of the values.
+bool quantile_exceeds(const std::vector<double>& values, double share, double bound);
+
 /// The difference of two quantiles, of which the upper one is `high`.
 double between_quantiles(std::vector<double> values, double low, double high);
 

@@ -48,11 +48,15 @@ std::optional<int> whole_delay(const Velocities& v) {
   const VectorXd from_q = v.from_q.array().isNaN().select(0.0, v.from_q);
   const VectorXd recorded = v.recorded.array().isNaN().select(0.0, v.recorded);
   const auto q = from_q.segment(kLongestLag, core);
+  const double size = q.norm();
   double peak = 0.0;
   int best = 0;
+  double squares = recorded.head(core).squaredNorm();  // of the rows that are compared
   for (int lag = -kLongestLag; lag <= kLongestLag; ++lag) {
-    const auto dq = recorded.segment(kLongestLag + lag, core);
-    const double correlation = std::abs(q.dot(dq)) / std::max(q.norm() * dq.norm(), 1e-300);
+    const int first = kLongestLag + lag;
+    const double correlation = std::abs(q.dot(recorded.segment(first, core))) /
+                               std::max(size * std::sqrt(std::max(squares, 0.0)), 1e-300);
+    if (lag < kLongestLag) squares += std::pow(recorded[first + core], 2) - std::pow(recorded[first], 2);
     if (correlation <= peak) continue;
     peak = correlation;
     best = lag;

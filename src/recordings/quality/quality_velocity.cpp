@@ -69,7 +69,7 @@ void check_delay(const Head& head, int joint, Findings* findings) {
 }
 
 // Quantisation of dq from its steps between rows, without stale rows and the rows after them.
-void check_quantised(const Head& head, int joint, const VelocityFit& fit, Findings* findings) {
+void check_quantised(const Head& head, int joint, const VelocityFit& fit, double range, Findings* findings) {
   const auto dq = head.rows.dq.col(joint);
   std::vector<double> steps;
   std::vector<double> changes;
@@ -79,16 +79,12 @@ void check_quantised(const Head& head, int joint, const VelocityFit& fit, Findin
     steps.push_back(std::abs(dq[k] - dq[k - 1]));
     if (steps.back() > 0.0) changes.push_back(steps.back());
   }
-  const std::vector<double> all(dq.data(), dq.data() + dq.size());
-  const double range = between_quantiles(all, kLowest, kHighest);
   if (!(range > 0.0) || changes.size() < kFewestChanges) return;
-  const double smallest = quantile(changes, kLowest);
-  const double typical = quantile(steps, kUsual);
-  const double middle = quantile(steps, 0.5);
-  const bool grid = smallest > kGridShare * kCoarse * range;
-  const bool two_kinds = typical > kCoarse * range && typical > kTwoKinds * middle;
+  const bool grid = quantile_exceeds(changes, kLowest, kGridShare * kCoarse * range);
+  const bool two_kinds = quantile_exceeds(steps, kUsual, kCoarse * range) &&
+                         quantile_exceeds(steps, kUsual, kTwoKinds * quantile(steps, 0.5));
   if (!grid && !two_kinds) return;
-  const double step = grid ? smallest : typical;
+  const double step = grid ? quantile(changes, kLowest) : quantile(steps, kUsual);
   const Place place{"dq", joint + 1};
   const bool biased = !fit.clear || std::abs(fit.factor - 1.0) > kScaleError;
   findings->add(biased ? Severity::kWarning : Severity::kInfo, "velocity_quantised", place,
@@ -100,7 +96,7 @@ void check_quantised(const Head& head, int joint, const VelocityFit& fit, Findin
 
 // Noise from second differences, which are small for smooth motion, of the velocity and of the
 // position's derivative. Windows with stale rows are excluded.
-void check_noise(const Head& head, int joint, Findings* findings) {
+void check_noise(const Head& head, int joint, double range, Findings* findings) {
   const Recording& rows = head.rows;
   const auto derivative = [&](int k) {
     return (rows.q(k + 1, joint) - rows.q(k - 1, joint)) / (rows.time[k + 1] - rows.time[k - 1]);
@@ -119,8 +115,6 @@ void check_noise(const Head& head, int joint, Findings* findings) {
     ++windows;
   }
   if (windows < kFewestWindows) return;
-  const std::vector<double> all(rows.dq.col(joint).data(), rows.dq.col(joint).data() + rows.rows());
-  const double range = between_quantiles(all, kLowest, kHighest);
   // The second difference of white noise has sqrt(6) times its standard deviation.
   const double noise = std::sqrt(recorded / (kSecondDifference * windows));
   const double ratio = std::sqrt(recorded / std::max(derived, 1e-300));
@@ -196,9 +190,11 @@ void check_velocities(const Head& head, Findings* findings) {
     if (!head.moves[j] || (head.rows.dq.col(j).array() == 0.0).all())
       continue;
     const VelocityFit fit = velocity_fit(head, j);
-    check_quantised(head, j, fit, findings);
+    const double* const dq = head.rows.dq.col(j).data();
+    const double range = between_quantiles({dq, dq + head.rows.rows()}, kLowest, kHighest);
+    check_quantised(head, j, fit, range, findings);
     if (!fit.clear) continue;
-    if (std::abs(fit.factor - 1.0) <= kScaleError) check_noise(head, j, findings);
+    if (std::abs(fit.factor - 1.0) <= kScaleError) check_noise(head, j, range, findings);
     joints.push_back(j);
     fits.push_back(fit);
     check_delay(head, j, findings);

@@ -41,18 +41,6 @@ Json phase_json(const PhaseFigures& p) {
           {"members", members}};
 }
 
-Json list(const std::vector<std::string>& words) {
-  Json out = Json::array();
-  for (const std::string& word : words) out.push_back(word);
-  return out;
-}
-
-Json list(const std::vector<double>& numbers) {
-  Json out = Json::array();
-  for (const double number : numbers) out.push_back(number);
-  return out;
-}
-
 Json settings_json(const Scenario& s) {
   const ScenarioControl& c = s.control;
   Json arms = Json::array();
@@ -93,9 +81,9 @@ std::string to_json(const ScenarioRun& run, const Scenario& scenario) {
   out["scenario"] = run.name;
   out["source"] = scenario.source;
   out["engine"] = run.engine;
-  out["engine_left_out"] = list(run.left_out);
-  out["arms"] = list(run.arms);
-  out["members"] = list(run.members);
+  out["engine_left_out"] = run.left_out;
+  out["arms"] = run.arms;
+  out["members"] = run.members;
   out["status"] = !run.complete()                            ? "stopped"
                   : run.state != CooperativeState::kTracking ? "held"
                                                              : "done";
@@ -120,9 +108,9 @@ std::string to_json(const ScenarioSweepResult& sweep, const Scenario& scenario) 
   out["source"] = scenario.source;
   out["engine"] = sweep.engine;
   out["stable_error"] = sweep.stable_error;
-  out["stiffness"] = list(sweep.stiffness);
-  out["delay"] = list(sweep.delay);
-  out["rate"] = list(sweep.rate);
+  out["stiffness"] = sweep.stiffness;
+  out["delay"] = sweep.delay;
+  out["rate"] = sweep.rate;
   out["points"] = Json::array();
   for (const SweepPoint& p : sweep.points) {
     out["points"].push_back({{"stiffness", p.stiffness},

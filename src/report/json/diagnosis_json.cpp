@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "report/json/error_json.hpp"
 #include "report/json/json_value.hpp"
 #include "report/json/settings_json.hpp"
 
@@ -200,7 +199,7 @@ std::string to_json(const Diagnosis& d, const std::string& next_command) {
                                {"parameter", n.parameter},
                                {"unit", n.unit},
                                {"value", n.value},
-                               {"std", std::isfinite(n.deviation) ? Json(n.deviation) : Json()}});
+                               {"std", n.deviation}});
   }
   out["excluded_intervals"] = Json::array();
   for (const ExcludedInterval& part : d.excluded_intervals) {

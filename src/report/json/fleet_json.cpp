@@ -1,4 +1,4 @@
-#include "report/json/json_value.hpp"
+#include "report/json/settings_json.hpp"
 #include "veridyn/report/json.hpp"
 
 namespace veridyn {
@@ -19,14 +19,7 @@ std::string to_json(const Fleet& fleet) {
                                {"median", o.median},
                                {"deviations", o.deviations}});
   }
-  out["base_parameters"] = Json::array();
-  for (const BaseValue& b : fleet.base) {
-    out["base_parameters"].push_back({{"name", b.name},
-                                      {"expression", b.expression},
-                                      {"value", b.value},
-                                      {"std", b.std},
-                                      {"unit", b.unit}});
-  }
+  out["base_parameters"] = base_json(fleet.base);
   out["spreads"] = Json::array();
   for (const FleetSpread& s : fleet.spreads) {
     out["spreads"].push_back({{"name", s.name},
@@ -60,9 +53,7 @@ std::string to_json(const Fleet& fleet) {
   out["undetermined"] = Json::array();
   for (const UndeterminedArm& u : fleet.undetermined)
     out["undetermined"].push_back({{"arm", u.arm}, {"why", u.why}});
-  out["left_out_recordings"] = Json::array();
-  for (const UnusedRecording& r : fleet.unusable_recordings)
-    out["left_out_recordings"].push_back({{"file", r.source}, {"why", r.why}});
+  out["left_out_recordings"] = unused_json(fleet.unusable_recordings);
   out["remarks"] = fleet.remarks;
   return written(out);
 }

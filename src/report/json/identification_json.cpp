@@ -1,5 +1,3 @@
-#include "report/json/error_json.hpp"
-
 #include <cmath>
 
 #include "veridyn/identification/verdict.hpp"
@@ -10,18 +8,6 @@
 
 namespace veridyn {
 namespace {
-
-Json base_json(const std::vector<BaseValue>& base) {
-  Json out = Json::array();
-  for (const BaseValue& b : base) {
-    out.push_back({{"name", b.name},
-                   {"expression", b.expression},
-                   {"value", b.value},
-                   {"std", b.std},
-                   {"unit", b.unit}});
-  }
-  return out;
-}
 
 Json standard_json(const Identification& id) {
   Json out = Json::array();
@@ -85,8 +71,6 @@ Json known_masses_json(const std::vector<MountedLoad>& loads) {
   return out;
 }
 
-Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(); }
-
 Json identification_verdict_json(const IdentificationVerdict& verdict) {
   Json joints = Json::array();
   for (size_t i = 0; i < verdict.joints.size(); ++i) {
@@ -96,10 +80,10 @@ Json identification_verdict_json(const IdentificationVerdict& verdict) {
                       {"state", name_of(j.state)},
                       {"error", j.error},
                       {"error_percent", 100.0 * j.error},
-                      {"floor", number_or_null(j.floor)},
-                      {"times_floor", number_or_null(j.error / j.floor)},
-                      {"range", number_or_null(j.range)},
-                      {"velocity", number_or_null(j.speed)}});
+                      {"floor", j.floor},
+                      {"times_floor", j.error / j.floor},
+                      {"range", j.range},
+                      {"velocity", j.speed}});
   }
   return {{"sentence", verdict.sentence}, {"held_out", verdict.held_out}, {"joints", joints}};
 }
@@ -147,9 +131,7 @@ std::string to_json(const Identification& id) {
   out["test"] = errors_json(id.test_error, id.test_repaired, id.test_without_excluded, id.test);
   out["noise_floor"] = {{"relative_error", json_list(id.noise_floor)},
                         {"source", id.noise_floor.size() > 0 ? "repeats" : "none"}};
-  out["left_out_recordings"] = Json::array();
-  for (const UnusedRecording& r : id.unusable_recordings)
-    out["left_out_recordings"].push_back({{"file", r.source}, {"why", r.why}});
+  out["left_out_recordings"] = unused_json(id.unusable_recordings);
   if (id.drive_gains) {
     out["drive_gains"] = drive_gains_json(id.drive_gains->joints);
     out["known_masses"] = known_masses_json(id.drive_gains->loads);

@@ -109,12 +109,11 @@ std::string to_json(const Excitation& e) {
   out["used"] = Json::array();
   for (std::size_t i = 0; i < e.used.size(); ++i) {
     const UsedLimits& u = e.used[i];
-    const auto share = [](double v) { return std::isfinite(v) ? Json(v) : Json(); };
     out["used"].push_back({{"joint", i + 1},
                            {"coordinate", e.joints[i]},
-                           {"range", share(u.range)},
-                           {"velocity", share(u.velocity)},
-                           {"effort", share(u.effort)},
+                           {"range", u.range},
+                           {"velocity", u.velocity},
+                           {"effort", u.effort},
                            {"held_by", u.held_by}});
   }
   out["warnings"] = e.warnings();
@@ -192,7 +191,6 @@ std::string to_json(const Replay& replay, const Model& arm) {
 }
 
 std::string to_json(const Breakaway& found, const Model& arm) {
-  const auto number = [](double x) { return std::isfinite(x) ? Json(x) : Json(); };
   Json out = json_head("simulate");
   out["robot"] = arm.name();
   const Coordinate& c = arm.coordinates()[found.joint];
@@ -206,12 +204,12 @@ std::string to_json(const Breakaway& found, const Model& arm) {
         {{"rest_from", e.rest_from},
          {"direction", e.direction},
          {"recorded", {{"time", e.recorded_at}, {"effort", e.recorded}}},
-         {"simulated", {{"time", number(e.simulated_at)}, {"effort", number(e.simulated)}}}});
+         {"simulated", {{"time", e.simulated_at}, {"effort", e.simulated}}}});
   }
-  out["forward"] = {{"recorded", number(found.recorded_forward)},
-                    {"simulated", number(found.simulated_forward)}};
-  out["backward"] = {{"recorded", number(found.recorded_backward)},
-                     {"simulated", number(found.simulated_backward)}};
+  out["forward"] = {{"recorded", found.recorded_forward},
+                    {"simulated", found.simulated_forward}};
+  out["backward"] = {{"recorded", found.recorded_backward},
+                     {"simulated", found.simulated_backward}};
   return written(out);
 }
 

@@ -10,6 +10,12 @@ Json rows_json(const PreprocessingOptions& o) {
   return Json::array({o.first_row, end});
 }
 
+Json figures(const PredictionError& error) {
+  return {{"relative_error", json_list(error.relative)},
+          {"max_error", json_list(error.maximum)},
+          {"moving", {{"relative_error", json_list(error.moving_relative)}}}};
+}
+
 }  // namespace
 
 Json settings_json(const Identification& id) {
@@ -49,6 +55,35 @@ Json filled_json(const RecordingError& recording) {
   return {
       {"share", static_cast<double>(recording.filled.count) / static_cast<double>(recording.rows)},
       {"lateness", recording.filled.lateness()}};
+}
+
+Json base_json(const std::vector<BaseValue>& base) {
+  Json out = Json::array();
+  for (const BaseValue& b : base) {
+    out.push_back({{"name", b.name},
+                   {"expression", b.expression},
+                   {"value", b.value},
+                   {"std", b.std},
+                   {"unit", b.unit}});
+  }
+  return out;
+}
+
+Json unused_json(const std::vector<UnusedRecording>& recordings) {
+  Json out = Json::array();
+  for (const UnusedRecording& r : recordings) out.push_back({{"file", r.source}, {"why", r.why}});
+  return out;
+}
+
+Json error_json(const PredictionError& error, const PredictionError& repaired,
+                const PredictionError& without_excluded) {
+  Json out = figures(error);
+  if (repaired.relative.size() > 0) {
+    out["as_recorded"] = figures(error);
+    out["repaired"] = figures(repaired);
+  }
+  if (without_excluded.relative.size() > 0) out["without_excluded"] = figures(without_excluded);
+  return out;
 }
 
 }  // namespace veridyn

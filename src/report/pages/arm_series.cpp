@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "report/pages/page_series.hpp"
+#include "math/eigen_pose.hpp"
 #include "veridyn/identification/friction_curve.hpp"
 
 namespace veridyn {
@@ -9,20 +10,13 @@ namespace {
 constexpr double kOpenTurn = 2.0;   // [rad] shown where a joint has no limits
 constexpr double kOpenWay = 0.2;    // [m] likewise
 
-Json pose_rows(const Eigen::Matrix3d& R, const Eigen::Vector3d& p) {
+Json pose_rows(const Eigen::Isometry3d& T) {
   Json out = Json::array();
   for (int r = 0; r < 3; ++r) {
-    for (int c = 0; c < 3; ++c) out.push_back(std::round(1e9 * R(r, c)) / 1e9);
-    out.push_back(std::round(1e9 * p[r]) / 1e9);
+    for (int c = 0; c < 3; ++c) out.push_back(std::round(1e9 * T(r, c)) / 1e9);
+    out.push_back(std::round(1e9 * T(r, 3)) / 1e9);
   }
   return out;
-}
-
-Json pose_rows(const Posed& T) {
-  Eigen::Matrix3d R;
-  R << T.R.row0.x, T.R.row0.y, T.R.row0.z, T.R.row1.x, T.R.row1.y, T.R.row1.z, T.R.row2.x,
-      T.R.row2.y, T.R.row2.z;
-  return pose_rows(R, Eigen::Vector3d(T.p.x, T.p.y, T.p.z));
 }
 
 const char* kind_of(JointType type) {
@@ -46,7 +40,7 @@ int tip_of(const Model& arm) {
 
 Json arm_json(const Model& arm, const Eigen::Isometry3d& T_world_base) {
   Json out = {{"name", arm.name()},
-              {"base", pose_rows(T_world_base.linear(), T_world_base.translation())},
+              {"base", pose_rows(T_world_base)},
               {"tip", tip_of(arm)},
               {"middle", Json::array()},
               {"range", Json::array()},
@@ -70,8 +64,8 @@ Json arm_json(const Model& arm, const Eigen::Isometry3d& T_world_base) {
                              {"kind", kind_of(frame.type)},
                              {"c", form},
                              {"s0", frame.type == JointType::kFixed ? 0.0 : frame.variable.offset},
-                             {"A", pose_rows(frame.A)},
-                             {"B", pose_rows(frame.B)}});
+                             {"A", pose_rows(eigen(frame.A))},
+                             {"B", pose_rows(eigen(frame.B))}});
   }
   return out;
 }

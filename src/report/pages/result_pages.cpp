@@ -23,6 +23,8 @@ std::string signal_of(const Finding& f) {
   if (!has_effect(effect)) return "q" + joint;
   const EffectTraits traits = find_effect(effect).traits();
   if (traits.depends_on_time) return "t";
+  const bool of_torque = traits.role == EffectRole::kSensor && traits.uses_source;
+  if (of_torque && f.from) return "tau" + std::to_string(f.from->value + 1);
   if (traits.depends_on_position || traits.holds_at_rest) return "q" + joint;
   if (traits.role == EffectRole::kInertia || traits.uses_acceleration) return "ddq" + joint;
   if (traits.uses_load) return "tau" + joint;
@@ -84,10 +86,6 @@ Json correlations_of_worst(const Identification& id) {
   return out;
 }
 
-Json limits_json(double lower, double upper) {
-  return {lower, upper};
-}
-
 }  // namespace
 
 std::string to_page(const Identification& id, const std::string& command, const Model* robot) {
@@ -138,9 +136,9 @@ std::string to_page(const Excitation& e, const std::string& command, const Model
                       {"dq", packed(m.dq.col(i), step)},
                       {"ddq", packed(m.ddq.col(i), step)},
                       {"limits",
-                       {{"q", limits_json(e.limits.lower[i], e.limits.upper[i])},
-                        {"dq", limits_json(-e.limits.velocity[i], e.limits.velocity[i])},
-                        {"ddq", limits_json(-e.limits.acceleration[i], e.limits.acceleration[i])}}}});
+                       {{"q", {e.limits.lower[i], e.limits.upper[i]}},
+                        {"dq", {-e.limits.velocity[i], e.limits.velocity[i]}},
+                        {"ddq", {-e.limits.acceleration[i], e.limits.acceleration[i]}}}}});
   }
   series["recordings"].push_back(
       {{"source", ""}, {"role", "motion"}, {"time", times(m.time, step)}, {"joints", joints}});

@@ -11,22 +11,9 @@
 namespace veridyn {
 namespace {
 
-template <typename Values>
-Json list(const Values& values) {
-  Json out = Json::array();
-  for (const auto& value : values) out.push_back(value);
-  return out;
-}
-
 Json flags(const std::vector<char>& values) {
   Json out = Json::array();
   for (const char value : values) out.push_back(value != 0);
-  return out;
-}
-
-Json pairs(const std::vector<std::pair<double, double>>& values) {
-  Json out = Json::array();
-  for (const auto& [re, im] : values) out.push_back({re, im});
   return out;
 }
 
@@ -61,8 +48,8 @@ Json map_json(const StabilityMap& map) {
           {"b", map.b.name},
           {"a_unit", unit_of(map.a.name)},
           {"b_unit", unit_of(map.b.name)},
-          {"a_values", list(map.a_values)},
-          {"b_values", list(map.b_values)},
+          {"a_values", map.a_values},
+          {"b_values", map.b_values},
           {"stable", stable},   // rows by b, columns by a
           {"radius", radius},
           {"seconds", map.seconds}};
@@ -89,7 +76,7 @@ Json study_json(const StabilityStudy& study) {
   out["scenario"] = a.name;
   out["source"] = study.scenario.source;
   out["stable"] = a.stable;
-  out["eigenvalues"] = pairs(a.eigenvalues);
+  out["eigenvalues"] = a.eigenvalues;
   out["eigenvalue_cycles"] = a.cycles;
   out["period"] = a.period;
   out["radius"] = a.radius;
@@ -115,12 +102,10 @@ Json study_json(const StabilityStudy& study) {
   }
   if (study.map) out["map"] = map_json(*study.map);
   if (study.locus) {
-    Json values = Json::array();
-    for (const auto& one : study.locus->eigenvalues) values.push_back(pairs(one));
     out["locus"] = {{"parameter", study.locus->range.name},
-                    {"values", list(study.locus->values)},
+                    {"values", study.locus->values},
                     {"stable", flags(study.locus->stable)},
-                    {"eigenvalues", values}};
+                    {"eigenvalues", study.locus->eigenvalues}};
   }
   if (study.recommendation) {
     const GainRecommendation& r = *study.recommendation;
@@ -159,8 +144,8 @@ std::string to_page(const StabilityStudy& study, const std::string& command) {
   if (study.steps) {
     Json forces = Json::array();
     for (std::size_t k = 0; k < study.steps->members.size(); ++k)
-      forces.push_back({{"member", study.steps->members[k]}, {"force", list(study.steps->force[k])}});
-    series["steps"] = {{"time", list(study.steps->time)}, {"forces", forces}};
+      forces.push_back({{"member", study.steps->members[k]}, {"force", study.steps->force[k]}});
+    series["steps"] = {{"time", study.steps->time}, {"forces", forces}};
   }
   return html_page(study.analysis.name + ": stability", to_json(study), series, study.report());
 }

@@ -4,12 +4,12 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <cstring>
 #include <iomanip>
 #include <sstream>
 
+#include "math/eigen_pose.hpp"
 #include "dynamics/principal_body.hpp"
 #include "simulation/plant/plant_forces.hpp"
 #include "simulation/plant/small_cholesky.hpp"
@@ -69,7 +69,7 @@ void write_children(const Tree& tree, const VectorXd& phi, int parent, const Pos
     if (turns) at_zero.R = rotation_z(link.offset);
     if (link.type == JointType::kPrismatic) at_zero.p.z = link.offset;
     const Posed T = before * link.A * at_zero;
-    out << "<body" << pose_text({T.p.x, T.p.y, T.p.z}, rotation_matrix(T.R)) << ">\n";
+    out << "<body" << pose_text(eigen(T.p), eigen(T.R)) << ">\n";
     if (link.type != JointType::kFixed) {
       out << "<joint name='" << joint_name(k) << "' type='" << (turns ? "hinge" : "slide")
           << "' axis='0 0 1'/>\n";

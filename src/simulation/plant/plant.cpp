@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cmath>
 
 #include "simulation/plant/plant_state.hpp"
 #include "veridyn/math/require.hpp"

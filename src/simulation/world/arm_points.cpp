@@ -1,15 +1,9 @@
 #include "simulation/world/arm_points.hpp"
 
+#include "math/eigen_pose.hpp"
+
 namespace veridyn {
 namespace {
-
-Vec3d vec(const Eigen::Vector3d& a) {
-  return {a.x(), a.y(), a.z()};
-}
-
-Eigen::Vector3d eigen(const Vec3d& a) {
-  return {a.x, a.y, a.z};
-}
 
 Vec3d accelerated(const Column<double>& c, const Vec3d& offset) {
   return c.v + cross(c.w, offset);
@@ -21,16 +15,15 @@ ArmPoints::ArmPoints(const Model& arm, const Posed& T_world_base)
     : tree_(arm, Tree::Keep::kEveryFrame),
       recursion_(tree_),
       base_(T_world_base),
-      rest_(VectorXd::Zero(arm.joints())),
-      dq_(rest_),
+      dq_(VectorXd::Zero(arm.joints())),
       T_world_(tree_.links.size(), identity_pose()) {
-  move_to(rest_, rest_);
+  move_to(dq_, dq_);
 }
 
 void ArmPoints::move_to(const VectorXd& q, const VectorXd& dq) noexcept {
-  forward_pass(tree_, q.data(), dq.data(), rest_.data(), {0, 0, 0}, recursion_);
+  joint_pass<double>(tree_, q.data(), nullptr, nullptr, recursion_);
   dq_ = dq;
-  jacobian_pass(tree_, recursion_);
+  jacobian_pass<double>(tree_, recursion_);
   for (size_t k = 0; k < tree_.links.size(); ++k) {
     const Link& link = tree_.links[k];
     Posed J = identity_pose();
@@ -45,7 +38,7 @@ ArmPoints::Point ArmPoints::point(int frame, const Eigen::Vector3d& offset) cons
   const auto k = static_cast<size_t>(tree_.link_of_frame[frame]);
   const Posed& T = T_world_[k];
   const Link& link = tree_.links[k];
-  const Vec3d at = vec(offset);
+  const Vec3d at = from_eigen(offset);
   Vec3d v{0, 0, 0};
   for (int m = link.first_support; m < link.end_support; ++m) {
     v = v + dq_[tree_.supports[m].coordinate] *
@@ -58,8 +51,8 @@ void ArmPoints::add_force(int frame, const Eigen::Vector3d& offset, const Eigen:
                           double share, VectorXd& tau) const noexcept {
   const auto k = static_cast<size_t>(tree_.link_of_frame[frame]);
   const Link& link = tree_.links[k];
-  const Vec3d in_link = rotate_back(T_world_[k].R, vec(force));
-  const Vec3d at = vec(offset);
+  const Vec3d in_link = rotate_back(T_world_[k].R, from_eigen(force));
+  const Vec3d at = from_eigen(offset);
   for (int m = link.first_support; m < link.end_support; ++m) {
     tau[tree_.supports[m].coordinate] +=
         share * dot(accelerated(recursion_.jacobian[m], at), in_link);
@@ -72,7 +65,7 @@ void ArmPoints::jacobian(int frame, const Eigen::Vector3d& offset, MatrixXd& J) 
   J.setZero();
   for (int m = link.first_support; m < link.end_support; ++m) {
     J.col(tree_.supports[m].coordinate) =
-        eigen(rotate(T_world_[k].R, accelerated(recursion_.jacobian[m], vec(offset))));
+        eigen(rotate(T_world_[k].R, accelerated(recursion_.jacobian[m], from_eigen(offset))));
   }
 }
 

@@ -34,7 +34,7 @@ class ArmPoints {
   Tree tree_;
   Recursion<double> recursion_;
   Posed base_;
-  VectorXd rest_, dq_;
+  VectorXd dq_;
   std::vector<Posed> T_world_;  // by link
 };
 

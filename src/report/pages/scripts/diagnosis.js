@@ -99,7 +99,8 @@ function signalOf(recording, name) {
 
 // An unnamed cause's curve, one for each side where its second signal has sides: [[at, value, low, high], ...].
 function curvesOfCause(finding) {
-  const points = (finding.curve || []).map((p) => ({side: p.at.length > 1 ? Math.sign(p.at[1]) : 0, point: [p.at[0], p.value, p.band[0], p.band[1]]}));
+  const sides = new Set((finding.curve || []).map((p) => Math.sign(p.at[1] || 0)));
+  const points = (finding.curve || []).map((p) => ({side: sides.size > 1 ? Math.sign(p.at[1]) : 0, point: [p.at[0], p.value, p.band[0], p.band[1]]}));
   return groupBy(points, (p) => p.side).map((group) => ({
     name: {'1': 'forward', '-1': 'backward', '0': 'its curve'}[group[0].item.side], colour: {'1': 'forward', '-1': 'backward', '0': 'extended'}[group[0].item.side],
     points: group.map(({item}) => item.point).sort((p, q) => p[0] - q[0])}));
