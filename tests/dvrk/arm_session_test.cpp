@@ -69,7 +69,7 @@ TEST(ArmSession, TorquesArriveAtTheJoints) {
   bench.idle(0.01);
   ASSERT_EQ(bench.arm.power_on(), nullptr);
   bench.idle(0.5);
-  ASSERT_TRUE(bench.arm.ready()) << static_cast<int>(bench.arm.boards().state()) << " "
+  ASSERT_TRUE(bench.arm.ready()) << describe(bench.arm.boards().state())
                                  << bench.arm.boards().faults().report();
   VectorXd tau(7);
   tau << 0.3, -0.2, 1.5, 0.02, 0.03, -0.02, 0.01;

@@ -158,7 +158,7 @@ std::string refusal(const BusOptions& options, const std::vector<BoardSetup>& bo
   BoardEmulator emulator(boards, 3);
   if (spoil) spoil(emulator);
   EmulatedLink link(emulator);
-  return refusal([&] {
+  return veridyn::refusal([&] {
     BoardBus bus(link, options);
     bus.start();
   });

@@ -174,7 +174,7 @@ TEST(Plant, ANumberThatIsNoneStopsItAtTheJoint) {
   EXPECT_TRUE(plant.q().allFinite());
 }
 
-std::string refusal(const Model& arm) {
+std::string refusal_of(const Model& arm) {
   return refusal([&] { Plant plant(arm); });
 }
 
@@ -184,7 +184,7 @@ TEST(Plant, RefusesAModelThatCannotBeAndSaysWhere) {
   InertialParameters& phi = *description.frames[1].body->phi;
   phi.segment<3>(1) *= 6.0;
   const Model arm{ModelDescription(description)};
-  const std::string message = refusal(arm);
+  const std::string message = refusal_of(arm);
   ASSERT_NE(message.find("mass matrix"), std::string::npos) << message;
   ASSERT_NE(message.find("q1 "), std::string::npos) << message;
   // At the configuration that it names M really has a negative eigenvalue.
@@ -194,7 +194,7 @@ TEST(Plant, RefusesAModelThatCannotBeAndSaysWhere) {
   q << q1, q2;
   const MatrixXd M = mass_matrix(arm, q);
   EXPECT_LE(M(0, 0) * M(1, 1) - M(0, 1) * M(1, 0), 0.0);
-  EXPECT_EQ(refusal(planar_2r()), "");
+  EXPECT_EQ(refusal_of(planar_2r()), "");
 }
 
 TEST(Plant, RefusesAJointWithoutInertiaAndARotorAtItsBoundGetsSome) {
@@ -206,10 +206,10 @@ TEST(Plant, RefusesAJointWithoutInertiaAndARotorAtItsBoundGetsSome) {
     term.deviations["inertia"] = 2e-4;
   }
   const Model bound{ModelDescription(description)};
-  EXPECT_NE(refusal(bound).find("of inertia at yaw "), std::string::npos) << refusal(bound);
+  EXPECT_NE(refusal_of(bound).find("of inertia at yaw "), std::string::npos) << refusal_of(bound);
   const MovableArm movable = with_movable_rotors(bound);
   EXPECT_EQ(movable.changed.size(), 4u);
-  EXPECT_EQ(refusal(movable.arm), "");
+  EXPECT_EQ(refusal_of(movable.arm), "");
   for (const EffectTerm& term : movable.arm.effects()) {
     if (term.effect != "rotor_inertia") continue;
     EXPECT_DOUBLE_EQ(term.values.at("inertia"), 2e-5);
@@ -221,10 +221,10 @@ TEST(Plant, RefusesAJointWithoutInertiaAndARotorAtItsBoundGetsSome) {
 TEST(Plant, RefusesFrictionThatDrives) {
   const Model bare = planar_2r();
   const std::string message =
-      refusal(with_effects(bare, {effect(bare, "viscous_friction", 1, {{"coefficient", -0.1}})}));
+      refusal_of(with_effects(bare, {effect(bare, "viscous_friction", 1, {{"coefficient", -0.1}})}));
   EXPECT_NE(message.find("drives"), std::string::npos) << message;
   EXPECT_EQ(
-      refusal(with_effects(bare, {effect(bare, "viscous_friction", 1, {{"coefficient", 0.1}})})),
+      refusal_of(with_effects(bare, {effect(bare, "viscous_friction", 1, {{"coefficient", 0.1}})})),
       "");
 }
 

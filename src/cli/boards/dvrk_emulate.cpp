@@ -275,8 +275,7 @@ std::unique_ptr<dvrk::DatagramLink> link_to_boards(const DvrkRequest& request) {
 }
 
 ExitStatus run_dvrk_emulate(const DvrkRequest& request) {
-  require_writable(request.common.json);
-  require_writable(request.config_out);
+  require_writable(request.common.json, request.config_out);
   expect_needs(*request.command, {{"--start", !request.models.empty(), "--model"}});
   Emulated world(request);
   BoardEmulator& emulator = world.emulator;

@@ -157,8 +157,7 @@ ExitStatus run_dvrk_monitor(const DvrkRequest& request) {
 }
 
 ExitStatus run_dvrk_read(const DvrkRequest& request) {
-  require_writable(request.output);
-  require_writable(request.common.json);
+  require_writable(request.output, request.common.json);
   const DvrkArm arm = dvrk_arm(request);
   dvrk::UdpLink link(request.host, request.port);
   home_first(request, arm, link);

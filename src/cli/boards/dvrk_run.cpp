@@ -129,8 +129,7 @@ dvrk::RunOptions run_options(const DvrkRequest& request, const dvrk::RobotConfig
 
 ExitStatus run_dvrk_run(const DvrkRequest& request) {
   require_inputs(request);
-  require_writable(request.output);
-  require_writable(request.common.json);
+  require_writable(request.output, request.common.json);
   const DvrkArm arm = dvrk_arm(request);
   const bool in_place = request.controller == "gravity";
   const MotionSamples motion = in_place ? MotionSamples() : motion_of(request.trajectory);

@@ -17,8 +17,7 @@ struct CalibrateAxisRequest {
 };
 
 ExitStatus run(CalibrateAxisRequest& request, const std::string& command_line) {
-  require_writable(request.common.json);
-  require_writable(request.common.report);
+  require_writable(request.common.json, request.common.report);
   for (const std::string& words : request.between) {
     const auto comma = words.find(',');
     if (comma == std::string::npos || comma == 0 || comma + 1 == words.size())

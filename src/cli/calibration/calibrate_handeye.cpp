@@ -19,8 +19,7 @@ struct CalibrateHandeyeRequest {
 };
 
 ExitStatus run(CalibrateHandeyeRequest& request, const std::string& command_line) {
-  require_writable(request.common.json);
-  require_writable(request.common.report);
+  require_writable(request.common.json, request.common.report);
   if (request.has_form) request.options.form = request.form;
   const HandEye found =
       calibrate_hand_eye(read_poses(request.a, request.capture),

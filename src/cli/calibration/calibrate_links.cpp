@@ -67,9 +67,7 @@ std::string comparison_with(const std::string& file, const LinksCalibration& lin
 }
 
 ExitStatus run(CalibrateLinksRequest& request, const std::string& command_line) {
-  require_writable(request.common.json);
-  require_writable(request.common.report);
-  require_writable(request.robot_out);
+  require_writable(request.common.json, request.common.report, request.robot_out);
   const Model arm = read_model(request.robot);
   if (!request.options.frame.empty())
     expect_one_of("--frame", request.options.frame, frame_names(arm));

@@ -18,8 +18,7 @@ struct CalibrateRcmRequest {
 };
 
 ExitStatus run(const CalibrateRcmRequest& request, const std::string& command_line) {
-  require_writable(request.common.json);
-  require_writable(request.common.report);
+  require_writable(request.common.json, request.common.report);
   const RemoteCenter found =
       calibrate_remote_center(read_poses(request.poses, request.capture), request.options);
   if (found.status == CalibrationStatus::kDone && 2 * found.outliers > found.frames)

@@ -107,7 +107,7 @@ std::string calibration_report(const LoadCellCalibration& found, std::size_t rea
 }
 
 ExitStatus calibrate(const LoadcellRequest& request) {
-  for (const std::string& path : {request.common.json, request.output}) require_writable(path);
+  require_writable(request.common.json, request.output);
   const bool live = !request.source.empty();
   if (live == !request.readings.empty())
     throw CLI::ValidationError("calibrate", "expected a file of readings, or --source and --weights.");
@@ -195,7 +195,7 @@ void write_tally(const LoadcellRequest& request, const ReadingTally& tally, cons
 }
 
 ExitStatus read(const LoadcellRequest& request) {
-  for (const std::string& path : {request.common.json, request.output}) require_writable(path);
+  require_writable(request.common.json, request.output);
   ForceChannel channel(open_force_source(request.source), channel_options(request));
   ReadingTally tally;
   const double begun = now();

@@ -108,8 +108,7 @@ ExitStatus run(const CooperateRequest& request, const std::string& command) {
                 {"--pace", live && (!on_boards || request.boards.stepped), "--live, and --stepped on boards"},
                 {"--silence", live, "--live"}});
   if (live && !on_boards) return run_by_line(request);
-  for (const std::string& path : {request.output, request.common.json, request.common.report})
-    require_writable(path);
+  require_writable(request.output, request.common.json, request.common.report);
   const Scenario scenario = read_scenario(request.scenario);
   if (on_boards)
     return run_boards(request.boards, request.live, scenario, request.scenario, request.common, request.output,

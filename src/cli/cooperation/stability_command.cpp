@@ -56,8 +56,7 @@ Ranges ranges(const StabilityRequest& request) {
 }
 
 ExitStatus run(const StabilityRequest& request, const std::string& command) {
-  for (const std::string& path : {request.common.json, request.common.report})
-    require_writable(path);
+  require_writable(request.common.json, request.common.report);
   const Ranges asked = ranges(request);
   StabilityModelOptions of_model;
   of_model.frame = request.frame;
@@ -95,8 +94,7 @@ ExitStatus run(const StabilityRequest& request, const std::string& command) {
     told("step responses");
     study.steps = step_responses(scenario);
   }
-  if (!request.common.json.empty()) write_file(request.common.json, to_json(study));
-  if (!request.common.report.empty()) write_file(request.common.report, to_page(study, command));
+  write_results(request.common, study, command);
   std::cout << study.report();
   return kDone;
 }

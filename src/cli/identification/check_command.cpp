@@ -45,8 +45,7 @@ bool is_surely_robot(const std::string& name) {
 }
 
 void run(CheckRequest& request, const std::string& command_line) {
-  require_writable(request.common.json);
-  require_writable(request.common.report);
+  require_writable(request.common.json, request.common.report);
   std::vector<std::string> recordings = request.files;
   std::optional<Model> arm;
   if (recordings.size() > 1 && is_robot(recordings.front())) {
@@ -76,8 +75,7 @@ void run(CheckRequest& request, const std::string& command_line) {
     findings.insert(findings.end(), checked[at].findings.begin(), checked[at].findings.end());
     checked[at].findings = std::move(findings);
   });
-  if (!request.common.json.empty()) write_file(request.common.json, to_json(checked));
-  if (!request.common.report.empty()) write_file(request.common.report, to_page(checked, command_line));
+  write_results(request.common, checked, command_line);
   busy.reset();
   for (const RecordingQuality& quality : checked) std::cout << quality.report();
 }

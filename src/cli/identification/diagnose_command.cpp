@@ -79,9 +79,7 @@ Diagnosis diagnosed(const DiagnoseRequest& request, const Model& arm) {
 
 ExitStatus run(DiagnoseRequest& request, const std::string& command_line) {
   expect_known_effects(request.options.effects);
-  require_writable(request.common.json);
-  require_writable(request.common.report);
-  require_writable(request.model_out);
+  require_writable(request.common.json, request.common.report, request.model_out);
   expect_simulation_of("--model-out", request.model_out, request.robot);
   const Model arm = read_robot(request.robot, request.common, &request.options.identification.preprocessing.signals);
   expect_known_places(arm, request.options.effects);

@@ -26,17 +26,14 @@ ExitStatus run(const FleetRequest& request, const std::string& command_line) {
     expect_apart("--model-out", request.model_out, one.files);
     expect_apart("--json", request.common.json, one.files);
   }
-  require_writable(request.common.json);
-  require_writable(request.common.report);
-  require_writable(request.model_out);
+  require_writable(request.common.json, request.common.report, request.model_out);
   const Model arm = read_model(request.robot);
   FleetOptions options = request.options;
   options.threads = request.common.threads;
   options.progress = progress(request.common);
   const Fleet fleet = identify_fleet(arm, arms, options);
   for (const UnusedRecording& r : fleet.unusable_recordings) say("warning: left out: " + r.why);
-  if (!request.common.json.empty()) write_file(request.common.json, to_json(fleet));
-  if (!request.common.report.empty()) write_file(request.common.report, to_page(fleet, command_line));
+  write_results(request.common, fleet, command_line);
   if (!fleet.model) {
     say(request.list + ": " + fleet.reason + ".");
     return kDataCannotAnswer;

@@ -21,8 +21,7 @@ struct FrictionRequest {
 };
 
 ExitStatus run(FrictionRequest& request, const std::string& command_line) {
-  require_writable(request.common.json);
-  require_writable(request.common.report);
+  require_writable(request.common.json, request.common.report);
   const Model arm = read_robot(request.robot, request.common, &request.options.identification.preprocessing.signals);
   warn_of_repeated_recordings(request.recordings);
   warn_of_shared_recordings(request.recordings, request.test);
@@ -33,8 +32,7 @@ ExitStatus run(FrictionRequest& request, const std::string& command_line) {
     say(study.reason);
     return kDataCannotAnswer;
   }
-  if (!request.common.json.empty()) write_file(request.common.json, to_json(study));
-  if (!request.common.report.empty()) write_file(request.common.report, to_page(study, command_line, &arm));
+  write_results(request.common, study, command_line, &arm);
   std::cout << study.report();
   return kDone;
 }

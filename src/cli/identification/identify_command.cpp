@@ -231,9 +231,7 @@ ExitStatus run_on_ranks(IdentifyRequest& request, const std::string& command_lin
 ExitStatus run(IdentifyRequest& request, const std::string& command_line) {
   const std::unique_ptr<Communicator> ranks = mpi_ranks();
   expect_options_that_mean_something(request);
-  require_writable(request.common.json);
-  require_writable(request.common.report);
-  require_writable(request.model_out);
+  require_writable(request.common.json, request.common.report, request.model_out);
   expect_simulation_of("--model-out", request.model_out, request.robot);
   require_writable(request.factor_out);
   if (ranks && ranks->size() > 1) return run_on_ranks(request, command_line, *ranks);

@@ -23,8 +23,7 @@ struct PayloadRequest {
 };
 
 ExitStatus run(PayloadRequest& request, const std::string& command_line) {
-  require_writable(request.common.json);
-  require_writable(request.common.report);
+  require_writable(request.common.json, request.common.report);
   const Model model = read_robot(request.model, request.common, &request.options.preprocessing.signals);
   if (model.inertial_values() && !has_all_values(model))
     say("'" + model.name() + "' has effects without values: they are fitted to the recordings first, with its bodies as they are");
@@ -38,8 +37,7 @@ ExitStatus run(PayloadRequest& request, const std::string& command_line) {
     say(report.reason);
     return kDataCannotAnswer;
   }
-  if (!request.common.json.empty()) write_file(request.common.json, to_json(report));
-  if (!request.common.report.empty()) write_file(request.common.report, to_page(report, command_line));
+  write_results(request.common, report, command_line);
   std::cout << report.report();
   return kDone;
 }

@@ -181,8 +181,7 @@ class Watching {
 };
 
 ExitStatus run(WatchRequest& request, const std::string& command_line) {
-  require_writable(request.common.json);
-  require_writable(request.common.report);
+  require_writable(request.common.json, request.common.report);
   const Model arm = read_robot(request.model, request.common);
   for (const EffectTerm& term : arm.arm_effects())
     say("warning: " + term.effect + " on the arm is left out here: what it does may be named as something else.");

@@ -19,12 +19,10 @@ struct CompareRequest {
 };
 
 void run(const CompareRequest& request, const std::string& command_line) {
-  require_writable(request.common.json);
-  require_writable(request.common.report);
+  require_writable(request.common.json, request.common.report);
   const ModelComparison found =
       compare(read_model(request.before), read_model(request.after), request.options);
-  if (!request.common.json.empty()) write_file(request.common.json, to_json(found));
-  if (!request.common.report.empty()) write_file(request.common.report, to_page(found, command_line));
+  write_results(request.common, found, command_line);
   std::cout << found.report();
 }
 

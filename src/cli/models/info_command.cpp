@@ -19,14 +19,11 @@ struct InfoRequest {
 };
 
 void run(const InfoRequest& request, const std::string& command_line) {
-  require_writable(request.common.json);
-  require_writable(request.common.report);
-  require_writable(request.yaml);
+  require_writable(request.common.json, request.common.report, request.yaml);
   const Model arm = read_model(request.robot);
   const RobotInfo info = robot_info(arm);
   if (!request.yaml.empty()) save_model(arm, request.yaml);
-  if (!request.common.json.empty()) write_file(request.common.json, to_json(info));
-  if (!request.common.report.empty()) write_file(request.common.report, to_page(info, command_line));
+  write_results(request.common, info, command_line);
   std::cout << info.report();
 }
 

@@ -174,8 +174,7 @@ KinematicTable inverse(const KinematicsRequest& request, const Arm& arm, Times& 
 }
 
 ExitStatus run(const CLI::App& used, KinematicsRequest request, const std::string& command) {
-  for (const std::string& path : {request.output, request.common.json, request.common.report})
-    require_writable(path);
+  require_writable(request.output, request.common.json, request.common.report);
   const int asked = (request.forward.empty() ? 0 : 1) + (request.inverse.empty() ? 0 : 1) +
                     (request.workspace > 0 ? 1 : 0);
   if (asked == 0) request.workspace = kPostures;
@@ -202,9 +201,7 @@ ExitStatus run(const CLI::App& used, KinematicsRequest request, const std::strin
   if (!request.output.empty())
     write_kinematic_rows(table, request.output,
                          request.jacobian ? JacobianColumns::kWith : JacobianColumns::kWithout);
-  if (!request.common.json.empty()) write_file(request.common.json, to_json(table));
-  if (!request.common.report.empty())
-    write_file(request.common.report, to_page(table, arm.model, command));
+  write_results(request.common, table, arm.model, command);
   busy.reset();
   std::cout << table.report();
   return table.unreached() > 0 ? kDataCannotAnswer : kDone;

@@ -283,9 +283,7 @@ ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
   rows.ddq = found.motion.ddq;
   write_recording(rows, request.output);
   if (!request.coefficients.empty()) write_file(request.coefficients, coefficients_yaml(found));
-  if (!request.common.json.empty()) write_file(request.common.json, to_json(found));
-  if (!request.common.report.empty())
-    write_file(request.common.report, to_page(found, command_line, &arm));
+  write_results(request.common, found, command_line, &arm);
   for (const std::string& warning : found.warnings()) say("warning: " + warning);
   std::cout << found.report();
   return found.interrupted ? kInterrupted : kDone;

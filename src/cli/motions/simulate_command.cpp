@@ -72,10 +72,7 @@ MotionSamples wanted_steps(const Model& arm, const std::vector<double>& steps) {
 
 ExitStatus run(const SimulateRequest& request, const std::string& command_line) {
   check_simulate_request(request);
-  for (const std::string& path :
-       {request.output, request.model_out, request.common.json, request.common.report}) {
-    require_writable(path);
-  }
+  require_writable(request.output, request.model_out, request.common.json, request.common.report);
   SimulationOptions options;
   options.noise = sensor_noise(request.noise);
   options.seed = request.seed;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "math/output_file.hpp"
 #include "veridyn/recordings/preprocessing.hpp"
 #include "veridyn/recordings/recording.hpp"
 #include "veridyn/regressor/joint_friction.hpp"
@@ -66,6 +67,20 @@ void add_friction_option(CLI::App& command, JointFriction& friction);
 /// Checks before long work that a file can be written. An empty path is no file.
 /// @throws InvalidInput  it cannot be written.
 void require_writable(const std::string& path);
+
+/// The same for each of several files.
+template <typename... More>
+void require_writable(const std::string& path, const std::string& next, const More&... more) {
+  require_writable(path);
+  require_writable(next, more...);
+}
+
+/// Writes --json and --report where they were given. @param page  what to_page() takes behind the result.
+template <typename Result, typename... Page>
+void write_results(const CommonOptions& common, const Result& result, const Page&... page) {
+  if (!common.json.empty()) write_file(common.json, to_json(result));
+  if (!common.report.empty()) write_file(common.report, to_page(result, page...));
+}
 
 /// Warns if a recording, or a copy of it, is used for training and for testing.
 void warn_of_shared_recordings(const std::vector<std::string>& train,

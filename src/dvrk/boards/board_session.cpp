@@ -14,6 +14,24 @@ constexpr double kObeyRegisters = 0.020;  // else silence: the watchdog is left 
 
 }  // namespace
 
+const char* describe(PowerState state) {
+  switch (state) {
+    case PowerState::kOff:
+      return "off";
+    case PowerState::kRelay:
+      return "closing the safety relay";
+    case PowerState::kPower:
+      return "waiting for the motor supply";
+    case PowerState::kAmps:
+      return "enabling the amplifiers";
+    case PowerState::kOn:
+      return "on";
+    case PowerState::kFault:
+      return "fault";
+  }
+  return "";
+}
+
 BoardSession::BoardSession(DatagramLink& link, const SessionOptions& options)
     : link_(link), options_(options), bus_(link, options.bus), channels_(options.channels) {
   require(options.watchdog > 0.0 && options.watchdog <= 0.34, "boards: found a watchdog of ",

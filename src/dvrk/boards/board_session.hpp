@@ -77,6 +77,7 @@ enum class PowerState {
   kFault   ///< off, until acknowledge()
 };
 
+const char* describe(PowerState state);
 
 /// A session with boards that drive an arm: power-up and power-down (section 14.5), checks in every
 /// cycle (14.6, 17), and currents in state kOn only. Any fault ends in kFault, where amplifiers are
