@@ -29,10 +29,10 @@ struct Between {
 const std::vector<Between>& betweens() {
   static const std::vector<Between> kAll = {
       {"nothing", false},
-      {"nothing, another motion", false, [](Bench&) {}, kOtherMotion},
-      {"nothing, one recording", false, [](Bench&) {}, 1, 1},
+      {"nothing but another motion", false, [](Bench&) {}, kOtherMotion},
+      {"nothing in one recording", false, [](Bench&) {}, 1, 1},
       {"worn", true, [](Bench& b) { b.friction[0].coulomb *= kWorn; }},
-      {"worn, another motion", true, [](Bench& b) { b.friction[0].coulomb *= kWorn; }, kOtherMotion},
+      {"worn and another motion", true, [](Bench& b) { b.friction[0].coulomb *= kWorn; }, kOtherMotion},
       {"more damping", true, [](Bench& b) { b.friction[1].viscous *= kWorn; }},
       {"heavier tool", true, [](Bench& b) { b.arm.links.back().moments *= kHeavier; }},
       {"a little worn", true, [](Bench& b) { b.friction[0].coulomb *= kSlipped; }}};

@@ -29,18 +29,18 @@ struct OddFleet {
 const std::vector<OddFleet>& fleets_asked() {
   static const std::vector<OddFleet> kAll = {
       {"nothing", 12, false},
-      {"nothing, three arms", 3, false},
-      {"nothing, five arms", 5, false},
+      {"nothing in three arms", 3, false},
+      {"nothing in five arms", 5, false},
       {"equal arms", 8, false, 1.0, 1.0, 1.0, true},
       {"a tool", 12, true, 3.0},
       {"a light tool", 12, true, 1.15},
-      {"a tool, five arms", 5, true, 3.0},
+      {"a tool among five arms", 5, true, 3.0},
       {"worn", 12, true, 1.0, 1.5},
-      {"worn, five arms", 5, true, 1.0, 2.0},
+      {"worn among five arms", 5, true, 1.0, 2.0},
       {"a little worn", 12, true, 1.0, 1.25},
       {"worn beside equal arms", 8, true, 1.0, 1.1, 1.0, true},
       {"gain", 12, true, 1.0, 1.0, 1.1},
-      {"gain, four arms", 4, true, 1.0, 1.0, 1.2},
+      {"gain among four arms", 4, true, 1.0, 1.0, 1.2},
       {"a joint at rest", 8, false, 1.0, 1.0, 1.0, false, true}};
   return kAll;
 }

@@ -42,11 +42,11 @@ void damaged(Recording& r) {
 const std::vector<Trouble>& troubles() {
   static const std::vector<Trouble> kAll = {
       {"nothing", {}, {}, {}},
-      {"nothing, two damaged moments", {}, {}, {}, damaged},
-      {"nothing, no velocities", {}, {}, {}, without_velocities},
+      {"nothing but damaged rows", {}, {}, {}, damaged},
+      {"nothing without velocities", {}, {}, {}, without_velocities},
       {"load", {}, {"payload:tool:mass=0.3"}, {"payload:tool"}},
       {"light load", {}, {"payload:tool:mass=0.06"}, {"payload:tool"}},
-      {"load, velocity in degrees", {}, {"payload:tool:mass=0.3"}, {"payload:tool"}, in_degrees},
+      {"load and a velocity in degrees", {}, {"payload:tool:mass=0.3"}, {"payload:tool"}, in_degrees},
       {"load after a pause", {}, {"payload:tool:mass=0.3"}, {"payload:tool"}, pause},
       {"load all the time", {"payload:tool:mass=0.3"}, {"payload:tool:mass=0.3"}, {"payload:tool"}},
       {"friction", {}, {"coulomb_friction:pitch:level=0.3"}, {"coulomb_friction:pitch"}},
@@ -57,8 +57,8 @@ const std::vector<Trouble>& troubles() {
       {"gain", {}, {"torque_gain:pitch:gain=1.3"}, {"torque_gain:pitch"}},
       {"slip", {}, {"encoder_offset:pitch:offset=0.02"}, {"encoder_offset:pitch"}},
       {"small slip", {}, {"encoder_offset:yaw:offset=0.003"}, {"encoder_offset:yaw"}},
-      {"push", {}, {"external_contact:pitch:from=9,to=9.8,effort=1"}, {"contact:pitch"}},
-      {"short push", {}, {"external_contact:yaw:from=9,to=9.3,effort=1"}, {"contact:yaw"}}};
+      {"push", {}, {"external_contact:pitch:from=9,to=9.8,effort=1"}, {"external_contact:pitch"}},
+      {"short push", {}, {"external_contact:yaw:from=9,to=9.3,effort=1"}, {"external_contact:yaw"}}};
   return kAll;
 }
 
