@@ -126,6 +126,22 @@ TEST(FrictionCompensation, TheStoreBoundsWhatCompensationGivesAway) {
   EXPECT_NEAR(friction.tank_level(0), 1.0, 1e-9);
 }
 
+// Friction at rest is 1 N at 0.1 m and 2 N at 0.2 m: what fills the tank here is half of it there.
+TEST(FrictionCompensation, TheTankHoldsTheFrictionAtThePosition) {
+  const Model arm = plausible_model(read_model("psm-3dof"), 1).arm;
+  const Model varying = with_effects(
+      arm, {effect_on(arm, "coulomb_friction", 2, {{"level", kCoulomb}}),
+            effect_on(arm, "position_dependent_friction", 2, {{"slope", 10.0}, {"curvature", 0.0}, {"centre", 0.1}})});
+  ArmState state(varying, {"tool"});
+  FrictionCompensation friction(varying, rule(FrictionRule::kVelocity));
+  const VectorXd none = VectorXd::Zero(3);
+  for (const double s : {0.1, 0.2}) {
+    state.update(Eigen::Vector3d(0, 0, s), none);
+    friction.update(state, none, none, kPeriod);
+    EXPECT_NEAR(friction.tank_level(0), 0.1 / s, 1e-9);
+  }
+}
+
 struct Excursion {
   double late;  ///< how far the joints still move in the last two of ten seconds, in deadbands
   double most;  ///< largest distance from the start, in deadbands
