@@ -1,3 +1,4 @@
+#include <cmath>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -30,7 +31,7 @@ Scenario changed(Scenario scenario, const std::string& word) {
   expect_value(equals != std::string::npos && equals > 0, "--set", "found '", word,
                "', expected NAME=VALUE.");
   const std::optional<double> value = number_in(word.substr(equals + 1));
-  expect_value(value.has_value(), "--set", "found '", word,
+  expect_value(value && std::isfinite(*value), "--set", "found '", word,
                "', expected NAME=VALUE with a number.");
   return value_of("--set", [&] { return with_parameter(scenario, word.substr(0, equals), *value); });
 }

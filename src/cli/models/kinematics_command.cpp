@@ -1,3 +1,4 @@
+#include <cmath>
 #include <algorithm>
 #include <iostream>
 #include <memory>
@@ -37,7 +38,7 @@ std::vector<double> numbers_of(const std::string& word) {
   std::istringstream parts(word);
   for (std::string part; std::getline(parts, part, ',');) {
     const std::optional<double> number = number_in(part);
-    if (!number) return {};
+    if (!number || !std::isfinite(*number)) return {};
     out.push_back(*number);
   }
   return out;
