@@ -21,7 +21,7 @@ Diagnosis diagnosed(const Model& arm, const std::string& hidden, const Diagnosis
     rows.push_back(recording_of(simulate_recording(arm, waves_of(seed), options)));
     rows.back().source = "run " + std::to_string(seed);
   }
-  return diagnose(read_model("planar-2r"), {rows[0], rows[1]}, {rows[2]}, how);
+  return diagnose(read_model(arm.name()), {rows[0], rows[1]}, {rows[2]}, how);
 }
 
 Model truth() {
@@ -39,6 +39,14 @@ TEST(TorqueCrosstalk, TakesThePlaceOfTheCurveOverTheOtherTorque) {
   EXPECT_NE(f.phrase.find("of joint 'shoulder'"), std::string::npos) << f.phrase;
   EXPECT_NEAR(d.extended.model->coordinates()[1].recorded.torque_crosstalk.at(0), 0.15, 0.01);
   EXPECT_TRUE(d.extended.model->coordinates()[0].recorded.torque_crosstalk.empty());
+}
+
+// The fit bends the parameters of one joint to what another joint's channel adds.
+TEST(TorqueCrosstalk, NamesTheErrorOfAJointThatItBends) {
+  const Model arm = truth();
+  const Diagnosis d = diagnosed(arm, "torque_crosstalk:2:from=1,share=0.15");
+  std::cout << d.report() << std::endl;
+  for (const JointVerdict& v : d.joints) std::cout << v.held_out << " " << v.floor << " " << v.extended << " " << static_cast<int>(v.state) << std::endl;
 }
 
 TEST(TorqueCrosstalk, IsNotThereWithoutIt) {
