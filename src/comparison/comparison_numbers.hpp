@@ -15,7 +15,7 @@ struct ComparisonNumbers {
   double same_to_rounding = 1e-6;
   /// probability outside of an interval = outside.
   double outside = 0.05;
-  /// share of a parameter's rms torque < rounded_away: due to the grid of samples, and zero.
+  /// change / rms torque of a parameter < rounded_away: an error of sampling in time, counted as no change.
   double rounded_away = 5e-3;
   /// relative error of a file's base parameters <= from_values: they are those of its values.
   double from_values = 1e-6;

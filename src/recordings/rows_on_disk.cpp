@@ -64,7 +64,7 @@ bool RowsOnDisk::open() {
   const auto space = std::filesystem::space(path, error);
   if (error) return false;
   most_ = std::min(kMostBytes, static_cast<long>(kMostOfFreeSpace * static_cast<double>(space.available))) / kDouble;
-  path += "/veridyn-XXXXXX";
+  path += "/veridyn-XXXXXX";  // mkostemp replaces the six letters
   file_ = ::mkostemp(path.data(), O_CLOEXEC);
   if (file_ >= 0) ::unlink(path.c_str());
   return file_ >= 0;

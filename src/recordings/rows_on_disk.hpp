@@ -11,9 +11,8 @@
 
 namespace veridyn {
 
-/// Parsed rows of recordings in one temporary file without a name, for passes after the first: reading
-/// them takes a tenth of the time of parsing their text, and they take no memory of the process. Threads
-/// may share it. Where there is no room, or the file cannot be written, it stores nothing.
+/// Parsed rows of recordings in one temporary file without a name, for passes after the first: they are read
+/// faster than text is parsed, and take no memory of the process. Threads may share it. Where there is no room, or the file cannot be written, it stores nothing.
 class RowsOnDisk {
  public:
   static constexpr long kMostBytes = 2L << 30;      ///< bound of the file

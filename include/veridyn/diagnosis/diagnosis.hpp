@@ -87,8 +87,9 @@ struct CurvePoint {
 struct UnnamedShape {
   static constexpr const char* kName = "unnamed";
   /// One to three of "q1".., "dq1".., "ddq1".., "tau1".. (the model's torque), "history1".. (signed
-  /// travel since the last reversal) and "t" (since the recording began). Of three, two positions and a torque, and of
-  /// some pairs, a position and a torque, the curve is in proportion to the last one, and shown at its largest size.
+  /// travel since the last reversal) and "t" (since the recording began). Where the last of two or three is a torque and
+  /// `words` begin with "in proportion to", the residual is that torque times a function of the other signals; the curve
+  /// is the one at the largest torque.
   std::vector<std::string> signals;
   std::vector<std::string> units;
   /// The second signal is a velocity of which only the sign counts: one curve for each direction.

@@ -72,9 +72,9 @@ enum class FeasibleStatus {
   /// The feasible set has no interior (as with x <= 1 and x >= 1); x satisfies the constraints up
   /// to rounding.
   kNoInterior,
-  /// The gap is above the tolerance after the last iteration; x is the best found, see `feasible`. So
-  /// it ends where the cost has no minimum: then `unbounded_columns` has parameters that grow without
-  /// limit, since neither data nor bounds hold them.
+  /// The gap is above the tolerance after the last iteration; x is the best found, see `feasible`. Also
+  /// where the cost has no minimum because parameters that neither data nor bounds limit grow without
+  /// end; `unbounded_columns` lists those without bounds.
   kNotConverged
 };
 

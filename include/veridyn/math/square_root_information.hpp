@@ -15,8 +15,8 @@ namespace veridyn {
 ///
 /// R is upper triangular (k x k). Rows are absorbed in blocks by QR; factors over the same columns
 /// merge by one more QR, in any order. Columns have names, so that a subset can be solved without a
-/// copy of the data; copies share the names. R is stored as a packed triangle. Source: Bierman, Factorization Methods for Discrete Sequential Estimation,
-/// 1977.
+/// copy of the data; copies share the names. R is stored as a packed triangle. Source: Bierman,
+/// Factorization Methods for Discrete Sequential Estimation, 1977.
 class SquareRootInformation {
  public:
   SquareRootInformation() = default;

@@ -30,8 +30,8 @@ struct RowRange {
   std::optional<long> count = {};
 };
 
-/// Adds an option with a value, such as "--rate HZ": its names, then how the help calls the value;
-/// or an argument, "ROBOT", which has no such word.
+/// Adds an option with a value. @param name  the option and the word that the help shows for its value, "--rate HZ";
+/// a positional argument is its own word, "ROBOT".
 template <typename T, typename... Checks>
 CLI::Option* add_value(CLI::App& command, const std::string& name, T& target,
                        const std::string& help, const Checks&... checks) {

@@ -21,8 +21,8 @@ struct FleetNumbers {
   int rounds = 4;
   /// groups of arms for the deviations of the bodies <= groups (not measured).
   int groups = 64;
-  /// degrees of freedom of robust deviations <= most_freedom: fleets have heavier tails than a normal
-  /// distribution.
+  /// degrees of freedom of robust deviations <= most_freedom: parameters of a fleet scatter with heavier tails than a
+  /// normal distribution has.
   double most_freedom = 30.0;
   /// share of a column's norm outside the span of the others < telling: its value means nothing.
   double telling = 1e-6;
