@@ -75,6 +75,14 @@ TEST(QuinticInterpolator, WhatCannotBeIsRefusedAndChangesNothing) {
   EXPECT_FALSE(way.move_to(Eigen::VectorXd::Ones(2), NAN));
   way.advance(1.0);
   EXPECT_EQ(way.x().norm(), 0.0);
+  ASSERT_TRUE(way.move_to(Eigen::VectorXd::Ones(2), 1.0));
+  way.advance(0.5);
+  for (const double duration : {0.0, -1.0, HUGE_VAL, static_cast<double>(NAN)}) {
+    EXPECT_FALSE(way.stop(duration)) << duration;
+    EXPECT_EQ(way.goal(), Eigen::VectorXd::Ones(2)) << duration;
+  }
+  way.advance(0.5);
+  EXPECT_EQ(way.x(), Eigen::VectorXd::Ones(2));
 }
 
 }  // namespace

@@ -138,6 +138,28 @@ TEST(WhatRemembers, ForgetsACycleThatIsNoNumber) {
   EXPECT_LT(momentum.torque().norm(), 1.0);
 }
 
+// Each input alone that is no number leaves d as it is, and the change of velocity across the gap unused.
+TEST(ModelErrorObserver, KeepsWhatItKnowsInACycleThatIsNoNumber) {
+  const Model arm = psm_like();
+  const VectorXd q = Eigen::Vector3d(0.1, 0.2, 0.1), dq = Eigen::Vector3d(0.1, 0.1, 0.05);
+  const VectorXd y = Eigen::Vector3d(0.1, -0.1, 0.1), none = VectorXd::Constant(3, NAN);
+  for (const int lost : {0, 1, 2, 3}) {
+    ArmState state(arm, {"tool"});
+    ModelErrorObserver error(3, {10.0, VectorXd::Ones(3)});
+    for (int k = 0; k < 2; ++k) {
+      state.update(q, dq);
+      error.update(state, y, 1e-3);
+    }
+    const VectorXd known = error.torque();
+    EXPECT_GT(known.norm(), 0.0);
+    state.update(lost == 0 ? none : q, lost == 1 ? none : dq);
+    error.update(state, lost == 2 ? none : y, lost == 3 ? static_cast<double>(NAN) : 1e-3);
+    EXPECT_EQ(error.torque(), known) << lost;
+    state.update(q, 2.0 * dq);
+    EXPECT_EQ(error.update(state, y, 1e-3), known) << lost;
+  }
+}
+
 // With springs and offsets in the model an arm stays where it is let go.
 TEST(GravityCompensation, AnArmThatIsLetGoStays) {
   const Model bare = sample_arms().at("coupled_wrist");
