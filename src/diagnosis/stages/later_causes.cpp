@@ -130,6 +130,15 @@ bool needs_another_force_of_position(const Diagnosis& d, JointIndex joint, const
   });
 }
 
+// Joints with several names that act through positions: one law of another shape may be what they approximate.
+std::set<int> joints_with_several(const Diagnosis& d) {
+  std::set<int> once, out;
+  for (const Finding& f : d.findings) {
+    if (f.joint && acts_through_positions(f) && !once.insert(f.joint->value).second) out.insert(f.joint->value);
+  }
+  return out;
+}
+
 // Makes the first finding of select_causes() part of the arm that other causes are tested beside.
 void keep_first(DiagnosisState& y, size_t first) {
   y.start = y.d.extended;
@@ -206,10 +215,13 @@ void ask(DiagnosisState& x, const std::vector<std::string>& later, const std::se
   y.options = x.options;
   if (!y.d.extended.model) return;
   if (!joint) drop_unconfirmed(y.d);
-  const VectorXd curves = errors_with_curves(x);
+  // A cause on one joint gives way to that joint's curve: the others keep theirs beside it.
+  std::set<int> replaced = in_question;
+  if (joint) replaced = in_question.count(joint->value) != 0 ? std::set<int>{joint->value} : std::set<int>{};
+  const VectorXd curves = errors_with_curves(x, joint);
   const VectorXd named = y.fold_errors(y.d.extended).relative();
   const bool simpler = instead != nullptr && is_simpler(x, y, curves, named);
-  if (!simpler && (!beside_curves || !says_as_much(curves, named, in_question, x.options.thresholds))) return;
+  if (!simpler && (!beside_curves || !says_as_much(curves, named, replaced, x.options.thresholds))) return;
   y.d.hypotheses += static_cast<int>(later.size());
   if (simpler) add_rival(*instead, log_fall(curves, named), x.options.thresholds, y.d.findings[first]);
   account_for_errors(y);
@@ -235,10 +247,10 @@ std::set<int> joints_in_question(const Diagnosis& d) {
   return out;
 }
 
-VectorXd errors_with_curves(const DiagnosisState& x) {
+VectorXd errors_with_curves(const DiagnosisState& x, std::optional<JointIndex> joint) {
   VectorXd out = x.fold_errors(x.d.extended).relative();
   for (const Finding& f : x.d.findings) {
-    if (!f.shape || f.status != FindingStatus::kConfirmed) continue;
+    if (!f.shape || f.status != FindingStatus::kConfirmed || (joint && f.joint != joint)) continue;
     const int j = f.joint->value;
     out[j] = std::min(out[j], f.folds_after[j]);
   }
@@ -259,8 +271,10 @@ void ask_later_causes(DiagnosisState& x, const std::set<int>& hidden) {
   // Of one wrong zero against a MODEL several names and curves can be made.
   if (x.d.changes && x.d.findings.size() > 1 && stands_in == x.d.findings.end()) stands_in = x.d.findings.begin();
   if (joints.empty() && stands_in == x.d.findings.end()) return;
-  const bool against_names = stands_in != x.d.findings.end() && (joints.empty() || x.d.changes);
-  ask(x, causes_through_positions(x.d, x.arm, joints), with_curves, against_names ? &*stands_in : nullptr, !joints.empty());
+  const bool beside_curves = !joints.empty();
+  const bool against_names = stands_in != x.d.findings.end() && (!beside_curves || x.d.changes);
+  joints.merge(joints_with_several(x.d));
+  ask(x, causes_through_positions(x.d, x.arm, joints), with_curves, against_names ? &*stands_in : nullptr, beside_curves);
 }
 
 }  // namespace veridyn
