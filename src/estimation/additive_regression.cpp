@@ -65,7 +65,7 @@ class Regression {
       const auto term = static_cast<size_t>(c.term);
       const Eigen::Index k = columns_[term].cols();
       Z_.middleCols(at, k) = columns_[term];
-      P_.block(at, at, k, k) = scaled_penalty(term) * c.smoothing;
+      P_.block(at, at, k, k) = penalty(term, c.smoothing);
       at += k;
     }
     sums_.assign(folds(), {});
@@ -82,6 +82,15 @@ class Regression {
     const double columns = columns_[term].squaredNorm();
     const double penalty = penalties_[term].trace();
     return penalty > 0.0 ? MatrixXd(penalties_[term] * (columns / penalty)) : penalties_[term];
+  }
+
+  // Second differences alone extend a function of several signals along straight lines into their corners that no row
+  // reached; a small ridge brings it back to nothing there.
+  MatrixXd penalty(size_t term, double smoothing) const {
+    MatrixXd out = smoothing * scaled_penalty(term);
+    const MatrixXd& C = columns_[term];
+    if (terms_[term].bases.size() > 1) out.diagonal().array() += kShrinkage * C.squaredNorm() / static_cast<double>(C.cols());
+    return out;
   }
 
   static VectorXd solve(MatrixXd A, const VectorXd& b, const MatrixXd& P) {
@@ -172,15 +181,14 @@ class Regression {
       s.rows = sums_[f].rows;
     }
     std::vector<Try> tries;
-    const MatrixXd own_penalty = scaled_penalty(static_cast<size_t>(term));
     for (const double smoothing : kSmoothings) {
       MatrixXd P = MatrixXd::Zero(m + k, m + k);
       P.topLeftCorner(m, m) = P_;
-      P.bottomRightCorner(k, k) = smoothing * own_penalty;
+      P.bottomRightCorner(k, k) = penalty(static_cast<size_t>(term), smoothing);
       if (cancels(sums, P, k)) continue;
       const std::vector<double> falls = falls_to(held_out(sums, P));
       tries.push_back({term, smoothing, mean(falls), falls});
-      if (own_penalty.isZero(0.0)) break;
+      if (penalties_[static_cast<size_t>(term)].isZero(0.0)) break;
     }
     if (tries.empty()) return {};
     // Chooses the smoothest of those with nearly the largest gain.
