@@ -30,6 +30,7 @@ class Regression {
              const std::vector<MatrixXd>& columns, const AdditiveOptions& options)
       : rows_(rows), terms_(terms), columns_(columns), options_(options) {
     for (const SmoothTerm& term : terms) penalties_.push_back(term.penalty());
+    for (const MatrixXd& of_term : columns) squares_.push_back(of_term.squaredNorm());
   }
 
   AdditiveModel run() {
@@ -78,18 +79,13 @@ class Regression {
     before_ = held_out(sums_, P_);
   }
 
-  MatrixXd scaled_penalty(size_t term) const {
-    const double columns = columns_[term].squaredNorm();
-    const double penalty = penalties_[term].trace();
-    return penalty > 0.0 ? MatrixXd(penalties_[term] * (columns / penalty)) : penalties_[term];
-  }
-
   // Second differences alone extend a function of several signals along straight lines into their corners that no row
   // reached; a small ridge brings it back to nothing there.
   MatrixXd penalty(size_t term, double smoothing) const {
-    MatrixXd out = smoothing * scaled_penalty(term);
-    const MatrixXd& C = columns_[term];
-    if (terms_[term].bases.size() > 1) out.diagonal().array() += kShrinkage * C.squaredNorm() / static_cast<double>(C.cols());
+    const double trace = penalties_[term].trace();
+    MatrixXd out = penalties_[term] * (trace > 0.0 ? smoothing * squares_[term] / trace : smoothing);
+    if (terms_[term].bases.size() > 1)
+      out.diagonal().array() += kShrinkage * squares_[term] / static_cast<double>(out.rows());
     return out;
   }
 
@@ -271,6 +267,7 @@ class Regression {
   const std::vector<MatrixXd>& columns_;
   const AdditiveOptions& options_;
   std::vector<MatrixXd> penalties_;
+  std::vector<double> squares_;  // sums of squares of every term's columns
   AdditiveModel model_;
   MatrixXd Z_, P_;
   std::vector<Sums> sums_;
