@@ -30,7 +30,6 @@ class Regression {
              const std::vector<MatrixXd>& columns, const AdditiveOptions& options)
       : rows_(rows), terms_(terms), columns_(columns), options_(options) {
     for (const SmoothTerm& term : terms) penalties_.push_back(term.penalty());
-    for (const MatrixXd& of_term : columns) squares_.push_back(of_term.squaredNorm());
   }
 
   AdditiveModel run() {
@@ -66,7 +65,7 @@ class Regression {
       const auto term = static_cast<size_t>(c.term);
       const Eigen::Index k = columns_[term].cols();
       Z_.middleCols(at, k) = columns_[term];
-      P_.block(at, at, k, k) = penalty(term, c.smoothing);
+      P_.block(at, at, k, k) = scaled_penalty(term) * c.smoothing;
       at += k;
     }
     sums_.assign(folds(), {});
@@ -79,14 +78,10 @@ class Regression {
     before_ = held_out(sums_, P_);
   }
 
-  // Second differences alone extend a function of several signals along straight lines into their corners that no row
-  // reached; a small ridge brings it back to nothing there.
-  MatrixXd penalty(size_t term, double smoothing) const {
-    const double trace = penalties_[term].trace();
-    MatrixXd out = penalties_[term] * (trace > 0.0 ? smoothing * squares_[term] / trace : smoothing);
-    if (terms_[term].bases.size() > 1)
-      out.diagonal().array() += kShrinkage * squares_[term] / static_cast<double>(out.rows());
-    return out;
+  MatrixXd scaled_penalty(size_t term) const {
+    const double columns = columns_[term].squaredNorm();
+    const double penalty = penalties_[term].trace();
+    return penalty > 0.0 ? MatrixXd(penalties_[term] * (columns / penalty)) : penalties_[term];
   }
 
   static VectorXd solve(MatrixXd A, const VectorXd& b, const MatrixXd& P) {
@@ -177,14 +172,15 @@ class Regression {
       s.rows = sums_[f].rows;
     }
     std::vector<Try> tries;
+    const MatrixXd own_penalty = scaled_penalty(static_cast<size_t>(term));
     for (const double smoothing : kSmoothings) {
       MatrixXd P = MatrixXd::Zero(m + k, m + k);
       P.topLeftCorner(m, m) = P_;
-      P.bottomRightCorner(k, k) = penalty(static_cast<size_t>(term), smoothing);
+      P.bottomRightCorner(k, k) = smoothing * own_penalty;
       if (cancels(sums, P, k)) continue;
       const std::vector<double> falls = falls_to(held_out(sums, P));
       tries.push_back({term, smoothing, mean(falls), falls});
-      if (penalties_[static_cast<size_t>(term)].isZero(0.0)) break;
+      if (own_penalty.isZero(0.0)) break;
     }
     if (tries.empty()) return {};
     // Chooses the smoothest of those with nearly the largest gain.
@@ -267,7 +263,6 @@ class Regression {
   const std::vector<MatrixXd>& columns_;
   const AdditiveOptions& options_;
   std::vector<MatrixXd> penalties_;
-  std::vector<double> squares_;  // sums of squares of every term's columns
   AdditiveModel model_;
   MatrixXd Z_, P_;
   std::vector<Sums> sums_;

@@ -11,10 +11,6 @@ constexpr double kSmoothings[] = {1e-3, 1e-1, 1e1, 1e3};
 constexpr double kAsSmooth = 0.03;
 /// ridge = kRidge * mean square of the columns: splines and the constant share a direction.
 constexpr double kRidge = 1e-7;
-/// ridge of a function of several signals = kShrinkage * mean square of its own columns. Share of an elastic base that
-/// curves explain (outside --seeds 1501 1502 --effects elastic_base; bench-6r, pick-scara, pallet-4, psm-3dof): 0 and 1e-3
-/// 0 7 85 70 76..85 0 67 53 %, 1e-2 70 7 84 74 80 88 67 53 %, 1e-1 63 22 73 75 67 0 82 53 %.
-constexpr double kShrinkage = 1e-2;
 /// mean square of one curve <= kLargest * that of the response. From 4 to 100 the same pairs of curves are
 /// refused on recordings of an arm whose joints move as one (LWR4+); at 2 a memory's force there loses a fifth.
 constexpr double kLargest = 4.0;

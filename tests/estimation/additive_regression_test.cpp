@@ -3,8 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <tuple>
-#include <utility>
 
 #include "math/random_numbers.hpp"
 
@@ -103,24 +101,6 @@ TEST(AdditiveRegression, StepsAndSidesAreFunctionsOfTheirOwn) {
   ASSERT_EQ(model.chosen.size(), 1u);
   EXPECT_EQ(model.chosen[0].term, 5);
   EXPECT_GT(model.gain, 0.5);
-}
-
-// A function of two signals where no row has both of them large: it rises along its diagonal, and no straight line of
-// that slope is drawn on into the empty corner.
-TEST(AdditiveRegression, AFunctionOfTwoSignalsDoesNotGrowInACornerWithoutRows) {
-  FoldedRows rows = random_rows(11);
-  for (int r = 0; r < kRows; ++r) {
-    double& a = rows.signals(r, 0);
-    double& b = rows.signals(r, 1);
-    if (a + b > 0.0) std::tie(a, b) = std::make_pair(-b, -a);
-    rows.response[r] += 4.0 * std::exp(a + b) * (1.0 + a - b);
-  }
-  const SmoothBasis basis(BasisKind::kSmooth, -1.0, 1.0, 5, 0.02);
-  const std::vector<SmoothTerm> terms = {{{0, 1}, {basis, basis}, 1.0}};
-  const AdditiveModel model = fitted(rows, terms);
-  ASSERT_EQ(model.chosen.size(), 1u);
-  MatrixXd corner = MatrixXd::Ones(1, kSignals);
-  EXPECT_LT(std::abs(predicted(model, terms, corner)[0]), rows.response.cwiseAbs().maxCoeff());
 }
 
 TEST(SmoothBasis, IsAPartitionOfUnityAndConstantOutsideOfItsRange) {
