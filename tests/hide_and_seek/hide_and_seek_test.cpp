@@ -189,6 +189,18 @@ TEST(HideAndSeek, ALaterCauseTakesThePlaceOfTheNamesThatStoodForIt) {
   EXPECT_GT(score.explained, 0.98);
 }
 
+// Without the question about a stop, this joint has a spring and a force of position; one stop predicts held-out parts
+// better.
+TEST(HideAndSeek, AStopTakesThePlaceOfTheNamesOnItsJoint) {
+  expect_found(play({"psm-3dof", {"end_stop"}, 1502, 0.1, Mode::kBare}), "stiffness");
+}
+
+// A stop on one joint is compared with the curve of that joint; a curve of another joint stays beside it.
+TEST(HideAndSeek, AStopIsNamedBesideACurveOfAnotherJoint) {
+  const Played played = play({"planar-2r", {"end_stop"}, 1502, 0.1, Mode::kChanged});
+  EXPECT_TRUE(played.verdict.first) << played.diagnosis.report();
+}
+
 // A counterbalance on a lever is no end stop, whose error still depends on the same position; crosstalk is no
 // cable, whose error still depends on the velocity of the joint that it comes from.
 TEST(HideAndSeek, ANameWhoseOwnSignalsStillPredictTheErrorHasAnotherShape) {

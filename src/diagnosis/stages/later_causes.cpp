@@ -90,12 +90,17 @@ std::vector<std::string> errors_from_others(const Model& arm, const std::set<int
   return out;
 }
 
-std::vector<std::string> causes_through_positions(const Diagnosis& d, const Model& arm, const std::set<int>& joints) {
+std::vector<std::string> forces_of_positions(const Model& arm, const std::set<int>& joints) {
   std::vector<std::string> out;
   for (const AxisEffect* effect : axis_effects()) {
     if (!is_asked_later(*effect, arm) || !effect->traits().depends_on_position) continue;
     for (const int j : joints) out.push_back(to_text(arm, NewEffect{effect->name(), JointIndex{j}}));
   }
+  return out;
+}
+
+std::vector<std::string> causes_through_positions(const Diagnosis& d, const Model& arm, const std::set<int>& joints) {
+  std::vector<std::string> out = forces_of_positions(arm, joints);
   for (const ChannelEffect* channel : channel_effects()) {
     const bool few = static_cast<int>(channel->parameters().size()) <= arm.joints();
     if (is_asked_later(*channel, arm) && channel->whole_arm() && few) out.push_back(channel->name());
@@ -128,6 +133,27 @@ bool needs_another_force_of_position(const Diagnosis& d, JointIndex joint, const
     const EffectTraits traits = find_effect(effect_of(f.cause)).traits();
     return traits.depends_on_position && traits.uses_position && !traits.uses_velocity && !traits.elementary;
   });
+}
+
+// Joints with several names that act through positions: one law of another shape may be what they approximate.
+std::set<int> joints_with_several(const Diagnosis& d) {
+  std::set<int> once, out;
+  for (const Finding& f : d.findings) {
+    if (f.joint && acts_through_positions(f) && !once.insert(f.joint->value).second) out.insert(f.joint->value);
+  }
+  return out;
+}
+
+// True if names that act through positions take more of the joint's mean square, on held-out parts of the training
+// recordings, than one cause alone took of what plain friction leaves.
+bool take_more(const Diagnosis& d, int joint, const VectorXd& before, const VectorXd& after) {
+  double taken = 0.0;
+  for (const Finding& f : d.findings) {
+    if (f.status == FindingStatus::kConfirmed && f.joint && f.joint->value == joint && acts_through_positions(f) &&
+        f.folds_before.size() > joint && f.folds_after.size() > joint)
+      taken += std::pow(f.folds_before[joint], 2) - std::pow(f.folds_after[joint], 2);
+  }
+  return taken > std::pow(before[joint], 2) - std::pow(after[joint], 2);
 }
 
 // Makes the first finding of select_causes() part of the arm that other causes are tested beside.
@@ -196,6 +222,9 @@ void ask(DiagnosisState& x, const std::vector<std::string>& later, const std::se
   y.d.findings.resize(first + 1);
   const std::optional<JointIndex> joint = y.d.findings[first].joint;
   const std::string name = effect_of(y.d.findings[first].cause);
+  if (joint && in_question.count(joint->value) == 0 && instead != nullptr &&
+      take_more(x.d, joint->value, y.fold_errors(y.start).relative(), y.fold_errors(y.d.extended).relative()))
+    return;
   keep_first(y, first);
   y.options = x.options;
   y.d.not_supported.clear();
@@ -206,10 +235,13 @@ void ask(DiagnosisState& x, const std::vector<std::string>& later, const std::se
   y.options = x.options;
   if (!y.d.extended.model) return;
   if (!joint) drop_unconfirmed(y.d);
-  const VectorXd curves = errors_with_curves(x);
+  // A cause on one joint gives way to that joint's curve: the others keep theirs beside it.
+  std::set<int> replaced = in_question;
+  if (joint) replaced = in_question.count(joint->value) != 0 ? std::set<int>{joint->value} : std::set<int>{};
+  const VectorXd curves = errors_with_curves(x, joint);
   const VectorXd named = y.fold_errors(y.d.extended).relative();
   const bool simpler = instead != nullptr && is_simpler(x, y, curves, named);
-  if (!simpler && (!beside_curves || !says_as_much(curves, named, in_question, x.options.thresholds))) return;
+  if (!simpler && (!beside_curves || !says_as_much(curves, named, replaced, x.options.thresholds))) return;
   y.d.hypotheses += static_cast<int>(later.size());
   if (simpler) add_rival(*instead, log_fall(curves, named), x.options.thresholds, y.d.findings[first]);
   account_for_errors(y);
@@ -235,10 +267,10 @@ std::set<int> joints_in_question(const Diagnosis& d) {
   return out;
 }
 
-VectorXd errors_with_curves(const DiagnosisState& x) {
+VectorXd errors_with_curves(const DiagnosisState& x, std::optional<JointIndex> joint) {
   VectorXd out = x.fold_errors(x.d.extended).relative();
   for (const Finding& f : x.d.findings) {
-    if (!f.shape || f.status != FindingStatus::kConfirmed) continue;
+    if (!f.shape || f.status != FindingStatus::kConfirmed || (joint && f.joint != joint)) continue;
     const int j = f.joint->value;
     out[j] = std::min(out[j], f.folds_after[j]);
   }
@@ -258,9 +290,16 @@ void ask_later_causes(DiagnosisState& x, const std::set<int>& hidden) {
   auto stands_in = std::find_if(x.d.findings.begin(), x.d.findings.end(), may_stand_for_another);
   // Of one wrong zero against a MODEL several names and curves can be made.
   if (x.d.changes && x.d.findings.size() > 1 && stands_in == x.d.findings.end()) stands_in = x.d.findings.begin();
-  if (joints.empty() && stands_in == x.d.findings.end()) return;
-  const bool against_names = stands_in != x.d.findings.end() && (joints.empty() || x.d.changes);
-  ask(x, causes_through_positions(x.d, x.arm, joints), with_curves, against_names ? &*stands_in : nullptr, !joints.empty());
+  if (!joints.empty() || stands_in != x.d.findings.end()) {
+    const bool against_names = stands_in != x.d.findings.end() && (joints.empty() || x.d.changes);
+    ask(x, causes_through_positions(x.d, x.arm, joints), with_curves, against_names ? &*stands_in : nullptr, !joints.empty());
+  }
+  std::set<int> several = joints_with_several(x.d);
+  for (const int j : joints) several.erase(j);
+  const auto first = std::find_if(x.d.findings.begin(), x.d.findings.end(), [&](const Finding& f) {
+    return f.joint && several.count(f.joint->value) != 0 && acts_through_positions(f);
+  });
+  if (first != x.d.findings.end()) ask(x, forces_of_positions(x.arm, several), {}, &*first, false);
 }
 
 }  // namespace veridyn

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <set>
 
 #include "diagnosis/stages/diagnosis_state.hpp"
@@ -14,7 +15,8 @@ bool acts_through_positions(const Finding& f);
 std::set<int> joints_in_question(const Diagnosis& d);
 
 /// Errors of held-out parts of the training recordings with the curves that have no name, relative, (n).
-VectorXd errors_with_curves(const DiagnosisState& x);
+/// @param joint  the only one whose curves count; nothing: those of all.
+VectorXd errors_with_curves(const DiagnosisState& x, std::optional<JointIndex> joint = {});
 
 /// Asks about errors of a torque channel that come from another joint, where a joint has a finding without a name that
 /// depends on the torque of another one, or a cable from it: named, they take its place where they say as much.
