@@ -4,13 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "estimation/estimation_numbers.hpp"
 #include "math/signed_rank.hpp"
 
 namespace veridyn {
 namespace {
-
-using namespace estimation_numbers;
 
 // Sums over the rows of one fold.
 struct Sums {
@@ -27,8 +24,8 @@ double mean_square(const Sums& s, const VectorXd& x) {
 class Regression {
  public:
   Regression(const FoldedRows& rows, const std::vector<SmoothTerm>& terms,
-             const std::vector<MatrixXd>& columns, const AdditiveOptions& options)
-      : rows_(rows), terms_(terms), columns_(columns), options_(options) {
+             const std::vector<MatrixXd>& columns, const AdditiveOptions& options, const EstimationNumbers& numbers)
+      : rows_(rows), terms_(terms), columns_(columns), options_(options), numbers_(numbers) {
     for (const SmoothTerm& term : terms) penalties_.push_back(term.penalty());
   }
 
@@ -84,16 +81,16 @@ class Regression {
     return penalty > 0.0 ? MatrixXd(penalties_[term] * (columns / penalty)) : penalties_[term];
   }
 
-  static VectorXd solve(MatrixXd A, const VectorXd& b, const MatrixXd& P) {
-    const double ridge = kRidge * std::max(A.diagonal().mean(), kLeast);
+  VectorXd solve(MatrixXd A, const VectorXd& b, const MatrixXd& P) const {
+    const double ridge = numbers_.ridge * std::max(A.diagonal().mean(), estimating::kLeast);
     A += P;
     A.diagonal().array() += ridge;
     return Eigen::LDLT<MatrixXd>(A).solve(b);
   }
 
   // Mean square of every fold, predicted from the fit to the others; returns these fits on request.
-  static std::vector<double> held_out(const std::vector<Sums>& sums, const MatrixXd& P,
-                                      MatrixXd* fits = nullptr) {
+  std::vector<double> held_out(const std::vector<Sums>& sums, const MatrixXd& P,
+                               MatrixXd* fits = nullptr) const {
     const auto [A, b, y2, rows] = total(sums);
     if (fits != nullptr) fits->resize(b.size(), static_cast<Eigen::Index>(sums.size()));
     std::vector<double> out;
@@ -127,7 +124,7 @@ class Regression {
       const Eigen::Index size = k < model_.chosen.size() ? terms_[model_.chosen[k].term].size() : added;
       const auto own = x.segment(at, size);
       const double sum = all.A.row(0).segment(at, size).dot(own);
-      if (own.dot(all.A.block(at, at, size, size) * own) - sum * sum / all.rows > kLargest * response) return true;
+      if (own.dot(all.A.block(at, at, size, size) * own) - sum * sum / all.rows > numbers_.largest * response) return true;
       at += size;
     }
     return false;
@@ -143,7 +140,7 @@ class Regression {
   std::vector<double> falls_to(const std::vector<double>& after) const {
     std::vector<double> out;
     for (size_t f = 0; f < after.size(); ++f)
-      out.push_back(std::log(std::max(before_[f], kLeast)) - std::log(std::max(after[f], kLeast)));
+      out.push_back(std::log(std::max(before_[f], estimating::kLeast)) - std::log(std::max(after[f], estimating::kLeast)));
     return out;
   }
 
@@ -173,7 +170,8 @@ class Regression {
     }
     std::vector<Try> tries;
     const MatrixXd own_penalty = scaled_penalty(static_cast<size_t>(term));
-    for (const double smoothing : kSmoothings) {
+    double smoothing = numbers_.least_smoothing;
+    for (int s = 0; s < numbers_.smoothings; ++s, smoothing *= numbers_.smoothing_step) {
       MatrixXd P = MatrixXd::Zero(m + k, m + k);
       P.topLeftCorner(m, m) = P_;
       P.bottomRightCorner(k, k) = smoothing * own_penalty;
@@ -186,8 +184,8 @@ class Regression {
     // Chooses the smoothest of those with nearly the largest gain.
     double most = tries.front().gain;
     for (const Try& t : tries) most = std::max(most, t.gain);
-    const auto smoothest = std::find_if(tries.rbegin(), tries.rend(), [most](const Try& t) {
-      return t.gain >= most - kAsSmooth * std::abs(most);
+    const auto smoothest = std::find_if(tries.rbegin(), tries.rend(), [this, most](const Try& t) {
+      return t.gain >= most - numbers_.as_smooth * std::abs(most);
     });
     return *smoothest;
   }
@@ -237,7 +235,7 @@ class Regression {
       reset();
       double loss = 0.0;
       for (size_t f = 0; f < with.size(); ++f)
-        loss += std::log(std::max(before_[f], kLeast)) - std::log(std::max(with[f], kLeast));
+        loss += std::log(std::max(before_[f], estimating::kLeast)) - std::log(std::max(with[f], estimating::kLeast));
       if (loss / static_cast<double>(with.size()) < options_.smallest_gain) continue;
       model_.chosen.insert(model_.chosen.begin() + static_cast<long>(k), own);
       reset();
@@ -262,6 +260,7 @@ class Regression {
   const std::vector<SmoothTerm>& terms_;
   const std::vector<MatrixXd>& columns_;
   const AdditiveOptions& options_;
+  const EstimationNumbers& numbers_;
   std::vector<MatrixXd> penalties_;
   AdditiveModel model_;
   MatrixXd Z_, P_;
@@ -270,6 +269,17 @@ class Regression {
 };
 
 }  // namespace
+
+const std::vector<TableNumber<EstimationNumbers>>& estimation_numbers() {
+  using T = EstimationNumbers;
+  static const std::vector<TableNumber<T>> kAll = {number_of<&T::least_smoothing>("least_smoothing"),
+                                                   number_of<&T::smoothing_step>("smoothing_step"),
+                                                   number_of<&T::smoothings>("smoothings"),
+                                                   number_of<&T::as_smooth>("as_smooth"),
+                                                   number_of<&T::ridge>("ridge"),
+                                                   number_of<&T::largest>("largest")};
+  return kAll;
+}
 
 Eigen::Index SmoothTerm::size() const {
   Eigen::Index out = 1;
@@ -320,15 +330,16 @@ Eigen::Index AdditiveModel::first_of(const std::vector<SmoothTerm>& terms, size_
 }
 
 AdditiveModel additive_regression(const FoldedRows& rows, const std::vector<SmoothTerm>& terms,
-                                  const std::vector<MatrixXd>& columns,
-                                  const AdditiveOptions& options) {
-  return Regression(rows, terms, columns, options).run();
+                                  const std::vector<MatrixXd>& columns, const AdditiveOptions& options,
+                                  const EstimationNumbers& numbers) {
+  return Regression(rows, terms, columns, options, numbers).run();
 }
 
 AdditiveModel additive_fit(const FoldedRows& rows, const std::vector<SmoothTerm>& terms,
-                           const std::vector<MatrixXd>& columns, std::vector<ChosenTerm> chosen) {
+                           const std::vector<MatrixXd>& columns, std::vector<ChosenTerm> chosen,
+                           const EstimationNumbers& numbers) {
   const AdditiveOptions none{};
-  return Regression(rows, terms, columns, none).fit(std::move(chosen));
+  return Regression(rows, terms, columns, none, numbers).fit(std::move(chosen));
 }
 
 VectorXd predicted(const AdditiveModel& model, const std::vector<SmoothTerm>& terms,

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "estimation/estimation_numbers.hpp"
 #include "estimation/smooth_basis.hpp"
 
 namespace veridyn {
@@ -61,12 +62,13 @@ struct AdditiveModel {
 
 /// @param columns  of every term at the rows, see SmoothTerm::columns().
 AdditiveModel additive_regression(const FoldedRows& rows, const std::vector<SmoothTerm>& terms,
-                                  const std::vector<MatrixXd>& columns,
-                                  const AdditiveOptions& options);
+                                  const std::vector<MatrixXd>& columns, const AdditiveOptions& options,
+                                  const EstimationNumbers& numbers);
 
 /// Fits the model with given terms.
 AdditiveModel additive_fit(const FoldedRows& rows, const std::vector<SmoothTerm>& terms,
-                           const std::vector<MatrixXd>& columns, std::vector<ChosenTerm> chosen);
+                           const std::vector<MatrixXd>& columns, std::vector<ChosenTerm> chosen,
+                           const EstimationNumbers& numbers);
 
 /// Value of the model at other rows.
 VectorXd predicted(const AdditiveModel& model, const std::vector<SmoothTerm>& terms,

@@ -6,15 +6,13 @@
 
 namespace veridyn {
 
-using estimation_numbers::kDegree;
-
 SmoothBasis::SmoothBasis(BasisKind kind, double low, double high, int intervals, double step)
     : kind_(kind), low_(low), high_(high), intervals_(intervals), step_(step) {}
 
 Eigen::Index SmoothBasis::size() const {
   if (kind_ == BasisKind::kSides) return 2;
   if (kind_ == BasisKind::kProportional) return 1;
-  return intervals_ + kDegree + (kind_ == BasisKind::kSided ? 1 : 0);
+  return intervals_ + estimating::kDegree + (kind_ == BasisKind::kSided ? 1 : 0);
 }
 
 void SmoothBasis::values(double x, double* out) const {
@@ -43,7 +41,7 @@ void SmoothBasis::values(double x, double* out) const {
 MatrixXd SmoothBasis::penalty() const {
   MatrixXd out = MatrixXd::Zero(size(), size());
   if (kind_ == BasisKind::kSides || kind_ == BasisKind::kProportional) return out;
-  const Eigen::Index splines = intervals_ + kDegree;
+  const Eigen::Index splines = intervals_ + estimating::kDegree;
   for (Eigen::Index k = 0; k + 2 < splines; ++k) {
     const Eigen::Vector3d difference(1.0, -2.0, 1.0);
     out.block<3, 3>(k, k) += difference * difference.transpose();

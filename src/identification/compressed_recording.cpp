@@ -12,7 +12,6 @@
 #include "velocity_choice.hpp"
 #include "math/parallel.hpp"
 #include "recordings/kept_recordings.hpp"
-#include "recordings/quality/quality_numbers.hpp"
 
 namespace veridyn {
 namespace {
@@ -264,7 +263,7 @@ MotionPeriod period_of(const Model& arm, const std::string& path,
     // The judgement of a short recording has found the period from the same positions.
     const auto seen = options.kept->known_quality(path, rows_looked_at(arm, options));
     if (seen && seen->rows < identifying::kPeriodRows && seen->duration < identifying::kPeriodSeconds &&
-        seen->rows >= quality::kFewestRows && seen->find("absurd_numbers") == nullptr)
+        seen->find("short_recording") == nullptr && seen->find("absurd_numbers") == nullptr)
       return seen->period;
   }
   return detect_period(there != nullptr ? *there : first_positions(arm, path, options));

@@ -38,7 +38,7 @@ std::vector<SmoothTerm> terms_of_one_signal() {
 AdditiveModel fitted(const FoldedRows& rows, const std::vector<SmoothTerm>& terms) {
   std::vector<MatrixXd> columns;
   for (const SmoothTerm& term : terms) columns.push_back(term.columns(rows.signals));
-  return additive_regression(rows, terms, columns, {4, 0.05, 0.9, 0.05});
+  return additive_regression(rows, terms, columns, {4, 0.05, 0.9, 0.05}, EstimationNumbers());
 }
 
 TEST(AdditiveRegression, NoiseHasNoTerms) {

@@ -56,6 +56,12 @@ SweptRoom diagnosis_room(const DiagnosisOptions& options, unsigned seed, const s
 /// The numbers of `check ROBOT`: sound and mistaken recordings of a SCARA and the first axes of a PSM.
 SweptRoom check_room(unsigned seed, const std::string& folder);
 
+/// The numbers of the quality of recordings: sound ones, and ones with planted faults.
+SweptRoom quality_room(unsigned seed, const std::string& folder);
+
+/// The numbers of regressions with smooth terms: curves under noise.
+SweptRoom estimation_room(unsigned seed);
+
 /// The numbers of `watch`: simulated arms that change while they are watched.
 SweptRoom watch_room(unsigned seed);
 

@@ -11,9 +11,11 @@
 #include <set>
 
 #include "comparison/comparison_numbers.hpp"
+#include "estimation/estimation_numbers.hpp"
 #include "hide_and_seek/sweep_board.hpp"
 #include "identification/check/check_thresholds.hpp"
 #include "identification/fleet/fleet_numbers.hpp"
+#include "recordings/quality/quality_numbers.hpp"
 #include "veridyn/math/require.hpp"
 #include "watch/watch_numbers.hpp"
 
@@ -58,7 +60,9 @@ TEST(ThresholdSweep, TheTableShowsWhatMultiplesChanged) {
 
 // Of the rooms of swept_rooms().
 const std::map<std::string, std::string>& sweep_files() {
-  static const std::map<std::string, std::string> kAll = {{"check", "identification/check/check_sweeps.csv"},
+  static const std::map<std::string, std::string> kAll = {{"quality", "recordings/quality/quality_sweeps.csv"},
+                                                          {"estimation", "estimation/estimation_sweeps.csv"},
+                                                          {"check", "identification/check/check_sweeps.csv"},
                                                           {"watch", "watch/watch_sweeps.csv"},
                                                           {"compare", "comparison/comparison_sweeps.csv"},
                                                           {"fleet", "identification/fleet/fleet_sweeps.csv"}};
@@ -90,6 +94,8 @@ void expect_all_swept(const std::vector<TableNumber<Numbers>>& table, const std:
 }
 
 TEST(ThresholdSweep, EveryRoomsNumbersAreSwept) {
+  expect_all_swept(quality_numbers(), "quality");
+  expect_all_swept(estimation_numbers(), "estimation");
   expect_all_swept(check_numbers(), "check");
   expect_all_swept(watch_numbers(), "watch");
   expect_all_swept(comparison_numbers(), "compare");

@@ -11,45 +11,15 @@
 #include <random>
 #include <set>
 
+#include "support/clean_recording.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {
 
-constexpr double kRate = 200.0;
-constexpr int kRows = 6000;
-constexpr int kJoints = 3;
-
-// A flawless recording: three joints in motion that does not repeat, encoder and current noise.
-Recording clean_recording() {
-  std::mt19937 random(17);
-  std::normal_distribution<double> normal;
-  Recording r;
-  r.source = "clean";
-  r.time.resize(kRows);
-  r.q.resize(kRows, kJoints);
-  r.dq.resize(kRows, kJoints);
-  r.tau.resize(kRows, kJoints);
-  const double frequency[4] = {0.7, 1.3, 2.1, 3.7};  // [rad/s] no common period
-  for (int k = 0; k < kRows; ++k) {
-    r.time[k] = k / kRate;
-    for (int j = 0; j < kJoints; ++j) {
-      double q = 0.0, dq = 0.0, ddq = 0.0;
-      for (int h = 0; h < 4; ++h) {
-        const double w = frequency[h] * (1.0 + 0.13 * j);
-        const double phase = w * r.time[k] + h + 2 * j;
-        q += 0.2 * std::sin(phase);
-        dq += 0.2 * w * std::cos(phase);
-        ddq -= 0.2 * w * w * std::sin(phase);
-      }
-      r.q(k, j) = q + 1e-5 * normal(random);
-      r.dq(k, j) = dq + 2e-3 * normal(random);
-      r.tau(k, j) =
-          0.4 * ddq + 0.3 * dq + 0.2 * std::tanh(50.0 * dq) + std::sin(q) + 5e-3 * normal(random);
-    }
-  }
-  return r;
-}
+constexpr double kRate = kCleanRate;
+constexpr int kRows = kCleanRows;
+constexpr int kJoints = kCleanJoints;
 
 std::set<std::string> names_of(const RecordingQuality& quality) {
   std::set<std::string> names;
@@ -216,6 +186,16 @@ TEST(AFault, ATorqueThatStaysAtZeroIsNotSaturated) {
   const QualityFinding& zero = found(quality, "saturation", 1);
   EXPECT_EQ(zero.value, 0.0);
   EXPECT_NE(zero.sentence.find("a dead zone, or a channel of one sign"), std::string::npos) << zero.sentence;
+}
+
+// Steps of a thirtieth of the range: the largest value is one of few, and no limit.
+TEST(AFault, ATorqueOfFewBitsIsNotSaturated) {
+  Recording r = clean_recording();
+  for (int j = 0; j < kJoints; ++j) {
+    const double step = (r.tau.col(j).maxCoeff() - r.tau.col(j).minCoeff()) / 32.0;
+    for (double& x : r.tau.col(j)) x = step * std::round(x / step);
+  }
+  expect_only(check_recording(r), {});
 }
 
 TEST(AFault, RingingAtTheStartIsATransient) {

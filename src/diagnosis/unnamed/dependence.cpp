@@ -174,13 +174,14 @@ Dependence find_dependence(int joint, const MotionRows& train, const MotionRows&
   for (const SmoothTerm& term : terms) columns.push_back(term.columns(rows.signals));
   const AdditiveOptions how{static_cast<int>(limits.unnamed_terms), limits.unnamed_gain, limits.tie,
                             limits.significance};
-  out.model = additive_regression(rows, terms, columns, how);
+  const EstimationNumbers numbers;
+  out.model = additive_regression(rows, terms, columns, how, numbers);
   const std::vector<Eigen::Index> there = rows_in_folds(test, joint);
   const FoldedRows of_test = folded(test, joint, there);
   for (size_t k = 1; k <= out.model.chosen.size(); ++k) {
     const AdditiveModel first =
         additive_fit(rows, terms, columns,
-                     {out.model.chosen.begin(), out.model.chosen.begin() + static_cast<long>(k)});
+                     {out.model.chosen.begin(), out.model.chosen.begin() + static_cast<long>(k)}, numbers);
     out.predicted_of_folds.push_back(1.0 - std::exp(-first.gain));
     out.predicted_of_test.push_back(
         of_test.response.size() == 0

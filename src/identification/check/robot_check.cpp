@@ -59,7 +59,7 @@ class RobotCheck {
              const CheckThresholds& limits)
       : given_(arm), limits_(limits), recording_(std::move(recording)), fitter_(arm, options, limits) {
     for (const Coordinate& c : arm.coordinates()) names_.push_back(c.name);
-    moves_ = quality::Head(recording_).moves;
+    moves_ = quality::Head(recording_, QualityNumbers()).moves;
   }
 
   std::vector<QualityFinding> run() {

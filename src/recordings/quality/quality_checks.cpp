@@ -131,22 +131,22 @@ bool is_stale(const Recording& rows, int k) {
   return any && is_moving(rows, k);
 }
 
-Head::Head(const Recording& recording) : rows(recording) {
+Head::Head(const Recording& recording, const QualityNumbers& of) : rows(recording), numbers(of) {
   const int count = rows.rows();
   std::vector<double> steps;
   for (int k = 1; k < count; ++k) steps.push_back(rows.time[k] - rows.time[k - 1]);
   step = quantile(steps, 0.5);
-  shortest = quantile(steps, kLowest);
-  longest = quantile(steps, kHighest);
+  shortest = quantile(steps, numbers.ends);
+  longest = quantile(steps, 1.0 - numbers.ends);
   for (int j = 0; j < rows.joints(); ++j) {
     const std::vector<double> q(rows.q.col(j).data(), rows.q.col(j).data() + count);
-    moves.push_back(between_quantiles(q, kLowest, kHighest) > kRestingRange);
+    moves.push_back(between_quantiles(q, numbers.ends, 1.0 - numbers.ends) > numbers.resting_range);
   }
   for (int k = 0; k < count; ++k) stale.push_back(is_stale(rows, k));
 }
 
 int window_rows(const Head& head) {
-  return std::max(kShortestWindow, static_cast<int>(std::lround(kWindow / head.step)));
+  return std::max(head.numbers.shortest_window, static_cast<int>(std::lround(head.numbers.window / head.step)));
 }
 
 }  // namespace veridyn::quality

@@ -47,9 +47,10 @@ struct Piece {
 
 /// The first rows, without absurd numbers, and scales computed from them.
 struct Head {
-  explicit Head(const Recording& recording);
+  Head(const Recording& recording, const QualityNumbers& of);
 
   const Recording& rows;
+  const QualityNumbers& numbers;
   double step = 0.0;        // [s] median
   double shortest = 0.0;    // [s] 1 % quantile of the steps
   double longest = 0.0;     // [s] 99 % quantile of the steps
@@ -57,7 +58,7 @@ struct Head {
   std::vector<bool> stale;  // per row: equal to the row before while the arm moves
 };
 
-/// Rows of a window of kWindow.
+/// Rows of a window of QualityNumbers::window.
 int window_rows(const Head& head);
 
 /// Text such as "joint 3 (tau)".
@@ -87,6 +88,7 @@ bool is_moving(const Recording& rows, int k);
 /// Replaces numbers beyond +-1e6 in rows from `fresh` on by NaN, and counts them.
 class AbsurdTally {
  public:
+  explicit AbsurdTally(const QualityNumbers& numbers) : numbers_(numbers) {}
   void clean(Recording* rows, int fresh);
   double share() const {
     return rows_ == 0 ? 0.0 : static_cast<double>(bad_rows_) / static_cast<double>(rows_);
@@ -94,6 +96,7 @@ class AbsurdTally {
   void conclude(Findings* findings) const;
 
  private:
+  const QualityNumbers& numbers_;
   long rows_ = 0;
   long bad_rows_ = 0;
   long bad_values_ = 0;
@@ -103,11 +106,12 @@ class AbsurdTally {
 class TimeTally {
  public:
   explicit TimeTally(const Head& head)
-      : step_(head.step), shortest_(head.shortest), longest_(head.longest) {}
+      : numbers_(head.numbers), step_(head.step), shortest_(head.shortest), longest_(head.longest) {}
   void add(const Piece& piece);
   void conclude(Findings* findings) const;
 
  private:
+  const QualityNumbers& numbers_;
   double step_;
   double shortest_;
   double longest_;
@@ -124,7 +128,7 @@ class TimeTally {
 /// Counts stale rows, gaps, and signals that never change.
 class RowTally {
  public:
-  explicit RowTally(const Recording& head);
+  explicit RowTally(const Head& head);
   void add(const Piece& piece);
   void conclude(Findings* findings) const;
 
@@ -142,6 +146,7 @@ class RowTally {
                 Findings* findings) const;
   void conclude_constant(Findings* findings) const;
 
+  const QualityNumbers& numbers_;
   std::vector<Channel> channels_;
   long rows_ = 0;
   long stale_ = 0;
@@ -165,6 +170,7 @@ class JumpTally {
     double largest = 0.0;
     double largest_at = 0.0;
   };
+  const QualityNumbers& numbers_;
   double step_;
   std::vector<Joint> joints_;
 };
@@ -190,6 +196,7 @@ class ClipTally {
   void add_value(double value, double before, Extreme* extreme) const;
   void close_run(double after, Extreme* extreme) const;
 
+  const QualityNumbers& numbers_;
   std::vector<Extreme> extremes_;
   long rows_ = 0;
 };

@@ -20,48 +20,51 @@ struct Velocities {
 
 Velocities smoothed_velocities(const Head& head, int joint) {
   const Recording& rows = head.rows;
+  const QualityNumbers& numbers = head.numbers;
+  const int half = numbers.half_average;
   const int count = std::min(rows.rows(), kLagRows);
   Velocities v{(rows.time[count - 1] - rows.time[0]) / (count - 1),
                VectorXd::Constant(count, kNone), VectorXd::Constant(count, kNone)};
   VectorXd steps = VectorXd::Zero(count);
   steps.tail(count - 1) =
       (rows.q.col(joint).segment(1, count - 1) - rows.q.col(joint).head(count - 1)).cwiseAbs();
-  const double longest = kLargeStep * quantile({steps.data(), steps.data() + count}, kHighest);
+  const double longest = numbers.large_step * quantile({steps.data(), steps.data() + count}, 1.0 - numbers.ends);
   int broken = 0;  // last row that must not be included
   for (int last = 1; last < count; ++last) {
-    const bool hole = rows.time[last] - rows.time[last - 1] > kHole * head.step;
+    const bool hole = rows.time[last] - rows.time[last - 1] > numbers.hole * head.step;
     if (hole || !(steps[last] <= longest) || std::isnan(rows.dq(last, joint))) broken = last;
-    const int first = last - 2 * kHalfAverage;
+    const int first = last - 2 * half;
     if (first < broken) continue;
-    const auto dq = rows.dq.col(joint).segment(first, 2 * kHalfAverage + 1);
-    v.from_q[last - kHalfAverage] =
+    const auto dq = rows.dq.col(joint).segment(first, 2 * half + 1);
+    v.from_q[last - half] =
         (rows.q(last, joint) - rows.q(first, joint)) / (rows.time[last] - rows.time[first]);
-    v.recorded[last - kHalfAverage] = (dq.sum() - 0.5 * (dq[0] + dq[2 * kHalfAverage])) / (2 * kHalfAverage);
+    v.recorded[last - half] = (dq.sum() - 0.5 * (dq[0] + dq[2 * half])) / (2 * half);
   }
   return v;
 }
 
 // The delay of the recorded velocity in whole rows: the peak of the correlation.
-std::optional<int> whole_delay(const Velocities& v) {
-  const int core = static_cast<int>(v.from_q.size()) - 2 * kLongestLag;
-  if (core < 4 * kLongestLag) return std::nullopt;
+std::optional<int> whole_delay(const Velocities& v, const QualityNumbers& numbers) {
+  const int longest = numbers.longest_lag;
+  const int core = static_cast<int>(v.from_q.size()) - 2 * longest;
+  if (core < 4 * longest) return std::nullopt;
   const VectorXd from_q = v.from_q.array().isNaN().select(0.0, v.from_q);
   const VectorXd recorded = v.recorded.array().isNaN().select(0.0, v.recorded);
-  const auto q = from_q.segment(kLongestLag, core);
+  const auto q = from_q.segment(longest, core);
   const double size = q.norm();
   double peak = 0.0;
   int best = 0;
   double squares = recorded.head(core).squaredNorm();  // of the rows that are compared
-  for (int lag = -kLongestLag; lag <= kLongestLag; ++lag) {
-    const int first = kLongestLag + lag;
+  for (int lag = -longest; lag <= longest; ++lag) {
+    const int first = longest + lag;
     const double correlation = std::abs(q.dot(recorded.segment(first, core))) /
                                std::max(size * std::sqrt(std::max(squares, 0.0)), 1e-300);
-    if (lag < kLongestLag) squares += std::pow(recorded[first + core], 2) - std::pow(recorded[first], 2);
+    if (lag < longest) squares += std::pow(recorded[first + core], 2) - std::pow(recorded[first], 2);
     if (correlation <= peak) continue;
     peak = correlation;
     best = lag;
   }
-  if (peak < kClearPeak || std::abs(best) == kLongestLag) return std::nullopt;
+  if (peak < numbers.clear_peak || std::abs(best) == longest) return std::nullopt;
   return best;
 }
 
@@ -69,19 +72,20 @@ std::optional<int> whole_delay(const Velocities& v) {
 
 // [s] by which dq lags the derivative v of q, if significant. Beyond whole rows,
 //   dq(t) = f v(t - delay) = f v(t) - f delay dv/dt,
-// by least squares, twice, the second time without rows that are more than 4 median errors off.
+// by least squares, twice, the second time without rows that are far off.
 std::optional<double> velocity_delay(const Head& head, int joint) {
   constexpr int kReach = 2;  // rows to either side of a derivative
   const Velocities v = smoothed_velocities(head, joint);
-  const std::optional<int> whole = whole_delay(v);
+  const std::optional<int> whole = whole_delay(v, head.numbers);
   if (!whole) return std::nullopt;
-  const int rows = static_cast<int>(v.from_q.size()) - 2 * kLagMargin;
+  const int margin = head.numbers.longest_lag + kReach;
+  const int rows = static_cast<int>(v.from_q.size()) - 2 * margin;
   Eigen::MatrixX2d A(rows, 2);  // v, -dv/dt
-  A.col(0) = v.from_q.segment(kLagMargin, rows);
+  A.col(0) = v.from_q.segment(margin, rows);
   A.col(1) =
-      (v.from_q.segment(kLagMargin - kReach, rows) - v.from_q.segment(kLagMargin + kReach, rows)) /
+      (v.from_q.segment(margin - kReach, rows) - v.from_q.segment(margin + kReach, rows)) /
       (2.0 * kReach * v.step);
-  VectorXd recorded = v.recorded.segment(kLagMargin + *whole, rows);
+  VectorXd recorded = v.recorded.segment(margin + *whole, rows);
   VectorXd weights = VectorXd::Ones(rows);
   for (int k = 0; k < rows; ++k) {
     if (std::isfinite(A.row(k).sum() + recorded[k])) continue;
@@ -96,7 +100,7 @@ std::optional<double> velocity_delay(const Head& head, int joint) {
     fit = square.inverse() * (A.transpose() * weights.cwiseProduct(recorded));
     const VectorXd errors = (recorded - A * fit).cwiseAbs();
     const VectorXd judged = (known.array() > 0.0).select(errors, kNone);
-    const double allowed = kLagOutlier * quantile({judged.data(), judged.data() + rows}, 0.5);
+    const double allowed = head.numbers.lag_outlier * quantile({judged.data(), judged.data() + rows}, 0.5);
     weights = known.array() * (errors.array() <= allowed).cast<double>();
   }
   return *whole * v.step + fit[1] / fit[0];

@@ -15,7 +15,7 @@ std::vector<double> column_of(const MatrixXd& values, int joint) {
 
 // Root mean square of the change over 20 ms, in consecutive windows of 0.1 s.
 std::vector<double> ringing(const Head& head, const MatrixXd& values, int joint) {
-  const int lag = std::max(1, static_cast<int>(std::lround(kRinging / head.step)));
+  const int lag = std::max(1, static_cast<int>(std::lround(head.numbers.ringing / head.step)));
   const int window = window_rows(head);
   std::vector<double> sizes;
   for (int first = 0; first + window + lag <= values.rows(); first += window) {
@@ -43,7 +43,7 @@ void check_motion(const Head& head, Findings* findings) {
   for (int j = 0; j < head.rows.joints(); ++j) {
     if (head.moves[j]) continue;
     const std::vector<double> q = column_of(head.rows.q, j);
-    const double range = between_quantiles(q, kLowest, kHighest);
+    const double range = between_quantiles(q, head.numbers.ends, 1.0 - head.numbers.ends);
     if (std::isnan(range)) continue;
     const Place place{"q", j + 1};
     findings->add(Severity::kInfo, "joint_at_rest", place, {kNone, range, unit_of("q")},
@@ -63,19 +63,20 @@ void check_motion(const Head& head, Findings* findings) {
 }
 
 void check_start_up(const Head& head, Findings* findings) {
+  const QualityNumbers& numbers = head.numbers;
   for (const Load& load : loads_of(head.rows)) {
     double until = 0.0;
     double worst = 0.0;
     Place place{load.name, 0};
     for (int j = 0; j < head.rows.joints(); ++j) {
       const std::vector<double> sizes = ringing(head, *load.values, j);
-      if (sizes.size() < 2 * kLatestStart) continue;
-      const double usual = quantile({sizes.begin() + kLatestStart, sizes.end()}, kUsual);
+      if (static_cast<int>(sizes.size()) < 2 * numbers.latest_start) continue;
+      const double usual = quantile({sizes.begin() + numbers.latest_start, sizes.end()}, 1.0 - numbers.rare);
       int loud = 0;
-      for (int w = 0; w < kLatestStart && w <= loud + 1; ++w) {
-        if (sizes[w] > kLoud * usual) loud = w + 1;
+      for (int w = 0; w < numbers.latest_start && w <= loud + 1; ++w) {
+        if (sizes[w] > numbers.loud * usual) loud = w + 1;
       }
-      if (loud < kShortestStart || usual <= 0.0) continue;
+      if (loud < numbers.shortest_start || usual <= 0.0) continue;
       const double ratio = *std::max_element(sizes.begin(), sizes.begin() + loud) / usual;
       const int window = window_rows(head);
       until = std::max(until, loud * window * head.step);

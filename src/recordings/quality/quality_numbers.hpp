@@ -1,154 +1,171 @@
 #pragma once
 
+#include <vector>
+
+#include "math/number_table.hpp"
+#include "veridyn/recordings/recording_quality.hpp"
+
+namespace veridyn {
+
 /// All numbers that can change what is said about the quality of a recording, each with its inequality,
 /// and with its reason where one is known.
-namespace veridyn::quality {
+struct QualityNumbers {
+  // What is read.
+  /// rows >= fewest_rows, else motion and velocities are not checked.
+  int fewest_rows = 50;
+  /// Quantiles = ends and 1 - ends stand for the ends of a range: single wrong values do not count.
+  double ends = 0.01;
+  /// Quantile = 1 - rare stands for what is usual.
+  double rare = 0.1;
 
-// What is read.
-/// rows that scales and checks of motion see <= kHeadRows: 1000 s at 200 Hz.
-constexpr int kHeadRows = 200000;
+  // Numbers, time, rows.
+  /// |number| > absurd: damaged; no joint reaches it in SI units.
+  double absurd = 1e6;
+  /// share of rows with such numbers >= hopeless_share: the motion of the file is not judged.
+  double hopeless_share = 0.002;
+  /// range of a position <= resting_range [rad, m]: the joint is at rest.
+  double resting_range = 5e-3;
+  /// step of time > hole median steps: rows are missing.
+  double hole = 1.5;
+  /// share of missing rows > many_missing, or a hole > long_hole median steps: a warning, else a remark.
+  double many_missing = 0.01, long_hole = 10.0;
+  /// spread of the steps > irregular * their median: irregular.
+  double irregular = 0.05;
+  /// |mean rate * median step - 1| > misleading: a fixed rate would be wrong.
+  double misleading = 0.01;
+  /// share of stale rows >= few_stale: reported; > many_stale: a warning; > frozen: a fault.
+  double few_stale = 0.001, many_stale = 0.02, frozen = 0.5;
+  /// share of missing values > few_gaps: a warning; > many_gaps: a fault.
+  double few_gaps = 0.001, many_gaps = 0.5;
+  /// signals with gaps > many_signals: one finding for the file.
+  int many_signals = 3;
+  /// |q| > two turns in a share of the rows >= beyond_turns: degrees, or millimetres.
+  double beyond_turns = 0.5;
+
+  // Signals refreshed too slowly.
+  /// change over three rows > fine * resolution: equal values are no coincidence.
+  double fine = 8.0;
+  /// such rows >= fewest_fine, else nothing is said.
+  int fewest_fine = 200;
+  /// share of repeats >= repeating: refreshed too slowly.
+  double repeating = 0.1;
+
+  // Start-up.
+  /// ringing = rms change over `ringing` [s] in windows of `window` = [s] and shortest_window rows.
+  double ringing = 0.02, window = 0.1;
+  int shortest_window = 4;
+  /// ringing > loud * the usual one of later windows ...
+  double loud = 3.0;
+  /// ... in >= shortest_start windows among the first latest_start: a transient of the start.
+  int latest_start = 20, shortest_start = 2;
+
+  // Jumps of positions.
+  /// step > smallest_jump [rad, m], jump_noise * the largest second difference, jump_range * range ...
+  double smallest_jump = 2e-3, jump_noise = 5.0, jump_range = 0.02;
+  /// ... and > jump_around * the steps around it beyond that: motion does not explain it.
+  double jump_around = 4.0;
+  /// |jump| < turn_error turns from a whole number of them: the angle is wrapped.
+  double turn_error = 0.02;
+
+  // Scale of velocities.
+  /// step of time > gap median steps: no window spans it.
+  double gap = 5.0;
+  /// motion of a window > fast * its quantile 1 - fastest: slow windows are noise.
+  double fast = 0.3, fastest = 0.02;
+  /// such windows >= fewest_windows, else nothing is said.
+  int fewest_windows = 50;
+  /// |ratio - median| > outlying * spread: the window does not count.
+  double outlying = 6.0;
+  /// spread < agree * |factor|: the factor is clear.
+  double agree = 0.2;
+  /// |factor - 1| > scale_error: reported; clock_error on a single joint, whose own sensor may be off.
+  double scale_error = 0.025, clock_error = 0.1;
+  /// |factor + 1| < sign_error: the opposite sign.
+  double sign_error = 0.1;
+  /// |factor * 180 / pi - 1| < degree_error, or / : degrees.
+  double degree_error = 0.05;
+  /// |factor - 1| > far_off: a fault, else a warning.
+  double far_off = 0.3;
+  /// spread of the factors < one_clock * their median: one clock is off.
+  double one_clock = 0.03;
+
+  // Delay of velocities.
+  /// half of the rows that are averaged = half_average.
+  int half_average = 4;
+  /// step > large_step * the largest one: a wrong row.
+  double large_step = 3.0;
+  /// |delay| < longest_lag rows, rows >= 6 longest_lag.
+  int longest_lag = 40;
+  /// correlation at its peak >= clear_peak, else there is no delay to speak of.
+  double clear_peak = 0.9;
+  /// error <= lag_outlier medians counts in the second pass.
+  double lag_outlier = 4.0;
+  /// |delay| >= delay_rows median steps: reported.
+  double delay_rows = 0.6;
+
+  // Steps and noise of velocities.
+  /// changes that are not zero >= fewest_changes, else nothing is said.
+  int fewest_changes = 20;
+  /// step > coarse * range: quantised; grid_share of it, if all steps are multiples of one.
+  double coarse = 0.07, grid_share = 0.3;
+  /// usual step > two_kinds * median: jumps between levels, as velocities of an MTM and a PSM's wrist have;
+  /// 2.4 for Gaussian noise.
+  double two_kinds = 3.5;
+  /// noise > noisier * that of the position's derivative ...
+  double noisier = 2.0;
+  /// ... and > no_noise * range: reported.
+  double no_noise = 1e-4;
+
+  // Saturation.
+  /// difference of two values <= step_share * resolution: equal.
+  double step_share = 0.6;
+  /// rows at the extreme >= shortest_run, entered and left by > abrupt tolerances: clipped.
+  int shortest_run = 3;
+  double abrupt = 5.0;
+  /// share of clipped rows > many_clipped: a fault, else a warning.
+  double many_clipped = 0.01;
+  /// load > near_largest * the largest, for shortest_plateau rows and more: a plateau ...
+  double near_largest = 0.92;
+  int shortest_plateau = 8;
+  /// ... and speed changes by > speed_change of the largest meanwhile, unlike on plateaus of friction, over
+  /// a length / plateau_parts at either end.
+  double speed_change = 0.25;
+  int plateau_parts = 4;
+};
+
+/// All numbers, in the order of the struct.
+const std::vector<TableNumber<QualityNumbers>>& quality_numbers();
+
+/// check_recording() with other numbers.
+RecordingQuality check_recording(const Recording& recording, const QualityNumbers& numbers);
+
+/// What no answer turns on: memory, units, facts of statistics, rounding, and how numbers are printed.
+namespace quality {
+
+/// rows that scales and checks of motion see <= kHeadRows: 1000 s at 200 Hz; those of delays <= kLagRows.
+constexpr int kHeadRows = 200000, kLagRows = 60000;
 /// rows in memory at once <= kPieceRows + kContext: files may be larger than memory.
 constexpr int kPieceRows = 50000;
 /// rows of the piece before = kContext: jumps and motion look back so far.
 constexpr int kContext = 6;
-/// rows >= kFewestRows, else motion and velocities are not checked.
-constexpr int kFewestRows = 50;
-/// Quantiles = kLowest and kHighest stand for the ends of a range: single wrong values do not count.
-constexpr double kLowest = 0.01, kHighest = 0.99;
-/// half the distance of the quantiles kQuartile and 1 - kQuartile = the spread of ratios.
-constexpr double kQuartile = 0.25;
-
-// Numbers, time, rows.
-/// |number| > kAbsurd: damaged; no joint reaches it in SI units.
-constexpr double kAbsurd = 1e6;
-/// share of rows with such numbers >= kHopelessShare: the motion of the file is not judged.
-constexpr double kHopelessShare = 0.002;
-/// range of a position <= kRestingRange [rad, m]: the joint is at rest.
-constexpr double kRestingRange = 5e-3;
-/// step of time > kHole median steps: rows are missing.
-constexpr double kHole = 1.5;
-/// share of missing rows > kManyMissing, or a hole > kLongHole median steps: a warning, else a remark.
-constexpr double kManyMissing = 0.01, kLongHole = 10.0;
-/// spread of the steps > kIrregular * their median: irregular.
-constexpr double kIrregular = 0.05;
-/// |mean rate * median step - 1| > kMisleading: a fixed rate would be wrong.
-constexpr double kMisleading = 0.01;
-/// share of stale rows >= kFewStale: reported; > kManyStale: a warning; > kFrozen: a fault.
-constexpr double kFewStale = 0.001, kManyStale = 0.02, kFrozen = 0.5;
-/// share of missing values > kFewGaps: a warning; > kManyGaps: a fault.
-constexpr double kFewGaps = 0.001, kManyGaps = 0.5;
-/// signals with gaps > kManySignals: one finding for the file.
-constexpr long kManySignals = 3;
-/// |q| > 2 kTurn in a share of the rows >= kBeyondTurns: degrees, or millimetres.
+/// a turn = kTurn [rad].
 constexpr double kTurn = 6.283185307179586;
-constexpr double kBeyondTurns = 0.5;
-
-// Signals refreshed too slowly.
-/// change over three rows > kFine * resolution: equal values are no coincidence.
-constexpr double kFine = 8.0;
-/// such rows >= kFewestFine, else nothing is said.
-constexpr long kFewestFine = 200;
-/// share of repeats after one row >= kRepeating ...
-constexpr double kRepeating = 0.1;
-/// ... and repeats after two rows <= kReturning * those after one: values that alternate are noise.
-constexpr double kReturning = 0.7;
-
-// Start-up.
-/// ringing = rms change over kRinging [s] in windows of kWindow [s] and kShortestWindow rows.
-constexpr double kRinging = 0.02, kWindow = 0.1;
-constexpr int kShortestWindow = 4;
-/// ringing > kLoud * the quantile kUsual of later windows ...
-constexpr double kLoud = 3.0, kUsual = 0.9;
-/// ... in >= kShortestStart windows among the first kLatestStart: a transient of the start.
-constexpr int kLatestStart = 20, kShortestStart = 2;
-
-// Jumps of positions.
-/// second difference > kSmallestJump [rad, m], kJumpNoise * its quantile kHighest, kJumpRange * range ...
-constexpr double kSmallestJump = 2e-3, kJumpNoise = 5.0, kJumpRange = 0.02;
-/// ... and > kJumpAround * the steps around it beyond that: motion does not explain it.
-constexpr double kJumpAround = 4.0;
-/// |jump| > kNearlyTurn turns and < kTurnError from a whole number of them: the angle is wrapped.
-constexpr double kNearlyTurn = 0.9, kTurnError = 0.02;
-
-// Scale of velocities.
 /// degrees = kDegrees * radians.
 constexpr double kDegrees = 57.29577951308232;
-/// step of time > kGap median steps: no window spans it.
-constexpr double kGap = 5.0;
-/// motion of a window > kFast * its quantile kFastest: slow windows are noise.
-constexpr double kFast = 0.3, kFastest = 0.98;
-/// such windows >= kFewestWindows, else nothing is said.
-constexpr int kFewestWindows = 50;
-/// |ratio - median| > kOutlying * spread + kTinyRatio: the window does not count.
-constexpr double kOutlying = 6.0, kTinyRatio = 1e-9;
-/// spread < kAgree * |factor| and |factor| > kTinyFactor: the factor is clear.
-constexpr double kAgree = 0.2, kTinyFactor = 1e-6;
-/// |factor - 1| > kScaleError: reported; kClockError on a single joint, whose own sensor may be off.
-constexpr double kScaleError = 0.025, kClockError = 0.1;
-/// |factor + 1| < kSignError: the opposite sign.
-constexpr double kSignError = 0.1;
-/// |factor * 180 / pi - 1| < kDegreeError, or / : degrees.
-constexpr double kDegreeError = 0.05;
-/// |factor - 1| > kFarOff: a fault, else a warning.
-constexpr double kFarOff = 0.3;
-/// spread of the factors < kOneClock * their median: one clock is off.
-constexpr double kOneClock = 0.03;
-
-// Delay of velocities.
-/// rows that are compared <= kLagRows.
-constexpr int kLagRows = 60000;
-/// half of the rows that are averaged = kHalfAverage.
-constexpr int kHalfAverage = 4;
-/// step > kLargeStep * its quantile kHighest: a wrong row.
-constexpr double kLargeStep = 3.0;
-/// |delay| < kLongestLag rows, rows >= 4 kLongestLag.
-constexpr int kLongestLag = 40;
-/// correlation at its peak >= kClearPeak, else there is no delay to speak of.
-constexpr double kClearPeak = 0.9;
-/// rows at either end > kLagMargin: the averages and the lag fit inside.
-constexpr int kLagMargin = 50;
-/// error <= kLagOutlier medians counts in the second pass.
-constexpr double kLagOutlier = 4.0;
-/// determinant > kSingular * product of the squares, else the motion is too uniform.
-constexpr double kSingular = 1e-12;
-/// |delay| >= kShortestDelay [s] and kDelayRows median steps: reported.
-constexpr double kShortestDelay = 0.002, kDelayRows = 0.6;
-
-// Steps and noise of velocities.
-/// changes that are not zero >= kFewestChanges, else nothing is said.
-constexpr int kFewestChanges = 20;
-/// step > kCoarse * range: quantised; kGridShare of it, if all steps are multiples of one.
-constexpr double kCoarse = 0.07, kGridShare = 0.3;
-/// quantile kUsual of the steps > kTwoKinds * median: jumps between levels; 2.4 for Gaussian noise.
-constexpr double kTwoKinds = 3.5;
-/// noise > kNoisier * that of the position's derivative ...
-constexpr double kNoisier = 2.0;
-/// ... and > kNoNoise * range: reported; rows next to a stale one within kNoiseReach do not count.
-constexpr double kNoNoise = 1e-4;
-constexpr int kNoiseReach = 2;
+/// half the distance of the quantiles = kQuartile and 1 - kQuartile is the spread of ratios.
+constexpr double kQuartile = 0.25;
 /// square of the second difference of white noise = kSecondDifference * its variance.
 constexpr double kSecondDifference = 6.0;
-
-// Saturation.
-/// difference of two values <= min(kStepShare * resolution, kFlat * range), or <= kExact * range: equal.
-constexpr double kStepShare = 0.6, kFlat = 1e-3, kExact = 1e-6;
-/// rows at the extreme >= kShortestRun, entered and left by > kAbrupt tolerances: clipped.
-constexpr long kShortestRun = 3;
-constexpr double kAbrupt = 5.0;
-/// share of clipped rows > kManyClipped: a fault, else a warning.
-constexpr double kManyClipped = 0.01;
-/// load > kNearLargest * the largest, for kShortestPlateau rows and more: a plateau ...
-constexpr double kNearLargest = 0.92;
-constexpr int kShortestPlateau = 8;
-/// ... and speed changes by > kSpeedChange of the largest meanwhile, unlike on plateaus of friction, over
-/// a length / kPlateauParts at either end.
-constexpr double kSpeedChange = 0.25;
-constexpr int kPlateauParts = 4;
-
-// Words.
+/// ratios that differ by <= kTinyRatio are equal; |factor| > kTinyFactor, or there is none.
+constexpr double kTinyRatio = 1e-9, kTinyFactor = 1e-6;
+/// determinant > kSingular * product of the squares, else the motion is too uniform.
+constexpr double kSingular = 1e-12;
+/// difference of two loads <= kExact * range: equal.
+constexpr double kExact = 1e-6;
 /// share >= kWhole: printed as 100 %.
 constexpr double kWhole = 0.995;
 /// kPlainFrom <= |number| < kPlainTo: printed without an exponent and digits behind the point.
 constexpr double kPlainFrom = 1000.0, kPlainTo = 1e6;
 
-}  // namespace veridyn::quality
+}  // namespace quality
+}  // namespace veridyn

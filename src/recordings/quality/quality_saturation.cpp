@@ -21,21 +21,21 @@ struct Plateau {
 bool is_saturated(const Head& head, const VectorXd& load, const Plateau& plateau, double half,
                   int joint) {
   const int length = plateau.last - plateau.first + 1;
-  if (length < kShortestPlateau) return false;
+  if (length < head.numbers.shortest_plateau) return false;
   int before = plateau.first;
   int after = plateau.last;
   while (before > 0 && load[before] > half && plateau.first - before <= length) --before;
   while (after + 1 < load.size() && load[after] > half && after - plateau.last <= length) ++after;
   if (2 * (plateau.first - before + after - plateau.last) > length || before == 0) return false;
   const auto& q = head.rows.q;
-  const int lag = std::max(1, length / kPlateauParts);
+  const int lag = std::max(1, length / head.numbers.plateau_parts);
   const auto speed = [&](int k) {
     return (q(k, joint) - q(k - lag, joint)) / (head.rows.time[k] - head.rows.time[k - lag]);
   };
   if (plateau.first < lag || plateau.last <= plateau.first + lag) return false;
   double top = 0.0;
   for (int k = lag; k < q.rows(); k += lag) top = std::max(top, std::abs(speed(k)));
-  return std::abs(speed(plateau.last) - speed(plateau.first)) > kSpeedChange * top;
+  return std::abs(speed(plateau.last) - speed(plateau.first)) > head.numbers.speed_change * top;
 }
 
 // Number of rows in saturated plateaus within 8 % of the largest value.
@@ -45,9 +45,9 @@ int plateau_rows(const Head& head, const VectorXd& load, int joint, double* limi
   int rows = 0;
   std::vector<double> levels;
   for (int k = 0; k < load.size(); ++k) {
-    if (!(load[k] > kNearLargest * largest)) continue;
+    if (!(load[k] > head.numbers.near_largest * largest)) continue;
     Plateau plateau{k, k};
-    while (plateau.last + 1 < load.size() && load[plateau.last + 1] > kNearLargest * largest)
+    while (plateau.last + 1 < load.size() && load[plateau.last + 1] > head.numbers.near_largest * largest)
       ++plateau.last;
     k = plateau.last;
     if (!is_saturated(head, load, plateau, 0.5 * largest, joint)) continue;
@@ -60,7 +60,7 @@ int plateau_rows(const Head& head, const VectorXd& load, int joint, double* limi
 
 }  // namespace
 
-ClipTally::ClipTally(const Head& head) {
+ClipTally::ClipTally(const Head& head) : numbers_(head.numbers) {
   for (const RecordingSignal& signal : kRecordingSignals) {
     const std::string name = signal.name;
     if (name != "tau" && name != "i") continue;
@@ -73,8 +73,8 @@ ClipTally::ClipTally(const Head& head) {
           changes.push_back(std::abs(values(k, j) - values(k - 1, j)));
       }
       const double range = between_quantiles(column, 0.0, 1.0);
-      const double resolution = changes.empty() ? 0.0 : quantile(std::move(changes), kLowest);
-      const double tolerance = std::max(kExact * range, std::min(kStepShare * resolution, kFlat * range));
+      const double resolution = changes.empty() ? 0.0 : quantile(std::move(changes), numbers_.ends);
+      const double tolerance = std::max(kExact * range, numbers_.step_share * resolution);
       for (const double sign : {1.0, -1.0}) extremes_.push_back({{name, j + 1}, sign, tolerance});
     }
   }
@@ -82,7 +82,7 @@ ClipTally::ClipTally(const Head& head) {
 
 void ClipTally::close_run(double after, Extreme* extreme) const {
   const double exit = extreme->limit - after;
-  if (extreme->run >= kShortestRun && std::min(extreme->entry, exit) > kAbrupt * extreme->tolerance) {
+  if (extreme->run >= numbers_.shortest_run && std::min(extreme->entry, exit) > numbers_.abrupt * extreme->tolerance) {
     extreme->clipped += extreme->run;
     extreme->longest = std::max(extreme->longest, extreme->run);
   }
@@ -121,7 +121,7 @@ void ClipTally::conclude(Findings* findings) const {
     if (extreme.clipped == 0) continue;
     const double share = share_of(extreme.clipped, rows_);
     const double limit = extreme.sign * extreme.limit;
-    findings->add(share > kManyClipped ? Severity::kFault : Severity::kWarning, "saturation", extreme.place,
+    findings->add(share > numbers_.many_clipped ? Severity::kFault : Severity::kWarning, "saturation", extreme.place,
                   {share, limit, unit_of(extreme.place.signal)},
                   text("The ", extreme.place.signal == "tau" ? "torque" : "current", " of ",
                        named(extreme.place), " sits exactly at its extreme ", number(limit), " in ",

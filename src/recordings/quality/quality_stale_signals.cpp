@@ -8,12 +8,11 @@
 namespace veridyn::quality {
 namespace {
 
-// Numbers of repeats of a signal's value after one row and after two, in rows where the signal
+// Number of repeats of a signal's value, among rows where the signal
 // changes by so many resolution steps that equal values are no coincidence.
 struct Repeats {
   long rows = 0;
-  long once = 0;
-  long twice = 0;
+  long count = 0;
 };
 
 Repeats repeats_of(const Head& head, const MatrixXd& values, int joint) {
@@ -22,33 +21,28 @@ Repeats repeats_of(const Head& head, const MatrixXd& values, int joint) {
     const double change = std::abs(values(k, joint) - values(k - 1, joint));
     if (change > 0.0) changes.push_back(change);
   }
-  const double resolution = changes.empty() ? 0.0 : quantile(std::move(changes), kLowest);
+  const double resolution = changes.empty() ? 0.0 : quantile(std::move(changes), head.numbers.ends);
   Repeats repeats;
   for (int k = 2; k + 1 < values.rows(); ++k) {
     const auto stale = head.stale.begin() + k;
     if (*(stale - 1) || *stale || *(stale + 1)) continue;
-    if (!(std::abs(values(k + 1, joint) - values(k - 2, joint)) > kFine * resolution)) continue;
+    if (!(std::abs(values(k + 1, joint) - values(k - 2, joint)) > head.numbers.fine * resolution)) continue;
     ++repeats.rows;
-    repeats.once += values(k, joint) == values(k - 1, joint) ? 1 : 0;
-    repeats.twice += values(k, joint) == values(k - 2, joint) ? 1 : 0;
+    repeats.count += values(k, joint) == values(k - 1, joint) ? 1 : 0;
   }
   return repeats;
 }
 
 }  // namespace
 
-// A signal was not refreshed if it repeats its value much more often than it returns to it two rows
-// later.
 void check_stale_signals(const Head& head, Findings* findings) {
   for (const RecordingSignal& signal : kRecordingSignals) {
     const MatrixXd& values = head.rows.*signal.values;
     for (int j = 0; j < values.cols(); ++j) {
       const Repeats repeats = repeats_of(head, values, j);
-      if (repeats.rows < kFewestFine) continue;
-      const double share = static_cast<double>(repeats.once) / static_cast<double>(repeats.rows);
-      if (share < kRepeating ||
-          static_cast<double>(repeats.twice) > kReturning * static_cast<double>(repeats.once))
-        continue;
+      if (repeats.rows < head.numbers.fewest_fine) continue;
+      const double share = share_of(repeats.count, repeats.rows);
+      if (share < head.numbers.repeating) continue;
       const Place place{signal.name, j + 1};
       findings->add(Severity::kWarning, "stale_signal", place, {share, kNone, ""},
                     text("The signal of ", named(place), " repeats its value in ", percent(share),

@@ -14,7 +14,7 @@ void AbsurdTally::clean(Recording* rows, int fresh) {
     for (const RecordingSignal& signal : kRecordingSignals) {
       MatrixXd& values = rows->*signal.values;
       for (int j = 0; j < values.cols(); ++j) {
-        if (!(std::abs(values(k, j)) > kAbsurd)) continue;
+        if (!(std::abs(values(k, j)) > numbers_.absurd)) continue;
         values(k, j) = kNone;
         bad = true;
         ++bad_values_;
@@ -33,7 +33,7 @@ void AbsurdTally::conclude(Findings* findings) const {
       {share(), static_cast<double>(bad_values_), "numbers"},
       text(counted(bad_values_, "number"), " beyond +-1e6 in ", percent(share()),
            " of the rows, the first at t = ", number(first_time_), " s: the file is broken",
-           share() < kHopelessShare ? " there." : "; its motion is not judged."));
+           share() < numbers_.hopeless_share ? " there." : "; its motion is not judged."));
 }
 
 // ---- time
@@ -43,7 +43,7 @@ void TimeTally::add(const Piece& piece) {
   if (rows_ == 0) first_ = time[0];
   for (int k = std::max(piece.fresh, 1); k < time.size(); ++k) {
     const double dt = time[k] - time[k - 1];
-    if (dt <= kHole * step_) continue;
+    if (dt <= numbers_.hole * step_) continue;
     ++holes_;
     lost_rows_ += std::round(dt / step_) - 1.0;
     lost_time_ += dt - step_;
@@ -61,8 +61,8 @@ void TimeTally::conclude(Findings* findings) const {
       Severity::kInfo, "sample_rate", {}, {kNone, 1.0 / step_, "Hz"},
       text("One row every ", number(1e3 * step_), " ms (median), ", number(1.0 / step_), " Hz."));
   const double mean_rate = static_cast<double>(rows_ - 1) / (last_ - first_ - lost_time_);
-  const bool misleading = std::abs(mean_rate * step_ - 1.0) > kMisleading;
-  if (longest_ - shortest_ > kIrregular * step_) {
+  const bool misleading = std::abs(mean_rate * step_ - 1.0) > numbers_.misleading;
+  if (longest_ - shortest_ > numbers_.irregular * step_) {
     findings->add(misleading ? Severity::kWarning : Severity::kInfo, "irregular_time", {},
                   {kNone, mean_rate, "Hz"},
                   text("Time steps vary from ", number(1e3 * shortest_), " to ",
@@ -72,7 +72,7 @@ void TimeTally::conclude(Findings* findings) const {
   if (holes_ > 0) {
     const double share = lost_rows_ / (static_cast<double>(rows_) + lost_rows_);
     findings->add(
-        share > kManyMissing || longest_hole_ > kLongHole * step_ ? Severity::kWarning : Severity::kInfo,
+        share > numbers_.many_missing || longest_hole_ > numbers_.long_hole * step_ ? Severity::kWarning : Severity::kInfo,
         "missing_rows", {}, {share, longest_hole_, "s"},
         text("About ", number(lost_rows_), " rows are missing (", percent(share), ") in ",
              counted(holes_, "place"), "; the longest hole is ", number(1e3 * longest_hole_),
@@ -82,9 +82,10 @@ void TimeTally::conclude(Findings* findings) const {
 
 // ---- stale rows, gaps, constants
 
-RowTally::RowTally(const Recording& head) : beyond_(static_cast<std::size_t>(head.joints()), 0) {
+RowTally::RowTally(const Head& head)
+    : numbers_(head.numbers), beyond_(static_cast<std::size_t>(head.rows.joints()), 0) {
   for (const RecordingSignal& signal : kRecordingSignals) {
-    for (int j = 1; j <= (head.*signal.values).cols(); ++j) channels_.push_back({{signal.name, j}});
+    for (int j = 1; j <= (head.rows.*signal.values).cols(); ++j) channels_.push_back({{signal.name, j}});
   }
 }
 
@@ -118,9 +119,9 @@ void RowTally::add(const Piece& piece) {
 
 void RowTally::conclude(Findings* findings) const {
   const double stale = share_of(stale_, rows_);
-  if (stale >= kFewStale) {
-    const Severity severity = stale > kFrozen      ? Severity::kFault
-                              : stale > kManyStale ? Severity::kWarning
+  if (stale >= numbers_.few_stale) {
+    const Severity severity = stale > numbers_.frozen      ? Severity::kFault
+                              : stale > numbers_.many_stale ? Severity::kWarning
                                                    : Severity::kInfo;
     findings->add(
         severity, "stale_rows", {}, {stale, static_cast<double>(longest_stale_), "rows"},
@@ -133,7 +134,7 @@ void RowTally::conclude(Findings* findings) const {
   conclude_constant(findings);
   for (std::size_t j = 0; j < beyond_.size(); ++j) {
     const double share = share_of(beyond_[j], rows_);
-    if (share < kBeyondTurns) continue;
+    if (share < numbers_.beyond_turns) continue;
     const Place place{"q", static_cast<int>(j) + 1};
     findings->add(Severity::kWarning, "degrees", place, {share, kNone, ""},
                   text("The position of ", named(place), " is beyond +-4 pi in ", percent(share),
@@ -144,8 +145,8 @@ void RowTally::conclude(Findings* findings) const {
 void RowTally::add_gaps(const Channel& channel, const Place& place, const std::string& who,
                         Findings* findings) const {
   const double share = share_of(channel.gaps, rows_);
-  const Severity severity = share > kManyGaps  ? Severity::kFault
-                            : share > kFewGaps ? Severity::kWarning
+  const Severity severity = share > numbers_.many_gaps  ? Severity::kFault
+                            : share > numbers_.few_gaps ? Severity::kWarning
                                             : Severity::kInfo;
   findings->add(severity, "gaps", place, {share, static_cast<double>(channel.longest_gap), "rows"},
                 text(who, " lacks ", counted(channel.gaps, "value"), " (", percent(share),
@@ -164,7 +165,7 @@ void RowTally::conclude_gaps(Findings* findings) const {
                         [](const Channel& a, const Channel& b) { return a.gaps < b.gaps; });
   const long affected = std::count_if(channels_.begin(), channels_.end(),
                                       [](const Channel& channel) { return channel.gaps > 0; });
-  if (affected > kManySignals) {
+  if (affected > numbers_.many_signals) {
     return add_gaps(worst, {},
                     text(affected, " of ", channels_.size(), " signals have gaps; the worst, ",
                          named(worst.place), ","),

@@ -16,6 +16,7 @@ struct VelocityFit {
 };
 
 VelocityFit velocity_fit(const Head& head, int joint) {
+  const QualityNumbers& numbers = head.numbers;
   const Recording& rows = head.rows;
   const int window = window_rows(head);
   VectorXd angle = VectorXd::Zero(rows.rows());  // integral of dq
@@ -28,7 +29,7 @@ VelocityFit velocity_fit(const Head& head, int joint) {
   }
   int last_gap = -1;  // windows must lie after it
   for (int k = 0; k < rows.rows(); ++k) {
-    const bool hole = k > 0 && rows.time[k] - rows.time[k - 1] > kGap * head.step;
+    const bool hole = k > 0 && rows.time[k] - rows.time[k - 1] > numbers.gap * head.step;
     if (hole || std::isnan(rows.dq(k, joint)) || std::isnan(rows.q(k, joint))) last_gap = k;
     if (k - window <= last_gap) continue;
     moved.push_back(rows.q(k, joint) - rows.q(k - window, joint));
@@ -36,32 +37,32 @@ VelocityFit velocity_fit(const Head& head, int joint) {
   }
   std::vector<double> sizes;
   for (const double m : moved) sizes.push_back(std::abs(m));
-  const double fast = kFast * quantile(std::move(sizes), kFastest);
+  const double fast = numbers.fast * quantile(std::move(sizes), 1.0 - numbers.fastest);
   std::vector<double> ratios;
   for (std::size_t w = 0; w < moved.size(); ++w) {
     if (std::abs(moved[w]) > fast) ratios.push_back(integrated[w] / moved[w]);
   }
   VelocityFit fit;
-  if (ratios.size() < kFewestWindows) return fit;
+  if (static_cast<int>(ratios.size()) < numbers.fewest_windows) return fit;
   const double middle = quantile(ratios, 0.5);
   fit.spread = 0.5 * between_quantiles(ratios, kQuartile, 1.0 - kQuartile);
   double cross = 0.0;
   double square = 0.0;
   for (std::size_t w = 0; w < moved.size(); ++w) {
     if (std::abs(moved[w]) <= fast ||
-        std::abs(integrated[w] / moved[w] - middle) > kOutlying * fit.spread + kTinyRatio)
+        std::abs(integrated[w] / moved[w] - middle) > numbers.outlying * fit.spread + kTinyRatio)
       continue;
     cross += integrated[w] * moved[w];
     square += moved[w] * moved[w];
   }
   fit.factor = square > 0.0 ? cross / square : middle;
-  fit.clear = std::abs(fit.factor) > kTinyFactor && fit.spread < kAgree * std::abs(fit.factor);
+  fit.clear = std::abs(fit.factor) > kTinyFactor && fit.spread < numbers.agree * std::abs(fit.factor);
   return fit;
 }
 
 void check_delay(const Head& head, int joint, Findings* findings) {
   const std::optional<double> delay = velocity_delay(head, joint);
-  if (!delay || std::abs(*delay) < std::max(kShortestDelay, kDelayRows * head.step)) return;
+  if (!delay || std::abs(*delay) < head.numbers.delay_rows * head.step) return;
   const Place place{"dq", joint + 1};
   findings->add(Severity::kWarning, "velocity_delay", place, {kNone, *delay, "s"},
                 text("The velocity of ", named(place), " comes ", number(1e3 * std::abs(*delay)),
@@ -70,23 +71,23 @@ void check_delay(const Head& head, int joint, Findings* findings) {
 
 // Quantisation of dq from its steps between rows, without stale rows and the rows after them.
 void check_quantised(const Head& head, int joint, const VelocityFit& fit, double range, Findings* findings) {
+  const QualityNumbers& numbers = head.numbers;
   const auto dq = head.rows.dq.col(joint);
   std::vector<double> steps;
   std::vector<double> changes;
   for (int k = 2; k < dq.size(); ++k) {
-    if (head.stale[k] || head.stale[k - 1])
-      continue;
+    if (head.stale[k] || head.stale[k - 1]) continue;
     steps.push_back(std::abs(dq[k] - dq[k - 1]));
     if (steps.back() > 0.0) changes.push_back(steps.back());
   }
-  if (!(range > 0.0) || changes.size() < kFewestChanges) return;
-  const bool grid = quantile_exceeds(changes, kLowest, kGridShare * kCoarse * range);
-  const bool two_kinds = quantile_exceeds(steps, kUsual, kCoarse * range) &&
-                         quantile_exceeds(steps, kUsual, kTwoKinds * quantile(steps, 0.5));
+  if (!(range > 0.0) || static_cast<int>(changes.size()) < numbers.fewest_changes) return;
+  const bool grid = quantile_exceeds(changes, numbers.ends, numbers.grid_share * numbers.coarse * range);
+  const bool two_kinds = quantile_exceeds(steps, 1.0 - numbers.rare, numbers.coarse * range) &&
+                         quantile_exceeds(steps, 1.0 - numbers.rare, numbers.two_kinds * quantile(steps, 0.5));
   if (!grid && !two_kinds) return;
-  const double step = grid ? quantile(changes, kLowest) : quantile(steps, kUsual);
+  const double step = grid ? quantile(changes, numbers.ends) : quantile(steps, 1.0 - numbers.rare);
   const Place place{"dq", joint + 1};
-  const bool biased = !fit.clear || std::abs(fit.factor - 1.0) > kScaleError;
+  const bool biased = !fit.clear || std::abs(fit.factor - 1.0) > numbers.scale_error;
   findings->add(biased ? Severity::kWarning : Severity::kInfo, "velocity_quantised", place,
                 {step / range, step, unit_of("dq")},
                 text("The velocity of ", named(place), " goes in steps of about ", number(step),
@@ -97,6 +98,7 @@ void check_quantised(const Head& head, int joint, const VelocityFit& fit, double
 // Noise from second differences, which are small for smooth motion, of the velocity and of the
 // position's derivative. Windows with stale rows are excluded.
 void check_noise(const Head& head, int joint, double range, Findings* findings) {
+  constexpr int kReach = 2;  // rows to either side of which a second difference of a derivative knows
   const Recording& rows = head.rows;
   const auto derivative = [&](int k) {
     return (rows.q(k + 1, joint) - rows.q(k - 1, joint)) / (rows.time[k + 1] - rows.time[k - 1]);
@@ -104,9 +106,9 @@ void check_noise(const Head& head, int joint, double range, Findings* findings) 
   double recorded = 0.0;
   double derived = 0.0;
   int windows = 0;
-  for (int k = kNoiseReach; k + kNoiseReach < rows.rows(); ++k) {
-    const auto first = head.stale.begin() + (k - kNoiseReach);
-    if (std::find(first, first + 2 * kNoiseReach + 1, true) != first + 2 * kNoiseReach + 1) continue;
+  for (int k = kReach; k + kReach < rows.rows(); ++k) {
+    const auto first = head.stale.begin() + (k - kReach);
+    if (std::find(first, first + 2 * kReach + 1, true) != first + 2 * kReach + 1) continue;
     const double of_dq = rows.dq(k + 1, joint) - 2.0 * rows.dq(k, joint) + rows.dq(k - 1, joint);
     const double of_q = derivative(k + 1) - 2.0 * derivative(k) + derivative(k - 1);
     if (!std::isfinite(of_dq) || !std::isfinite(of_q)) continue;
@@ -114,33 +116,33 @@ void check_noise(const Head& head, int joint, double range, Findings* findings) 
     derived += of_q * of_q;
     ++windows;
   }
-  if (windows < kFewestWindows) return;
+  if (windows < head.numbers.fewest_windows) return;
   // The second difference of white noise has sqrt(6) times its standard deviation.
   const double noise = std::sqrt(recorded / (kSecondDifference * windows));
   const double ratio = std::sqrt(recorded / std::max(derived, 1e-300));
-  if (ratio < kNoisier || noise < kNoNoise * range) return;
+  if (ratio < head.numbers.noisier || noise < head.numbers.no_noise * range) return;
   const Place place{"dq", joint + 1};
   findings->add(Severity::kInfo, "velocity_noise", place, {noise / range, noise, unit_of("dq")},
                 text("The velocity of ", named(place), " has noise of ", number(noise), ", ",
                      number(ratio), " times that of its position's derivative."));
 }
 
-void report_joint_scale(const Place& place, const VelocityFit& fit, Findings* findings) {
+void report_joint_scale(const Place& place, const VelocityFit& fit, const QualityNumbers& numbers, Findings* findings) {
   const Size size{kNone, fit.factor, ""};
-  if (std::abs(fit.factor + 1.0) < kSignError) {
+  if (std::abs(fit.factor + 1.0) < numbers.sign_error) {
     findings->add(Severity::kFault, "velocity_sign", place, size,
                   text("The velocity of ", named(place),
                        " has the opposite sign of its position's derivative."));
-  } else if (std::abs(std::abs(fit.factor) / kDegrees - 1.0) < kDegreeError) {
+  } else if (std::abs(std::abs(fit.factor) / kDegrees - 1.0) < numbers.degree_error) {
     findings->add(Severity::kFault, "degrees", place, size,
                   text("The velocity of ", named(place), " is ", number(fit.factor),
                        " times its position's derivative: deg/s instead of rad/s."));
-  } else if (std::abs(std::abs(fit.factor) * kDegrees - 1.0) < kDegreeError) {
+  } else if (std::abs(std::abs(fit.factor) * kDegrees - 1.0) < numbers.degree_error) {
     findings->add(Severity::kFault, "degrees", {"q", place.joint}, size,
                   text("The position of joint ", place.joint, " changes ", number(1.0 / fit.factor),
                        " times faster than its velocity says: degrees instead of rad."));
   } else {
-    findings->add(std::abs(fit.factor - 1.0) > kFarOff ? Severity::kFault : Severity::kWarning,
+    findings->add(std::abs(fit.factor - 1.0) > numbers.far_off ? Severity::kFault : Severity::kWarning,
                   "velocity_scale", place, size,
                   text("The velocity of ", named(place), " is ", number(fit.factor),
                        " times its position's derivative: take it from the position."));
@@ -150,6 +152,7 @@ void report_joint_scale(const Place& place, const VelocityFit& fit, Findings* fi
 // The same factor on all joints indicates the clock (or the unit), else single channels.
 void report_scales(const Head& head, const std::vector<int>& joints,
                    const std::vector<VelocityFit>& fits, Findings* findings) {
+  const QualityNumbers& numbers = head.numbers;
   double low = INFINITY;
   double high = -INFINITY;
   std::vector<double> factors;
@@ -161,10 +164,10 @@ void report_scales(const Head& head, const std::vector<int>& joints,
   if (fits.empty()) return;
   const double common = quantile(factors, 0.5);
   // A single joint indicates the clock only if it is far off.
-  const double threshold = fits.size() > 1 ? kScaleError : kClockError;
+  const double threshold = fits.size() > 1 ? numbers.scale_error : numbers.clock_error;
   const bool clock =
-      common > 0.0 && high - low < kOneClock * common && std::abs(common - 1.0) > threshold &&
-      std::abs(common / kDegrees - 1.0) > kDegreeError && std::abs(common * kDegrees - 1.0) > kDegreeError;
+      common > 0.0 && high - low < numbers.one_clock * common && std::abs(common - 1.0) > threshold &&
+      std::abs(common / kDegrees - 1.0) > numbers.degree_error && std::abs(common * kDegrees - 1.0) > numbers.degree_error;
   if (clock) {
     findings->add(Severity::kFault, "rate_contradiction", {}, {kNone, common, ""},
                   text("Recorded velocities are ", number(common),
@@ -175,8 +178,8 @@ void report_scales(const Head& head, const std::vector<int>& joints,
     return;
   }
   for (std::size_t f = 0; f < fits.size(); ++f) {
-    if (std::abs(fits[f].factor - 1.0) > kScaleError)
-      report_joint_scale({"dq", joints[f] + 1}, fits[f], findings);
+    if (std::abs(fits[f].factor - 1.0) > numbers.scale_error)
+      report_joint_scale({"dq", joints[f] + 1}, fits[f], numbers, findings);
   }
 }
 
@@ -191,10 +194,10 @@ void check_velocities(const Head& head, Findings* findings) {
       continue;
     const VelocityFit fit = velocity_fit(head, j);
     const double* const dq = head.rows.dq.col(j).data();
-    const double range = between_quantiles({dq, dq + head.rows.rows()}, kLowest, kHighest);
+    const double range = between_quantiles({dq, dq + head.rows.rows()}, head.numbers.ends, 1.0 - head.numbers.ends);
     check_quantised(head, j, fit, range, findings);
     if (!fit.clear) continue;
-    if (std::abs(fit.factor - 1.0) <= kScaleError) check_noise(head, j, range, findings);
+    if (std::abs(fit.factor - 1.0) <= head.numbers.scale_error) check_noise(head, j, range, findings);
     joints.push_back(j);
     fits.push_back(fit);
     check_delay(head, j, findings);

@@ -32,19 +32,19 @@ Recording joined(const Recording& before, const Recording& next) {
 }
 
 // Runs all tallies over all rows, of which the first have been read.
-RecordingQuality judged(Recording head_rows, const std::string& file, const Source& source) {
+RecordingQuality judged(Recording head_rows, const std::string& file, const Source& source, const QualityNumbers& numbers) {
   require(head_rows.rows() > 0, file, ": found no row, expected numbers below the header.");
   RecordingQuality quality;
   quality.file = file;
   quality.joints = head_rows.joints();
   quality::Findings findings(file);
-  quality::AbsurdTally absurd;
+  quality::AbsurdTally absurd(numbers);
   absurd.clean(&head_rows, 0);
   const double first_time = head_rows.time[0];
 
-  const quality::Head head(head_rows);
+  const quality::Head head(head_rows, numbers);
   quality::TimeTally time(head);
-  quality::RowTally rows(head_rows);
+  quality::RowTally rows(head);
   quality::JumpTally jumps(head);
   quality::ClipTally clips(head);
   Recording last;
@@ -68,9 +68,9 @@ RecordingQuality judged(Recording head_rows, const std::string& file, const Sour
   absurd.conclude(&findings);
   rows.conclude(&findings);
   if (quality.rows > 1) quality.rate = 1.0 / head.step;
-  if (quality.rows >= quality::kFewestRows) {
+  if (quality.rows >= numbers.fewest_rows) {
     time.conclude(&findings);
-    if (absurd.share() < quality::kHopelessShare) {
+    if (absurd.share() < numbers.hopeless_share) {
       jumps.conclude(&findings);
       clips.conclude(&findings);
       quality::check_motion(head, &findings);
@@ -151,7 +151,7 @@ RecordingQuality check_recording(const std::string& path, const RecordingOptions
 }
 
 RecordingQuality check_rows(const std::string& path, const OpenedRows& rows) {
-  RecordingQuality quality = judged(rows.next(quality::kHeadRows), path, rows.next);
+  RecordingQuality quality = judged(rows.next(quality::kHeadRows), path, rows.next, QualityNumbers());
   quality.facts = rows.facts();
   // Remarks of the reader come after faults and warnings.
   auto at = std::find_if(quality.findings.begin(), quality.findings.end(),
@@ -168,12 +168,16 @@ RecordingQuality check_rows(const std::string& path, const OpenedRows& rows) {
 }
 
 RecordingQuality check_recording(const Recording& recording) {
+  return check_recording(recording, QualityNumbers());
+}
+
+RecordingQuality check_recording(const Recording& recording, const QualityNumbers& numbers) {
   int row = std::min(recording.rows(), quality::kHeadRows);
   return judged(rows_of(recording, 0, row), recording.source, [&](int count) {
     const int first = row;
     row += std::min(count, recording.rows() - row);
     return rows_of(recording, first, row - first);
-  });
+  }, numbers);
 }
 
 }  // namespace veridyn
