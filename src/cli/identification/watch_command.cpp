@@ -72,6 +72,8 @@ class Watching {
         replay(watch, source);
       }
       tell(watch.finish());
+      watched_.back().blind = watch.state().blind;
+      if (watch.state().blind > 0.0) watched_.back().to = std::max(watched_.back().to, watch.state().heard);
       for (const std::string& remark : watch.remarks()) say(source + ": " + remark);
       doubt_model(source);
     }
@@ -79,7 +81,7 @@ class Watching {
     // Ctrl-C is the end of a source that grows; of a recording it leaves rows out.
     if (interrupted != 0 && !waits(request_)) return kInterrupted;
     for (const WatchedSource& s : watched_) {
-      if (!s.states.empty() && s.learned < s.to - s.from - 0.5 * request_.options.step) continue;
+      if (!s.states.empty() && s.learned < s.to - s.from - s.blind - 0.5 * request_.options.step) continue;
       say(text(s.source, ": found ", s.to - s.from, " s, expected more than the ",
                request_.options.learn, " s in which noise is learned (--learn)."));
       return kDataCannotAnswer;
@@ -168,7 +170,8 @@ class Watching {
     if (running || request_.json_lines) return;
     for (const WatchedSource& s : watched_)
       std::cout << s.source << ": " << s.alarms() << (s.alarms() == 1 ? " change" : " changes") << " in "
-                << s.to - s.from << " s, " << s.learned << " s of them learned from\n";
+                << std::round(10.0 * (s.to - s.from)) / 10.0 << " s, " << s.learned << " s of them learned from"
+                << (s.blind > 0.0 ? text(", ", std::round(10.0 * s.blind) / 10.0, " s not watched") : "") << "\n";
   }
 
   const Model& arm_;
