@@ -72,8 +72,7 @@ class Watching {
         replay(watch, source);
       }
       tell(watch.finish());
-      watched_.back().blind = watch.state().blind;
-      if (watch.state().blind > 0.0) watched_.back().to = std::max(watched_.back().to, watch.state().heard);
+      note_blindness(watch);
       for (const std::string& remark : watch.remarks()) say(source + ": " + remark);
       doubt_model(source);
     }
@@ -113,6 +112,12 @@ class Watching {
       tell(watch.add(rows));
   }
 
+  void note_blindness(const Watch& watch) {
+    WatchedSource& s = watched_.back();
+    s.blind = watch.state().blind;
+    if (s.blind > 0.0) s.to = std::max(s.to, watch.state().heard);
+  }
+
   void follow(Watch& watch, const std::string& source) {
     auto heard = Clock::now();
     const auto go_on = [&] {
@@ -124,6 +129,7 @@ class Watching {
     for (Recording row = rows.next(1); row.rows() > 0 && interrupted == 0; row = rows.next(1)) {
       heard = Clock::now();
       tell(watch.add(row));
+      note_blindness(watch);
       update();
     }
   }
