@@ -55,7 +55,7 @@ mpi: packages
 	@cmake --build $(BUILD) -j $(JOBS) --target veridyn_tool
 	@echo "mpirun -n N $(BUILD)/bin/veridyn identify ... spreads recordings over N ranks"
 
-# Time and memory by rows, recordings, joints and bodies: docs/growth.json and docs/growth.svg. An hour; EARLIER=TOOL runs beside.
+# Time and memory by rows, recordings, joints and bodies: docs/growth.json and docs/growth.svg. Three minutes on a quiet machine; EARLIER=TOOL runs beside.
 growth: build
 	@python3 tests/benchmark/growth.py $(BUILD)/bin/veridyn --benchmark $(BUILD)/bin/veridyn-benchmark \
 	  $(if $(EARLIER),--beside $(EARLIER)) --json docs/growth.json --svg docs/growth.svg
