@@ -97,7 +97,7 @@ class Watching {
     for (Eigen::Index i = 0; i < missed_.size(); ++i) {
       const double share = std::sqrt(missed_[i] / std::max(measured_[i], 1e-12));
       wrong = wrong || share > kDoubtful;
-      shares += text(i > 0 ? ", " : "", std::lround(100.0 * share));
+      shares += text(i > 0 ? ", " : "", std::round(100.0 * share));
     }
     missed_.resize(0);
     if (wrong)
