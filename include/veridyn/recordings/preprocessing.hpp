@@ -124,7 +124,7 @@ struct PreparationFacts {
 /// each.
 ///
 /// Samples are interpolated linearly on their true time; rows with NaN or with numbers above 1e6
-/// are excluded, and so are samples within half a filter period of a gap: over two steps and 1/4 wave.
+/// are excluded, and so are samples within half a filter period of a gap of more than two steps.
 /// Rows that a late publisher repeated are interpolated first (options.stale_rows).
 ///
 /// @throws InvalidInput  the file is bad, or has another number of joints than the arm, or neither
