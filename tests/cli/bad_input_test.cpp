@@ -323,6 +323,9 @@ TEST(RepeatedRecordings, AreWarnedOfUnderAnyName) {
   EXPECT_NE(run_tool(identify + Words{one}).err.find(words), std::string::npos);
   EXPECT_NE(run_tool(identify + Words{copy}).err.find("copy.csv holds the same as"), std::string::npos);
   EXPECT_EQ(run_tool(identify + Words{other}).err.find(words), std::string::npos);
+  const std::string many = run_tool(identify + Words{copy, copy, one}).err;
+  EXPECT_NE(many.find("copy.csv and 2 others hold the same as"), std::string::npos) << many;
+  EXPECT_EQ(many.find("once more"), many.rfind("once more")) << many;
 }
 
 TEST(ColumnFiles, BlanksWithinANumberAreNotDropped) {

@@ -55,6 +55,23 @@ TEST(ForceTracker, DampingGivesWayAgainstTheRate) {
   EXPECT_DOUBLE_EQ(tracker.update(5.0, {5.0, 0.0, 1}, 0.01, kPeriod), -0.004);
 }
 
+// x_f = integral + feed_forward h_d - damping dl/dt + proportional e, each with its sign; held
+// targets keep the first three.
+TEST(ForceTracker, AddsItsTerms) {
+  ForceLaw law;
+  law.gain = 0.1;
+  law.proportional = 0.002;
+  law.damping = 0.4;
+  law.feed_forward = 0.003;
+  ForceTracker tracker(law);
+  const double integral = 0.1 * 2.0 * kPeriod;
+  EXPECT_DOUBLE_EQ(tracker.update(5.0, {3.0, 0.0, 1}, 0.01, kPeriod),
+                   integral + 0.015 - 0.004 + 0.004);
+  EXPECT_DOUBLE_EQ(tracker.velocity(), 0.1 * 2.0);
+  EXPECT_DOUBLE_EQ(tracker.hold(-5.0, 0.01), integral - 0.015 - 0.004);
+  EXPECT_EQ(tracker.velocity(), 0.0);
+}
+
 // The gains that tuned_force_law() promises: crossover, damping within bounds, zero on the pole.
 TEST(TunedForceLaw, SuitsTheStiffness) {
   for (const double K : {200.0, 2450.0, 50000.0}) {

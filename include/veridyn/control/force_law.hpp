@@ -77,6 +77,9 @@ class ForceTracker {
   const ForceLaw& law() const { return law_; }
 
  private:
+  /// Sum of the law's terms within its reach; `proportional` in [m].
+  double limited(double wanted, double rate, double proportional) noexcept;
+
   ForceLaw law_;
   double x_f_ = 0.0, value_ = 0.0, velocity_ = 0.0;
   double last_time_ = 0.0, clock_ = 0.0;

@@ -1,5 +1,6 @@
 #include "cli/options/common_options.hpp"
 
+#include <fmt/format.h>
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -198,14 +199,21 @@ void warn_of_shared_recordings(const std::vector<std::string>& train,
 }
 
 void warn_of_repeated_recordings(const std::vector<std::string>& train) {
-  for (size_t k = 1; k < train.size(); ++k) {
-    const auto here = train.begin() + static_cast<std::ptrdiff_t>(k);
-    const auto other = std::find_if(train.begin(), here, [&](const std::string& before) {
-      return same_recording(*here, before);
+  std::vector<std::vector<std::string>> alike;  // files that hold the same, in the order given
+  for (const std::string& path : train) {
+    const auto group = std::find_if(alike.begin(), alike.end(), [&](const auto& files) {
+      return same_recording(path, files.front());
     });
-    if (other != here)
-      say("warning: " + *here + " holds the same as " + *other +
-          " and counts once more: error bars come out too small; give it once.");
+    if (group == alike.end()) alike.push_back({path});
+    else group->push_back(path);
+  }
+  for (const std::vector<std::string>& files : alike) {
+    if (files.size() == 1) continue;
+    const size_t others = files.size() - 2;
+    say("warning: " + files[1] +
+        (others == 0 ? " holds the same as " + files[0] + " and counts"
+                     : fmt::format(" and {} other{} hold the same as {} and count", others, others == 1 ? "" : "s", files[0])) +
+        " once more: error bars come out too small; give it once.");
   }
 }
 

@@ -60,16 +60,18 @@ double ForceTracker::update(double wanted, const ForceReading& reading, double r
     number_ = reading.number;
     last_time_ = clock_;
   }
-  double now = x_f_ + law_.feed_forward * wanted - law_.damping * rate;
-  if (number_ && law_.kind == ForceLaw::Kind::kProportional) now += law_.proportional * e;
-  value_ = std::clamp(now, -law_.reach, law_.reach);
-  return value_;
+  const bool answers = number_ && law_.kind == ForceLaw::Kind::kProportional;
+  return limited(wanted, rate, answers ? law_.proportional * e : 0.0);
 }
 
 double ForceTracker::hold(double wanted, double rate) noexcept {
-  const double now = x_f_ + law_.feed_forward * wanted - law_.damping * rate;
-  value_ = std::clamp(now, -law_.reach, law_.reach);
   velocity_ = 0.0;
+  return limited(wanted, rate, 0.0);
+}
+
+double ForceTracker::limited(double wanted, double rate, double proportional) noexcept {
+  const double sum = x_f_ + law_.feed_forward * wanted - law_.damping * rate + proportional;
+  value_ = std::clamp(sum, -law_.reach, law_.reach);
   return value_;
 }
 
