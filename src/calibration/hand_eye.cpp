@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contradiction.hpp"
 #include "deviations.hpp"
 #include "hand_eye_fit.hpp"
 #include "veridyn/math/require.hpp"
@@ -163,6 +164,10 @@ HandEye calibrate_hand_eye(const PoseCapture& A, const PoseCapture& B,
   }
   out.form = kForms[found];
   take(fits[found], out);
+  out.reason = internal::contradiction(a, {out.outliers, out.rms, out.rms_angle});
+  if (out.reason.empty()) return out;
+  out.status = CalibrationStatus::kCannotAnswer;
+  out.reason += fmt::format("; rows of the two files may not belong together, or not in this form ({})", name_of(out.form));
   return out;
 }
 

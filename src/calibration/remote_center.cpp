@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "closed_forms.hpp"
+#include "contradiction.hpp"
 #include "deviations.hpp"
 #include "math/dense.hpp"
 #include "veridyn/math/require.hpp"
@@ -191,7 +192,11 @@ RemoteCenter calibrate_remote_center(const PoseCapture& poses, const RemoteCente
   if (!out.reason.empty()) return out;
   PivotFit fit(out.poses, out);
   if (fit.fit(options.outlier, options.fewest_frames)) {
-    out.status = CalibrationStatus::kDone;
+    out.reason = internal::contradiction(out.poses, {out.outliers, out.rms.norm(), 0.0});
+    if (!out.reason.empty())
+      out.reason = "no point stays where it is: " + out.reason + "; the body may slide while it turns";
+    else
+      out.status = CalibrationStatus::kDone;
   } else {
     out.reason = fmt::format(
         "no point stays where it is: {} of {} frames contradict any centre, and {} or more that "

@@ -30,6 +30,8 @@ constexpr double kBelowAnySensor = 0.01;
 constexpr double kNoTorque = 1e-12;
 /// distance between samples > kAdjacent [s]: a gap, across which repeats are not compared.
 constexpr double kAdjacent = 0.05;
+/// share of a recording's samples in gaps or beside them < kFewInGaps: not worth a line.
+constexpr double kFewInGaps = 1e-3;
 /// time compared with the period before < kCompared periods: no floor from repeats.
 constexpr double kCompared = 0.25;
 /// part of a base parameter outside the span of the data's > kOutsideSpan of it: it is not determined.

@@ -1,5 +1,7 @@
 #include "validation.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <limits>
@@ -198,6 +200,20 @@ void take_errors(const Model& arm, std::vector<MeasuredRecording> train,
   }
 }
 
+namespace {
+
+// Says of each recording how much of it gaps take away.
+void remark_on_gaps(const std::vector<CompressedRecording>& recordings, std::vector<std::string>& remarks) {
+  for (const CompressedRecording& r : recordings) {
+    const double share = static_cast<double>(r.facts.unused) / static_cast<double>(std::max(1L, r.facts.samples));
+    if (share < identifying::kFewInGaps) continue;
+    remarks.push_back(fmt::format("{}: {:.2g} % of the samples lie in gaps or beside them and are not used",
+                                  r.source, 100.0 * share));
+  }
+}
+
+}  // namespace
+
 void validate(const Model& arm, const std::vector<std::string>& test,
               const IdentificationOptions& options, Identification& id) {
   const auto begin = std::chrono::steady_clock::now();
@@ -219,6 +235,7 @@ void validate(const Model& arm, const std::vector<std::string>& test,
   for (size_t k = 0; k < measured.size(); ++k)
     (k < trained.size() ? of_train : of_test).push_back(std::move(*measured[k]));
   take_errors(arm, std::move(of_train), std::move(of_test), id);
+  for (const auto* recordings : {&trained, &held_out}) remark_on_gaps(*recordings, id.remarks);
   id.seconds.validate =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }

@@ -17,7 +17,13 @@ constexpr double kAbsurd = 1e6;      // no arm has positions, speeds or torques 
 // Clocks of recordings count nanoseconds in 64 bits: no period is outside.
 constexpr double kShortestPeriod = 1e-9;  // [s]
 constexpr double kLongestPeriod = 9.2e9;
-constexpr double kGapInSteps = 2.5;  // one lost row is interpolated, more are a gap
+constexpr double kGapInSteps = 2.5;  // one lost row is always interpolated
+// Rows that are missing for less than this share of a wave at the cut-off are interpolated, more are a
+// gap: what a straight line leaves out of a motion below the cut-off is small there. Of planar-2r with
+// 20 and 50 % of the rows lost at random, the samples used and the parameters' rms error at shares of
+// 0, 1/16, 1/8, 1/4 and 1/2 are, at 200 Hz and 5 Hz, 29 29 96 100 100 %, 16 16 28 96 100 % and
+// 2.6 2.6 0.8 0.8 0.8 %, 11 11 7.0 5.1 3.9 %; at 1 kHz 0 100 100 100 100 % and 0 96 100 100 100 %.
+constexpr double kGapOfWave = 0.25;
 
 }  // namespace
 
@@ -104,6 +110,11 @@ void UniformStream::read_piece() {
   }
 }
 
+double UniformStream::longest_bridge() const {
+  const double wave = options_.cutoff > 0.0 ? 1.0 / options_.cutoff : 0.0;
+  return std::max(kGapInSteps * std::max(step_, dt_), kGapOfWave * wave);
+}
+
 // Emits all grid points between the previous row and this one (the grid starts at the first row).
 void UniformStream::emit_until(const Row& row) {
   const double tolerance = 1e-6 * dt_;
@@ -123,7 +134,7 @@ void UniformStream::emit_until(const Row& row) {
       double* values = samples_.data() + samples_.size() - row.values.size();
       for (size_t k = 0; k < row.values.size(); ++k)
         values[k] = previous_.values[k] + share * (row.values[k] - previous_.values[k]);
-      good = gap < kGapInSteps * std::max(step_, dt_);
+      good = gap < longest_bridge();
     }
     sound_.push_back(good ? 1 : 0);
     ++next_index_;

@@ -51,6 +51,7 @@ class UniformStream {
   };
   void read_piece();
   void emit_until(const Row& row);
+  double longest_bridge() const;  ///< [s] between rows that are not a gap
   bool usable(const Recording& piece, Eigen::Index row) const;
   void make_row(const Recording& piece, Eigen::Index row, Row& out) const;
   Eigen::Index held() const { return static_cast<Eigen::Index>(sound_.size()); }

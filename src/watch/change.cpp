@@ -447,6 +447,21 @@ void ChangeFinder::jump(const PositionJump& jump, double now) {
   refractory_until_ = jump.time + numbers_.refractory_time;
 }
 
+// What was suspected since the last usable row is the fault of the rows.
+void ChangeFinder::blind(const Blindness& blindness) {
+  WatchEvent e;
+  e.stage = WatchStage::kBlind;
+  e.time = blindness.time;
+  e.since = blindness.since;
+  if (open_ && open_->alarm >= blindness.since) {
+    e.id = open_->id;
+    open_.reset();
+    reset();
+  }
+  e.sentence = blind_sentence(e, blindness.why);
+  events_.push_back(std::move(e));
+}
+
 void ChangeFinder::finish(double now) {
   if (open_) isolate(now, true);
   if (refining_) {

@@ -36,6 +36,7 @@ class ChangeFinder {
   void learn(const std::vector<Step>& quiet);
   void add(const Step& step, WatchState& state);
   void jump(const PositionJump& jump, double now);
+  void blind(const Blindness& blindness);
   void finish(double now);
   std::vector<WatchEvent> take();
   bool learning() const { return learning_; }

@@ -59,8 +59,15 @@ std::string sentence(const WatchEvent& e) {
                          rivals_words(e));
     case WatchStage::kWithdrawn:
       return fmt::format("{:.2f} s: withdrawn: since {:.2f} s {}.", e.time, e.since, what(e));
+    case WatchStage::kBlind:
+      break;
   }
   return {};
+}
+
+std::string blind_sentence(const WatchEvent& e, const std::string& why) {
+  return fmt::format("{:.2f} s: nothing can be watched since {:.2f} s: {}.{}", e.time, e.since, why,
+                     e.id > 0 ? " What was suspected since is withdrawn." : "");
 }
 
 }  // namespace veridyn::watching

@@ -39,6 +39,9 @@ SmoothedRows::SmoothedRows(const Model& arm, const WatchNumbers& numbers)
       offset_(VectorXd::Zero(arm.joints())),
       spread2_(VectorXd::Zero(arm.joints())),
       largest_(VectorXd::Zero(arm.joints())),
+      speed_(VectorXd::Zero(arm.joints())),
+      mean_speed_(VectorXd::Zero(arm.joints())),
+      fastest_(VectorXd::Zero(arm.joints())),
       wait_(static_cast<size_t>(arm.joints()), 0) {}
 
 void SmoothedRows::check(const Recording& rows) const {
@@ -49,6 +52,76 @@ void SmoothedRows::check(const Recording& rows) const {
   require(rows.current.size() > 0, rows.source, ": found neither torques (tau1..tau", n,
           ") nor motor currents (i1..i", n, ").");
   sensors_.require_drive_gains(arm_, rows.source);
+}
+
+// What is wrong with the numbers of a row, or empty.
+std::string SmoothedRows::fault(const Row& row) const {
+  const auto joint = [this](const char* signal, Eigen::Index j) {
+    return text(signal, j + 1, " (", arm_.coordinates()[j].name, ")");
+  };
+  for (Eigen::Index j = 0; j < row.q.size(); ++j) {
+    for (const auto& [name, value] : {std::pair{"q", row.q[j]}, {"dq", row.dq[j]}, {"tau", row.tau[j]}}) {
+      if (!std::isfinite(value)) return joint(name, j) + " is no number";
+      if (std::abs(value) >= numbers_.absurd) return joint(name, j) + " is " + text(value);
+    }
+  }
+  return "";
+}
+
+// A torque that stays the same to the last digit while its joint moves, longer than ever before: its
+// sensor or drive does not answer, or it is saturated.
+std::string SmoothedRows::stopped_torque(const Row& row) {
+  const Eigen::Index n = row.tau.size();
+  if (same_torque_.size() == 0) {
+    same_torque_ = row.tau;
+    same_from_ = row.q;
+    same_since_ = VectorXd::Constant(n, row.t);
+    same_longest_ = VectorXd::Zero(n);
+    never_changed_.assign(static_cast<size_t>(n), 1);
+    stopped_.assign(static_cast<size_t>(n), 0);
+  }
+  std::string why;
+  for (Eigen::Index j = 0; j < n; ++j) {
+    char& never = never_changed_[static_cast<size_t>(j)];
+    if (row.tau[j] != same_torque_[j]) {
+      if (never == 0 && !is_blind_) same_longest_[j] = std::max(same_longest_[j], usable_ - same_since_[j]);
+      never = stopped_[static_cast<size_t>(j)] = 0;
+      same_torque_[j] = row.tau[j];
+      same_from_[j] = row.q[j];
+      same_since_[j] = row.t;
+      continue;
+    }
+    const double least = numbers_.rest_share * fastest_[j] * (row.t - same_since_[j]);
+    const bool moves = std::abs(row.q[j] - same_from_[j]) > least;
+    const bool longer = row.t - same_since_[j] > std::max(numbers_.pause, 2.0 * same_longest_[j]);
+    char& stopped = stopped_[static_cast<size_t>(j)];
+    if (stopped == 0 && (never != 0 || !moves || !longer)) continue;
+    stopped = 1;
+    usable_ = std::min(usable_, same_since_[j]);
+    why = text("tau", j + 1, " (", arm_.coordinates()[j].name, ") stays at ", same_torque_[j], " while the joint moves");
+  }
+  return why;
+}
+
+// True if the arm moved when the last row came: one that repeats it is no rest.
+bool SmoothedRows::moved() const {
+  return (speed_.cwiseAbs().cwiseMin(mean_speed_.cwiseAbs()).array() > numbers_.rest_share * fastest_.array()).any();
+}
+
+void SmoothedRows::unusable(double time, const std::string& why) {
+  heard_ = time;
+  if (is_blind_ || !heard_any_ || time - usable_ <= numbers_.pause) return;
+  is_blind_ = true;
+  if (on_blind) on_blind({usable_, time, why});
+}
+
+void SmoothedRows::usable(double time) {
+  if (is_blind_) {
+    blind_ += time - usable_;
+    is_blind_ = false;
+  }
+  usable_ = heard_ = time;
+  heard_any_ = true;
 }
 
 bool SmoothedRows::take(const Recording& rows, int k, Row& row) const {
@@ -77,7 +150,10 @@ void SmoothedRows::add(const Recording& rows) {
   if (dt_ == 0.0 && start_.empty()) has_velocity_ = rows.dq.size() > 0;
   Row row;
   for (int k = 0; k < rows.rows(); ++k) {
-    if (!take(rows, k, row)) continue;
+    if (!take(rows, k, row)) {
+      if (std::isfinite(row.t)) unusable(row.t, fault(row));
+      continue;
+    }
     if (dt_ > 0.0) {
       place(row);
       continue;
@@ -104,14 +180,28 @@ void SmoothedRows::add(const Recording& rows) {
 void SmoothedRows::place(const Row& row) {
   if (has_last_) {
     if (row.t <= last_.t) return;
+    const bool same = row.q == last_.q && row.tau == last_.tau;
+    if (same && moved()) {
+      unusable(row.t, "the same row comes again and again, of an arm that moves");
+      return;
+    }
     if (row.t - last_.t > numbers_.pause) {
+      unusable(row.t, "no usable row came");
       begin_again();
-    } else if (row.q == last_.q && row.tau == last_.tau && repeats_ < numbers_.repeats) {
+    } else if (same && repeats_ < numbers_.repeats) {
       ++repeats_;  // repeated row: interpolated once a new row arrives
       return;
     }
+    speed_ = (row.q - last_.q) / (row.t - last_.t);
+    mean_speed_ += std::min(1.0, (row.t - last_.t) / numbers_.half_window) * (speed_ - mean_speed_);
+    fastest_ = fastest_.cwiseMax(mean_speed_.cwiseAbs());
   }
   repeats_ = 0;
+  if (const std::string why = stopped_torque(row); !why.empty()) {
+    unusable(row.t, why);
+    return;
+  }
+  usable(row.t);
   if (!has_last_) {
     first_t_ = row.t;
     next_ = 0;

@@ -2,6 +2,7 @@
 
 #include <deque>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "veridyn/model/joint_sensors.hpp"
@@ -24,6 +25,13 @@ struct PositionJump {
   double noise = 0.0;  ///< standard deviation of `size`
 };
 
+/// A time without usable rows, longer than a pause.
+struct Blindness {
+  double since = 0.0;  ///< [s] last usable row
+  double time = 0.0;   ///< [s] at which it was noticed
+  std::string why;
+};
+
 /// Prepares rows of a running arm for the equations of motion: skips gaps and repeated rows,
 /// interpolates on a uniform grid, corrects channels as the MODEL says, detects and removes jumps
 /// of an encoder, and estimates velocity and acceleration by local least squares.
@@ -34,12 +42,16 @@ class SmoothedRows {
   /// Called with each finished row and each jump, in the order of time.
   std::function<void(const SmoothedRow&)> on_row;
   std::function<void(const PositionJump&)> on_jump;
+  std::function<void(const Blindness&)> on_blind;
   std::function<void()> on_break;  ///< after a pause; the next row is not contiguous
 
   /// @throws InvalidInput  another number of joints, neither torques nor currents with drive gains.
   void check(const Recording& rows) const;
   void add(const Recording& rows);
   double dt() const { return dt_; }
+  /// [s] so far of what on_blind told.
+  double heard() const { return heard_; }  ///< [s] of the last row
+  double blind() const { return blind_ + (is_blind_ ? heard_ - usable_ : 0.0); }
 
   /// Enables the detection of jumps, once the noise of positions is known.
   void tell_jumps() { tell_jumps_ = true; }
@@ -50,6 +62,11 @@ class SmoothedRows {
     VectorXd q, dq, tau;
   };
   bool take(const Recording& rows, int k, Row& row) const;
+  std::string fault(const Row& row) const;
+  std::string stopped_torque(const Row& row);
+  bool moved() const;
+  void unusable(double time, const std::string& why);
+  void usable(double time);
   void place(const Row& row);
   void put(Row row);
   struct Gain {
@@ -82,6 +99,13 @@ class SmoothedRows {
   VectorXd spread2_;                // mean square of the jump statistic
   VectorXd largest_;                // and its largest while quiet
   double seen_ = 0.0;
+  // Last usable row and last row of all [s].
+  double usable_ = 0.0, heard_ = 0.0, blind_ = 0.0;
+  bool heard_any_ = false, is_blind_ = false;
+  // (n) since when a torque has not changed, its joint's position then, and the longest such time before.
+  VectorXd same_torque_, same_since_, same_from_, same_longest_;
+  std::vector<char> never_changed_, stopped_;
+  VectorXd speed_, mean_speed_, fastest_;  // (n) of the last row, smoothed, and the largest of that
   std::vector<int> wait_;           // samples until the next jump of a joint may be reported
 };
 

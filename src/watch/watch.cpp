@@ -65,6 +65,7 @@ class Watch::Implementation {
     state_.residual = state_.torque = state_.noise = VectorXd::Zero(arm.joints());
     rows_.on_row = [this](const watching::SmoothedRow& row) { steps_.add(row, rows_.dt()); };
     rows_.on_break = [this] { steps_.begin_again(); };
+    rows_.on_blind = [this](const watching::Blindness& b) { finder_.blind(b); };
     rows_.on_jump = [this](const watching::PositionJump& jump) { finder_.jump(jump, now_); };
     steps_.on_step = [this](const Step& step) {
       now_ = step.time;
@@ -96,13 +97,20 @@ class Watch::Implementation {
       if (unjudged_.time[unjudged_.rows() - 1] - unjudged_.time[0] >= numbers_.judged * options_.learn)
         judge_velocities();
     }
+    note_blindness();
     return taken();
   }
 
   std::vector<WatchEvent> finish() {
     judge_velocities();
     finder_.finish(now_);
+    note_blindness();
     return taken();
+  }
+
+  void note_blindness() {
+    state_.heard = rows_.heard();
+    state_.blind = rows_.blind();
   }
 
   std::vector<WatchEvent> taken() {
@@ -228,6 +236,7 @@ const char* name_of(WatchStage stage) {
     case WatchStage::kOver: return "over";
     case WatchStage::kPresent: return "present";
     case WatchStage::kWithdrawn: return "withdrawn";
+    case WatchStage::kBlind: return "blind";
   }
   return "";
 }

@@ -193,6 +193,28 @@ TEST(Links, WhatThePosesCannotTellIsRefused) {
   EXPECT_THROW(calibrate_links(arm, poses), InvalidInput);
 }
 
+// Poses of another frame, of other rows, or of joints in degrees: no constant explains them, and it is
+// not motion that is missing.
+TEST(Links, PosesThatAreNotThoseOfTheFrameAreRefused) {
+  const Model arm = read_model("ur10e");
+  const std::string last = arm.frames().back().name;
+  LinksOptions options;
+  options.frame = last;
+  const PoseCapture right = captured_poses(arm, last, 60, 0.9, 1e-4, 1e-3, 9);
+  ASSERT_EQ(calibrate_links(arm, right, options).status, CalibrationStatus::kDone);
+  PoseCapture degrees = right;
+  degrees.q /= kDegree;
+  PoseCapture shuffled = right;
+  shuffled.q = right.q.colwise().reverse();
+  const PoseCapture elsewhere = captured_poses(arm, arm.frames()[2].name, 60, 0.9, 1e-4, 1e-3, 9);
+  for (const PoseCapture& poses : {degrees, shuffled, elsewhere}) {
+    const LinksCalibration found = calibrate_links(arm, poses, options);
+    EXPECT_EQ(found.status, CalibrationStatus::kCannotAnswer) << found.report();
+    EXPECT_NE(found.reason.find("contradict"), std::string::npos) << found.reason;
+  }
+  EXPECT_NE(calibrate_links(arm, degrees, options).reason.find("beyond its limits"), std::string::npos);
+}
+
 // The wrong direction of the counterweight, which torques show as well.
 TEST(Links, PosesAndTorquesAgreeOnThePrintedArm) {
   const Model truth = read_model("psm-3dof");

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "calibration/closed_forms.hpp"
@@ -73,6 +74,57 @@ TEST(RemoteCenter, ASweepAboutOneAxisIsRefusedWithItsReason) {
   EXPECT_NE(few.reason.find("too few frames"), std::string::npos) << few.reason;
   PoseCapture still = capture_of(Poses(50, Isometry3d::Identity()));
   EXPECT_NE(calibrate_remote_center(still).reason.find("hardly turns"), std::string::npos);
+}
+
+// A shaft that slides through its sleeve has no point that stays; nor has a body that flies about.
+TEST(RemoteCenter, ABodyThatSlidesHasNone) {
+  PoseCapture slides = pivoting(400, 0.5, 1e-4, 1e-3, 3);
+  for (size_t k = 0; k < slides.poses.size(); ++k)
+    slides.poses[k].translation() += 0.1 * std::sin(0.03 * static_cast<double>(k)) * slides.poses[k].linear().col(2);
+  PoseCapture flies = slides;
+  RandomNumbers random(3);
+  for (Isometry3d& T : flies.poses) T.translation() = random_pose(random, 1.0).translation();
+  for (const PoseCapture& poses : {slides, flies}) {
+    const RemoteCenter found = calibrate_remote_center(poses);
+    EXPECT_EQ(found.status, CalibrationStatus::kCannotAnswer) << found.report();
+    EXPECT_NE(found.reason.find("no point stays where it is"), std::string::npos) << found.reason;
+  }
+}
+
+// A body whose origin is the centre hardly moves, and its centre is known all the same.
+TEST(RemoteCenter, MayBeTheOriginOfTheBody) {
+  RandomNumbers random(4);
+  Poses poses;
+  for (int k = 0; k < 200; ++k) {
+    Isometry3d T = random_pose(random, 0.0);
+    T.translation() = kCentre;
+    poses.push_back(noisy(T, 2e-4, 2e-4, random));
+  }
+  const RemoteCenter found = calibrate_remote_center(capture_of(poses));
+  ASSERT_EQ(found.status, CalibrationStatus::kDone) << found.reason;
+  EXPECT_LT((found.rcm - kCentre).norm(), 1e-4);
+}
+
+// Files whose rows do not belong together, and a form that is not theirs.
+TEST(HandEye, PosesThatDoNotBelongTogetherAreRefused) {
+  RandomNumbers random(5);
+  Poses A;
+  Poses B;
+  const Isometry3d T = random_pose(random, 0.4);
+  for (int k = 0; k < 40; ++k) {
+    A.push_back(random_pose(random, 0.3));
+    B.push_back(noisy(T.inverse() * A.back(), 1e-4, 2e-4, random));
+  }
+  ASSERT_EQ(calibrate_hand_eye(capture_of(A), capture_of(B)).status, CalibrationStatus::kDone);
+  HandEyeOptions wrong;
+  wrong.form = HandEyeForm::kEyeInHand;
+  Poses shuffled = B;
+  std::reverse(shuffled.begin(), shuffled.end());
+  for (const HandEye& found : {calibrate_hand_eye(capture_of(A), capture_of(shuffled)),
+                               calibrate_hand_eye(capture_of(A), capture_of(B), wrong)}) {
+    EXPECT_EQ(found.status, CalibrationStatus::kCannotAnswer) << found.report();
+    EXPECT_NE(found.reason.find("contradict"), std::string::npos) << found.reason;
+  }
 }
 
 class HandEyeForms : public testing::TestWithParam<HandEyeForm> {};

@@ -135,6 +135,27 @@ TEST(Factors, TellWhatTheRecordingsTell) {
   EXPECT_TRUE(near(mixed.parameters, whole.parameters, 1e-12 * whole.parameters.norm()));
 }
 
+// A maker's file without friction: factors are made with plain friction, of which `file` uses nothing.
+TEST(Factors, OfAFileWithoutFrictionTellWhatItsRecordingsTell) {
+  const Model arm = robot("planar-2r");
+  const Files files("no-friction");
+  const std::vector<std::string> train = files.recordings(arm, 2);
+  ModelDescription d = arm.description();
+  d.effects.clear();
+  d.values = RobotValues::kPrior;
+  const Model bare(d);
+  const FactorSet factors = compress(bare, train);
+  for (const JointFriction friction : {JointFriction::kAuto, JointFriction::kPlain, JointFriction::kFile}) {
+    IdentificationOptions how;
+    how.friction = friction;
+    const Identification whole = identify(bare, train, {}, how);
+    const Identification id = identify(bare, factors, {}, {}, how);
+    ASSERT_TRUE(id.model && whole.model);
+    // As far as the feasible solver goes, which comes from another rounding.
+    EXPECT_TRUE(near(id.parameters, whole.parameters, 1e-7 * whole.parameters.norm())) << name_of(friction);
+  }
+}
+
 TEST(Factors, OfAnotherArmOrFilterAreRefused) {
   const Model arm = robot("scara");
   const Files files("other-arm");

@@ -399,6 +399,24 @@ TEST(ARecordingWithoutUsableSamples, IsAStatus) {
 // ---- what is reported
 // ----------------------------------------------------------------------------------------------
 
+// What gaps take from a recording is said, of those it was learned from and of those it was tested on.
+TEST(GapsOfARecording, AreARemarkWithTheirShare) {
+  const Model arm = robot("planar-2r");
+  MotionShape shape;
+  Recording whole = synthetic_recording(arm, shape);
+  Recording holed = whole;
+  holed.source = "holed";
+  holed.tau.middleRows(2000, 1200).setConstant(std::numeric_limits<double>::quiet_NaN());
+  const auto said = [](const Identification& id) {
+    return std::count_if(id.remarks.begin(), id.remarks.end(), [](const std::string& remark) {
+      return remark.find("holed: 2") == 0 && remark.find("% of the samples lie in gaps") != std::string::npos;
+    });
+  };
+  EXPECT_EQ(said(identify(arm, whole, whole)), 0);
+  EXPECT_EQ(said(identify(arm, holed, whole)), 1);
+  EXPECT_EQ(said(identify(arm, whole, holed)), 1);
+}
+
 TEST(TheNoiseFloor, IsThatOfTheTrainingRecordings) {
   const Model arm = robot("scara");
   const Recording clean = synthetic_recording(arm, lasting(60.0, 6.0));

@@ -87,7 +87,10 @@ TEST(WatchJson, StagesOfOneChangeAreOneAlarmAndWhatWasThereBeforeIsNone) {
   for (const auto& [id, stage] : std::vector<std::pair<int, WatchStage>>{{1, WatchStage::kPresent},
                                                                          {2, WatchStage::kSuspected},
                                                                          {2, WatchStage::kNamed},
-                                                                         {3, WatchStage::kSuspected}}) {
+                                                                         {3, WatchStage::kSuspected},
+                                                                         {4, WatchStage::kSuspected},
+                                                                         {4, WatchStage::kBlind},
+                                                                         {0, WatchStage::kBlind}}) {
     WatchEvent event;
     event.id = id;
     event.stage = stage;

@@ -144,9 +144,10 @@ TEST(Watch, NoAlarmWithinASecondAfterAPause) {
     Recording r = with_change("payload:tool:mass=0.3", 16.0, seed);
     r.time.tail(r.rows() - static_cast<int>(kChange * WatchedArm::kRate)).array() += 4.0;
     const std::vector<WatchEvent> events = watched(r);
-    ASSERT_FALSE(events.empty());
-    EXPECT_GE(events.front().time, kChange + 4.0 + 1.0) << all_of(events);
-    EXPECT_LT(events.front().time, kChange + 4.0 + 2.0) << all_of(events);
+    ASSERT_GT(events.size(), 1U);
+    EXPECT_EQ(events[0].stage, WatchStage::kBlind) << all_of(events);
+    EXPECT_GE(events[1].time, kChange + 4.0 + 1.0) << all_of(events);
+    EXPECT_LT(events[1].time, kChange + 4.0 + 2.0) << all_of(events);
   }
 }
 
@@ -205,6 +206,44 @@ TEST(Watch, BadInputIsRefused) {
   EXPECT_THROW(watch.add(two), InvalidInput);
 }
 
+// What takes the sight from a watch is said, with the time that is lost; it is no change, and nothing is
+// made of what was suspected in it: a torque that is no number or stops, a recorder that repeats its last
+// row, no rows at all.
+TEST(Watch, SaysWhenItCannotSee) {
+  const int from = 10 * static_cast<int>(WatchedArm::kRate);
+  const Recording quiet = recorded({}, 20.0, 6);
+  const int last = quiet.rows() - from;
+  Recording nothing = quiet;
+  nothing.tau.col(1).tail(last).setConstant(std::numeric_limits<double>::quiet_NaN());
+  Recording dead = quiet;
+  dead.tau.col(1).tail(last).setZero();
+  Recording frozen = quiet;
+  for (MatrixXd* m : {&frozen.q, &frozen.dq, &frozen.tau}) m->bottomRows(last).rowwise() = m->row(from).eval();
+  Recording pause = quiet;
+  pause.time.tail(last).array() += 10.0;
+  const std::pair<Recording, const char*> all[] = {{nothing, "tau2 (pitch) is no number"},
+                                                   {dead, "tau2 (pitch) stays at 0"},
+                                                   {frozen, "the same row"},
+                                                   {pause, "no usable row"}};
+  for (const auto& [rows, why] : all) {
+    Watch watch(bench().arm);
+    std::vector<WatchEvent> events = watch.add(rows);
+    for (const WatchEvent& e : watch.finish()) events.push_back(e);
+    int blind = 0;
+    for (const WatchEvent& e : events) {
+      EXPECT_TRUE(e.stage == WatchStage::kBlind || e.stage == WatchStage::kSuspected) << all_of(events);
+      if (e.stage != WatchStage::kBlind) continue;
+      ++blind;
+      EXPECT_NEAR(e.since, 10.0, 0.1) << all_of(events);
+      EXPECT_NE(e.sentence.find(why), std::string::npos) << all_of(events);
+    }
+    EXPECT_EQ(blind, 1) << why << "\n" << all_of(events);
+    ASSERT_FALSE(events.empty());
+    EXPECT_EQ(events.back().stage, WatchStage::kBlind) << all_of(events);
+    EXPECT_NEAR(watch.state().blind, 10.0, 0.2) << why;
+  }
+}
+
 // Gaps, numbers that are none and repeated rows are passed over; a pause joins nothing.
 TEST(Watch, SurvivesBadRows) {
   Recording r = recorded({}, 20.0, 5);
@@ -215,7 +254,8 @@ TEST(Watch, SurvivesBadRows) {
   r.tau.row(2001) = r.tau.row(2000);
   r.time.tail(1000).array() += 3.0;
   const std::vector<WatchEvent> events = watched(r);
-  EXPECT_TRUE(events.empty()) << all_of(events);
+  ASSERT_EQ(events.size(), 1U) << all_of(events);
+  EXPECT_EQ(events[0].stage, WatchStage::kBlind) << all_of(events);
 }
 
 TEST(Watch, SpeaksOfEffectsInWords) {

@@ -11,6 +11,7 @@ namespace veridyn {
 struct WatchedSource {
   std::string source;
   double from = 0.0, to = 0.0;  ///< [s]
+  double blind = 0.0;           ///< [s] of it in which nothing could be watched
   double learned = 0.0;         ///< [s] of it in which the noise was learned and no alarm possible
   std::vector<WatchEvent> events;
   std::vector<WatchState> states;  ///< one for each step
@@ -23,7 +24,7 @@ struct WatchedSource {
 /// One event as one line without line end: {"event": "named", "id": 1, "time": ..., ...}.
 std::string json_line(const WatchEvent& event, const std::string& source);
 
-/// Command "watch": {"veridyn", "command", "robot", "sources": [{"source", "seconds", "learned",
+/// Command "watch": {"veridyn", "command", "robot", "sources": [{"source", "seconds", "learned", "blind",
 /// "alarms", "alarms_per_hour", "events": [...]}], "running"}.
 std::string to_json(const std::vector<WatchedSource>& sources, const Model& arm, bool running);
 

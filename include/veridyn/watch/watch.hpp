@@ -33,6 +33,9 @@ enum class WatchStage {
   kOver,       ///< a contact that has ended
   kPresent,    ///< there when the watch began: learned, and no reason for an alarm
   kWithdrawn,  ///< the name was wrong: another one explains more, and follows with the same id
+  /// Nothing can be watched since: no rows, no finite numbers, rows or a torque that stand still while the
+  /// arm moves. No change and no cause; the id is that of a change that was suspected since then, or 0.
+  kBlind,
 };
 const char* name_of(WatchStage stage);
 
@@ -64,6 +67,8 @@ struct WatchState {
   double time = 0.0;     ///< [s] of the last step
   bool learning = true;
   bool alarmed = false;  ///< a change is being isolated
+  double heard = 0.0;    ///< [s] of the last row, usable or not
+  double blind = 0.0;    ///< [s] so far in which nothing could be watched, see WatchStage::kBlind
   double strength = 0.0; ///< largest statistic divided by its threshold
   std::string suspect;   ///< cause with that statistic
   /// (n) mean over the step: measured minus modelled torque, known changes compensated

@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "math/median.hpp"
+#include "calibration/contradiction.hpp"
 #include "calibration/deviations.hpp"
 #include "calibration/links/link_selection.hpp"
 #include "veridyn/math/require.hpp"
@@ -353,6 +354,30 @@ void list_constants(const Attachment& a, const Explanation& e, const std::vector
   }
 }
 
+// The first joint that leaves its limits, in words: it may be recorded in other units.
+std::string beyond_limits(const Model& arm, const PoseCapture& poses) {
+  for (int i = 0; i < arm.joints(); ++i) {
+    const Coordinate& c = arm.coordinates()[i];
+    const double low = poses.q.col(i).minCoeff();
+    const double high = poses.q.col(i).maxCoeff();
+    if (low >= c.limits.lower && high <= c.limits.upper) continue;
+    return fmt::format(": {} goes from {:.4g} to {:.4g} {}, beyond its limits", c.name, low, high,
+                       c.prismatic ? "m" : "rad");
+  }
+  return "";
+}
+
+// Reason why the fit is none: the poses are not those of this frame at these joint positions.
+std::string no_fit(const Model& arm, const Attachment& a, const std::string& frame, const LinkErrors& errors) {
+  const auto outliers = static_cast<int>(std::count(a.data.is_outlier.begin(), a.data.is_outlier.end(), 1));
+  const double angle = a.data.poses->has_orientation ? rms_of(errors.angle, a.data, false) : 0.0;
+  const std::string why =
+      contradiction(a.data.poses->poses, {outliers, rms_of(errors.position, a.data, false), angle});
+  if (why.empty()) return "";
+  return why + "; they may be poses of another frame than " + frame + ", joints of other rows, or not in rad and m" +
+         beyond_limits(arm, *a.data.poses);
+}
+
 std::string why_not(const Model& arm, const PoseCapture& poses) {
   if (!poses.fault.empty()) return poses.fault;
   if (poses.frames() < kFewestFrames)
@@ -390,6 +415,8 @@ LinksCalibration calibrate_links(const Model& arm, const PoseCapture& poses,
   out.base_free = a.base_free;
   out.tool_free = a.tool_free;
   out.rank_gap = a.choice.rank_gap;
+  out.reason = no_fit(arm, a, out.frame, link_errors(*a.chain, a.data, a.x));
+  if (!out.reason.empty()) return out;
   if (a.choice.independent.size() <= a.attached.size()) {
     out.reason = "no constant of the robot can be told from these poses: motion of more joints is "
                  "missing";

@@ -26,7 +26,7 @@ std::string verdict(const LinksCalibration& r) {
   if (r.explained && r.named.empty())
     return "No constant differs from the file: the poses are explained as well with it.\n";
   if (!r.explained)
-    return "Many constants differ a little: no few of them explain the poses.\n";
+    return "Many constants differ from the file: no few of them explain the poses.\n";
   std::string text = r.named.size() == 1 ? "One constant differs from the file and explains all:\n"
                                          : fmt::format("{} constants differ from the file and "
                                                        "explain all:\n", r.named.size());

@@ -21,9 +21,6 @@ ExitStatus run(const CalibrateRcmRequest& request, const std::string& command_li
   require_writable(request.common.json, request.common.report);
   const RemoteCenter found =
       calibrate_remote_center(read_poses(request.poses, request.capture), request.options);
-  if (found.status == CalibrationStatus::kDone && 2 * found.outliers > found.frames)
-    say(text("warning: ", request.poses, ": ", found.outliers, " of ", found.frames,
-             " frames are left out, more than half: the centre stands on the others alone."));
   return finish_calibration(found.status == CalibrationStatus::kDone, found.reason, found.report(),
                             request.common, to_json(found),
                             found.status == CalibrationStatus::kDone ? to_page(found, command_line) : "");

@@ -72,6 +72,7 @@ class Watching {
         replay(watch, source);
       }
       tell(watch.finish());
+      note_blindness(watch);
       for (const std::string& remark : watch.remarks()) say(source + ": " + remark);
       doubt_model(source);
     }
@@ -79,7 +80,7 @@ class Watching {
     // Ctrl-C is the end of a source that grows; of a recording it leaves rows out.
     if (interrupted != 0 && !waits(request_)) return kInterrupted;
     for (const WatchedSource& s : watched_) {
-      if (!s.states.empty() && s.learned < s.to - s.from - 0.5 * request_.options.step) continue;
+      if (!s.states.empty() && s.learned < s.to - s.from - s.blind - 0.5 * request_.options.step) continue;
       say(text(s.source, ": found ", s.to - s.from, " s, expected more than the ",
                request_.options.learn, " s in which noise is learned (--learn)."));
       return kDataCannotAnswer;
@@ -96,7 +97,7 @@ class Watching {
     for (Eigen::Index i = 0; i < missed_.size(); ++i) {
       const double share = std::sqrt(missed_[i] / std::max(measured_[i], 1e-12));
       wrong = wrong || share > kDoubtful;
-      shares += text(i > 0 ? ", " : "", std::lround(100.0 * share));
+      shares += text(i > 0 ? ", " : "", std::round(100.0 * share));
     }
     missed_.resize(0);
     if (wrong)
@@ -111,6 +112,12 @@ class Watching {
       tell(watch.add(rows));
   }
 
+  void note_blindness(const Watch& watch) {
+    WatchedSource& s = watched_.back();
+    s.blind = watch.state().blind;
+    if (s.blind > 0.0) s.to = std::max(s.to, watch.state().heard);
+  }
+
   void follow(Watch& watch, const std::string& source) {
     auto heard = Clock::now();
     const auto go_on = [&] {
@@ -122,6 +129,7 @@ class Watching {
     for (Recording row = rows.next(1); row.rows() > 0 && interrupted == 0; row = rows.next(1)) {
       heard = Clock::now();
       tell(watch.add(row));
+      note_blindness(watch);
       update();
     }
   }
@@ -168,7 +176,8 @@ class Watching {
     if (running || request_.json_lines) return;
     for (const WatchedSource& s : watched_)
       std::cout << s.source << ": " << s.alarms() << (s.alarms() == 1 ? " change" : " changes") << " in "
-                << s.to - s.from << " s, " << s.learned << " s of them learned from\n";
+                << std::round(10.0 * (s.to - s.from)) / 10.0 << " s, " << s.learned << " s of them learned from"
+                << (s.blind > 0.0 ? text(", ", std::round(10.0 * s.blind) / 10.0, " s not watched") : "") << "\n";
   }
 
   const Model& arm_;

@@ -210,7 +210,7 @@ bool is_factor_file(const std::string& path) {
 
 void require_factors_of(const Model& arm, const FactorSet& factors,
                         const PreprocessingOptions& how) {
-  require_joints(factors, arm);
+  require_joints(factors, with_friction(arm, JointFriction::kAuto));  // as compress() does
   require(factors.settings == settings_of(how), "the factors were prepared differently: found ",
           factors.settings, "; expected ", settings_of(how), ".");
 }
@@ -292,7 +292,7 @@ Identification identify(const Model& arm, const FactorSet& factors,
     const std::vector<int> joints = joints_with_derived_velocities(factors);
     derive_velocities({joints.begin(), joints.end()}, how);
   }
-  require_factors_of(arm, factors, how.preprocessing);
+  require_factors_of(with_friction(arm, how.friction), factors, how.preprocessing);
   return identify_compressed(arm, factors.recordings, train, test, how);
 }
 

@@ -8,6 +8,8 @@ namespace veridyn {
 namespace {
 
 Json event_json(const WatchEvent& e) {
+  if (e.stage == WatchStage::kBlind)
+    return {{"event", name_of(e.stage)}, {"id", e.id}, {"time", e.time}, {"since", e.since}, {"sentence", e.sentence}};
   Json rivals = Json::array();
   for (const WatchRival& r : e.rivals) rivals.push_back({{"cause", r.text}, {"lacks", r.evidence}});
   const std::optional<JointIndex> joint = joint_of(e.cause);
@@ -34,7 +36,10 @@ Json event_json(const WatchEvent& e) {
 int WatchedSource::alarms() const {
   std::set<int> ids;
   for (const WatchEvent& e : events) {
-    if (e.stage != WatchStage::kPresent) ids.insert(e.id);
+    if (e.stage != WatchStage::kPresent && e.stage != WatchStage::kBlind) ids.insert(e.id);
+  }
+  for (const WatchEvent& e : events) {
+    if (e.stage == WatchStage::kBlind) ids.erase(e.id);  // suspected for the fault of the rows
   }
   return static_cast<int>(ids.size());
 }
@@ -53,10 +58,11 @@ std::string to_json(const std::vector<WatchedSource>& sources, const Model& arm,
   for (const WatchedSource& s : sources) {
     Json events = Json::array();
     for (const WatchEvent& e : s.events) events.push_back(event_json(e));
-    const double watched = s.to - s.from - s.learned;
+    const double watched = s.to - s.from - s.learned - s.blind;
     out["sources"].push_back({{"source", s.source},
                               {"seconds", s.to - s.from},
                               {"learned", s.learned},
+                              {"blind", s.blind},
                               {"alarms", s.alarms()},
                               {"alarms_per_hour", watched > 0.0 ? 3600.0 * s.alarms() / watched : 0.0},
                               {"events", events}});

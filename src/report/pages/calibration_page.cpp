@@ -117,7 +117,7 @@ std::string to_page(const RemoteCenter& r, const std::string& command) {
 
 std::string to_page(const LinksCalibration& r, const std::string& command,
                     const std::string& comparison) {
-  std::string verdict = "Many constants differ a little from the file.";
+  std::string verdict = "Many constants differ from the file.";
   if (r.explained) {
     verdict = r.named.empty() ? "No constant differs from the file." : "Wrong in the file: ";
     for (std::size_t k = 0; k < r.named.size(); ++k) {

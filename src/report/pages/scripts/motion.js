@@ -172,7 +172,8 @@ const kReload = 2000;  // [ms]
 pages.watch = () => {
   const seconds = (place) => number(place, 'plain', fixed(2));
   const alarms = result.sources.reduce((sum, source) => sum + source.alarms, 0);
-  const watched = result.sources.reduce((sum, source) => sum + source.seconds - source.learned, 0);
+  const watched = result.sources.reduce((sum, source) => sum + source.seconds - source.learned - source.blind, 0);
+  const blind = result.sources.reduce((sum, source) => sum + source.blind, 0);
   const said = (event) => event.sentence.replace(/^[0-9.]+ s: /, '');  // the time has a column of its own
   const last = result.sources.flatMap((source) => source.events).filter((event) => ['named', 'refined', 'present', 'withdrawn'].includes(event.event)).pop();
   const named = last && last.event !== 'withdrawn' ? last : null;
@@ -187,9 +188,9 @@ pages.watch = () => {
   }
   return {
     title: result.robot, kind: 'Watch', facts: [result.running ? 'running; this page follows it' : 'ended'],
-    lead: alarms === 0 && !named ? 'Nothing changed.' : alarms < 2 && named ? said(named)[0].toUpperCase() + said(named).slice(1) : countOf(alarms, 'change') + ' in ' + countOf(result.sources.length, 'source') + '.', state: alarms || named ? 'bad' : 'good',
+    lead: alarms === 0 && !named ? (blind > 0 ? 'Nothing changed in what could be watched.' : 'Nothing changed.') : alarms < 2 && named ? said(named)[0].toUpperCase() + said(named).slice(1) : countOf(alarms, 'change') + ' in ' + countOf(result.sources.length, 'source') + '.', state: alarms || named || blind > 0 ? 'bad' : 'good',
     good: [paragraph('', countOf(result.sources.length, 'source') + ' watched for ' + short(watched, 3) + ' s after ' +
-                     short(result.sources.reduce((sum, s) => sum + s.learned, 0), 3) + ' s in which it learned today\u2019s friction and offsets.'),
+                     short(result.sources.reduce((sum, s) => sum + s.learned, 0), 3) + ' s in which it learned today\u2019s friction and offsets' + (blind > 0 ? '; ' + short(blind, 3) + ' s could not be watched.' : '.')),
            events.length ? table(['Source', '#Said at [s]', '#Since [s]', 'State', 'What'], events, 'events') : null],
     next: alarms || named ? [{why: 'Ask what changed, with intervals:', command: 'veridyn diagnose MODEL --train RECORDING.csv --test OTHER.csv'}] : null,
     picture: armView(),
