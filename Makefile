@@ -110,7 +110,8 @@ sanitize: packages-tests
 	@cmake --preset $(SANITIZER)
 	@cmake --build build-$(SANITIZER) -j $(JOBS) $(addprefix --target test_,$(ROOM))
 	@echo "$(SANITIZER): $(or $(ROOM),all rooms)"
-	@LLVM_PROFILE_FILE=$(CURDIR)/build-$(SANITIZER)/profiles/%4m.profraw \
+	@ASAN_OPTIONS=allocator_may_return_null=1 LSAN_OPTIONS=suppressions=$(CURDIR)/tests/fuzz/leaks.txt \
+	  LLVM_PROFILE_FILE=$(CURDIR)/build-$(SANITIZER)/profiles/%4m.profraw \
 	  ctest --test-dir build-$(SANITIZER) --output-on-failure -j $(JOBS) $(if $(ROOM),-R "^($$(echo $(ROOM) | tr ' ' '|'))/")
 
 # Lines, functions and branches of src/ROOM that the last `make sanitize ROOM=...` ran; build-asan/coverage/index.html has the source.

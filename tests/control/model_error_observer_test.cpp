@@ -150,6 +150,8 @@ TEST(ModelErrorObserver, KeepsWhatItKnowsInACycleThatIsNoNumber) {
       state.update(q, dq);
       error.update(state, y, 1e-3);
     }
+    // The whole error of one cycle: y dt - d(dq) = y dt here, as a torque of M y.
+    EXPECT_TRUE(near(error.missing(), state.mass_matrix() * y, 1e-12));
     const VectorXd known = error.torque();
     EXPECT_GT(known.norm(), 0.0);
     state.update(lost == 0 ? none : q, lost == 1 ? none : dq);

@@ -39,6 +39,28 @@ TEST(TetherGuard, LearnsTheLengthWithoutForce) {
   EXPECT_NEAR(line.guard.free_length(0), 0.1, 1e-9);
 }
 
+// What it learned first gives way to what it feels later.
+TEST(TetherGuard, LearnsAnotherLength) {
+  Line line;
+  double before = line.guard.free_length(0);
+  for (int k = 0; k < 20000; ++k) {
+    line.guard.learn(0, 0.102 + 5.0 / 20000.0, 5.0);
+    ASSERT_GE(line.guard.free_length(0), before);
+    before = line.guard.free_length(0);
+  }
+  EXPECT_NEAR(before, 0.102, 1e-6);
+}
+
+// A string that has been slack keeps its margin; a strut that was compressed comes back to its length.
+TEST(TetherGuard, OnlyAStringKeepsAMargin) {
+  for (const bool pushes : {false, true}) {
+    Line line;
+    if (pushes) line.guard.feel(0, -1.0);
+    for (int k = 0; k < 2000; ++k) line.step({0.1 - 0.01 * std::sin(M_PI * k / 2000), 0.0, 0.0});
+    EXPECT_EQ(line.guard.motion(0).position.x() > 1e-3, !pushes) << line.guard.motion(0).position.x();
+  }
+}
+
 // An end that first comes near, so that the string is slack, and then falls away at 10 m/s^2: the
 // string never becomes tight again. Without the guard it would be tight after 0.1 s at 0.8 m/s.
 TEST(TetherGuard, AFallingEndDoesNotTightenASlackString) {
