@@ -120,12 +120,12 @@ struct PreparationFacts {
   FilledRows filled;
 };
 
-/// Reads a recording of any length once, in segments of a few thousand samples; calls `visit` for
-/// each.
+/// Reads a recording of any length once and calls `visit` for segments of a few thousand samples.
 ///
 /// Samples are interpolated linearly on their true time; rows with NaN or with numbers above 1e6
-/// are excluded, and so are samples within half a filter period of a gap of more than two steps.
-/// Rows that a late publisher repeated are interpolated first (options.stale_rows).
+/// are excluded, and so are samples within half a filter period of a gap: more than two steps and a
+/// quarter of a wave at the cut-off. Rows that a late publisher repeated are interpolated first
+/// (options.stale_rows).
 ///
 /// @throws InvalidInput  the file is bad, or has another number of joints than the arm, or neither
 /// torques nor (with drive gains in the robot file) currents.
