@@ -21,12 +21,13 @@ using Pass = StretchPass;
 
 // Blocks for the jackknife and for held-out folds. If the motion repeats they are phases of the
 // period with the repeats merged, because repeats share their systematic errors and are not
-// independent. Otherwise they are segments of equal duration, between kMaxBlocks / 2 and
-// kMaxBlocks. An arm with so many joints that they would exceed kMostBytes gets half or a quarter
+// independent. Otherwise they are segments of equal duration, between half of most_blocks and
+// most_blocks. An arm with so many joints that they would exceed kMostBytes gets half or a quarter
 // of them.
 class Blocks {
  public:
-  Blocks(const RegressorColumns& columns, int joints, double period) : period_(period) {
+  Blocks(const RegressorColumns& columns, int joints, double period, const IdentificationNumbers& numbers)
+      : phases_(numbers.phases), most_(numbers.most_blocks), period_(period), duration_(numbers.first_block) {
     const std::vector<std::string> names = parameter_names(columns.parameters());
     for (int i = 0; i < joints; ++i) {
       std::vector<std::string> mine;
@@ -100,10 +101,10 @@ class Blocks {
     duration_ *= 2.0;
   }
 
-  double phases_ = identifying::kMostPhases;
-  size_t most_ = identifying::kMaxBlocks;
+  double phases_;
+  size_t most_;
   double period_;
-  double duration_ = identifying::kFirstBlock;
+  double duration_;
   std::vector<SquareRootInformation> none_;  // a block without rows
   std::vector<std::vector<SquareRootInformation>> blocks_;
 };
@@ -172,7 +173,7 @@ void add_facts(const Segment& s, const MatrixXd& tau, bool& first, PeriodFold& f
 
 CompressedRecording run_compress(const Model& arm, const std::string& source,
                                  const PreprocessingOptions& options, const MotionPeriod& period,
-                                 const Pass& pass, int threads,
+                                 const Pass& pass, int threads, const IdentificationNumbers& numbers,
                                  Wanted wanted = Wanted::kFactors) {
   CompressedRecording out;
   out.source = source;
@@ -180,8 +181,8 @@ CompressedRecording run_compress(const Model& arm, const std::string& source,
   const int n = arm.joints();
   const PreprocessingOptions mine = of_this_source(options, source);
   const RegressorColumns columns(arm, mine);
-  Blocks blocks(columns, n, period.seconds);
-  PeriodFold fold(n, period.seconds);
+  Blocks blocks(columns, n, period.seconds, numbers);
+  PeriodFold fold(n, period.seconds, numbers);
   out.joints.resize(n);
   bool first = true;
   const Visit visit = [&](const Segment& s) {
@@ -239,10 +240,10 @@ class ThinnedPositions {
 };
 
 Recording first_positions(const Model& arm, const std::string& path,
-                          const PreprocessingOptions& options) {
+                          const PreprocessingOptions& options, const IdentificationNumbers& numbers) {
   const OpenedRows rows = open_rows(path, reading_of(arm, options), options.kept.get());
   ThinnedPositions positions;
-  while (positions.duration() < identifying::kPeriodSeconds) {
+  while (positions.duration() < numbers.period_time) {
     const Recording piece = rows.next(identifying::kPieceRows);
     if (piece.rows() == 0) break;
     for (Eigen::Index k = 0; k < piece.rows(); ++k) positions.add(piece, k);
@@ -251,7 +252,7 @@ Recording first_positions(const Model& arm, const std::string& path,
 }
 
 MotionPeriod period_of(const Model& arm, const std::string& path,
-                       const PreprocessingOptions& options) {
+                       const PreprocessingOptions& options, const IdentificationNumbers& numbers) {
   const auto known = options.known_periods.find(path);
   if (known != options.known_periods.end()) {
     MotionPeriod period;
@@ -262,11 +263,11 @@ MotionPeriod period_of(const Model& arm, const std::string& path,
   if (there == nullptr && options.kept && options.first_row == 0 && !options.row_count) {
     // The judgement of a short recording has found the period from the same positions.
     const auto seen = options.kept->known_quality(path, rows_looked_at(arm, options));
-    if (seen && seen->rows < identifying::kPeriodRows && seen->duration < identifying::kPeriodSeconds &&
+    if (seen && seen->rows < identifying::kPeriodRows && seen->duration < numbers.period_time &&
         seen->find("short_recording") == nullptr && seen->find("absurd_numbers") == nullptr)
       return seen->period;
   }
-  return detect_period(there != nullptr ? *there : first_positions(arm, path, options));
+  return detect_period(there != nullptr ? *there : first_positions(arm, path, options, numbers));
 }
 
 // Collects between the wanted number and twice as many samples of a recording of any length: when
@@ -356,25 +357,37 @@ ErrorSums run_prediction(const Model& arm, const std::string& source,
 
 CompressedRecording compress(const Model& arm, const std::string& path,
                              const PreprocessingOptions& options, int threads) {
+  return compress(arm, path, options, threads, IdentificationNumbers());
+}
+
+CompressedRecording compress(const Model& arm, const std::string& path,
+                             const PreprocessingOptions& options, int threads,
+                             const IdentificationNumbers& numbers) {
   return run_compress(
-      arm, path, options, period_of(arm, path, options),
+      arm, path, options, period_of(arm, path, options, numbers),
       [&](const Visit& visit) { return for_each_segment(arm, path, options, visit); },
-      number_of_threads(threads));
+      number_of_threads(threads), numbers);
 }
 
 CompressedRecording compress_facts(const Model& arm, const std::string& path,
-                                   const PreprocessingOptions& options, int threads) {
+                                   const PreprocessingOptions& options, int threads,
+                                   const IdentificationNumbers& numbers) {
   return run_compress(
-      arm, path, options, period_of(arm, path, options),
+      arm, path, options, period_of(arm, path, options, numbers),
       [&](const Visit& visit) { return for_each_segment(arm, path, options, visit); },
-      number_of_threads(threads), Wanted::kFacts);
+      number_of_threads(threads), numbers, Wanted::kFacts);
 }
 
 CompressedRecording compress(const Model& arm, const Recording& recording,
                              const PreprocessingOptions& options) {
+  return compress(arm, recording, options, IdentificationNumbers());
+}
+
+CompressedRecording compress(const Model& arm, const Recording& recording,
+                             const PreprocessingOptions& options, const IdentificationNumbers& numbers) {
   return run_compress(
       arm, recording.source, options, detect_period(recording),
-      [&](const Visit& visit) { return for_each_segment(arm, recording, options, visit); }, 1);
+      [&](const Visit& visit) { return for_each_segment(arm, recording, options, visit); }, 1, numbers);
 }
 
 std::vector<CompressedRecording> compress_all(const Model& arm,

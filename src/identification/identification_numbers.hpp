@@ -1,84 +1,110 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
 
-/// Numbers of `identify` outside of the feasible solver. Those of the first part can change what it says
-/// or which model it gives; each has its inequality, and its reason where one is known. Those of the
-/// second part bound memory, or keep arithmetic sound.
-namespace veridyn::identifying {
+#include "math/number_table.hpp"
+#include "veridyn/identification/identification.hpp"
+#include "veridyn/identification/rest_poses.hpp"
+#include "veridyn/identification/verdict.hpp"
 
-// Which joints move, and where.
-/// travel of a joint < kStillRevolute [rad] or kStillPrismatic [m]: it never moves, and the arm is not
-/// determined.
-constexpr double kStillRevolute = 2e-3, kStillPrismatic = 2e-4;
+namespace veridyn {
+
+/// All numbers that can change what `identify` says or which model it gives, outside of the feasible
+/// solver, each with its inequality, and with its reason where one is known.
+struct IdentificationNumbers {
+  // Which joints move, and where.
+  /// travel of a joint < still_revolute [rad], still_prismatic [m]: it never moves, and the arm is not
+  /// determined.
+  double still_revolute = 2e-3, still_prismatic = 2e-4;
+
+  // Velocities.
+  /// fall of ln(mean square) of a joint's torque > velocity_gain: its velocity is derived from the position;
+  /// 2 % of the error.
+  double velocity_gain = 0.04;
+
+  // Verdicts on joints.
+  /// error <= far_above_floor * floor: at its floor. Beyond twice, more than three quarters of the squared
+  /// residual is no noise; floors from repeats include some variation from period to period.
+  double far_above_floor = 2.0;
+  /// error <= below_any_sensor, a share of the torque: at its floor; 1 % is better than torque sensors.
+  double below_any_sensor = 0.01;
+  /// share of the range and of the speed < hardly_moves: the joint is recorded again.
+  double hardly_moves = kHardlyMoves;
+  /// largest torque of each joint < no_torque [N m], [N]: no torque was recorded; no sensor shows as little,
+  /// and from 1e-16 on tolerances for rounding would count.
+  double no_torque = 1e-12;
+  /// distance between samples > adjacent [s]: a gap, across which repeats are not compared.
+  double adjacent = 0.05;
+  /// share of a recording's samples in gaps or beside them < few_in_gaps: not worth a line.
+  double few_in_gaps = 1e-3;
+
+  // Standard deviations.
+  /// blocks of a recording <= most_blocks, phases of a period = phases: enough for a jackknife, and long
+  /// beside the correlation of the residuals.
+  int most_blocks = 16, phases = 8;
+  /// blocks of all recordings together <= blocks_of_all, one at least of each: 10 recordings keep 16 each,
+  /// 16 recordings eight, 100 one.
+  int blocks_of_all = 160;
+  /// duration of a block >= first_block [s]; doubled whenever there are too many.
+  double first_block = 1.0;
+  /// time at the beginning in which a period is sought <= period_time [s].
+  double period_time = 125.0;
+
+  // Rests.
+  /// |dq| <= still_turning [rad/s], still_sliding [m/s] for >= fewest_rows rows: a pose; fewer are a reversal.
+  double still_turning = 5e-3, still_sliding = 1e-3;
+  int fewest_rows = 5;
+  /// blocks of poses <= rest_blocks: the clusters of the standard deviations.
+  int rest_blocks = 8;
+  /// singular value <= rest_rank * the largest: poses that hardly differ tell nothing.
+  double rest_rank = 1e-6;
+
+  // Gains of drives from a known mass.
+  /// half the 95 % interval < identifiable * |gain|, else the gain is not identifiable.
+  double identifiable = 0.25;
+  /// t value of some joint >= heavier, else the recordings do not show the mass.
+  double heavier = 4.0;
+  /// clusters >= fewest_clusters, else the same.
+  int fewest_clusters = 3;
+  /// share of a joint's torque by the mass < unloaded: the mass does not act on it.
+  double unloaded = 1e-6;
+  /// recordings <= most_divisions: all divisions into loaded and free ones are tried.
+  int most_divisions = 8;
+  /// share of a gain's column outside the span of the others < untied: rounding, and the gain is not tied
+  /// to the mass.
+  double untied = 1e-6;
+};
+
+/// All numbers, in the order of the struct.
+const std::vector<TableNumber<IdentificationNumbers>>& identification_numbers();
+
+/// identify(), identify_at_rest(), read_rest_poses(), find_drive_gains() and verdict_of() with other numbers.
+Identification identify(const Model& arm, const Recordings& train, const Recordings& test,
+                        const IdentificationOptions& options, const IdentificationNumbers& numbers);
+Identification identify_at_rest(const Model& arm, const std::vector<RestPoses>& train, const std::vector<RestPoses>& test,
+                                const IdentificationOptions& options, const IdentificationNumbers& numbers);
+RestPoses read_rest_poses(const Model& arm, const std::string& path, const PreprocessingOptions& how,
+                          std::optional<double> approach, const IdentificationNumbers& numbers);
+DriveGains find_drive_gains(const Model& arm, const std::vector<std::string>& recordings,
+                            const std::vector<KnownMass>& loads, const PreprocessingOptions& preprocessing, int threads,
+                            const IdentificationNumbers& numbers);
+IdentificationVerdict verdict_of(const Identification& id, const IdentificationNumbers& numbers);
+/// compress() of a file or of a recording with other numbers.
+CompressedRecording compress(const Model& arm, const std::string& path, const PreprocessingOptions& options, int threads,
+                             const IdentificationNumbers& numbers);
+CompressedRecording compress(const Model& arm, const Recording& recording, const PreprocessingOptions& options,
+                             const IdentificationNumbers& numbers);
+
+/// What no answer turns on: definitions of what is printed, memory, and sound arithmetic.
+namespace identifying {
+
+// Definitions.
 /// speed > kMovingShare * the joint's largest: a moving row, whose error docs/contract.md counts apart.
 constexpr double kMovingShare = 0.02;
-
-// Velocities.
-/// fall of ln(mean square) of a joint's torque > kVelocityGain: its velocity is derived from the position;
-/// 2 % of the error.
-constexpr double kVelocityGain = 0.04;
-
-// Verdicts on joints.
-/// error <= kFarAboveFloor * floor: at its floor. Beyond twice, more than three quarters of the squared
-/// residual is no noise; floors from repeats include some variation from period to period.
-constexpr double kFarAboveFloor = 2.0;
-/// error <= kBelowAnySensor, a share of the torque: at its floor; 1 % is better than torque sensors.
-constexpr double kBelowAnySensor = 0.01;
-/// largest torque of each joint < kNoTorque [N m], [N]: no torque was recorded; no sensor shows as little,
-/// and from 1e-16 on tolerances for rounding would count.
-constexpr double kNoTorque = 1e-12;
-/// distance between samples > kAdjacent [s]: a gap, across which repeats are not compared.
-constexpr double kAdjacent = 0.05;
-/// share of a recording's samples in gaps or beside them < kFewInGaps: not worth a line.
-constexpr double kFewInGaps = 1e-3;
-/// time compared with the period before < kCompared periods: no floor from repeats.
-constexpr double kCompared = 0.25;
-/// part of a base parameter outside the span of the data's > kOutsideSpan of it: it is not determined.
-constexpr double kOutsideSpan = 1e-5;
-
-// Standard deviations.
-/// blocks of a recording <= kMaxBlocks and >= kFewestBlocks, phases of a period <= kMostPhases: enough for
-/// a jackknife, and long beside the correlation of the residuals.
-constexpr std::size_t kMaxBlocks = 16, kFewestBlocks = 4;
-constexpr double kMostPhases = 8.0;
-/// blocks of all recordings together <= kMostBlocks, one at least of each: 10 recordings keep 16 each,
-/// 16 recordings eight, 100 one.
-constexpr int kMostBlocks = 160;
-/// duration of a block >= kFirstBlock [s]; doubled whenever there are too many.
-constexpr double kFirstBlock = 1.0;
-/// time at the beginning in which a period is sought <= kPeriodSeconds [s].
-constexpr double kPeriodSeconds = 125.0;
-
-// Rests.
-/// |dq| < kStillTurning [rad/s] or kStillSliding [m/s] for >= kFewestRows rows: a pose; fewer are a reversal.
-constexpr double kStillTurning = 5e-3, kStillSliding = 1e-3;
-constexpr long kFewestRows = 5;
-/// blocks of poses <= kRestBlocks: the clusters of the standard deviations.
-constexpr long kRestBlocks = 8;
-/// singular value <= kRank * the largest: poses that hardly differ tell nothing.
-constexpr double kRank = 1e-6;
-/// share of the poses within the printed band = kBand.
-constexpr double kBand = 0.95;
-
-// Gains of drives from a known mass.
-/// half the 95 % interval < kIdentifiable * |gain|, else the gain is not identifiable.
-constexpr double kIdentifiable = 0.25;
-/// t value of some joint >= kHeavier, else the recordings do not show the mass.
-constexpr double kHeavier = 4.0;
-/// clusters >= kFewestClusters, else the same.
-constexpr int kFewestClusters = 3;
-/// t^2 <= kSurelySigned counts in the vote on the sign: one joint does not outvote all others.
-constexpr double kSurelySigned = 1e4;
-/// share of a joint's torque by the mass < kUnloaded: the mass does not act on it.
-constexpr double kUnloaded = 1e-6;
-/// weight on a joint > kNoWeight [N m/kg]: it feels weight.
-constexpr double kNoWeight = 1e-9;
-/// recordings <= kMostDivisions: all divisions into loaded and free ones are tried.
-constexpr std::size_t kMostDivisions = 8;
-/// share of a gain's column outside the span of the others < kUntied: rounding, and the gain is not tied
-/// to the mass.
-constexpr double kUntied = 1e-6;
+constexpr double kBand = 0.95;             ///< share of the poses within the printed band
 
 // Words.
 constexpr double kOutside = 0.05;          ///< probability outside of a printed interval
@@ -92,6 +118,8 @@ constexpr double kValidating = 0.6;        ///< share of the work done after sol
 constexpr long kPeriodRows = 8192;         ///< largest number of rows in which a period is sought; more are thinned
 constexpr int kPieceRows = 2048;           ///< rows that are read at once
 constexpr int kRestPiece = 4096;           ///< rows that are read at once in a search for poses at rest
+/// blocks of a recording that memory leaves >= kFewestBlocks
+constexpr int kFewestBlocks = 4;
 constexpr double kMostBytes = 256.0 * 1024.0 * 1024.0;  ///< memory of one recording's factors
 constexpr std::size_t kGroupsAtOnce = 16;  ///< groups of joints whose factors are in memory together
 constexpr long kLookedAt = 20000;          ///< rows of a recording from which units and noise of velocities are judged
@@ -99,6 +127,10 @@ constexpr int kSeriesSamples = 15000;      ///< samples of the series for plots,
 constexpr int kFewestSamples = 100;        ///< samples of the series for plots that each recording keeps
 
 // Arithmetic.
+/// part of a base parameter outside the span of the data's > kOutsideSpan of it: beyond rounding; 1e-8 and 1e-2 do the same
+constexpr double kOutsideSpan = 1e-5;
+/// weight on a joint > kNoWeight [N m/kg]: beyond rounding; 1e-12 and 1e-6 do the same
+constexpr double kNoWeight = 1e-9;
 constexpr double kDependentColumn = 1e-9;  ///< smaller pivots: the column is a combination of others up to rounding
 constexpr double kBelowNyquist = 0.45;     ///< share of the sample rate below which positions of instruments are filtered
 constexpr double kEndOfTime = 0.999999;    ///< largest time, as a share of a recording, that lies inside its last segment
@@ -119,4 +151,5 @@ constexpr double kBallMass = 1.0;          ///< [kg] its mass
 constexpr double kBallRadius = 0.1;        ///< [m] its radius
 constexpr double kSolidBall = 0.4;         ///< its moment of inertia over mass and squared radius
 
-}  // namespace veridyn::identifying
+}  // namespace identifying
+}  // namespace veridyn

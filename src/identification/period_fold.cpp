@@ -2,8 +2,10 @@
 #include "identification/identification_numbers.hpp"
 
 namespace veridyn {
-PeriodFold::PeriodFold(int joints, double period)
-    : period_(period), difference2_(VectorXd::Zero(joints)), torque2_(difference2_) {}
+PeriodFold::PeriodFold(int joints, double period, const IdentificationNumbers& numbers)
+    : period_(period),
+      adjacent_(numbers.adjacent),
+      difference2_(VectorXd::Zero(joints)), torque2_(difference2_) {}
 
 void PeriodFold::add(double time, const MatrixXd& tau, Eigen::Index row) {
   if (period_ <= 0.0) return;
@@ -13,17 +15,16 @@ void PeriodFold::add(double time, const MatrixXd& tau, Eigen::Index row) {
   if (past_.front().time > then || past_.size() < 2) return;
   const Sample& a = past_[0];
   const Sample& b = past_[1];
-  if (b.time - a.time > identifying::kAdjacent) return;
+  if (b.time - a.time > adjacent_) return;
   const double share = (then - a.time) / (b.time - a.time);
   const VectorXd before = a.tau + share * (b.tau - a.tau);
   difference2_ += (past_.back().tau - before).cwiseAbs2();
   torque2_ += 0.5 * (past_.back().tau.cwiseAbs2() + before.cwiseAbs2());
-  if (time - last_time_ < identifying::kAdjacent) compared_time_ += time - last_time_;
-  last_time_ = time;
+  compared_ = true;
 }
 
 VectorXd PeriodFold::relative_floor() const {
-  if (compared_time_ < identifying::kCompared * period_ || period_ <= 0.0) return {};
+  if (!compared_) return {};
   return (0.5 * difference2_.array() / torque2_.array().max(1e-300)).sqrt();
 }
 

@@ -6,18 +6,20 @@
 
 namespace veridyn {
 
+struct IdentificationNumbers;
+
 /// Compares torques with those one period earlier; the difference between repeats is the error of a
 /// perfect model. Holds one period of samples.
 class PeriodFold {
  public:
   /// @param period  [s]; 0: nothing is compared.
-  PeriodFold(int joints, double period);
+  PeriodFold(int joints, double period, const IdentificationNumbers& numbers);
 
   /// Adds row `row` of tau, at `time` [s]; times increase.
   void add(double time, const MatrixXd& tau, Eigen::Index row);
 
   /// Per joint: standard deviation of one repeat over the root mean square of the torque, (joints);
-  /// empty where less than a quarter of a period repeats. The difference of two repeats has twice
+  /// empty where nothing repeats. The difference of two repeats has twice
   /// the variance of one.
   VectorXd relative_floor() const;
 
@@ -26,12 +28,11 @@ class PeriodFold {
     double time;
     VectorXd tau;
   };
-  double period_;
+  double period_, adjacent_;
   std::deque<Sample> past_;
   VectorXd difference2_;
   VectorXd torque2_;
-  double compared_time_ = 0.0;
-  double last_time_ = 0.0;
+  bool compared_ = false;
 };
 
 }  // namespace veridyn

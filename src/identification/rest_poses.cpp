@@ -63,10 +63,10 @@ Recording corrected(const Model& arm, const Recording& r) {
 }
 
 // Segments in which nothing moves, one pose each.
-RestPoses poses_between_motions(const Model& arm, const Recording& r) {
+RestPoses poses_between_motions(const Model& arm, const Recording& r, const IdentificationNumbers& numbers) {
   const int n = arm.joints();
   const auto moves = [&](Eigen::Index k, int j) {
-    const double still = arm.coordinates()[j].prismatic ? identifying::kStillSliding : identifying::kStillTurning;
+    const double still = arm.coordinates()[j].prismatic ? numbers.still_sliding : numbers.still_turning;
     return std::abs(r.dq(k, j)) > still;
   };
   RestPoses out;
@@ -79,7 +79,7 @@ RestPoses poses_between_motions(const Model& arm, const Recording& r) {
     for (int j = 0; j < n && rests; ++j) rests = !moves(k, j);
     if (rests) continue;
     const Eigen::Index count = k - first;
-    if (count >= identifying::kFewestRows) {
+    if (count >= numbers.fewest_rows) {
       q.emplace_back(r.q.middleRows(first, count).colwise().mean());
       tau.emplace_back(r.tau.middleRows(first, count).colwise().mean());
       approach.push_back(last);
@@ -145,10 +145,10 @@ std::vector<JointRows> rows_of_poses(const Model& arm, const RestPoses& poses) {
   return out;
 }
 
-CompressedRecording compressed(const Model& arm, const RestPoses& poses) {
+CompressedRecording compressed(const Model& arm, const RestPoses& poses, const IdentificationNumbers& numbers) {
   const std::vector<JointRows> rows = rows_of_poses(arm, poses);
   const std::vector<std::string> names = parameter_names(standard_parameters(arm));
-  const Eigen::Index blocks = std::min<Eigen::Index>(identifying::kRestBlocks, poses.poses());
+  const Eigen::Index blocks = std::min<Eigen::Index>(numbers.rest_blocks, poses.poses());
   CompressedRecording out;
   out.source = poses.source;
   out.facts.dt = 1.0;
@@ -294,6 +294,11 @@ void say_bands(const Model& arm, const MatrixXd& residuals, bool approached, Ide
 
 RestPoses read_rest_poses(const Model& arm, const std::string& path, const PreprocessingOptions& how,
                           std::optional<double> approach) {
+  return read_rest_poses(arm, path, how, approach, IdentificationNumbers());
+}
+
+RestPoses read_rest_poses(const Model& arm, const std::string& path, const PreprocessingOptions& how,
+                          std::optional<double> approach, const IdentificationNumbers& numbers) {
   const Recording* there = find_in_memory(how.in_memory, path);
   Recording r = corrected(arm, there != nullptr ? *there : read_recording(path, reading_poses(arm, how, 1.0)));
   r.source = path;
@@ -302,7 +307,7 @@ RestPoses read_rest_poses(const Model& arm, const std::string& path, const Prepr
     out = {path, r.q, r.tau, r.dq.size() > 0 ? r.dq : MatrixXd::Zero(r.rows(), arm.joints())};
     out.approach = out.approach.array().isNaN().select(0.0, out.approach);
   } else {
-    out = poses_between_motions(arm, r);
+    out = poses_between_motions(arm, r, numbers);
   }
   require(out.poses() > 0, path, ": found no moment at which all joints rest, expected poses at rest.");
   if (approach) out.approach.setConstant(*approach);
@@ -325,6 +330,12 @@ bool is_at_rest(const Model& arm, const std::string& path, const PreprocessingOp
 
 Identification identify_at_rest(const Model& file, const std::vector<RestPoses>& train,
                                 const std::vector<RestPoses>& test, const IdentificationOptions& options) {
+  return identify_at_rest(file, train, test, options, IdentificationNumbers());
+}
+
+Identification identify_at_rest(const Model& file, const std::vector<RestPoses>& train,
+                                const std::vector<RestPoses>& test, const IdentificationOptions& options,
+                                const IdentificationNumbers& numbers) {
   require(!train.empty(), "identify_at_rest: there is no recording to train on.");
   for (const auto* list : {&train, &test}) {
     for (const RestPoses& poses : *list) {
@@ -343,12 +354,12 @@ Identification identify_at_rest(const Model& file, const std::vector<RestPoses>&
   if (!how.prior && !has_prior(arm)) how.prior = arm.inertial_values() ? arm : balls(arm);
   Identification id = described(arm, options);
   std::vector<CompressedRecording> factors;
-  for (const RestPoses& poses : train) factors.push_back(compressed(arm, poses));
+  for (const RestPoses& poses : train) factors.push_back(compressed(arm, poses, numbers));
   for (const CompressedRecording& r : factors) id.rows += r.rows;
   const std::vector<std::string> names = parameter_names(standard_parameters(arm));
   std::vector<SquareRootInformation> joints = joint_totals(factors);
   const SquareRootInformation total = weighted_total(joints, range_weights(factors), names);
-  const BaseParameters base = base_parameters(total, preferred_columns(standard_parameters(arm)), identifying::kRank);
+  const BaseParameters base = base_parameters(total, preferred_columns(standard_parameters(arm)), numbers.rest_rank);
   if (base.size() == 0) {
     id.reason = "the poses determine no parameter";
     return id;

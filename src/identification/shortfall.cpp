@@ -7,13 +7,14 @@
 
 namespace veridyn {
 std::vector<std::string> still_joints(const Model& arm,
-                                      const std::vector<CompressedRecording>& recordings) {
+                                      const std::vector<CompressedRecording>& recordings,
+                                      const IdentificationNumbers& numbers) {
   std::vector<std::string> still;
   for (size_t i = 0; i < arm.coordinates().size(); ++i) {
     const Coordinate& coordinate = arm.coordinates()[i];
     double travel = 0.0;
     for (const CompressedRecording& r : recordings) travel = std::max(travel, r.joints[i].travel());
-    if (travel < (coordinate.prismatic ? identifying::kStillPrismatic : identifying::kStillRevolute))
+    if (travel < (coordinate.prismatic ? numbers.still_prismatic : numbers.still_revolute))
       still.push_back(coordinate.name);
   }
   return still;

@@ -8,9 +8,12 @@
 
 namespace veridyn {
 
-/// Names of the coordinates that travel less than 2 mrad or 0.2 mm in every recording.
+struct IdentificationNumbers;
+
+/// Names of the coordinates that never move in any recording.
 std::vector<std::string> still_joints(const Model& arm,
-                                      const std::vector<CompressedRecording>& recordings);
+                                      const std::vector<CompressedRecording>& recordings,
+                                      const IdentificationNumbers& numbers);
 
 /// Reason why recordings do not determine the base parameters of their arm: joints that never move,
 /// else the number of determined parameters. Empty if all are determined.

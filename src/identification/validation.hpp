@@ -8,6 +8,8 @@
 
 namespace veridyn {
 
+struct IdentificationNumbers;
+
 /// A result with the settings filled in and no values yet.
 Identification described(const Model& arm, const IdentificationOptions& options);
 
@@ -15,7 +17,7 @@ Identification described(const Model& arm, const IdentificationOptions& options)
 VectorXd mean_noise_floor(const std::vector<CompressedRecording>& recordings, int joints);
 
 /// True if the torques of all joints are zero throughout, or smaller than any sensor shows.
-bool without_torque(const CompressedRecording& recording);
+bool without_torque(const CompressedRecording& recording, const IdentificationNumbers& numbers);
 
 /// Errors of given parameter values on one recording: on every row as recorded; with interpolated
 /// rows of a late publisher; and of these outside excluded intervals. Equal if there are no such
@@ -51,7 +53,8 @@ int series_samples_of_each(int recordings);
 /// @throws InvalidInput  one has no usable samples, which must not count as an error of 0.
 std::vector<CompressedRecording> compress_test(const Model& arm,
                                                const std::vector<std::string>& test,
-                                               const PreprocessingOptions& how, int threads);
+                                               const PreprocessingOptions& how, int threads,
+                                               const IdentificationNumbers& numbers);
 
 /// Fills train, test and their errors.
 void take_errors(const Model& arm, std::vector<MeasuredRecording> train,
@@ -62,6 +65,6 @@ void take_errors(const Model& arm, std::vector<MeasuredRecording> train,
 /// @throws InvalidInput  a held-out recording has no usable samples, which must not count as an
 /// error of 0.
 void validate(const Model& arm, const std::vector<std::string>& test,
-              const IdentificationOptions& options, Identification& id);
+              const IdentificationOptions& options, const IdentificationNumbers& numbers, Identification& id);
 
 }  // namespace veridyn

@@ -33,7 +33,7 @@ struct Request {
 void add_room(CLI::App& app, Request& request) {
   std::vector<std::string> rooms = swept_rooms();
   rooms.emplace_back("diagnose");
-  app.add_option("--of", request.sweep.room, "Whose numbers: diagnose, check, watch, compare or fleet (diagnose)")->check(CLI::IsMember(rooms));
+  app.add_option("--of", request.sweep.room, "Whose numbers (diagnose)")->check(CLI::IsMember(rooms));
 }
 
 void add_board_options(CLI::App& app, Request& request) {

@@ -71,4 +71,7 @@ SweptRoom comparison_room(unsigned seed, const std::string& folder);
 /// The numbers of `fleet`: arms of one type, one of them odd.
 SweptRoom fleet_room(unsigned seed);
 
+/// The numbers of `identify`: recordings, poses and known masses with a known right answer.
+SweptRoom identification_room(unsigned seed, const std::string& folder);
+
 }  // namespace veridyn::seek

@@ -17,6 +17,7 @@
 #include "hide_and_seek/sweep_board.hpp"
 #include "identification/check/check_thresholds.hpp"
 #include "identification/fleet/fleet_numbers.hpp"
+#include "identification/identification_numbers.hpp"
 #include "recordings/quality/quality_numbers.hpp"
 #include "veridyn/math/require.hpp"
 #include "watch/watch_numbers.hpp"
@@ -145,7 +146,7 @@ void print_thresholds(const std::string& sweeps) {
 }
 
 const std::vector<std::string>& swept_rooms() {
-  static const std::vector<std::string> kAll = {"quality", "estimation", "check", "watch", "compare", "fleet"};
+  static const std::vector<std::string> kAll = {"quality", "estimation", "check", "watch", "compare", "fleet", "identification"};
   return kAll;
 }
 
@@ -169,6 +170,7 @@ SweptRoom room_named(const SweepRequest& request, const std::string& folder) {
   if (request.room == "watch") return watch_room(request.seed);
   if (request.room == "compare") return comparison_room(request.seed, folder);
   if (request.room == "fleet") return fleet_room(request.seed);
+  if (request.room == "identification") return identification_room(request.seed, folder);
   return diagnosis_room(request.options, request.seed, folder);
 }
 
@@ -181,6 +183,7 @@ void print_numbers(const std::string& room, const std::string& sweeps) {
   if (room == "watch") print_table(watch_numbers(), sweeps);
   if (room == "compare") print_table(comparison_numbers(), sweeps);
   if (room == "fleet") print_table(fleet_numbers(), sweeps);
+  if (room == "identification") print_table(identification_numbers(), sweeps);
 }
 
 SweptRoom diagnosis_room(const DiagnosisOptions& options, unsigned seed, const std::string& folder) {

@@ -55,11 +55,11 @@ void check(const Model& arm, const std::vector<std::string>& recordings,
           "known mass: found one recording, expected one at least with the load and one without.");
 }
 
-std::string why_not(const DriveGain& gain, bool feels_weight) {
+std::string why_not(const DriveGain& gain, bool feels_weight, const IdentificationNumbers& numbers) {
   if (!std::isfinite(gain.deviation))
     return "nothing ties its currents to the known mass, for it shares no parameters with joints "
            "that feel it";
-  if (gain.share < identifying::kUnloaded)
+  if (gain.share < numbers.unloaded)
     return "the known mass does not act on it, and what it shares with other joints tells too "
            "little";
   const std::string share = fmt::format("{:.2g} % of its torque", 100.0 * gain.share);
@@ -70,7 +70,8 @@ std::string why_not(const DriveGain& gain, bool feels_weight) {
   return "too little tells it apart from other parameters; the known mass makes " + share;
 }
 
-DriveGain gain_of(const Coordinate& coordinate, double p, double deviation, double t) {
+DriveGain gain_of(const Coordinate& coordinate, double p, double deviation, double t,
+                  const IdentificationNumbers& numbers) {
   DriveGain out;
   out.coordinate = coordinate.name;
   out.in_file = coordinate.drive_gain;
@@ -82,7 +83,7 @@ DriveGain gain_of(const Coordinate& coordinate, double p, double deviation, doub
   const bool one_sign = std::isfinite(deviation) && low * high > 0.0;
   out.low = one_sign ? 1.0 / high : -kInfinity;
   out.high = one_sign ? 1.0 / low : kInfinity;
-  out.identifiable = one_sign && t * deviation < identifying::kIdentifiable * std::abs(p);
+  out.identifiable = one_sign && t * deviation < numbers.identifiable * std::abs(p);
   return out;
 }
 
@@ -102,12 +103,12 @@ void find_centre(const GainFit& fit, int load, MountedLoad& mounted) {
   mounted.centre = centre;
 }
 
-std::string problem_of(const GainFit& fit) {
+std::string problem_of(const GainFit& fit, const IdentificationNumbers& numbers) {
   const VectorXd p = fit.solution.p();
   double best = 0.0;
   for (Eigen::Index j = 0; j < fit.joints(); ++j)
     best = std::max(best, std::abs(p[j]) / std::max(fit.p_deviation(j), 1e-300));
-  if (fit.clusters < identifying::kFewestClusters || best < identifying::kHeavier)
+  if (fit.clusters < numbers.fewest_clusters || best < numbers.heavier)
     return "the recordings do not show the known mass: no joint's current differs enough";
   if (direction(fit) >= 0.0) return "";
   return "currents grow where the load is taken off: it is in the other recordings, or they count "
@@ -116,17 +117,17 @@ std::string problem_of(const GainFit& fit) {
 
 DriveGains described(const Model& arm, const std::vector<std::string>& recordings,
                      const std::vector<KnownMass>& loads, const GainData& data,
-                     const GainFit& fit) {
+                     const GainFit& fit, const IdentificationNumbers& numbers) {
   DriveGains out;
   out.clusters = fit.clusters;
-  out.problem = problem_of(fit);
+  out.problem = problem_of(fit, numbers);
   const double t = student_t_quantile(identifying::kOutside, std::max(1, out.clusters - 1));
   const VectorXd weight = data.weight_torque(0);
   for (Eigen::Index j = 0; j < fit.joints(); ++j) {
     DriveGain gain = gain_of(arm.coordinates()[j], fit.solution.p()[j],
-                             fit.p_deviation(j), t);
+                             fit.p_deviation(j), t, numbers);
     gain.share = fit.mass_share[j];
-    if (!gain.identifiable) gain.reason = why_not(gain, weight[j] > identifying::kNoWeight);
+    if (!gain.identifiable) gain.reason = why_not(gain, weight[j] > identifying::kNoWeight, numbers);
     out.joints.push_back(std::move(gain));
   }
   for (size_t l = 0; l < loads.size(); ++l) {
@@ -152,10 +153,17 @@ DriveGains described(const Model& arm, const std::vector<std::string>& recording
 DriveGains find_drive_gains(const Model& arm, const std::vector<std::string>& recordings,
                             const std::vector<KnownMass>& loads,
                             const PreprocessingOptions& preprocessing, int threads) {
+  return find_drive_gains(arm, recordings, loads, preprocessing, threads, IdentificationNumbers());
+}
+
+DriveGains find_drive_gains(const Model& arm, const std::vector<std::string>& recordings,
+                            const std::vector<KnownMass>& loads,
+                            const PreprocessingOptions& preprocessing, int threads,
+                            const IdentificationNumbers& numbers) {
   check(arm, recordings, loads);
   const std::vector<int> load_of = named_loads(recordings, loads);
   const bool identified = loads.front().recordings.empty();
-  require(!identified || recordings.size() <= identifying::kMostDivisions, "known mass: found ",
+  require(!identified || static_cast<int>(recordings.size()) <= numbers.most_divisions, "known mass: found ",
           recordings.size(), " recordings, expected KG@FRAME=REC,REC that says which carry it.");
   std::vector<bool> loaded(recordings.size());
   std::vector<int> candidates = load_of;
@@ -165,9 +173,9 @@ DriveGains find_drive_gains(const Model& arm, const std::vector<std::string>& re
   }
   require(identified || std::find(loaded.begin(), loaded.end(), false) != loaded.end(),
           "known mass: found a load in every recording, expected one at least without.");
-  const GainData data(arm, recordings, loads, candidates, preprocessing, threads);
-  const GainFit fit = identified ? best_division(data, loads) : fit_gains(data, loads, loaded);
-  return described(arm, recordings, loads, data, fit);
+  const GainData data(arm, recordings, loads, candidates, preprocessing, threads, numbers);
+  const GainFit fit = identified ? best_division(data, loads, numbers) : fit_gains(data, loads, loaded, numbers);
+  return described(arm, recordings, loads, data, fit, numbers);
 }
 
 Model with_drive_gains(const Model& arm, const DriveGains& gains) {

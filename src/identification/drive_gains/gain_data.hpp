@@ -10,6 +10,8 @@
 
 namespace veridyn {
 
+struct IdentificationNumbers;
+
 /// Recordings of currents, compressed once, which provide the equations for any division into
 /// loaded and unloaded ones.
 ///
@@ -20,7 +22,7 @@ class GainData {
   /// @param load_of  for every recording the index of the load that it carries or may carry.
   GainData(const Model& arm, const std::vector<std::string>& recordings,
            const std::vector<KnownMass>& loads, const std::vector<int>& load_of,
-           const PreprocessingOptions& preprocessing, int threads);
+           const PreprocessingOptions& preprocessing, int threads, const IdentificationNumbers& numbers);
 
   /// One factor for every cluster and joint; the load's columns occur only where a recording is
   /// loaded.

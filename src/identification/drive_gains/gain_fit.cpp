@@ -97,7 +97,7 @@ VectorXd mass_shares(const GainData& data, const Clusters& clusters,
 }  // namespace
 
 GainFit fit_gains(const GainData& data, const std::vector<KnownMass>& loads,
-                  const std::vector<bool>& loaded) {
+                  const std::vector<bool>& loaded, const IdentificationNumbers& numbers) {
   const Clusters clusters = data.clusters(loaded);
   const GainData::Columns columns = data.columns(loaded);
   const std::vector<GainEquation> equations = all_equations(clusters, columns);
@@ -105,13 +105,14 @@ GainFit fit_gains(const GainData& data, const std::vector<KnownMass>& loads,
   fit.deviation = jackknife_deviations(delete_one_estimates(clusters, fit));
   const VectorXd shares = independent_shares(equations, fit.sigma, fit.solution);
   for (Eigen::Index j = 0; j < fit.joints(); ++j) {
-    if (shares[j] < identifying::kUntied) fit.deviation[fit.solution.y.size() + j] = kInfinity;
+    if (shares[j] < numbers.untied) fit.deviation[fit.solution.y.size() + j] = kInfinity;
   }
   fit.mass_share = mass_shares(data, clusters, loads, fit);
   return fit;
 }
 
-GainFit best_division(const GainData& data, const std::vector<KnownMass>& loads) {
+GainFit best_division(const GainData& data, const std::vector<KnownMass>& loads,
+                      const IdentificationNumbers& numbers) {
   const size_t recordings = data.recording_count();
   std::vector<bool> best;
   double least = kInfinity;
@@ -125,10 +126,10 @@ GainFit best_division(const GainData& data, const std::vector<KnownMass>& loads)
     best = loaded;
     least = noise;
   }
-  GainFit fit = fit_gains(data, loads, best);
+  GainFit fit = fit_gains(data, loads, best, numbers);
   if (direction(fit) >= 0.0) return fit;
   best.flip();
-  return fit_gains(data, loads, best);
+  return fit_gains(data, loads, best, numbers);
 }
 
 double direction(const GainFit& fit) {
@@ -136,7 +137,7 @@ double direction(const GainFit& fit) {
   double sum = 0.0;
   for (Eigen::Index j = 0; j < fit.joints(); ++j) {
     const double t = p[j] / std::max(fit.p_deviation(j), 1e-300);
-    sum += std::copysign(std::min(t * t, identifying::kSurelySigned), t);
+    sum += std::copysign(t * t, t);
   }
   return sum;
 }

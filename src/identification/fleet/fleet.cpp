@@ -8,6 +8,7 @@
 
 #include "math/excerpt.hpp"
 #include "identification/fleet/fleet_spreads.hpp"
+#include "identification/identification_numbers.hpp"
 #include "identification/many_recordings.hpp"
 #include "math/input_file.hpp"
 #include "math/numbers.hpp"
@@ -22,7 +23,7 @@ namespace {
 ArmFactor arm_factor(const Model& arm, const FactorSet& set, const std::string& name) {
   ArmFactor out;
   out.name = name;
-  out.still = still_joints(arm, set.recordings);
+  out.still = still_joints(arm, set.recordings, IdentificationNumbers());
   for (const CompressedRecording& r : set.recordings) {
     ++out.recordings;
     out.rows += r.rows;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "math/input_file.hpp"
+#include "identification/identification_numbers.hpp"
 #include "identification/many/factor_bytes.hpp"
 #include "identification/many_recordings.hpp"
 #include "math/output_file.hpp"
@@ -222,7 +223,7 @@ FactorSet compress(const Model& file, const std::vector<std::string>& paths,
   out.robot = arm.name();
   out.fingerprint = fingerprint_of(arm);
   out.settings = settings_of(options);
-  out.recordings = compress_many(arm, paths, options, threads);
+  out.recordings = compress_many(arm, paths, options, threads, IdentificationNumbers());
   return out;
 }
 
@@ -286,14 +287,14 @@ Identification identify(const Model& arm, const FactorSet& factors,
           "identify: drive gains need the samples of the recordings, factors do not hold them.");
   require(!factors.recordings.empty() || !train.empty(),
           "identify: there is no factor and no recording to train on.");
-  if (factors.recordings.empty()) return identify_compressed(arm, {}, train, test, options);
+  if (factors.recordings.empty()) return identify_compressed(arm, {}, train, test, options, IdentificationNumbers());
   IdentificationOptions how = options;
   if (how.choose_velocities && how.preprocessing.derive_velocity_of.empty()) {
     const std::vector<int> joints = joints_with_derived_velocities(factors);
     derive_velocities({joints.begin(), joints.end()}, how);
   }
   require_factors_of(with_friction(arm, how.friction), factors, how.preprocessing);
-  return identify_compressed(arm, factors.recordings, train, test, how);
+  return identify_compressed(arm, factors.recordings, train, test, how, IdentificationNumbers());
 }
 
 }  // namespace veridyn

@@ -30,11 +30,11 @@ double share_of_speed(const Identification& id, const Coordinate& joint, size_t 
   return std::isfinite(joint.limits.velocity) ? largest / joint.limits.velocity : kNaN;
 }
 
-IdentifiedState state_of(const IdentifiedJoint& j) {
-  if (j.range < kHardlyMoves && j.speed < kHardlyMoves) return IdentifiedState::kHardlyMoved;
+IdentifiedState state_of(const IdentifiedJoint& j, const IdentificationNumbers& numbers) {
+  if (j.range < numbers.hardly_moves && j.speed < numbers.hardly_moves) return IdentifiedState::kHardlyMoved;
   if (!std::isfinite(j.error)) return IdentifiedState::kNoTorque;
   if (!std::isfinite(j.floor)) return IdentifiedState::kCannotTell;
-  if (j.error <= identifying::kBelowAnySensor || j.error <= identifying::kFarAboveFloor * j.floor) return IdentifiedState::kAtFloor;
+  if (j.error <= numbers.below_any_sensor || j.error <= numbers.far_above_floor * j.floor) return IdentifiedState::kAtFloor;
   return IdentifiedState::kUnexplained;
 }
 
@@ -95,7 +95,9 @@ const char* name_of(IdentifiedState state) {
   return "";
 }
 
-IdentificationVerdict verdict_of(const Identification& id) {
+IdentificationVerdict verdict_of(const Identification& id) { return verdict_of(id, IdentificationNumbers()); }
+
+IdentificationVerdict verdict_of(const Identification& id, const IdentificationNumbers& numbers) {
   IdentificationVerdict out;
   if (!id.model) return out;
   out.held_out = id.test_error.relative.size() > 0;
@@ -109,7 +111,7 @@ IdentificationVerdict verdict_of(const Identification& id) {
     j.floor = k < id.noise_floor.size() ? id.noise_floor[k] : kNaN;
     j.range = share_of_range(id, joints[i], i);
     j.speed = share_of_speed(id, joints[i], i);
-    j.state = state_of(j);
+    j.state = state_of(j, numbers);
     out.joints.push_back(j);
   }
   out.sentence = sentence_of(out);
