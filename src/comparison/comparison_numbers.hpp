@@ -10,19 +10,12 @@ namespace veridyn {
 /// All numbers that can change what `compare` says, each with its inequality, and with its
 /// reason where one is known.
 struct ComparisonNumbers {
-  /// |difference| <= same_to_rounding * the larger one counts as a deviation: rounding in files, and the
-  /// discretisation of a noise-free recording.
-  double same_to_rounding = 1e-6;
-  /// probability outside of an interval = outside.
-  double outside = 0.05;
   /// change / rms torque of a parameter < rounded_away: an error of sampling in time, counted as no change.
   double rounded_away = 5e-3;
   /// relative error of a file's base parameters <= from_values: they are those of its values.
   double from_values = 1e-6;
   /// distance of two motions < same_motion of their spread over clusters: one motion, compared in pairs.
   double same_motion = 0.2;
-  /// part of a combination outside the span <= in_span: the other model determines it.
-  double in_span = 1e-5;
   /// relative difference of shape constants <= like: effects are comparable.
   double like = 0.2;
   /// share of a column's rms due to weight > weight_share: a sentence mentions it.
@@ -48,6 +41,13 @@ namespace comparing {
 constexpr double kKurtosis = 3.0;
 /// time < end of the last whole period - kSameTime [s]: it counts.
 constexpr double kSameTime = 1e-9;
+/// |difference| <= kSameToRounding * the larger one counts as a deviation: rounding in files, and the
+/// discretisation of a noise-free recording; 1e-9 and 1e-3 do the same.
+constexpr double kSameToRounding = 1e-6;
+/// part of a combination outside the span <= kInSpan: the other model determines it; 1e-8 and 1e-2 do the same.
+constexpr double kInSpan = 1e-5;
+/// probability outside of an interval = kOutside.
+constexpr double kOutside = 0.05;
 /// |a - b| <= kSame * (1 + |a|): equal; what files lose in rounding is less.
 constexpr double kSame = 1e-9;
 /// digits of a value without a deviation >= those of kDigits of it.

@@ -43,12 +43,12 @@ void add_statistics(const VectorXd& scatter_before, const VectorXd& scatter_afte
     d.degrees_of_freedom = parts > 0.0 ? variance * variance / parts
                                        : std::max(how.clusters_before, how.clusters_after) - 1.0;
   }
-  const double rounding = how.numbers.same_to_rounding * std::max(std::abs(d.before), std::abs(d.after));
+  const double rounding = comparing::kSameToRounding * std::max(std::abs(d.before), std::abs(d.after));
   d.deviation = std::sqrt(variance + rounding * rounding);
   if (!(d.deviation > 0.0)) return;
   d.t = d.difference / d.deviation;
   d.p_value = student_t_two_sided(d.t, d.degrees_of_freedom);
-  const double reach = d.deviation * student_t_quantile(how.numbers.outside, d.degrees_of_freedom);
+  const double reach = d.deviation * student_t_quantile(comparing::kOutside, d.degrees_of_freedom);
   d.low = d.difference - reach;
   d.high = d.difference + reach;
 }

@@ -163,7 +163,7 @@ MatchedBase matched_base(const Model& before, const BaseNumbers& a, const Model&
   MatchedBase out;
   for (Eigen::Index r = 0; r < in_a.cols(); ++r) {
     const VectorXd w = least_norm(in_b, in_a.col(r));
-    if ((in_b * w - in_a.col(r)).norm() > numbers.in_span * in_a.col(r).norm()) {
+    if ((in_b * w - in_a.col(r)).norm() > comparing::kInSpan * in_a.col(r).norm()) {
       out.only_before.push_back(a.expressions[r]);
       continue;
     }
@@ -172,7 +172,7 @@ MatchedBase matched_base(const Model& before, const BaseNumbers& a, const Model&
   }
   for (Eigen::Index r = 0; r < in_b.cols(); ++r) {
     const VectorXd w = least_norm(in_a, in_b.col(r));
-    if ((in_a * w - in_b.col(r)).norm() > numbers.in_span * in_b.col(r).norm())
+    if ((in_a * w - in_b.col(r)).norm() > comparing::kInSpan * in_b.col(r).norm())
       out.only_after.push_back(b.expressions[r]);
   }
   return out;

@@ -240,12 +240,9 @@ int ModelComparison::significant() const {
 
 const std::vector<TableNumber<ComparisonNumbers>>& comparison_numbers() {
   using T = ComparisonNumbers;
-  static const std::vector<TableNumber<T>> kAll = {number_of<&T::same_to_rounding>("same_to_rounding"),
-                                                   number_of<&T::outside>("outside"),
-                                                   number_of<&T::rounded_away>("rounded_away"),
+  static const std::vector<TableNumber<T>> kAll = {number_of<&T::rounded_away>("rounded_away"),
                                                    number_of<&T::from_values>("from_values"),
                                                    number_of<&T::same_motion>("same_motion"),
-                                                   number_of<&T::in_span>("in_span"),
                                                    number_of<&T::like>("like"),
                                                    number_of<&T::weight_share>("weight_share"),
                                                    number_of<&T::also_on>("also_on"),

@@ -129,13 +129,13 @@ void ChangeFinder::go_on_learning(const Step& step, double strength) {
   if (!novel && !relearning && (!past_.empty() || quiet_live_ >= options_.learn_more)) return;
   quiet_.push_back(step);
   quiet_.back().residual -= step.columns * known_;
-  quiet_.back().follows = step.follows && step.time - last_learned_ < numbers_.follows * options_.step;
+  quiet_.back().follows = step.follows && step.time - last_learned_ < kFollows * options_.step;
   last_learned_ = step.time;
   quiet_live_ += options_.step;
   if (static_cast<int>(quiet_.size()) > numbers_.most_quiet) quiet_.erase(quiet_.begin());
   const bool more = past_.empty() && quiet_live_ >= 2.0 * calibrated_at_ &&
-                    quiet_live_ <= options_.learn_more && strength < numbers_.quiet_level;
-  const bool learned = relearning && step.time + numbers_.follows * options_.step >= relearn_until_;
+                    quiet_live_ <= options_.learn_more;
+  const bool learned = relearning && step.time + kFollows * options_.step >= relearn_until_;
   if (learned || (more && !relearning)) calibrate();
 }
 
@@ -289,18 +289,15 @@ void ChangeFinder::isolate(double now, bool last) {
     break;
   }
   const bool likely = explained && best.gain - next > odds;
-  const bool again = open_->likeliest && effect_of(*open_->likeliest) == effect_of(likeliest);
-  open_->likely = !likely ? 0 : again ? open_->likely + 1 : 1;
-  open_->likeliest = likeliest;
   const bool soon = now - best.onset < numbers_.soonest_name;
-  if (late || (open_->likely >= numbers_.likely_in_a_row && !soon)) name(scores, now);
+  if (late || (likely && !soon)) name(scores, now);
 }
 
 double ChangeFinder::half_width(const Score& score) const {
   // Quantities learned while quiet are inexact as well, and columns are of first order.
   const double learned = options_.step * static_cast<double>(before_.size() + quiet_.size());
   const double since = std::max(0.0, recent_.empty() ? 0.0 : recent_.back().time - score.onset);
-  const double random = student_t_quantile(numbers_.outside, quantiles_.freedom()) *
+  const double random = student_t_quantile(kOutside, quantiles_.freedom()) *
                         std::sqrt(std::max(1.0, quantiles_.dispersion()) *
                                   (1.0 + since / std::max(learned, options_.step))) *
                         score.deviation();
@@ -380,7 +377,7 @@ void ChangeFinder::push_is_over(const Push& push, double now) {
   e.until = push.to;
   e.value = push.torque.size() > j ? push.torque[j] : 0.0;
   const double steps = std::max(1.0, (push.to - push.from) / options_.step);
-  const double half = student_t_quantile(numbers_.outside, quantiles_.freedom()) * noise_.deviation()[j] *
+  const double half = student_t_quantile(kOutside, quantiles_.freedom()) * noise_.deviation()[j] *
                       std::sqrt(std::max(1.0, quantiles_.dispersion()) / steps);
   e.low = e.value - half;
   e.high = e.value + half;
@@ -440,7 +437,7 @@ void ChangeFinder::jump(const PositionJump& jump, double now) {
   c.score.size = VectorXd::Constant(1, jump.size);
   c.strength = std::abs(jump.size) / std::max(jump.noise, 1e-300);
   WatchEvent e = event(c, WatchStage::kNamed, std::max(now, jump.time));
-  const double half = student_t_quantile(numbers_.outside, quantiles_.freedom()) * jump.noise;
+  const double half = student_t_quantile(kOutside, quantiles_.freedom()) * jump.noise;
   e.low = jump.size - half;
   e.high = jump.size + half;
   emit(std::move(e));

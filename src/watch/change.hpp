@@ -21,8 +21,6 @@ struct Change {
   double lookback = 0.0;  ///< [s] before the alarm in which it may have begun
   std::optional<double> named = {};  ///< [s]
   int withdrawn = 0;      ///< names that were withdrawn
-  std::optional<Cause> likeliest = {};  ///< at the last step
-  int likely = 0;           ///< steps at which it has had the odds of a name
   /// Steps since before the alarm, from whose innovations this change is not subtracted.
   std::deque<WhiteStep> seen = {};
 };

@@ -57,10 +57,8 @@ void NoiseModel::fit(const std::vector<Step>& before, const std::vector<Step>& t
   scale_ = scale_.cwiseSqrt();
   today_.setZero();
   ar_.setZero();
-  for (int round = 0; round < numbers_.rounds; ++round) {
-    fit_colour(all);
-    fit_today(today);
-  }
+  fit_colour(all);
+  fit_today(today);
   fit_colour(all);
 }
 

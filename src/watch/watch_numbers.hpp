@@ -58,8 +58,6 @@ struct WatchNumbers {
   double unlearned = 0.5;
   /// part of a motion > beyond * the largest learned: it is unseen.
   double beyond = 1.1;
-  /// alternations between the day's differences and the autoregression = rounds (not measured).
-  int rounds = 3;
   /// |ds| < rest_share * the largest speed: dry friction is undetermined.
   double rest_share = 0.03;
 
@@ -76,14 +74,10 @@ struct WatchNumbers {
   int above_in_a_row = 2;
   /// time after an event < refractory_time [s]: no alarm, memories fill again.
   double refractory_time = 1.0;
-  /// strength < quiet_level: the time is quiet, and learned from.
-  double quiet_level = 0.5;
   /// unseen motion >= unseen_motion [s]: learning resumes.
   double unseen_motion = 1.0;
   /// steps of the day that are kept <= most_quiet: two minutes.
   int most_quiet = 1200;
-  /// time since the last learned step < follows steps: it follows on it without a gap.
-  double follows = 1.5;
 
   // What it is.
   /// steps that are kept to isolate a cause <= recent [s].
@@ -91,9 +85,7 @@ struct WatchNumbers {
   /// gain of the best cause - gain of another < odds * dispersion: they are rivals; twice the logarithm of odds
   /// of 100 to 1.
   double odds = 9.2;
-  /// steps with these odds >= likely_in_a_row: it is named ...
-  int likely_in_a_row = 4;
-  /// ... and time since the onset >= soonest_name [s], because a push may still end.
+  /// time since the onset >= soonest_name [s]: it is named, because a push may still end.
   double soonest_name = 2.0;
   /// gain of the cause > explains * gain of free torques, else a push or nothing that is known.
   double explains = 0.6;
@@ -113,8 +105,6 @@ struct WatchNumbers {
   double lightest = 0.01;
   /// relative systematic error of a size = systematic: smoothing, first-order columns.
   double systematic = 0.02;
-  /// probability outside of an interval = outside.
-  double outside = 0.05;
   /// what is left of a change < reversal_share of it: it was reversed.
   double reversal_share = 0.3;
   /// gain > present_odds * odds of a change that was there in the beginning: all hypotheses are compared ...
@@ -134,6 +124,10 @@ namespace watching {
 constexpr double kSameTime = 1e-6;
 /// order of the autoregressions = kOrder: what smoothing and friction leave.
 constexpr int kOrder = 2;
+/// time since the last learned step < kFollows steps: it follows on it without a gap; times are whole steps.
+constexpr double kFollows = 1.5;
+/// probability outside of an interval = kOutside.
+constexpr double kOutside = 0.05;
 /// information of a column > kNothing, else it is not there.
 constexpr double kNothing = 1e-12;
 
