@@ -70,7 +70,7 @@ SweepAnswer watched(const Model& arm, const Recording& rows, const std::set<std:
   std::set<std::string> named;
   std::string said;
   for (const WatchEvent& e : watch.events()) {
-    if (e.stage == WatchStage::kSuspected) continue;
+    if (e.stage == WatchStage::kSuspected || e.stage == WatchStage::kBlind) continue;
     if (e.stage == WatchStage::kWithdrawn) {
       named.erase(e.text);
     } else {
