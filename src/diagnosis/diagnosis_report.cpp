@@ -12,6 +12,8 @@ namespace {
 
 using numerics::kPercent;
 
+constexpr double kWhole = 0.995;  // of the removable error, which rounds to 100 %
+
 std::string percents(const VectorXd& v) {
   std::string out;
   for (Eigen::Index i = 0; i < v.size(); ++i)
@@ -26,17 +28,17 @@ size_t table_width(const Model& arm) {
   return width;
 }
 
-// "3 %", and never "0 %" of something.
-const char* state_words(JointState state) {
-  switch (state) {
+const char* state_words(const JointVerdict& v) {
+  switch (v.state) {
     case JointState::kAtFloor: return "at its floor";
-    case JointState::kNamed: return "named";
+    case JointState::kNamed: return v.held_out - v.extended < kWhole * v.removable ? "named in part" : "named";
     case JointState::kUnnamed: return "without a name";
     case JointState::kCannotTell: return "these recordings cannot tell";
   }
   return "";
 }
 
+// "3 %", and never "0 %" of something.
 std::string share_words(double share) {
   const double percent = kPercent * std::abs(share);
   return percent < 0.5 ? "less than 1 %" : fmt::format("{:.0f} %", percent);
@@ -103,7 +105,7 @@ std::string joint_text(const Diagnosis& d, const JointVerdict& v) {
                   joints[v.joint.value].name, kPercent * v.held_out,
                   kPercent * v.floor,
                   v.source == FloorSource::kRepeats ? "between repeats" : "that nothing predicts",
-                  kPercent * v.removable, state_words(v.state));
+                  kPercent * v.removable, state_words(v));
   if (v.state != JointState::kAtFloor) {
     out += fmt::format(" ({:.2f} with names, {:.2f} without, {:.2f} left)",
                        kPercent * (v.held_out - v.extended), kPercent * (v.extended - v.left),
@@ -183,7 +185,13 @@ std::string Diagnosis::verdict() const {
       if (v.state != JointState::kAtFloor)
         left += (left.empty() ? "" : ", ") + std::to_string(v.joint.value + 1);
     }
-    return left.empty() ? "none" : "no cause was found; joints above their floor: " + left;
+    if (left.empty()) return "none";
+    for (const RecordingQuality& q : data_quality) {
+      for (const QualityFinding& f : q.findings) {
+        if (f.finding == "swapped_joints" && f.severity == Severity::kFault) return f.sentence + " No cause was asked about.";
+      }
+    }
+    return "no cause was found; joints above their floor: " + left;
   }
   std::string out = sentence(findings.front());
   if (findings.front().status == FindingStatus::kNotConfirmed)

@@ -1,4 +1,5 @@
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -8,6 +9,7 @@
 namespace veridyn {
 namespace {
 
+const double kHalfTurn = std::acos(-1.0);
 constexpr double kStep = 1e-4;  // [rad] step of the numerical derivative
 
 /// Change of gravity, R' g - g, for R = Ry(pitch) Rx(roll).
@@ -53,11 +55,35 @@ class GravityTilt final : public ArmEffect {
   void change(ModelDescription& arm, const std::vector<double>& values) const override {
     arm.gravity += change_of_gravity(arm.gravity, values[0], values[1]);
   }
+  std::vector<std::vector<double>> far_values() const override {
+    return {{kHalfTurn, 0.0}, {0.5 * kHalfTurn, 0.0}, {-0.5 * kHalfTurn, 0.0}, {0.0, 0.5 * kHalfTurn}, {0.0, -0.5 * kHalfTurn}};
+  }
+  // R' g = Rx(-roll) Ry(-pitch) g: the first component of both sides gives two pitches, the others the roll of each.
+  // The smaller pitch is taken.
+  std::vector<double> values_between(const ModelDescription& without, const ModelDescription& with,
+                                     std::vector<double> sum) const override {
+    const Eigen::Vector3d& from = without.gravity;
+    const Eigen::Vector3d& to = with.gravity;
+    const double across = std::hypot(from.x(), from.z());
+    if (across == 0.0) return sum;
+    const double half = std::acos(std::clamp(to.x() / across, -1.0, 1.0));
+    std::vector<double> best;
+    for (const double side : {half, -half}) {
+      const double pitch = std::remainder(side - std::atan2(from.z(), from.x()), 2.0 * kHalfTurn);
+      const double z = std::sin(pitch) * from.x() + std::cos(pitch) * from.z();
+      const double roll = std::remainder(std::atan2(z, from.y()) - std::atan2(to.z(), to.y()), 2.0 * kHalfTurn);
+      if (best.empty() || std::abs(pitch) < std::abs(best[1])) best = {roll, pitch};
+    }
+    return best;
+  }
   std::vector<InjectedValue> injected(JointType /*type*/) const override {
     return {{"roll", 0.03, 0.0, false}, {"pitch", 0.02, 0.0, false}};
   }
   std::string phrase(const std::vector<double>& values, const ShapeValues& /*shape*/,
                      JointType /*type*/) const override {
+    if (std::cos(values[0]) * std::cos(values[1]) < 0.0)  // more than a right angle is no lean
+      return "a base that is turned by " + digits(180.0 / kHalfTurn * values[0], 3) + " deg about x and " +
+             digits(180.0 / kHalfTurn * values[1], 3) + " deg about y: gravity in the file points elsewhere";
     return "a base that leans by " + digits(1e3 * values[0], 3) + " mrad about x and " +
            digits(1e3 * values[1], 3) + " mrad about y";
   }

@@ -44,6 +44,52 @@ TEST_F(Stages, ATorqueWithTheWrongSignIsAFault) {
   }
 }
 
+// Names would be those of the exchange: none is asked about.
+TEST_F(Stages, ExchangedTorquesAreSaidAndNoCauseIsAskedAbout) {
+  for (const bool exchanged : {false, true}) {
+    DiagnosisState x = investigation(truth_, {});
+    for (size_t k = 0; k < x.train.size(); ++k) {
+      Recording r = read_recording(x.train[k]);
+      if (exchanged) r.tau.col(0).swap(r.tau.col(1));
+      write_recording(r, x.train[k]);
+    }
+    const Diagnosis d = diagnose(truth_, x.train, x.test, x.options);
+    EXPECT_EQ(quality(d, "swapped_joints") != nullptr, exchanged);
+    EXPECT_EQ(d.verdict().rfind("The torques of joint 1 (shoulder) and joint 2 (elbow) are swapped", 0) == 0, exchanged) << d.verdict();
+    ASSERT_EQ(d.joints.size(), 2U);
+    if (!exchanged) continue;
+    EXPECT_TRUE(d.findings.empty());
+    for (const JointVerdict& v : d.joints) EXPECT_EQ(v.state, JointState::kCannotTell);
+  }
+}
+
+// In one recording of four they may be anything: causes are asked about.
+TEST_F(Stages, AnExchangeInOneRecordingAloneStopsNothing) {
+  DiagnosisState x = investigation(truth_, {});
+  Recording r = read_recording(x.train[0]);
+  r.tau.col(0).swap(r.tau.col(1));
+  write_recording(r, x.train[0]);
+  check_quality(x);
+  EXPECT_FALSE(columns_are_exchanged(x));
+  EXPECT_TRUE(x.d.joints.empty());
+}
+
+// Of an arm in a plane the zero of the first encoder does the same: only gravity is asked about.
+TEST_F(Stages, GravityThatPointsElsewhereIsATurnAndNoLean) {
+  DiagnosisState x = investigation(truth_, {});
+  x.options.effects = {"gravity_tilt"};
+  ModelDescription turned = truth_.description();
+  turned.gravity = -turned.gravity;
+  turned.values = RobotValues::kFacts;
+  const Diagnosis d = diagnose(Model(std::move(turned)), x.train, x.test, x.options);
+  ASSERT_FALSE(d.findings.empty());
+  const Finding& f = d.findings.front();
+  EXPECT_EQ(effect_of(f.cause), "gravity_tilt");
+  EXPECT_NE(f.phrase.find("turned by"), std::string::npos) << f.phrase;
+  EXPECT_NEAR(std::cos(f.parameters[0].value), -1.0, 1e-3);
+  EXPECT_LE(std::abs(f.parameters[0].value), M_PI + 1e-9);
+}
+
 TEST_F(Stages, AWrongLengthIsFoundAndCorrected) {
   const Model right = read_model("planar-2r");
   ModelFileOptions longer;

@@ -60,6 +60,20 @@ TEST(Summary, TheVerdictBeginsWithWhatTrainingConfirmsAndHeldOutRecordingsDoNotC
   EXPECT_EQ(effect_of(since_a_model.findings[0].cause), "not confirmed");
 }
 
+// A gain beside a curve over its own torque is a mean; beside a curve of its joint over anything else it is a factor.
+TEST(Summary, AGainThatIsNoFactorSaysSo) {
+  for (const char* signal : {"tau2", "tau1", "q2"}) {
+    Diagnosis d = diagnosis(errors(0.2, 0.2), errors(0.1, 0.1));
+    d.findings = {finding("unnamed", 1, 0.3), finding("unnamed", 1, 0.3)};
+    d.findings[0].cause = ChannelError{"torque_gain", JointIndex{1}};
+    d.findings[0].phrase = "a recorded torque that is 24 % too small";
+    d.findings[1].shape.emplace();
+    d.findings[1].shape->signals = {signal};
+    summarize(d, {});
+    EXPECT_EQ(d.findings[0].phrase.find("no constant proportion") != std::string::npos, signal == std::string("tau2")) << signal;
+  }
+}
+
 TEST(Summary, JointsThatAreWorseAreNamedInTheVerdict) {
   Diagnosis d = diagnosis(errors(0.2, 0.1), errors(0.1, 0.15));
   d.findings = {finding("backlash", 1, -0.1)};

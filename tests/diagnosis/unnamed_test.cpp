@@ -119,6 +119,38 @@ TEST(Unnamed, ACurveThatIsNotKeptSaysWhy) {
   EXPECT_EQ(remarks(scara_with(squared)), 0);
 }
 
+// An amplifier with a dead zone: whatever stands for it on its joint, no name is a constant factor or friction of the
+// torque that is carried.
+TEST(Unnamed, ADeadZoneIsNoFactorAndNoFriction) {
+  const Diagnosis d = scara_with([](Recording& r, unsigned) {
+    for (double& t : r.tau.col(1)) t = std::copysign(std::max(0.0, std::abs(t) - 2.0), t);
+  });
+  bool curve = false;
+  for (const Finding& f : d.findings) {
+    if (!f.joint || f.joint->value != 1) continue;
+    curve = curve || f.shape;
+    EXPECT_NE(effect_of(f.cause), "load_dependent_friction") << d.report();
+    if (effect_of(f.cause) == "torque_gain") {
+      EXPECT_NE(f.phrase.find("no constant proportion"), std::string::npos) << d.report();
+    }
+  }
+  EXPECT_TRUE(curve) << d.report();
+}
+
+// A spring, which has a name and takes most of the error, beside friction that depends on another joint, which has none.
+TEST(Unnamed, AJointWithACurveIsNamedWhereNamesTakeMost) {
+  for (const double spring : {0.0, 12.0}) {
+    const Diagnosis d = scara_with([spring](Recording& r, unsigned) {
+      for (int k = 0; k < r.rows(); ++k)
+        r.tau(k, 0) += spring * r.q(k, 0) + 0.4 * std::sin(2.0 * r.q(k, 1)) * (r.dq(k, 0) > 0.0 ? 1.0 : -1.0);
+    });
+    const JointVerdict& v = d.joints.at(0);
+    EXPECT_LT(v.left, v.extended) << d.report();  // there is a curve
+    EXPECT_EQ(v.state, spring > 0.0 ? JointState::kNamed : JointState::kUnnamed) << d.report();
+    EXPECT_EQ(d.report().find("named in part") != std::string::npos, spring > 0.0) << d.report();
+  }
+}
+
 // Something shakes the shoulder, at a phase of its own in each recording: no joint at its floor says "none".
 TEST(Unnamed, AVibrationIsNoFloor) {
   const auto shaken = [](double frequency) {

@@ -120,6 +120,22 @@ TEST(DiagnosisReport, SaysFindingsRivalsAndWhatIsLeftOpen) {
   EXPECT_EQ(d.verdict(), "Joint 2 (elbow): something.");
 }
 
+TEST(DiagnosisReport, AWordForAJointDoesNotContradictItsNumbers) {
+  Diagnosis d = with_rival(NewEffect{"backlash", {1}}, AddedLoad{{1}});
+  JointVerdict v;
+  v.joint = {1};
+  v.held_out = 0.2008;
+  v.floor = 0.0054;
+  v.removable = 0.1954;
+  v.extended = 0.0134;
+  v.left = 0.0081;
+  v.state = JointState::kNamed;
+  d.joints = {v};
+  EXPECT_NE(d.report().find("19.54: named in part (18.74 with names, 0.53 without, 0.27 left)"), std::string::npos) << d.report();
+  d.joints[0].extended = d.joints[0].left = v.floor;
+  EXPECT_NE(d.report().find("19.54: named (19.54 with names, 0.00 without, 0.00 left)"), std::string::npos) << d.report();
+}
+
 // No "explains 0 %" of what is confirmed, and a word where a small finding lies between two others.
 TEST(DiagnosisReport, SaysWhereErrorsJumpAndGivesNoShareOfZero) {
   Diagnosis d = with_rival(NewEffect{"backlash", {1}}, AddedLoad{{1}});

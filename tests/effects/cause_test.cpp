@@ -139,5 +139,24 @@ TEST(Cause, ActsAtAJointOrOnTheArm) {
   EXPECT_FALSE(alike(NewEffect{"backlash", {1}}, NewEffect{"backlash", {2}}));
 }
 
+// Whatever turned gravity, the roll and pitch that are said turn it there.
+TEST(GravityTilt, ItsValuesLeadFromOneGravityToTheOther) {
+  const auto& tilt = dynamic_cast<const ArmEffect&>(find_effect("gravity_tilt"));
+  for (const Eigen::Vector3d& gravity : {Eigen::Vector3d(0.0, 0.0, -9.81), Eigen::Vector3d(9.81, 0.0, 0.0), Eigen::Vector3d(3.0, 5.0, -7.0)}) {
+    for (const auto& [roll, pitch] : {std::pair(0.02, -0.01), std::pair(M_PI, 0.0), std::pair(1.6, 0.3), std::pair(-2.5, 1.2)}) {
+      ModelDescription before = read_model("planar-2r").description();
+      before.gravity = gravity;
+      ModelDescription after = before;
+      tilt.change(after, {roll, pitch});
+      const std::vector<double> found = tilt.values_between(before, after, {7.0, 7.0});
+      EXPECT_LE(std::abs(found[0]), M_PI + 1e-9);
+      EXPECT_LE(std::abs(found[1]), M_PI + 1e-9);
+      ModelDescription again = before;
+      tilt.change(again, found);
+      EXPECT_LT((again.gravity - after.gravity).norm(), 1e-6) << gravity.transpose() << " " << roll << " " << pitch;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace veridyn

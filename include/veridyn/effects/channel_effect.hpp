@@ -113,6 +113,16 @@ class ArmEffect : public ChannelEffect {
   /// values.
   virtual void change(ModelDescription& arm, const std::vector<double>& values) const = 0;
 
+  /// Values far from zero to begin with where the tangent at zero leads beyond the largest plausible size.
+  virtual std::vector<std::vector<double>> far_values() const { return {}; }
+
+  /// The values that lead from one arm to the other. @param sum  of successive changes, which is the
+  /// answer unless these do not add.
+  virtual std::vector<double> values_between(const ModelDescription& /*without*/, const ModelDescription& /*with*/,
+                                             std::vector<double> sum) const {
+    return sum;
+  }
+
   /// The arm with the states that the effect adds to its motion: passive coordinates after the
   /// arm's own, which engines integrate without a motor. An effect without states returns the arm
   /// unchanged.

@@ -8,6 +8,7 @@
 
 #include "diagnosis/evidence/numerics.hpp"
 #include "veridyn/effects/cause.hpp"
+#include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/effects/effect.hpp"
 
 namespace veridyn {
@@ -73,15 +74,6 @@ std::optional<int> source_of(const Diagnosis& d, const Finding& f) {
   return std::nullopt;
 }
 
-// True if a joint has a curve without a name over another one's position.
-bool has_curve_over(const Diagnosis& d, int joint, int position) {
-  const std::string q = "q" + std::to_string(position + 1);
-  return std::any_of(d.findings.begin(), d.findings.end(), [&](const Finding& f) {
-    return f.shape && f.joint->value == joint &&
-           std::find(f.shape->signals.begin(), f.shape->signals.end(), q) != f.shape->signals.end();
-  });
-}
-
 // True if the interval of a load's size holds zero.
 bool may_be_zero(const Finding& load, const std::string& size) {
   return std::any_of(load.parameters.begin(), load.parameters.end(), [&size](const FoundParameter& p) {
@@ -90,6 +82,21 @@ bool may_be_zero(const Finding& load, const std::string& size) {
 }
 
 }  // namespace
+
+bool has_curve(const Diagnosis& d, int joint, const std::string& signal) {
+  return std::any_of(d.findings.begin(), d.findings.end(), [&](const Finding& f) {
+    if (!f.shape || f.joint->value != joint) return false;
+    const std::vector<std::string>& of = f.shape->signals;
+    return signal.empty() || std::find(of.begin(), of.end(), signal) != of.end();
+  });
+}
+
+bool is_no_factor(const Diagnosis& d, const Finding& f) {
+  if (!std::holds_alternative<ChannelError>(f.cause) || !f.joint) return false;
+  const auto* sensor = dynamic_cast<const SensorError*>(&find_effect(effect_of(f.cause)));
+  return sensor != nullptr && sensor->scales_torque() &&
+         has_curve(d, f.joint->value, "tau" + std::to_string(f.joint->value + 1));
+}
 
 std::string why_no_finding(const Finding& f, const Identification& fitted) {
   if (std::holds_alternative<AddedLoad>(f.cause) && may_be_zero(f, "mass") && may_be_zero(f, "moment"))
@@ -164,7 +171,7 @@ std::string why_doubted(const Diagnosis& d, const Finding& f, const std::set<int
   }
   if (std::holds_alternative<NewEffect>(f.cause) && traits.uses_source) {
     const std::optional<int> from = source_of(d, f);
-    if (from && has_curve_over(d, *from, f.joint->value))
+    if (from && has_curve(d, *from, "q" + std::to_string(f.joint->value + 1)))
       return "the joint that it comes from has an error without a name that depends on this joint: one cause acts on both";
   }
   return {};

@@ -20,6 +20,13 @@ struct LostRight {
 /// all torques of its joint in training. Empty: it is kept.
 std::string why_no_finding(const Finding& f, const Identification& fitted);
 
+/// True if a joint, from 0, has a finding without a name over this signal ("q2"; empty: over any).
+bool has_curve(const Diagnosis& d, int joint, const std::string& signal = {});
+
+/// True for a wrong gain of a joint whose error without a name depends on the same torque: the recorded torque
+/// is no constant multiple of the true one, as behind a limit or a dead zone.
+bool is_no_factor(const Diagnosis& d, const Finding& f);
+
 /// The first of the kept findings d.findings[first + k] for which why_no_finding() in the extended
 /// model has an answer.
 std::optional<LostRight> without_size(const Diagnosis& d, size_t first, const std::set<size_t>& kept);

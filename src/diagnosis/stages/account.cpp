@@ -10,6 +10,7 @@
 #include "diagnosis/evidence/held_out.hpp"
 #include "diagnosis/findings/finding_words.hpp"
 #include "diagnosis/findings/next_experiment.hpp"
+#include "diagnosis/findings/right_to_a_name.hpp"
 #include "diagnosis/stages/diagnosis_state.hpp"
 #include "diagnosis/stages/asked_tables.hpp"
 #include "diagnosis/unnamed/dependence.hpp"
@@ -107,6 +108,8 @@ class Account {
     for (size_t k = 0; k < d_.findings.size(); ++k) {
       if (is_small(d_.findings[k]))
         lost[k] = "it is small beside what has no name on its joint, which may be what it stands for";
+      else if (is_part_of_torque_curve(d_.findings[k]))
+        lost[k] = "the recorded torque of its joint is in no constant proportion to the true one, which it may stand for";
     }
     std::optional<Identification> without;
     if (!lost.empty()) without = refitted_without(lost);
@@ -245,10 +248,18 @@ class Account {
     return own < limits_.small_beside_unnamed * unnamed;
   }
 
+  // True for what is in proportion to a torque that is recorded in no constant proportion.
+  bool is_part_of_torque_curve(const Finding& f) const {
+    if (!is_withdrawable(f) || !find_effect(effect_of(f.cause)).traits().uses_load) return false;
+    return std::any_of(d_.findings.begin(), d_.findings.end(), [&](const Finding& gain) {
+      return gain.joint == f.joint && is_no_factor(d_, gain);
+    });
+  }
+
   bool may_stand_for_another(const Finding& f) const {
     if (!is_withdrawable(f) || find_effect(effect_of(f.cause)).traits().elementary) return false;
     const JointVerdict& v = d_.joints[f.joint->value];
-    return v.state == JointState::kUnnamed || v.left > limits_.at_floor * v.floor;
+    return has_unnamed(v.joint.value) || v.left > limits_.at_floor * v.floor;
   }
 
   // The extended arm without the effects of these findings.
@@ -415,11 +426,7 @@ class Account {
     return term;
   }
 
-  bool has_unnamed(int joint) const {
-    return std::any_of(d_.findings.begin(), d_.findings.end(), [joint](const Finding& f) {
-      return f.shape && f.joint->value == joint;
-    });
-  }
+  bool has_unnamed(int joint) const { return has_curve(d_, joint); }
 
   std::vector<MotionSignal> signals_of(const Finding& f) const {
     std::vector<MotionSignal> out;
@@ -515,10 +522,11 @@ class Account {
     const bool named = std::any_of(d_.findings.begin(), d_.findings.end(), [&](const Finding& f) {
       return !f.shape && (gone || acts_on(f, j));
     });
-    if (unnamed) {
-      v.state = JointState::kUnnamed;
-    } else if (named && v.extended < v.held_out && (at_floor || v.held_out - v.extended > 0.5 * v.removable)) {
+    const bool mostly = v.held_out - v.extended > 0.5 * v.removable;
+    if (named && v.extended < v.held_out && (mostly || (at_floor && !unnamed))) {
       v.state = JointState::kNamed;
+    } else if (unnamed) {
+      v.state = JointState::kUnnamed;
     } else if (at_floor && v.held_out <= limits_.at_floor * v.floor) {
       v.state = JointState::kAtFloor;
     } else {

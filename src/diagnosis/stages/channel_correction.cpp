@@ -50,6 +50,15 @@ void keep_possible(const Hypothesis& h, const std::vector<double>& so_far, std::
   }
 }
 
+// True if a size is beyond what is plausible: the tangent at zero says little there.
+bool leads_far(const Hypothesis& h, const std::vector<double>& values) {
+  return std::any_of(values.begin(), values.end(), [&h](double value) { return std::abs(value) > h.largest_value; });
+}
+
+const ArmEffect* arm_effect_of(const Hypothesis& h) {
+  return dynamic_cast<const ArmEffect*>(&find_effect(effect_of(h.cause)));
+}
+
 // The same hypothesis for another arm.
 const Hypothesis* same(const CandidateTests& asked, const Hypothesis& h) {
   for (const Hypothesis& other : asked.q.augmented.hypotheses) {
@@ -73,6 +82,13 @@ bool is_possible(const Hypothesis& h, const std::vector<double>& values) {
 
 }  // namespace
 
+std::vector<double> values_so_far(const Model& first, const Hypothesis& h, const CorrectedChannel& channel,
+                                  std::vector<double> sum) {
+  const ArmEffect* effect = arm_effect_of(h);
+  if (effect == nullptr) return sum;
+  return effect->values_between(first.description(), channel.corrected.model->description(), std::move(sum));
+}
+
 std::vector<double> together(const Hypothesis& h, const std::vector<double>& first,
                              const std::vector<double>& second) {
   std::vector<double> out;
@@ -86,8 +102,25 @@ std::optional<CorrectedChannel> correct_channel(const DiagnosisState& x, const C
                                                 const Hypothesis& h) {
   std::optional<Estimate> step = estimate(asked, h, x.options);
   if (!step) return std::nullopt;
+  const auto estimate_again = [&](const Identification& corrected) {
+    CandidateList list = x.list();
+    list.wanted = {effect_of(h.cause)};
+    const CandidateTests again = prepare_tests(x, list, corrected);
+    const Hypothesis* same_one = same(again, h);
+    return same_one == nullptr ? std::nullopt : estimate(again, *same_one, x.options);
+  };
   CorrectedChannel out{x.start, std::vector<double>(step->values.size(), 0.0), {}};
   bool moved = false;
+  if (const ArmEffect* effect = arm_effect_of(h); effect != nullptr && leads_far(h, step->values)) {
+    for (const std::vector<double>& values : effect->far_values()) {
+      Identification candidate = x.fit(with_channel_error(*x.start.model, step->term, values));
+      if (!candidate.model || log_training_error(candidate) >= log_training_error(out.corrected)) continue;
+      out.corrected = std::move(candidate);
+      out.values = values;
+      moved = true;
+    }
+    if (moved) step = estimate_again(out.corrected);
+  }
   for (int k = 0; k < numerics::kChannelSteps && step; ++k) {
     out.half_widths = step->half_widths;
     // Once a step is small beside its own uncertainty there is nothing left to gain.
@@ -110,13 +143,10 @@ std::optional<CorrectedChannel> correct_channel(const DiagnosisState& x, const C
     if (!better) break;
     moved = true;
     out.values = together(h, out.values, step->values);
-    CandidateList list = x.list();
-    list.wanted = {effect_of(h.cause)};
-    const CandidateTests again = prepare_tests(x, list, out.corrected);
-    const Hypothesis* same_one = same(again, h);
-    step = same_one == nullptr ? std::nullopt : estimate(again, *same_one, x.options);
+    step = estimate_again(out.corrected);
   }
   if (!moved) return std::nullopt;
+  out.values = values_so_far(*x.start.model, h, out, std::move(out.values));
   return out;
 }
 

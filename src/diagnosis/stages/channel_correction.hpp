@@ -23,6 +23,10 @@ struct CorrectedChannel {
 std::optional<CorrectedChannel> correct_channel(const DiagnosisState& x, const CandidateTests& asked,
                                                 const Hypothesis& h);
 
+/// Sizes of an error that led from one arm to the corrected one. @param sum  of successive corrections.
+std::vector<double> values_so_far(const Model& first, const Hypothesis& h, const CorrectedChannel& channel,
+                                  std::vector<double> sum);
+
 /// Two errors of one channel, one undone after the other: relative ones multiply, others add.
 std::vector<double> together(const Hypothesis& h, const std::vector<double>& first,
                              const std::vector<double>& second);

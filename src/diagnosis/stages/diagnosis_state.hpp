@@ -93,6 +93,10 @@ void exclude_rests(DiagnosisState& x);
 /// Leaves out parts of recordings from now on.
 void leave_out(const std::vector<ExcludedInterval>& parts, DiagnosisState& x);
 
+/// True if in all training recordings two joints are exchanged beyond doubt; they say so, and every joint's verdict:
+/// causes of such recordings would be names of the exchange.
+bool columns_are_exchanged(DiagnosisState& x);
+
 /// Reports joints with significantly negative friction, which indicates a torque of the wrong sign.
 void check_torque_signs(DiagnosisState& x);
 

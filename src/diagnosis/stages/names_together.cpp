@@ -30,7 +30,7 @@ std::set<int> joints_above_floor(const DiagnosisState& x) {
   std::set<int> out;
   for (const JointVerdict& v : x.d.joints) {
     const bool above = v.left > x.options.thresholds.at_floor * v.floor && v.state != JointState::kNamed;
-    if (v.state == JointState::kUnnamed || above) out.insert(v.joint.value);
+    if (above || has_curve(x.d, v.joint.value)) out.insert(v.joint.value);
   }
   return out;
 }
@@ -59,7 +59,7 @@ bool names_are_doubtful(const DiagnosisState& x) {
   const std::vector<Finding>& all = x.d.findings;
   const std::set<int> above = joints_above_floor(x);
   return std::any_of(x.d.joints.begin(), x.d.joints.end(), [&](const JointVerdict& v) {
-    if (v.state == JointState::kUnnamed) return std::any_of(all.begin(), all.end(), is_name);
+    if (has_curve(x.d, v.joint.value)) return std::any_of(all.begin(), all.end(), is_name);
     double of_forces = 0.0;
     double of_others = 0.0;
     for (const Finding& f : all) {

@@ -141,8 +141,9 @@ bool correct_first_channel(DiagnosisState& x, const Round& round) {
     std::vector<double> before;
     for (size_t p = 0; p < channel->values.size(); ++p)
       before.push_back(earlier->parameters[p].value);
-    const Finding both = channel_finding(round.q, h, together(h, before, channel->values),
-                                         channel->half_widths);
+    const std::vector<double> values =
+        values_so_far(*x.d.baseline.model, h, *channel, together(h, before, channel->values));
+    const Finding both = channel_finding(round.q, h, values, channel->half_widths);
     earlier->parameters = both.parameters;
     earlier->phrase = both.phrase;
     earlier->remark = both.remark;

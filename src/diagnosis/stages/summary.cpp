@@ -2,6 +2,7 @@
 #include <numeric>
 
 #include "diagnosis/evidence/held_out.hpp"
+#include "diagnosis/findings/right_to_a_name.hpp"
 #include "diagnosis/stages/diagnosis_state.hpp"
 
 namespace veridyn {
@@ -39,6 +40,10 @@ std::vector<char> main_ones(const Diagnosis& d, double share) {
 }  // namespace
 
 void summarize(Diagnosis& d, const Thresholds& thresholds) {
+  for (Finding& f : d.findings) {
+    if (is_no_factor(d, f))
+      f.phrase += " in the mean, in no constant proportion: what is left depends on the same torque, as behind a limit or a dead zone";
+  }
   const std::vector<char> main = main_ones(d, thresholds.main_share);
   for (size_t k = 0; k < d.findings.size(); ++k) d.findings[k].main = main[k] != 0;
   std::stable_partition(d.findings.begin(), d.findings.end(),

@@ -3,7 +3,9 @@
 
 #include "causes/candidates.hpp"
 #include "diagnosis/stages/diagnosis_state.hpp"
+#include "recordings/kept_recordings.hpp"
 #include "veridyn/effects/effect.hpp"
+#include "veridyn/identification/robot_check.hpp"
 
 // Friction dissipates power. Significantly negative friction, fitted without sign constraints,
 // means that a joint's torque has the wrong sign or belongs to another joint.
@@ -35,7 +37,43 @@ void report(DiagnosisState& x, int joint, double deviations) {
   }
 }
 
+// True if check_against() is sure that columns of this recording are exchanged; the recording says so.
+bool says_exchange(const std::string& file, DiagnosisState& x) {
+  const PreprocessingOptions& how = x.options.identification.preprocessing;
+  const Recording* there = find_in_memory(how.in_memory, file);
+  bool sure = false;
+  for (QualityFinding& f : there != nullptr ? check_against(x.arm, *there, how) : check_against(x.arm, file, how)) {
+    if (f.finding != "swapped_joints" || f.severity != Severity::kFault) continue;
+    sure = true;
+    f.file = file;
+    for (RecordingQuality& q : x.d.data_quality) {
+      if (q.file == file) q.findings.insert(q.findings.begin(), std::move(f));
+    }
+  }
+  return sure;
+}
+
 }  // namespace
+
+bool columns_are_exchanged(DiagnosisState& x) {
+  bool all = true;
+  for (size_t k = 0; k < x.train.size() && all; ++k) all = says_exchange(x.train[k], x);
+  if (!all) return false;
+  Diagnosis& d = x.d;
+  d.extended = d.baseline;
+  for (int j = 0; j < x.arm.joints(); ++j) {
+    JointVerdict v;
+    v.joint = JointIndex{j};
+    v.held_out = v.extended = v.left = d.baseline.test_error.relative.size() > j ? d.baseline.test_error.relative[j] : 0.0;
+    v.source = FloorSource::kRepeats;
+    v.floor = d.baseline.noise_floor.size() > j ? std::min(v.held_out, d.baseline.noise_floor[j]) : 0.0;
+    v.removable = v.held_out - v.floor;
+    v.state = JointState::kCannotTell;
+    v.why = "columns of the recordings are exchanged";
+    d.joints.push_back(std::move(v));
+  }
+  return true;
+}
 
 void check_torque_signs(DiagnosisState& x) {
   if (x.d.changes || !x.start.model) return;
