@@ -163,7 +163,7 @@ void fit_base(const Model& arm, const std::vector<CompressedRecording>& recordin
   VectorXd beta = solution.beta;
   if (options.method == Method::kFeasible) {
     solve_feasible(arm, total, options, id);
-    if (id.status == IdentificationStatus::kNotConverged && options.prior) return;
+    if (id.status == IdentificationStatus::kNotConverged && (options.prior || id.objective > total.rhs_norm2())) return;
     beta = base.K * id.parameters;
   } else {
     id.parameters = shortest_parameters(base, solution.beta, norms);

@@ -4,6 +4,8 @@
 #include <cctype>
 #include <numeric>
 
+#include "math/excerpt.hpp"
+
 namespace veridyn {
 namespace {
 
@@ -65,7 +67,7 @@ std::string did_you_mean(const std::string& name, const std::vector<std::string>
 
 std::string listed(const std::vector<std::string>& names) {
   std::string all;
-  for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
+  for (const std::string& name : names) all += (all.empty() ? "" : ", ") + excerpt(name, 200);
   return all;
 }
 

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "math/excerpt.hpp"
 #include "math/input_file.hpp"
 #include "math/numbers.hpp"
 #include "veridyn/math/require.hpp"
@@ -42,11 +43,7 @@ double take_number(const char*& at, const char* end) {
   return value;
 }
 
-std::string quoted(std::string words) {
-  std::replace_if(words.begin(), words.end(), [](char c) { return static_cast<unsigned char>(c) < ' '; }, ' ');
-  constexpr std::size_t kShown = 60;
-  return "'" + (words.size() > kShown ? words.substr(0, kShown) + "..." : words) + "'";
-}
+std::string quoted(const std::string& words) { return "'" + excerpt(words) + "'"; }
 
 }  // namespace
 
@@ -63,7 +60,7 @@ XmlFile::XmlFile(std::string path, const char* root, const std::string& expected
 }
 
 void XmlFile::fail(pugi::xml_node at, const std::string& found, const std::string& expected) const {
-  throw InvalidInput(text(path_, ":", place_in(text_, at.offset_debug()), ": found ", found, ", expected ", expected, "."));
+  throw InvalidInput(text(path_, ":", place_in(text_, at.offset_debug()), ": found ", excerpt(found, 400), ", expected ", expected, "."));
 }
 
 std::vector<double> XmlFile::numbers(pugi::xml_node at, const std::string& name, const std::string& words, int least,

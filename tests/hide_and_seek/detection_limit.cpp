@@ -28,7 +28,8 @@ double log_likelihood(const std::vector<SizedCase>& cases, double half, double s
 // the sizes that were played.
 std::string words_of(const std::vector<SizedCase>& cases) {
   const auto by_size = [](const SizedCase& a, const SizedCase& b) { return a.share < b.share; };
-  const auto [small, large] = std::minmax_element(cases.begin(), cases.end(), by_size);
+  const auto extremes = std::minmax_element(cases.begin(), cases.end(), by_size);
+  const auto small = extremes.first, large = extremes.second;  // names that a lambda can hold in C++17
   const auto named = std::count_if(cases.begin(), cases.end(), [](auto& c) { return c.named; });
   if (cases.empty()) return "-";
   if (named == static_cast<long>(cases.size())) return fmt::format("<{:.1f}", 100.0 * small->share);

@@ -143,6 +143,21 @@ TEST(Torques, ThatAreZeroThroughoutAreRefused) {
   }
 }
 
+// Torques below those of the lightest possible body: the best possible arm is worse than none.
+TEST(Torques, OfLessThanTheLightestBodyAreRefused) {
+  Recording tiny = recorded(planar());
+  tiny.tau *= 1e-9;
+  IdentificationOptions with_prior;
+  with_prior.prior = planar();
+  for (const IdentificationOptions& options : {IdentificationOptions{}, with_prior}) {
+    const Identification id = identify(planar(), tiny, options);
+    EXPECT_EQ(id.status, IdentificationStatus::kNotConverged);
+    EXPECT_FALSE(id.model.has_value());
+    EXPECT_NE(id.reason.find("too small for the lightest one"), std::string::npos) << id.reason;
+  }
+  EXPECT_TRUE(identify(planar(), tiny, with(Method::kWls)).model.has_value());
+}
+
 // A prior fills what torques leave open. Where it is far from the arm, the fit is as good as without,
 // or a status says that it is not.
 TEST(APrior, IsNeverAWrongAnswerThatCountsAsDone) {

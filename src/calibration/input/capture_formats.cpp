@@ -158,6 +158,7 @@ CaptureHeader read_capture_header(CsvLines& lines) {
   require(lines.next(&line), lines.path(), ": found no row, expected a header with t, x, y, z.");
   const char separator = csv_separator(line);
   const Fields names = csv_fields(line, separator);
+  require(!names.empty(), where(lines), ": found no name, expected a header with t, x, y, z.");
   if (names[0] == "Format Version") return motive_header(lines, names);
   if (names[0] == "Trajectories") return nexus_header(lines);
   if (begins_with(names[0], "NO_OF_FRAMES")) return track_manager_header(lines);

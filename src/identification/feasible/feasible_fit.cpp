@@ -188,7 +188,9 @@ void solve_with(PriorUse use, const Model& arm, const SquareRootInformation& tot
   const double least = doubtful ? least_feasible(problem, solver) : std::numeric_limits<double>::infinity();
   const bool contradicts = result.objective > most * least;
   const bool enough = result.status == FeasibleStatus::kOptimal || (pulled && result.feasible && result.duality_gap <= kGapWithPrior);
-  if (enough && !contradicts) return;
+  // Bodies without mass would leave the torques themselves.
+  const bool worse_than_none = result.objective > total.rhs_norm2();
+  if (enough && !contradicts && !worse_than_none) return;
   if (pulled && !options.prior) {
     id.active_constraints.clear();
     solve_with(PriorUse::kLeaveOut, arm, total, options, id);
@@ -197,6 +199,11 @@ void solve_with(PriorUse use, const Model& arm, const SquareRootInformation& tot
     return;
   }
   id.status = IdentificationStatus::kNotConverged;
+  if (worse_than_none) {
+    id.reason = text("the best physically possible arm leaves ", 100.0 * std::sqrt(result.objective / total.rhs_norm2()),
+                     " % of the torques: they are too small for the lightest one, expected N m and N");
+    return;
+  }
   const std::string report = result.report();
   id.reason = contradicts ? text("feasible least squares: the prior raises the squared residual from ",
                                  least, " to ", result.objective)

@@ -132,6 +132,11 @@ cone::Program make_program(const FeasibleProblem& problem, const FeasibleOptions
   for (int j = 0; j < norms.size(); ++j) {
     if (norms(j) > 1e-13 * norms.maxCoeff()) program.box.trusted(j) = program.z.norm() / norms(j);
   }
+  // The lightest body has twice the margin as moments of inertia, however small the torques are.
+  for (const cone::Block& block : program.blocks) {
+    auto trusted = program.box.trusted.segment<10>(block.column);
+    trusted = (trusted.array() > 0.0).select(trusted.cwiseMax(4.0 * block.margin), trusted);
+  }
   return program;
 }
 

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <iterator>
 
+#include "math/excerpt.hpp"
 #include "math/words.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -72,7 +73,7 @@ void suggest_missing(const CsvLayout& layout, const std::string& where) {
 // First few names, for messages.
 std::string first_names(const std::vector<std::string>& names) {
   std::string list;
-  for (std::size_t k = 0; k < names.size() && k < 8; ++k) list += (k > 0 ? ", " : "") + names[k];
+  for (std::size_t k = 0; k < names.size() && k < 8; ++k) list += (k > 0 ? ", " : "") + excerpt(names[k]);
   return names.size() > 8 ? text(list, ", ... (", names.size(), " columns)") : list;
 }
 
