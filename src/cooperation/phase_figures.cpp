@@ -83,7 +83,7 @@ PhaseFigures phase_figures(const Scenario& scenario, const ScenarioPhase& phase,
   const ArmTrace& master = run.arm[scenario.master];
   const MatrixXd off = (master.tip - master.motion).middleRows(first, end - first);
   out.position_error = off.rowwise().norm().maxCoeff();
-  out.final_position_error = off.row(off.rows() - 1).norm();
+  out.final_position_error = off.bottomRows<1>().norm();
   out.asked_position_error = phase.asked_position_error;
   for (const BodyTrace& body : run.body) {
     const MatrixXd away = (body.position - body.wanted).middleRows(first, end - first);

@@ -12,8 +12,6 @@ namespace {
 
 using numerics::kPercent;
 
-constexpr double kWhole = 0.995;  // of the removable error, which rounds to 100 %
-
 std::string percents(const VectorXd& v) {
   std::string out;
   for (Eigen::Index i = 0; i < v.size(); ++i)
@@ -31,7 +29,7 @@ size_t table_width(const Model& arm) {
 const char* state_words(const JointVerdict& v) {
   switch (v.state) {
     case JointState::kAtFloor: return "at its floor";
-    case JointState::kNamed: return v.held_out - v.extended < kWhole * v.removable ? "named in part" : "named";
+    case JointState::kNamed: return v.held_out - v.extended < numerics::kWhole * v.removable ? "named in part" : "named";
     case JointState::kUnnamed: return "without a name";
     case JointState::kCannotTell: return "these recordings cannot tell";
   }

@@ -48,4 +48,11 @@ inline std::vector<std::string> split(const std::string& words, char separator) 
   return parts;
 }
 
+/// "a, b, c", whole.
+inline std::string joined(const std::vector<std::string>& parts) {
+  std::string all;
+  for (const std::string& part : parts) all += (all.empty() ? "" : ", ") + part;
+  return all;
+}
+
 }  // namespace veridyn

@@ -139,7 +139,8 @@ void look_at_recordings(const Model& arm, const std::vector<std::string>& record
   for (const RecordingQuality& quality : seen) {
     for (const QualityFinding& f : quality.findings) {
       // A recording with hardly any usable row is reported by the reader.
-      if (f.finding == "degrees" || f.finding == "zero_signal" || (f.severity == Severity::kFault && f.finding != "gaps"))
+      const bool dead_joint = f.finding == "zero_signal" && f.joint != 0;  // one of several: rows of zeros alone are refused
+      if (f.finding == "degrees" || dead_joint || (f.severity == Severity::kFault && f.finding != "gaps"))
         say("warning: " + quality.file + ": " + f.sentence);
     }
   }

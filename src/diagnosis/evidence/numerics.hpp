@@ -17,6 +17,7 @@ constexpr double kNoise = 1e-12;  ///< a share that rounding may leave
 constexpr double kRidge = 1e-11;
 constexpr double kOutside = 0.05;  ///< probability outside of an interval that is printed
 constexpr double kPercent = 100.0;
+constexpr double kWhole = 0.995;  ///< share that is printed as 100 %: what names take above it, they take whole
 constexpr double kDegrees = 57.29577951308232;  ///< Degrees of a radian
 
 constexpr double kMinute = 60.0;     ///< [s]

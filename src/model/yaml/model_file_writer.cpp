@@ -7,7 +7,7 @@
 #include "model/effect_names.hpp"
 #include "model/joint_placement.hpp"
 #include "veridyn/model/model_file.hpp"
-#include "model/suggestion.hpp"
+#include "math/words.hpp"
 #include "model/yaml/yaml_identified.hpp"
 #include "model/yaml/yaml_text.hpp"
 
@@ -101,7 +101,7 @@ class ModelWriter {
       parts.push_back("com_reach: " + numbers_.number(place + "/com_reach", box.com_reach));
     if (box.effect_max != 0.0)
       parts.push_back("effect_max: " + numbers_.number(place + "/effect_max", box.effect_max));
-    return parts.empty() ? "" : "box: {" + listed(parts) + "}";
+    return parts.empty() ? "" : "box: {" + joined(parts) + "}";
   }
 
   void coordinates() {
@@ -117,7 +117,7 @@ class ModelWriter {
       if (!recorded.empty()) parts.push_back("recorded: {" + recorded + "}");
       if (c.drive_gain_deviation != 0.0)
         parts.push_back("drive_gain_std: " + deviation_text(c.drive_gain_deviation));
-      line("  - {" + listed(parts) + "}");
+      line("  - {" + joined(parts) + "}");
     }
   }
 
@@ -135,8 +135,8 @@ class ModelWriter {
       crosstalk.push_back(quoted_if_needed(name) + ": " +
                           numbers_.number(place + "/torque_crosstalk/" + name, share));
     }
-    if (!crosstalk.empty()) parts.push_back("torque_crosstalk: {" + listed(crosstalk) + "}");
-    return listed(parts);
+    if (!crosstalk.empty()) parts.push_back("torque_crosstalk: {" + joined(crosstalk) + "}");
+    return joined(parts);
   }
 
   std::string limits_text(const std::string& place, const Limits& limits) const {
@@ -155,7 +155,7 @@ class ModelWriter {
     add("velocity", limits.velocity);
     add("acceleration", limits.acceleration);
     add("effort", limits.effort);
-    return listed(parts);
+    return joined(parts);
   }
 
   // {coordinate: coefficient, ...}; if all coefficients are zero the first one is written, so that
@@ -167,7 +167,7 @@ class ModelWriter {
       const std::string& name = d_.coordinates[i].name;
       parts.push_back(quoted_if_needed(name) + ": " + numbers_.number(place + "/" + name, c[i]));
     }
-    return "{" + listed(parts) + "}";
+    return "{" + joined(parts) + "}";
   }
 
   std::string frame_text(const Frame& frame) const {
@@ -184,7 +184,7 @@ class ModelWriter {
       parts.push_back("prismatic: " +
                       linear_form(place + "/prismatic", frame.variable.coefficients));
     }
-    const std::string all = listed(parts);
+    const std::string all = joined(parts);
     return frame.body ? all + "," + body_text(place + "/body", *frame.body) : all;
   }
 
@@ -208,7 +208,7 @@ class ModelWriter {
     const std::vector<std::string> four{
         numbers_.number(at + "0", row.a), numbers_.angle(at + "1", row.alpha),
         numbers_.number(at + "2", row.d), numbers_.angle(at + "3", row.theta)};
-    return convention + "dh: [" + listed(four) + "]";
+    return convention + "dh: [" + joined(four) + "]";
   }
 
   std::string placement_text(const std::string& place, const Frame& frame) const {
@@ -222,7 +222,7 @@ class ModelWriter {
       const std::vector<std::string> three{numbers_.angle(at + "0", rpy.x),
                                            numbers_.angle(at + "1", rpy.y),
                                            numbers_.angle(at + "2", rpy.z)};
-      all += ", rpy: [" + listed(three) + "]";
+      all += ", rpy: [" + joined(three) + "]";
     }
     all += "}";
     if (frame.type == JointType::kFixed) return all;
@@ -261,7 +261,7 @@ class ModelWriter {
           names[i], ": ", numbers_.number(text(place, "/inertia/", names[i]), body->inertia[i])));
     }
     return "mass: " + numbers_.number(place + "/mass", body->mass) +
-           ", com: " + numbers_.list(place + "/com", body->com) + ", inertia: {" + listed(inertia) +
+           ", com: " + numbers_.list(place + "/com", body->com) + ", inertia: {" + joined(inertia) +
            "}";
   }
 
@@ -269,7 +269,7 @@ class ModelWriter {
   static std::string deviations_text(const InertialParameters& deviations) {
     std::vector<std::string> texts;
     for (const double deviation : deviations) texts.push_back(deviation_text(deviation));
-    return "[" + listed(texts) + "]";
+    return "[" + joined(texts) + "]";
   }
 
   static std::string deviation_text(double deviation) {
@@ -298,8 +298,8 @@ class ModelWriter {
     for (const auto& [key, value] : term.deviations) {
       deviations.push_back(quoted_if_needed(key) + ": " + deviation_text(value));
     }
-    if (!deviations.empty()) parts.push_back("std: {" + listed(deviations) + "}");
-    return listed(parts);
+    if (!deviations.empty()) parts.push_back("std: {" + joined(deviations) + "}");
+    return joined(parts);
   }
 
   // Parameters are written beside the other keys, except those with the name of such a key.
@@ -314,7 +314,7 @@ class ModelWriter {
       (clashes ? apart : parts)
           .push_back(quoted_if_needed(key) + ": " + numbers_.number(at, value));
     }
-    if (!apart.empty()) parts.push_back("values: {" + listed(apart) + "}");
+    if (!apart.empty()) parts.push_back("values: {" + joined(apart) + "}");
   }
 
   const Model& arm_;

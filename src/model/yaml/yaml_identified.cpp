@@ -53,7 +53,7 @@ IdentifiedParameter read_parameter(const YamlNode& node) {
 std::string numbers_text(const VectorXd& values) {
   std::vector<std::string> texts;
   for (const double value : values) texts.push_back(shortest(value));
-  return "[" + listed(texts) + "]";
+  return "[" + joined(texts) + "]";
 }
 
 std::string parameter_text(const IdentifiedParameter& p) {
@@ -64,7 +64,7 @@ std::string parameter_text(const IdentifiedParameter& p) {
                     ", unit: " + quoted_if_needed(p.unit) + ", value: " + shortest(p.value) +
                     ", free: " + shortest(p.free);
   if (p.scatter.size() > 0) out += fmt::format(", std: {:.4g}", p.scatter.norm());
-  out += ",\n       of: {" + listed(of) + "}";
+  out += ",\n       of: {" + joined(of) + "}";
   if (p.scatter.size() > 0) out += ",\n       factor: " + numbers_text(p.scatter);
   return out + "}\n";
 }
@@ -115,7 +115,7 @@ std::string identified_text(const IdentifiedBase& identified) {
   std::vector<std::string> recordings;
   for (const std::string& name : identified.recordings)
     recordings.push_back(quoted_if_needed(name));
-  out += "  recordings: [" + listed(recordings) + "]\n";
+  out += "  recordings: [" + joined(recordings) + "]\n";
   out += text("  clusters: ", identified.clusters, "\n");
   if (identified.error.size() > 0) out += "  error: " + numbers_text(identified.error) + "\n";
   if (identified.noise.size() > 0) out += "  noise: " + numbers_text(identified.noise) + "\n";

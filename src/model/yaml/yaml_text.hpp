@@ -5,7 +5,7 @@
 
 #include "model/expression.hpp"
 #include "veridyn/model/model.hpp"
-#include "model/suggestion.hpp"
+#include "math/words.hpp"
 
 namespace veridyn {
 
@@ -47,7 +47,7 @@ class YamlNumbers {
     std::vector<std::string> texts;
     for (const double value : values)
       texts.push_back(number(place + "/" + std::to_string(texts.size()), value));
-    return "[" + listed(texts) + "]";
+    return "[" + joined(texts) + "]";
   }
 
  private:

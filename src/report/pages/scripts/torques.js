@@ -18,6 +18,12 @@ function saidOf(joint) {
   return verdictList().find((v) => v.joint === joint);
 }
 
+/** A verdict's state in the text's words. */
+function stateWords(v) {
+  if (v.state === 'named' && v.named < 0.995 * v.removable) return 'named in part';
+  return (kStates[v.state] || ['', words(v.state)])[1];
+}
+
 /** The verdict's entries, one a joint, where the result has any. */
 function verdictList() {
   return Array.isArray(result.verdict) ? result.verdict : (result.verdict || {}).joints || [];
@@ -31,7 +37,7 @@ function verdictTable() {
         'scatter between repeats of a motion; where nothing repeats, what a regression on smooth functions of the motion leaves over.'),
     table(['Joint', 'State', '#Held out', '#Floor', '#Named', '#Without a name', '#Left', 'Why'], list.map((v) => {
       const place = '/verdict/' + result.verdict.indexOf(v) + '/';
-      return [strong(shortJoint(v.joint)), (kStates[v.state] || ['', words(v.state)])[1], ...['held_out', 'floor', 'named', 'unnamed', 'left'].map((part) => percent(place + part)), v.why ? typeset(v.why) : ''];
+      return [strong(shortJoint(v.joint)), stateWords(v), ...['held_out', 'floor', 'named', 'unnamed', 'left'].map((part) => percent(place + part)), v.why ? typeset(v.why) : ''];
     }), 'verdict-parts')] : null;
 }
 
@@ -82,7 +88,7 @@ function verdictParts() {
       let at = 0;
       const place = '/verdict/' + result.verdict.indexOf(v);
       return {label: shortJoint(v.joint), title: jointName(v.joint) + (v.why ? ': ' + v.why : ''), parts: kinds.filter(([k]) => v[k] > 0).map(([k, style]) => ({from: at, to: at += v[k], colour: style})),
-              value: [drawing('tspan', {class: 'strong'}, (kStates[v.state] || ['', words(v.state)])[1] + '  '), drawnNumber(place + '/held_out'), ' %']};
+              value: [drawing('tspan', {class: 'strong'}, stateWords(v) + '  '), drawnNumber(place + '/held_out'), ' %']};
     })});
 }
 
