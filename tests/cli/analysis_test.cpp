@@ -84,6 +84,7 @@ TEST_F(Analysis, SaysWhatIsWrong) {
       {{"stability", spring, "--map", "stiffness=1:10:5"}, 2, "two ranges"},
       {{"stability", spring, "--locus", "gain=1:0:5"}, 2, "FROM below TO"},
       {{"stability", spring, "--set", "stifness=3"}, 2, "did you mean 'stiffness'"},
+      {{"stability", spring, "--set", "delay=1e9"}, 3, "expected at most 1000 cycles"},
       {{"stability", spring, "--set", "stiffness=-1"}, 2, "above zero"},
       {{"stability", spring, "--frame", "tool"}, 3, "expected a MODEL"},
       {{"stability", "psm-3dof", "--pose", "0,0"}, 3, "start of 2 joints"},

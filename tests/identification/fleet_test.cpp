@@ -305,6 +305,14 @@ TEST(AFleet, ReadsItsListAndSaysWhatIsWrongWithIt) {
   EXPECT_THROW(read_fleet(path), InvalidInput);
   std::ofstream(path) << "";
   EXPECT_THROW(read_fleet(path), InvalidInput);
+  std::ofstream(path) << "red,a.csv\nblue,./a.csv\n";
+  try {
+    read_fleet(path);
+    ADD_FAILURE() << "one recording under two arms was taken";
+  } catch (const InvalidInput& e) {
+    EXPECT_NE(std::string(e.what()).find("list.csv:2: found"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("as in line 1"), std::string::npos) << e.what();
+  }
   EXPECT_THROW(identify_fleet(scara(), {{"red", {"missing.csv"}}}), InvalidInput);
   std::filesystem::remove_all(folder);
 }

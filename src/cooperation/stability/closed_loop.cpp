@@ -6,12 +6,14 @@
 #include <numeric>
 
 #include "cooperation/loop_gains.hpp"
+#include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {
 
 constexpr double kSameTime = 1e-9;   // [s], as ForceSensor has it
 constexpr long kHyperperiod = 24;        // cycles of a hyperperiod: slower patterns are approximated
+constexpr double kLongestDelay = 1000.0;  // cycles: each is a state of a dense matrix
 
 // The fraction below or at one with a small denominator that is nearest to the ratio.
 std::pair<long, long> fraction(double ratio) {
@@ -85,8 +87,10 @@ void ClosedLoop::lay_out(const LinearPoint& point, const Scenario& scenario) {
     const auto [above, below] = fraction(sensor.rate / rate);
     e.ratio = static_cast<double>(above) / static_cast<double>(below);
     hyperperiod_ = static_cast<int>(std::min(kHyperperiod, std::lcm<long>(hyperperiod_, below)));
-    e.delay = static_cast<int>(std::ceil((sensor.delay - kSameTime) * rate));
-    e.delay = std::max(0, e.delay) + settings_.extra_delay;
+    const double cycles = std::ceil((sensor.delay - kSameTime) * rate);
+    require(cycles <= kLongestDelay, "found a force sensor's delay of ", sensor.delay, " s, ", cycles,
+            " cycles of the loop, expected at most ", kLongestDelay, " cycles.");
+    e.delay = std::max(0, static_cast<int>(cycles)) + settings_.extra_delay;
     e.line = states_;
     states_ += e.delay;
     if (e.ratio < 1.0) e.held = states_++;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <map>
 #include <mutex>
 #include <sstream>
 #include <utility>
@@ -188,6 +190,7 @@ std::vector<FleetArm> read_fleet(const std::string& path) {
   const auto slash = path.find_last_of('/');
   const std::string folder = slash == std::string::npos ? "" : path.substr(0, slash + 1);
   std::vector<FleetArm> out;
+  std::map<std::filesystem::path, int> line_of;
   std::string line;
   for (int number = 1; std::getline(file, line); ++number) {
     line = line.substr(0, line.find('#'));
@@ -203,6 +206,10 @@ std::vector<FleetArm> read_fleet(const std::string& path) {
             "', expected ARM,FILE.");
     if (out.empty() && name == "arm" && recording == "file") continue;
     if (recording.front() != '/') recording = folder + recording;
+    const auto [first, is_new] =
+        line_of.emplace(std::filesystem::path(recording).lexically_normal(), number);
+    require(is_new, path, ":", number, ": found '", excerpt(recording), "' as in line ",
+            first->second, ", expected each recording once.");
     const auto known =
         std::find_if(out.begin(), out.end(), [&](const FleetArm& arm) { return arm.name == name; });
     if (known != out.end()) {
