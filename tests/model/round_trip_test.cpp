@@ -176,6 +176,27 @@ TEST(RobotFiles, AreWrittenLetterByLetterTheSameEachTime) {
   }
 }
 
+// A URDF may call a joint what YAML takes for nothing, a truth value or a number: the file is read
+// back with the same names, and other readers of YAML find texts as well.
+TEST(RobotFiles, HoldNamesThatYamlTakesForSomethingElse) {
+  for (const std::string& name : {std::string("null"), std::string("Yes"), std::string("1e5"),
+                                  std::string("0x10"), std::string("1_000"), std::string("~"),
+                                  std::string("a: b # c"), std::string(300, 'n')}) {
+    SCOPED_TRACE(name);
+    const std::string quoted = "\"" + name + "\"";
+    const Model before = read_yaml("veridyn: 1\nname: " + quoted + "\ncoordinates: [{name: " + quoted +
+                                       "}]\nframes: [{name: " + quoted + ", parent: world, " +
+                                       "origin: {xyz: [0, 0, 1]}, revolute: {" + quoted + ": 1}}]\n",
+                                   "arm.yaml");
+    const std::string text = to_yaml(before);
+    const Model after = read_yaml(text, "copy.yaml");
+    expect_same_description(after, before);
+    ASSERT_EQ(after.coordinates().size(), 1U);
+    EXPECT_EQ(after.coordinates()[0].name, name);
+    EXPECT_NE(text.find("name: " + (name.size() < 300 ? quoted : name)), std::string::npos);
+  }
+}
+
 // Names with everything that could confuse YAML.
 IdentifiedBase random_identified(int joints, Random& random) {
   IdentifiedBase out;

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+#include <cctype>
 #include <cmath>
 
 #include "veridyn/math/require.hpp"
@@ -16,12 +19,28 @@ double without_noise(double value) {
   return std::abs(value) < 0.1 * kYamlRounding ? 0.0 : value;
 }
 
+namespace {
+
+// Plain words that are nothing, a truth value or a number to a reader of YAML 1.1 or 1.2.
+bool has_another_meaning(const std::string& word) {
+  std::string lower = word;
+  std::transform(lower.begin(), lower.end(), lower.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::array<const char*, 9> words{"null", "true", "false", "yes", "no",
+                                         "on",   "off",  "y",     "n"};
+  std::string digits = word;
+  digits.erase(std::remove(digits.begin(), digits.end(), '_'), digits.end());
+  return number_in(digits).has_value() || std::find(words.begin(), words.end(), lower) != words.end();
+}
+
+}  // namespace
+
 std::string quoted_if_needed(const std::string& word) {
   const std::string alphanumeric = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789";
   const std::size_t first = word.find_first_of(alphanumeric);
   const bool plain = word.find_first_not_of(alphanumeric + "_-+*/^(). ") == std::string::npos &&
                      (first == 0 || (first == 1 && (word[0] == '-' || word[0] == '('))) &&
-                     word.back() != ' ';
+                     word.back() != ' ' && !has_another_meaning(word);
   if (plain) return word;
   std::string quoted = "\"";
   for (const char c : word) {
@@ -51,7 +70,7 @@ bool formula_gives(const std::string& formula, const Constants& constants, doubl
 std::string YamlNumbers::number(const std::string& place, double value) const {
   const auto formula = arm_.formulas.find(place);
   if (formula != arm_.formulas.end() && formula_gives(formula->second, arm_.constants, value)) {
-    return quoted_if_needed(formula->second);
+    return number_in(formula->second) ? formula->second : quoted_if_needed(formula->second);
   }
   require(std::isfinite(value), "to_yaml: ", place, " of arm '", arm_.name, "' is ", value,
           ", but a file holds finite numbers.");
