@@ -93,7 +93,7 @@ TEST(Manual, ExamplesRunOneAfterTheOther) {
                        "friction", "payload", "compare",  "export",     "info",     "kinematics",
                        "watch",    "fleet",   "page",     "dvrk config"};
   const TemporaryFolder folder;
-  folder.write("fleet.txt", "a one.csv\nb one.csv\nc one.csv\n");
+  folder.write("fleet.txt", "a one.csv\nb two.csv\nc loaded.csv\n");
   const auto all = examples();
   size_t run = 0;
   for (const std::string& name : order) {
