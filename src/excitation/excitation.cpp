@@ -331,8 +331,9 @@ Excitation Design::run() {
           "' depend on no parameters: it has neither bodies nor effects.");
   // Memory of the whole motion's regressor: base columns, and perhaps three times as many others.
   const double most = std::floor(most_rows(4.0 * arm_.joints() * asked->exact.size()));
-  require(options_.duration * options_.rate < most, "excitation: found ", options_.duration,
-          " s at ", options_.rate, " Hz, expected fewer than ", most,
+  const double longest = std::max(options_.duration, seconds());  // two periods may take longer
+  require(longest * options_.rate < most, "excitation: found ", longest, " s at ", options_.rate,
+          " Hz and a base frequency of ", options_.frequency, " Hz, expected fewer than ", most,
           " rows, what this machine holds.");
   std::vector<Found> found(options_.starts);
   std::vector<Candidate> ends(found.size());

@@ -40,7 +40,7 @@ long ToolRun::error_lines() const {
   return std::count(err.begin(), err.end(), '\n');
 }
 
-ToolRun run_tool(const Words& arguments, const std::string& working_folder) {
+ToolRun run_tool(const Words& arguments, const std::string& working_folder, unsigned longest) {
   const TemporaryFolder folder;
   const std::string out = folder.path("out");
   const std::string err = folder.path("err");
@@ -50,6 +50,7 @@ ToolRun run_tool(const Words& arguments, const std::string& working_folder) {
     redirect(STDOUT_FILENO, out);
     redirect(STDERR_FILENO, err);
     if (!working_folder.empty() && ::chdir(working_folder.c_str()) != 0) ::_exit(126);
+    ::alarm(longest);  // which the tool inherits
     become_tool(Words{"veridyn"} + arguments);
   }
   int status = 0;

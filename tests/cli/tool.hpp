@@ -21,7 +21,8 @@ struct ToolRun {
 
 /// Runs build/bin/veridyn as a user would, without a terminal.
 /// @param working_folder  where it runs; empty: here
-ToolRun run_tool(const Words& arguments, const std::string& working_folder = "");
+/// @param longest  [s] after which a signal ends it; 0: never
+ToolRun run_tool(const Words& arguments, const std::string& working_folder = "", unsigned longest = 0);
 
 /// a with b behind it.
 Words operator+(Words a, const Words& b);

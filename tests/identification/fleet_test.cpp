@@ -294,6 +294,7 @@ TEST(AFleet, TakesAVelocityThatIsNoDerivativeFromThePosition) {
 
 TEST(AFleet, ReadsItsListAndSaysWhatIsWrongWithIt) {
   const std::string folder = testing::TempDir() + "veridyn-fleet-list";
+  std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
   const std::string path = folder + "/list.csv";
   std::ofstream(path) << "arm,file\n# comment\nred,a.csv\nblue, b.csv\nred,/c.csv\n";
@@ -305,14 +306,24 @@ TEST(AFleet, ReadsItsListAndSaysWhatIsWrongWithIt) {
   EXPECT_THROW(read_fleet(path), InvalidInput);
   std::ofstream(path) << "";
   EXPECT_THROW(read_fleet(path), InvalidInput);
-  std::ofstream(path) << "red,a.csv\nblue,./a.csv\n";
-  try {
-    read_fleet(path);
-    ADD_FAILURE() << "one recording under two arms was taken";
-  } catch (const InvalidInput& e) {
-    EXPECT_NE(std::string(e.what()).find("list.csv:2: found"), std::string::npos) << e.what();
-    EXPECT_NE(std::string(e.what()).find("as in line 1"), std::string::npos) << e.what();
+  // One recording, by another path of it, by links, and as a copy; two files of one size are two.
+  std::ofstream(folder + "/full.csv") << "t,q1\n0,1\n";
+  std::ofstream(folder + "/other.csv") << "t,q1\n0,2\n";
+  std::filesystem::create_symlink("full.csv", folder + "/link.csv");
+  std::filesystem::create_hard_link(folder + "/full.csv", folder + "/hard.csv");
+  std::filesystem::copy_file(folder + "/full.csv", folder + "/copy.csv");
+  for (const std::string same : {"./full.csv", "link.csv", "hard.csv", "copy.csv"}) {
+    std::ofstream(path) << "red,full.csv\nblue,other.csv\ngreen," << same << "\n";
+    try {
+      read_fleet(path);
+      ADD_FAILURE() << "one recording under two arms was taken: " << same;
+    } catch (const InvalidInput& e) {
+      EXPECT_NE(std::string(e.what()).find("list.csv:3: found"), std::string::npos) << e.what();
+      EXPECT_NE(std::string(e.what()).find("as in line 1"), std::string::npos) << e.what();
+    }
   }
+  std::ofstream(path) << "red,a.csv\nblue,./a.csv\n";  // though it does not exist
+  EXPECT_THROW(read_fleet(path), InvalidInput);
   EXPECT_THROW(identify_fleet(scara(), {{"red", {"missing.csv"}}}), InvalidInput);
   std::filesystem::remove_all(folder);
 }

@@ -150,7 +150,13 @@ void add_export_command(CLI::App& tool, Outcome& outcome) {
   command.add_flag("--quiet", request->quiet, "Print only errors on standard error");
   add_dvrk_export_options(command, request->dvrk);
   command.set_version_flag("--version", "veridyn " VERIDYN_VERSION);
-  command.callback([request, &outcome] { run(*request, outcome.command_line); });
+  command.callback([request, &outcome, &command] {
+    const bool urdf_or_sdf = !(request->urdf + request->sdf).empty();
+    const bool bodies = urdf_or_sdf || !(request->mjcf + request->report).empty();
+    expect_needs(command, {{"--prior", bodies, "--urdf, --mjcf, --sdf or --report"},
+                           {"--meshes-from", urdf_or_sdf, "--urdf or --sdf"}});
+    run(*request, outcome.command_line);
+  });
 }
 
 }  // namespace veridyn::cli

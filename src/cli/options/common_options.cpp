@@ -4,11 +4,7 @@
 #include <sys/stat.h>
 
 #include <algorithm>
-#include <array>
 #include <charconv>
-#include <filesystem>
-#include <fstream>
-#include <system_error>
 #include <utility>
 
 #include "cli/options/choice.hpp"
@@ -16,6 +12,7 @@
 #include "cli/options/recording_options.hpp"
 #include "cli/options/sound_arguments.hpp"
 #include "math/output_file.hpp"
+#include "recordings/same_recording.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/report/setting_names.hpp"
 
@@ -57,24 +54,6 @@ std::vector<std::string> signal_names(const std::string& option, const std::stri
         option, "found '" + name + "', expected names out of " + listed(known) + ", as q,dq,tau or q1,dq1,tau1,q2");
   }
   return names;
-}
-
-// True for one file under two names, or a copy of it.
-bool same_recording(const std::string& a, const std::string& b) {
-  namespace fs = std::filesystem;
-  std::error_code error;
-  if (a == b || fs::equivalent(a, b, error)) return true;
-  if (!fs::is_regular_file(a, error) || !fs::is_regular_file(b, error)) return false;
-  if (fs::file_size(a, error) != fs::file_size(b, error) || fs::file_size(a, error) == 0) return false;
-  std::ifstream one(a, std::ios::binary);
-  std::ifstream other(b, std::ios::binary);
-  std::array<char, 1 << 16> a_bytes, b_bytes;
-  while (one && other) {
-    const auto a_count = one.read(a_bytes.data(), a_bytes.size()).gcount();
-    if (other.read(b_bytes.data(), b_bytes.size()).gcount() != a_count) return false;
-    if (!std::equal(a_bytes.begin(), a_bytes.begin() + a_count, b_bytes.begin())) return false;
-  }
-  return one.eof() && other.eof();
 }
 
 }  // namespace

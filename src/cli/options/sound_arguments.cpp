@@ -91,6 +91,9 @@ void expect_sound(const CLI::App& command) {
   for (const CLI::Option* option : command.get_options()) {
     const std::string name = option->get_name();
     for (const std::string& word : option->results()) {
+      if (word.empty() && option->get_expected_min() > 0)
+        throw CLI::ValidationError(name, "found an empty word, expected " +
+                                             (option->get_option_text().empty() ? "a value" : option->get_option_text()));
       if (is_output(*option)) {
         // A device takes any number of outputs.
         std::error_code error;

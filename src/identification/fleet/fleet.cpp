@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <mutex>
 #include <sstream>
+#include <system_error>
 #include <utility>
 
 #include "math/excerpt.hpp"
@@ -15,6 +17,7 @@
 #include "math/input_file.hpp"
 #include "math/numbers.hpp"
 #include "math/parallel.hpp"
+#include "recordings/same_recording.hpp"
 #include "identification/shortfall.hpp"
 #include "identification/velocity_choice.hpp"
 #include "veridyn/math/require.hpp"
@@ -190,7 +193,11 @@ std::vector<FleetArm> read_fleet(const std::string& path) {
   const auto slash = path.find_last_of('/');
   const std::string folder = slash == std::string::npos ? "" : path.substr(0, slash + 1);
   std::vector<FleetArm> out;
-  std::map<std::filesystem::path, int> line_of;
+  struct Line {
+    std::string recording;
+    int number;
+  };
+  std::map<std::uintmax_t, std::vector<Line>> lines_of_size;  // only files of one size hold the same
   std::string line;
   for (int number = 1; std::getline(file, line); ++number) {
     line = line.substr(0, line.find('#'));
@@ -206,10 +213,14 @@ std::vector<FleetArm> read_fleet(const std::string& path) {
             "', expected ARM,FILE.");
     if (out.empty() && name == "arm" && recording == "file") continue;
     if (recording.front() != '/') recording = folder + recording;
-    const auto [first, is_new] =
-        line_of.emplace(std::filesystem::path(recording).lexically_normal(), number);
-    require(is_new, path, ":", number, ": found '", excerpt(recording), "' as in line ",
-            first->second, ", expected each recording once.");
+    std::error_code no_size;
+    std::vector<Line>& alike = lines_of_size[std::filesystem::file_size(recording, no_size)];
+    const std::string plain = std::filesystem::path(recording).lexically_normal().string();
+    for (const Line& earlier : alike) {
+      require(!same_recording(earlier.recording, plain), path, ":", number, ": found '", excerpt(recording),
+              "', the same as in line ", earlier.number, ", expected each recording once.");
+    }
+    alike.push_back({plain, number});
     const auto known =
         std::find_if(out.begin(), out.end(), [&](const FleetArm& arm) { return arm.name == name; });
     if (known != out.end()) {
