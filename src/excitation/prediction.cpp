@@ -14,7 +14,7 @@
 #include "regressor/stacked_columns.hpp"
 #include "veridyn/regressor/standard_parameters.hpp"
 #include "excitation/search/base_regressor.hpp"
-#include "identification/fold_errors.hpp"
+#include "model/noise_unit.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {

@@ -10,6 +10,7 @@
 #include "identification/base_solution.hpp"
 #include "identification/feasible/feasible_fit.hpp"
 #include "identification/many_recordings.hpp"
+#include "model/noise_unit.hpp"
 #include "veridyn/regressor/base_parameters.hpp"
 
 namespace veridyn {

@@ -5,10 +5,6 @@
 
 namespace veridyn {
 
-/// [s] between independent samples of IdentifiedBase::noise: its unit. Over a longer time the same effect has a
-/// smaller deviation.
-constexpr double kNoiseSeconds = 0.1;
-
 /// Squared errors of every joint on parts of the training recordings, each predicted by the arm that
 /// the other parts give. The parts are whole recordings; of three or two the halves of each, of one
 /// its eighths (phases of its period where it repeats).

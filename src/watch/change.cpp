@@ -248,9 +248,9 @@ std::vector<Score> ChangeFinder::scores(const Change& change,
     if (one.companion) continue;
     const Score alone = best_onset(steps, h, least_[h], largest_[h],
                                    change.alarm - change.lookback, change.alarm);
-    Score whole = with_companions(steps, alone, one.companions, price);
+    Score whole = with_companions(steps, alone, one.companions, price, numbers_);
     // First moments without a mass are no load.
-    const Score later = measured_again(steps, whole, numbers_.mixed * options_.step);
+    const Score later = measured_again(steps, whole, numbers_.mixed * options_.step, numbers_);
     const bool load = whole.columns.size() < 2 || std::abs(later.size[0]) > half_width(later);
     out.push_back(load ? std::move(whole) : alone);
   }
@@ -338,7 +338,7 @@ void ChangeFinder::add_rivals(const std::vector<Score>& scores, const Score& bes
 void ChangeFinder::name(const std::vector<Score>& scores, double now) {
   Change c = *open_;
   open_.reset();
-  c.score = measured_again(recent_, scores.front(), numbers_.mixed * options_.step);
+  c.score = measured_again(recent_, scores.front(), numbers_.mixed * options_.step, numbers_);
   c.named = now;
   WatchEvent e = event(c, WatchStage::kNamed, now);
   add_rivals(scores, c.score, e);

@@ -100,7 +100,7 @@ double Score::deviation() const {
 namespace {
 
 // Least squares of the score's columns from a time on; @returns the gain.
-double solve_from(const std::deque<WhiteStep>& steps, double from, double mass, Score& score) {
+double solve_from(const std::deque<WhiteStep>& steps, double from, double mass, const WatchNumbers& numbers, Score& score) {
   const auto count = static_cast<Eigen::Index>(score.columns.size());
   score.A = MatrixXd::Zero(count, count);
   VectorXd b = VectorXd::Zero(count);
@@ -110,7 +110,8 @@ double solve_from(const std::deque<WhiteStep>& steps, double from, double mass, 
     score.A += X.transpose() * X;
     b += X.transpose() * step.e;
   }
-  score.A.diagonal().tail(count - 1).array() += 1.0 / std::max(mass * mass, kNothing);
+  const double lever = std::max(numbers.lever * std::abs(mass), kNothing);
+  score.A.diagonal().tail(count - 1).array() += 1.0 / (lever * lever);
   if (!(score.A(0, 0) > kNothing)) return 0.0;
   score.size = normal_solution(score.A, b);
   return b.dot(score.size);
@@ -118,20 +119,21 @@ double solve_from(const std::deque<WhiteStep>& steps, double from, double mass, 
 
 }  // namespace
 
-Score measured_again(const std::deque<WhiteStep>& steps, const Score& score, double skipped) {
+Score measured_again(const std::deque<WhiteStep>& steps, const Score& score, double skipped,
+                     const WatchNumbers& numbers) {
   if (score.size.size() == 0) return score;
   Score out = score;
-  const bool some = solve_from(steps, score.onset + skipped, score.size[0], out) > 0.0;
+  const bool some = solve_from(steps, score.onset + skipped, score.size[0], numbers, out) > 0.0;
   return some && std::abs(out.size[0]) < 2.0 * std::abs(score.size[0]) ? out : score;
 }
 
 Score with_companions(const std::deque<WhiteStep>& steps, const Score& alone,
-                      const std::vector<int>& companions, double price) {
+                      const std::vector<int>& companions, double price, const WatchNumbers& numbers) {
   if (companions.empty() || alone.size.size() == 0) return alone;
   Score out = alone;
   out.columns.insert(out.columns.end(), companions.begin(), companions.end());
   const auto count = static_cast<Eigen::Index>(out.columns.size());
-  out.gain = solve_from(steps, alone.onset, alone.size[0], out) - price * static_cast<double>(count - 1);
+  out.gain = solve_from(steps, alone.onset, alone.size[0], numbers, out) - price * static_cast<double>(count - 1);
   const bool known = std::abs(out.size[0]) > 2.0 * out.deviation();
   return known && out.gain > alone.gain ? out : alone;
 }

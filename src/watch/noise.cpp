@@ -39,7 +39,7 @@ double NoiseModel::novelty(const Step& step, int joint) const {
 
 bool NoiseModel::novel(const Step& step) const {
   for (int j = 0; j < n_; ++j)
-    if (novelty(step, j) > deviation_[j]) return true;
+    if (0.5 * novelty(step, j) > deviation_[j]) return true;
   return false;
 }
 
@@ -158,7 +158,7 @@ WhiteStep NoiseModel::whiten(const Step& step, const VectorXd& known) {
   for (int j = 0; j < n_; ++j) {
     const double weight =
         1.0 / std::sqrt(deviation_[j] * deviation_[j] + step.rest_friction2[j] +
-                        std::pow(novelty(step, j), 2));
+                        std::pow(0.5 * novelty(step, j), 2));
     out.e[j] *= weight;
     out.X.row(j) *= weight;
   }

@@ -206,6 +206,7 @@ const std::vector<TableNumber<WatchNumbers>>& watch_numbers() {
       number_of<&T::active>("active"),
       number_of<&T::mixed>("mixed"),
       number_of<&T::largest_torques>("largest_torques"),
+      number_of<&T::lever>("lever"),
       number_of<&T::systematic>("systematic"),
       number_of<&T::present_odds>("present_odds"),
       number_of<&T::present_share>("present_share")};

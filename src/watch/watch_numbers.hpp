@@ -89,6 +89,9 @@ struct WatchNumbers {
   double mixed = 2.5;
   /// friction <= largest_torques * rms torque of the joint: none grows beyond it.
   double largest_torques = 3.0;
+  /// centre of a load = lever [m] off its frame (a prior): without it Watch.ACauseIsNamedAtAnyOnset takes an offset
+  /// for a load.
+  double lever = 0.1;
   /// relative systematic error of a size = systematic: smoothing, first-order columns.
   double systematic = 0.02;
   /// gain > present_odds * odds of a change that was there in the beginning: all hypotheses are compared ...
