@@ -181,6 +181,13 @@ TEST(HideAndSeek, AForceOnTheTipIsNamedAfterTheCurveThatItExplains) {
   EXPECT_GT(score.explained, 0.98);
 }
 
+// The end of the palletizer is its flange, and the last frame of its file its balance weight.
+TEST(HideAndSeek, AForceAtTheEndOfATreeOfLinksIsNamed) {
+  const OutsideScore score = outside_score({}, "pallet-4", "tip_force", 1573);
+  EXPECT_TRUE(score.worded);
+  EXPECT_EQ(score.false_names, 0);
+}
+
 // Names that came before it (a cable, springs, a lean of the base) are asked about anew beside it.
 TEST(HideAndSeek, ALaterCauseTakesThePlaceOfTheNamesThatStoodForIt) {
   const OutsideScore score = outside_score({}, "psm-3dof", "tip_force", 1);
