@@ -64,6 +64,10 @@ const std::vector<ThresholdEntry>& threshold_table() {
       {"new_share", &T::new_share,
        "share of a column's square that the others do not span > new_share",
        "below it the data cannot answer: half of the digits of a double", ""},
+      {"fewest_folds", &T::fewest_folds,
+       "held-out parts >= fewest_folds: one of them may disagree; recordings are divided into so many, a single "
+       "one into twice as many",
+       "a recording can have a fault of its own; one of three is no exception", ""},
       {"compact_load", &T::compact_load,
        "share of what ten columns of a load explain that a point mass explains >= compact_load",
        "0.93 and more where there was a load, often below 0.6 where there was none, on 40 arms",

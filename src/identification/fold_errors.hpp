@@ -1,8 +1,13 @@
 #pragma once
 
+#include "identification/hold_out.hpp"
 #include "veridyn/identification/identification.hpp"
 
 namespace veridyn {
+
+/// [s] between independent samples of IdentifiedBase::noise: its unit. Over a longer time the same effect has a
+/// smaller deviation.
+constexpr double kNoiseSeconds = 0.1;
 
 /// Squared errors of every joint on parts of the training recordings, each predicted by the arm that
 /// the other parts give. The parts are whole recordings; of three or two the halves of each, of one
@@ -20,6 +25,6 @@ enum class FoldValues { kFitted, kFacts };
 
 /// @param fitted  with factors and series of its training recordings, and a model.
 FoldErrors fold_errors(const Identification& fitted, const IdentificationOptions& options,
-                       FoldValues values);
+                       FoldValues values, const HoldOut& hold_out);
 
 }  // namespace veridyn

@@ -100,7 +100,7 @@ double Score::deviation() const {
 namespace {
 
 // Least squares of the score's columns from a time on; @returns the gain.
-double solve_from(const std::deque<WhiteStep>& steps, double from, double mass, const WatchNumbers& numbers, Score& score) {
+double solve_from(const std::deque<WhiteStep>& steps, double from, double mass, Score& score) {
   const auto count = static_cast<Eigen::Index>(score.columns.size());
   score.A = MatrixXd::Zero(count, count);
   VectorXd b = VectorXd::Zero(count);
@@ -110,8 +110,7 @@ double solve_from(const std::deque<WhiteStep>& steps, double from, double mass, 
     score.A += X.transpose() * X;
     b += X.transpose() * step.e;
   }
-  const double lever = numbers.lever * std::max(std::abs(mass), numbers.lightest);
-  score.A.diagonal().tail(count - 1).array() += 1.0 / (lever * lever);
+  score.A.diagonal().tail(count - 1).array() += 1.0 / std::max(mass * mass, kNothing);
   if (!(score.A(0, 0) > kNothing)) return 0.0;
   score.size = normal_solution(score.A, b);
   return b.dot(score.size);
@@ -119,21 +118,20 @@ double solve_from(const std::deque<WhiteStep>& steps, double from, double mass, 
 
 }  // namespace
 
-Score measured_again(const std::deque<WhiteStep>& steps, const Score& score, double skipped,
-                     const WatchNumbers& numbers) {
+Score measured_again(const std::deque<WhiteStep>& steps, const Score& score, double skipped) {
   if (score.size.size() == 0) return score;
   Score out = score;
-  const bool some = solve_from(steps, score.onset + skipped, score.size[0], numbers, out) > 0.0;
+  const bool some = solve_from(steps, score.onset + skipped, score.size[0], out) > 0.0;
   return some && std::abs(out.size[0]) < 2.0 * std::abs(score.size[0]) ? out : score;
 }
 
 Score with_companions(const std::deque<WhiteStep>& steps, const Score& alone,
-                      const std::vector<int>& companions, double price, const WatchNumbers& numbers) {
+                      const std::vector<int>& companions, double price) {
   if (companions.empty() || alone.size.size() == 0) return alone;
   Score out = alone;
   out.columns.insert(out.columns.end(), companions.begin(), companions.end());
   const auto count = static_cast<Eigen::Index>(out.columns.size());
-  out.gain = solve_from(steps, alone.onset, alone.size[0], numbers, out) - price * static_cast<double>(count - 1);
+  out.gain = solve_from(steps, alone.onset, alone.size[0], out) - price * static_cast<double>(count - 1);
   const bool known = std::abs(out.size[0]) > 2.0 * out.deviation();
   return known && out.gain > alone.gain ? out : alone;
 }
@@ -161,7 +159,7 @@ Push best_push(const std::deque<WhiteStep>& steps, const std::vector<int>& offse
         all_b[i] += x * steps[k].e[i];
         if (A[i] > kNothing) open += std::max(0.0, b[i] * b[i] / A[i] - price);
       }
-      const bool whole = steps[k].time - segment >= numbers.segment;
+      const bool whole = steps[k].time - segment >= numbers.short_memory;
       const bool last = k + 1 == steps.size() || steps[k + 1].time > end;
       // A push that has not ended extends to the last step.
       if (steps[k].time - steps[o].time >= numbers.shortest_push && settled + open > best.gain &&

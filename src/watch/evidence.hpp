@@ -73,14 +73,13 @@ Score best_onset(const std::deque<WhiteStep>& steps, int hypothesis, double leas
                  double earliest, double latest);
 
 /// The same with companions, where their gain exceeds the price: the centre of a load of that mass
-/// lies within some centimetres of its frame's origin.
+/// lies less than a metre or so off its frame's origin (a prior).
 Score with_companions(const std::deque<WhiteStep>& steps, const Score& alone,
-                      const std::vector<int>& companions, double price, const WatchNumbers& numbers);
+                      const std::vector<int>& companions, double price);
 
 /// Estimates the sizes again from steps later than the onset by `skipped` [s]: the step of the
 /// change mixes both states, and the autoregression includes it.
-Score measured_again(const std::deque<WhiteStep>& steps, const Score& score, double skipped,
-                     const WatchNumbers& numbers);
+Score measured_again(const std::deque<WhiteStep>& steps, const Score& score, double skipped);
 
 /// The best push that starts there and ends `still` seconds before the last step, or has not ended
 /// (still = 0).

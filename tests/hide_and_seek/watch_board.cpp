@@ -57,6 +57,7 @@ const std::vector<Trouble>& troubles() {
       {"gain", {}, {"torque_gain:pitch:gain=1.3"}, {"torque_gain:pitch"}},
       {"slip", {}, {"encoder_offset:pitch:offset=0.02"}, {"encoder_offset:pitch"}},
       {"small slip", {}, {"encoder_offset:yaw:offset=0.003"}, {"encoder_offset:yaw"}},
+      {"small slip of a slide", {}, {"encoder_offset:insertion:offset=0.00015"}, {"encoder_offset:insertion"}},
       {"push", {}, {"external_contact:pitch:from=9,to=9.8,effort=1"}, {"external_contact:pitch"}},
       {"short push", {}, {"external_contact:yaw:from=9,to=9.3,effort=1"}, {"external_contact:yaw"}}};
   return kAll;

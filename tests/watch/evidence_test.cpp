@@ -126,13 +126,13 @@ TEST(Evidence, ASizeIsMeasuredAgainWithoutItsFirstSteps) {
   steps[20].e[0] = 1.0;  // at 2.1 s
   const Score s = best_onset(steps, 0, -10.0, 10.0, 2.05, 2.15);
   EXPECT_LT(s.size[0], 2.95);
-  EXPECT_NEAR(measured_again(steps, s, 2.5 * kStep, kNumbers).size[0], 3.0, 1e-9);
+  EXPECT_NEAR(measured_again(steps, s, 2.5 * kStep).size[0], 3.0, 1e-9);
   // Nothing is left behind the last step, and a size that doubles is another change.
-  EXPECT_EQ(measured_again(steps, s, 5.0, kNumbers).size[0], s.size[0]);
+  EXPECT_EQ(measured_again(steps, s, 5.0).size[0], s.size[0]);
   for (WhiteStep& step : steps)
     if (step.time > 2.35) step.e[0] = 30.0;
-  EXPECT_EQ(measured_again(steps, s, 2.5 * kStep, kNumbers).size[0], s.size[0]);
-  EXPECT_EQ(measured_again(steps, Score(), 0.1, kNumbers).size.size(), 0);
+  EXPECT_EQ(measured_again(steps, s, 2.5 * kStep).size[0], s.size[0]);
+  EXPECT_EQ(measured_again(steps, Score(), 0.1).size.size(), 0);
 }
 
 class Companions : public testing::Test {
@@ -154,13 +154,13 @@ class Companions : public testing::Test {
 TEST_F(Companions, AreTakenWhereTheyExplainMoreThanTheirPrice) {
   const auto steps = loaded(1.0, 0.1);
   const Score alone = best_onset(steps, 0, 0.0, 5.0, 0.0, kStep);
-  const Score both = with_companions(steps, alone, {1}, 10.0, kNumbers);
+  const Score both = with_companions(steps, alone, {1}, 10.0);
   ASSERT_EQ(both.columns.size(), 2U);
   EXPECT_NEAR(both.size[1], 0.1, 0.03);
   EXPECT_GT(both.gain, alone.gain + 100.0);
   // The price is higher than what the moment explains.
-  EXPECT_EQ(with_companions(steps, alone, {1}, 1e4, kNumbers).columns.size(), 1U);
-  EXPECT_EQ(with_companions(steps, alone, {}, 0.0, kNumbers).columns.size(), 1U);
+  EXPECT_EQ(with_companions(steps, alone, {1}, 1e4).columns.size(), 1U);
+  EXPECT_EQ(with_companions(steps, alone, {}, 0.0).columns.size(), 1U);
 }
 
 // The prior keeps a load's centre within some centimetres of its frame.
@@ -169,7 +169,7 @@ TEST_F(Companions, ALeverOfMetresIsNotBelieved) {
   for (WhiteStep& s : steps) s.X.col(1) *= 1e-3;
   for (WhiteStep& s : steps) s.e += 1.0 * s.X.col(1) / 0.03;  // a moment of 33 kg m
   const Score alone = best_onset(steps, 0, 0.0, 5.0, 0.0, kStep);
-  const Score both = with_companions(steps, alone, {1}, -1e6, kNumbers);
+  const Score both = with_companions(steps, alone, {1}, -1e6);
   EXPECT_LT(std::abs(both.size.tail(both.size.size() - 1).sum()), 0.5);
 }
 
