@@ -186,7 +186,7 @@ const std::vector<ThresholdEntry>& threshold_table() {
       {"contact_always", &T::contact_always, "contacts of a recording <= contact_always: allowed, however short it is",
        "a few pushes are no property of the motion", ""},
       {"contact_repeats", &T::contact_repeats,
-       "residual at the same phase of another period <= contact_repeats * size",
+       "residual at the same phase of another period, or at the same place in most passes <= contact_repeats * size",
        "what comes back with the motion is a property of the arm", kNotRecorded},
       {"snag_prominence", &T::snag_prominence,
        "extra friction of one place > snag_prominence * its scatter between recordings",
