@@ -16,12 +16,6 @@ struct ComparisonNumbers {
   double from_values = 1e-6;
   /// distance of two motions < same_motion of their spread over clusters: one motion, compared in pairs.
   double same_motion = 0.2;
-  /// relative difference of shape constants <= like: effects are comparable.
-  double like = 0.2;
-  /// share of a column's rms due to weight > weight_share: a sentence mentions it.
-  double weight_share = 0.05;
-  /// torque on another joint >= also_on of the largest: a sentence mentions it.
-  double also_on = 0.2;
   /// value before > surely_there deviations: a percentage is printed.
   double surely_there = 3.0;
 };

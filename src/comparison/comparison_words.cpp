@@ -70,15 +70,15 @@ std::string effect_sentence(const Model& arm, const EffectTerm& term, const Stan
 }
 
 // "joint 1 (yaw) changed by up to 0.10 N m, on joint 2 (pitch) by 0.08 N m": the main joint, then
-// those with the same unit and at least a fifth of its change.
-std::string joints_text(const Model& arm, const VectorXd& torque, int main, const ComparisonNumbers& numbers) {
+// those with the same unit and at least half of its change.
+std::string joints_text(const Model& arm, const VectorXd& torque, int main) {
   const auto unit = [&arm](int joint) {
     return effort_unit(arm.coordinates()[joint - 1]);
   };
   std::string out = fmt::format("{} changed by up to {} {}", joint_text(arm, main),
                                 number_text(torque[main - 1], 0.0), unit(main));
   for (int joint = 1; joint <= arm.joints(); ++joint) {
-    if (joint == main || unit(joint) != unit(main) || torque[joint - 1] < numbers.also_on * torque[main - 1])
+    if (joint == main || unit(joint) != unit(main) || torque[joint - 1] < 0.5 * torque[main - 1])
       continue;
     out += fmt::format(", on {} by {} {}", joint_text(arm, joint),
                        number_text(torque[joint - 1], 0.0), unit(joint));
@@ -97,8 +97,8 @@ std::string inertial_sentence(const Model& arm, const StandardTorque& torque,
       kind + d.name + with + " " + (verb(d) == "went" ? "went " : "changed ") + sizes(d, torque.numbers()) + ": ";
   const VectorXd weight = torque.weight_of(standard);
   const auto i = static_cast<Eigen::Index>(d.joint - 1);
-  if (weight[i] > torque.numbers().weight_share * torque.rms_of(standard)[i]) {
-    return out + "weight on " + joints_text(arm, weight * std::abs(d.difference), d.joint, torque.numbers()) + ".";
+  if (weight[i] > 0.5 * torque.rms_of(standard)[i]) {
+    return out + "weight on " + joints_text(arm, weight * std::abs(d.difference), d.joint) + ".";
   }
   return out + fmt::format("{} feels it when the arm moves, {} {} rms over the standard motion.",
                            joint_text(arm, d.joint), number_text(d.torque[i], 0.0),

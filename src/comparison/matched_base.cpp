@@ -135,8 +135,8 @@ bool same_motion(const BaseNumbers& a, const BaseNumbers& b, const ComparisonNum
 
 MatchedBase matched_base(const Model& before, const BaseNumbers& a, const Model& after,
                          const BaseNumbers& b, const VectorRef& scale_before,
-                         const VectorRef& scale_after, const ComparisonNumbers& numbers) {
-  const MatchingNames names = matching_names(before, after, numbers);
+                         const VectorRef& scale_after) {
+  const MatchingNames names = matching_names(before, after);
   std::unordered_map<std::string, Eigen::Index> column;
   std::vector<double> scale;
   const auto columns_of = [&](const std::vector<std::string>& of, const VectorRef& sizes) {

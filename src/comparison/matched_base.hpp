@@ -49,6 +49,6 @@ struct MatchedBase {
 /// by it before entries are compared with zero.
 MatchedBase matched_base(const Model& before, const BaseNumbers& a, const Model& after,
                          const BaseNumbers& b, const VectorRef& scale_before,
-                         const VectorRef& scale_after, const ComparisonNumbers& numbers);
+                         const VectorRef& scale_after);
 
 }  // namespace veridyn

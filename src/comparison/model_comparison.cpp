@@ -243,9 +243,6 @@ const std::vector<TableNumber<ComparisonNumbers>>& comparison_numbers() {
   static const std::vector<TableNumber<T>> kAll = {number_of<&T::rounded_away>("rounded_away"),
                                                    number_of<&T::from_values>("from_values"),
                                                    number_of<&T::same_motion>("same_motion"),
-                                                   number_of<&T::like>("like"),
-                                                   number_of<&T::weight_share>("weight_share"),
-                                                   number_of<&T::also_on>("also_on"),
                                                    number_of<&T::surely_there>("surely_there")};
   return kAll;
 }
@@ -270,7 +267,7 @@ ModelComparison compare(const Model& first, const Model& second, const Compariso
   out.same_motion = same_motion(a.numbers, b.numbers, numbers);
   out.torque = torque_differences(a, b, out.same_motion);
   MatchedBase matched = matched_base(before, a.numbers, after, b.numbers, a.torque.column_sizes(),
-                                     b.torque.column_sizes(), numbers);
+                                     b.torque.column_sizes());
   out.only_before = std::move(matched.only_before);
   out.only_after = std::move(matched.only_after);
   const ClusterStatistics how{numbers, a.numbers.clusters, b.numbers.clusters, out.same_motion};

@@ -9,12 +9,12 @@
 #include <utility>
 #include <vector>
 
+#include "comparison/comparison_numbers.hpp"
 #include "math/eigen_pose.hpp"
 #include "veridyn/effects/effect_facts.hpp"
 #include "veridyn/identification/pseudo_inertia.hpp"
 #include "veridyn/regressor/standard_parameters.hpp"
 #include "veridyn/math/require.hpp"
-#include "comparison/comparison_numbers.hpp"
 
 namespace veridyn {
 namespace {
@@ -65,15 +65,14 @@ std::map<std::string, std::vector<int>> terms_by_place(const Model& arm) {
   return out;
 }
 
-// True if the shapes differ so little that the parameters keep their meaning.
-bool comparable(const Model& before, int term_before, const Model& after, int term_after,
-                const ComparisonNumbers& numbers) {
+// True if the shapes differ by less than half of them: the parameters keep their meaning.
+bool comparable(const Model& before, int term_before, const Model& after, int term_after) {
   const std::vector<double> a =
       shape_of(before, before.effects()[term_before]);
   const std::vector<double> b =
       shape_of(after, after.effects()[term_after]);
   for (std::size_t s = 0; s < a.size(); ++s) {
-    if (std::abs(a[s] - b[s]) > numbers.like * std::max(std::abs(a[s]), std::abs(b[s]))) return false;
+    if (std::abs(a[s] - b[s]) > 0.5 * std::max(std::abs(a[s]), std::abs(b[s]))) return false;
   }
   return true;
 }
@@ -331,7 +330,7 @@ std::vector<StructureDifference> structure_differences(const Model& before, cons
   return out;
 }
 
-MatchingNames matching_names(const Model& before, const Model& after, const ComparisonNumbers& numbers) {
+MatchingNames matching_names(const Model& before, const Model& after) {
   const bool one_geometry = same_geometry(before, after);
   const auto a = terms_by_place(before);
   const auto b = terms_by_place(after);
@@ -343,7 +342,7 @@ MatchingNames matching_names(const Model& before, const Model& after, const Comp
       const auto other = a.find(place);
       for (std::size_t k = 0; k < terms.size(); ++k) {
         const bool foreign = !first && other != a.end() && k < other->second.size() &&
-                             !comparable(before, other->second[k], after, terms[k], numbers);
+                             !comparable(before, other->second[k], after, terms[k]);
         of_term[terms[k]] =
             fmt::format("{}#{}{}", place, k, foreign ? "'" : "");
       }

@@ -3,7 +3,6 @@
 #include <string>
 #include <vector>
 
-#include "comparison/comparison_numbers.hpp"
 #include "veridyn/comparison/model_comparison.hpp"
 #include "veridyn/model/model.hpp"
 
@@ -24,10 +23,10 @@ std::vector<StructureDifference> structure_differences(const Model& before, cons
 /// Names of all standard parameters of both models, equal where parameters correspond. They do not
 /// depend on the values of shape constants: an effect that occurs twice on one axis is numbered in
 /// the order of its constants. Bodies do not correspond where frames differ, effects where a
-/// constant differs by more than a fifth.
+/// constant differs by more than half.
 struct MatchingNames {
   std::vector<std::string> before, after;
 };
-MatchingNames matching_names(const Model& before, const Model& after, const ComparisonNumbers& numbers);
+MatchingNames matching_names(const Model& before, const Model& after);
 
 }  // namespace veridyn

@@ -7,13 +7,13 @@
 #include <cmath>
 
 #include "causes/candidates.hpp"
+#include "diagnosis/evidence/folds.hpp"
 #include "diagnosis/evidence/held_out.hpp"
 #include "diagnosis/evidence/numerics.hpp"
 #include "diagnosis/findings/finding_words.hpp"
 #include "diagnosis/stages/diagnosis_state.hpp"
 #include "diagnosis/unnamed/dependence.hpp"
 #include "identification/fold_errors.hpp"
-#include "identification/hold_out_numbers.hpp"
 #include "math/parallel.hpp"
 #include "math/student_t.hpp"
 #include "veridyn/effects/effect_facts.hpp"
@@ -137,7 +137,7 @@ class RestDiagnosis {
     if (!out.id.model) return out;
     how.weights = JointWeights::kRange;
     how.prior = *out.id.model;  // of what no pose determines
-    out.folds = fold_errors(out.id, how, FoldValues::kFitted);
+    out.folds = fold_errors(out.id, how, FoldValues::kFitted, hold_out(limits_));
     return out;
   }
 
@@ -165,7 +165,7 @@ class RestDiagnosis {
     const Eigen::Index joint = q.candidate.joint->value;
     const Eigen::Index better =
         (after.folds.error2.col(joint).array() < before.folds.error2.col(joint).array()).count();
-    if (!hold_out::enough_agree(static_cast<size_t>(better), static_cast<size_t>(after.folds.error2.rows()))) return false;
+    if (!hold_out(limits_).enough_agree(static_cast<size_t>(better), static_cast<size_t>(after.folds.error2.rows()))) return false;
     return p_value(q, before, after) < limits_.significance / static_cast<double>(d_.hypotheses);
   }
 

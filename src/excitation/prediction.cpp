@@ -14,6 +14,7 @@
 #include "regressor/stacked_columns.hpp"
 #include "veridyn/regressor/standard_parameters.hpp"
 #include "excitation/search/base_regressor.hpp"
+#include "model/noise_unit.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
@@ -59,6 +60,7 @@ std::optional<TorqueNoise> identified_noise(const Model& arm) {
     return std::nullopt;
   TorqueNoise out;
   out.deviation = identified->noise;
+  out.seconds = kNoiseSeconds;
   out.source = "what the model's identification left";
   return out;
 }

@@ -9,8 +9,8 @@
 
 #include "identification/base_solution.hpp"
 #include "identification/feasible/feasible_fit.hpp"
-#include "identification/hold_out_numbers.hpp"
 #include "identification/many_recordings.hpp"
+#include "model/noise_unit.hpp"
 #include "veridyn/regressor/base_parameters.hpp"
 
 namespace veridyn {
@@ -53,19 +53,17 @@ VectorXd rms_residuals(const Model& arm, const Identification& id) {
 }
 
 // Factor that inflates residuals with a longer correlation time to equivalent ones with one
-// independent sample in kUsualIndependence.
+// independent sample in kNoiseSeconds.
 double as_if_independent(const Model& arm, const Identification& id) {
   double seconds = 0.0;
   for (const CompressedRecording& r : id.factors) seconds += r.facts.duration;
   if (!(id.effective_samples > 0.0)) return 1.0;
-  return std::sqrt(std::max(1.0, seconds * arm.joints() / id.effective_samples / hold_out::kUsualIndependence));
+  return std::sqrt(std::max(1.0, seconds * arm.joints() / id.effective_samples / kNoiseSeconds));
 }
 
 // BlockList of the recordings that are held out together.
-std::vector<BlockList> parts_of(const std::vector<CompressedRecording>& recordings) {
-  const size_t each = recordings.size() >= hold_out::kManyRecordings ? 1
-                      : recordings.size() == 1                       ? hold_out::kPartsOfOne
-                                                                     : hold_out::kPartsOfFew;
+std::vector<BlockList> parts_of(const std::vector<CompressedRecording>& recordings, const HoldOut& hold_out) {
+  const size_t each = hold_out.parts_of_each(recordings.size());
   std::vector<BlockList> out;
   for (const CompressedRecording& r : recordings) {
     const size_t count = r.blocks.size();
@@ -99,10 +97,10 @@ VectorXd squared_torques(const Identification& id, const VectorXd& rows) {
 }  // namespace
 
 FoldErrors fold_errors(const Identification& fitted, const IdentificationOptions& options,
-                       FoldValues values) {
+                       FoldValues values, const HoldOut& hold_out) {
   const Model& arm = *fitted.model;
   const std::vector<std::string> names = parameter_names(standard_parameters(arm));
-  const std::vector<BlockList> parts = parts_of(fitted.factors);
+  const std::vector<BlockList> parts = parts_of(fitted.factors, hold_out);
   const BaseParameters base =
       values == FoldValues::kFitted ? identifiable_base_parameters(arm) : BaseParameters();
   VectorXd weights = range_weights(fitted.factors);
@@ -123,7 +121,9 @@ FoldErrors fold_errors(const Identification& fitted, const IdentificationOptions
   }
   SquareRootInformation total(names);
   for (const SquareRootInformation& factor : factors) total.merge(factor);
-  const MatrixXd anchor = (hold_out::kHardlyDetermined * total.column_norms()).asDiagonal();
+  // Directions that the parts hardly determine (asymmetric Coulomb friction beside an offset differs at rest
+  // alone) keep the values of all parts, which they would else leave by far.
+  const MatrixXd anchor = (std::sqrt(hold_out.new_share) * total.column_norms()).asDiagonal();
   for (size_t part = 0; part < parts.size(); ++part) {
     Identification without;
     without.parameters = VectorXd::Zero(names.size());

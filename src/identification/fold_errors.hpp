@@ -1,5 +1,6 @@
 #pragma once
 
+#include "identification/hold_out.hpp"
 #include "veridyn/identification/identification.hpp"
 
 namespace veridyn {
@@ -20,6 +21,6 @@ enum class FoldValues { kFitted, kFacts };
 
 /// @param fitted  with factors and series of its training recordings, and a model.
 FoldErrors fold_errors(const Identification& fitted, const IdentificationOptions& options,
-                       FoldValues values);
+                       FoldValues values, const HoldOut& hold_out);
 
 }  // namespace veridyn

@@ -7,11 +7,12 @@
 #include <utility>
 #include <vector>
 
+#include "recordings/absurd.hpp"
+
 namespace veridyn {
 namespace {
 
 constexpr double kLongest = 0.1;  // [s] between the new values on either side
-constexpr double kAbsurd = 1e6;   // no arm has positions, speeds or torques beyond this
 
 using Index = Eigen::Index;
 

@@ -58,19 +58,16 @@ void ChangeFinder::calibrate() {
   unseen_motion_ = 0.0;
   MatrixXd sum = MatrixXd::Zero(known_.size(), static_cast<Eigen::Index>(memories_.size()));
   VectorXd counts = VectorXd::Zero(sum.cols());
-  double since = 0.0;
   std::vector<Step> all = before_;
   for (Step& step : all) step.residual += step.columns * noise_.today();
   all.insert(all.end(), quiet_.begin(), quiet_.end());
   for (const Step& step : all) {
     const WhiteStep white = noise_.whiten(step, known_);
     recent_.push_back(white);
-    since = step.follows ? since + options_.step : 0.0;
     for (size_t m = 0; m < memories_.size(); ++m) {
       const auto i = static_cast<Eigen::Index>(m);
       if (!step.follows) memories_[m].clear();
       memories_[m].add(white);
-      if (since < std::min(memories_[m].seconds, numbers_.filled * options_.learn)) continue;
       sum.col(i) += memories_[m].statistics(least_, largest_);
       counts[i] += 1.0;
     }
@@ -349,7 +346,7 @@ void ChangeFinder::name(const std::vector<Score>& scores, double now) {
   const double size = c.score.size[0];
   const auto before = std::find_if(past_.rbegin(), past_.rend(), [&](const Change& p) {
     return p.score.hypothesis == c.score.hypothesis &&
-           std::abs(p.score.size[0] + size) < numbers_.reversal_share * std::abs(p.score.size[0]);
+           std::abs(p.score.size[0] + size) < 0.5 * std::abs(p.score.size[0]);
   });
   if (before != past_.rend()) {
     e = event(*before, WatchStage::kOver, now);
@@ -407,7 +404,7 @@ void ChangeFinder::refine(const WhiteStep& white, double now) {
 // opens the change again.
 bool ChangeFinder::ask_again(double now) {
   Change& c = *refining_;
-  if (c.withdrawn >= numbers_.most_withdrawn) return false;
+  if (c.withdrawn) return false;
   const std::vector<Score> all = scores(c, c.seen);
   const auto same = std::find_if(all.begin(), all.end(), [&](const Score& s) {
     return s.hypothesis == c.score.hypothesis;
@@ -419,7 +416,7 @@ bool ChangeFinder::ask_again(double now) {
   refining_.reset();
   recent_.swap(open_->seen);
   open_->seen.clear();
-  ++open_->withdrawn;
+  open_->withdrawn = true;
   open_->named.reset();
   return true;
 }

@@ -20,7 +20,7 @@ struct Change {
   double strength = 0.0;
   double lookback = 0.0;  ///< [s] before the alarm in which it may have begun
   std::optional<double> named = {};  ///< [s]
-  int withdrawn = 0;      ///< names that were withdrawn
+  bool withdrawn = false;  ///< its first name was; no second one, so that two causes do not alternate
   /// Steps since before the alarm, from whose innovations this change is not subtracted.
   std::deque<WhiteStep> seen = {};
 };

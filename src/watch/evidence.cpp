@@ -110,7 +110,7 @@ double solve_from(const std::deque<WhiteStep>& steps, double from, double mass, 
     score.A += X.transpose() * X;
     b += X.transpose() * step.e;
   }
-  const double lever = numbers.lever * std::max(std::abs(mass), numbers.lightest);
+  const double lever = std::max(numbers.lever * std::abs(mass), kNothing);
   score.A.diagonal().tail(count - 1).array() += 1.0 / (lever * lever);
   if (!(score.A(0, 0) > kNothing)) return 0.0;
   score.size = normal_solution(score.A, b);
@@ -161,7 +161,7 @@ Push best_push(const std::deque<WhiteStep>& steps, const std::vector<int>& offse
         all_b[i] += x * steps[k].e[i];
         if (A[i] > kNothing) open += std::max(0.0, b[i] * b[i] / A[i] - price);
       }
-      const bool whole = steps[k].time - segment >= numbers.segment;
+      const bool whole = steps[k].time - segment >= numbers.short_memory;
       const bool last = k + 1 == steps.size() || steps[k + 1].time > end;
       // A push that has not ended extends to the last step.
       if (steps[k].time - steps[o].time >= numbers.shortest_push && settled + open > best.gain &&

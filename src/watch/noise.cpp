@@ -39,7 +39,7 @@ double NoiseModel::novelty(const Step& step, int joint) const {
 
 bool NoiseModel::novel(const Step& step) const {
   for (int j = 0; j < n_; ++j)
-    if (numbers_.unlearned * novelty(step, j) > deviation_[j]) return true;
+    if (0.5 * novelty(step, j) > deviation_[j]) return true;
   return false;
 }
 
@@ -111,7 +111,7 @@ void NoiseModel::fit_colour(const std::vector<const std::vector<Step>*>& quiet) 
   }
 }
 
-// Offsets and friction of the day: generalised least squares with a prior of some percent of the torque.
+// Offsets and friction of the day: generalised least squares with a prior of the size of the torque.
 void NoiseModel::fit_today(const std::vector<Step>& quiet) {
   const auto count = static_cast<Eigen::Index>(daily_.size());
   if (quiet.empty()) return;
@@ -135,7 +135,7 @@ void NoiseModel::fit_today(const std::vector<Step>& quiet) {
   past_.clear();
   for (Eigen::Index p = 0; p < count; ++p) {
     const int j = joint_of_[p];
-    const double prior = numbers_.daily_share * scale_[j] / speed_of_[p];
+    const double prior = scale_[j] / speed_of_[p];
     A(p, p) += 1.0 / std::max(prior * prior, kNothing * kNothing);
   }
   const VectorXd x = normal_solution(A, b);
@@ -158,7 +158,7 @@ WhiteStep NoiseModel::whiten(const Step& step, const VectorXd& known) {
   for (int j = 0; j < n_; ++j) {
     const double weight =
         1.0 / std::sqrt(deviation_[j] * deviation_[j] + step.rest_friction2[j] +
-                        std::pow(numbers_.unlearned * novelty(step, j), 2));
+                        std::pow(0.5 * novelty(step, j), 2));
     out.e[j] *= weight;
     out.X.row(j) *= weight;
   }

@@ -5,6 +5,7 @@
 
 #include "math/median.hpp"
 #include "math/decompositions.hpp"
+#include "recordings/absurd.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::watching {
@@ -62,7 +63,7 @@ std::string SmoothedRows::fault(const Row& row) const {
   for (Eigen::Index j = 0; j < row.q.size(); ++j) {
     for (const auto& [name, value] : {std::pair{"q", row.q[j]}, {"dq", row.dq[j]}, {"tau", row.tau[j]}}) {
       if (!std::isfinite(value)) return joint(name, j) + " is no number";
-      if (std::abs(value) >= numbers_.absurd) return joint(name, j) + " is " + text(value);
+      if (std::abs(value) >= kAbsurd) return joint(name, j) + " is " + text(value);
     }
   }
   return "";
@@ -124,7 +125,7 @@ void SmoothedRows::usable(double time) {
   heard_any_ = true;
 }
 
-bool SmoothedRows::take(const Recording& rows, int k, Row& row) const {
+void SmoothedRows::take(const Recording& rows, int k, Row& row) const {
   const int n = arm_.joints();
   row.t = rows.time[k];
   row.q = rows.q.row(k).transpose();
@@ -137,11 +138,6 @@ bool SmoothedRows::take(const Recording& rows, int k, Row& row) const {
   } else {
     sensors_.correct_currents(row.tau);
   }
-  const double largest =
-      std::max({row.q.lpNorm<Eigen::Infinity>(), row.dq.lpNorm<Eigen::Infinity>(),
-                row.tau.lpNorm<Eigen::Infinity>()});
-  return std::isfinite(row.t) && row.q.allFinite() && row.dq.allFinite() && row.tau.allFinite() &&
-         largest < numbers_.absurd;
 }
 
 void SmoothedRows::add(const Recording& rows) {
@@ -150,8 +146,10 @@ void SmoothedRows::add(const Recording& rows) {
   if (dt_ == 0.0 && start_.empty()) has_velocity_ = rows.dq.size() > 0;
   Row row;
   for (int k = 0; k < rows.rows(); ++k) {
-    if (!take(rows, k, row)) {
-      if (std::isfinite(row.t)) unusable(row.t, fault(row));
+    take(rows, k, row);
+    if (!std::isfinite(row.t)) continue;
+    if (const std::string why = fault(row); !why.empty()) {
+      unusable(row.t, why);
       continue;
     }
     if (dt_ > 0.0) {
@@ -254,7 +252,7 @@ void SmoothedRows::look_for_jump() {
       found.push_back({gain.at, j, gain.size, spread});
       continue;
     }
-    spread2_[j] += std::max(1.0 / seen_, numbers_.quiet_leak) * (gain.size * gain.size - spread2_[j]);
+    spread2_[j] += (gain.size * gain.size - spread2_[j]) / seen_;
     largest_[j] = std::max(largest_[j], std::abs(gain.size));
   }
   if (found.size() > 1) {  // simultaneous jumps of several encoders indicate missing or joined rows

@@ -61,7 +61,7 @@ class SmoothedRows {
     double t;
     VectorXd q, dq, tau;
   };
-  bool take(const Recording& rows, int k, Row& row) const;
+  void take(const Recording& rows, int k, Row& row) const;
   std::string fault(const Row& row) const;
   std::string stopped_torque(const Row& row);
   bool moved() const;

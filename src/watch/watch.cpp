@@ -84,7 +84,7 @@ class Watch::Implementation {
     rows.on_break = [&] { steps.begin_again(); };
     steps.on_step = [&](const Step& step) { all.push_back(step); };
     rows.add(quiet);
-    require(static_cast<int>(all.size()) > numbers_.fewest_quiet, quiet.source, ": found less than two seconds of usable rows, expected a quiet recording.");
+    require(static_cast<double>(all.size()) * options_.step > numbers_.middle_memory, quiet.source, ": found less than two seconds of usable rows, expected a quiet recording.");
     finder_.learn(all);
   }
 
@@ -174,29 +174,23 @@ const std::vector<TableNumber<WatchNumbers>>& watch_numbers() {
       number_of<&T::half_window_of_position>("half_window_of_position"),
       number_of<&T::rows_for_step>("rows_for_step"),
       number_of<&T::pause>("pause"),
-      number_of<&T::absurd>("absurd"),
       number_of<&T::repeats>("repeats"),
       number_of<&T::judged>("judged"),
-      number_of<&T::fewest_quiet>("fewest_quiet"),
       number_of<&T::jump_reach>("jump_reach"),
       number_of<&T::jump_deviations>("jump_deviations"),
       number_of<&T::jump_over_largest>("jump_over_largest"),
       number_of<&T::jump_of_way>("jump_of_way"),
       number_of<&T::smallest_jump_turning>("smallest_jump_turning"),
       number_of<&T::smallest_jump_sliding>("smallest_jump_sliding"),
-      number_of<&T::quiet_leak>("quiet_leak"),
       number_of<&T::steps_for_pole>("steps_for_pole"),
-      number_of<&T::daily_share>("daily_share"),
       number_of<&T::slow>("slow"),
       number_of<&T::least_share>("least_share"),
       number_of<&T::largest_pole>("largest_pole"),
-      number_of<&T::unlearned>("unlearned"),
       number_of<&T::beyond>("beyond"),
       number_of<&T::rest_share>("rest_share"),
       number_of<&T::short_memory>("short_memory"),
       number_of<&T::middle_memory>("middle_memory"),
       number_of<&T::long_memory>("long_memory"),
-      number_of<&T::filled>("filled"),
       number_of<&T::prior_freedom>("prior_freedom"),
       number_of<&T::prior_dispersion>("prior_dispersion"),
       number_of<&T::above_in_a_row>("above_in_a_row"),
@@ -209,17 +203,13 @@ const std::vector<TableNumber<WatchNumbers>>& watch_numbers() {
       number_of<&T::explains>("explains"),
       number_of<&T::push_ends>("push_ends"),
       number_of<&T::shortest_push>("shortest_push"),
-      number_of<&T::segment>("segment"),
       number_of<&T::active>("active"),
       number_of<&T::mixed>("mixed"),
       number_of<&T::largest_torques>("largest_torques"),
       number_of<&T::lever>("lever"),
-      number_of<&T::lightest>("lightest"),
       number_of<&T::systematic>("systematic"),
-      number_of<&T::reversal_share>("reversal_share"),
       number_of<&T::present_odds>("present_odds"),
-      number_of<&T::present_share>("present_share"),
-      number_of<&T::most_withdrawn>("most_withdrawn")};
+      number_of<&T::present_share>("present_share")};
   return kAll;
 }
 

@@ -18,15 +18,11 @@ struct WatchNumbers {
   int rows_for_step = 30;
   /// time without a row > pause [s]: filters begin anew.
   double pause = 0.5;
-  /// |q|, |dq|, |tau| >= absurd: the row is damaged.
-  double absurd = 1e6;
   /// repeats of a row < repeats: they are stale; more mean rest.
   int repeats = 20;
   /// seconds of the quiet beginning >= judged * learn: velocities are judged; the other half is learned with
   /// them or without.
   double judged = 0.5;
-  /// rows of a quiet recording > fewest_quiet steps, two seconds of 0.1 s each.
-  int fewest_quiet = 20;
 
   // Jumps of a position.
   /// samples within jump_reach [s] of a jump <= those of its statistic.
@@ -39,33 +35,27 @@ struct WatchNumbers {
   double jump_of_way = 0.3;
   /// ... jump > smallest_jump_turning [rad], smallest_jump_sliding [m]: less is within the play of a joint.
   double smallest_jump_turning = 5e-4, smallest_jump_sliding = 1e-4;
-  /// weight of a later sample in the scatter >= quiet_leak: it follows an arm that becomes rougher.
-  double quiet_leak = 1e-4;
 
   // Noise of the quiet arm.
   /// steps >= steps_for_pole * kOrder, else the noise counts as white.
   int steps_for_pole = 4;
-  /// deviation of the day's difference from the model = daily_share of a joint's rms torque (a prior).
-  double daily_share = 0.1;
-  /// the same of damping = daily_share of the rms torque at a speed slow [rad/s], [m/s] that every joint
-  /// reaches.
+  /// deviation of the day's difference of damping from the model = rms torque at a speed slow [rad/s], [m/s]
+  /// that every joint reaches; of other differences, rms torque (a prior).
   double slow = 0.1;
   /// deviation of the innovations >= least_share of the rms torque: models are not better than that.
   double least_share = 2e-3;
   /// |pole| <= largest_pole: a quiet beginning is too short to estimate larger ones.
   double largest_pole = 0.98;
-  /// error of the model outside the learned range = unlearned of the torque there.
-  double unlearned = 0.5;
   /// part of a motion > beyond * the largest learned: it is unseen.
   double beyond = 1.1;
   /// |ds| < rest_share * the largest speed: dry friction is undetermined.
   double rest_share = 0.03;
 
   // When something has changed.
-  /// memories of the statistics [s] = short_memory, middle_memory, long_memory: short for pushes, long for small changes.
+  /// memories of the statistics [s] = short_memory, middle_memory, long_memory: short for pushes, long for small
+  /// changes. A push counts as constant over the short one; a quiet recording > the middle one, else the
+  /// dispersion is not known.
   double short_memory = 0.5, middle_memory = 2.0, long_memory = 8.0;
-  /// time since the beginning >= min(length of a memory, filled * learn): it is asked.
-  double filled = 0.25;
   /// windows that the prior dispersion is worth = prior_freedom, with the dispersion prior_dispersion: a
   /// quiet beginning has few windows of its own.
   double prior_freedom = 8.0;
@@ -91,28 +81,23 @@ struct WatchNumbers {
   double explains = 0.6;
   /// time without a push > push_ends [s]: it is over.
   double push_ends = 0.8;
-  /// a push >= shortest_push [s], constant over segment [s] each.
+  /// a push >= shortest_push [s].
   double shortest_push = 0.2;
-  double segment = 0.5;
   /// share of the gain that a joint brings > active: the push is named on it.
   double active = 0.1;
   /// innovations > mixed steps after the onset: those before mix both states.
   double mixed = 2.5;
   /// friction <= largest_torques * rms torque of the joint: none grows beyond it.
   double largest_torques = 3.0;
-  /// centre of a load = lever [m] off its frame, mass >= lightest [kg].
+  /// centre of a load = lever [m] off its frame (a prior): without it Watch.ACauseIsNamedAtAnyOnset takes an offset
+  /// for a load.
   double lever = 0.1;
-  double lightest = 0.01;
   /// relative systematic error of a size = systematic: smoothing, first-order columns.
   double systematic = 0.02;
-  /// what is left of a change < reversal_share of it: it was reversed.
-  double reversal_share = 0.3;
   /// gain > present_odds * odds of a change that was there in the beginning: all hypotheses are compared ...
   double present_odds = 3.0;
   /// ... and its torque >= present_share of the joint's rms torque: less differs from day to day.
   double present_share = 0.1;
-  /// names of one change that are withdrawn < most_withdrawn, so that two causes do not alternate.
-  int most_withdrawn = 2;
 };
 
 /// All numbers, in the order of the struct.

@@ -69,6 +69,19 @@ TEST_F(Residuals, APushIsFoundWithItsTimeAndItsLastJoint) {
   EXPECT_EQ(found[1].last_joint, 0);
 }
 
+TEST_F(Residuals, WhatReturnsWhereverTheJointPassesThePlaceIsNoContact) {
+  id_.train[0].period = 0.0;
+  PredictionSeries& x = id_.train[0].series;
+  const auto pushed_at_its_end = [&](double until) {
+    for (size_t k = 0; k < x.time.size() && x.time[k] < until; ++k) {
+      if (x.q[1][k] > 0.95) x.measured[1][k] = x.modelled[1][k] + 2.5;
+    }
+    return find_contacts(id_, {}).size();
+  };
+  EXPECT_EQ(pushed_at_its_end(kPeriod), 1U);
+  EXPECT_EQ(pushed_at_its_end(3.0 * kPeriod), 0U);
+}
+
 // planar-2r has 0.6 N m of friction on joint 2: so much may be wrong at any start.
 TEST_F(Residuals, WhatFrictionMayDoIsNoContact) {
   push(1, 12.0, 13.0, 0.5);

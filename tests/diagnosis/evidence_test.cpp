@@ -99,11 +99,13 @@ TEST(NormalBlocks, SolveAsTheRowsDoWithAndWithoutACluster) {
   }
 }
 
+const HoldOut kFour{4, 1e-6};
+
 TEST(Folds, AreWholeRecordingsHalvesOrPhases) {
   using Folds = std::vector<std::vector<int>>;
-  EXPECT_EQ(make_folds(Rows(1, 3).blocks()), (Folds{{0}, {1}, {2}}));
-  EXPECT_EQ(make_folds(Rows(2, 4).blocks()), (Folds{{0, 1}, {2, 3}, {4, 5}, {6, 7}}));
-  EXPECT_EQ(make_folds(Rows(4, 2).blocks()), (Folds{{0, 1}, {2, 3}, {4, 5}, {6, 7}}));
+  EXPECT_EQ(make_folds(Rows(1, 3).blocks(), kFour), (Folds{{0}, {1}, {2}}));
+  EXPECT_EQ(make_folds(Rows(2, 4).blocks(), kFour), (Folds{{0, 1}, {2, 3}, {4, 5}, {6, 7}}));
+  EXPECT_EQ(make_folds(Rows(4, 2).blocks(), kFour), (Folds{{0, 1}, {2, 3}, {4, 5}, {6, 7}}));
   const NormalBlocks data = Rows(2, 4).blocks();
   const NormalBlocks::Sums sums = summed(data, {1, 2});
   EXPECT_DOUBLE_EQ(sums.b2[0], data.cluster(1).b2[0] + data.cluster(2).b2[0]);
@@ -120,7 +122,7 @@ TEST(Folds, TheGainIsTheMeanFallOfTheHeldOutError) {
     expected += std::log(before / after) / 5.0;
   }
   EXPECT_GT(expected, 1.0);
-  EXPECT_NEAR(fold_gain(data, {0}, data, {0, 1}), expected, 1e-6);
+  EXPECT_NEAR(fold_gain(data, {0}, data, {0, 1}, kFour), expected, 1e-6);
   const VectorXd x = rows.fitted({0}, -1);
   EXPECT_NEAR(joint_weights(data, {0})[0] * rows.residual2({0}, x, -1), 5.0 * kRows, 1e-5);
 }

@@ -212,11 +212,12 @@ MotionRows independent_rows(const std::vector<std::tuple<SignalKind, int, const 
   for (int r = 0; r < kRows; ++r) {
     for (Eigen::Index s = 0; s < rows.values.cols(); ++s) rows.values(r, s) = random.uniform(-1.0, 1.0);
     rows.residual.row(r).setConstant(residual(rows.values.row(r)) + 0.05 * random.normal());
-    rows.fold.push_back(r * 4 / kRows);
+    rows.recording.push_back(r * 4 / kRows);
+    rows.phase.push_back(0.0);
   }
   rows.measured.setOnes();
   rows.used.setConstant(kRows, 2, true);
-  rows.folds = 4;
+  rows.recordings = 4;
   return rows;
 }
 
@@ -266,7 +267,7 @@ TEST(Unnamed, AResidualThatTwoJointsShareIsSeen) {
   EXPECT_NEAR(both->correlation, -1.0, 1e-9);
   MotionRows differ = rows;
   for (int r = 0; r < differ.residual.rows(); ++r) {
-    if (differ.fold[r] == 2) differ.residual(r, 1) *= -1.0;
+    if (differ.recording[r] == 2) differ.residual(r, 1) *= -1.0;
   }
   EXPECT_FALSE(shared_residual(differ, 0, Thresholds{}).has_value());
   RandomNumbers random(9);

@@ -181,6 +181,21 @@ TEST(HideAndSeek, AForceOnTheTipIsNamedAfterTheCurveThatItExplains) {
   EXPECT_GT(score.explained, 0.98);
 }
 
+// A torque that is recorded with a dead zone is in no constant proportion to the true one: what grows with the load is
+// a part of that curve and no friction.
+TEST(HideAndSeek, BesideACurveOfTheTorqueNothingElseGrowsWithIt) {
+  const OutsideScore score = outside_score({}, "psm-3dof", "torque_dead_zone", 1531);
+  EXPECT_TRUE(score.signals);
+  EXPECT_EQ(score.false_names, 0);
+}
+
+// The end of the palletizer is its flange, and the last frame of its file its balance weight.
+TEST(HideAndSeek, AForceAtTheEndOfATreeOfLinksIsNamed) {
+  const OutsideScore score = outside_score({}, "pallet-4", "tip_force", 1573);
+  EXPECT_TRUE(score.worded);
+  EXPECT_EQ(score.false_names, 0);
+}
+
 // Names that came before it (a cable, springs, a lean of the base) are asked about anew beside it.
 TEST(HideAndSeek, ALaterCauseTakesThePlaceOfTheNamesThatStoodForIt) {
   const OutsideScore score = outside_score({}, "psm-3dof", "tip_force", 1);

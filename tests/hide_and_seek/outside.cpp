@@ -36,9 +36,16 @@ double lever(double angle) {
   return -a * b * std::sin(angle) * (1.0 - 0.55 / length);
 }
 
-// d(height of the last link)/dq and along x, by differences.
+// The end of the longest chain: of a tree of links the last one may be a balance weight.
+size_t tip_of(const LagrangeArm& arm) {
+  std::vector<int> depth;
+  for (const Link& link : arm.links) depth.push_back(link.parent < 0 ? 0 : depth[static_cast<size_t>(link.parent)] + 1);
+  return static_cast<size_t>(std::max_element(depth.rbegin(), depth.rend()).base() - depth.begin() - 1);
+}
+
+// J(tip)' force, by differences.
 VectorXd tip_torque(const LagrangeArm& arm, const VectorXd& q, const Vector3d& force) {
-  const auto tip = [&arm](const VectorXd& at) { return Vector3d(arm.poses(at).back().col(3).head<3>()); };
+  const auto tip = [&arm, end = tip_of(arm)](const VectorXd& at) { return Vector3d(arm.poses(at)[end].col(3).head<3>()); };
   VectorXd out(q.size());
   for (Eigen::Index i = 0; i < q.size(); ++i) {
     VectorXd more = q;

@@ -64,7 +64,7 @@ TEST(Thresholds, NoOtherNumbersStandInTheRoomsThatDecide) {
       {"diagnosis", {"numerics.hpp", "thresholds.cpp"}, plain, 30},
       {"recordings/quality", {"quality_numbers.hpp"}, units, 10},
       {"identification",
-       {"identification_numbers.hpp", "hold_out_numbers.hpp", "check_thresholds.hpp", "fleet_numbers.hpp"},
+       {"identification_numbers.hpp", "check_thresholds.hpp", "fleet_numbers.hpp"},
        units, 40, {"/feasible/", "/many/"}},
       {"comparison", {"comparison_numbers.hpp"}, units, 8},
       {"estimation", {"estimation_numbers.hpp"}, spline, 5},
@@ -102,8 +102,7 @@ TEST(Thresholds, EveryNumberOfARoomHasItsInequality) {
   for (const std::string name :
        {"recordings/quality/quality_numbers.hpp", "identification/check/check_thresholds.hpp",
         "identification/fleet/fleet_numbers.hpp", "comparison/comparison_numbers.hpp",
-        "watch/watch_numbers.hpp", "estimation/estimation_numbers.hpp", "identification/hold_out_numbers.hpp",
-        "identification/identification_numbers.hpp"}) {
+        "watch/watch_numbers.hpp", "estimation/estimation_numbers.hpp", "identification/identification_numbers.hpp"}) {
     std::ifstream file(std::string(VERIDYN_SOURCE_DIR) + "/src/" + name);
     ASSERT_TRUE(file.good()) << name;
     std::string line, comment;

@@ -151,7 +151,7 @@ TEST(Watch, NoAlarmWithinASecondAfterAPause) {
   }
 }
 
-// Numbers reach every part: without consecutive steps enough there is no alarm, with absurd torques no row.
+// Numbers reach every part: without consecutive steps enough there is no alarm, no row before the time step is known.
 TEST(Watch, TakesOtherNumbers) {
   const Recording recording = with_change("payload:tool:mass=0.3", 16.0, 1);
   const auto events = [&recording](const WatchNumbers& numbers) {
@@ -162,7 +162,7 @@ TEST(Watch, TakesOtherNumbers) {
   };
   WatchNumbers patient, mistrusting;
   patient.above_in_a_row = 1000000;
-  mistrusting.absurd = 1e-9;
+  mistrusting.rows_for_step = 1000000;
   EXPECT_FALSE(events(WatchNumbers()).empty());
   EXPECT_TRUE(events(patient).empty());
   EXPECT_TRUE(events(mistrusting).empty());

@@ -22,6 +22,7 @@ struct Thresholds {
   double corrected_channels = 4.0;
   double settling = 6.0;
   double new_share = 1e-6;
+  double fewest_folds = 4.0;
   double compact_load = 0.8;
   double impossible_fall = 1.2;
   double near_duplicate = 5.0;

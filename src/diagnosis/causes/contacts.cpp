@@ -147,13 +147,35 @@ bool repeats(const PredictionSeries& x, const std::vector<Residual>& joints, con
   return false;
 }
 
-void contacts_in(const Model& arm, const RecordingError& recording, const Thresholds& limits,
-                 std::vector<Contact>& out) {
-  const PredictionSeries& x = recording.series;
-  const size_t n = x.measured.size();
-  if (x.time.size() < numerics::kFewestContactSamples || n == 0) return;
+// A recording, and what the model does not explain of it.
+struct Seen {
+  const RecordingError* recording;
   std::vector<Residual> joints;
-  for (size_t i = 0; i < n; ++i) joints.push_back(residual_of(arm, x, i, limits));
+};
+
+// True if most other passes of the joint through the place of a burst's largest value, in all recordings, show the
+// same: it depends on the position and is no push.
+bool returns_at_its_place(const std::vector<Seen>& all, const Seen& own, const Span& span, size_t joint, const Thresholds& limits) {
+  const std::vector<double>& r = own.joints[joint].r;
+  const auto peak = std::max_element(r.begin() + static_cast<std::ptrdiff_t>(span.begin), r.begin() + static_cast<std::ptrdiff_t>(span.end),
+                                     [](double a, double b) { return std::abs(a) < std::abs(b); });
+  const double place = own.recording->series.q[joint][static_cast<size_t>(peak - r.begin())];
+  std::vector<double> shares;
+  for (const Seen& seen : all) {
+    const std::vector<double>& q = seen.recording->series.q[joint];
+    for (size_t k = 1; k < q.size(); ++k) {
+      if (&seen == &own && k >= span.begin && k <= span.end) continue;
+      if ((q[k - 1] < place) != (q[k] < place)) shares.push_back(seen.joints[joint].r[k] / *peak);
+    }
+  }
+  return !shares.empty() && median(shares) > limits.contact_repeats;
+}
+
+void contacts_in(const std::vector<Seen>& all, const Seen& own, const Thresholds& limits, std::vector<Contact>& out) {
+  const RecordingError& recording = *own.recording;
+  const PredictionSeries& x = recording.series;
+  const std::vector<Residual>& joints = own.joints;
+  const size_t n = joints.size();
   std::vector<Contact> found;
   double share = 0.0;
   const double duration = x.time.back() - x.time.front();
@@ -180,7 +202,8 @@ void contacts_in(const Model& arm, const RecordingError& recording, const Thresh
       c.effort[static_cast<Eigen::Index>(i)] = mean;
       if (excess <= 0.0 || most < limits.contact_peak * joints[i].scatter || std::abs(mean) < limits.contact_direction * most)
         continue;
-      again = again || repeats(x, joints, span, recording.period, most, i, limits);
+      again = again || repeats(x, joints, span, recording.period, most, i, limits) ||
+              returns_at_its_place(all, own, span, i, limits);
       c.last_joint = static_cast<int>(i);
       c.deviation = joints[i].scatter;
       c.peak = std::max(c.peak, most / joints[i].scatter);
@@ -196,14 +219,23 @@ void contacts_in(const Model& arm, const RecordingError& recording, const Thresh
 }  // namespace
 
 std::vector<Contact> find_contacts(const Identification& id, const Thresholds& limits) {
-  std::vector<Contact> out;
-  for (const RecordingError& r : id.train) contacts_in(*id.model, r, limits, out);
+  std::vector<Seen> all;
+  const auto add = [&](const RecordingError& r) {
+    const size_t n = r.series.measured.size();
+    if (r.series.time.size() < numerics::kFewestContactSamples || n == 0) return;
+    Seen seen{&r, {}};
+    for (size_t i = 0; i < n; ++i) seen.joints.push_back(residual_of(*id.model, r.series, i, limits));
+    all.push_back(std::move(seen));
+  };
+  for (const RecordingError& r : id.train) add(r);
   for (const RecordingError& r : id.test) {
     const bool trained =
         std::any_of(id.train.begin(), id.train.end(),
                     [&](const RecordingError& other) { return other.source == r.source; });
-    if (!trained) contacts_in(*id.model, r, limits, out);
+    if (!trained) add(r);
   }
+  std::vector<Contact> out;
+  for (const Seen& own : all) contacts_in(all, own, limits, out);
   return out;
 }
 

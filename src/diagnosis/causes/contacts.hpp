@@ -19,8 +19,8 @@ struct Contact {
 };
 
 /// Bursts of unexplained torque: well above the residual of the rest of the recording, lasting,
-/// few, and not repeated with the motion's period. A burst at every period or at every reversal is
-/// a property of the arm and no contact.
+/// few, and repeated neither with the motion's period nor wherever the joint passes the same place, in
+/// any recording. What comes back is a property of the arm and no contact.
 std::vector<Contact> find_contacts(const Identification& id, const Thresholds& limits);
 
 /// The rows of these moments, for all joints.

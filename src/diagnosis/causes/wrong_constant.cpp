@@ -39,7 +39,8 @@ std::vector<std::pair<Hypothesis, double>> effects_instead(const CandidateData& 
 }  // namespace
 
 double correction_gain(const Model& corrected, const CandidateData& q, const NormalBlocks& data,
-                       const std::vector<std::string>& train, const IdentificationOptions& how) {
+                       const std::vector<std::string>& train, const DiagnosisOptions& options) {
+  const IdentificationOptions& how = options.identification;
   std::vector<CompressedRecording> factors =
       compress_all(corrected, train, how.preprocessing, how.threads);
   const int blocks = blocks_that_fit(corrected, static_cast<int>(train.size()));
@@ -51,7 +52,7 @@ double correction_gain(const Model& corrected, const CandidateData& q, const Nor
     base.push_back(static_cast<int>(columns.size()));
     columns.push_back(names[j]);
   }
-  return fold_gain(data, q.base, NormalBlocks(factors, columns), base);
+  return fold_gain(data, q.base, NormalBlocks(factors, columns), base, hold_out(options.thresholds));
 }
 
 std::optional<WrongConstant> wrong_constant(const Model& arm,
@@ -62,8 +63,7 @@ std::optional<WrongConstant> wrong_constant(const Model& arm,
   if (geometry.empty()) return std::nullopt;
   GeometryFinding best = geometry.front();
   const double profiled = best.gain;
-  best.gain = correction_gain(with_constant(arm, best.constant, best.found), q, data, train,
-                              options.identification);
+  best.gain = correction_gain(with_constant(arm, best.constant, best.found), q, data, train, options);
   const Thresholds& limits = options.thresholds;
   if (best.gain < limits.constant_gain * limits.smallest_gain) return std::nullopt;
   WrongConstant out;

@@ -19,7 +19,7 @@ struct WrongConstant {
 
 /// The held-out gain of a corrected arm over the arm of q, measured like every other gain.
 double correction_gain(const Model& corrected, const CandidateData& q, const NormalBlocks& data,
-                       const std::vector<std::string>& train, const IdentificationOptions& how);
+                       const std::vector<std::string>& train, const DiagnosisOptions& options);
 
 /// The wrong constant that explains at least as much as any effect; tested before the effects,
 /// since otherwise several effects would imitate it. Nullopt if the recordings indicate none.

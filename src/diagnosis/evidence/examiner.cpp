@@ -9,7 +9,6 @@
 #include "diagnosis/evidence/payload_fit.hpp"
 #include "diagnosis/evidence/clustered_fit.hpp"
 #include "diagnosis/evidence/numerics.hpp"
-#include "identification/hold_out_numbers.hpp"
 #include "math/parallel.hpp"
 #include "math/signed_rank.hpp"
 #include "math/student_t.hpp"
@@ -17,9 +16,9 @@
 namespace veridyn {
 namespace {
 
-bool improve(const std::vector<double>& falls) {
+bool improve(const std::vector<double>& falls, const HoldOut& how) {
   const auto better = std::count_if(falls.begin(), falls.end(), [](double d) { return d > 0.0; });
-  return hold_out::enough_agree(static_cast<size_t>(better), falls.size());
+  return how.enough_agree(static_cast<size_t>(better), falls.size());
 }
 
 // Columns of a body outside the span of the others, in their order.
@@ -74,7 +73,7 @@ ColumnSet columns_of(const NormalBlocks& data, const Hypothesis& hypothesis) {
 Examiner::Examiner(const NormalBlocks& data, const ColumnSet& base,
                    const std::vector<Hypothesis>& hypotheses, const DiagnosisOptions& options)
     : data_(data), base_(base), hypotheses_(hypotheses), options_(options) {
-  for (const auto& fold : make_folds(data)) {
+  for (const auto& fold : make_folds(data, hold_out(options.thresholds))) {
     if (fold.size() > 1) sums_.push_back(summed(data, fold));
     folds_.push_back(fold.size() > 1 ? &sums_.back() : &data.cluster(fold.front()));
   }
@@ -157,8 +156,9 @@ Evidence Examiner::evaluate(int h, const BaselineFit& before) const {
     }
   }
   e.infeasible_sign = impossible(hypothesis(h), own, whole.values, jackknife_deviations(without));
-  e.consistent = improve(falls) ||
-                 (joint && (improve(own_falls) ||
+  const HoldOut how = hold_out(options_.thresholds);
+  e.consistent = improve(falls, how) ||
+                 (joint && (improve(own_falls, how) ||
                             signed_rank_p_value(own_falls) <= options_.thresholds.significance));
   e.stable =
       e.consistent || signed_rank_p_value(falls) <= options_.thresholds.significance;

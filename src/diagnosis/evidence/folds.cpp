@@ -1,10 +1,9 @@
 #include "diagnosis/evidence/folds.hpp"
 
 #include <algorithm>
-#include <utility>
+#include <cmath>
 
 #include "diagnosis/evidence/numerics.hpp"
-#include "identification/hold_out_numbers.hpp"
 
 namespace veridyn {
 namespace {
@@ -16,22 +15,13 @@ VectorXd held_out_error(const NormalBlocks& data, const ColumnSet& set, const Ve
   return data.residual2(set, x, fold).array() / fold.rows.array().max(1.0);
 }
 
-// The first and the second half of every recording's clusters.
-std::vector<std::vector<int>> halves(const std::vector<std::vector<int>>& recordings) {
-  std::vector<std::vector<int>> out;
-  for (const std::vector<int>& clusters : recordings) {
-    const auto middle = clusters.begin() + static_cast<long>(clusters.size() / 2);
-    for (const auto& [first, last] :
-         {std::make_pair(clusters.begin(), middle), {middle, clusters.end()}}) {
-      if (first != last) out.emplace_back(first, last);
-    }
-  }
-  return out;
-}
-
 }  // namespace
 
-std::vector<std::vector<int>> make_folds(const NormalBlocks& data) {
+HoldOut hold_out(const Thresholds& limits) {
+  return {static_cast<size_t>(std::lround(limits.fewest_folds)), limits.new_share};
+}
+
+std::vector<std::vector<int>> make_folds(const NormalBlocks& data, const HoldOut& hold_out) {
   size_t recordings = 0;
   for (int c = 0; c < data.clusters(); ++c)
     recordings = std::max(recordings, static_cast<size_t>(data.recording_of(c)) + 1);
@@ -40,10 +30,17 @@ std::vector<std::vector<int>> make_folds(const NormalBlocks& data) {
     for (int c = 0; c < data.clusters(); ++c) folds.push_back({c});
     return folds;
   }
-  folds.resize(recordings);
-  for (int c = 0; c < data.clusters(); ++c)
-    folds[data.recording_of(c)].push_back(c);
-  return recordings < hold_out::kManyRecordings ? halves(folds) : folds;
+  std::vector<std::vector<int>> of_recording(recordings);
+  for (int c = 0; c < data.clusters(); ++c) of_recording[data.recording_of(c)].push_back(c);
+  const size_t each = hold_out.parts_of_each(recordings);
+  for (const std::vector<int>& clusters : of_recording) {
+    for (size_t part = 0; part < each; ++part) {
+      const auto from = clusters.begin() + static_cast<long>(part * clusters.size() / each);
+      const auto to = clusters.begin() + static_cast<long>((part + 1) * clusters.size() / each);
+      if (from != to) folds.emplace_back(from, to);
+    }
+  }
+  return folds;
 }
 
 NormalBlocks::Sums summed(const NormalBlocks& data, const std::vector<int>& clusters) {
@@ -76,10 +73,10 @@ double log_fall(const VectorXd& before, const VectorXd& after) {
 }
 
 double fold_gain(const NormalBlocks& before, const ColumnSet& base_before,
-                 const NormalBlocks& after, const ColumnSet& base_after) {
+                 const NormalBlocks& after, const ColumnSet& base_after, const HoldOut& hold_out) {
   const VectorXd w_before = joint_weights(before, base_before);
   const VectorXd w_after = joint_weights(after, base_after);
-  const auto folds = make_folds(before);
+  const auto folds = make_folds(before, hold_out);
   double sum = 0.0;
   for (const auto& fold : folds) {
     sum += log_fall(held_out_error(before, base_before, w_before, summed(before, fold)),

@@ -3,13 +3,16 @@
 #include <vector>
 
 #include "diagnosis/evidence/normal_blocks.hpp"
+#include "identification/hold_out.hpp"
+#include "veridyn/diagnosis/thresholds.hpp"
 
 namespace veridyn {
 
-/// Clusters that are held out together: whole recordings; halves of each if there are fewer than
-/// four (the others may move too little to predict a whole one); or the phases of the period of a
-/// single one.
-std::vector<std::vector<int>> make_folds(const NormalBlocks& data);
+HoldOut hold_out(const Thresholds& limits);
+
+/// Clusters that are held out together: whole recordings; parts of each where they are few (the others may
+/// move too little to predict a whole one); or the phases of the period of a single one.
+std::vector<std::vector<int>> make_folds(const NormalBlocks& data, const HoldOut& hold_out);
 
 /// Sums over the clusters.
 NormalBlocks::Sums summed(const NormalBlocks& data, const std::vector<int>& clusters);
@@ -22,6 +25,6 @@ double log_fall(const VectorXd& before, const VectorXd& after);
 
 /// Mean over the held-out folds of that fall, from one model of the same recordings to another.
 double fold_gain(const NormalBlocks& before, const ColumnSet& base_before,
-                 const NormalBlocks& after, const ColumnSet& base_after);
+                 const NormalBlocks& after, const ColumnSet& base_after, const HoldOut& hold_out);
 
 }  // namespace veridyn

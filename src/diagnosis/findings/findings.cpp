@@ -201,7 +201,7 @@ std::vector<FindingWriter::Group> FindingWriter::groups() const {
 // Root mean square of every joint over the folds, each predicted from the others.
 VectorXd FindingWriter::fold_error(const ColumnSet& set, const VectorXd& w) const {
   VectorXd sum = VectorXd::Zero(data_.joints());
-  for (const std::vector<int>& fold : make_folds(data_)) {
+  for (const std::vector<int>& fold : make_folds(data_, hold_out(limits_.thresholds))) {
     const NormalBlocks::Sums held_out = summed(data_, fold);
     sum += data_.residual2(set, data_.solve(set, w, data_.total(), &held_out), held_out);
   }

@@ -62,7 +62,8 @@ void merge_twins(const Identification& start, const CandidateData& asked, Select
     CandidateData one = refined(merged);
     const NormalBlocks two_data(two->train, two->columns);
     const NormalBlocks one_data(one.train, one.columns);
-    if (fold_gain(one_data, all_columns(one, one_data), two_data, all_columns(*two, two_data)) >
+    if (fold_gain(one_data, all_columns(one, one_data), two_data, all_columns(*two, two_data),
+                  hold_out(options.thresholds)) >
         options.thresholds.smallest_gain)
       return;
     selection = std::move(merged);

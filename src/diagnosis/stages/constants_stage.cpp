@@ -101,7 +101,7 @@ void correct_constants(DiagnosisState& x) {
     const std::optional<CorrectedChannel> channel = correct_channel(x, asked, h);
     if (!channel) continue;
     const double gain = correction_gain(*channel->corrected.model, asked.q, asked.data, x.train,
-                                        x.options.identification);
+                                        x.options);
     if (gain < x.options.thresholds.commoner_cause * wrong->finding.gain) continue;
     correct(asked, h, *channel, gain, p_value_beside_base(asked, h, x.options),
             wrong->finding, x);

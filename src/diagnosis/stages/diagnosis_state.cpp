@@ -1,5 +1,6 @@
 #include "diagnosis/stages/diagnosis_state.hpp"
 
+#include "diagnosis/evidence/folds.hpp"
 #include "identification/velocity_choice.hpp"
 
 #include <algorithm>
@@ -40,7 +41,7 @@ Identification DiagnosisState::fit(const Model& any) const {
 
 FoldErrors DiagnosisState::fold_errors(const Identification& id) const {
   return veridyn::fold_errors(id, options.identification,
-                              d.changes ? FoldValues::kFacts : FoldValues::kFitted);
+                              d.changes ? FoldValues::kFacts : FoldValues::kFitted, hold_out(options.thresholds));
 }
 
 CandidateList DiagnosisState::list() const {

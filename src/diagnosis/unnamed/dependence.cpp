@@ -117,30 +117,26 @@ class Terms {
 };
 
 // Usable rows of a joint, in the order of their folds.
-std::vector<Eigen::Index> rows_in_folds(const MotionRows& rows, int joint) {
+std::vector<Eigen::Index> rows_in_folds(const MotionRows& rows, const std::vector<int>& fold, int joint) {
   std::vector<Eigen::Index> out;
   for (Eigen::Index r = 0; r < rows.residual.rows(); ++r) {
     if (rows.used(r, joint)) out.push_back(r);
   }
-  std::stable_sort(out.begin(), out.end(), [&rows](Eigen::Index a, Eigen::Index b) {
-    return rows.fold[a] < rows.fold[b];
-  });
+  std::stable_sort(out.begin(), out.end(), [&fold](Eigen::Index a, Eigen::Index b) { return fold[a] < fold[b]; });
   return out;
 }
 
-FoldedRows folded(const MotionRows& rows, int joint, const std::vector<Eigen::Index>& order) {
+FoldedRows folded(const MotionRows& rows, const std::vector<int>& fold, int joint,
+                  const std::vector<Eigen::Index>& order) {
   FoldedRows out;
   const auto count = static_cast<Eigen::Index>(order.size());
   out.signals.resize(count, rows.values.cols());
   out.response.resize(count);
-  int fold = -1;
   for (Eigen::Index k = 0; k < count; ++k) {
     const Eigen::Index r = order[k];
     out.signals.row(k) = rows.values.row(r);
     out.response[k] = rows.residual(r, joint);
-    if (rows.fold[r] == fold) continue;
-    fold = rows.fold[r];
-    out.fold_begin.push_back(k);
+    if (k == 0 || fold[r] != fold[order[k - 1]]) out.fold_begin.push_back(k);
   }
   out.fold_begin.push_back(count);
   return out;
@@ -166,8 +162,9 @@ Dependence find_dependence(int joint, const MotionRows& train, const MotionRows&
                            const std::vector<SmoothTerm>& terms, const Thresholds& limits) {
   Dependence out;
   out.joint = joint;
-  const std::vector<Eigen::Index> order = rows_in_folds(train, joint);
-  const FoldedRows rows = folded(train, joint, order);
+  const std::vector<int> fold = folds_of(train, limits);
+  const std::vector<Eigen::Index> order = rows_in_folds(train, fold, joint);
+  const FoldedRows rows = folded(train, fold, joint, order);
   if (rows.fold_begin.size() < 3 || terms.empty()) return out;
   std::vector<MatrixXd> columns;
   columns.reserve(terms.size());
@@ -176,8 +173,9 @@ Dependence find_dependence(int joint, const MotionRows& train, const MotionRows&
                             limits.significance};
   const EstimationNumbers numbers;
   out.model = additive_regression(rows, terms, columns, how, numbers);
-  const std::vector<Eigen::Index> there = rows_in_folds(test, joint);
-  const FoldedRows of_test = folded(test, joint, there);
+  const std::vector<int> fold_of_test = folds_of(test, limits);
+  const std::vector<Eigen::Index> there = rows_in_folds(test, fold_of_test, joint);
+  const FoldedRows of_test = folded(test, fold_of_test, joint, there);
   for (size_t k = 1; k <= out.model.chosen.size(); ++k) {
     const AdditiveModel first =
         additive_fit(rows, terms, columns,

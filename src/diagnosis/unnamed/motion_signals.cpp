@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/evidence/folds.hpp"
 #include "diagnosis/evidence/numerics.hpp"
-#include "identification/hold_out_numbers.hpp"
 
 namespace veridyn {
 namespace {
@@ -80,14 +80,10 @@ double rest_speed_of(const Identification& id, int joint) {
   return fastest * numerics::kReversalShare;
 }
 
-int fold_of(const RecordingError& r, double time, size_t recording, size_t recordings) {
-  if (recordings >= hold_out::kManyRecordings) return static_cast<int>(recording % (2 * hold_out::kPartsOfOne));
+double phase_of(const RecordingError& r, double time) {
   const double first = r.series.time.front();
   const double length = r.period > 0.0 ? r.period : r.series.time.back() - first;
-  const double phase = std::fmod(time - first, length) / length;
-  const size_t parts = recordings == 1 ? hold_out::kPartsOfOne : hold_out::kPartsOfFew;
-  const auto part = std::min(static_cast<size_t>(phase * static_cast<double>(parts)), parts - 1);
-  return static_cast<int>(recording * parts + part);
+  return std::fmod(time - first, length) / length;
 }
 
 }  // namespace
@@ -134,10 +130,23 @@ std::vector<MotionSignal> motion_signals(const Identification& id, const Thresho
   return out;
 }
 
+std::vector<int> folds_of(const MotionRows& rows, const Thresholds& limits) {
+  const HoldOut how = hold_out(limits);
+  const size_t parts = how.parts_of_each(rows.recordings);
+  const size_t most = 2 * how.parts_of_each(1);
+  std::vector<int> out;
+  for (size_t r = 0; r < rows.phase.size(); ++r) {
+    const size_t part = std::min(static_cast<size_t>(rows.phase[r] * static_cast<double>(parts)), parts - 1);
+    out.push_back(static_cast<int>((rows.recording[r] * parts + part) % most));
+  }
+  return out;
+}
+
 MotionRows motion_rows(const Identification& id, const std::vector<RecordingError>& recordings,
                        const std::vector<ExcludedInterval>& excluded_intervals, std::vector<MotionSignal> signals) {
   MotionRows out;
   out.signals = std::move(signals);
+  out.recordings = recordings.size();
   const int n = id.model->joints();
   const size_t most = std::max(numerics::kFewestMotionRows, numerics::kMostMotionRows / std::max<size_t>(1, recordings.size()));
   std::vector<size_t> strides;
@@ -157,7 +166,6 @@ MotionRows motion_rows(const Identification& id, const std::vector<RecordingErro
   out.residual.resize(rows, n);
   out.measured.resize(rows, n);
   out.used.setConstant(rows, n, true);
-  out.fold.reserve(rows);
   Eigen::Index first = 0;
   for (size_t k = 0; k < recordings.size(); ++k) {
     const RecordingError& r = recordings[k];
@@ -178,7 +186,8 @@ MotionRows motion_rows(const Identification& id, const std::vector<RecordingErro
         out.measured(row, j) = x.measured[at][i];
         out.residual(row, j) = x.measured[at][i] - x.modelled[at][i];
       }
-      out.fold.push_back(fold_of(r, x.time[i], k, recordings.size()));
+      out.recording.push_back(k);
+      out.phase.push_back(phase_of(r, x.time[i]));
       for (const ExcludedInterval& part : excluded_intervals) {
         if (part.source != r.source || x.time[i] < part.from || x.time[i] > part.to) continue;
         for (int j = 0; j < n; ++j) {
@@ -188,7 +197,6 @@ MotionRows motion_rows(const Identification& id, const std::vector<RecordingErro
     }
     first = row;
   }
-  for (const int f : out.fold) out.folds = std::max(out.folds, f + 1);
   return out;
 }
 

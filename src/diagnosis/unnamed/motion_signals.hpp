@@ -36,15 +36,18 @@ struct MotionRows {
   MatrixXd residual;  ///< (rows x n) measured minus modelled, filtered
   MatrixXd measured;  ///< (rows x n)
   Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic> used;  ///< (rows x n): not excluded
-  std::vector<int> fold;  ///< of every row: rows of one fold are held out together
-  int folds = 0;
+  size_t recordings = 0;
+  std::vector<size_t> recording;  ///< of every row
+  std::vector<double> phase;      ///< of every row: 0 to 1 along its recording, or along each of its periods
 };
+
+/// Fold of every row: rows of one are held out together. Recordings are the folds, or phases of few.
+std::vector<int> folds_of(const MotionRows& rows, const Thresholds& limits);
 
 /// The signals of the joints that move, from the series of an identification.
 std::vector<MotionSignal> motion_signals(const Identification& id, const Thresholds& limits);
 
-/// Rows of its training or test recordings, at a few times the filter's cut-off; recordings, or
-/// phases of the period of one to three of them, are the folds.
+/// Rows of its training or test recordings, at a few times the filter's cut-off.
 MotionRows motion_rows(const Identification& id, const std::vector<RecordingError>& recordings,
                        const std::vector<ExcludedInterval>& excluded_intervals, std::vector<MotionSignal> signals);
 

@@ -1,6 +1,7 @@
 #include "diagnosis/unnamed/shared_residual.hpp"
 
 #include <cmath>
+#include <map>
 #include <vector>
 
 namespace veridyn {
@@ -25,17 +26,17 @@ struct Moments {
 };
 
 // 0 where the folds disagree on its sign.
-double correlation_of_all_folds(const MotionRows& rows, int joint, int other) {
+double correlation_of_all_folds(const MotionRows& rows, const std::vector<int>& fold, int joint, int other) {
   Moments all;
-  std::vector<Moments> of_folds(static_cast<size_t>(rows.folds));
+  std::map<int, Moments> of_folds;
   for (Eigen::Index r = 0; r < rows.residual.rows(); ++r) {
     if (!rows.used(r, joint) || !rows.used(r, other)) continue;
     all.add(rows.residual(r, joint), rows.residual(r, other));
-    of_folds[rows.fold[r]].add(rows.residual(r, joint), rows.residual(r, other));
+    of_folds[fold[r]].add(rows.residual(r, joint), rows.residual(r, other));
   }
   const double out = all.correlation();
-  for (const Moments& fold : of_folds) {
-    if (fold.n > 0.0 && fold.correlation() * out <= 0.0) return 0.0;
+  for (const auto& [name, some] : of_folds) {
+    if (some.correlation() * out <= 0.0) return 0.0;
   }
   return out;
 }
@@ -44,9 +45,10 @@ double correlation_of_all_folds(const MotionRows& rows, int joint, int other) {
 
 std::optional<SharedResidual> shared_residual(const MotionRows& train, int joint, const Thresholds& limits) {
   std::optional<SharedResidual> out;
+  const std::vector<int> fold = folds_of(train, limits);
   for (int other = 0; other < train.residual.cols(); ++other) {
     if (other == joint) continue;
-    const double correlation = correlation_of_all_folds(train, joint, other);
+    const double correlation = correlation_of_all_folds(train, fold, joint, other);
     const double most = out ? std::abs(out->correlation) : std::sqrt(limits.unnamed_share);
     if (std::abs(correlation) > most) out = SharedResidual{other, correlation};
   }

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "math/number_table.hpp"
+#include "recordings/absurd.hpp"
 #include "veridyn/recordings/recording_quality.hpp"
 
 namespace veridyn {
@@ -19,8 +20,8 @@ struct QualityNumbers {
   double rare = 0.1;
 
   // Numbers, time, rows.
-  /// |number| > absurd: damaged; no joint reaches it in SI units.
-  double absurd = 1e6;
+  /// |number| > absurd: damaged.
+  double absurd = kAbsurd;
   /// share of rows with such numbers >= hopeless_share: the motion of the file is not judged.
   double hopeless_share = 0.002;
   /// range of a position <= resting_range [rad, m]: the joint is at rest.
