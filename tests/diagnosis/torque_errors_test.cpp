@@ -1,12 +1,15 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "simulation/simulation_support.hpp"
 #include "support/simulated.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 
-// Crosstalk between torque channels, asked about only where a joint's error depends on the torque of another one.
+// Crosstalk between torque channels, asked about only where a joint's error depends on the torque of another one; torques at the
+// limit of their channel.
 
 namespace veridyn {
 namespace {
@@ -73,6 +76,50 @@ TEST(TorqueCrosstalk, IsNotThereWithoutIt) {
   asked.effects = {"torque_crosstalk"};
   for (const DiagnosisOptions& how : {DiagnosisOptions(), asked})
     EXPECT_TRUE(diagnosed(truth(), "", how).findings.empty());
+}
+
+// The elbow's torque between limits of this share of its largest.
+Diagnosis diagnosed_between_limits(double share) {
+  std::vector<Recording> rows;
+  double limit = 0.0;
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    SimulationOptions options;
+    options.noise = sensor_noise("low");
+    options.seed = seed;
+    rows.push_back(recording_of(simulate_recording(truth(), waves_of(seed), options)));
+    rows.back().source = "run " + std::to_string(seed);
+    if (seed == 1U) limit = share * rows[0].tau.col(1).cwiseAbs().maxCoeff();
+    rows.back().tau.col(1) = rows.back().tau.col(1).cwiseMin(limit).cwiseMax(-limit).eval();
+  }
+  return diagnose(read_model("planar-2r"), {rows[0], rows[1]}, {rows[2]}, {});
+}
+
+bool says(const Diagnosis& d, const std::string& words) {
+  return std::any_of(d.remarks.begin(), d.remarks.end(),
+                     [&words](const std::string& r) { return r.find(words) != std::string::npos; });
+}
+
+TEST(ATorqueAtItsLimit, IsLeftOutAndBendsNothing) {
+  const Diagnosis plain = diagnosed_between_limits(2.0);
+  EXPECT_FALSE(says(plain, "stands at its limit"));
+  EXPECT_TRUE(plain.excluded_intervals.empty());
+  const Diagnosis d = diagnosed_between_limits(0.7);
+  EXPECT_TRUE(says(d, "stands at its limit")) << d.report();
+  EXPECT_TRUE(d.findings.empty()) << d.report();
+  for (const ExcludedInterval& part : d.excluded_intervals) EXPECT_EQ(part.joint, 1);
+  const double recorded = d.baseline.test_error.relative[1];
+  const double counted = d.baseline.test_without_excluded.relative[1];
+  EXPECT_GT(recorded, 5.0 * counted);
+  EXPECT_LT(counted, 2.0 * plain.baseline.test_error.relative[1]);
+  EXPECT_DOUBLE_EQ(d.joints[1].held_out, counted);
+  EXPECT_EQ(d.joints[1].state, JointState::kAtFloor) << d.report();
+  EXPECT_LT(d.joints[0].held_out, 1.2 * plain.joints[0].held_out);
+}
+
+TEST(ATorqueAtItsLimit, MostOfTheTimeIsSaidAndKept) {
+  const Diagnosis d = diagnosed_between_limits(0.1);
+  EXPECT_TRUE(says(d, "too much to be left out")) << d.report();
+  for (const ExcludedInterval& part : d.excluded_intervals) EXPECT_NE(part.why, "torque at its limit");
 }
 
 }  // namespace

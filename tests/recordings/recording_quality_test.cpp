@@ -179,6 +179,28 @@ TEST(AFault, AClippedTorqueIsSaturated) {
   EXPECT_NEAR(found(quality, "saturation", 1).share, share, 0.1 * share);
 }
 
+// Into a limit that a slow torque reaches there is no step; two of one size give it away.
+TEST(AFault, ATorqueBetweenTwoLimitsOfOneSizeIsSaturated) {
+  Recording r = clean_recording();
+  const VectorXd wave = (r.time.array() * 2.0).sin();
+  r.tau.col(0) = wave.cwiseMin(0.8).cwiseMax(-0.8);
+  const auto rows = static_cast<double>((r.tau.col(0).array() == 0.8).count());
+  const RecordingQuality quality = check_recording(r);
+  expect_only(quality, {"saturation"});
+  EXPECT_NEAR(found(quality, "saturation", 1).share, rows / kRows, 0.05 * rows / kRows);
+  double seconds = 0.0;
+  for (const SaturatedInterval& part : quality.saturated) {
+    EXPECT_EQ(part.joint, 0);
+    seconds += part.to - part.from;
+  }
+  const double share = (r.tau.col(0).cwiseAbs().array() == 0.8).count() / static_cast<double>(kRows);
+  EXPECT_NEAR(seconds, share * quality.duration, 0.05 * share * quality.duration);
+  for (const double step : {1e-9, 0.01, 0.1}) {
+    r.tau.col(0) = ((wave / step).array().round() * step).matrix();
+    EXPECT_TRUE(check_recording(r).saturated.empty()) << step;
+  }
+}
+
 TEST(AFault, ATorqueThatStaysAtZeroIsNotSaturated) {
   Recording r = clean_recording();
   r.tau.col(0) = (r.tau.col(0).array() - 0.6 * r.tau.col(0).maxCoeff()).cwiseMin(0.0);

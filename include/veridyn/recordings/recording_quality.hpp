@@ -28,6 +28,13 @@ struct QualityFinding {
   std::string sentence;  ///< whole sentence for a technician
 };
 
+/// A stretch in which a torque stands at the limit of its channel.
+struct SaturatedInterval {
+  int joint = 0;      ///< from 0
+  double from = 0.0;  ///< [s] since the recording began
+  double to = 0.0;
+};
+
 /// Quality of a recording by itself, without a robot.
 struct RecordingQuality {
   std::string file;
@@ -38,6 +45,7 @@ struct RecordingQuality {
   MotionPeriod period;
   RecordingFacts facts;  ///< joints' names, topics, remarks
   std::vector<QualityFinding> findings;  ///< worst first
+  std::vector<SaturatedInterval> saturated;  ///< torques exactly at a limit, while the arm moves
 
   /// The worst severity; kInfo without findings.
   Severity severity() const;

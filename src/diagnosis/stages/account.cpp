@@ -190,10 +190,11 @@ class Account {
     });
     std::vector<double> left;
     for (int j = 0; j < n; ++j) left.push_back(add_findings(found[j], terms[j]));
-    const VectorXd named = d_.extended.test_error.relative;
+    std::vector<double> named;
+    for (int j = 0; j < n; ++j) named.push_back(held_out(d_.extended, j));
     add_asked_tables(left);
     for (int j = 0; j < n; ++j)
-      d_.joints.push_back(verdict_of(j, found[j], error_of(named, j), left[j]));
+      d_.joints.push_back(verdict_of(j, found[j], named[j], left[j]));
   }
 
  private:
@@ -324,10 +325,16 @@ class Account {
     return left <= without_share(folds_[j], has_unnamed(j) ? so_far : limits_.unnamed_share);
   }
 
+  // Held-out error of a joint; without rows at the limit of its torque, which no model of the arm predicts.
+  double held_out(const Identification& id, int j) const {
+    const bool left_out = x_.saturated.count(j) > 0 && id.test_without_excluded.relative.size() > j;
+    return error_of((left_out ? id.test_without_excluded : id.test_error).relative, j);
+  }
+
   // Findings of a joint's dependence; the held-out error that is left after them.
   double add_findings(const Dependence& found, const std::vector<SmoothTerm>& terms) {
     const int j = found.joint;
-    const double before = error_of(d_.extended.test_error.relative, j);
+    const double before = held_out(d_.extended, j);
     double error = before;
     if (!is_clear(found) || !x_.options.effects.empty()) return error;
     double& so_far = unnamed_[j];
@@ -472,7 +479,7 @@ class Account {
         const int j = d_.findings[k].joint->value;
         if (worse.count(j) != 0) continue;
         d_.findings[k].shape->kept = true;
-        left[j] = error_of(with.test_error.relative, j);
+        left[j] = held_out(with, j);
       }
       d_.extended = with;
       return;
@@ -502,7 +509,7 @@ class Account {
   JointVerdict verdict_of(int j, const Dependence& found, double extended, double left) const {
     JointVerdict v;
     v.joint = JointIndex{j};
-    v.held_out = error_of(d_.baseline.test_error.relative, j);
+    v.held_out = held_out(d_.baseline, j);
     v.extended = extended;
     const bool repeats = d_.baseline.noise_floor.size() > j;
     v.source = repeats ? FloorSource::kRepeats : FloorSource::kRegression;

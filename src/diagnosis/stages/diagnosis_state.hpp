@@ -50,6 +50,9 @@ struct DiagnosisState {
   /// True while select_causes() refuses errors of single joints' channels beyond their usual size.
   bool usual_channels_only = false;
 
+  /// Joints whose rows at the limit of their torque are left out.
+  std::set<int> saturated = {};
+
   /// Causes as text that are not asked about, whatever the options say.
   std::set<std::string> not_asked = {};
 
@@ -80,7 +83,7 @@ CandidateTests prepare_tests(const DiagnosisState& x, const CandidateList& list,
 /// Sum over joints of ln(mean square) on the training recordings, on the rows that were fitted.
 double log_training_error(const Identification& id);
 
-/// Checks the quality of the recordings, and excludes channels that it finds faulty.
+/// Checks the quality of the recordings, and excludes channels that it finds faulty, and torques at their limits.
 void check_quality(DiagnosisState& x);
 
 /// Fits the arm of the file. False if the data do not suffice: d.baseline.status has the reason.

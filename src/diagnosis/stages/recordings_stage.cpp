@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <set>
 #include <utility>
@@ -116,6 +118,47 @@ void leave_out(const std::vector<ExcludedInterval>& parts, DiagnosisState& x) {
   x.d.excluded_intervals.insert(x.d.excluded_intervals.end(), parts.begin(), parts.end());
 }
 
+namespace {
+
+// Joins parts that overlap.
+void merge_overlaps(std::vector<ExcludedInterval>& parts) {
+  std::sort(parts.begin(), parts.end(), [](const auto& a, const auto& b) { return a.from < b.from; });
+  std::vector<ExcludedInterval> out;
+  for (ExcludedInterval& part : parts) {
+    if (out.empty() || part.from > out.back().to) out.push_back(std::move(part));
+    else out.back().to = std::max(out.back().to, part.to);
+  }
+  parts = std::move(out);
+}
+
+// A torque at the limit of its channel only says that the true one is beyond (a censored observation): such rows
+// would bend the parameters. They go with what the low-pass spreads of them, half a wave at its cut-off.
+void leave_saturated_out(DiagnosisState& x) {
+  const double cutoff = x.options.identification.preprocessing.cutoff;
+  const double margin = cutoff > 0.0 ? 0.5 / cutoff : 0.0;
+  for (const RecordingQuality& quality : x.d.data_quality) {
+    std::map<int, std::vector<ExcludedInterval>> of_joint;
+    for (const SaturatedInterval& one : quality.saturated)
+      of_joint[one.joint].push_back({quality.file, one.joint, one.from - margin, one.to + margin, "torque at its limit"});
+    for (auto& [joint, parts] : of_joint) {
+      if (joint >= x.arm.joints()) continue;
+      merge_overlaps(parts);
+      double seconds = 0.0;
+      for (const ExcludedInterval& part : parts) seconds += part.to - part.from;
+      const Coordinate& own = x.arm.coordinates()[joint];
+      const bool too_many = seconds > 0.5 * quality.duration;
+      x.remarks.push_back(fmt::format(
+          "{}: the torque of joint {} ({}) stands at its limit: {:.2g} s {}.", quality.file, joint + 1, own.name, seconds,
+          too_many ? "of it, too much to be left out" : "of it are left out, and not counted in what its error is made of"));
+      if (too_many) continue;
+      leave_out(parts, x);
+      x.saturated.insert(joint);
+    }
+  }
+}
+
+}  // namespace
+
 void check_quality(DiagnosisState& x) {
   std::vector<std::string> all = x.train;
   for (const std::string& path : x.test) {
@@ -133,6 +176,7 @@ void check_quality(DiagnosisState& x) {
     quality.file = name;
   });
   leave_wrong_velocities_out(x);
+  leave_saturated_out(x);
 }
 
 bool fit_baseline(DiagnosisState& x) {
@@ -206,13 +250,26 @@ bool belongs_to_motion(const Contact& c, const Identification& seen, const Diagn
 
 }  // namespace
 
+namespace {
+
+// True if the joint that was pushed is at the limit of its torque meanwhile.
+bool is_at_limit(const Contact& c, const DiagnosisState& x) {
+  return std::any_of(x.d.data_quality.begin(), x.d.data_quality.end(), [&c](const RecordingQuality& q) {
+    return q.file == c.source && std::any_of(q.saturated.begin(), q.saturated.end(), [&c](const SaturatedInterval& at) {
+             return at.joint == c.last_joint && at.from < c.to && c.from < at.to;
+           });
+  });
+}
+
+}  // namespace
+
 bool exclude_contacts(const Identification& seen, DiagnosisState& x) {
   if (!x.tests_effect(ExternalContact::kName) || !seen.model) return false;
   std::vector<Contact> contacts = find_contacts(seen, x.options.thresholds);
   contacts.erase(std::remove_if(contacts.begin(), contacts.end(),
                                 [&](const Contact& c) {
                                   return !x.tests_cause(ExternalContact{JointIndex{c.last_joint}}) ||
-                                         belongs_to_motion(c, seen, x);
+                                         is_at_limit(c, x) || belongs_to_motion(c, seen, x);
                                 }),
                  contacts.end());
   if (contacts.empty()) return false;

@@ -175,12 +175,13 @@ class JumpTally {
   std::vector<Joint> joints_;
 };
 
-/// Detects torque or current exactly at its extreme, row after row, entered and left abruptly.
+/// Detects torque or current exactly at its extreme, row after row: entered and left abruptly, or at two limits of one size.
 class ClipTally {
  public:
   explicit ClipTally(const Head& head);
   void add(const Piece& piece);
-  void conclude(Findings* findings) const;
+  /// @param saturated  set to the stretches of torques at a limit that is not zero
+  void conclude(Findings* findings, std::vector<SaturatedInterval>* saturated) const;
 
  private:
   struct Extreme {
@@ -190,14 +191,19 @@ class ClipTally {
     double limit = -std::numeric_limits<double>::infinity();  // sign * value
     long run = 0;
     double entry = 0.0;  // size of the step into the run
-    long clipped = 0;    // rows in abrupt runs of at least three
+    bool abrupt = false;  // one run of at least three rows was entered and left abruptly
+    long rows = 0;        // at the limit
     long longest = 0;
+    long below = 0;  // at the next value below that the channel can have
+    std::vector<SaturatedInterval> stretches = {};
   };
-  void add_value(double value, double before, Extreme* extreme) const;
+  void add_value(double value, double before, double time, Extreme* extreme) const;
+  bool is_limit(const Extreme& one, const Extreme& opposite) const;
   void close_run(double after, Extreme* extreme) const;
 
   const QualityNumbers& numbers_;
-  std::vector<Extreme> extremes_;
+  std::vector<Extreme> extremes_;  // largest and smallest in turns
+  double start_ = 0.0;             // [s]
   long rows_ = 0;
 };
 

@@ -60,7 +60,7 @@ int plateau_rows(const Head& head, const VectorXd& load, int joint, double* limi
 
 }  // namespace
 
-ClipTally::ClipTally(const Head& head) : numbers_(head.numbers) {
+ClipTally::ClipTally(const Head& head) : numbers_(head.numbers), start_(head.rows.rows() > 0 ? head.rows.time[0] : 0.0) {
   for (const RecordingSignal& signal : kRecordingSignals) {
     const std::string name = signal.name;
     if (name != "tau" && name != "i") continue;
@@ -83,21 +83,30 @@ ClipTally::ClipTally(const Head& head) : numbers_(head.numbers) {
 void ClipTally::close_run(double after, Extreme* extreme) const {
   const double exit = extreme->limit - after;
   if (extreme->run >= numbers_.shortest_run && std::min(extreme->entry, exit) > numbers_.abrupt * extreme->tolerance) {
-    extreme->clipped += extreme->run;
-    extreme->longest = std::max(extreme->longest, extreme->run);
+    extreme->abrupt = true;
   }
   extreme->run = 0;
 }
 
-void ClipTally::add_value(double value, double before, Extreme* extreme) const {
+void ClipTally::add_value(double value, double before, double time, Extreme* extreme) const {
+  const double next = 1.0 + 1.0 / numbers_.step_share;  // tolerances between the limit and the end of the next value
   if (value > extreme->limit + extreme->tolerance) {
     const Place place = extreme->place;
+    const long below = value < extreme->limit + next * extreme->tolerance ? extreme->rows : 0;
     *extreme = {place, extreme->sign, extreme->tolerance};
     extreme->limit = value;
+    extreme->below = below;
   }
+  if (value < extreme->limit - extreme->tolerance && value > extreme->limit - next * extreme->tolerance) ++extreme->below;
   if (value >= extreme->limit - extreme->tolerance) {
-    if (extreme->run == 0) extreme->entry = extreme->limit - before;
+    if (extreme->run == 0) {
+      extreme->entry = extreme->limit - before;
+      extreme->stretches.push_back({extreme->place.joint - 1, time, time});
+    }
+    extreme->stretches.back().to = time;
     ++extreme->run;
+    ++extreme->rows;
+    extreme->longest = std::max(extreme->longest, extreme->run);
   } else if (extreme->run > 0) {
     close_run(value, extreme);
   }
@@ -110,22 +119,33 @@ void ClipTally::add(const Piece& piece) {
       const MatrixXd& values = extreme.place.signal == "tau" ? piece.rows.tau : piece.rows.current;
       const int j = extreme.place.joint - 1;
       if (std::isnan(values(k, j)) || std::isnan(values(k - 1, j))) continue;
-      add_value(extreme.sign * values(k, j), extreme.sign * values(k - 1, j), &extreme);
+      add_value(extreme.sign * values(k, j), extreme.sign * values(k - 1, j), piece.rows.time[k] - start_, &extreme);
     }
   }
   rows_ += piece.rows.rows() - piece.fresh;
 }
 
-void ClipTally::conclude(Findings* findings) const {
-  for (const Extreme& extreme : extremes_) {
-    if (extreme.clipped == 0) continue;
-    const double share = share_of(extreme.clipped, rows_);
+// The top of a wave, a parabola, stays in its highest step at most sqrt(2) + 1 times as long as in the next.
+bool ClipTally::is_limit(const Extreme& one, const Extreme& opposite) const {
+  const bool symmetric = one.limit > one.tolerance && std::abs(one.limit - opposite.limit) <= one.tolerance &&
+                         std::min(one.longest, opposite.longest) >= numbers_.shortest_plateau;
+  const auto is_flat = [](const Extreme& e) { return e.rows > (std::sqrt(2.0) + 1.0) * e.below; };
+  return one.abrupt || (symmetric && is_flat(one) && is_flat(opposite));
+}
+
+void ClipTally::conclude(Findings* findings, std::vector<SaturatedInterval>* saturated) const {
+  for (size_t k = 0; k < extremes_.size(); ++k) {
+    const Extreme& extreme = extremes_[k];
+    if (!is_limit(extreme, extremes_[k ^ 1U])) continue;
+    if (extreme.place.signal == "tau" && extreme.limit != 0.0)
+      saturated->insert(saturated->end(), extreme.stretches.begin(), extreme.stretches.end());
+    const double share = share_of(extreme.rows, rows_);
     const double limit = extreme.sign * extreme.limit;
     findings->add(share > numbers_.many_clipped ? Severity::kFault : Severity::kWarning, "saturation", extreme.place,
                   {share, limit, unit_of(extreme.place.signal)},
                   text("The ", extreme.place.signal == "tau" ? "torque" : "current", " of ",
                        named(extreme.place), " sits exactly at its extreme ", number(limit), " in ",
-                       extreme.clipped, " rows (", percent(share), "), up to ", extreme.longest, " in a row: ",
+                       extreme.rows, " rows (", percent(share), "), up to ", extreme.longest, " in a row: ",
                        limit == 0.0 ? "a dead zone, or a channel of one sign." : "saturated."));
   }
 }

@@ -72,7 +72,7 @@ RecordingQuality judged(Recording head_rows, const std::string& file, const Sour
     time.conclude(&findings);
     if (absurd.share() < numbers.hopeless_share) {
       jumps.conclude(&findings);
-      clips.conclude(&findings);
+      clips.conclude(&findings, &quality.saturated);
       quality::check_motion(head, &findings);
       quality::check_velocities(head, &findings);
       quality::check_stale_signals(head, &findings);
