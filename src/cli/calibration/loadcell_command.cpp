@@ -196,7 +196,8 @@ void write_tally(const LoadcellRequest& request, const ReadingTally& tally, cons
 
 ExitStatus read(const LoadcellRequest& request) {
   require_writable(request.common.json, request.output);
-  ForceChannel channel(open_force_source(request.source), channel_options(request));
+  const ForceChannelOptions options = channel_options(request);
+  ForceChannel channel(open_force_source(request.source), options);
   ReadingTally tally;
   const double begun = now();
   for (double t = begun, before = begun; t - begun < request.seconds; before = t, t = now()) {
