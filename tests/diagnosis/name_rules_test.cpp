@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "causes/row_constants.hpp"
 #include "diagnosis/findings/right_to_a_name.hpp"
 #include "diagnosis/shapes/refinement.hpp"
 #include "diagnosis/stage_support.hpp"
@@ -37,17 +38,27 @@ class NameRules : public Stages {
   }
 };
 
-// A length that is 0.1 m wrong, and no probability is small enough.
-TEST_F(NameRules, AConstantMustBeSignificantAsAnyCause) {
+// A length that is 0.1 m wrong counts as one of all constants that were profiled.
+TEST_F(NameRules, AConstantMustBeSignificantAmongAllThatWereProfiled) {
   ModelFileOptions longer;
   longer.constants["l1"] = 0.6;
-  DiagnosisState x = investigation(read_model("planar-2r", longer), {});
-  x.options.thresholds.significance = 1e-300;
-  correct_constants(x);
-  EXPECT_TRUE(x.d.findings.empty());
-  ASSERT_EQ(x.d.not_supported.size(), 1U);
-  EXPECT_EQ(effect_of(x.d.not_supported[0].cause), KinematicError::kName);
-  EXPECT_EQ(x.d.not_supported[0].why, "it is not significant");
+  const Model arm = read_model("planar-2r", longer);
+  const auto asked_at = [&](double significance) {
+    DiagnosisState x = investigation(arm, {});
+    x.options.thresholds.significance = significance;
+    correct_constants(x);
+    return x.d;
+  };
+  const Diagnosis refused = asked_at(1e-300);
+  EXPECT_TRUE(refused.findings.empty());
+  ASSERT_EQ(refused.not_supported.size(), 1U);
+  EXPECT_EQ(effect_of(refused.not_supported[0].cause), KinematicError::kName);
+  EXPECT_EQ(refused.not_supported[0].why, "its value is not certain enough among so many constants");
+  const double p = refused.not_supported[0].p_value;
+  const auto constants = static_cast<double>(row_constants(arm).size());
+  ASSERT_GT(constants, 2.0);
+  EXPECT_TRUE(asked_at(0.9 * constants * p).findings.empty());
+  EXPECT_EQ(asked_at(1.1 * constants * p).findings.size(), 1U);
 }
 
 Finding force(const char* parameter, double value) {

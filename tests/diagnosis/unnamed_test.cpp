@@ -72,16 +72,34 @@ TEST(Tables, AreTheCurve) {
   EXPECT_TRUE(tables_of(arm, {0}, shape, {signal(SignalKind::kTime, 0, 1)}).empty());
 }
 
+// Waves of all joints that repeat after 10 s, for 20 s at 200 Hz.
+MotionSamples repeated_waves(int joints, double size) {
+  const Eigen::Index rows = 4001;
+  MotionSamples m{VectorXd::LinSpaced(rows, 0.0, 20.0), MatrixXd::Zero(rows, joints), MatrixXd::Zero(rows, joints),
+                  MatrixXd::Zero(rows, joints)};
+  for (int i = 0; i < joints; ++i) {
+    for (const int harmonic : {1 + i, 4 + i}) {
+      const double w = 2.0 * M_PI * harmonic / 10.0;
+      const Eigen::ArrayXd angle = w * m.time.array() + 0.3 * i + harmonic;
+      m.q.col(i).array() += size * angle.sin();
+      m.dq.col(i).array() += size * w * angle.cos();
+      m.ddq.col(i).array() -= size * w * w * angle.sin();
+    }
+  }
+  return m;
+}
+
 // Four recordings of the textbook's SCARA, other motions and noise in each, the last one held out.
 Diagnosis scara_with(const std::function<void(Recording&, unsigned seed)>& change,
-                     UnnamedForces unnamed = UnnamedForces::kReported) {
+                     UnnamedForces unnamed = UnnamedForces::kReported,
+                     const std::function<MotionSamples(int, double)>& motion = waves) {
   const Model scara = read_model("scara");
   std::vector<Recording> recordings;
   for (unsigned k = 1; k <= 4; ++k) {
     SimulationOptions options;
     options.noise = sensor_noise("low");
     options.seed = k;
-    const SimulatedRecording s = simulate_recording(scara, waves(scara.joints(), 0.08 + 0.01 * k), options);
+    const SimulatedRecording s = simulate_recording(scara, motion(scara.joints(), 0.08 + 0.01 * k), options);
     Recording r = recording_of(s);
     change(r, k);
     recordings.push_back(std::move(r));
@@ -148,6 +166,31 @@ TEST(Unnamed, AJointWithACurveIsNamedWhereNamesTakeMost) {
     EXPECT_LT(v.left, v.extended) << d.report();  // there is a curve
     EXPECT_EQ(v.state, spring > 0.0 ? JointState::kNamed : JointState::kUnnamed) << d.report();
     EXPECT_EQ(d.report().find("named in part") != std::string::npos, spring > 0.0) << d.report();
+  }
+}
+
+// A spring that is hooked on, and an amplifier whose factor grows, half-way through each recording: repeats differ by as
+// much as the model is wrong, and that is no floor.
+TEST(Unnamed, WhatChangesBetweenRepeatsIsNoNoise) {
+  const auto half_way = [](const std::function<double(const Recording&, int)>& change) {
+    return scara_with(
+        [&change](Recording& r, unsigned) {
+          for (int k = r.rows() / 2; k < r.rows(); ++k) r.tau(k, 0) += change(r, k);
+        },
+        UnnamedForces::kReported, repeated_waves);
+  };
+  const Diagnosis spring = half_way([](const Recording& r, int k) { return 4.0 * r.q(k, 0); });
+  const Diagnosis gain = half_way([](const Recording& r, int k) { return 0.4 * r.tau(k, 0); });
+  for (const Diagnosis* d : {&spring, &gain}) {
+    const JointVerdict& v = d->joints.at(0);
+    ASSERT_EQ(d->baseline.noise_floor.size(), 4) << d->report();
+    ASSERT_GT(d->baseline.noise_floor[0], 0.05) << d->report();
+    EXPECT_LT(v.floor, 0.7 * d->baseline.noise_floor[0]) << d->report();
+    EXPECT_EQ(v.state, JointState::kUnnamed) << d->report();
+    EXPECT_TRUE(std::any_of(d->findings.begin(), d->findings.end(), [](const Finding& f) {
+      return f.shape && f.joint == JointIndex{0} &&
+             std::count(f.shape->signals.begin(), f.shape->signals.end(), "t") > 0;
+    })) << d->report();
   }
 }
 

@@ -284,6 +284,20 @@ TEST(AFault, CoarseVelocityStepsAreMeasured) {
   EXPECT_EQ(quality.find("velocity_quantised", 2), nullptr);
 }
 
+// Eight values of a torque; 32 are none too few.
+TEST(AFault, CoarseTorqueStepsAreMeasured) {
+  for (const double levels : {8.0, 32.0}) {
+    Recording r = clean_recording();
+    const double step = (r.tau.col(1).maxCoeff() - r.tau.col(1).minCoeff()) / levels;
+    for (double& v : r.tau.col(1)) v = step * std::round(v / step);
+    const RecordingQuality quality = check_recording(r);
+    EXPECT_EQ(quality.find("torque_quantised", 1), nullptr) << quality.report();
+    ASSERT_EQ(quality.find("torque_quantised", 2) != nullptr, levels < 10.0) << quality.report();
+    if (levels > 10.0) continue;
+    EXPECT_NEAR(found(quality, "torque_quantised", 2).value, step, 1e-9);
+  }
+}
+
 // White noise of 0.03 rad/s, where 1e-5 rad of noise in the position make 1.4e-3 rad/s.
 TEST(AFault, AVelocityNoisierThanItsPositionIsMeasured) {
   Recording r = clean_recording();

@@ -538,7 +538,7 @@ class Account {
       v.state = JointState::kAtFloor;
     } else {
       v.state = JointState::kCannotTell;
-      v.why = vibration ? words_of(*vibration, j) : why_not(found, repeats) + words_of_shared(j);
+      v.why = vibration ? words_of(*vibration, j) : words_of_steps(j) + why_not(found, repeats) + words_of_shared(j);
     }
     return v;
   }
@@ -548,6 +548,16 @@ class Account {
                        "not have: something shakes the arm, or a part of it swings",
                        kPercent * vibration.share, vibration.frequency, vibration.amplitude,
                        effort_unit(x_.arm.coordinates()[j]));
+  }
+
+  // Coarse steps of a recorded torque, which no model predicts.
+  std::string words_of_steps(int j) const {
+    for (const RecordingQuality& q : d_.data_quality) {
+      const QualityFinding* steps = q.find("torque_quantised", j + 1);
+      if (steps == nullptr) continue;
+      return fmt::format("its torque is recorded in steps of {:.3g} {}; ", steps->value, steps->unit);
+    }
+    return "";
   }
 
   std::string words_of_shared(int j) const {

@@ -68,17 +68,21 @@ void correct(const CandidateTests& asked, const Hypothesis& h, const CorrectedCh
   x.start = channel.corrected;
 }
 
-// Applies the conditions of other causes: significance, and an interval without zero. A constant
-// that fails is reported as not supported.
+// Applies the conditions of other causes: significance among all constants that were profiled (Bonferroni), and an
+// interval without zero. A constant that fails is reported as not supported.
 bool is_sure(const Finding& f, DiagnosisState& x) {
+  const std::vector<FrameConstant> constants = row_constants(x.arm);
+  const auto profiled = std::count_if(constants.begin(), constants.end(), [&x](const FrameConstant& c) {
+    return x.tests_cause(KinematicError{c});
+  });
   const bool holds_zero =
       std::any_of(f.parameters.begin(), f.parameters.end(), [](const FoundParameter& p) {
         return p.name == "correction" && p.low <= 0.0 && p.high >= 0.0;
       });
-  if (!holds_zero && f.p_value < x.options.thresholds.significance) return true;
+  if (!holds_zero && f.p_value < x.options.thresholds.significance / static_cast<double>(profiled)) return true;
   x.d.not_supported.push_back({f.cause, f.p_value,
                                holds_zero ? "the interval of its correction holds zero"
-                                          : "it is not significant"});
+                                          : "its value is not certain enough among so many constants"});
   return false;
 }
 

@@ -37,7 +37,11 @@ class Terms {
     }
     for (int k = 0; k < count() && own >= 0; ++k) {
       const bool other_position = kind(k) == SignalKind::kPosition && k != own;
-      if (other_position || k == torque || k == direction) add_product(own, k);
+      if (other_position || k == torque || k == direction || kind(k) == SignalKind::kTime) add_product(own, k);
+    }
+    // A load that is picked up during a recording, or a gain that drifts, takes a share of the torque that changes with time.
+    for (int k = 0; k < count() && torque >= 0; ++k) {
+      if (kind(k) == SignalKind::kTime) add_product(torque, k);
     }
     for (int k = 0; k < count() && direction >= 0; ++k) {
       if (kind(k) == SignalKind::kVelocity && k != direction) add_product(direction, k);

@@ -1,5 +1,5 @@
 // Torques and currents at their limit: exactly (clipped numbers), or within noise (clipped
-// amplifier).
+// amplifier); and in coarse steps.
 #include <algorithm>
 #include <cmath>
 
@@ -168,6 +168,35 @@ void check_saturated_plateaus(const Head& head, Findings* findings) {
                  " stays at ", number(sign * limit), ", its extreme, for ", rows, " rows (",
                  percent(share), ") while the joint changes speed: saturated."));
       }
+    }
+  }
+}
+
+void check_torque_steps(const Head& head, Findings* findings) {
+  for (const Load& load : loads_of(head.rows)) {
+    for (int j = 0; j < head.rows.joints(); ++j) {
+      if (!head.moves[j]) continue;
+      std::vector<double> values;
+      std::vector<double> changes;
+      for (int k = 1; k < head.rows.rows(); ++k) {
+        const double now = (*load.values)(k, j);
+        const double change = std::abs(now - (*load.values)(k - 1, j));
+        if (!std::isfinite(now) || !std::isfinite(change)) continue;
+        values.push_back(now);
+        if (change > 0.0) changes.push_back(change);
+      }
+      if (static_cast<int>(changes.size()) < head.numbers.fewest_changes) continue;
+      const double range = between_quantiles(values, head.numbers.ends, 1.0 - head.numbers.ends);
+      if (!quantile_exceeds(changes, head.numbers.ends, head.numbers.coarse * range)) continue;
+      const double step = quantile(changes, head.numbers.ends);
+      double square = 0.0;
+      for (const double v : values) square += v * v;
+      const double rms = std::sqrt(square / static_cast<double>(values.size()));
+      const Place place{load.name, j + 1};
+      findings->add(Severity::kWarning, "torque_quantised", place, {step / range, step, unit_of(load.name)},
+                    text("The ", place.signal == "tau" ? "torque" : "current", " of ", named(place), " goes in steps of about ",
+                         number(step), ": these alone are an error of ", percent(step / (std::sqrt(12.0) * rms)),
+                         " of its root mean square."));
     }
   }
 }

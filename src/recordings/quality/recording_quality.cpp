@@ -77,6 +77,7 @@ RecordingQuality judged(Recording head_rows, const std::string& file, const Sour
       quality::check_velocities(head, &findings);
       quality::check_stale_signals(head, &findings);
       quality::check_saturated_plateaus(head, &findings);
+      quality::check_torque_steps(head, &findings);
       quality::check_start_up(head, &findings);
       quality.period = detect_period(head_rows);
       quality::check_period(quality.period, &findings);
