@@ -194,6 +194,20 @@ TEST(Unnamed, WhatChangesBetweenRepeatsIsNoNoise) {
   }
 }
 
+// Torques of a few values, others in each recording: no signal predicts what the steps leave, and the verdict says why.
+TEST(Unnamed, CoarseStepsOfATorqueAreTheReason) {
+  const Diagnosis d = scara_with(
+      [](Recording& r, unsigned seed) {
+        const double step = (r.tau.col(1).maxCoeff() - r.tau.col(1).minCoeff()) / (3.1 + 1.3 * seed);
+        for (double& t : r.tau.col(1)) t = step * std::round(t / step);
+      },
+      UnnamedForces::kReported, repeated_waves);
+  const JointVerdict& v = d.joints.at(1);
+  EXPECT_EQ(v.state, JointState::kCannotTell) << d.report();
+  EXPECT_EQ(v.why.find("its torque is recorded in steps of "), 0u) << v.why;
+  EXPECT_NE(v.why.find(" N m; "), std::string::npos) << v.why;
+}
+
 // Something shakes the shoulder, at a phase of its own in each recording: no joint at its floor says "none".
 TEST(Unnamed, AVibrationIsNoFloor) {
   const auto shaken = [](double frequency) {

@@ -555,7 +555,8 @@ class Account {
     for (const RecordingQuality& q : d_.data_quality) {
       const QualityFinding* steps = q.find("torque_quantised", j + 1);
       if (steps == nullptr) continue;
-      return fmt::format("its torque is recorded in steps of {:.3g} {}; ", steps->value, steps->unit);
+      return fmt::format("its torque is recorded in steps of {:.3g} {}; ", steps->value,
+                         steps->signal == "tau" ? effort_unit(x_.arm.coordinates()[j]) : steps->unit);
     }
     return "";
   }
