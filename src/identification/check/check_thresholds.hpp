@@ -27,9 +27,8 @@ struct CheckThresholds {
   double gains_better = 0.3;
   /// largest gain < equal_gains * smallest gain: currents would fit as well as torques, and are not tested.
   double equal_gains = 1.05;
-  /// share > well_fitted of some joint, else no exchange of joints is tested: of nine planted in recordings of four real arms
-  /// the seven that were found left 0.35 and more of some joint's squared torque.
-  double well_fitted = 0.1;
+  /// share > well_fitted of some joint, else no exchange of joints is tested.
+  double well_fitted = 0.02;
   /// share < smallest_share: counts as this; less of a joint's squared torque is noise.
   double smallest_share = 1e-3;
   /// power lost to friction / (rms torque * rms speed) > friction_share: it has a sign.
