@@ -6,12 +6,11 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
-#include <iostream>
 #include <iterator>
 #include <map>
-#include <regex>
 #include <set>
 
+#include "calibration/links/links_numbers.hpp"
 #include "comparison/comparison_numbers.hpp"
 #include "estimation/estimation_numbers.hpp"
 #include "hide_and_seek/sweep_board.hpp"
@@ -69,7 +68,8 @@ const std::map<std::string, std::string>& sweep_files() {
                                                           {"watch", "watch/watch_sweeps.csv"},
                                                           {"compare", "comparison/comparison_sweeps.csv"},
                                                           {"fleet", "identification/fleet/fleet_sweeps.csv"},
-                                                          {"identification", "identification/identification_sweeps.csv"}};
+                                                          {"identification", "identification/identification_sweeps.csv"},
+                                                          {"links", "calibration/links/links_sweeps.csv"}};
   return kAll;
 }
 
@@ -105,34 +105,8 @@ TEST(ThresholdSweep, EveryRoomsNumbersAreSwept) {
   expect_all_swept(comparison_numbers(), "compare");
   expect_all_swept(fleet_numbers(), "fleet");
   expect_all_swept(identification_numbers(), "identification");
+  expect_all_swept(links_numbers(), "links");
   for (const std::string& room : swept_rooms()) EXPECT_EQ(sweep_files().count(room), 1U) << room;
-}
-
-// Numbers of the house that no sweep moves; docs/numbers.md lists them and why.
-TEST(ThresholdSweep, TheDocsListTheNumbersWithoutASweep) {
-  std::ifstream docs_file(std::string(VERIDYN_SOURCE_DIR) + "/docs/numbers.md");
-  const std::string docs((std::istreambuf_iterator<char>(docs_file)), std::istreambuf_iterator<char>());
-  const std::map<std::string, std::vector<std::string>> places = {{"calibration/links/links.cpp", {"kHomedPosition", "kHomedAngle"}}};
-  const std::regex constant(R"((k[A-Z]\w*) = [\d.])");
-  int without = 0;
-  for (const auto& [name, wanted] : places) {
-    std::ifstream file(in_source(name));
-    ASSERT_TRUE(file.good()) << name;
-    int found = 0;
-    for (std::string line; std::getline(file, line);) {
-      if (line.find("constexpr") == std::string::npos) continue;
-      for (std::sregex_iterator it(line.begin(), line.end(), constant), end; it != end; ++it) {
-        const std::string number = (*it)[1];
-        if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), number) == wanted.end()) continue;
-        ++found;
-        EXPECT_NE(docs.find("`" + number + "`"), std::string::npos) << number;
-      }
-    }
-    EXPECT_GE(found, static_cast<int>(wanted.size())) << name;
-    without += found;
-  }
-  std::cout << without << " numbers without a sweep\n";
-  EXPECT_NE(docs.find("## Without a sweep: " + std::to_string(without)), std::string::npos) << without;
 }
 
 std::string printed(const std::function<void()>& print) {

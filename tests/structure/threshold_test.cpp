@@ -102,7 +102,8 @@ TEST(Thresholds, EveryNumberOfARoomHasItsInequality) {
   for (const std::string name :
        {"recordings/quality/quality_numbers.hpp", "identification/check/check_thresholds.hpp",
         "identification/fleet/fleet_numbers.hpp", "comparison/comparison_numbers.hpp",
-        "watch/watch_numbers.hpp", "estimation/estimation_numbers.hpp", "identification/identification_numbers.hpp"}) {
+        "watch/watch_numbers.hpp", "estimation/estimation_numbers.hpp", "identification/identification_numbers.hpp",
+        "calibration/links/links_numbers.hpp"}) {
     std::ifstream file(std::string(VERIDYN_SOURCE_DIR) + "/src/" + name);
     ASSERT_TRUE(file.good()) << name;
     std::string line, comment;

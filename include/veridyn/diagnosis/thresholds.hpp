@@ -25,7 +25,6 @@ struct Thresholds {
   double fewest_folds = 4.0;
   double compact_load = 0.8;
   double impossible_fall = 1.2;
-  double near_duplicate = 5.0;
   double held_out_worse = 0.02;
   double main_share = 0.9;
   double negative_friction = 6.0;

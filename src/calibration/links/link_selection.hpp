@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "calibration/links/link_fit.hpp"
+#include "calibration/links/links_numbers.hpp"
 
 namespace veridyn::internal {
 
@@ -18,7 +19,7 @@ struct LinkChoice {
 /// `leave_out_loose`, parameters whose uncertainty would be too large are removed one by one, worst
 /// first, and dependent ones that are well determined without these take their place.
 LinkChoice identifiable_links(const LinkParameters& parameters, const LinkNormal& normal,
-                              bool leave_out_loose = true);
+                              const LinksNumbers& numbers, bool leave_out_loose = true);
 
 /// Deviations of the active parameters, (active), for residuals of variance one.
 VectorXd deviations(const LinkNormal& normal, const std::vector<int>& active);

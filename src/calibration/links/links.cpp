@@ -12,6 +12,7 @@
 #include "calibration/contradiction.hpp"
 #include "calibration/deviations.hpp"
 #include "calibration/links/link_selection.hpp"
+#include "calibration/links/links_numbers.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
@@ -20,21 +21,7 @@ namespace {
 using namespace internal;  // NOLINT: the parts of this very calibration
 using Kind = LinkParameter::Kind;
 
-constexpr int kFewestFrames = 10;
-// [m] median distance within which poses agree with the file's.
-constexpr double kNearPosition = 0.05;
-constexpr double kNearAngle = 5.0 * M_PI / 180.0;
-// Largest error of an encoder's zero in an arm that was homed by its marks; beyond, a constant of the
-// file that explains the poses as well is the likelier one.
-constexpr double kHomedAngle = 2.0 * M_PI / 180.0;
-constexpr double kHomedPosition = 0.005;  // [m]
-constexpr double kAsGood = 1.15;  // ratio of the noise with known and with free base and tool
 constexpr double kSameGain = 1e-6;             // relative difference of equal gains
-constexpr double kRival = 0.98;  // share of the best gain above which constants are confounded
-constexpr double kSignificant = 5.0;  // standard deviations that a named constant must have
-constexpr double kMisplaced = 0.5;   // largest relative change of a named constant
-// A named constant may change ten times as much as a plain number.
-constexpr double kPreferred = 0.1;
 constexpr int kHeldOutBlocks = 80;
 constexpr double kNoise = 1e-9;  // [m] smaller differences of constants are rounding
 
@@ -50,6 +37,9 @@ int last_frame(const Model& arm) {
 
 // One hypothesis about base and tool: its parameters, fitted in full.
 struct Attachment {
+  explicit Attachment(const LinksNumbers& given) : numbers(&given) {}
+
+  const LinksNumbers* numbers;
   bool base_free = false, tool_free = false;
   std::unique_ptr<LinkParameters> parameters;
   std::unique_ptr<LinkChain> chain;
@@ -66,8 +56,8 @@ std::vector<int> every_row(int frames) {
 }
 
 Attachment attach(const Model& arm, int frame, const PoseCapture& poses, bool base_free,
-                  bool tool_free, const LinksOptions& options) {
-  Attachment a;
+                  bool tool_free, const LinksOptions& options, const LinksNumbers& numbers) {
+  Attachment a(numbers);
   a.base_free = base_free;
   a.tool_free = tool_free;
   a.parameters = std::make_unique<LinkParameters>(arm, frame, base_free, tool_free,
@@ -90,7 +80,7 @@ Attachment attach(const Model& arm, int frame, const PoseCapture& poses, bool ba
   for (int round = 0; round < 2; ++round) {
     const LinkNormal normal = link_normal(*a.chain, a.data, round == 0 ? a.start : a.x);
     // The residual includes wrong constants at first, so that only rank decides.
-    a.choice = identifiable_links(*a.parameters, normal, round > 0);
+    a.choice = identifiable_links(*a.parameters, normal, numbers, round > 0);
     VectorXd from = round == 0 ? a.start : a.x;
     for (int k = 0; k < from.size(); ++k) {
       if (!std::binary_search(a.choice.independent.begin(), a.choice.independent.end(), k))
@@ -101,19 +91,19 @@ Attachment attach(const Model& arm, int frame, const PoseCapture& poses, bool ba
   return a;
 }
 
-bool near_file(const Model& arm, int frame, const PoseCapture& poses) {
+bool near_file(const Model& arm, int frame, const PoseCapture& poses, const LinksNumbers& numbers) {
   const LinkParameters none(arm, frame, false, false, true);
   LinkChain chain(none, Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity());
   LinkData data;
   data.poses = &poses;
   data.rows = every_row(poses.frames());
   LinkErrors errors = link_errors(chain, data, VectorXd::Zero(none.size()));
-  return median(errors.position) < kNearPosition &&
-         (!poses.has_orientation || median(errors.angle) < kNearAngle);
+  return median(errors.position) < numbers.near_position &&
+         (!poses.has_orientation || median(errors.angle) < numbers.near_angle);
 }
 
 Attachment chosen_attachment(const Model& arm, int frame, const PoseCapture& poses,
-                             const LinksOptions& options) {
+                             const LinksOptions& options, const LinksNumbers& numbers) {
   const auto is = [](AttachedPose p, AttachedPose q) { return p == q; };
   const bool open = is(options.base, AttachedPose::kAutomatic) ||
                     is(options.tool, AttachedPose::kAutomatic);
@@ -124,15 +114,15 @@ Attachment chosen_attachment(const Model& arm, int frame, const PoseCapture& pos
     const bool tool = is(options.tool, AttachedPose::kAutomatic)
                           ? automatic
                           : is(options.tool, AttachedPose::kFree);
-    return attach(arm, frame, poses, base, tool, options);
+    return attach(arm, frame, poses, base, tool, options, numbers);
   };
   if (!open) return with(false);
   Attachment free = with(true);
-  if (!near_file(arm, frame, poses)) return free;
+  if (!near_file(arm, frame, poses, numbers)) return free;
   Attachment known = with(false);
   const bool as_good =
-      known.data.noise.position <= kAsGood * free.data.noise.position + kNoise &&
-      known.data.noise.angle <= kAsGood * free.data.noise.angle + kNoise;
+      known.data.noise.position <= numbers.as_good * free.data.noise.position + kNoise &&
+      known.data.noise.angle <= numbers.as_good * free.data.noise.angle + kNoise;
   return as_good ? std::move(known) : std::move(free);
 }
 
@@ -153,15 +143,15 @@ std::vector<int> joined(const std::vector<int>& a, const std::vector<int>& b) {
 
 // Relative change of a constant; constants that are zero by design change last. An encoder zero comes
 // before all others.
-double relative_change(const LinkParameter& p, const LinkGain& gain) {
+double relative_change(const LinkParameter& p, const LinkGain& gain, const LinksNumbers& numbers) {
   constexpr double kNever = std::numeric_limits<double>::infinity();
-  if (p.kind == Kind::kZero && std::abs(gain.step) < (p.is_angle() ? kHomedAngle : kHomedPosition))
+  if (p.kind == Kind::kZero && std::abs(gain.step) < (p.is_angle() ? numbers.homed_angle : numbers.homed_position))
     return 0.0;
   if (std::abs(p.file) < kNoise) return kNever;
   const double change = std::abs(gain.step / p.file);
   if (p.kind != Kind::kConstant) return change;
   // A constant that would change by more than half is probably not the wrong one.
-  return change > kMisplaced ? kNever : kPreferred * change;
+  return change > numbers.misplaced ? kNever : numbers.preferred * change;
 }
 
 // How many of base and tool are where the file has them, with these parameters fitted.
@@ -176,7 +166,7 @@ int attached_as_in_file(Attachment& a, const std::vector<int>& active, const Vec
     const Eigen::Isometry3d& T = p.kind == Kind::kBase ? a.chain->base() : a.chain->tool();
     const double off = p.index < 3 ? rotation_vector(T.linear())[p.index]
                                    : T.translation()[p.index - 3];
-    if (std::abs(off) > kSignificant * std::sqrt(correlation) * s[static_cast<Eigen::Index>(k)])
+    if (std::abs(off) > a.numbers->significant * std::sqrt(correlation) * s[static_cast<Eigen::Index>(k)])
       (p.kind == Kind::kBase ? base : tool) = false;
   }
   return static_cast<int>(base) + static_cast<int>(tool);
@@ -206,14 +196,14 @@ int best_gain(Attachment& a, const std::vector<int>& active, const std::vector<L
       own_in_file = attached_as_in_file(a, with, fitted_links(*a.chain, a.data, with, x, 0.0),
                                         correlation);
     }
-    const double own = relative_change(all[k], gain[k]);
+    const double own = relative_change(all[k], gain[k], *a.numbers);
     if (best >= 0 && (own_in_file < in_file || (own_in_file == in_file && !(own < change)))) continue;
     best = k;
     in_file = own_in_file;
     change = own;
   }
   for (int k = 0; k < a.parameters->size(); ++k) {
-    if (k == best || gain[k].gain < kRival * most) continue;
+    if (k == best || gain[k].gain < a.numbers->rival * most) continue;
     rivals += (rivals.empty() ? "" : ", ") + all[k].full_name();
   }
   return best;
@@ -225,7 +215,7 @@ void drop_superfluous(Attachment& a, Explanation& e, double correlation) {
     const std::vector<int> active = joined(a.attached, e.named);
     const VectorXd s = deviations(link_normal(*a.chain, a.data, e.x), active);
     const auto at = std::find(active.begin(), active.end(), e.named[k]) - active.begin();
-    if (std::abs(e.x[e.named[k]]) > kSignificant * std::sqrt(correlation) * s[at]) {
+    if (std::abs(e.x[e.named[k]]) > a.numbers->significant * std::sqrt(correlation) * s[at]) {
       ++k;
       continue;
     }
@@ -378,11 +368,11 @@ std::string no_fit(const Model& arm, const Attachment& a, const std::string& fra
          beyond_limits(arm, *a.data.poses);
 }
 
-std::string why_not(const Model& arm, const PoseCapture& poses) {
+std::string why_not(const Model& arm, const PoseCapture& poses, int fewest) {
   if (!poses.fault.empty()) return poses.fault;
-  if (poses.frames() < kFewestFrames)
+  if (poses.frames() < fewest)
     return fmt::format("too few frames: {} with a pose and all joints, and {} or more are needed",
-                       poses.frames(), kFewestFrames);
+                       poses.frames(), fewest);
   const VectorXd range = poses.q.colwise().maxCoeff() - poses.q.colwise().minCoeff();
   std::string still;
   for (int i = 0; i < arm.joints(); ++i) {
@@ -395,8 +385,30 @@ std::string why_not(const Model& arm, const PoseCapture& poses) {
 
 }  // namespace
 
-LinksCalibration calibrate_links(const Model& arm, const PoseCapture& poses,
-                                 const LinksOptions& options) {
+const std::vector<TableNumber<LinksNumbers>>& links_numbers() {
+  using T = LinksNumbers;
+  static const std::vector<TableNumber<T>> kAll = {number_of<&T::fewest_frames>("fewest_frames"),
+                                                   number_of<&T::near_position>("near_position"),
+                                                   number_of<&T::near_angle>("near_angle"),
+                                                   number_of<&T::as_good>("as_good"),
+                                                   number_of<&T::homed_angle>("homed_angle"),
+                                                   number_of<&T::homed_position>("homed_position"),
+                                                   number_of<&T::rival>("rival"),
+                                                   number_of<&T::significant>("significant"),
+                                                   number_of<&T::misplaced>("misplaced"),
+                                                   number_of<&T::preferred>("preferred"),
+                                                   number_of<&T::loose_length>("loose_length"),
+                                                   number_of<&T::loose_angle>("loose_angle"),
+                                                   number_of<&T::loose_ratio>("loose_ratio")};
+  return kAll;
+}
+
+LinksCalibration calibrate_links(const Model& arm, const PoseCapture& poses, const LinksOptions& options) {
+  return calibrate_links(arm, poses, options, LinksNumbers());
+}
+
+LinksCalibration calibrate_links(const Model& arm, const PoseCapture& poses, const LinksOptions& options,
+                                 const LinksNumbers& numbers) {
   const auto began = std::chrono::steady_clock::now();
   require(poses.q.cols() == arm.joints(), poses.source, ": found ",
           poses.q.cols() == 0 ? std::string("no columns of joints")
@@ -409,9 +421,9 @@ LinksCalibration calibrate_links(const Model& arm, const PoseCapture& poses,
   out.source = poses.source;
   out.frame = arm.frames()[frame].name;
   out.frames = poses.frames();
-  out.reason = why_not(arm, poses);
+  out.reason = why_not(arm, poses, numbers.fewest_frames);
   if (!out.reason.empty()) return out;
-  Attachment a = chosen_attachment(arm, frame, poses, options);
+  Attachment a = chosen_attachment(arm, frame, poses, options, numbers);
   out.base_free = a.base_free;
   out.tool_free = a.tool_free;
   out.rank_gap = a.choice.rank_gap;

@@ -205,9 +205,13 @@ double Examiner::p_value(int h, const BaselineFit& before,
   return std::min(1.0, 2.0 * std::min(best, wald_p_value(x, solutions)));
 }
 
-std::vector<Evidence> Examiner::evaluate_all(const std::vector<int>& chosen) const {
+const std::vector<Evidence>& Examiner::evaluate_all(const std::vector<int>& chosen) const {
+  for (auto at = evaluated_.begin(); at != evaluated_.end();)  // of smaller selections, which are over
+    at = at->first.size() + 1 < chosen.size() ? evaluated_.erase(at) : std::next(at);
+  const auto [kept, is_new] = evaluated_.try_emplace(chosen, hypotheses_.size());
+  std::vector<Evidence>& all = kept->second;
+  if (!is_new) return all;
   const std::unique_ptr<BaselineFit> before = baseline(chosen);
-  std::vector<Evidence> all(hypotheses_.size());
   std::mutex told;
   int tested = 0;
   parallel_for(hypotheses(), options_.identification.threads, [&](int h) {

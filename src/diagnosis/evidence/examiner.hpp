@@ -1,6 +1,7 @@
 #pragma once
 
 #include <deque>
+#include <map>
 #include <memory>
 #include <vector>
 
@@ -49,8 +50,9 @@ class Examiner {
   /// Evidence::gain of several hypotheses together.
   double gain_of(const std::vector<int>& hypotheses, const BaselineFit& before) const;
 
-  /// evaluate() for every hypothesis that is not chosen, beside the chosen ones.
-  std::vector<Evidence> evaluate_all(const std::vector<int>& chosen) const;
+  /// evaluate() for every hypothesis that is not chosen, beside the chosen ones. Answers are kept: a selection asks the
+  /// same again when it looks for a swap, for one more and for rivals.
+  const std::vector<Evidence>& evaluate_all(const std::vector<int>& chosen) const;
 
   /// True if the evidence suffices for acceptance.
   bool passes(const Evidence& e) const;
@@ -98,6 +100,7 @@ class Examiner {
   std::vector<const NormalBlocks::Sums*> folds_;
   std::vector<ColumnSet> columns_;
   double asked_ = 1.0;  // candidates
+  mutable std::map<std::vector<int>, std::vector<Evidence>> evaluated_;  // by what is chosen
 };
 
 }  // namespace veridyn

@@ -115,7 +115,7 @@ class Selector {
   }
 
   bool add_one() {
-    std::vector<Evidence> all = examiner_.evaluate_all(chosen());
+    const std::vector<Evidence>& all = examiner_.evaluate_all(chosen());
     std::vector<Evidence> good;
     for (const Evidence& e : all) {
       if (may_be_taken(e)) good.push_back(e);
@@ -197,7 +197,7 @@ class Selector {
       std::vector<int> others = chosen();
       const int own = others[k];
       others.erase(others.begin() + static_cast<long>(k));
-      const std::vector<Evidence> all = examiner_.evaluate_all(others);
+      const std::vector<Evidence>& all = examiner_.evaluate_all(others);
       Evidence best = all[own];
       const double needed = std::max(best.gain, 0.0) + options_.thresholds.smallest_gain;
       for (const Evidence& e : all) {
@@ -288,7 +288,7 @@ class Selector {
     for (size_t k = 0; k < all.size(); ++k) {
       std::vector<int> others = all;
       others.erase(others.begin() + static_cast<long>(k));
-      const std::vector<Evidence> instead = examiner_.evaluate_all(others);
+      const std::vector<Evidence>& instead = examiner_.evaluate_all(others);
       const double own_gain = instead[all[k]].gain;
       std::set<Candidate> named = {examiner_.hypothesis(all[k])};
       std::vector<Evidence> rivals;

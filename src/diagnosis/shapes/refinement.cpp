@@ -1,7 +1,6 @@
 #include "diagnosis/shapes/refinement.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 #include <utility>
 
@@ -9,67 +8,6 @@
 
 namespace veridyn {
 namespace {
-
-// Two terms of one candidate whose constants lie near each other.
-std::optional<size_t> second_twin(const CandidateData& asked, const Selection& selection,
-                                  double near_duplicate) {
-  const auto hypothesis = [&](size_t k) -> const Hypothesis& {
-    return asked.augmented
-        .hypotheses[selection.accepted[k].evidence.hypothesis];
-  };
-  for (size_t second = 1; second < selection.accepted.size(); ++second) {
-    for (size_t first = 0; first < second; ++first) {
-      const Hypothesis& a = hypothesis(first);
-      const Hypothesis& b = hypothesis(second);
-      if (!same_candidate(a, b) || is_load(a)) continue;
-      const auto& others = term_of(asked.augmented.model, b).values;
-      bool near = true;
-      for (const auto& [key, value] : term_of(asked.augmented.model, a).values) {
-        const auto other = others.find(key);
-        if (other == others.end() || value <= 0.0) continue;
-        near = near && std::abs(std::log(other->second / value)) < std::log(near_duplicate);
-      }
-      if (near) return second;
-    }
-  }
-  return std::nullopt;
-}
-
-ColumnSet all_columns(const CandidateData& q, const NormalBlocks& data) {
-  ColumnSet set = q.base;
-  for (const Hypothesis& h : q.augmented.hypotheses) {
-    const ColumnSet own = columns_of(data, h);
-    set.insert(set.end(), own.begin(), own.end());
-  }
-  return set;
-}
-
-// Two memories of one joint at adjacent grid values may be a single one in between: one is dropped
-// if the other, refined alone, predicts held-out data as well.
-void merge_twins(const Identification& start, const CandidateData& asked, Selection& selection,
-                 bool changes, const std::vector<std::string>& train,
-                 const DiagnosisOptions& options) {
-  const IdentificationOptions& how = options.identification;
-  const auto refined = [&](const Selection& s) {
-    return prepare(start, refine_shapes(start, asked, s, changes, train, how).model, changes, train,
-                   {}, how);
-  };
-  std::optional<CandidateData> two;
-  while (const std::optional<size_t> second = second_twin(asked, selection, options.thresholds.near_duplicate)) {
-    if (!two) two.emplace(refined(selection));
-    Selection merged = selection;
-    merged.accepted.erase(merged.accepted.begin() + static_cast<long>(*second));
-    CandidateData one = refined(merged);
-    const NormalBlocks two_data(two->train, two->columns);
-    const NormalBlocks one_data(one.train, one.columns);
-    if (fold_gain(one_data, all_columns(one, one_data), two_data, all_columns(*two, two_data),
-                  hold_out(options.thresholds)) >
-        options.thresholds.smallest_gain)
-      return;
-    selection = std::move(merged);
-    two.emplace(std::move(one));
-  }
-}
 
 // The best challenger of an accepted hypothesis that has constants of its own and no part yet.
 const Evidence* challenger(const CandidateData& asked, const Accepted& a, const std::set<int>& taken) {
@@ -92,7 +30,6 @@ Fit fit_accepted(const Identification& start, const CandidateData& asked, Select
   const IdentificationOptions& how = options.identification;
   std::optional<Fit> fit;
   std::vector<Shapes> known;
-  merge_twins(start, asked, selection, changes, train, options);
   while (true) {
     const RefinedShapes refined =
         refine_shapes(start, asked, selection, changes, train, how, known);

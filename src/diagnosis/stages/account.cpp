@@ -12,12 +12,10 @@
 #include "diagnosis/findings/next_experiment.hpp"
 #include "diagnosis/findings/right_to_a_name.hpp"
 #include "diagnosis/stages/diagnosis_state.hpp"
-#include "diagnosis/stages/asked_tables.hpp"
 #include "diagnosis/unnamed/dependence.hpp"
 #include "diagnosis/unnamed/shared_residual.hpp"
 #include "diagnosis/unnamed/tables.hpp"
 #include "diagnosis/unnamed/vibration.hpp"
-#include "effects/tabulated_force.hpp"
 #include "math/parallel.hpp"
 #include "math/signed_rank.hpp"
 #include "veridyn/effects/cause.hpp"
@@ -36,12 +34,6 @@ double error_of(const VectorXd& relative, int joint) {
 
 bool acts_on(const Finding& f, int joint) {
   return f.status == FindingStatus::kConfirmed && (!f.joint || f.joint->value == joint);
-}
-
-// Share of a joint's mean square that goes away.
-double gained_share(const VectorXd& before, const VectorXd& after, int joint) {
-  const double ratio = error_of(after, joint) / std::max(error_of(before, joint), numerics::kTiny);
-  return 1.0 - ratio * ratio;
 }
 
 // The error with so much of its mean square predicted.
@@ -192,7 +184,6 @@ class Account {
     for (int j = 0; j < n; ++j) left.push_back(add_findings(found[j], terms[j]));
     std::vector<double> named;
     for (int j = 0; j < n; ++j) named.push_back(held_out(d_.extended, j));
-    add_asked_tables(left);
     for (int j = 0; j < n; ++j)
       d_.joints.push_back(verdict_of(j, found[j], named[j], left[j]));
   }
@@ -369,68 +360,6 @@ class Account {
       d_.findings.push_back(std::move(f));
     }
     return error;
-  }
-
-  // Tests tables on joints above their floor whose residual depends on no signal: parameters of the
-  // arm may have absorbed the dependence.
-  void add_asked_tables(std::vector<double>& left) {
-    std::vector<int> joints;
-    for (size_t j = 0; j < left.size(); ++j) {
-      const int joint = static_cast<int>(j);
-      const double floor = error_of(d_.baseline.noise_floor, joint);
-      if (left[j] > limits_.at_floor * floor && !has_unnamed(joint)) joints.push_back(joint);
-    }
-    std::vector<AcceptedTable> tables = ask_tables(x_, signals_, joints);
-    if (tables.empty()) return;
-    // One after the other: those beside which held-out parts of the training recordings gain.
-    Identification so_far = d_.extended;
-    VectorXd folds = folds_;
-    for (AcceptedTable& t : tables) {
-      const int j = t.joint.value;
-      if (has_unnamed(j)) continue;
-      ModelDescription description = so_far.model->description();
-      description.identified.reset();
-      description.effects.push_back(with_values(t));
-      Identification with = x_.fit(Model(std::move(description)));
-      if (!with.model) continue;
-      Finding f;
-      f.cause = NewEffect{UnnamedShape::kName, t.joint};
-      f.joint = t.joint;
-      f.unit = t.shape.effort;
-      f.gain = t.gain;
-      f.p_value = t.p_value;
-      f.test_before = so_far.test_error.relative;
-      f.test_after = with.test_error.relative;
-      f.folds_before = folds;
-      f.folds_after = x_.fold_errors(with).relative();
-      f.status = status_of(f);
-      const double share = gained_share(f.folds_before, f.folds_after, j);
-      if (f.status == FindingStatus::kNotConfirmed || share < (d_.provisional ? limits_.unnamed_share_of_one : limits_.unnamed_share)) continue;
-      f.explains = explained_share(f.test_before, f.test_after, d_.baseline);
-      t.shape.share = gained_share(f.test_before, f.test_after, j);
-      f.phrase = phrase_of(t.shape, share, f.held_out());
-      f.shape = std::move(t.shape);
-      unnamed_[j] = share;
-      left[j] = std::min(left[j], error_of(f.test_after, j));
-      folds = f.folds_after;
-      so_far = std::move(with);
-      d_.findings.push_back(std::move(f));
-    }
-  }
-
-  // With values as facts nothing is fitted: the table has the values with which it was accepted.
-  EffectTerm with_values(const AcceptedTable& t) const {
-    EffectTerm term = t.term;
-    if (!d_.changes) return term;
-    const std::vector<EffectParameter> parameters = find_effect(term.effect).parameters();
-    for (const EffectParameter& p : parameters) term.values[p.name] = 0.0;
-    for (const CurvePoint& p : t.shape.curve) {
-      for (int k = 0; k < kTableNodes; ++k) {
-        if (k == kTableNodes / 2 || p.at.front() != table_node(term.values.at("low"), term.values.at("high"), k)) continue;
-        term.values[parameters[k > kTableNodes / 2 ? k - 1 : k].name] = p.value;
-      }
-    }
-    return term;
   }
 
   bool has_unnamed(int joint) const { return has_curve(d_, joint); }
