@@ -87,6 +87,26 @@ TEST(ArmKinematics, PsmReachesThePoseAtItsSingularPlaces) {
   }
 }
 
+// The wrist in the remote centre, and the axis that `near` proposes along the axis of wrist yaw: any axis across that
+// one will do, whichever way it points.
+TEST(ArmKinematics, PsmWristInTheRemoteCentreWithNothingToGoBy) {
+  const ArmFacts arm = read_arm("PSM1");
+  const PsmKinematics kinematics(arm);
+  const Chain chain(arm);
+  PsmKinematics::Joints q = PsmKinematics::Joints::Zero();
+  q[2] = 0.4318 - 0.4162 - 0.0091;  // the axis of wrist yaw passes through the remote centre
+  for (const double roll : {0.0, M_PI / 2.0}) {
+    q[3] = roll;
+    PsmKinematics::Joints near_q = q;
+    near_q[3] += M_PI / 2.0;
+    const Eigen::Matrix4d T = chain.forward(q);
+    const InverseSolution<6> found = kinematics.inverse(T, near_q);
+    EXPECT_TRUE(found.q.allFinite());
+    EXPECT_NE(found.status, InverseStatus::kOutOfReach);
+    EXPECT_TRUE(near(chain.forward(found.q), T, 1e-9)) << roll << ": " << found.q.transpose();
+  }
+}
+
 TEST(ArmKinematics, PsmBeyondItsLimitsIsSaidAndReached) {
   const ArmFacts arm = read_arm("PSM1");
   const PsmKinematics kinematics(arm);
@@ -270,6 +290,16 @@ TEST(ArmKinematics, WholeTurnsKeepToTheRange) {
   EXPECT_NEAR(wrapped(1.0, -4.0), 1.0, 1e-15);                // and so is -5.28
   EXPECT_NEAR(wrapped(limit + 1e-12, limit), limit, 1e-11);   // rounding is no turn
   EXPECT_NEAR(wrapped(1.0 + 6.0 * M_PI, 0.0), 1.0, 1e-13);
+  // An angle that no turn brings into the range stays the one nearest to where the arm is.
+  JointRanges<6> narrow = ranges;
+  narrow.lower[3] = -0.5;
+  narrow.upper[3] = 0.5;
+  for (const double side : {1.0, -1.0}) {
+    Joints q = Joints::Unit(3) * side;
+    narrow.wrap(q, Joints::Zero());
+    EXPECT_NEAR(q[3], side, 1e-15);
+    EXPECT_FALSE(narrow.contain(q));
+  }
 }
 
 TEST(ArmKinematics, ChainsOfAnotherFormAreRefused) {
