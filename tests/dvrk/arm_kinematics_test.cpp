@@ -87,21 +87,19 @@ TEST(ArmKinematics, PsmReachesThePoseAtItsSingularPlaces) {
   }
 }
 
-// The wrist in the remote centre, and the axis that `near` proposes along the axis of wrist yaw: any axis across that
-// one will do, whichever way it points.
+// The wrist in the remote centre, and the axis of wrist pitch that `near` proposes along that of wrist yaw: any axis
+// across the latter will do, whichever way it points.
 TEST(ArmKinematics, PsmWristInTheRemoteCentreWithNothingToGoBy) {
-  const ArmFacts arm = read_arm("PSM1");
+  ArmFacts arm = read_arm("PSM1");
+  arm.T_last_tip.setIdentity();
   const PsmKinematics kinematics(arm);
   const Chain chain(arm);
-  PsmKinematics::Joints q = PsmKinematics::Joints::Zero();
-  q[2] = 0.4318 - 0.4162 - 0.0091;  // the axis of wrist yaw passes through the remote centre
-  for (const double roll : {0.0, M_PI / 2.0}) {
-    q[3] = roll;
-    PsmKinematics::Joints near_q = q;
-    near_q[3] += M_PI / 2.0;
-    const Eigen::Matrix4d T = chain.forward(q);
-    const InverseSolution<6> found = kinematics.inverse(T, near_q);
-    EXPECT_TRUE(found.q.allFinite());
+  for (const auto& [axis, roll] : {std::pair(Eigen::Vector3d::UnitX().eval(), 0.0), std::pair(Eigen::Vector3d::UnitY().eval(), M_PI / 2.0)}) {
+    Eigen::Matrix4d T = Eigen::Matrix4d::Identity();
+    T.col(0).head<3>() = Eigen::Vector3d(axis.y(), axis.x(), 0.0);
+    T.col(1).head<3>() = axis.cross(T.col(0).head<3>());
+    T.col(2).head<3>() = axis;
+    const InverseSolution<6> found = kinematics.inverse(T, PsmKinematics::Joints::Unit(3) * roll);
     EXPECT_NE(found.status, InverseStatus::kOutOfReach);
     EXPECT_TRUE(near(chain.forward(found.q), T, 1e-9)) << roll << ": " << found.q.transpose();
   }

@@ -157,7 +157,7 @@ class ForceChannel {
   std::optional<long> number_;  // of the last sample
   long beyond_range_ = 0, jumps_ = 0, refused_ = 0;
   long good_ = 0, bad_ = 0;  // counts within the window
-  long alike_ = 0;
+  int alike_ = 0;
 };
 
 }  // namespace veridyn
