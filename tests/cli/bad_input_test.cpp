@@ -280,7 +280,7 @@ TEST_F(BadInput, NumbersOfNoArmAreRefusedWithTheRobot) {
   const struct {
     const char *from, *to, *word;
   } cases[] = {
-      {"gravity: [0", "gravity: [1e300", "gravity is beyond"},
+      {"gravity: [0", "gravity: [1e300", "robot.yaml: arm 'planar-2r': gravity is beyond"},
       {"dh: [l1", "dh: [1e200", "frame 'upper'"},
       {"com: [-l1/2", "com: [1e200", "no finite number"},
       {"revolute: {shoulder: 1}", "revolute: {shoulder: 1e300}", "frame 'upper'"},

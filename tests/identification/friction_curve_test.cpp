@@ -55,7 +55,7 @@ TEST(FrictionCurves, AreOfTheMeanPosition) {
   ASSERT_EQ(curves.size(), 1U);
   const FrictionCurve& c = curves.front();
   for (Eigen::Index k = 0; k < c.velocity.size(); ++k)
-    EXPECT_NEAR(c.torque[k], 0.3 * (0.7 + 0.25 - 0.1) * c.velocity[k], 0.01) << c.velocity[k];  // the last step to there is missing
+    EXPECT_NEAR(c.torque[k], 0.3 * (0.7 + 0.25 - 0.1) * c.velocity[k], 1e-9) << c.velocity[k];
 }
 
 }  // namespace
