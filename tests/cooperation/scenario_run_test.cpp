@@ -217,15 +217,21 @@ TEST(ScenarioRun, TheSameSeedGivesTheSameRun) {
   EXPECT_NE(a.member[0].force, c.member[0].force);
 }
 
-// The last error of a phase is that of its last row, and not of the first of the next phase.
-TEST(ScenarioRun, TheErrorAtAPhasesEndIsOfItsLastRow) {
+// What a phase says of its end is of its last row, and of its last fifth; not of the phase before or after.
+TEST(ScenarioRun, FiguresOfAPhasesEndAreOfItsLastRows) {
   const Scenario s = example("two-arms-spring");
   const ScenarioRun run = run_scenario(s);
   const ArmTrace& leader = run.arm[s.master];
   for (const PhaseFigures& p : run.phases) {
-    Eigen::Index last = 0;
+    Eigen::Index first = 0, last = 0;
+    while (run.time[first] < p.from + 0.5 / s.control.rate) ++first;
     while (last + 1 < run.time.size() && run.time[last + 1] < p.to + 0.5 / s.control.rate) ++last;
     EXPECT_NEAR(p.final_position_error, (leader.tip.row(last) - leader.motion.row(last)).norm(), 1e-15) << p.phase;
+    const MemberTrace& m = run.member[0];
+    const Eigen::Index fifth = (last - first + 1) / 5;
+    const VectorXd error = (m.force - m.wanted).segment(last - fifth + 1, fifth);
+    EXPECT_NEAR(p.members[0].mean_error, error.mean(), 1e-12) << p.phase;
+    EXPECT_NEAR(p.members[0].steady_error, error.cwiseAbs().maxCoeff(), 1e-12) << p.phase;
   }
 }
 
