@@ -1,6 +1,7 @@
 """Mutants of sources: small breaks, each of which the tests of its folder must notice.
 
     mutants.py BUILD [WORD...]    those whose file or test has one of the words; all without words
+    mutants.py list               counts them: what they change must be in the sources
 
 A mutant is a file, a piece of it that occurs once, what takes its place, and the test programs one of
 which has to fail. MUTANTS are chosen by hand; GENERATED says how many operators of a file are turned
@@ -28,21 +29,19 @@ MUTANTS = [
     ("dvrk/protocol/hub_block.cpp", "header.sequence == (sequence & 0xFF) && !header.mismatch", "header.sequence == (sequence & 0xFF)", ["dvrk_io"]),
     ("dvrk/protocol/hub_block.cpp", "h.mismatch = (word & 0x8000U) != 0;", "h.mismatch = false;", ["dvrk_io"]),
     ("dvrk/protocol/hub_block.cpp", "word & (firmware >= 9 ? kTime15 : kTime14)", "word & kTime14", ["dvrk_io"]),
-    ("watch/noise.cpp", "a[0] = std::clamp(a[0], -kLargestPole * (1.0 - a[1]), kLargestPole * (1.0 - a[1]));", "", ["watch"]),
-    ("watch/noise.cpp", "a[1] = std::clamp(a[1], -kLargestPole, kLargestPole);", "", ["watch"]),
-    ("watch/noise.cpp", "round < kRounds", "round < 0", ["watch"]),
-    ("watch/noise.cpp", "kUnlearned * novelty(step, j) > deviation_[j]", "false", ["watch"]),
+    ("watch/noise.cpp", "a[0] = std::clamp(a[0], -numbers_.largest_pole * (1.0 - a[1]), numbers_.largest_pole * (1.0 - a[1]));", "", ["watch"]),
+    ("watch/noise.cpp", "a[1] = std::clamp(a[1], -numbers_.largest_pole, numbers_.largest_pole);", "", ["watch"]),
+    ("watch/noise.cpp", "0.5 * novelty(step, j) > deviation_[j]", "false", ["watch"]),
     ("watch/noise.cpp", "steps[k]->rest_friction2[j] <= 0.0", "true", ["watch"]),
     ("watch/noise.cpp", "!steps[k]->follows || !steps[k - 1]->follows || ", "", ["watch"]),
     ("watch/evidence.cpp", "const double fitted = std::pow(1.0 + 1.0 / windows, 2);", "const double fitted = 1.0;", ["watch"]),
     ("watch/evidence.cpp", "if (windows < 1.0) continue;", "", ["watch"]),
     ("watch/evidence.cpp", "A > kNothing ? std::clamp(b / A, least, largest) : 0.0", "A > kNothing ? b / A : 0.0", ["watch"]),
     ("watch/evidence.cpp", "if (step->time > latest || gain", "if (gain", ["watch"]),
-    ("watch/change.cpp", "above_ < kAboveInARow", "above_ < 1", ["watch"]),
-    ("watch/change.cpp", "refractory_until_ = step.time + kRefractoryTime;", "refractory_until_ = step.time;", ["watch"]),
-    ("watch/change.cpp", "open_->alarm, kPushEnds, price", "open_->alarm, 80.0, price", ["watch"]),
-    ("watch/change.cpp", "open_->likely >= kLikelyInARow", "open_->likely >= 1", ["watch"]),
-    ("watch/change.cpp", "< kReversalShare * std::abs", "< 0.0 * std::abs", ["watch"]),
+    ("watch/change.cpp", "above_ < numbers_.above_in_a_row", "above_ < 1", ["watch"]),
+    ("watch/change.cpp", "refractory_until_ = step.time + numbers_.refractory_time;", "refractory_until_ = step.time;", ["watch"]),
+    ("watch/change.cpp", "open_->alarm, numbers_.push_ends, price", "open_->alarm, 80.0, price", ["watch"]),
+    ("watch/change.cpp", "explained && best.gain - next > odds", "explained", ["watch"]),
     ("recordings/kept_recordings.cpp", "wanted < 0 || wanted > bytes_left_", "wanted < 0", ["recordings", "diagnosis"]),
     ("recordings/kept_recordings.cpp", "bytes_left_ -= wanted;", "", ["recordings", "diagnosis"]),
     ("recordings/files/whole_file.cpp", "size_ <= kLargestRead", "false", ["recordings"]),
@@ -264,4 +263,7 @@ def main(build, words):
 
 
 if __name__ == "__main__":
+    if sys.argv[1:] == ["list"]:
+        print(f"{len(list(all_mutants([])))} mutants")
+        sys.exit()
     sys.exit(main(sys.argv[1], sys.argv[2:]))
