@@ -68,7 +68,7 @@ std::string simulation_of(const ExportRequest& request, const Model& model, Robo
   return exists && robot_format(file) == format ? file : "";
 }
 
-struct XmlFile {
+struct XmlOutput {
   std::string path;
   const char* format;
   std::string from;  // a simulation's file that is brought up to date; empty: none
@@ -77,7 +77,7 @@ struct XmlFile {
 
 // All texts are made before one is written: a refusal leaves no file.
 void write_xml(const ExportRequest& request, const ExportedModel& out) {
-  std::vector<XmlFile> files;
+  std::vector<XmlOutput> files;
   if (!request.urdf.empty()) files.push_back({request.urdf, "URDF", "", to_urdf(out.arm, out.extras)});
   if (!request.mjcf.empty()) {
     const std::string from = simulation_of(request, out.arm, RobotFormat::kMjcf);
@@ -87,7 +87,7 @@ void write_xml(const ExportRequest& request, const ExportedModel& out) {
     const std::string from = simulation_of(request, out.arm, RobotFormat::kSdf);
     files.push_back({request.sdf, "SDF", from, from.empty() ? to_sdf(out.arm, out.extras) : ""});
   }
-  for (const XmlFile& file : files) {
+  for (const XmlOutput& file : files) {
     if (file.from.empty())
       write_simulation_xml(file.path, file.format, file.xml, request.quiet);
     else
