@@ -120,7 +120,7 @@ AxesCalibration calibrate_axes(const MarkerCapture& recorded, const AxesOptions&
   out.status = CalibrationStatus::kDone;
   double square = 0.0;
   for (const double r : out.residuals) square += r * r;
-  out.rms = std::sqrt(square / std::max<std::size_t>(1, out.residuals.size()));
+  out.rms = std::sqrt(square / static_cast<double>(std::max<std::size_t>(1, out.residuals.size())));
   return out;
 }
 

@@ -181,8 +181,8 @@ void compare_coordinates(const Model& before, const Model& after, Differences& o
                                "were recorded, all its torques scale with it.",
                                a.name, a.drive_gain, b.drive_gain)});
   }
-  const Eigen::Vector3d g = before.gravity();
-  const Eigen::Vector3d h = after.gravity();
+  const Eigen::Vector3d& g = before.gravity();
+  const Eigen::Vector3d& h = after.gravity();
   if (!same(g.x(), h.x()) || !same(g.y(), h.y()) || !same(g.z(), h.z())) {
     out.push_back({"gravity", fmt::format("gravity is [{:.5g}, {:.5g}, {:.5g}] before and [{:.5g}, "
                                           "{:.5g}, {:.5g}] after.",

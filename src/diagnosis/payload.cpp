@@ -222,7 +222,7 @@ std::string PayloadReport::report() const {
          "joints, on rows that the load was not fitted to; of a tie the outermost link comes first\n";
   const auto line = [&out](const char* name, const VectorXd& v) {
     out += fmt::format("  {:<22}", name);
-    for (Eigen::Index i = 0; i < v.size(); ++i) out += fmt::format("{:8.2f}", numerics::kPercent * v[i]);
+    for (Eigen::Index i = 0; i < v.size(); ++i) out += fmt::format(" {:7.2f}", numerics::kPercent * v[i]);
     out += "\n";
   };
   out += "errors, % of the torque, per joint\n";

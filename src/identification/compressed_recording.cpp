@@ -12,6 +12,7 @@
 #include "velocity_choice.hpp"
 #include "math/parallel.hpp"
 #include "recordings/kept_recordings.hpp"
+#include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {
@@ -196,7 +197,11 @@ CompressedRecording run_compress(const Model& arm, const std::string& source,
   out.facts = threads > 1 ? read_ahead(pass, visit) : pass(visit);
   out.blocks = blocks.take();
   for (const auto& block : out.blocks) {
-    for (const SquareRootInformation& factor : block) out.rows += factor.rows();
+    for (const SquareRootInformation& factor : block) {
+      require(factor.R().allFinite() && factor.z().allFinite(), source, ": torques of robot '", arm.name(),
+              "' are no finite numbers along this motion, expected numbers of the robot file in m, kg and rad.");
+      out.rows += factor.rows();
+    }
   }
   out.noise_floor = fold.relative_floor();
   return out;

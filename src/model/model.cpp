@@ -1,5 +1,6 @@
 #include "veridyn/model/model.hpp"
 
+#include <cmath>
 #include <set>
 #include <utility>
 
@@ -45,10 +46,22 @@ void place(Frame& frame, const DhRow& dh) {
   }
 }
 
+namespace {
+
+// Squares of torques, and sums of them, must stay numbers: a file that was written in other units or is broken is refused here.
+constexpr double kLargestNumber = 1e9;
+
+bool is_small(double x) { return std::abs(x) <= kLargestNumber; }  // and no NaN
+bool is_small(const Vec3<double>& p) { return is_small(p.x) && is_small(p.y) && is_small(p.z); }
+
+}  // namespace
+
 Model::Model(ModelDescription description) : description_(std::move(description)) {
   const int n = joints();
   const std::string where = text("arm '", description_.name, "'");
   require(n > 0, where, " has no coordinates.");
+  require((description_.gravity.array().abs() <= kLargestNumber).all(), where, ": gravity is beyond +-", kLargestNumber,
+          " m/s^2, expected that of a planet.");
   std::set<std::string> names;
   for (const Coordinate& c : description_.coordinates) {
     require(names.insert(c.name).second, where, ": coordinate '", c.name, "' stands twice.");
@@ -65,6 +78,10 @@ Model::Model(ModelDescription description) : description_(std::move(description)
     require(frame.variable.coefficients.size() == n, where, ": frame '", frame.name, "' has ",
             frame.variable.coefficients.size(), " joint coefficients, but there are ", n,
             " coordinates.");
+    require(is_small(frame.A.p) && is_small(frame.B.p) && is_small(frame.variable.offset) &&
+                (frame.variable.coefficients.array().abs() <= kLargestNumber).all(),
+            where, ": frame '", frame.name, "' has a length, an angle or a coefficient beyond +-", kLargestNumber,
+            ", expected those of an arm, in m and rad.");
     std::vector<char> support(n, 0);
     if (frame.parent) support = support_[frame.parent->value];
     for (int i = 0; i < n; ++i) {

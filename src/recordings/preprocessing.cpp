@@ -33,9 +33,11 @@ struct Filters {
   std::optional<ZeroPhaseFilter> light;
   Eigen::Index halo = kDerivatives;
 
-  Filters(const PreprocessingOptions& o, double dt) {
+  Filters(const PreprocessingOptions& o, double dt, const std::string& source) {
     const double rate = 1.0 / dt;
     if (o.cutoff <= 0.0) return;
+    require(o.cutoff < 0.5 * rate || o.cutoff != PreprocessingOptions().cutoff, source, ": found a sampling rate of ", rate,
+            " Hz, expected more than ", 2.0 * o.cutoff, " Hz, twice the filter's cut-off; --filter-cutoff changes it.");
     require(o.cutoff < 0.5 * rate, "--filter-cutoff: found ", o.cutoff,
             " Hz, expected above 0 and below ", 0.5 * rate, " Hz, half the sampling rate.");
     require(o.cutoff >= kSlowestCutoff * rate, "--filter-cutoff: found ", o.cutoff, " Hz, expected at least ",
@@ -116,7 +118,7 @@ PreparationFacts run(const Model& arm, const std::string& name, UniformStream::S
     source = [&sound](int wanted) { return sound.next(wanted); };
   UniformStream stream(arm, name, std::move(source), o);
   const double dt = stream.dt();
-  const Filters filters(o, dt);
+  const Filters filters(o, dt, name);
   PreparationFacts facts;
   facts.dt = dt;
   // Number of samples to read ahead: the filters settle, and the end to drop is known.

@@ -126,10 +126,7 @@ void NoiseModel::fit_today(const std::vector<Step>& quiet) {
       const int h = daily_[p];
       const int j = joint_of_[p];
       b[p] += w.X(j, h) * w.e[j];
-      for (Eigen::Index o = 0; o < count; ++o) {
-        const int other = daily_[o];
-        if (joint_of_[o] == j) A(p, o) += w.X(j, h) * w.X(j, other);
-      }
+      for (Eigen::Index o = 0; o < count; ++o) A(p, o) += w.X(j, h) * w.X(j, daily_[o]);
     }
   }
   past_.clear();

@@ -271,6 +271,54 @@ TEST_F(BadInput, EveryCommandRefusesWhatCannotBeAnswered) {
   }
 }
 
+// Numbers whose squares are none: refused where the robot is read, and not left to a decomposition.
+TEST_F(BadInput, NumbersOfNoArmAreRefusedWithTheRobot) {
+  const std::string recording = folder_.write("recording.csv", planar_recording(3.0));
+  const TemporaryFolder other;
+  ASSERT_EQ(run_tool({"export", "planar-2r", "--yaml", other.path("good.yaml"), "--quiet"}).status, 0);
+  const std::string good = content_of(other.path("good.yaml"));
+  const struct {
+    const char *from, *to, *word;
+  } cases[] = {
+      {"gravity: [0", "gravity: [1e300", "robot.yaml: arm 'planar-2r': gravity is beyond"},
+      {"dh: [l1", "dh: [1e200", "frame 'upper'"},
+      {"com: [-l1/2", "com: [1e200", "no finite number"},
+      {"revolute: {shoulder: 1}", "revolute: {shoulder: 1e300}", "frame 'upper'"},
+  };
+  for (const auto& one : cases) {
+    std::string text = good;
+    const auto at = text.find(one.from);
+    ASSERT_NE(at, std::string::npos) << one.from << " is not in " << good;
+    text.replace(at, std::string(one.from).size(), one.to);
+    const std::string robot = other.write("robot.yaml", text);
+    expect_refused(run_tool({"info", robot}), 3, {one.word});
+    expect_refused(identify(robot, recording), 3, {one.word});
+  }
+}
+
+// The default filter does not fit a rate as low as this: the recording is bad input, and no option was wrong.
+TEST_F(BadInput, ARateTooLowForTheFilterIsOfTheRecording) {
+  const std::string slow = changed(planar_recording(12.0), [](std::vector<double>& v) { v[0] *= 1e3; }, 1200);
+  const std::string recording = folder_.write("recording.csv", slow);
+  const ToolRun run = identify("planar-2r", recording);
+  EXPECT_EQ(run.status, 3) << run.err;
+  EXPECT_NE(run.err.find("recording.csv: found a sampling rate of 0.1 Hz, expected more than 10 Hz"), std::string::npos) << run.err;
+  EXPECT_EQ(run_tool({"identify", "planar-2r", "--train", recording, "--filter-cutoff", "1", "--quiet"}).status, 2);
+}
+
+// Of several formats one refuses: none is written.
+TEST_F(BadInput, AnExportThatIsRefusedLeavesNoFile) {
+  const TemporaryFolder other;
+  ASSERT_EQ(run_tool({"export", "planar-2r", "--yaml", other.path("good.yaml"), "--quiet"}).status, 0);
+  std::string text = content_of(other.path("good.yaml"));
+  const auto at = text.find("mass: ");
+  ASSERT_NE(at, std::string::npos) << text;
+  text.replace(at, text.find_first_of(",\n", at) - at, "mass: 0");
+  const ToolRun run = run_tool({"export", other.write("robot.yaml", text), "--urdf", folder_.path("a.urdf"), "--mjcf",
+                                folder_.path("b.xml"), "--sdf", folder_.path("c.sdf"), "--report", folder_.path("d.html"), "--quiet"});
+  expect_refused(run, 3, {"mass of 0 kg"});
+}
+
 TEST_F(BadInput, ASlowFilterIsRefusedInEveryCommand) {
   const std::string recording = folder_.write("recording.csv", planar_recording(3.0));
   const std::vector<Words> commands = {{"identify", "planar-2r", "--train", recording},
@@ -293,7 +341,7 @@ TEST_F(BadInput, CheckNamesTheUnreadableFile) {
 TEST(ProgramFault, AFullDiskBehindStandardOutputIsNotSuccess) {
   if (!std::ofstream("/dev/full").is_open()) GTEST_SKIP() << "no /dev/full here";
   const std::string command =
-      std::string(VERIDYN_TOOL) + " info planar-2r > /dev/full 2> /dev/null";
+      std::string(tool_program()) + " info planar-2r > /dev/full 2> /dev/null";
   EXPECT_NE(std::system(command.c_str()), 0);
 }
 

@@ -53,6 +53,27 @@ TEST(MomentumObserver, FollowsAnOuterTorqueAsAFirstOrderLag) {
   }
 }
 
+// After a fast motion the residual decays with the bandwidth, and the threshold no faster and no slower.
+TEST(MomentumObserver, TheThresholdDecaysAsTheResidualDoes) {
+  const Model& arm = sample_arms().at("elbow_6R");
+  const int n = arm.joints();
+  const Tip tip{last_frame(arm)};
+  ArmState state(arm, tip);
+  state.update(VectorXd::Constant(n, 0.3), VectorXd::Zero(n));
+  MomentumObserverOptions options;
+  options.bandwidth = 40.0;
+  MomentumObserver observer(arm, tip, options);
+  TorqueUncertainty uncertainty(arm, options.uncertainty);
+  const VectorXd none = VectorXd::Zero(n), fast = VectorXd::Constant(n, 20.0);
+  const VectorXd at_rest = uncertainty.update(state, none), moving = uncertainty.update(state, fast);
+  ASSERT_GT((moving - at_rest).minCoeff(), 0.0);
+  const double dt = 1e-3;
+  observer.update(state, state.bias(), fast, dt);
+  EXPECT_TRUE(near(observer.threshold(), moving, 1e-12 * moving.norm()));
+  for (int k = 0; k < 10; ++k) observer.update(state, state.bias(), none, dt);
+  EXPECT_TRUE(near(observer.threshold(), at_rest + std::exp(-40.0 * 10 * dt) * (moving - at_rest), 1e-12 * moving.norm()));
+}
+
 // The threshold against its definition: every parameter wrong by its own share, one after the
 // other, through inverse dynamics.
 TEST(TorqueUncertainty, IsTheRootSumOfSquaresOverTheParameters) {

@@ -67,6 +67,29 @@ TEST(ObjectImpedance, TheObjectMovesAsItsImpedanceSays) {
   EXPECT_NEAR(angular.norm(), 0.0, 1e-3);
 }
 
+// Targets of the hands are points of the object where it is wanted: velocities and accelerations are the derivatives of positions.
+TEST(ObjectImpedance, TargetsAreOneMotion) {
+  const ObjectImpedanceOptions o = object(3);
+  ObjectImpedance control(o);
+  const Vector3d spin(2.0, -1.0, 3.0), velocity(0.2, 0.1, -0.3);
+  const auto wanted_at = [&](double t) {
+    ObjectMotion m = somewhere();
+    m.position += velocity * t;
+    m.rotation = Eigen::AngleAxisd(spin.norm() * t, spin.normalized()) * m.rotation;
+    m.velocity = velocity;
+    m.spin = spin;
+    return m;
+  };
+  const double h = 1e-4;
+  const std::vector<TipTarget> before = control.update(somewhere(), wanted_at(-h), Vector3d::Zero(), Vector3d::Zero());
+  const std::vector<TipTarget> at = control.update(somewhere(), wanted_at(0.0), Vector3d::Zero(), Vector3d::Zero());
+  const std::vector<TipTarget> after = control.update(somewhere(), wanted_at(h), Vector3d::Zero(), Vector3d::Zero());
+  for (size_t i = 0; i < 3; ++i) {
+    EXPECT_LT(((after[i].position - before[i].position) / (2.0 * h) - at[i].velocity).norm(), 1e-6);
+    EXPECT_LT(((after[i].velocity - before[i].velocity) / (2.0 * h) - at[i].acceleration).norm(), 1e-6);
+  }
+}
+
 TEST(ObjectImpedance, InternalForcesMoveNothing) {
   ObjectImpedance plain(object(3));
   ObjectImpedance squeezed(object(3));

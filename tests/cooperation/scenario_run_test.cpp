@@ -3,8 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <set>
 #include <string>
 
+#include "cooperation/loop_gains.hpp"
+#include "cooperation/motion_plan.hpp"
+#include "cooperation/scenario/scenario_models.hpp"
 #include "veridyn/cooperation/scenario_sweep.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -211,6 +215,50 @@ TEST(ScenarioRun, TheSameSeedGivesTheSameRun) {
   const ScenarioRun c = run_scenario(s);
   EXPECT_EQ(a.member[0].force, b.member[0].force);
   EXPECT_NE(a.member[0].force, c.member[0].force);
+}
+
+// What a phase says of its end is of its last row, and of its last fifth; not of the phase before or after.
+TEST(ScenarioRun, FiguresOfAPhasesEndAreOfItsLastRows) {
+  const Scenario s = example("two-arms-spring");
+  const ScenarioRun run = run_scenario(s);
+  const ArmTrace& leader = run.arm[s.master];
+  for (const PhaseFigures& p : run.phases) {
+    Eigen::Index first = 0, last = 0;
+    while (run.time[first] < p.from + 0.5 / s.control.rate) ++first;
+    while (last + 1 < run.time.size() && run.time[last + 1] < p.to + 0.5 / s.control.rate) ++last;
+    EXPECT_NEAR(p.final_position_error, (leader.tip.row(last) - leader.motion.row(last)).norm(), 1e-15) << p.phase;
+    const MemberTrace& m = run.member[0];
+    const Eigen::Index fifth = (last - first + 1) / 5;
+    const VectorXd error = (m.force - m.wanted).segment(last - fifth + 1, fifth);
+    EXPECT_NEAR(p.members[0].mean_error, error.mean(), 1e-12) << p.phase;
+    EXPECT_NEAR(p.members[0].steady_error, error.cwiseAbs().maxCoeff(), 1e-12) << p.phase;
+  }
+}
+
+// Channels of one sensor, and sensors of two walls, do not share their noise.
+TEST(ScenarioRun, EverySensorHasNoiseOfItsOwn) {
+  Scenario s = example("tissue-three-axes");
+  s.walls.push_back(s.walls.front());
+  std::set<unsigned> seeds;
+  for (int wall = 0; wall < 2; ++wall) {
+    for (int channel = 0; channel < 3; ++channel) seeds.insert(wall_sensor_options(s, wall, channel).seed);
+  }
+  EXPECT_EQ(seeds.size(), 6U);
+}
+
+// The tissue's drag slows a planned tip as it slows a real one: it lags by the drag over the stiffness, times the speed.
+TEST(MotionPlan, TheDragOfTissueHoldsATipBack) {
+  const Scenario s = example("tissue-three-axes");
+  const ScenarioModels models = scenario_models(s, 0);
+  MotionPlan plan(s, {{models.known, models.R_world_base_known, models.p_world_base_known, VectorXd::Constant(3, 1e3)}});
+  MotionPlan::State state = plan.standing({s.arms[0].start});
+  ASSERT_EQ(plan.play(state, s.phases[0].commands, s.phases[0].duration), "");
+  const Eigen::Vector3d before = state.seen.position[0];
+  ASSERT_EQ(plan.play(state, s.phases[1].commands, 0.5 * s.phases[1].commands[0].over), "");
+  const Eigen::Vector3d way = s.phases[1].commands[0].way;
+  const double behind = 0.5 * way.norm() - (state.seen.position[0] - before).dot(way.normalized());
+  const double expected = s.walls[0].drag / s.control.stiffness[0] * state.seen.velocity[0].norm();
+  EXPECT_NEAR(behind, expected, 0.2 * expected);
 }
 
 // A point at which no force is tracked tells nothing of the loop: it is not stable.

@@ -8,6 +8,8 @@
 #include "diagnosis/evidence/held_out.hpp"
 #include "diagnosis/evidence/normal_blocks.hpp"
 #include "diagnosis/evidence/numerics.hpp"
+#include "math/clustered_statistics.hpp"
+#include "math/student_t.hpp"
 
 // What stands under the selection, on columns of one joint whose rows are known.
 
@@ -21,10 +23,16 @@ const std::vector<std::string>& names() {
   return kNames;
 }
 
+// What differs between recordings.
+struct Unlike {
+  double spread = 0.0;  // the cause is larger by it in every second recording, and smaller in the others
+  int acting = 1000;    // recordings in which the cause acts, the first ones
+};
+
 // Rows of several recordings in blocks: tau = base + cause + noise; copy = 3 base.
 class Rows {
  public:
-  Rows(int recordings, int blocks, double cause = 1.0) {
+  Rows(int recordings, int blocks, double cause = 1.0, const Unlike& unlike = {}) {
     std::mt19937 random(11);
     std::normal_distribution<double> gauss;
     for (int r = 0; r < recordings; ++r) {
@@ -34,7 +42,8 @@ class Rows {
         MatrixXd A(kRows, 4);
         for (Eigen::Index k = 0; k < A.size(); ++k) A.data()[k] = gauss(random);
         A.col(3) = 3.0 * A.col(0);
-        VectorXd tau = A.col(0) + cause * A.col(1);
+        if (r >= unlike.acting) A.col(1).setZero();
+        VectorXd tau = A.col(0) + (cause + (r % 2 == 0 ? unlike.spread : -unlike.spread)) * A.col(1);
         for (double& t : tau) t += 0.3 * gauss(random);
         SquareRootInformation factor(names());
         factor.absorb(A, tau);
@@ -168,6 +177,44 @@ TEST(Examiner, DeviationsAreThoseOfLeastSquares) {
   const double expected = 0.3 / std::sqrt(40.0 * kRows);
   EXPECT_NEAR(s[0] / data.scale()[0], expected, 0.35 * expected);
   EXPECT_NEAR(s[1] / data.scale()[1], expected, 0.35 * expected);
+}
+
+// What differs from recording to recording counts as their number, and not as that of all blocks.
+TEST(Examiner, DeviationsAreThoseBetweenRecordings) {
+  const double spread = 0.5;
+  const NormalBlocks data = Rows(4, 4, 1.0, {spread}).blocks();
+  const ColumnSet base = {0, 1};
+  const std::vector<Hypothesis> none;
+  const Examiner examiner(data, base, none, DiagnosisOptions());
+  const double s = examiner.deviations(base, VectorXd::Ones(1), 15.0)[1] / data.scale()[1];
+  EXPECT_GT(s, spread / std::sqrt(3.0));  // of the mean of four; of sixteen it would be spread / sqrt(15)
+}
+
+// Of several parameters the best alone counts as often as there are parameters.
+TEST(Examiner, OneOfTwoParametersIsTwoTests) {
+  const Rows rows(1, 4, 0.05);
+  const NormalBlocks data = rows.blocks();
+  std::vector<Hypothesis> asked = hypotheses(ParameterSign::kAny);
+  asked[0].columns = {"cause", "idle"};
+  asked[0].signs = {ParameterSign::kAny, ParameterSign::kAny};
+  const ColumnSet base = {0};
+  const Examiner examiner(data, base, asked, DiagnosisOptions());
+  const auto baseline = examiner.baseline({});
+  const VectorXd x = rows.fitted({0, 1, 2}, -1).tail(2);
+  MatrixXd without(2, 4);
+  for (int c = 0; c < 4; ++c) without.col(c) = rows.fitted({0, 1, 2}, c).tail(2);
+  const VectorXd deviation = jackknife_deviations(without);
+  const double best = std::min(student_t_two_sided(x[0] / deviation[0], 3), student_t_two_sided(x[1] / deviation[1], 3));
+  EXPECT_NEAR(examiner.p_value(0, *baseline, examiner.without_clusters(*baseline)), std::min(1.0, 2.0 * best), 1e-4);
+}
+
+// Recordings in which an end stop, say, is never touched do not disagree with it.
+TEST(Examiner, FoldsInWhichACauseNeverActsSayNothing) {
+  const NormalBlocks data = Rows(8, 4, 1.0, {0.0, 4}).blocks();
+  const std::vector<Hypothesis> asked = hypotheses(ParameterSign::kAny);
+  const ColumnSet base = {0};
+  const Examiner examiner(data, base, asked, DiagnosisOptions());
+  EXPECT_TRUE(examiner.evaluate(0, *examiner.baseline({})).consistent);
 }
 
 TEST(Examiner, ASignThatNatureForbidsIsNoAnswer) {

@@ -87,6 +87,24 @@ TEST(ArmKinematics, PsmReachesThePoseAtItsSingularPlaces) {
   }
 }
 
+// The wrist in the remote centre, and the axis of wrist pitch that `near` proposes along that of wrist yaw: any axis
+// across the latter will do, whichever way it points.
+TEST(ArmKinematics, PsmWristInTheRemoteCentreWithNothingToGoBy) {
+  ArmFacts arm = read_arm("PSM1");
+  arm.T_last_tip.setIdentity();
+  const PsmKinematics kinematics(arm);
+  const Chain chain(arm);
+  for (const auto& [axis, roll] : {std::pair(Eigen::Vector3d::UnitX().eval(), 0.0), std::pair(Eigen::Vector3d::UnitY().eval(), M_PI / 2.0)}) {
+    Eigen::Matrix4d T = Eigen::Matrix4d::Identity();
+    T.col(0).head<3>() = Eigen::Vector3d(axis.y(), axis.x(), 0.0);
+    T.col(1).head<3>() = axis.cross(T.col(0).head<3>());
+    T.col(2).head<3>() = axis;
+    const InverseSolution<6> found = kinematics.inverse(T, PsmKinematics::Joints::Unit(3) * roll);
+    EXPECT_NE(found.status, InverseStatus::kOutOfReach);
+    EXPECT_TRUE(near(chain.forward(found.q), T, 1e-9)) << roll << ": " << found.q.transpose();
+  }
+}
+
 TEST(ArmKinematics, PsmBeyondItsLimitsIsSaidAndReached) {
   const ArmFacts arm = read_arm("PSM1");
   const PsmKinematics kinematics(arm);
@@ -270,6 +288,16 @@ TEST(ArmKinematics, WholeTurnsKeepToTheRange) {
   EXPECT_NEAR(wrapped(1.0, -4.0), 1.0, 1e-15);                // and so is -5.28
   EXPECT_NEAR(wrapped(limit + 1e-12, limit), limit, 1e-11);   // rounding is no turn
   EXPECT_NEAR(wrapped(1.0 + 6.0 * M_PI, 0.0), 1.0, 1e-13);
+  // An angle that no turn brings into the range stays the one nearest to where the arm is.
+  JointRanges<6> narrow = ranges;
+  narrow.lower[3] = -0.5;
+  narrow.upper[3] = 0.5;
+  for (const double side : {1.0, -1.0}) {
+    Joints q = Joints::Unit(3) * side;
+    narrow.wrap(q, Joints::Zero());
+    EXPECT_NEAR(q[3], side, 1e-15);
+    EXPECT_FALSE(narrow.contain(q));
+  }
 }
 
 TEST(ArmKinematics, ChainsOfAnotherFormAreRefused) {

@@ -104,6 +104,8 @@ std::vector<Mistake> mistakes() {
       {"<AmpsToBits", "<AmpsTwoBits", {"Drive", "no AmpsToBits", "AmpsTwoBits"}},
       {"<NmToAmps Scale=\"", "<NmToAmps Scale=\"-", {"NmToAmps/Scale", "positive"}},
       {"<MaxCurrent Value=\"1.340\"", "<MaxCurrent Value=\"0\"", {"Drive/MaxCurrent", "positive"}},
+      {"Offset=\"32826\"", "Offset=\"60000\"", {"Actuator 0", "MaxCurrent 1.34 A", "at most 1.05", "end of the converter"}},
+      {"Offset=\"32826\"", "Offset=\"5500\"", {"Actuator 0", "MaxCurrent 1.34 A", "at most 1.04", "end of the converter"}},
       {"Lower=\"-91.0\"", "Lower=\"91.0\"", {"PositionLimitsSoft", "lower limit below"}},
       {"<Tolerance Axis=\"1\"", "<Tolerance Axis=\"0\"", {"Tolerance 1", "axis 0", "axis 1 here"}},
       {"<Tolerance Axis=\"6\"", "<Tolerance Axis=\"7\"", {"Tolerance 6", "0 to 6"}},

@@ -90,6 +90,15 @@ TEST_F(Resting, GravityAndDryFrictionComeApartWhereTheApproachIsKnown) {
   EXPECT_LT((change - g - expected_change + expected).norm(), 0.02 * (expected_change - expected).norm() + 0.02);
 }
 
+// One pose, however long it was held, says nothing about gravity: the recording is no table of poses.
+TEST_F(Resting, OnePoseIsNoTableOfPoses) {
+  TemporaryFolder folder;
+  const std::string header = "t,q1,q2,q3,dq1,dq2,dq3,tau1,tau2,tau3\n";
+  const std::string here = ",0.1,0.2,0.1,0,0,0,1,2,3\n", there = ",0.1,0.3,0.1,0,0,0,1,2,3\n";
+  EXPECT_FALSE(is_at_rest(truth_, folder.write("one.csv", header + "0" + here + "1" + here + "2" + here), {}));
+  EXPECT_TRUE(is_at_rest(truth_, folder.write("two.csv", header + "0" + here + "1" + here + "2" + there), {}));
+}
+
 // Without it, no level is made up: the band says how far friction spreads the torques.
 TEST_F(Resting, WithoutAnApproachFrictionIsABand) {
   const Identification id = identify_at_rest(read_model("psm-3dof"), {without_approach(poses(1, 200))});

@@ -94,6 +94,19 @@ TEST(VelocityChoice, AVelocityOfAnotherUnitComesFromThePosition) {
   EXPECT_EQ(derived(r), std::vector<int>{0});
 }
 
+// Velocities are judged from the rows that are asked about, and from a bounded number of them.
+TEST(VelocityChoice, OnlyRowsThatAreUsedAreLookedAt) {
+  PreprocessingOptions how;
+  how.first_row = 7;
+  how.row_count = 30;
+  EXPECT_EQ(rows_looked_at(arm(), how).first_row, 7);
+  EXPECT_EQ(rows_looked_at(arm(), how).row_count, 30);
+  how.row_count = identifying::kLookedAt + 1;
+  EXPECT_EQ(rows_looked_at(arm(), how).row_count, identifying::kLookedAt);
+  how.row_count.reset();
+  EXPECT_EQ(rows_looked_at(arm(), how).row_count, identifying::kLookedAt);
+}
+
 // The torques are the judge: a position that is worse than the doubtful velocity is not asked.
 TEST(VelocityChoice, ItIsTheTorquesThatDecide) {
   Identification before;

@@ -1,6 +1,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "cli/commands.hpp"
 #include "cli/options/common_options.hpp"
@@ -57,10 +58,6 @@ void save_yaml(const ExportRequest& request, const Model& model) {
   write_file(request.yaml, origin ? with_origin(to_yaml(model), *origin) : to_yaml(model));
 }
 
-void write_xml(const ExportRequest& request, const std::string& file, const char* format, const std::string& xml) {
-  if (!file.empty()) write_simulation_xml(file, format, xml, request.quiet);
-}
-
 // The simulation's file that takes the model's values: the one that is named, or else the one that
 // the model came from; empty: none of this format.
 std::string simulation_of(const ExportRequest& request, const Model& model, RobotFormat format) {
@@ -71,16 +68,31 @@ std::string simulation_of(const ExportRequest& request, const Model& model, Robo
   return exists && robot_format(file) == format ? file : "";
 }
 
-void write_simulation(const ExportRequest& request, const ExportedModel& out, RobotFormat format) {
-  const bool mjcf = format == RobotFormat::kMjcf;
-  const std::string& target = mjcf ? request.mjcf : request.sdf;
-  if (target.empty()) return;
-  const std::string from = simulation_of(request, out.arm, format);
-  if (from.empty()) {
-    write_xml(request, target, mjcf ? "MJCF" : "SDF", mjcf ? to_mjcf(out.arm, out.extras.remarks) : to_sdf(out.arm, out.extras));
-    return;
+struct XmlOutput {
+  std::string path;
+  const char* format;
+  std::string from;  // a simulation's file that is brought up to date; empty: none
+  std::string xml;   // else the whole text
+};
+
+// All texts are made before one is written: a refusal leaves no file.
+void write_xml(const ExportRequest& request, const ExportedModel& out) {
+  std::vector<XmlOutput> files;
+  if (!request.urdf.empty()) files.push_back({request.urdf, "URDF", "", to_urdf(out.arm, out.extras)});
+  if (!request.mjcf.empty()) {
+    const std::string from = simulation_of(request, out.arm, RobotFormat::kMjcf);
+    files.push_back({request.mjcf, "MJCF", from, from.empty() ? to_mjcf(out.arm, out.extras.remarks) : ""});
   }
-  write_updated_simulation(out.arm, from, target, request.quiet);
+  if (!request.sdf.empty()) {
+    const std::string from = simulation_of(request, out.arm, RobotFormat::kSdf);
+    files.push_back({request.sdf, "SDF", from, from.empty() ? to_sdf(out.arm, out.extras) : ""});
+  }
+  for (const XmlOutput& file : files) {
+    if (file.from.empty())
+      write_simulation_xml(file.path, file.format, file.xml, request.quiet);
+    else
+      write_updated_simulation(out.arm, file.from, file.path, request.quiet);
+  }
 }
 
 void run(const ExportRequest& request, const std::string& command_line) {
@@ -104,10 +116,8 @@ void run(const ExportRequest& request, const std::string& command_line) {
   }
   if (!(request.urdf + request.mjcf + request.sdf + request.report).empty()) {
     const ExportedModel out = exported(request, model);
+    write_xml(request, out);
     if (!request.report.empty()) write_file(request.report, to_page(robot_info(out.arm), command_line));
-    if (!request.urdf.empty())
-      write_xml(request, request.urdf, "URDF", to_urdf(out.arm, out.extras));
-    for (const RobotFormat format : {RobotFormat::kMjcf, RobotFormat::kSdf}) write_simulation(request, out, format);
     tell(request, out);
   }
   if (!request.cpp.empty()) save_c_code(model, request.cpp);

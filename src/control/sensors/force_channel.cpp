@@ -81,7 +81,7 @@ void ForceChannel::take(int fresh, double at) noexcept {
   if (!believed) return;
   force_ = force;
   const bool alike = number_ && raw == last_raw_;
-  alike_ = alike ? alike_ + fresh : 0;
+  alike_ = alike ? std::min(alike_ + fresh, options_.stuck_readings) : 0;
   if (!alike) changed_ = at;
   if (!number_ || options_.cutoff <= 0.0) {
     filtered_ = force_;

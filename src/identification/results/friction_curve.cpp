@@ -26,7 +26,7 @@ double friction_at(const std::vector<EffectFacts>& effects, int joint, double sp
       AxisSample& sample = slide[k];
       sample.time = kRunSeconds * k / kRun;
       sample.ds = c * speed;
-      sample.s = c * q + effect.term().axis.offset + sample.ds * (sample.time - kRunSeconds);
+      sample.s = c * q + effect.term().axis.offset + sample.ds * kRunSeconds * (k + 1 - kRun) / kRun;  // q at the last
       sample.load = load;
     }
     const MatrixXd rows = ColumnsInPieces(effect).next(slide);

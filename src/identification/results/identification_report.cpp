@@ -10,7 +10,7 @@ namespace {
 
 std::string percent(const VectorXd& v) {
   std::string out;
-  for (Eigen::Index i = 0; i < v.size(); ++i) out += fmt::format("{:8.2f}", 100.0 * v[i]);
+  for (Eigen::Index i = 0; i < v.size(); ++i) out += fmt::format(" {:7.2f}", 100.0 * v[i]);
   return out;
 }
 

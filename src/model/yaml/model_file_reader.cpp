@@ -263,7 +263,12 @@ Model read_yaml(const std::string& content, const std::string& file,
                 const ModelFileOptions& options) {
   YamlSource source{file, {}, {}};
   const YamlNode root = YamlNode::parse(content, source);
-  return Model(ModelReader(root, source, options).description());
+  ModelDescription description = ModelReader(root, source, options).description();
+  try {
+    return Model(std::move(description));
+  } catch (const InvalidInput& reason) {
+    throw InvalidInput(text(source.file, ": ", reason.what()));
+  }
 }
 
 }  // namespace veridyn

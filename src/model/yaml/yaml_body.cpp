@@ -43,7 +43,9 @@ InertialParameters read_mass_com_inertia(const YamlNode& node) {
   }
   Eigen::Matrix<double, 6, 1> inertia = Eigen::Matrix<double, 6, 1>::Zero();
   if (const auto given = node.find("inertia")) inertia = read_inertia(*given);
-  return inertial_parameters(mass, com, inertia);
+  const InertialParameters phi = inertial_parameters(mass, com, inertia);
+  if (!phi.allFinite()) node.fail("a body whose inertia about its frame is no finite number", "mass in kg and com in m");
+  return phi;
 }
 
 std::optional<InertialParameters> read_values(const YamlNode& node) {

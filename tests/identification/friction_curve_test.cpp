@@ -1,0 +1,62 @@
+#include "veridyn/identification/friction_curve.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "veridyn/model/model_file.hpp"
+#include "veridyn/regressor/standard_parameters.hpp"
+
+namespace veridyn {
+namespace {
+
+// planar-2r as if identified from one recording: the shoulder at 0.7 rad, up to 2 rad/s; the elbow at rest.
+Identification identified(ModelDescription description) {
+  Identification id;
+  id.model = Model(std::move(description));
+  const std::vector<StandardParameter> parameters = standard_parameters(*id.model);
+  id.parameter_deviations = VectorXd::Zero(static_cast<Eigen::Index>(parameters.size()));
+  for (size_t p = 0; p < parameters.size(); ++p) {
+    if (parameters[p].name == "viscous_friction(shoulder).coefficient") id.parameter_deviations[static_cast<Eigen::Index>(p)] = 0.1;
+  }
+  RecordingError recording;
+  recording.series.time = {0.0, 1.0};
+  recording.series.q = {{0.7, 0.7}, {0.0, 0.0}};
+  recording.series.dq = {{2.0, -1.0}, {0.0, 0.0}};
+  recording.series.ddq = recording.series.measured = recording.series.modelled = {{0.0, 0.0}, {0.0, 0.0}};
+  id.train.push_back(recording);
+  return id;
+}
+
+ModelDescription file() { return read_model(VERIDYN_SOURCE_DIR "/data/robots/planar-2r.yaml").description(); }
+
+TEST(FrictionCurves, AreTheSumOfTheEffectsWithTheirInterval) {
+  const std::vector<FrictionCurve> curves = friction_curves(identified(file()));
+  ASSERT_EQ(curves.size(), 1U);  // the elbow never moved
+  const FrictionCurve& c = curves.front();
+  EXPECT_NEAR(c.velocity.maxCoeff(), 2.0, 1e-12);
+  for (Eigen::Index k = 0; k < c.velocity.size(); ++k) {
+    const double v = c.velocity[k];
+    EXPECT_NEAR(c.torque[k], 0.8 * v + std::copysign(1.2, v), 1e-9) << v;
+    EXPECT_NEAR(c.half_width[k], 1.96 * 0.1 * std::abs(v), 1e-9) << v;  // 95 % of a normal distribution
+  }
+  EXPECT_NEAR(c.at(0.5), 0.8 * 0.5 + 1.2, 1e-6);
+}
+
+// Friction that depends on position is that of the mean position, counted from where the effect's axis has its zero.
+TEST(FrictionCurves, AreOfTheMeanPosition) {
+  ModelDescription d = file();
+  EffectTerm term = d.effects.front();
+  term.effect = "position_dependent_viscosity";
+  term.values = {{"slope", 0.3}, {"curvature", 0.0}, {"centre", 0.1}};
+  term.axis.offset = 0.25;
+  d.effects = {term};
+  const std::vector<FrictionCurve> curves = friction_curves(identified(std::move(d)));
+  ASSERT_EQ(curves.size(), 1U);
+  const FrictionCurve& c = curves.front();
+  for (Eigen::Index k = 0; k < c.velocity.size(); ++k)
+    EXPECT_NEAR(c.torque[k], 0.3 * (0.7 + 0.25 - 0.1) * c.velocity[k], 1e-9) << c.velocity[k];
+}
+
+}  // namespace
+}  // namespace veridyn
