@@ -11,6 +11,7 @@
 #include <map>
 
 #include "hide_and_seek/draw.hpp"
+#include "hide_and_seek/trouble.hpp"
 #include "veridyn/effects/cause.hpp"
 
 namespace veridyn::seek {
@@ -18,7 +19,6 @@ namespace {
 
 constexpr int kTrain = 4;
 constexpr double kStep = 1e-5;  // of numerical derivatives of positions
-constexpr Eigen::Index kLeanStride = 5;  // rows; gravity changes slowly
 
 double rms(const VectorXd& x) {
   return std::sqrt(x.squaredNorm() / static_cast<double>(x.size()));
@@ -80,38 +80,6 @@ bool is_added(const std::string& name) {
          name != "tip_force";
 }
 
-// (rows x n) torque that is added where the base leans in proportion to the torques of the first two joints
-// and gravity is seen to turn: no passive base does that, and no class describes it.
-MatrixXd leaning_base_torque(const LagrangeArm& arm, unsigned seed, const MatrixXd& q,
-                             const MatrixXd& rigid) {
-  Draw draw(seed, "elastic base");
-  const double largest = draw.in(3e-3, 8e-3);
-  const Eigen::Index second = std::min<Eigen::Index>(1, rigid.cols() - 1);
-  const double first_peak = std::max(rigid.col(0).cwiseAbs().maxCoeff(), 1e-12);
-  const double second_peak = std::max(rigid.col(second).cwiseAbs().maxCoeff(), 1e-12);
-  MatrixXd out = MatrixXd::Zero(rigid.rows(), rigid.cols());
-  const VectorXd rest = VectorXd::Zero(q.cols());
-  const auto at = [&](Eigen::Index r) {
-    const Vector3d lean(largest * rigid(r, 0) / first_peak,
-                        largest * rigid(r, second) / second_peak, 0.0);
-    LagrangeArm leaning = arm;
-    leaning.gravity = -lean.cross(arm.gravity);  // torques are linear in gravity: the change only
-    return VectorXd(leaning.torque(q.row(r).transpose(), rest, rest));
-  };
-  VectorXd before = at(0);
-  out.row(0) = before;
-  for (Eigen::Index r = 0; r + 1 < rigid.rows(); r += kLeanStride) {
-    const Eigen::Index next = std::min(r + kLeanStride, rigid.rows() - 1);
-    const VectorXd after = at(next);
-    for (Eigen::Index k = r; k <= next; ++k) {
-      const double share = static_cast<double>(k - r) / static_cast<double>(next - r);
-      out.row(k) = (before + share * (after - before)).transpose();
-    }
-    before = after;
-  }
-  return out;
-}
-
 struct Range {
   double low = 1e9, high = -1e9, fastest = 0.0;
   double middle() const { return 0.5 * (low + high); }
@@ -129,7 +97,7 @@ const std::vector<std::string>& outside_causes() {
 
 void apply_outside(const Bench& bench, const OutsideCause& c, IdealRecording& x) {
   if (c.name == "elastic_base") {
-    x.tau += c.size * leaning_base_torque(bench.arm, bench.seed, x.rows.q, x.rigid);
+    x.tau += elastic_base_torque(bench.arm, bench.seed, x.rows, c.size);
   } else if (c.name == "tip_force") {
     const Vector3d force = c.size * Vector3d(std::cos(c.place), std::sin(c.place), c.width);
     for (Eigen::Index r = 0; r < x.tau.rows(); ++r)
