@@ -204,6 +204,13 @@ TEST(HideAndSeek, ALaterCauseTakesThePlaceOfTheNamesThatStoodForIt) {
   EXPECT_GT(score.explained, 0.98);
 }
 
+// A wrong constant of the robot file acts through positions, as a base that gives way does.
+TEST(HideAndSeek, AnElasticBaseTakesThePlaceOfAWrongConstantThatStoodForIt) {
+  const OutsideScore score = outside_score({}, "bench-6r", "elastic_base", 1601);
+  EXPECT_TRUE(score.worded);
+  EXPECT_EQ(score.false_names, 0);
+}
+
 // Without the question about a stop, this joint has a spring and a force of position; one stop predicts held-out parts
 // better.
 TEST(HideAndSeek, AStopTakesThePlaceOfTheNamesOnItsJoint) {

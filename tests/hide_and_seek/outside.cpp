@@ -12,6 +12,7 @@
 
 #include "hide_and_seek/draw.hpp"
 #include "hide_and_seek/trouble.hpp"
+#include "hide_and_seek/visibility.hpp"
 #include "veridyn/effects/cause.hpp"
 
 namespace veridyn::seek {
@@ -247,6 +248,7 @@ OutsideFiles write_outside(const std::string& arm, const std::string& name, unsi
                            const std::string& folder, int train) {
   const auto own_seed = static_cast<unsigned>(Draw(seed, "outside " + arm + name).below(1 << 30));
   OutsideFiles out = {make_bench(arm, own_seed), {}, {}, {}};
+  std::vector<IdealRecording> learned;
   const Bench& bench = out.bench;
   if (name != "none") out.cause = draw_outside(bench, name, seed, share);
   for (int k = 1; k <= train + 1; ++k) {
@@ -256,7 +258,9 @@ OutsideFiles write_outside(const std::string& arm, const std::string& name, unsi
     if (name != "none") apply_outside(bench, out.cause, ideal);
     out.with.push_back(fmt::format("{}/recording-{}.csv", folder, k));
     write_recording(bench, ideal, bench.seed, k, out.with.back());
+    if (k <= train) learned.push_back(std::move(ideal));
   }
+  out.observable = name == "none" || visibility(bench, learned, true).observable();
   return out;
 }
 
@@ -284,13 +288,17 @@ void print_outside(const std::vector<Played>& all) {
     if (std::find(names.begin(), names.end(), p.name) == names.end()) names.push_back(p.name);
   }
   names.emplace_back("all");
-  fmt::print("\n{:<22} {:>5} {:>6} {:>16} {:>7} {:>12} {:>10}\n", "hidden, on no list", "cases", "joint",
-             "worded or signals", "silent", "false names", "explained");
+  fmt::print("\n{:<22} {:>5} {:>6} {:>16} {:>7} {:>12} {:>10} {:>6}\n", "hidden, on no list", "cases", "joint",
+             "worded or signals", "silent", "false names", "explained", "unseen");
   for (const std::string& name : names) {
-    int cases = 0, joint = 0, right = 0, silent = 0, wrong = 0;
+    int cases = 0, joint = 0, right = 0, silent = 0, wrong = 0, unseen = 0;
     std::vector<double> explained;
     for (const Played& p : all) {
       if (name != "all" && p.name != name) continue;
+      if (!p.score.observable) {
+        ++unseen;
+        continue;
+      }
       ++cases;
       joint += p.score.joint ? 1 : 0;
       right += p.score.joint && (p.score.signals || p.score.worded) ? 1 : 0;
@@ -298,9 +306,10 @@ void print_outside(const std::vector<Played>& all) {
       wrong += p.score.false_names > 0 ? 1 : 0;
       explained.push_back(p.score.explained);
     }
+    if (explained.empty()) explained.push_back(0.0);
     std::nth_element(explained.begin(), explained.begin() + static_cast<long>(explained.size() / 2), explained.end());
-    fmt::print("{:<22} {:>5} {:>6} {:>16} {:>7} {:>12} {:>9.0f}%\n", name, cases, joint, right, silent, wrong,
-               100.0 * explained[explained.size() / 2]);
+    fmt::print("{:<22} {:>5} {:>6} {:>16} {:>7} {:>12} {:>9.0f}% {:>6}\n", name, cases, joint, right, silent, wrong,
+               100.0 * explained[explained.size() / 2], unseen);
   }
 }
 
@@ -312,12 +321,18 @@ Played play_one(const OutsideRequest& request, const std::string& arm, const std
   fs::create_directories(folder);
   const OutsideFiles files = write_outside(arm, name, seed, request.share, folder.string(), kTrain);
   const OutsideCause& cause = files.cause;
+  Played out{name, {}, {}};
+  if (!files.observable) {
+    if (request.keep.empty()) fs::remove_all(folder);
+    out.score.observable = false;
+    out.line = fmt::format("{:<10} {} {} on {} from {}: not observable on this arm", arm, seed, name, cause.joint + 1, cause.from + 1);
+    return out;
+  }
   DiagnosisOptions options = request.options;
   options.identification.threads = request.threads;
   const VectorXd clean = files.clean_error(options.identification);
   const Diagnosis d = files.diagnosed(options);
   if (request.keep.empty()) fs::remove_all(folder);
-  Played out{name, {}, {}};
   if (name == "none") {
     out.score.false_names = static_cast<int>(d.findings.size());
     out.score.state = "at_floor";

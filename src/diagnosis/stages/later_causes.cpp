@@ -54,7 +54,8 @@ bool is_force_of_positions(const Cause& cause) {
 
 // True if on some motions the arm's mounting, its tip or a wrong zero looks like this finding.
 bool may_stand_for_another(const Finding& f) {
-  return f.status == FindingStatus::kConfirmed && (std::holds_alternative<AddedLoad>(f.cause) || acts_through_positions(f));
+  return f.status == FindingStatus::kConfirmed && (std::holds_alternative<AddedLoad>(f.cause) ||
+                                                   std::holds_alternative<KinematicError>(f.cause) || acts_through_positions(f));
 }
 
 struct Size {
