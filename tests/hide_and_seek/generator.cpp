@@ -10,7 +10,6 @@
 namespace veridyn::seek {
 namespace {
 
-constexpr double kSeen = 0.1;         // share of a cause that must be left over
 constexpr double kHighestPeak = 0.4;  // of the rms torque at share 0.1: no narrow giants
 
 double rms(const VectorXd& x) {
@@ -112,7 +111,7 @@ class Hider {
       std::vector<Cause> all = hidden_.causes;
       const Visibility alone =
           visibility(bench, recordings(bench, {cause}), request_.mode == Mode::kBare);
-      if (alone.share < kSeen || !alone.beyond_doubt) continue;
+      if (!alone.observable()) continue;
       all.push_back(cause);
       hidden_.bench = bench;
       hidden_.causes = all;

@@ -204,6 +204,20 @@ TEST(HideAndSeek, ALaterCauseTakesThePlaceOfTheNamesThatStoodForIt) {
   EXPECT_GT(score.explained, 0.98);
 }
 
+// Crosstalk on another joint, which is accepted before, is asked about again beside a stop.
+TEST(HideAndSeek, AStopAndCrosstalkOnAnotherJointAreNamedTogether) {
+  const Played played = play({"pick-scara", {"end_stop", "torque_crosstalk"}, 1601, 0.1, Mode::kBare});
+  EXPECT_EQ(played.verdict.named, 2) << played.diagnosis.report();
+  EXPECT_EQ(played.verdict.extras, 0) << played.diagnosis.report();
+}
+
+// A wrong constant of the robot file acts through positions, as a base that gives way does.
+TEST(HideAndSeek, AnElasticBaseTakesThePlaceOfAWrongConstantThatStoodForIt) {
+  const OutsideScore score = outside_score({}, "bench-6r", "elastic_base", 1601);
+  EXPECT_TRUE(score.worded);
+  EXPECT_EQ(score.false_names, 0);
+}
+
 // Without the question about a stop, this joint has a spring and a force of position; one stop predicts held-out parts
 // better.
 TEST(HideAndSeek, AStopTakesThePlaceOfTheNamesOnItsJoint) {

@@ -11,6 +11,8 @@
 #include <map>
 
 #include "hide_and_seek/draw.hpp"
+#include "hide_and_seek/trouble.hpp"
+#include "hide_and_seek/visibility.hpp"
 #include "veridyn/effects/cause.hpp"
 
 namespace veridyn::seek {
@@ -18,7 +20,7 @@ namespace {
 
 constexpr int kTrain = 4;
 constexpr double kStep = 1e-5;  // of numerical derivatives of positions
-constexpr Eigen::Index kLeanStride = 5;  // rows; gravity changes slowly
+constexpr double kSoftest = 2.5;  // times 3 to 8 mrad: a base that leans by more than a degree is no spring
 
 double rms(const VectorXd& x) {
   return std::sqrt(x.squaredNorm() / static_cast<double>(x.size()));
@@ -80,38 +82,6 @@ bool is_added(const std::string& name) {
          name != "tip_force";
 }
 
-// (rows x n) torque that is added where the base leans in proportion to the torques of the first two joints
-// and gravity is seen to turn: no passive base does that, and no class describes it.
-MatrixXd leaning_base_torque(const LagrangeArm& arm, unsigned seed, const MatrixXd& q,
-                             const MatrixXd& rigid) {
-  Draw draw(seed, "elastic base");
-  const double largest = draw.in(3e-3, 8e-3);
-  const Eigen::Index second = std::min<Eigen::Index>(1, rigid.cols() - 1);
-  const double first_peak = std::max(rigid.col(0).cwiseAbs().maxCoeff(), 1e-12);
-  const double second_peak = std::max(rigid.col(second).cwiseAbs().maxCoeff(), 1e-12);
-  MatrixXd out = MatrixXd::Zero(rigid.rows(), rigid.cols());
-  const VectorXd rest = VectorXd::Zero(q.cols());
-  const auto at = [&](Eigen::Index r) {
-    const Vector3d lean(largest * rigid(r, 0) / first_peak,
-                        largest * rigid(r, second) / second_peak, 0.0);
-    LagrangeArm leaning = arm;
-    leaning.gravity = -lean.cross(arm.gravity);  // torques are linear in gravity: the change only
-    return VectorXd(leaning.torque(q.row(r).transpose(), rest, rest));
-  };
-  VectorXd before = at(0);
-  out.row(0) = before;
-  for (Eigen::Index r = 0; r + 1 < rigid.rows(); r += kLeanStride) {
-    const Eigen::Index next = std::min(r + kLeanStride, rigid.rows() - 1);
-    const VectorXd after = at(next);
-    for (Eigen::Index k = r; k <= next; ++k) {
-      const double share = static_cast<double>(k - r) / static_cast<double>(next - r);
-      out.row(k) = (before + share * (after - before)).transpose();
-    }
-    before = after;
-  }
-  return out;
-}
-
 struct Range {
   double low = 1e9, high = -1e9, fastest = 0.0;
   double middle() const { return 0.5 * (low + high); }
@@ -129,7 +99,7 @@ const std::vector<std::string>& outside_causes() {
 
 void apply_outside(const Bench& bench, const OutsideCause& c, IdealRecording& x) {
   if (c.name == "elastic_base") {
-    x.tau += c.size * leaning_base_torque(bench.arm, bench.seed, x.rows.q, x.rigid);
+    x.tau += elastic_base_torque(bench.arm, bench.seed, x.rows, c.size);
   } else if (c.name == "tip_force") {
     const Vector3d force = c.size * Vector3d(std::cos(c.place), std::sin(c.place), c.width);
     for (Eigen::Index r = 0; r < x.tau.rows(); ++r)
@@ -224,6 +194,11 @@ OutsideCause draw_outside(const Bench& bench, const std::string& name, unsigned 
     }
     return most;
   };
+  if (name == "elastic_base") {  // nearly linear, and dear
+    c.size = 1.0;
+    for (int k = 0; k < 3; ++k) c.size = std::min(kSoftest, c.size * share / size_of(c.size));
+    return c;
+  }
   double low = 1e-6;
   double high = 1e6;
   const bool falls = name == "torque_limit";
@@ -273,6 +248,7 @@ OutsideFiles write_outside(const std::string& arm, const std::string& name, unsi
                            const std::string& folder, int train) {
   const auto own_seed = static_cast<unsigned>(Draw(seed, "outside " + arm + name).below(1 << 30));
   OutsideFiles out = {make_bench(arm, own_seed), {}, {}, {}};
+  std::vector<IdealRecording> learned;
   const Bench& bench = out.bench;
   if (name != "none") out.cause = draw_outside(bench, name, seed, share);
   for (int k = 1; k <= train + 1; ++k) {
@@ -282,7 +258,9 @@ OutsideFiles write_outside(const std::string& arm, const std::string& name, unsi
     if (name != "none") apply_outside(bench, out.cause, ideal);
     out.with.push_back(fmt::format("{}/recording-{}.csv", folder, k));
     write_recording(bench, ideal, bench.seed, k, out.with.back());
+    if (k <= train) learned.push_back(std::move(ideal));
   }
+  out.observable = name == "none" || visibility(bench, learned, true).observable();
   return out;
 }
 
@@ -310,13 +288,17 @@ void print_outside(const std::vector<Played>& all) {
     if (std::find(names.begin(), names.end(), p.name) == names.end()) names.push_back(p.name);
   }
   names.emplace_back("all");
-  fmt::print("\n{:<22} {:>5} {:>6} {:>16} {:>7} {:>12} {:>10}\n", "hidden, on no list", "cases", "joint",
-             "worded or signals", "silent", "false names", "explained");
+  fmt::print("\n{:<22} {:>5} {:>6} {:>16} {:>7} {:>12} {:>10} {:>6}\n", "hidden, on no list", "cases", "joint",
+             "worded or signals", "silent", "false names", "explained", "unseen");
   for (const std::string& name : names) {
-    int cases = 0, joint = 0, right = 0, silent = 0, wrong = 0;
+    int cases = 0, joint = 0, right = 0, silent = 0, wrong = 0, unseen = 0;
     std::vector<double> explained;
     for (const Played& p : all) {
       if (name != "all" && p.name != name) continue;
+      if (!p.score.observable) {
+        ++unseen;
+        continue;
+      }
       ++cases;
       joint += p.score.joint ? 1 : 0;
       right += p.score.joint && (p.score.signals || p.score.worded) ? 1 : 0;
@@ -324,9 +306,10 @@ void print_outside(const std::vector<Played>& all) {
       wrong += p.score.false_names > 0 ? 1 : 0;
       explained.push_back(p.score.explained);
     }
+    if (explained.empty()) explained.push_back(0.0);
     std::nth_element(explained.begin(), explained.begin() + static_cast<long>(explained.size() / 2), explained.end());
-    fmt::print("{:<22} {:>5} {:>6} {:>16} {:>7} {:>12} {:>9.0f}%\n", name, cases, joint, right, silent, wrong,
-               100.0 * explained[explained.size() / 2]);
+    fmt::print("{:<22} {:>5} {:>6} {:>16} {:>7} {:>12} {:>9.0f}% {:>6}\n", name, cases, joint, right, silent, wrong,
+               100.0 * explained[explained.size() / 2], unseen);
   }
 }
 
@@ -338,12 +321,18 @@ Played play_one(const OutsideRequest& request, const std::string& arm, const std
   fs::create_directories(folder);
   const OutsideFiles files = write_outside(arm, name, seed, request.share, folder.string(), kTrain);
   const OutsideCause& cause = files.cause;
+  Played out{name, {}, {}};
+  if (!files.observable) {
+    if (request.keep.empty()) fs::remove_all(folder);
+    out.score.observable = false;
+    out.line = fmt::format("{:<10} {} {} on {} from {}: not observable on this arm", arm, seed, name, cause.joint + 1, cause.from + 1);
+    return out;
+  }
   DiagnosisOptions options = request.options;
   options.identification.threads = request.threads;
   const VectorXd clean = files.clean_error(options.identification);
   const Diagnosis d = files.diagnosed(options);
   if (request.keep.empty()) fs::remove_all(folder);
-  Played out{name, {}, {}};
   if (name == "none") {
     out.score.false_names = static_cast<int>(d.findings.size());
     out.score.state = "at_floor";

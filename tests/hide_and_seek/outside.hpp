@@ -35,6 +35,7 @@ struct OutsideFiles {
   Bench bench;
   OutsideCause cause;
   std::vector<std::string> with, without;
+  bool observable = true;  ///< as in Visibility
 
   Diagnosis diagnosed(const DiagnosisOptions& options) const;
   /// Held-out error of the arm without the cause, (n) relative.
@@ -57,6 +58,7 @@ struct OutsideScore {
   bool worded = false;     ///< with a name that fits
   int false_names = 0;     ///< findings with names that do not fit
   double explained = 0.0;  ///< share of the removable error, measured on the same arm without it
+  bool observable = true;  ///< false: the arm's own parameters absorb it or noise drowns it, and it is no case
 };
 OutsideScore score_outside(const OutsideCause& cause, const Diagnosis& d, const VectorXd& clean);
 

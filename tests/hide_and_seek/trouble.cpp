@@ -162,7 +162,7 @@ double step_width(Trouble trouble, unsigned seed, int joint, double largest_spee
   return Draw(seed, "step of joint " + std::to_string(joint)).in(0.01, 0.03) * largest_speed;
 }
 
-MatrixXd elastic_base_torque(const LagrangeArm& arm, unsigned seed, const Motion::Rows& rows) {
+MatrixXd elastic_base_torque(const LagrangeArm& arm, unsigned seed, const Motion::Rows& rows, double softer) {
   Draw draw(seed, "elastic base");
   const LagrangeArm on_base = on_turning_base(arm);
   const Motion::Rows coarse = every(kBaseStride, rows);
@@ -172,7 +172,7 @@ MatrixXd elastic_base_torque(const LagrangeArm& arm, unsigned seed, const Motion
   const double peak = std::max(rigid.rightCols(2).cwiseAbs().maxCoeff(), 1e-12);
   const double step = coarse.time[1] - coarse.time[0];
   for (Eigen::Index k = n; k < n + 2; ++k) {
-    moved.q.col(k) = -draw.in(3e-3, 8e-3) / peak * rigid.col(k);
+    moved.q.col(k) = -softer * draw.in(3e-3, 8e-3) / peak * rigid.col(k);
     moved.dq.col(k) = slope_of(moved.q.col(k), step);
     moved.ddq.col(k) = slope_of(moved.dq.col(k), step);
   }

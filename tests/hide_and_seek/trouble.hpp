@@ -42,7 +42,8 @@ double step_width(Trouble trouble, unsigned seed, int joint, double largest_spee
 /// (rows x n) torque that an elastic base adds: it gives way under the moments about x and y that the arm
 /// exerts on it, by 3 to 8 mrad for each under the larger of their peaks, and the arm feels gravity turned
 /// and the base's acceleration. Lagrange's equations of the arm with two more coordinates.
-MatrixXd elastic_base_torque(const LagrangeArm& arm, unsigned seed, const Motion::Rows& rows);
+/// @param softer  the base's compliance as a multiple of that.
+MatrixXd elastic_base_torque(const LagrangeArm& arm, unsigned seed, const Motion::Rows& rows, double softer = 1.0);
 
 /// Changes rows as sensors or drives of this kind would; the signals have their noise already.
 void trouble_rows(Trouble trouble, unsigned seed, int number, const VectorXd& time, MatrixXd& q,

@@ -20,6 +20,9 @@ struct Visibility {
   /// oracle_t is so large that chance alone brings it once in 16,000 recordings. Smaller causes
   /// cannot be named by anybody, and are no cases.
   bool beyond_doubt = false;
+
+  /// True for a case: beyond doubt, and the robot's own parameters absorb less than nine tenths of it.
+  bool observable() const { return beyond_doubt && share >= 0.1; }
 };
 
 /// @param ideal   recordings with the causes.

@@ -54,7 +54,8 @@ bool is_force_of_positions(const Cause& cause) {
 
 // True if on some motions the arm's mounting, its tip or a wrong zero looks like this finding.
 bool may_stand_for_another(const Finding& f) {
-  return f.status == FindingStatus::kConfirmed && (std::holds_alternative<AddedLoad>(f.cause) || acts_through_positions(f));
+  return f.status == FindingStatus::kConfirmed && (std::holds_alternative<AddedLoad>(f.cause) ||
+                                                   std::holds_alternative<KinematicError>(f.cause) || acts_through_positions(f));
 }
 
 struct Size {
@@ -111,14 +112,20 @@ std::vector<std::string> causes_through_positions(const Diagnosis& d, const Mode
   return out;
 }
 
-// All that is asked about by default, and one cause more: an error of the whole arm that is corrected already
-// is corrected further beside the others.
-std::vector<std::string> all_and(const std::string& one, const Model& arm) {
-  std::vector<std::string> out;
+// All that is asked about by default, and these causes.
+std::vector<std::string> all_and(std::vector<std::string> out, const Model& arm) {
   for (const std::string& name : effect_names()) {
     if (!has_effect(name) || !is_asked_later(find_effect(name), arm)) out.push_back(name);
   }
-  out.push_back(one);
+  return out;
+}
+
+// Later causes that were accepted before: crosstalk on one joint does not give way to a stop on another.
+std::vector<std::string> accepted_before(const DiagnosisState& x) {
+  std::vector<std::string> out;
+  for (const Finding& f : x.d.findings) {
+    if (f.status == FindingStatus::kConfirmed && is_later(f, x.arm)) out.push_back(to_text(x.arm, f.cause));
+  }
   return out;
 }
 
@@ -230,7 +237,9 @@ void ask(DiagnosisState& x, const std::vector<std::string>& later, const std::se
   y.d.not_supported.clear();
   y.d.cannot_tell.clear();
   correct_constants(y);
-  if (!joint) y.options.effects = all_and(name, x.arm);
+  std::vector<std::string> also = accepted_before(x);
+  if (!joint) also.push_back(name);  // corrected already, it is corrected further beside the others
+  if (!also.empty()) y.options.effects = all_and(std::move(also), x.arm);
   select_causes(y);
   y.options = x.options;
   if (!y.d.extended.model) return;
@@ -250,6 +259,10 @@ void ask(DiagnosisState& x, const std::vector<std::string>& later, const std::se
 }
 
 }  // namespace
+
+bool is_later(const Finding& f, const Model& arm) {
+  return !f.shape && has_effect(effect_of(f.cause)) && is_asked_later(find_effect(effect_of(f.cause)), arm);
+}
 
 bool acts_through_positions(const Finding& f) {
   if (f.shape) return false;

@@ -7,6 +7,9 @@
 
 namespace veridyn {
 
+/// True for a name that is not asked about by default.
+bool is_later(const Finding& f, const Model& arm);
+
 /// True for a name of a force that depends on positions alone, and of an error of the whole arm (its mounting, a force
 /// on its tip): these imitate one another.
 bool acts_through_positions(const Finding& f);

@@ -6,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "causes/candidates.hpp"
 #include "diagnosis/evidence/folds.hpp"
 #include "diagnosis/findings/right_to_a_name.hpp"
 #include "diagnosis/stages/diagnosis_state.hpp"
@@ -68,10 +67,6 @@ bool names_are_doubtful(const DiagnosisState& x) {
     }
     return above.count(v.joint.value) != 0 && of_forces > of_others;
   });
-}
-
-bool is_later(const Finding& f, const Model& arm) {
-  return !f.shape && has_effect(effect_of(f.cause)) && is_asked_later(find_effect(effect_of(f.cause)), arm);
 }
 
 // The arm with plain friction, and curves for all that it leaves over: the description without names.
