@@ -80,6 +80,7 @@ const char* name_of(Severity severity);
 ///   degrees             q or dq looks like degrees (dq 57.3 times too large; q beyond 4 pi most of
 ///                       the time)
 ///   velocity_quantised  dq is quantised coarsely; value: step; share: step by the signal's range
+///   torque_quantised    torque or current is quantised coarsely; value: step; share: step by the signal's range
 ///  velocity_delay      dq lags the derivative of q (cross-correlation); value [s]
 ///   joint_at_rest       q stays within 5 mrad or 5 mm; value: its range
 ///   no_motion           no joint moves
