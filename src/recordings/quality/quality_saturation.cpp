@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "math/quantisation.hpp"
 #include "recordings/quality/quality_checks.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -195,7 +196,7 @@ void check_torque_steps(const Head& head, Findings* findings) {
       const Place place{load.name, j + 1};
       findings->add(Severity::kWarning, "torque_quantised", place, {step / range, step, unit_of(load.name)},
                     text("The ", place.signal == "tau" ? "torque" : "current", " of ", named(place), " goes in steps of about ",
-                         number(step), ": these alone are an error of ", percent(step / (std::sqrt(12.0) * rms)),
+                         number(step), ": these alone are an error of ", percent(kStepToDeviation * step / rms),
                          " of its root mean square."));
     }
   }
