@@ -44,8 +44,7 @@ class Terms {
       if (kind(k) == SignalKind::kTime) add_product(torque, k);
     }
     for (int k = 0; k < count() && direction >= 0; ++k) {
-      const bool other = (kind(k) == SignalKind::kVelocity && k != direction) || (kind(k) == SignalKind::kPosition && k != own);
-      if (other) add_product(direction, k);
+      if (kind(k) == SignalKind::kVelocity && k != direction) add_product(direction, k);
     }
     for (int k = 0; k < count(); ++k) {
       for (int l = k + 1; l < count(); ++l) {
