@@ -188,7 +188,7 @@ TEST(Unnamed, WhatChangesBetweenRepeatsIsNoNoise) {
     EXPECT_LT(v.floor, 0.7 * d->baseline.noise_floor[0]) << d->report();
     EXPECT_EQ(v.state, JointState::kUnnamed) << d->report();
     EXPECT_TRUE(std::any_of(d->findings.begin(), d->findings.end(), [](const Finding& f) {
-      return f.shape && f.joint == JointIndex{0} &&
+      return f.shape && f.joint == JointIndex{0} && f.explains > 0.3 &&
              std::count(f.shape->signals.begin(), f.shape->signals.end(), "t") > 0;
     })) << d->report();
   }

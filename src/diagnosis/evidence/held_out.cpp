@@ -14,14 +14,15 @@ double removable(const VectorXd& error, const VectorXd& floor) {
 
 }  // namespace
 
-double explained_share(const VectorXd& before, const VectorXd& after,
-                       const Identification& baseline) {
+double explained_share(const VectorXd& before, const VectorXd& after, const Identification& baseline) {
+  return explained_share(before, after, baseline.test_error.relative, baseline.noise_floor);
+}
+
+double explained_share(const VectorXd& before, const VectorXd& after, const VectorXd& errors, const VectorXd& floor) {
   if (before.size() == 0 || after.size() == 0) return 0.0;
-  const double all = removable(baseline.test_error.relative, baseline.noise_floor);
+  const double all = removable(errors, floor);
   if (all <= 0.0) return 0.0;
-  return std::clamp(
-      (removable(before, baseline.noise_floor) - removable(after, baseline.noise_floor)) / all,
-      -1.0, 1.0);
+  return std::clamp((removable(before, floor) - removable(after, floor)) / all, -1.0, 1.0);
 }
 
 }  // namespace veridyn

@@ -9,4 +9,7 @@ namespace veridyn {
 double explained_share(const VectorXd& before, const VectorXd& after,
                        const Identification& baseline);
 
+/// The same above another floor than that between repeats, (n).
+double explained_share(const VectorXd& before, const VectorXd& after, const VectorXd& errors, const VectorXd& floor);
+
 }  // namespace veridyn

@@ -351,7 +351,10 @@ class Account {
         f.test_after[j] = without_share(before, found.predicted_of_test[k]);
       }
       f.status = status_of(f);
-      f.explains = explained_share(f.test_before, f.test_after, d_.baseline);
+      // What is predicted of the difference between repeats is no noise.
+      VectorXd floor = d_.baseline.noise_floor;
+      if (floor.size() > j) floor[j] = std::min(floor[j], error);
+      f.explains = explained_share(f.test_before, f.test_after, d_.baseline.test_error.relative, floor);
       shape.share = found.predicted_of_test[k] - of_test;
       f.phrase = phrase_of(shape, share - so_far, f.held_out());
       f.shape = std::move(shape);
