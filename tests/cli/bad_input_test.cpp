@@ -317,6 +317,17 @@ TEST_F(BadInput, AnExportThatIsRefusedLeavesNoFile) {
   const ToolRun run = run_tool({"export", other.write("robot.yaml", text), "--urdf", folder_.path("a.urdf"), "--mjcf",
                                 folder_.path("b.xml"), "--sdf", folder_.path("c.sdf"), "--report", folder_.path("d.html"), "--quiet"});
   expect_refused(run, 3, {"mass of 0 kg"});
+  // Found out late: the arm has no rows of gravity, the file of torques at rest is missing, MuJoCo's file is another robot's.
+  const std::string psm = other.path("psm.yaml");
+  ASSERT_EQ(run_tool({"export", "psm-3dof-rods", "--yaml", psm, "--quiet"}).status, 0);
+  const std::string own = other.path("own.xml");
+  ASSERT_EQ(run_tool({"export", psm, "--mjcf", own, "--quiet"}).status, 0);
+  const std::string good = other.path("good.yaml");
+  const Words all = {"--quiet", "--urdf", folder_.path("a.urdf"), "--cpp", folder_.path("b.h"), "--yaml", folder_.path("c.yaml"), "--json", folder_.path("d.json")};
+  const std::string gravity = folder_.path("g.json");
+  expect_refused(run_tool(Words{"export", good, "--dvrk-gravity", gravity} + all), 3, {"found no dVRK arm"});
+  expect_refused(run_tool(Words{"export", psm, "--dvrk-gravity", gravity, "--static-torques", other.path("none.csv"), "--dvrk-arm", "PSM1"} + all), 3, {"none.csv"});
+  expect_refused(run_tool(Words{"export", good, "--mjcf", folder_.path("e.xml"), "--into", own} + all), 3, {"own.xml"});
 }
 
 TEST_F(BadInput, ASlowFilterIsRefusedInEveryCommand) {

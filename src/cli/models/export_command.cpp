@@ -7,7 +7,6 @@
 #include "cli/options/common_options.hpp"
 #include "cli/models/export_dvrk.hpp"
 #include "cli/models/simulation_output.hpp"
-#include "math/output_file.hpp"
 #include "cli/options/messages.hpp"
 #include "cli/options/option_checks.hpp"
 #include "cli/options/sound_arguments.hpp"
@@ -50,12 +49,12 @@ void tell(const ExportRequest& request, const ExportedModel& out) {
   for (const std::string& note : out.notes) say(note + ".");
 }
 
-// Writes the MODEL with its origin.
-void save_yaml(const ExportRequest& request, const Model& model) {
+// The MODEL with its origin.
+std::string yaml_of(const ExportRequest& request, const Model& model) {
   const std::string path = robot_path(request.model);
   const bool yaml = robot_format(path) == RobotFormat::kYaml;
   const std::optional<ModelOrigin> origin = yaml ? read_origin(path) : std::nullopt;
-  write_file(request.yaml, origin ? with_origin(to_yaml(model), *origin) : to_yaml(model));
+  return origin ? with_origin(to_yaml(model), *origin) : to_yaml(model);
 }
 
 // The simulation's file that takes the model's values: the one that is named, or else the one that
@@ -68,30 +67,18 @@ std::string simulation_of(const ExportRequest& request, const Model& model, Robo
   return exists && robot_format(file) == format ? file : "";
 }
 
-struct XmlOutput {
-  std::string path;
-  const char* format;
-  std::string from;  // a simulation's file that is brought up to date; empty: none
-  std::string xml;   // else the whole text
-};
-
-// All texts are made before one is written: a refusal leaves no file.
-void write_xml(const ExportRequest& request, const ExportedModel& out) {
-  std::vector<XmlOutput> files;
-  if (!request.urdf.empty()) files.push_back({request.urdf, "URDF", "", to_urdf(out.arm, out.extras)});
+// URDF, MJCF and SDF.
+void add_xml(const ExportRequest& request, const ExportedModel& out, std::vector<FileToWrite>& files) {
+  if (!request.urdf.empty()) files.push_back(simulation_xml(request.urdf, "URDF", to_urdf(out.arm, out.extras)));
   if (!request.mjcf.empty()) {
     const std::string from = simulation_of(request, out.arm, RobotFormat::kMjcf);
-    files.push_back({request.mjcf, "MJCF", from, from.empty() ? to_mjcf(out.arm, out.extras.remarks) : ""});
+    files.push_back(from.empty() ? simulation_xml(request.mjcf, "MJCF", to_mjcf(out.arm, out.extras.remarks))
+                                 : updated_simulation(out.arm, from, request.mjcf));
   }
   if (!request.sdf.empty()) {
     const std::string from = simulation_of(request, out.arm, RobotFormat::kSdf);
-    files.push_back({request.sdf, "SDF", from, from.empty() ? to_sdf(out.arm, out.extras) : ""});
-  }
-  for (const XmlOutput& file : files) {
-    if (file.from.empty())
-      write_simulation_xml(file.path, file.format, file.xml, request.quiet);
-    else
-      write_updated_simulation(out.arm, file.from, file.path, request.quiet);
+    files.push_back(from.empty() ? simulation_xml(request.sdf, "SDF", to_sdf(out.arm, out.extras))
+                                 : updated_simulation(out.arm, from, request.sdf));
   }
 }
 
@@ -114,16 +101,24 @@ void run(const ExportRequest& request, const std::string& command_line) {
                  "found '", request.into, "', expected an MJCF file with --mjcf, or an SDF file with --sdf");
     require(std::filesystem::is_regular_file(request.into), request.into, ": found no such file, expected that of a simulation.");
   }
+  std::vector<FileToWrite> files;
   if (!(request.urdf + request.mjcf + request.sdf + request.report).empty()) {
     const ExportedModel out = exported(request, model);
-    write_xml(request, out);
-    if (!request.report.empty()) write_file(request.report, to_page(robot_info(out.arm), command_line));
-    tell(request, out);
+    add_xml(request, out, files);
+    if (request.quiet) {
+      for (FileToWrite& file : files) file.tell = {};
+    }
+    if (!request.report.empty()) files.push_back({request.report, to_page(robot_info(out.arm), command_line)});
+    files.back().tell = [before = files.back().tell, &request, out] {
+      if (before) before();
+      tell(request, out);
+    };
   }
-  if (!request.cpp.empty()) save_c_code(model, request.cpp);
-  if (!request.yaml.empty()) save_yaml(request, model);
-  if (!request.json.empty()) save_model_json(model, request.json);
-  export_dvrk(model, dvrk);
+  if (!request.cpp.empty()) files.push_back({request.cpp, to_c_code(model)});
+  if (!request.yaml.empty()) files.push_back({request.yaml, yaml_of(request, model)});
+  if (!request.json.empty()) files.push_back({request.json, model_json(model)});
+  add_dvrk_files(model, dvrk, files);
+  write_all(files);
   if (request.quiet) return;
   for (const std::string& error : JointSensors(model).in_words(model))
     say("the exported dynamics mean true positions and torques, and " + error +

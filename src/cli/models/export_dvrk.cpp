@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <cctype>
+#include <optional>
 
 #include "cli/options/common_options.hpp"
 #include "cli/options/option_checks.hpp"
 #include "cli/options/sound_arguments.hpp"
 #include "dvrk/arms/effort_scales.hpp"
 #include "dvrk/arms/gravity_chain.hpp"
-#include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "model/suggestion.hpp"
 
@@ -57,8 +57,7 @@ void print_gravity(const dvrk::GravityChain& chain) {
 }
 
 // Compares reported efforts with the rows: root mean square of the residual and of the efforts.
-void print_static_torques(const dvrk::GravityChain& chain, const std::string& path) {
-  const dvrk::StaticTorques measured = dvrk::read_static_torques(path);
+void print_static_torques(const dvrk::GravityChain& chain, const dvrk::StaticTorques& measured, const std::string& path) {
   const auto n =
       std::min<Eigen::Index>(measured.q.cols(), static_cast<Eigen::Index>(chain.rows.size()));
   VectorXd rest = VectorXd::Zero(n);
@@ -82,13 +81,8 @@ void print_static_torques(const dvrk::GravityChain& chain, const std::string& pa
   }
 }
 
-void write_scales(const Model& model, const dvrk::ArmFacts& arm, const DvrkExport& request) {
-  const dvrk::IoConfig config =
-      request.config.empty() ? dvrk::nominal_config(arm) : dvrk::read_io_config(request.config);
-  const std::vector<dvrk::EffortScale> scales =
-      dvrk::corrected_scales(model, arm, config.robot(arm.name));
-  write_file(request.scales, dvrk::to_scales_json(arm.name, scales));
-  fmt::print("{}: current per effort\n", arm.name);
+void print_scales(const std::string& arm, const std::vector<dvrk::EffortScale>& scales) {
+  fmt::print("{}: current per effort\n", arm);
   for (const dvrk::EffortScale& scale : scales) {
     fmt::print("  {:<12} {:.7g} {}", scale.actuator, scale.scale, scale.unit);
     if (scale.source.empty())
@@ -122,16 +116,24 @@ void check_dvrk_export(const DvrkExport& request) {
     throw CLI::RequiresError("--dvrk-arm", "--dvrk-gravity or --dvrk-scales");
 }
 
-void export_dvrk(const Model& model, const DvrkExport& request) {
+void add_dvrk_files(const Model& model, const DvrkExport& request, std::vector<FileToWrite>& files) {
   if (request.gravity.empty() && request.scales.empty()) return;
   const dvrk::ArmFacts arm = find_arm(model, request.arm);
   if (!request.gravity.empty()) {
     const dvrk::GravityChain chain = dvrk::fit_gravity_chain(model, arm);
-    write_file(request.gravity, dvrk::to_gravity_json(chain, model.name()));
-    print_gravity(chain);
-    if (!request.torques.empty()) print_static_torques(chain, request.torques);
+    std::optional<dvrk::StaticTorques> measured;
+    if (!request.torques.empty()) measured = dvrk::read_static_torques(request.torques);
+    files.push_back({request.gravity, dvrk::to_gravity_json(chain, model.name()), [chain, measured, path = request.torques] {
+                       print_gravity(chain);
+                       if (measured) print_static_torques(chain, *measured, path);
+                     }});
   }
-  if (!request.scales.empty()) write_scales(model, arm, request);
+  if (!request.scales.empty()) {
+    const dvrk::IoConfig config =
+        request.config.empty() ? dvrk::nominal_config(arm) : dvrk::read_io_config(request.config);
+    const std::vector<dvrk::EffortScale> scales = dvrk::corrected_scales(model, arm, config.robot(arm.name));
+    files.push_back({request.scales, dvrk::to_scales_json(arm.name, scales), [name = arm.name, scales] { print_scales(name, scales); }});
+  }
 }
 
 }  // namespace veridyn::cli

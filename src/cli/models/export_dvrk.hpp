@@ -2,7 +2,9 @@
 
 #include <CLI/CLI.hpp>
 #include <string>
+#include <vector>
 
+#include "cli/models/file_to_write.hpp"
 #include "veridyn/model/model.hpp"
 
 namespace veridyn::cli {
@@ -22,7 +24,7 @@ void add_dvrk_export_options(CLI::App& command, DvrkExport& request);
 /// @throws CLI::ValidationError  an option without the output that it belongs to.
 void check_dvrk_export(const DvrkExport& request);
 
-/// Writes the requested files and prints their accuracy.
-void export_dvrk(const Model& model, const DvrkExport& request);
+/// Adds the requested files, which print their accuracy.
+void add_dvrk_files(const Model& model, const DvrkExport& request, std::vector<FileToWrite>& files);
 
 }  // namespace veridyn::cli

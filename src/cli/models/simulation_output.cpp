@@ -14,25 +14,30 @@
 
 namespace veridyn::cli {
 
-void write_simulation_xml(const std::string& target, const char* format, const std::string& xml, bool quiet) {
-  write_file(target, xml);
+FileToWrite simulation_xml(const std::string& target, const char* format, std::string xml) {
   const std::string mark = "<!-- left out:";
   int lost = 0;
   for (std::size_t at = xml.find(mark); at != std::string::npos; at = xml.find(mark, at + 1)) ++lost;
-  if (lost == 0 || quiet) return;
-  say(text(target, ": ", format, " has no words for ", lost, lost == 1 ? " item" : " items",
-           " of the model; the file names them in comments that begin with 'left out:'."));
+  const std::string remark = text(target, ": ", format, " has no words for ", lost, lost == 1 ? " item" : " items",
+                                  " of the model; the file names them in comments that begin with 'left out:'.");
+  return {target, std::move(xml), [lost, remark] {
+            if (lost > 0) say(remark);
+          }};
 }
 
-void write_updated_simulation(const Model& model, const std::string& from, const std::string& target,
-                              bool quiet) {
+FileToWrite updated_simulation(const Model& model, const std::string& from, const std::string& target) {
   const bool mjcf = robot_format(from) == RobotFormat::kMjcf;
-  const UpdatedFile updated = mjcf ? updated_mjcf(model, from) : updated_sdf(model, from);
-  write_simulation_xml(target, mjcf ? "MJCF" : "SDF", updated.xml, quiet);
-  if (quiet) return;
+  UpdatedFile updated = mjcf ? updated_mjcf(model, from) : updated_sdf(model, from);
   const std::size_t count = updated.changed.size();
-  say(text(target, ": ", from, " with ", count == 0 ? "no other value" : count == 1 ? "1 value" : std::to_string(count) + " values",
-           " of the model", count == 0 ? "" : ": " + listed(updated.changed), "; all else stays."));
+  const std::string remark =
+      text(target, ": ", from, " with ", count == 0 ? "no other value" : count == 1 ? "1 value" : std::to_string(count) + " values",
+           " of the model", count == 0 ? "" : ": " + listed(updated.changed), "; all else stays.");
+  FileToWrite out = simulation_xml(target, mjcf ? "MJCF" : "SDF", std::move(updated.xml));
+  out.tell = [left_out = out.tell, remark] {
+    left_out();
+    say(remark);
+  };
+  return out;
 }
 
 bool is_simulation_file(const std::string& path) {
@@ -54,7 +59,9 @@ void expect_simulation_of(const std::string& option, const std::string& target, 
 void save_as_simulation(const Model& model, const std::string& robot, const std::string& target, bool quiet) {
   const ExportedModel out = exported_model(model, std::nullopt, "");
   for (const std::string& warning : out.warnings) say("warning: " + target + ": " + warning + ".");
-  write_updated_simulation(out.arm, robot_path(robot), target, quiet);
+  FileToWrite file = updated_simulation(out.arm, robot_path(robot), target);
+  if (quiet) file.tell = {};
+  write_all({std::move(file)});
 }
 
 }  // namespace veridyn::cli

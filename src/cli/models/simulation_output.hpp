@@ -2,17 +2,16 @@
 
 #include <string>
 
+#include "cli/models/file_to_write.hpp"
 #include "veridyn/model/model.hpp"
 
 namespace veridyn::cli {
 
-/// Writes XML of a simulation; unless quiet, prints how many parts of the model its comments list as
-/// left out.
-void write_simulation_xml(const std::string& target, const char* format, const std::string& xml, bool quiet);
+/// XML of a simulation, with how many parts of the model its comments list as left out.
+FileToWrite simulation_xml(const std::string& target, const char* format, std::string xml);
 
-/// Writes the simulation's file `from` (MJCF or SDF) with the model's values, and prints which.
-void write_updated_simulation(const Model& model, const std::string& from, const std::string& target,
-                              bool quiet);
+/// The simulation's file `from` (MJCF or SDF) with the model's values, and which these are.
+FileToWrite updated_simulation(const Model& model, const std::string& from, const std::string& target);
 
 /// True for the endings of MJCF and SDF files.
 bool is_simulation_file(const std::string& path);
@@ -20,8 +19,8 @@ bool is_simulation_file(const std::string& path);
 /// Refuses `target` with such an ending for a robot that comes from another format.
 void expect_simulation_of(const std::string& option, const std::string& target, const std::string& robot);
 
-/// The model as write_updated_simulation() writes it, and the values that torques do not determine
-/// are made plausible, see portable_model().
+/// Writes the model as updated_simulation(); values that torques do not determine are made plausible,
+/// see portable_model().
 void save_as_simulation(const Model& model, const std::string& robot, const std::string& target, bool quiet);
 
 }  // namespace veridyn::cli
