@@ -3,7 +3,7 @@ BUILD := build
 JOBS  ?= $(shell nproc)
 CMAKE_FLAGS ?= --preset dev
 
-.PHONY: all tool build demo test python notebooks wheel ros ros-test mpi growth deb build-times readme docs thesis bare sanitize sanitize-programs coverage races fuzz memcheck mutants symbols bill tidy packages packages-tests clean
+.PHONY: all tool build demo test python notebooks wheel ros ros-test mpi growth deb build-times readme docs thesis bare sanitize coverage races fuzz memcheck mutants symbols bill tidy packages packages-tests clean
 
 all: tool
 
@@ -113,12 +113,6 @@ sanitize: packages-tests
 	@ASAN_OPTIONS=allocator_may_return_null=1 LSAN_OPTIONS=suppressions=$(CURDIR)/tests/fuzz/leaks.txt \
 	  LLVM_PROFILE_FILE=$(CURDIR)/build-$(SANITIZER)/profiles/%4m.profraw \
 	  ctest --test-dir build-$(SANITIZER) --output-on-failure -j $(JOBS) $(if $(ROOM),-R "^($$(echo $(ROOM) | tr ' ' '|'))/")
-
-# Programs under g++'s address and undefined-behaviour sanitizers, linked with the library as it is built: the tool's commands and
-# hide-and-seek, which nothing else tests, in minutes. VERIDYN_TOOL=$(BUILD)/sanitized/veridyn $(BUILD)/bin/test_cli runs the tool so.
-PROGRAMS ?= veridyn test_hide_and_seek
-sanitize-programs: build
-	@python3 tests/sanitized_program.py $(BUILD) $(PROGRAMS)
 
 # Lines, functions and branches of src/ROOM that the last `make sanitize ROOM=...` ran; build-asan/coverage/index.html has the source.
 coverage:

@@ -352,7 +352,7 @@ TEST_F(BadInput, CheckNamesTheUnreadableFile) {
 TEST(ProgramFault, AFullDiskBehindStandardOutputIsNotSuccess) {
   if (!std::ofstream("/dev/full").is_open()) GTEST_SKIP() << "no /dev/full here";
   const std::string command =
-      std::string(tool_program()) + " info planar-2r > /dev/full 2> /dev/null";
+      std::string(VERIDYN_TOOL) + " info planar-2r > /dev/full 2> /dev/null";
   EXPECT_NE(std::system(command.c_str()), 0);
 }
 

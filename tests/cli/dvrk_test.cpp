@@ -55,7 +55,7 @@ std::string with(std::string text, const std::string& old, const std::string& no
 class Boards {
  public:
   Boards(Words words, const std::string& out) {
-    words = Words{tool_program(), "dvrk", "emulate", "--port", "0", "--quiet"} + words;
+    words = Words{VERIDYN_TOOL, "dvrk", "emulate", "--port", "0", "--quiet"} + words;
     child_ = ::fork();
     if (child_ == 0) {
       if (std::freopen(out.c_str(), "w", stdout) == nullptr) ::_exit(126);

@@ -84,7 +84,7 @@ TEST(Excite, AnInterruptIsStatus130) {
     ::dup2(from_tool[1], STDERR_FILENO);
     ::dup2(from_tool[1], STDOUT_FILENO);
     ::close(from_tool[0]);
-    ::execl(tool_program(), "veridyn", "excite", "planar-2r", "-o", motion.c_str(), "--starts", "50000",
+    ::execl(VERIDYN_TOOL, VERIDYN_TOOL, "excite", "planar-2r", "-o", motion.c_str(), "--starts", "50000",
             static_cast<char*>(nullptr));
     ::_exit(127);
   }
@@ -120,10 +120,10 @@ TEST(Excite, GoesOnAfterAKill) {
   Words resumed = command("m.csv") + Words{"--resume", kept};
   const pid_t child = ::fork();
   if (child == 0) {
-    std::vector<char*> words = {const_cast<char*>(tool_program())};
+    std::vector<char*> words = {const_cast<char*>(VERIDYN_TOOL)};
     for (std::string& word : resumed) words.push_back(word.data());
     words.push_back(nullptr);
-    ::execv(tool_program(), words.data());
+    ::execv(VERIDYN_TOOL, words.data());
     ::_exit(127);
   }
   while (finished() < 1 && ::waitpid(child, nullptr, WNOHANG) == 0) ::usleep(500);

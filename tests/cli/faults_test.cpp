@@ -122,7 +122,7 @@ pid_t start(const Words& words) {
   std::vector<char*> argv{const_cast<char*>("veridyn")};
   for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
   argv.push_back(nullptr);
-  ::execv(tool_program(), argv.data());
+  ::execv(VERIDYN_TOOL, argv.data());
   ::_exit(127);
 }
 

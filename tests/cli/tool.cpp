@@ -30,16 +30,11 @@ void redirect(int stream, const std::string& path) {
   std::vector<char*> argv;
   for (const std::string& word : arguments) argv.push_back(const_cast<char*>(word.c_str()));
   argv.push_back(nullptr);
-  ::execv(tool_program(), argv.data());
+  ::execv(VERIDYN_TOOL, argv.data());
   ::_exit(127);
 }
 
 }  // namespace
-
-const char* tool_program() {
-  const char* other = std::getenv("VERIDYN_TOOL");
-  return other != nullptr ? other : VERIDYN_TOOL;
-}
 
 long ToolRun::error_lines() const {
   return std::count(err.begin(), err.end(), '\n');

@@ -19,10 +19,7 @@ struct ToolRun {
   long error_lines() const;
 };
 
-/// The program that is tested: VERIDYN_TOOL of the environment, else build/bin/veridyn.
-const char* tool_program();
-
-/// Runs it as a user would, without a terminal.
+/// Runs build/bin/veridyn as a user would, without a terminal.
 /// @param working_folder  where it runs; empty: here
 /// @param longest  [s] after which a signal ends it; 0: never
 ToolRun run_tool(const Words& arguments, const std::string& working_folder = "", unsigned longest = 0);
