@@ -41,6 +41,7 @@ void run_stages(DiagnosisState& x, const Tell& tell) {
   if (!fit_baseline(x) || columns_are_exchanged(x)) return;
   exclude_rests(x);
   check_torque_signs(x);
+  check_errors_in_variables(x);
   exclude_snags(x.start, x);
   test_all_candidates(x, tell);
   // Contacts and small snags are visible once the model's own errors are corrected; then everything

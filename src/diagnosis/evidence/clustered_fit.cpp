@@ -1,5 +1,7 @@
 #include "diagnosis/evidence/clustered_fit.hpp"
 
+#include <Eigen/QR>
+
 #include "diagnosis/evidence/numerics.hpp"
 #include "math/student_t.hpp"
 
@@ -15,6 +17,10 @@ VectorXd solve_scaled(const MatrixXd& A, const VectorXd& b) {
       A.diagonal().cwiseMax(numerics::kTiny).cwiseSqrt().cwiseInverse();
   const RidgedSolver solver(scale.asDiagonal() * A * scale.asDiagonal());
   return scale.asDiagonal() * solver.solve(scale.asDiagonal() * b);
+}
+
+VectorXd solve_general(const MatrixXd& A, const VectorXd& b) {
+  return Eigen::ColPivHouseholderQR<MatrixXd>(A).solve(b);
 }
 
 double wald_p_value(const VectorXd& x, const MatrixXd& without) {

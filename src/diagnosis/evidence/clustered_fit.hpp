@@ -30,6 +30,9 @@ class RidgedSolver {
 /// The same for columns of any size: scaled to a diagonal of ones first.
 VectorXd solve_scaled(const MatrixXd& A, const VectorXd& b);
 
+/// Least squares of any rows, or a square system without symmetry.
+VectorXd solve_general(const MatrixXd& A, const VectorXd& b);
+
 /// p value of all parameters together over g clusters, by Hotelling's statistic: parameters that
 /// share one cause may each be uncertain while their sum is not.
 double wald_p_value(const VectorXd& x, const MatrixXd& without);

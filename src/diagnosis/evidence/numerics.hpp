@@ -91,6 +91,7 @@ constexpr int kRefinements = 14;   ///< golden sections of the bracket around a 
 constexpr int kDescentSteps = 60;  ///< Levenberg-Marquardt steps for a point mass
 
 // Resolution, and the samples that it needs.
+constexpr int kPhases = 8;    ///< phases of a period, compared across recordings
 constexpr int kPeriods = 20;  ///< periods before and after a burst, at which it may recur
 constexpr std::size_t kFewestContactSamples = 50;
 constexpr int kPassSamples = 64;        ///< grid points of one pass over a joint's travel
@@ -117,6 +118,7 @@ constexpr int kAskedFromOthers = 4;  ///< columns more for each further joint
 constexpr int kFewestBlocks = 8;     ///< blocks of all recordings together
 
 // Text.
+constexpr std::size_t kNamedParameters = 3;
 constexpr std::size_t kListed = 60;  ///< causes printed as ruled out
 constexpr std::size_t kNumberWidth = 8;
 

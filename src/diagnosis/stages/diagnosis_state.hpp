@@ -103,6 +103,10 @@ bool columns_are_exchanged(DiagnosisState& x);
 /// Reports joints with significantly negative friction, which indicates a torque of the wrong sign.
 void check_torque_signs(DiagnosisState& x);
 
+/// Reports parameters that noise in the motion biases: the instrumental-variable estimate from
+/// repeats of the motion differs from least squares.
+void check_errors_in_variables(DiagnosisState& x);
+
 /// Leaves out local friction of single recordings that an arm shows. True if any is new.
 bool exclude_snags(const Identification& seen, DiagnosisState& x);
 
