@@ -51,7 +51,7 @@ class Examiner {
   double gain_of(const std::vector<int>& hypotheses, const BaselineFit& before) const;
 
   /// evaluate() for every hypothesis that is not chosen, beside the chosen ones. Answers are kept: a selection asks the
-  /// same again when it looks for a swap, for one more and for rivals.
+  /// same again when it looks for a swap, for one more and for rivals. The reference holds until the next call.
   const std::vector<Evidence>& evaluate_all(const std::vector<int>& chosen) const;
 
   /// True if the evidence suffices for acceptance.

@@ -97,13 +97,19 @@ function signalOf(recording, name) {
           label: parts[1] === 'tau' ? 'model\u2019s torque [' + units.torque_unit + ']' : quantity + ' of ' + units.name + ' [' + units.unit + per + ']'};
 }
 
-// An unnamed cause's curve, one for each side where its second signal has sides: [[at, value, low, high], ...].
+// An unnamed cause's curve, one for each side where its second signal has sides; a function of two signals as three
+// curves over the first, at the lowest, the middle and the highest value of the second: [[at, value, low, high], ...].
 function curvesOfCause(finding) {
-  const sides = new Set((finding.curve || []).map((p) => Math.sign(p.at[1] || 0)));
-  const points = (finding.curve || []).map((p) => ({side: sides.size > 1 ? Math.sign(p.at[1]) : 0, point: [p.at[0], p.value, p.band[0], p.band[1]]}));
-  return groupBy(points, (p) => p.side).map((group) => ({
-    name: {'1': 'forward', '-1': 'backward', '0': 'its curve'}[group[0].item.side], colour: {'1': 'forward', '-1': 'backward', '0': 'extended'}[group[0].item.side],
-    points: group.map(({item}) => item.point).sort((p, q) => p[0] - q[0])}));
+  const curve = finding.curve || [];
+  const seconds = [...new Set(curve.map((p) => p.at[1] || 0))].sort((p, q) => p - q);
+  const along = (second) => curve.filter((p) => (p.at[1] || 0) === second).map((p) => [p.at[0], p.value, p.band[0], p.band[1]]).sort((p, q) => p[0] - q[0]);
+  const at = (second, name, colour) => ({name, colour, points: along(second)});
+  if (seconds.length > 2) {
+    return [[0, 'backward'], [(seconds.length - 1) >> 1, 'extended'], [seconds.length - 1, 'forward']].map(
+        ([k, colour]) => at(seconds[k], finding.signals[1] + ' = ' + short(seconds[k]), colour));
+  }
+  if (seconds.length === 2) return [at(seconds[1], 'forward', 'forward'), at(seconds[0], 'backward', 'backward')];
+  return seconds.map((second) => at(second, 'its curve', 'extended'));
 }
 
 // The residual of the model as it stands against the variable of the cause, with what the extended
@@ -118,9 +124,9 @@ function causePicture(finding, k) {
   const unnamed = finding.effect === 'unnamed';
   const signal = signalOf(recording, unnamed ? (finding.signals || ['q' + joint])[0] : series.causes[k] || 'q' + joint);
   if (!signal) return null;
-  const range = rangeOf([signal.values]);
-  const added = data.extended ? difference(data.extended, data.model) : [];
   const curves = unnamed ? curvesOfCause(finding) : [];
+  const range = rangeOf([signal.values, ...curves.map((c) => c.points.map((p) => p[0]))]);
+  const added = data.extended ? difference(data.extended, data.model) : [];
   const marks = byDirection(signal.values, residual, data.dq, range).filter((m) => m.kind === 'dots');
   if (curves.length) {
     for (const c of curves)
