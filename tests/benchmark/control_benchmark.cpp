@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -28,9 +29,10 @@
 
 // One cycle of control of the seven-joint psm-wrist, from measured positions to torques. What
 // counts in a loop is the worst, so every cycle is timed by itself. VERIDYN_CYCLES=10000000 runs that
-// many of each in place of a second's. Each cycle is followed by an empty loop of the same length:
-// whatever interrupts the empty loop is the machine's, and a controller is late of its own accord only
-// where it exceeds the bound more often than the empty loop does.
+// many of each in place of a second's. Each cycle is followed by an empty loop of the same length, which
+// shows how often the machine is late. Which cycle is late of its own accord, repetitions tell
+// (--benchmark_repetitions=3): each begins with a new controller and gives it the same inputs, so that a cycle has
+// the same work to do in all of them, and what it takes at least is its own.
 
 namespace veridyn {
 namespace {
@@ -69,6 +71,7 @@ double microseconds(clockid_t clock) {
 // The times of single cycles, sorted; as many as there is room for.
 class Times {
  public:
+  static constexpr double kLongest = 20.0;  // us
   Times() { us_.reserve(1U << 21); }
   void add(double us) {
     worst_us_ = std::max(worst_us_, us);
@@ -88,10 +91,30 @@ class Times {
     const auto rank = static_cast<size_t>(share * static_cast<double>(us_.size()));
     return us_[std::min(us_.size() - 1, rank)];
   }
-  static constexpr double kLongest = 20.0;  // us
   std::vector<double> us_;
   double worst_us_ = 0.0;
   long beyond_ = 0;
+};
+
+// The least time of each cycle of a benchmark over its repetitions.
+class LeastTimes {
+ public:
+  void add(double us) {
+    if (at_ == us_.size()) us_.push_back(static_cast<float>(us));
+    us_[at_] = std::min(us_[at_], static_cast<float>(us));
+    ++at_;
+  }
+  // The next repetition begins.
+  void report(benchmark::State& state) {
+    at_ = 0;
+    state.counters["own_worst_us"] = *std::max_element(us_.begin(), us_.end());
+    state.counters["own_beyond_20_us"] = static_cast<double>(
+        std::count_if(us_.begin(), us_.end(), [](float us) { return us > Times::kLongest; }));
+  }
+
+ private:
+  std::vector<float> us_;
+  size_t at_ = 0;
 };
 
 void empty_loop(long turns) {
@@ -111,11 +134,13 @@ double usual_time(const Call& call) {
   return us[250];
 }
 
-// Runs `cycle` over the pool. "wall" holds whatever else the machine does in between, "cpu" the
+// Runs `cycle` over the pool; `name` is the benchmark's. "wall" holds whatever else the machine does in between, "cpu" the
 // cycle alone (and 0.3 us of asking for that clock), "empty" both of the empty loop; "allocations"
-// are those of all cycles.
+// are those of all cycles; "own" counts each cycle by the least wall time of all repetitions.
 template <typename Update>
-void time_cycles(benchmark::State& state, Wrist& wrist, const Update& cycle) {
+void time_cycles(benchmark::State& state, const std::string& name, Wrist& wrist, const Update& cycle) {
+  static std::map<std::string, LeastTimes> of_all;
+  LeastTimes& least = of_all[name];
   Times wall, cpu, empty_wall, empty_cpu;
   size_t at = 0;
   long allocations = 0;
@@ -124,7 +149,9 @@ void time_cycles(benchmark::State& state, Wrist& wrist, const Update& cycle) {
     const double cpu_start = microseconds(CLOCK_THREAD_CPUTIME_ID);
     call();
     of_cpu.add(microseconds(CLOCK_THREAD_CPUTIME_ID) - cpu_start);
-    of_wall.add(microseconds(CLOCK_MONOTONIC) - wall_start);
+    const double us = microseconds(CLOCK_MONOTONIC) - wall_start;
+    of_wall.add(us);
+    return us;
   };
   constexpr long kTurns = 100000;
   const double clock = usual_time([] {});
@@ -134,12 +161,14 @@ void time_cycles(benchmark::State& state, Wrist& wrist, const Update& cycle) {
   for (auto _ : state) {
     const Cycle& now = wrist.cycles[at++ % kPool];
     const long before = malloc_count();
-    timed(wall, cpu, [&] { cycle(now); });
+    const double us = timed(wall, cpu, [&] { cycle(now); });
     allocations += malloc_count() - before;
+    least.add(us);
     timed(empty_wall, empty_cpu, [&] { empty_loop(turns); });
     benchmark::DoNotOptimize(wrist.tau.data());
     benchmark::ClobberMemory();
   }
+  least.report(state);
   wall.report(state, "wall");
   cpu.report(state, "cpu");
   empty_wall.report(state, "empty_wall");
@@ -155,7 +184,7 @@ void long_enough(benchmark::internal::Benchmark* one) {
 
 void arm_state(benchmark::State& state) {
   Wrist wrist;
-  time_cycles(state, wrist, [&](const Cycle& c) { wrist.state.update(c.q, c.dq); });
+  time_cycles(state, "arm_state", wrist, [&](const Cycle& c) { wrist.state.update(c.q, c.dq); });
 }
 BENCHMARK(arm_state)->Apply(long_enough);
 
@@ -165,7 +194,7 @@ void impedance_cycle(benchmark::State& state, TaskRows rows) {
   options.rows = rows;
   options.posture = VectorXd::Zero(wrist.arm.joints());
   Impedance control(wrist.arm, wrist.tip, {}, options);
-  time_cycles(state, wrist, [&](const Cycle& c) {
+  time_cycles(state, "impedance_cycle " + std::to_string(static_cast<int>(rows)), wrist, [&](const Cycle& c) {
     wrist.state.update(c.q, c.dq);
     wrist.tau = control.update(wrist.state, wrist.wanted, wrist.wrench);
   });
@@ -185,7 +214,7 @@ void whole_cycle(benchmark::State& state) {
   MomentumObserver momentum(wrist.arm, wrist.tip);
   SafetySupervisor safety(wrist.arm, safety_limits(wrist.arm, 10.0));
   SafetyInput input(n);
-  time_cycles(state, wrist, [&](const Cycle& c) {
+  time_cycles(state, "whole_cycle", wrist, [&](const Cycle& c) {
     wrist.state.update(c.q, c.dq);
     momentum.update(wrist.state, wrist.tau, control.acceleration(), 1e-3);
     wrist.tau = control.update(wrist.state, wrist.wanted, wrist.wrench);
@@ -203,7 +232,7 @@ void computed_torque_cycle(benchmark::State& state) {
   const VectorXd ones = VectorXd::Ones(wrist.arm.joints());
   ComputedTorque control(wrist.arm.joints(), {ones, ones});
   JointReference wanted(wrist.arm.joints());
-  time_cycles(state, wrist, [&](const Cycle& c) {
+  time_cycles(state, "computed_torque_cycle", wrist, [&](const Cycle& c) {
     wrist.state.update(c.q, c.dq);
     wanted.q = c.dq;
     wrist.tau = control.update(wrist.state, wanted);
@@ -218,7 +247,7 @@ void pd_with_gravity_cycle(benchmark::State& state) {
   const VectorXd ones = VectorXd::Ones(n);
   dvrk::JointPid pd({ones, VectorXd::Zero(n), ones}, ones);
   const VectorXd q = VectorXd::Zero(n), dq = q;
-  time_cycles(state, wrist, [&](const Cycle& c) {
+  time_cycles(state, "pd_with_gravity_cycle", wrist, [&](const Cycle& c) {
     pd.torques(c.q, c.dq, q, dq, 1e-3, wrist.tau);
     wrist.tau += gravity.update(c.q);
   });
@@ -236,7 +265,7 @@ void cooperative_cycle(benchmark::State& state) {
   input.position[1] = {0.1, 0.0, 0.0};
   long number = 0;
   control.track(0, true);
-  time_cycles(state, wrist, [&](const Cycle& c) {
+  time_cycles(state, "cooperative_cycle", wrist, [&](const Cycle& c) {
     input.force[0].force = 1e-3 * c.q[0];
     input.force[0].number = ++number;
     benchmark::DoNotOptimize(control.update(input).data());
@@ -249,7 +278,7 @@ void teleoperation_cycle(benchmark::State& state) {
   Wrist wrist;
   Teleoperation control({}, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero());
   control.clutch(true);
-  time_cycles(state, wrist, [&](const Cycle& c) {
+  time_cycles(state, "teleoperation_cycle", wrist, [&](const Cycle& c) {
     control.update(c.q.head<3>(), c.dq.head<3>(), c.dq.tail<3>());
     benchmark::DoNotOptimize(control.leader_force().data());
   });
@@ -259,7 +288,7 @@ BENCHMARK(teleoperation_cycle)->Apply(long_enough);
 void gravity_cycle(benchmark::State& state) {
   Wrist wrist;
   GravityCompensation control(wrist.arm);
-  time_cycles(state, wrist, [&](const Cycle& c) { wrist.tau = control.update(c.q); });
+  time_cycles(state, "gravity_cycle", wrist, [&](const Cycle& c) { wrist.tau = control.update(c.q); });
 }
 BENCHMARK(gravity_cycle)->Apply(long_enough);
 
@@ -272,7 +301,7 @@ void friction_cycle(benchmark::State& state, FrictionRule rule) {
   adapting.enabled = true;
   AdaptiveFriction adaptive(friction, adapting);
   ModelErrorObserver error(wrist.arm.joints(), {10.0, VectorXd::Ones(wrist.arm.joints())});
-  time_cycles(state, wrist, [&](const Cycle& c) {
+  time_cycles(state, "friction_cycle " + std::to_string(static_cast<int>(rule)), wrist, [&](const Cycle& c) {
     wrist.state.update(c.q, c.dq);
     wrist.tau = friction.update(wrist.state, c.dq, c.q, 1e-3);
     wrist.tau += error.update(wrist.state, c.q, 1e-3);
@@ -287,7 +316,7 @@ void interpolation_cycle(benchmark::State& state) {
   Wrist wrist;
   QuinticInterpolator way(VectorXd::Ones(wrist.arm.joints()));
   VelocityObserver velocity(wrist.arm.joints());
-  time_cycles(state, wrist, [&](const Cycle& c) {
+  time_cycles(state, "interpolation_cycle", wrist, [&](const Cycle& c) {
     way.move_to(c.q, 0.5);
     way.advance(0.1);
     wrist.tau = velocity.update(c.q, c.dq, 1e-3);
@@ -304,7 +333,7 @@ void inverse_kinematics_step(benchmark::State& state) {
   wrist.state.update(q, wrist.tau);
   const Eigen::Vector3d position = wrist.state.tip().position();
   const Eigen::Matrix3d rotation = wrist.state.tip().rotation();
-  time_cycles(state, wrist, [&](const Cycle& c) {
+  time_cycles(state, "inverse_kinematics_step", wrist, [&](const Cycle& c) {
     q = wrist.cycles.front().q;
     q += 1e-3 * c.dq;  // where a cycle of motion leaves it
     inverse.solve(position, rotation, q);
