@@ -27,7 +27,7 @@ class Compare : public testing::Test {
     const std::string trajectory = folder_.path("motion" + m + ".csv");
     if (!std::filesystem::exists(trajectory)) {
       run({"excite", "scara", "-o", trajectory, "--frequency", "0.1" + m, "--seed", m,
-           "--evaluations", "300", "--quiet"});
+           "--evaluations", "40", "--quiet"});
     }
     const std::string recording = folder_.path("recording.csv");
     Words simulate = {"simulate", "scara",   "--trajectory", trajectory, "-o",

@@ -28,7 +28,7 @@ class SimulatedArm : public testing::Test {
       const std::string motion = folder_.path(std::string("motion") + k + ".csv");
       const std::string recording = folder_.path(std::string("recording") + k + ".csv");
       run({"excite", "psm-3dof", "-o", motion, "--frequency", std::string("0.1") + k, "--seed", k,
-           "--evaluations", "300", "--limit-share", limit_share, "--quiet"});
+           "--evaluations", "40", "--limit-share", limit_share, "--quiet"});
       Words simulate = {"simulate", "psm-3dof", "--trajectory", motion, "-o",     recording,
                         "--noise",  "dvrk",     "--seed",       k,      "--quiet"};
       if (!hidden.empty()) simulate = simulate + Words{"--effect", hidden};

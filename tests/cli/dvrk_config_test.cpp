@@ -11,12 +11,12 @@ const std::string kExample =
 
 TEST(DvrkConfig, XmlBecomesJsonAndStaysTheSame) {
   const TemporaryFolder folder;
-  const std::string json = folder.path("io.json");
+  const std::string converted = folder.path("io.json");
   const std::string xml = folder.path("io.xml");
-  const ToolRun there = run_tool({"dvrk", "config", "--config", kExample, "-o", json});
+  const ToolRun there = run_tool({"dvrk", "config", "--config", kExample, "-o", converted});
   ASSERT_EQ(there.status, 0) << there.err;
-  EXPECT_EQ(json_of(json).at("$version"), "6");
-  ASSERT_EQ(run_tool({"dvrk", "config", "--config", json, "-o", xml}).status, 0);
+  EXPECT_EQ(json_of(converted).at("$version"), "6");
+  ASSERT_EQ(run_tool({"dvrk", "config", "--config", converted, "-o", xml}).status, 0);
   const dvrk::ActuatorConfig a = dvrk::read_io_config(kExample).robot().actuators[4];
   const dvrk::ActuatorConfig b = dvrk::read_io_config(xml).robot().actuators[4];
   EXPECT_NEAR(a.bits_to_position / b.bits_to_position, 1.0, 1e-14);

@@ -53,15 +53,15 @@ TEST(Excite, WritesMotionCoefficientsAndMargins) {
 TEST(Excite, LearnsTheNoiseFromARecording) {
   const TemporaryFolder folder;
   const Words quick = kQuick + Words{"--duration", "16", "--rate", "100"};
-  const std::string motion = folder.path("m.csv"), recording = folder.path("rec.csv"), json = folder.path("e.json");
-  const Words excite = {"excite", "planar-2r", "-o", motion, "--json", json};
+  const std::string motion = folder.path("m.csv"), recording = folder.path("rec.csv"), out = folder.path("e.json");
+  const Words excite = {"excite", "planar-2r", "-o", motion, "--json", out};
   ASSERT_EQ(run_tool(excite + quick).status, 0);
-  const nlohmann::json usual = json_of(json)["prediction"]["noise"];
+  const nlohmann::json usual = json_of(out)["prediction"]["noise"];
   for (const auto& share : usual["share_of_rms_torque"]) EXPECT_NEAR(share, kUsualResidual, 1e-9);
   ASSERT_EQ(run_tool({"simulate", "planar-2r", "--trajectory", motion, "-o", recording, "--noise", "low", "--quiet"}).status, 0);
   const ToolRun run = run_tool(excite + quick + Words{"--noise-of", recording});
   ASSERT_EQ(run.status, 0) << run.err;
-  const nlohmann::json learned = json_of(json)["prediction"]["noise"];
+  const nlohmann::json learned = json_of(out)["prediction"]["noise"];
   EXPECT_NE(learned["source"].get<std::string>().find(recording), std::string::npos) << learned;
   for (const auto& share : learned["share_of_rms_torque"]) {
     EXPECT_GT(share, 1e-4);
@@ -407,9 +407,9 @@ TEST(Excite, TheNamedSolverSearches) {
        {ExcitationSolver::kInteriorPoint, ExcitationSolver::kIpopt, ExcitationSolver::kNlopt}) {
     const std::string name = name_of(solver);
     const std::string motion = folder.path(name + ".csv");
-    const std::string json = folder.path(name + ".json");
+    const std::string out = folder.path(name + ".json");
     const ToolRun run = run_tool({"excite", "planar-2r", "-o", motion, "--solver", name, "--criterion", "condition",
-                                  "--iterations", "60", "--starts", "1", "--json", json});
+                                  "--iterations", "60", "--starts", "1", "--json", out});
     if (!is_built_in(solver)) {
       EXPECT_EQ(run.status, 2) << run.err;
       EXPECT_NE(run.err.find(name), std::string::npos) << run.err;
@@ -417,9 +417,9 @@ TEST(Excite, TheNamedSolverSearches) {
       continue;
     }
     ASSERT_EQ(run.status, 0) << run.err;
-    EXPECT_EQ(json_of(json)["solver"], name);
+    EXPECT_EQ(json_of(out)["solver"], name);
     // Random motions of this arm and seed reach 5.5 at best; all three find what is near 3.
-    EXPECT_LT(json_of(json)["condition_number"], 4.0) << name;
+    EXPECT_LT(json_of(out)["condition_number"], 4.0) << name;
   }
 }
 

@@ -28,7 +28,7 @@ class KnownMass : public testing::Test {
     const std::string trajectory = folder_.path("motion" + m + ".csv");
     const std::string torques = folder_.path("torques.csv");
     run({"excite", "ur10e", "-o", trajectory, "--frequency", "0.1" + m, "--seed", m,
-         "--evaluations", "200", "--quiet"});
+         "--evaluations", "40", "--quiet"});
     run({"simulate", "ur10e", "--trajectory", trajectory, "-o", torques, "--noise", "low", "--seed",
          m, "--effect", hidden, "--quiet"});
     std::istringstream lines(content_of(torques));

@@ -9,7 +9,7 @@
 namespace veridyn {
 namespace {
 
-constexpr double kPeriod = 1e-3;
+constexpr double kCycle = 1e-3;
 
 // What the thesis saw: a step of 0.49 N cannot come to rest in a deadband 0.4 N wide.
 TEST(ForceTracker, StepsOverADeadbandThatIsNarrowerThanOneStep) {
@@ -39,12 +39,12 @@ TEST(ForceTracker, CountsTheTimeBetweenSamplesAndStaysWithinItsReach) {
   double a = 0.0;
   double b = 0.0;
   for (int k = 0; k < 9; ++k) {
-    a = fast.update(2.0, {0.0, 0.0, k}, 0.0, kPeriod);
-    b = slow.update(2.0, {0.0, 0.0, k / 2}, 0.0, kPeriod);
+    a = fast.update(2.0, {0.0, 0.0, k}, 0.0, kCycle);
+    b = slow.update(2.0, {0.0, 0.0, k / 2}, 0.0, kCycle);
   }
-  EXPECT_NEAR(a, 9 * 0.2 * kPeriod, 1e-12);
+  EXPECT_NEAR(a, 9 * 0.2 * kCycle, 1e-12);
   EXPECT_NEAR(b, a, 1e-12);
-  for (int k = 9; k < 1000; ++k) a = fast.update(2.0, {0.0, 0.0, k}, 0.0, kPeriod);
+  for (int k = 9; k < 1000; ++k) a = fast.update(2.0, {0.0, 0.0, k}, 0.0, kCycle);
   EXPECT_EQ(a, 0.004);
 }
 
@@ -52,7 +52,7 @@ TEST(ForceTracker, DampingGivesWayAgainstTheRate) {
   ForceLaw law;
   law.damping = 0.4;
   ForceTracker tracker(law);
-  EXPECT_DOUBLE_EQ(tracker.update(5.0, {5.0, 0.0, 1}, 0.01, kPeriod), -0.004);
+  EXPECT_DOUBLE_EQ(tracker.update(5.0, {5.0, 0.0, 1}, 0.01, kCycle), -0.004);
 }
 
 // x_f = integral + feed_forward h_d - damping dl/dt + proportional e, each with its sign; held
@@ -64,8 +64,8 @@ TEST(ForceTracker, AddsItsTerms) {
   law.damping = 0.4;
   law.feed_forward = 0.003;
   ForceTracker tracker(law);
-  const double integral = 0.1 * 2.0 * kPeriod;
-  EXPECT_DOUBLE_EQ(tracker.update(5.0, {3.0, 0.0, 1}, 0.01, kPeriod),
+  const double integral = 0.1 * 2.0 * kCycle;
+  EXPECT_DOUBLE_EQ(tracker.update(5.0, {3.0, 0.0, 1}, 0.01, kCycle),
                    integral + 0.015 - 0.004 + 0.004);
   EXPECT_DOUBLE_EQ(tracker.velocity(), 0.1 * 2.0);
   EXPECT_DOUBLE_EQ(tracker.hold(-5.0, 0.01), integral - 0.015 - 0.004);

@@ -262,18 +262,18 @@ MotionRows independent_rows(const std::vector<std::tuple<SignalKind, int, const 
     s.name = name;
     rows.signals.push_back(std::move(s));
   }
-  constexpr int kRows = 1200;
+  constexpr int kDrawn = 1200;
   RandomNumbers random(5);
-  rows.values = MatrixXd(kRows, static_cast<Eigen::Index>(signals.size()));
-  rows.residual = rows.measured = MatrixXd(kRows, 2);
-  for (int r = 0; r < kRows; ++r) {
+  rows.values = MatrixXd(kDrawn, static_cast<Eigen::Index>(signals.size()));
+  rows.residual = rows.measured = MatrixXd(kDrawn, 2);
+  for (int r = 0; r < kDrawn; ++r) {
     for (Eigen::Index s = 0; s < rows.values.cols(); ++s) rows.values(r, s) = random.uniform(-1.0, 1.0);
     rows.residual.row(r).setConstant(residual(rows.values.row(r)) + 0.05 * random.normal());
-    rows.recording.push_back(r * 4 / kRows);
+    rows.recording.push_back(r * 4 / kDrawn);
     rows.phase.push_back(0.0);
   }
   rows.measured.setOnes();
-  rows.used.setConstant(kRows, 2, true);
+  rows.used.setConstant(kDrawn, 2, true);
   rows.recordings = 4;
   return rows;
 }

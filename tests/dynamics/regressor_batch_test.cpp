@@ -14,8 +14,7 @@ class BatchOnEverySampleArm : public OnSampleArm {};
 INSTANTIATE_TEST_SUITE_P(Sample, BatchOnEverySampleArm, testing::ValuesIn(sample_arm_names()),
                          sample_arm_name);
 
-constexpr double kRounding =
-    1e-13;  // relative to the largest entry; the order of the sums is the same
+constexpr double kRounding = 1e-13;  // relative to the largest entry; the order of the sums is the same
 
 struct Samples {
   MatrixXd q, dq, ddq;

@@ -13,18 +13,18 @@ namespace {
 
 constexpr int kSignals = 5;
 constexpr int kFolds = 6;
-constexpr int kRows = 900;
+constexpr int kSamples = 900;
 
 FoldedRows random_rows(unsigned seed) {
   RandomNumbers random(seed);
   FoldedRows out;
-  out.signals.resize(kRows, kSignals);
-  out.response.resize(kRows);
-  for (int r = 0; r < kRows; ++r) {
+  out.signals.resize(kSamples, kSignals);
+  out.response.resize(kSamples);
+  for (int r = 0; r < kSamples; ++r) {
     for (int s = 0; s < kSignals; ++s) out.signals(r, s) = random.uniform(-1.0, 1.0);
     out.response[r] = random.uniform(-1.0, 1.0);
   }
-  for (int f = 0; f <= kFolds; ++f) out.fold_begin.push_back(f * kRows / kFolds);
+  for (int f = 0; f <= kFolds; ++f) out.fold_begin.push_back(f * kSamples / kFolds);
   return out;
 }
 
@@ -52,24 +52,24 @@ TEST(AdditiveRegression, TheTermsThatAreThereAreFoundAndPredictNewRows) {
     return 8.0 * std::pow(std::max(0.0, a - 0.4), 2) + std::sin(4.0 * b);
   };
   FoldedRows rows = random_rows(3);
-  for (int r = 0; r < kRows; ++r) rows.response[r] += truth(rows.signals(r, 2), rows.signals(r, 4));
+  for (int r = 0; r < kSamples; ++r) rows.response[r] += truth(rows.signals(r, 2), rows.signals(r, 4));
   const std::vector<SmoothTerm> terms = terms_of_one_signal();
   const AdditiveModel model = fitted(rows, terms);
   ASSERT_EQ(model.chosen.size(), 2u);
   EXPECT_EQ(model.chosen[0].term + model.chosen[1].term, 6);
   EXPECT_EQ(std::abs(model.chosen[0].term - model.chosen[1].term), 2);
   const FoldedRows others = random_rows(4);
-  VectorXd expected(kRows);
-  for (int r = 0; r < kRows; ++r) expected[r] = truth(others.signals(r, 2), others.signals(r, 4));
+  VectorXd expected(kSamples);
+  for (int r = 0; r < kSamples; ++r) expected[r] = truth(others.signals(r, 2), others.signals(r, 4));
   const VectorXd error = predicted(model, terms, others.signals) - expected;
-  EXPECT_LT(std::sqrt(error.squaredNorm() / kRows), 0.1);
+  EXPECT_LT(std::sqrt(error.squaredNorm() / kSamples), 0.1);
 }
 
 // Two joints that move as one: what their small difference explains would take two straight lines of
 // a hundred times the response that cancel.
 TEST(AdditiveRegression, CurvesThatCancelAreRefused) {
   FoldedRows rows = random_rows(7);
-  for (int r = 0; r < kRows; ++r) {
+  for (int r = 0; r < kSamples; ++r) {
     rows.response[r] += std::sin(4.0 * rows.signals(r, 0)) + rows.signals(r, 1);
     rows.signals(r, 1) = rows.signals(r, 0) + 0.01 * rows.signals(r, 1);
   }
@@ -88,7 +88,7 @@ TEST(AdditiveRegression, CurvesThatCancelAreRefused) {
 // A step at zero, and a function that has another sign on either side: no smooth one will do.
 TEST(AdditiveRegression, StepsAndSidesAreFunctionsOfTheirOwn) {
   FoldedRows rows = random_rows(5);
-  for (int r = 0; r < kRows; ++r) {
+  for (int r = 0; r < kSamples; ++r) {
     const double side = rows.signals(r, 0) > 0.0 ? 1.0 : -1.0;
     rows.response[r] += 2.0 * side * rows.signals(r, 1);
   }

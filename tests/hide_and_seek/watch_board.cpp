@@ -17,7 +17,7 @@ constexpr double kOnset = 9.0, kEnd = 20.0;  // [s]
 constexpr int kPiece = 37;                   // rows that arrive together
 
 // What changes at the onset, or is there all the time, and the causes of the events that tell it.
-struct Trouble {
+struct WatchCase {
   const char* name;
   std::vector<std::string> before, after;  // hidden effects, in text form
   std::set<std::string> causes;
@@ -39,8 +39,8 @@ void damaged(Recording& r) {
   }
 }
 
-const std::vector<Trouble>& troubles() {
-  static const std::vector<Trouble> kAll = {
+const std::vector<WatchCase>& watch_cases() {
+  static const std::vector<WatchCase> kAll = {
       {"nothing", {}, {}, {}},
       {"nothing but damaged rows", {}, {}, {}, damaged},
       {"nothing without velocities", {}, {}, {}, without_velocities},
@@ -87,7 +87,7 @@ SweptRoom watch_room(unsigned seed) {
   const WatchedArm bench;
   const MotionSamples motion = watched_waves(kEnd);
   std::vector<TableCase<WatchNumbers>> cases;
-  for (const Trouble& one : troubles()) {
+  for (const WatchCase& one : watch_cases()) {
     Recording rows = joined(bench.recorded(motion, one.before, seed), bench.recorded(motion, one.after, seed), kOnset, kEnd);
     one.spoil(rows);
     cases.emplace_back(one.name, [arm = bench.arm, rows, causes = one.causes](const WatchNumbers& numbers) {

@@ -10,12 +10,6 @@
 namespace veridyn {
 namespace {
 
-VectorXd waves(int n, double t) {
-  VectorXd tau(n);
-  for (int i = 0; i < n; ++i) tau[i] = std::sin((3.0 + i) * t + i) + 0.5 * std::sin(11.0 * t);
-  return tau;
-}
-
 // Between samples the memory runs along the path that the plant really went: the inverse dynamics
 // above see every millisecond only, and still agree. Where the path turns round within a
 // millisecond the plant must be the better one: halving its steps changes nothing.
@@ -34,7 +28,7 @@ TEST(Plant, MotionDoesNotDependOnTheStep) {
     for (int k = 0; k < steps; ++k) {
       // Constant over 10 ms whatever the step, so that all plants see the same torques.
       const double t = 0.01 * std::floor((k + 0.5) * step / 0.01);
-      EXPECT_EQ(plant.step(waves(3, t), step), StepStatus::kOk);
+      EXPECT_EQ(plant.step(swinging_torque(3, t), step), StepStatus::kOk);
     }
     VectorXd state(6);
     state << plant.q(), plant.dq();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -34,6 +35,13 @@ inline Model slide() {
   arm.link(-1, JointType::kPrismatic, {1.0}, 0.0, {rotation_y(M_PI / 2), {0, 0, 0}},
            identity_pose());
   return arm.build();
+}
+
+/// A torque of two frequencies at each of n joints [N m].
+inline VectorXd swinging_torque(int n, double t) {
+  VectorXd tau(n);
+  for (int i = 0; i < n; ++i) tau[i] = std::sin((3.0 + i) * t + i) + 0.5 * std::sin(11.0 * t);
+  return tau;
 }
 
 inline double mass_of(const Model& arm) {

@@ -41,12 +41,6 @@ struct InverseDynamics {
   std::vector<BoundEffect> effects;
 };
 
-VectorXd waves(int n, double t) {
-  VectorXd tau(n);
-  for (int i = 0; i < n; ++i) tau[i] = std::sin((3.0 + i) * t + i) + 0.5 * std::sin(11.0 * t);
-  return tau;
-}
-
 TEST(Plant, InverseDynamicsOfItsMotionReturnTheTorque) {
   for (const char* name : {"psm-3dof", "psm-wrist"}) {
     Model arm = robot(name);
@@ -68,7 +62,7 @@ TEST(Plant, InverseDynamicsOfItsMotionReturnTheTorque) {
     bool reversed =
         false;  // the joint with a memory: then the samples no longer show its whole path
     for (int k = 0; k < 3000; ++k) {
-      const VectorXd tau = waves(arm.joints(), k * kStep);
+      const VectorXd tau = swinging_torque(arm.joints(), k * kStep);
       ASSERT_EQ(plant.accelerate(tau, ddq), StepStatus::kOk);
       const VectorXd back = inverse(plant.time(), plant.q(), plant.dq(), ddq);
       // The regularised sign of the effects differs from true friction near rest, by design.
