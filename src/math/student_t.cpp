@@ -5,13 +5,19 @@
 namespace veridyn {
 namespace {
 
+// std::lgamma() keeps the sign in a variable that all threads share.
+double log_gamma(double x) {
+  int sign = 0;
+  return ::lgamma_r(x, &sign);
+}
+
 // Continued fraction of the regularised incomplete beta function by Lentz's method (Abramowitz and
 // Stegun 26.5.8).
 double incomplete_beta(double a, double b, double x) {
   if (x <= 0.0) return 0.0;
   if (x >= 1.0) return 1.0;
   if (x > (a + 1.0) / (a + b + 2.0)) return 1.0 - incomplete_beta(b, a, 1.0 - x);
-  const double front = std::exp(std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b) +
+  const double front = std::exp(log_gamma(a + b) - log_gamma(a) - log_gamma(b) +
                                 a * std::log(x) + b * std::log1p(-x)) /
                        a;
   constexpr double kTiny = 1e-300;

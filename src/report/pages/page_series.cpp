@@ -146,9 +146,8 @@ void add_recordings(Json& series, const std::vector<PlottedRecording>& recording
   const std::size_t columns = kColumns * std::max<std::size_t>(1, series["joints"].size());
   const std::size_t most = std::max<std::size_t>(1, kNumbers / (columns * kFewestSamples));
   const std::size_t shown = std::min(recordings.size(), most);
-  const double samples =
-      std::min(static_cast<double>(kCurveSamples),
-               static_cast<double>(kNumbers / (columns * std::max<std::size_t>(1, shown))));
+  const std::size_t each = kNumbers / (columns * std::max<std::size_t>(1, shown));
+  const double samples = std::min(static_cast<double>(kCurveSamples), static_cast<double>(each));
   series["left_out"] = recordings.size() - shown;
   for (std::size_t k = 0; k < shown; ++k) {
     const PredictionSeries& s = recordings[k].model->series;

@@ -15,6 +15,8 @@ const ModelControlOptions& checked(const ModelControlOptions& options, const Mod
   require(model.joints() >= 1 && model.joints() <= largest.size(), "model '", model.name(),
           "': found ", model.joints(), " joints, expected 1 to ", largest.size(),
           ", which the arm has.");
+  require(model.inertial_values().has_value(), "model '", model.name(),
+          "' has no values; expected a MODEL that identify or diagnose wrote.");
   require(rest.p.size() == largest.size(), "model '", model.name(), "': found gains of ",
           rest.p.size(), " joints, expected ", largest.size(), ".");
   for (const double v :
