@@ -4,12 +4,17 @@
 
 #include <unistd.h>
 
+#include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
+#include <complex>
 #include <cstdio>
 #include <string>
+#include <vector>
 
 #include "cooperation/experiment.hpp"
 #include "cooperation/stability/loop_search.hpp"
+#include "math/singular_values.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
@@ -146,6 +151,54 @@ TEST(Stability, TheThesissDeadbandsSwingAsItFound) {
   EXPECT_FALSE(narrow.stable);
   EXPECT_FALSE(wide.deadbands[0].swings);
   EXPECT_TRUE(wide.stable);
+}
+
+// The gain from a missing torque to accelerations, by another way: responses to a pulse on each joint in each cycle of a
+// hyperperiod, transformed. No frequency exceeds the gain; the gain exceeds the largest singular value by less than the
+// Frobenius norm does.
+TEST(Stability, TheGainOfMissingTorquesIsThatOfThePulseResponses) {
+  struct Case {
+    const char* name;
+    double sensor_rate;
+    int hyperperiod;
+  };
+  constexpr int kFrequencies = 30, kPeriods = 4000;
+  for (const Case& c : {Case{"gazebo-y", 1000.0, 1}, Case{"two-arms-string", 400.0, 5}}) {
+    SCOPED_TRACE(c.name);
+    Scenario s = with_parameter(example(c.name), "sensor_rate", c.sensor_rate);
+    s.model_error = 0.0;
+    const LinearPoint point = rest_points(s).back().loop;
+    const ClosedLoop loop(point, s, {});
+    const Eigen::Index h = loop.hyperperiod(), n = loop.joints();
+    ASSERT_EQ(h, c.hyperperiod);
+    MatrixXd root = MatrixXd::Zero(n, n);
+    Eigen::Index first = 0;
+    for (const LinearArm& arm : point.arms) {
+      root.block(first, first, arm.joints(), arm.joints()) = arm.M.llt().matrixL();
+      first += arm.joints();
+    }
+    MatrixXd X = MatrixXd::Zero(loop.states(), h * n);  // a column for every pulse
+    std::vector<Eigen::MatrixXcd> T(kFrequencies + 1, Eigen::MatrixXcd::Zero(h * n, h * n));
+    std::vector<double> angles;
+    for (int k = 0; k <= kFrequencies; ++k) angles.push_back(M_PI * std::pow(10.0, 3.0 * k / kFrequencies - 3.0));
+    for (long cycle = 0; cycle < kPeriods * h; ++cycle) {
+      const MatrixXd before = X.middleRows(n, n);
+      loop.advance(cycle, X);
+      if (cycle < h) X.block(0, cycle * n, 2 * n, n) += loop.torque_input() * root;
+      const MatrixXd z = root.transpose() * (X.middleRows(n, n) - before) / loop.period();
+      for (size_t k = 0; k < T.size(); ++k)
+        T[k].middleRows(cycle % h * n, n) += std::polar(1.0, -angles[k] * static_cast<double>(cycle / h)) * z;
+    }
+    double largest = 0.0;
+    for (const Eigen::MatrixXcd& one : T) {
+      MatrixXd real(2 * h * n, 2 * h * n);  // the same singular values, twice each
+      real << one.real(), -one.imag(), one.imag(), one.real();
+      largest = std::max(largest, singular_values(real)[0]);
+    }
+    const double gain = torque_error_gain(point, s, kFrequencies);
+    EXPECT_GT(gain, (1.0 - 1e-6) * largest);
+    EXPECT_LT(gain, std::pow(static_cast<double>(h * n), 0.25) * largest);
+  }
 }
 
 TEST(Stability, ParametersAndRangesAreChecked) {
