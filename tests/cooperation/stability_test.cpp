@@ -15,6 +15,8 @@
 #include "cooperation/experiment.hpp"
 #include "cooperation/stability/loop_search.hpp"
 #include "math/singular_values.hpp"
+#include "support/near.hpp"
+#include "veridyn/cooperation/scenario_run.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
@@ -114,6 +116,20 @@ TEST_F(WithoutFriction, TheLinearCycleIsTheSimulatedOne) {
   }
 }
 
+// The simulated force swings as often, in its last second, and as far but for what one increment stretches the spring by.
+TEST_F(WithoutFriction, ALoopWithANarrowDeadbandSwingsAsItsLinearOne) {
+  const Scenario s = smooth("position-limit-cycle");
+  const DeadbandSwing linear = deadband_swing(rest_points(s).back().loop, s, 0);
+  ASSERT_TRUE(linear.swings);
+  const auto second = static_cast<Eigen::Index>(s.control.rate);
+  const VectorXd force = run_scenario(s).member[0].force.tail(second);
+  const double middle = 0.5 * (force.maxCoeff() + force.minCoeff()), half = force.maxCoeff() - middle;
+  EXPECT_NEAR(linear.amplitude, half, s.members[0].law.increment * s.members[0].stiffness);
+  int turns = 0;
+  for (Eigen::Index k = 1; k < second; ++k) turns += (force[k] > middle) != (force[k - 1] > middle) ? 1 : 0;
+  EXPECT_NEAR(linear.frequency, 0.5 * turns, 0.1 * turns);
+}
+
 // At its margins the loop is on the unit circle, by another way to the same eigenvalues.
 TEST(Stability, AtItsMarginsTheLoopIsOnTheUnitCircle) {
   const Scenario s = example("two-arms-spring");
@@ -199,6 +215,36 @@ TEST(Stability, TheGainOfMissingTorquesIsThatOfThePulseResponses) {
     EXPECT_GT(gain, (1.0 - 1e-6) * largest);
     EXPECT_LT(gain, std::pow(static_cast<double>(h * n), 0.25) * largest);
   }
+}
+
+// The stiffness that a force on the tip adds is the slope of -J' f, with f on the true arm and -f, exerted, on the known one;
+// sliding slowly, dry friction is its level and nothing of the drag.
+TEST(LinearArm, HasTheSlopeOfItsForcesAndTheLevelsOfItsFriction) {
+  const Scenario s = example("two-arms-spring");
+  const ScenarioModels models = scenario_models(s, 1);
+  const Eigen::Vector3d q(0.2, -0.4, 0.14), force(30.0, -20.0, 50.0), none = Eigen::Vector3d::Zero();
+  const LinearArm arm = linear_arm(models, s.arms[1], q, force, force), free = linear_arm(models, s.arms[1], q, none, none);
+  constexpr double kStep = 1e-5;
+  MatrixXd slope(3, 3), known(3, 3);
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Vector3d step = kStep * Eigen::Vector3d::Unit(i);
+    const LinearArm up = linear_arm(models, s.arms[1], q + step, none, none), down = linear_arm(models, s.arms[1], q - step, none, none);
+    slope.col(i) = -(up.J - down.J).transpose() * force / (2.0 * kStep);
+    known.col(i) = (up.J_known - down.J_known).transpose() * force / (2.0 * kStep);
+  }
+  EXPECT_GT(slope.norm(), 1.0);
+  EXPECT_TRUE(near(arm.G - free.G, slope, 1e-4));
+  EXPECT_TRUE(near(arm.G_known - free.G_known, known, 1e-4));
+  int levels = 0;
+  for (const EffectTerm& term : models.real.effects()) {
+    if (term.effect != "coulomb_friction") continue;
+    for (const LinearFriction& f : arm.friction) {
+      if ((f.axis - term.axis.coefficients).norm() > 0.0) continue;
+      EXPECT_NEAR(f.level, term.values.at("level"), 1e-9);
+      ++levels;
+    }
+  }
+  EXPECT_EQ(levels, 3);
 }
 
 TEST(Stability, ParametersAndRangesAreChecked) {
