@@ -256,21 +256,22 @@ TEST(ForceChannel, TheAgeOfASensorThatNeverSpokeCountsFromTheStart) {
   EXPECT_EQ(channel.state(), ForceState::kWaiting);
 }
 
-// A ramp of one unit per second lags by the filter's delay.
-TEST(ForceChannel, TheFiltersDelayIsTheOneThatItTells) {
+// A ramp of one unit per second lags by the delays of the line and of the filter.
+TEST(ForceChannel, ItsDelayIsTheOneThatItTells) {
   int fresh = 0;
   double raw = 0.0;
   ForceChannelOptions options;
   options.cutoff = 20.0;
+  options.latency = 0.004;
   options.range = 1e9;
   ForceChannel channel(std::make_unique<Spoken>(fresh, raw), options);
   ForceReading reading;
   for (int k = 0; k < 2000; ++k) {
-    raw = 1e-3 * k;
+    raw = 1e-3 * k - options.latency;  // what the cell felt that long ago
     fresh = 1;
     reading = channel.update(1e-3 * k);
   }
-  EXPECT_NEAR(raw - reading.force, channel.delay(), 6e-4);  // half a sample of a hold
+  EXPECT_NEAR(raw + options.latency - reading.force, channel.delay(), 6e-4);  // half a sample of a hold
 }
 
 // A pseudo-terminal in the place of a serial line.
