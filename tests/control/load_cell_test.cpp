@@ -256,6 +256,23 @@ TEST(ForceChannel, TheAgeOfASensorThatNeverSpokeCountsFromTheStart) {
   EXPECT_EQ(channel.state(), ForceState::kWaiting);
 }
 
+// However long a sensor has run, its reading may stay the same for as long as stuck_after.
+TEST(ForceChannel, IsStuckNoEarlierThanAReadingHasStayedTheSame) {
+  int fresh = 0;
+  double raw = 0.0;
+  ForceChannelOptions options;
+  options.stuck_after = 0.05;
+  options.stuck_readings = 3;
+  ForceChannel channel(std::make_unique<Spoken>(fresh, raw), options);
+  for (int k = 0; k < 1100; ++k) {
+    raw = 0.01 * (std::min(k, 1000) % 2);
+    fresh = 1;
+    channel.update(1e-3 * k);
+    if (std::abs(k - 1050) < 2) continue;
+    EXPECT_EQ(channel.state(), k < 1050 ? ForceState::kGood : ForceState::kStuck) << k;
+  }
+}
+
 // A ramp of one unit per second lags by the delays of the line and of the filter.
 TEST(ForceChannel, ItsDelayIsTheOneThatItTells) {
   int fresh = 0;
