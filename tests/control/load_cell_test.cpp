@@ -256,21 +256,39 @@ TEST(ForceChannel, TheAgeOfASensorThatNeverSpokeCountsFromTheStart) {
   EXPECT_EQ(channel.state(), ForceState::kWaiting);
 }
 
-// A ramp of one unit per second lags by the filter's delay.
-TEST(ForceChannel, TheFiltersDelayIsTheOneThatItTells) {
+// However long a sensor has run, its reading may stay the same for as long as stuck_after.
+TEST(ForceChannel, IsStuckNoEarlierThanAReadingHasStayedTheSame) {
+  int fresh = 0;
+  double raw = 0.0;
+  ForceChannelOptions options;
+  options.stuck_after = 0.05;
+  options.stuck_readings = 3;
+  ForceChannel channel(std::make_unique<Spoken>(fresh, raw), options);
+  for (int k = 0; k < 1100; ++k) {
+    raw = 0.01 * (std::min(k, 1000) % 2);
+    fresh = 1;
+    channel.update(1e-3 * k);
+    if (std::abs(k - 1050) < 2) continue;
+    EXPECT_EQ(channel.state(), k < 1050 ? ForceState::kGood : ForceState::kStuck) << k;
+  }
+}
+
+// A ramp of one unit per second lags by the delays of the line and of the filter.
+TEST(ForceChannel, ItsDelayIsTheOneThatItTells) {
   int fresh = 0;
   double raw = 0.0;
   ForceChannelOptions options;
   options.cutoff = 20.0;
+  options.latency = 0.004;
   options.range = 1e9;
   ForceChannel channel(std::make_unique<Spoken>(fresh, raw), options);
   ForceReading reading;
   for (int k = 0; k < 2000; ++k) {
-    raw = 1e-3 * k;
+    raw = 1e-3 * k - options.latency;  // what the cell felt that long ago
     fresh = 1;
     reading = channel.update(1e-3 * k);
   }
-  EXPECT_NEAR(raw - reading.force, channel.delay(), 6e-4);  // half a sample of a hold
+  EXPECT_NEAR(raw + options.latency - reading.force, channel.delay(), 6e-4);  // half a sample of a hold
 }
 
 // A pseudo-terminal in the place of a serial line.

@@ -10,6 +10,7 @@
 #include "cooperation/motion_plan.hpp"
 #include "cooperation/scenario/scenario_models.hpp"
 #include "veridyn/cooperation/scenario_sweep.hpp"
+#include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/math/require.hpp"
 
 // The thesis's experiments, at the figures that were asked for.
@@ -259,6 +260,48 @@ TEST(MotionPlan, TheDragOfTissueHoldsATipBack) {
   const double behind = 0.5 * way.norm() - (state.seen.position[0] - before).dot(way.normalized());
   const double expected = s.walls[0].drag / s.control.stiffness[0] * state.seen.velocity[0].norm();
   EXPECT_NEAR(behind, expected, 0.2 * expected);
+}
+
+// A tip that moves on a straight line past the remote centre: what the plan says the motors need is the inverse dynamics
+// of its joints' own second differences, to 5 % on either side.
+TEST(MotionPlan, NeedsTheTorquesOfTheJointsAccelerations) {
+  Scenario s = example("tissue-three-axes");
+  s.walls.clear();
+  const ScenarioModels models = scenario_models(s, 0);
+  ModelDescription weightless = models.known.description();
+  weightless.effects.clear();
+  weightless.gravity.setZero();
+  const Model arm(weightless);
+  const auto plan_of = [&](const VectorXd& torque) {
+    return MotionPlan(s, {{arm, models.R_world_base_known, models.p_world_base_known, torque}});
+  };
+  ScenarioCommand across;
+  across.way = {0.08, 0.0, 0.0};
+  across.over = 0.7;
+  constexpr double kEvery = 0.02;  // [s]
+  MotionPlan strong = plan_of(VectorXd::Constant(3, 1e6));
+  MotionPlan::State state = strong.standing({s.arms[0].start});
+  ASSERT_EQ(strong.play(state, {across}, kEvery), "");
+  std::vector<VectorXd> q{state.q[0]};
+  for (double t = kEvery; t < across.over; t += kEvery) {
+    ASSERT_EQ(strong.play(state, {}, kEvery), "");
+    q.push_back(state.q[0]);
+  }
+  VectorXd most = VectorXd::Zero(3);
+  for (size_t k = 1; k + 1 < q.size(); ++k) {
+    const VectorXd dq = (q[k + 1] - q[k - 1]) / (2.0 * kEvery);
+    const VectorXd ddq = (q[k + 1] - 2.0 * q[k] + q[k - 1]) / (kEvery * kEvery);
+    most = most.cwiseMax(inverse_dynamics(arm, q[k], dq, ddq).cwiseAbs());
+  }
+  EXPECT_EQ(plan_of(1.05 * most).take(plan_of(most).standing({s.arms[0].start}), across), "");
+  for (int i = 0; i < 3; ++i) {
+    VectorXd torque = 1.05 * most;
+    torque[i] = 0.95 * most[i];
+    MotionPlan weak = plan_of(torque);
+    const std::string why = weak.take(weak.standing({s.arms[0].start}), across);
+    EXPECT_NE(why.find("joint " + arm.coordinates()[i].name), std::string::npos) << why;
+    EXPECT_NE(why.find("would need"), std::string::npos) << why;
+  }
 }
 
 // A point at which no force is tracked tells nothing of the loop: it is not stable.

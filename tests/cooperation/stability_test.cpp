@@ -4,12 +4,19 @@
 
 #include <unistd.h>
 
+#include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
+#include <complex>
 #include <cstdio>
 #include <string>
+#include <vector>
 
 #include "cooperation/experiment.hpp"
 #include "cooperation/stability/loop_search.hpp"
+#include "math/singular_values.hpp"
+#include "support/near.hpp"
+#include "veridyn/cooperation/scenario_run.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
@@ -109,6 +116,20 @@ TEST_F(WithoutFriction, TheLinearCycleIsTheSimulatedOne) {
   }
 }
 
+// The simulated force swings as often, in its last second, and as far but for what one increment stretches the spring by.
+TEST_F(WithoutFriction, ALoopWithANarrowDeadbandSwingsAsItsLinearOne) {
+  const Scenario s = smooth("position-limit-cycle");
+  const DeadbandSwing linear = deadband_swing(rest_points(s).back().loop, s, 0);
+  ASSERT_TRUE(linear.swings);
+  const auto second = static_cast<Eigen::Index>(s.control.rate);
+  const VectorXd force = run_scenario(s).member[0].force.tail(second);
+  const double middle = 0.5 * (force.maxCoeff() + force.minCoeff()), half = force.maxCoeff() - middle;
+  EXPECT_NEAR(linear.amplitude, half, s.members[0].law.increment * s.members[0].stiffness);
+  int turns = 0;
+  for (Eigen::Index k = 1; k < second; ++k) turns += (force[k] > middle) != (force[k - 1] > middle) ? 1 : 0;
+  EXPECT_NEAR(linear.frequency, 0.5 * turns, 0.1 * turns);
+}
+
 // At its margins the loop is on the unit circle, by another way to the same eigenvalues.
 TEST(Stability, AtItsMarginsTheLoopIsOnTheUnitCircle) {
   const Scenario s = example("two-arms-spring");
@@ -146,6 +167,84 @@ TEST(Stability, TheThesissDeadbandsSwingAsItFound) {
   EXPECT_FALSE(narrow.stable);
   EXPECT_FALSE(wide.deadbands[0].swings);
   EXPECT_TRUE(wide.stable);
+}
+
+// The gain from a missing torque to accelerations, by another way: responses to a pulse on each joint in each cycle of a
+// hyperperiod, transformed. No frequency exceeds the gain; the gain exceeds the largest singular value by less than the
+// Frobenius norm does.
+TEST(Stability, TheGainOfMissingTorquesIsThatOfThePulseResponses) {
+  struct Case {
+    const char* name;
+    double sensor_rate;
+    int hyperperiod;
+  };
+  constexpr int kFrequencies = 30, kPeriods = 4000;
+  for (const Case& c : {Case{"gazebo-y", 1000.0, 1}, Case{"two-arms-string", 400.0, 5}}) {
+    SCOPED_TRACE(c.name);
+    Scenario s = with_parameter(example(c.name), "sensor_rate", c.sensor_rate);
+    s.model_error = 0.0;
+    const LinearPoint point = rest_points(s).back().loop;
+    const ClosedLoop loop(point, s, {});
+    const Eigen::Index h = loop.hyperperiod(), n = loop.joints();
+    ASSERT_EQ(h, c.hyperperiod);
+    MatrixXd root = MatrixXd::Zero(n, n);
+    Eigen::Index first = 0;
+    for (const LinearArm& arm : point.arms) {
+      root.block(first, first, arm.joints(), arm.joints()) = arm.M.llt().matrixL();
+      first += arm.joints();
+    }
+    MatrixXd X = MatrixXd::Zero(loop.states(), h * n);  // a column for every pulse
+    std::vector<Eigen::MatrixXcd> T(kFrequencies + 1, Eigen::MatrixXcd::Zero(h * n, h * n));
+    std::vector<double> angles;
+    for (int k = 0; k <= kFrequencies; ++k) angles.push_back(M_PI * std::pow(10.0, 3.0 * k / kFrequencies - 3.0));
+    for (long cycle = 0; cycle < kPeriods * h; ++cycle) {
+      const MatrixXd before = X.middleRows(n, n);
+      loop.advance(cycle, X);
+      if (cycle < h) X.block(0, cycle * n, 2 * n, n) += loop.torque_input() * root;
+      const MatrixXd z = root.transpose() * (X.middleRows(n, n) - before) / loop.period();
+      for (size_t k = 0; k < T.size(); ++k)
+        T[k].middleRows(cycle % h * n, n) += std::polar(1.0, -angles[k] * static_cast<double>(cycle / h)) * z;
+    }
+    double largest = 0.0;
+    for (const Eigen::MatrixXcd& one : T) {
+      MatrixXd real(2 * h * n, 2 * h * n);  // the same singular values, twice each
+      real << one.real(), -one.imag(), one.imag(), one.real();
+      largest = std::max(largest, singular_values(real)[0]);
+    }
+    const double gain = torque_error_gain(point, s, kFrequencies);
+    EXPECT_GT(gain, (1.0 - 1e-6) * largest);
+    EXPECT_LT(gain, std::pow(static_cast<double>(h * n), 0.25) * largest);
+  }
+}
+
+// The stiffness that a force on the tip adds is the slope of -J' f, with f on the true arm and -f, exerted, on the known one;
+// sliding slowly, dry friction is its level and nothing of the drag.
+TEST(LinearArm, HasTheSlopeOfItsForcesAndTheLevelsOfItsFriction) {
+  const Scenario s = example("two-arms-spring");
+  const ScenarioModels models = scenario_models(s, 1);
+  const Eigen::Vector3d q(0.2, -0.4, 0.14), force(30.0, -20.0, 50.0), none = Eigen::Vector3d::Zero();
+  const LinearArm arm = linear_arm(models, s.arms[1], q, force, force), free = linear_arm(models, s.arms[1], q, none, none);
+  constexpr double kStep = 1e-5;
+  MatrixXd slope(3, 3), known(3, 3);
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Vector3d step = kStep * Eigen::Vector3d::Unit(i);
+    const LinearArm up = linear_arm(models, s.arms[1], q + step, none, none), down = linear_arm(models, s.arms[1], q - step, none, none);
+    slope.col(i) = -(up.J - down.J).transpose() * force / (2.0 * kStep);
+    known.col(i) = (up.J_known - down.J_known).transpose() * force / (2.0 * kStep);
+  }
+  EXPECT_GT(slope.norm(), 1.0);
+  EXPECT_TRUE(near(arm.G - free.G, slope, 1e-4));
+  EXPECT_TRUE(near(arm.G_known - free.G_known, known, 1e-4));
+  int levels = 0;
+  for (const EffectTerm& term : models.real.effects()) {
+    if (term.effect != "coulomb_friction") continue;
+    for (const LinearFriction& f : arm.friction) {
+      if ((f.axis - term.axis.coefficients).norm() > 0.0) continue;
+      EXPECT_NEAR(f.level, term.values.at("level"), 1e-9);
+      ++levels;
+    }
+  }
+  EXPECT_EQ(levels, 3);
 }
 
 TEST(Stability, ParametersAndRangesAreChecked) {

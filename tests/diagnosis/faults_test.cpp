@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <set>
 #include <utility>
 
@@ -24,12 +25,14 @@ const QualityFinding* quality(const Diagnosis& d, const std::string& name) {
 }
 
 TEST_F(Stages, ATorqueWithTheWrongSignIsAFault) {
-  for (const double sign : {1.0, -1.0}) {
+  double deviations = 0.0;
+  for (const double sign : {1.0, -1.0, -100.0}) {
     DiagnosisState x = investigation(read_model("planar-2r"), {});
     for (const auto* list : {&x.train, &x.test}) {
       for (const std::string& path : *list) {
         Recording r = read_recording(path);
-        r.tau.col(1) *= sign;
+        r.tau *= std::abs(sign);  // N cm: friction is as many deviations below zero
+        if (sign < 0.0) r.tau.col(1) *= -1.0;
         write_recording(r, path);
       }
     }
@@ -41,6 +44,10 @@ TEST_F(Stages, ATorqueWithTheWrongSignIsAFault) {
     if (found == nullptr) continue;
     EXPECT_EQ(found->joint, 2);
     EXPECT_EQ(found->severity, Severity::kFault);
+    if (deviations != 0.0) {
+      EXPECT_NEAR(found->value, deviations, 1e-3 * std::abs(deviations));
+    }
+    deviations = found->value;
   }
 }
 

@@ -151,6 +151,8 @@ TEST_F(NameRules, AJointMayNotBeWorseBeyondItsStandardError) {
   ASSERT_TRUE(lost(surely, {}).has_value());
   EXPECT_EQ(lost(surely, {})->finding, 0U);  // what helps the joint least
   EXPECT_EQ(lost(surely, {0})->finding, 1U);
+  EXPECT_TRUE(lost({1.7, 0.9, 1.7, 0.9}, {}).has_value());   // 1.3 standard errors of the mean of four
+  EXPECT_FALSE(lost({1.9, 0.6, 1.9, 0.6}, {}).has_value());  // 0.7 of them
   EXPECT_FALSE(lost({2.0, 0.2, 2.4, 0.2}, {}).has_value());  // within what differs between parts
   EXPECT_FALSE(lost({0.9, 0.9, 0.9, 0.9}, {}).has_value());
 }

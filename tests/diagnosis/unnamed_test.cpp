@@ -8,6 +8,7 @@
 #include "support/simulated.hpp"
 #include "diagnosis/findings/right_to_a_name.hpp"
 #include "diagnosis/unnamed/dependence.hpp"
+#include "diagnosis/unnamed/motion_signals.hpp"
 #include "diagnosis/unnamed/shared_residual.hpp"
 #include "diagnosis/unnamed/tables.hpp"
 #include "diagnosis/unnamed/vibration.hpp"
@@ -223,6 +224,42 @@ TEST(Unnamed, AVibrationIsNoFloor) {
   for (const JointVerdict& one : still.joints) EXPECT_EQ(one.state, JointState::kAtFloor) << still.report();
 }
 
+// A joint that swings as a sine has travelled twice the amplitude at most since it reversed, one way and the other. Rows
+// within a part that is left out are those of its joint and of no other time.
+TEST(MotionSignals, AreOfTravelSinceAReversalAndOfPartsThatCount) {
+  constexpr double kAmplitude = 0.4, kRadians = M_PI;  // [rad], [rad/s]
+  Identification id;
+  id.model = read_model("planar-2r");
+  id.preprocessing.cutoff = 0.0;
+  RecordingError r;
+  r.source = "waves";
+  PredictionSeries& x = r.series;
+  x.q = x.dq = x.ddq = x.measured = x.modelled = std::vector<std::vector<double>>(2, std::vector<double>(1000, 0.0));
+  for (int row = 0; row < 1000; ++row) {
+    const double angle = kRadians * 0.01 * row;
+    x.time.push_back(0.01 * row);
+    x.q[0][row] = kAmplitude * std::sin(angle);
+    x.dq[0][row] = kAmplitude * kRadians * std::cos(angle);
+  }
+  id.train = {r};
+  const std::vector<MotionSignal> signals = motion_signals(id, {});
+  const auto history = std::find_if(signals.begin(), signals.end(), [](const MotionSignal& s) { return s.kind == SignalKind::kHistory; });
+  ASSERT_NE(history, signals.end());
+  EXPECT_NEAR(travel_of_history(history->high, history->unit_travel), 2.0 * kAmplitude, 0.01 * kAmplitude);
+  EXPECT_NEAR(travel_of_history(history->low, history->unit_travel), -2.0 * kAmplitude, 0.01 * kAmplitude);
+  ExcludedInterval part;
+  part.source = r.source;
+  part.joint = 0;
+  part.from = 2.0 - 1e-6;
+  part.to = 4.0 + 1e-6;
+  const MotionRows rows = motion_rows(id, id.train, {part}, signals);
+  ASSERT_EQ(rows.used.rows(), 1000);
+  for (int row = 0; row < 1000; ++row) {
+    EXPECT_EQ(rows.used(row, 0), row < 200 || row > 400) << row;
+    EXPECT_TRUE(rows.used(row, 1)) << row;
+  }
+}
+
 // Of a line that a joint of the arm moves with as well, its motion may be the reason.
 TEST(Unnamed, ALineOfTheMotionIsNoVibration) {
   const auto seen = [](double of_motion) {
@@ -289,6 +326,22 @@ TEST(Unnamed, AProductOfTwoVelocitiesIsFound) {
   ASSERT_EQ(found.model.chosen.size(), 1u);
   EXPECT_EQ(terms[found.model.chosen.front().term].signals, (std::vector<int>{1, 3}));
   EXPECT_GT(found.predicted_of_test.front(), 0.9);
+}
+
+// A spring whose stiffness drifts, and an amplifier whose gain does: torques of the time and of another signal, which are
+// functions of neither alone.
+TEST(Unnamed, AProductWithTheTimeIsFound) {
+  for (const int other : {0, 1}) {
+    const MotionRows rows = independent_rows({{SignalKind::kPosition, 0, "q1"}, {SignalKind::kTorque, 0, "tau1"},
+                                              {SignalKind::kVelocity, 0, "dq1"}, {SignalKind::kTime, 0, "t"}},
+                                             [other](const Eigen::RowVectorXd& x) { return x[other] * x[3]; });
+    const Thresholds limits;
+    const std::vector<SmoothTerm> terms = smooth_terms(rows.signals, 0, limits);
+    const Dependence found = find_dependence(0, rows, rows, terms, limits);
+    ASSERT_EQ(found.model.chosen.size(), 1u) << other;
+    EXPECT_EQ(terms[found.model.chosen.front().term].signals, (std::vector<int>{other, 3}));
+    EXPECT_GT(found.predicted_of_test.front(), 0.9);
+  }
 }
 
 // Weight that turns with positions and with a lean that follows another joint's torque: the one with the own position

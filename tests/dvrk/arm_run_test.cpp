@@ -14,6 +14,7 @@
 #include "emulator/emulated_link.hpp"
 #include "dvrk/run/controllers/joint_pid.hpp"
 #include "dvrk/run/controllers/model_controller.hpp"
+#include "dvrk/run/motion_check.hpp"
 #include "emulator/simulated_arm.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/math/require.hpp"
@@ -106,6 +107,29 @@ TEST_F(ArmRun, FollowsAMotionAndRecordsTheTorquesThatActed) {
   }
   EXPECT_NEAR(work, heat, 0.03 * heat);
   EXPECT_FALSE(emulator_.board(0).status().power_requested());
+}
+
+class Untroubled final : public MotionController {
+ public:
+  void reset() noexcept override {}
+  bool torques(const BoardArmState&, const JointReference&, const CycleTimes&, VectorXd&) noexcept override { return true; }
+};
+
+// The first actuator turns by the sum of both joints: a motion of the first joint alone does not tell where it will be.
+TEST_F(ArmRun, SoftLimitsAreAskedOfActuatorsWhoseJointsAllMove) {
+  ArmSessionOptions options;
+  options.actuator_to_joint = (MatrixXd(2, 2) << 1.0, -1.0, 0.0, 1.0).finished();
+  ArmSession arm(link_, planar_config(), options);
+  const auto refused = [&](const VectorXd& q) {
+    MotionSamples stands;
+    stands.time = Eigen::Vector2d(0.0, 0.01);
+    stands.q = VectorXd::Ones(2) * q.transpose();
+    stands.dq = MatrixXd::Zero(2, q.size());
+    return refusal([&] { MotionCheck(arm, Untroubled(), q.size()).require_inside(stands, 1500.0); });
+  };
+  EXPECT_EQ(refused(Eigen::Vector2d(2.7, -0.7)), "");
+  EXPECT_NE(refused(Eigen::Vector2d(2.7, 0.0)).find("actuator 0 to 2.7"), std::string::npos);
+  EXPECT_EQ(refused(VectorXd::Constant(1, 2.7)), "");
 }
 
 // The loop of a run: update, PID, commit.

@@ -7,6 +7,7 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -218,6 +219,19 @@ TEST(ResidualWeights, OfAJointWithSmallTorquesAreThoseOfItsNoise) {
   const Data d = data(3, 0.01, 8, 1e-3);
   const VectorXd w = residual_weights(joint_totals(d.recordings), Eigen::Vector2d(1, 1000), base(), names());
   EXPECT_NEAR(w[1] / w[0], 1e3, 0.1 * 1e3);
+}
+
+// An exact fit is known to the rounding of the torques' range, however many rows agree; a joint without rows has
+// no weight.
+TEST(ResidualWeights, OfAnExactFitAreOneOverTheRounding) {
+  const Eigen::Vector3d start(1e-3, 1e-4, 1.0);  // ranges far beyond the torques: their rounding is above the fit's
+  const Eigen::Vector3d expected(start[0], start[1], 0.0);
+  for (const int blocks : {1, 6}) {
+    std::vector<SquareRootInformation> joints = joint_totals(data(blocks, 0.0, 9).recordings);
+    joints.emplace_back(Names{"p0", "p2", "p3"});
+    const VectorXd w = residual_weights(joints, start, base(), names());
+    EXPECT_TRUE(near(std::numeric_limits<double>::epsilon() * w, expected, 1e-12));
+  }
 }
 
 }  // namespace

@@ -108,6 +108,40 @@ TEST_F(Resting, WithoutAnApproachFrictionIsABand) {
   EXPECT_NE(id.remarks.back().find("Dry friction holds"), std::string::npos);
 }
 
+// The links of a SCARA that turn about the vertical have no weight in any torque: the solver leaves them near the solid
+// balls that it begins with, whose moments of inertia are two fifths of mass times squared radius.
+TEST(RestingScara, LinksThatNoPoseShowsAreNearlySolidBalls) {
+  const Model truth = read_model("scara");
+  ModelDescription unknown = truth.description();
+  for (Frame& frame : unknown.frames)
+    if (frame.body) frame.body = Body{};
+  RigidBodyDynamics bodies(truth, *truth.inertial_values());
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> share(0.1, 0.9);
+  std::normal_distribution<double> error(0.0, 0.01);
+  RestPoses poses{"poses", MatrixXd(40, 4), MatrixXd(40, 4), MatrixXd::Zero(40, 4)};
+  VectorXd g(4);
+  for (int k = 0; k < 40; ++k) {
+    for (int i = 0; i < 4; ++i) {
+      const Limits& limits = truth.coordinates()[i].limits;
+      poses.q(k, i) = limits.lower + share(random) * (limits.upper - limits.lower);
+    }
+    bodies.gravity_torques(poses.q.row(k).transpose(), g);
+    for (int i = 0; i < 4; ++i) poses.tau(k, i) = g[i] + error(random);
+  }
+  const Identification id = identify_at_rest(Model(std::move(unknown)), {poses});
+  ASSERT_TRUE(id.model.has_value()) << id.reason;
+  for (const char* name : {"inner", "outer"}) {
+    for (const Frame& frame : id.model->frames()) {
+      if (frame.name != name) continue;
+      const InertialParameters& phi = *frame.body->phi;
+      const double ball = 0.4 * phi[0] * std::pow(0.1, 2);
+      EXPECT_NEAR(phi[0], 1.0, 0.01) << name;
+      EXPECT_NEAR((phi[4] + phi[7] + phi[9]) / 3.0, ball, 0.5 * ball) << name;
+    }
+  }
+}
+
 // One joint stands still in all poses: the others tell less, and an answer is there.
 TEST_F(Resting, AJointThatStandsStillIsNoObstacle) {
   RestPoses p = poses(1, 80);

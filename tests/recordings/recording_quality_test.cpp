@@ -289,12 +289,16 @@ TEST(AFault, CoarseTorqueStepsAreMeasured) {
   for (const double levels : {8.0, 32.0}) {
     Recording r = clean_recording();
     const double step = (r.tau.col(1).maxCoeff() - r.tau.col(1).minCoeff()) / levels;
+    const VectorXd fine = r.tau.col(1);
     for (double& v : r.tau.col(1)) v = step * std::round(v / step);
     const RecordingQuality quality = check_recording(r);
     EXPECT_EQ(quality.find("torque_quantised", 1), nullptr) << quality.report();
     ASSERT_EQ(quality.find("torque_quantised", 2) != nullptr, levels < 10.0) << quality.report();
     if (levels > 10.0) continue;
-    EXPECT_NEAR(found(quality, "torque_quantised", 2).value, step, 1e-9);
+    const QualityFinding& steps = found(quality, "torque_quantised", 2);
+    EXPECT_NEAR(steps.value, step, 1e-9);
+    const double error = 100.0 * (r.tau.col(1) - fine).norm() / r.tau.col(1).norm();
+    EXPECT_NEAR(std::stod(steps.sentence.substr(steps.sentence.find("error of ") + 9)), error, 0.1 * error) << steps.sentence;
   }
 }
 

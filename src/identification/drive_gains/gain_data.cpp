@@ -1,6 +1,7 @@
 #include "identification/drive_gains/gain_data.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <unordered_map>
 
 #include "identification/identification_numbers.hpp"
@@ -139,7 +140,6 @@ std::vector<std::vector<SquareRootInformation>> GainData::clusters(
 GainData::Columns GainData::columns(const std::vector<bool>& loaded) const {
   Columns out;
   SquareRootInformation structure;
-  std::map<std::string, int> rank;  // preference: effects, moments and inertias, masses
   for (size_t r = 0; r < arms_.size(); ++r) {
     const SquareRootInformation states =
         random_state_factor(arms_[r], identifying::kStates, static_cast<unsigned>(r + 1));
@@ -155,18 +155,14 @@ GainData::Columns GainData::columns(const std::vector<bool>& loaded) const {
       if (out.known.count(name) > 0) continue;
       kept.push_back(p.name);
       names.push_back(name);
-      rank[name] = p.effect ? 0 : p.component > 0 ? 1 : 2;
     }
     const auto count = static_cast<Eigen::Index>(kept.size());
     structure.merge(states.restricted(kept).transformed(MatrixXd::Identity(count, count), names));
   }
-  std::vector<int> preference;
-  for (const int wanted : {0, 1, 2}) {
-    for (int c = 0; c < structure.size(); ++c) {
-      if (rank.at(structure.columns()[c]) == wanted) preference.push_back(c);
-    }
-  }
-  const BaseParameters base = base_parameters(structure, preference);
+  // Gains are the same with whichever independent columns.
+  std::vector<int> in_order(structure.size());
+  std::iota(in_order.begin(), in_order.end(), 0);
+  const BaseParameters base = base_parameters(structure, in_order);
   for (const int c : base.independent) {
     const std::string& name = structure.columns()[c];
     out.unknown.push_back(name);
