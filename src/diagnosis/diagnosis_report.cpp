@@ -5,6 +5,7 @@
 
 #include "diagnosis/evidence/numerics.hpp"
 #include "math/correlated_columns.hpp"
+#include "math/digits.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 
 namespace veridyn {
@@ -15,7 +16,7 @@ using numerics::kPercent;
 std::string percents(const VectorXd& v) {
   std::string out;
   for (Eigen::Index i = 0; i < v.size(); ++i)
-    out += fmt::format("{:{}.2f}", kPercent * v[i], numerics::kNumberWidth);
+    out += in_percent(v[i], numerics::kNumberWidth);
   return out;
 }
 
@@ -261,7 +262,7 @@ std::string Diagnosis::report(const std::string& next_command) const {
     if (v.size() == 0) return;
     out += fmt::format("  {:<24}", name);
     for (Eigen::Index i = 0; i < v.size(); ++i)
-      out += fmt::format("{:{}.2f}", kPercent * v[i], width);
+      out += in_percent(v[i], width);
     out += "\n";
   };
   line("held out, baseline", baseline.test_error.relative);
