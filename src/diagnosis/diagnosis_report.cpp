@@ -99,6 +99,8 @@ std::string small_text(const Diagnosis& d, const Finding& f) {
 // much of the latter the findings explain.
 std::string joint_text(const Diagnosis& d, const JointVerdict& v) {
   const auto& joints = d.baseline.model->coordinates();
+  if (!std::isfinite(v.held_out))
+    return fmt::format("  joint {} ({}): {}: {}\n", v.joint.value + 1, joints[v.joint.value].name, state_words(v), v.why);
   std::string out =
       fmt::format("  joint {} ({}): {:.2f} = {:.2f} {} + {:.2f}: {}", v.joint.value + 1,
                   joints[v.joint.value].name, kPercent * v.held_out,
