@@ -1,3 +1,6 @@
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <exception>
 #include <iostream>
 #include <new>
@@ -72,9 +75,18 @@ ExitStatus run_and_explain(int argc, char** argv) {
   }
 }
 
+// The first file that is opened would get the number of a standard stream that is closed, and its text.
+// What takes the place of one fails when it is used, as the closed one would.
+void hold_places_of_closed_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(stream, F_GETFD) < 0) ::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+  }
+}
+
 }  // namespace
 }  // namespace veridyn::cli
 
 int main(int argc, char** argv) {
+  veridyn::cli::hold_places_of_closed_streams();
   return veridyn::cli::run_and_explain(argc, argv);
 }

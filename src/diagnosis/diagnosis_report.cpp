@@ -5,6 +5,7 @@
 
 #include "diagnosis/evidence/numerics.hpp"
 #include "math/correlated_columns.hpp"
+#include "math/digits.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 
 namespace veridyn {
@@ -15,7 +16,7 @@ using numerics::kPercent;
 std::string percents(const VectorXd& v) {
   std::string out;
   for (Eigen::Index i = 0; i < v.size(); ++i)
-    out += fmt::format("{:{}.2f}", kPercent * v[i], numerics::kNumberWidth);
+    out += in_percent(v[i], numerics::kNumberWidth);
   return out;
 }
 
@@ -98,6 +99,8 @@ std::string small_text(const Diagnosis& d, const Finding& f) {
 // much of the latter the findings explain.
 std::string joint_text(const Diagnosis& d, const JointVerdict& v) {
   const auto& joints = d.baseline.model->coordinates();
+  if (!std::isfinite(v.held_out))
+    return fmt::format("  joint {} ({}): {}: {}\n", v.joint.value + 1, joints[v.joint.value].name, state_words(v), v.why);
   std::string out =
       fmt::format("  joint {} ({}): {:.2f} = {:.2f} {} + {:.2f}: {}", v.joint.value + 1,
                   joints[v.joint.value].name, kPercent * v.held_out,
@@ -261,7 +264,7 @@ std::string Diagnosis::report(const std::string& next_command) const {
     if (v.size() == 0) return;
     out += fmt::format("  {:<24}", name);
     for (Eigen::Index i = 0; i < v.size(); ++i)
-      out += fmt::format("{:{}.2f}", kPercent * v[i], width);
+      out += in_percent(v[i], width);
     out += "\n";
   };
   line("held out, baseline", baseline.test_error.relative);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "diagnosis/evidence/numerics.hpp"
+#include "math/digits.hpp"
 #include "math/median.hpp"
 #include "veridyn/diagnosis/friction_study.hpp"
 
@@ -72,8 +73,8 @@ std::string FrictionStudy::report() const {
   out += resting.empty() ? "\n" : fmt::format("; {} at rest and left out\n", together(resting));
   out += "held out for the verdicts: " + together(held_out) + "\n";
   for (const JointFrictionStudy& j : joints) {
-    out += fmt::format("\njoint {} ({}): held-out error {:.2f} % with viscous and Coulomb friction, {:.2f} % with what is confirmed\n",
-                       j.joint.value + 1, j.coordinate, numerics::kPercent * j.error_plain, numerics::kPercent * j.error);
+    out += fmt::format("\njoint {} ({}): held-out error {} % with viscous and Coulomb friction, {} % with what is confirmed\n",
+                       j.joint.value + 1, j.coordinate, in_percent(j.error_plain), in_percent(j.error));
     out += curve_table(j) + breakaway_line(j, 1) + breakaway_line(j, -1);
     for (const FrictionVerdict& v : j.verdicts) {
       out += fmt::format("  {:<28} {}", v.effect, words(v.state));

@@ -9,6 +9,7 @@
 #include "diagnosis/shapes/candidate_data.hpp"
 #include "diagnosis/evidence/payload_fit.hpp"
 #include "diagnosis/evidence/numerics.hpp"
+#include "math/digits.hpp"
 #include "veridyn/effects/cause.hpp"
 #include "veridyn/math/require.hpp"
 #include "model/suggestion.hpp"
@@ -222,7 +223,7 @@ std::string PayloadReport::report() const {
          "joints, on rows that the load was not fitted to; of a tie the outermost link comes first\n";
   const auto line = [&out](const char* name, const VectorXd& v) {
     out += fmt::format("  {:<22}", name);
-    for (Eigen::Index i = 0; i < v.size(); ++i) out += fmt::format(" {:7.2f}", numerics::kPercent * v[i]);
+    for (Eigen::Index i = 0; i < v.size(); ++i) out += in_percent(v[i], numerics::kNumberWidth);
     out += "\n";
   };
   out += "errors, % of the torque, per joint\n";

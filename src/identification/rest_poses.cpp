@@ -7,6 +7,7 @@
 #include "effects/plain_friction.hpp"
 #include "many_recordings.hpp"
 #include "identification/base_solution.hpp"
+#include "identification/velocity_choice.hpp"
 #include "validation.hpp"
 #include "recordings/kept_recordings.hpp"
 #include "veridyn/effects/channel_effect.hpp"
@@ -325,7 +326,8 @@ bool is_at_rest(const Model& arm, const std::string& path, const PreprocessingOp
     one_pose = one_pose && all_zero(piece.q.rowwise() - first);
     piece = rows.next(identifying::kRestPiece);
   }
-  return piece.rows() == 0 && !one_pose;
+  if (piece.rows() > 0 || one_pose) return false;
+  return trust_in_velocities(glance_at(arm, {path}, how, 1)).wrong.empty();
 }
 
 Identification identify_at_rest(const Model& file, const std::vector<RestPoses>& train,

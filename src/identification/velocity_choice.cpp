@@ -97,8 +97,15 @@ Identification with_chosen_velocities(
     const Model& arm, Identification id, const std::vector<std::string>& train,
     IdentificationOptions how, const IdentificationNumbers& numbers,
     const std::function<Identification(const IdentificationOptions&)>& again) {
-  if (!id.model) return id;
   const VelocityTrust trust = trust_in_velocities(arm, train, how);
+  if (!id.model) {
+    if (trust.wrong.empty()) return id;
+    derive_velocities(trust.wrong, how);
+    Identification derived = again(how);
+    if (!derived.model) return id;
+    for (std::string& remark : remarks_on(trust.wrong, arm)) derived.remarks.push_back(std::move(remark));
+    return derived;
+  }
   std::set<int> doubted = trust.doubtful;
   doubted.insert(trust.wrong.begin(), trust.wrong.end());
   for (const RecordingError& r : id.train)

@@ -53,7 +53,8 @@ VelocityTrust trust_in_velocities(const Model& arm, const std::vector<std::strin
                                   const IdentificationOptions& how);
 
 /// Repeats a fit with velocities derived from the position for those doubted joints at which that
-/// predicts the torque better; identify() on one machine and on many.
+/// predicts the torque better, and one that recordings with wrong velocities did not determine;
+/// identify() on one machine and on many.
 ///
 /// @param again  repeats it with other options. @returns  the better fit, with remarks.
 Identification with_chosen_velocities(

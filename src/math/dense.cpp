@@ -6,6 +6,7 @@
 namespace veridyn {
 
 MatrixXd orthonormal_basis(const MatrixRef& columns) {
+  if (columns.cols() == 0) return columns;  // Eigen reads the largest of no columns
   const Eigen::ColPivHouseholderQR<MatrixXd> qr(columns);
   return MatrixXd(qr.householderQ()).leftCols(qr.rank());
 }

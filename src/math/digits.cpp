@@ -1,7 +1,9 @@
 #include "math/digits.hpp"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 
 namespace veridyn {
 namespace {
@@ -22,6 +24,11 @@ std::string digits(double value, int significant) {
 
 std::string decimals(double value, int after_point) {
   return number_text(value, std::chars_format::fixed, after_point);
+}
+
+std::string in_percent(double share, std::size_t width) {
+  const std::string out = std::isfinite(share) ? decimals(100.0 * share, 2) : "-";
+  return std::string(std::max(out.size(), width) - out.size(), ' ') + out;
 }
 
 std::string all_digits(double value) {

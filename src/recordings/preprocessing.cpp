@@ -24,7 +24,7 @@ constexpr double kPreparedBytes = 1.5 * sizeof(double);  // of a number of a seg
 
 std::atomic<long> g_prepared{0};
 
-// Share of the sampling rate: a slower filter settles for more samples than any recording has.
+// Share of the sampling rate: a cut-off nearer to zero or to half the rate settles for more samples than any recording has.
 constexpr double kSlowestCutoff = 1e-5;
 constexpr double kNyquistShare = 0.45;  // a light filter above this share of the rate is omitted
 
@@ -36,9 +36,10 @@ struct Filters {
   Filters(const PreprocessingOptions& o, double dt, const std::string& source) {
     const double rate = 1.0 / dt;
     if (o.cutoff <= 0.0) return;
-    require(o.cutoff < 0.5 * rate || o.cutoff != PreprocessingOptions().cutoff, source, ": found a sampling rate of ", rate,
+    const bool below = o.cutoff <= (0.5 - kSlowestCutoff) * rate;
+    require(below || o.cutoff != PreprocessingOptions().cutoff, source, ": found a sampling rate of ", rate,
             " Hz, expected more than ", 2.0 * o.cutoff, " Hz, twice the filter's cut-off; --filter-cutoff changes it.");
-    require(o.cutoff < 0.5 * rate, "--filter-cutoff: found ", o.cutoff,
+    require(below, "--filter-cutoff: found ", o.cutoff,
             " Hz, expected above 0 and below ", 0.5 * rate, " Hz, half the sampling rate.");
     require(o.cutoff >= kSlowestCutoff * rate, "--filter-cutoff: found ", o.cutoff, " Hz, expected at least ",
             kSlowestCutoff * rate, " Hz at a sampling rate of ", rate, " Hz, or 0 for no filter.");

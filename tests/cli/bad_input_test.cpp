@@ -306,6 +306,17 @@ TEST_F(BadInput, ARateTooLowForTheFilterIsOfTheRecording) {
   EXPECT_EQ(run_tool({"identify", "planar-2r", "--train", recording, "--filter-cutoff", "1", "--quiet"}).status, 2);
 }
 
+// Steps of 0.1 s are a rate of 10 Hz, or by rounding a little more: a filter there would never settle.
+TEST_F(BadInput, TwiceTheCutOffIsTooLowARate) {
+  for (const double stretch : {10.0, 10.0 * (1.0 - 1e-12)}) {
+    const std::string ten = changed(planar_recording(12.0), [&](std::vector<double>& v) { v[0] *= stretch, v[3] /= stretch, v[4] /= stretch; }, 1200);
+    const std::string recording = folder_.write("recording.csv", ten);
+    expect_refused(identify("planar-2r", recording), 3, {"recording.csv: found a sampling rate of 10 Hz, expected more than 10 Hz"});
+    const ToolRun chosen = run_tool({"identify", "planar-2r", "--train", recording, "--filter-cutoff", "5.0000000000001", "--quiet"});
+    EXPECT_EQ(chosen.status, 2) << chosen.err;
+  }
+}
+
 // Of several formats one refuses: none is written.
 TEST_F(BadInput, AnExportThatIsRefusedLeavesNoFile) {
   const TemporaryFolder other;

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "cli/tool.hpp"
+#include "veridyn/recordings/recording.hpp"
 
 // Hide and seek: what `simulate` hides, `diagnose` names. And the wrong constant of a real arm's
 // file.
@@ -148,6 +149,28 @@ TEST_F(SimulatedArm, WhatChangedSinceTheModelWasMadeIsNamed) {
 }
 
 // Seed errata: the counterweight's row is printed with -beta; its real direction is -90 deg.
+// No error is a share of a torque that is zero: that joint cannot be judged, and the others are.
+TEST(AJointWithoutHeldOutTorque, CannotBeJudged) {
+  const TemporaryFolder folder;
+  const auto simulated = [&](const std::string& motion, const char* seed) {
+    const std::string out = folder.path(std::string("recording") + seed + ".csv");
+    EXPECT_EQ(run_tool({"simulate", "planar-2r", "--trajectory", motion, "-o", out, "--seed", seed, "--quiet"}).status, 0);
+    return out;
+  };
+  const std::string train = simulated(folder.write("motion.csv", planar_recording(12.0)), "1");
+  Recording held_out = read_recording(simulated(folder.write("other.csv", planar_recording(10.0, 0.7, 1.2)), "2"));
+  held_out.tau.col(0).setZero();
+  const std::string test = folder.path("test.csv"), json_file = folder.path("o.json");
+  write_recording(held_out, test);
+  const ToolRun run = run_tool({"diagnose", "planar-2r", "--train", train, "--test", test, "--json", json_file, "--quiet"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  for (const char* none : {"nan", "inf"}) EXPECT_EQ(run.out.find(none), std::string::npos) << run.out;
+  const json verdict = json_of(json_file)["verdict"];
+  ASSERT_EQ(verdict.size(), 2U);
+  EXPECT_EQ(verdict[0]["state"], "cannot_tell");
+  EXPECT_NE(run.out.find("its torque is zero throughout the held-out recordings"), std::string::npos) << run.out;
+}
+
 TEST(RealArm, TheWrongConstantOfThePrintedTableIsFoundFirst) {
   const char* named = std::getenv("VERIDYN_REAL_DATA");
   const std::string data =

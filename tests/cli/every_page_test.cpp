@@ -201,9 +201,13 @@ TEST(ProjectPage, HoldsModelsInTheirOrderAndWhatChanged) {
                         folder.path(name), "--quiet"})
                   .status,
               0);
-  const ToolRun made = run_tool({"page", folder.path("")});
+  folder.write("odd.json", R"({"veridyn": "0.1.0", "command": "check", "joints": [{"significant": 2, "severity": 3, "sentence": "odd"}]})");
+  const ToolRun made = run_tool({"page", folder.path(""), "--json", folder.path("index.json")});
   ASSERT_EQ(made.status, 0) << made.err;
   const json result = embedded(content_of(folder.path("index.html")), "result");
+  EXPECT_EQ(json_of(folder.path("index.json")), result);
+  ASSERT_EQ(result["pages"].size(), 1u);
+  EXPECT_EQ(result["pages"][0]["sentences"][0], "odd");
   ASSERT_EQ(result["models"].size(), 2u);
   EXPECT_EQ(result["models"][0]["inputs"].back(), "a.csv");  // behind the robot file
   EXPECT_EQ(result["recordings"].size(), 1u);

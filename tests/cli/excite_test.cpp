@@ -159,6 +159,20 @@ TEST(Excite, TakesAKeptSearchAsItIs) {
   ASSERT_EQ(run_tool(command + Words{"--json", folder.path("b.json")}).status, 0);
   EXPECT_EQ(json_of(folder.path("b.json"))["evaluations"], 123456);
   EXPECT_NE(json_of(folder.path("a.json"))["evaluations"], 123456);
+  // A damaged line is searched again.
+  text.replace(at, 6, "1234x6");
+  folder.write("searches", text);
+  ASSERT_EQ(run_tool(command + Words{"--json", folder.path("b.json")}).status, 0);
+  EXPECT_EQ(json_of(folder.path("b.json"))["evaluations"], json_of(folder.path("a.json"))["evaluations"]);
+}
+
+// Read as a file, a device without an end would be read for ever.
+TEST(Excite, KeepsNoSearchInADevice) {
+  const TemporaryFolder folder;
+  const ToolRun run = run_tool({"excite", "planar-2r", "-o", folder.path("m.csv"), "--quiet", "--resume", "/dev/zero"}, "", 60);
+  EXPECT_EQ(run.status, 3) << run.err;
+  EXPECT_EQ(run.error_lines(), 1) << run.err;
+  EXPECT_NE(run.err.find("/dev/zero: found a folder, a pipe or a device"), std::string::npos) << run.err;
 }
 
 TEST(Excite, TheSameSeedWritesTheSameFile) {

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -10,6 +11,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <random>
 #include <thread>
@@ -195,6 +197,44 @@ TEST(AFullDisk, IsNamedAndNothingIsLeft) {
     EXPECT_NE(run.err.find("disk full"), std::string::npos) << run.err;
     EXPECT_EQ(folder.files(), Words{}) << words[0] << " " << words.back();
   }
+}
+
+// A pipe is opened once: opened and closed before the work, it would have ended for its reader.
+TEST(APipeAsOutput, GetsTheWholeResult) {
+  const TemporaryFolder folder;
+  const std::string recording = folder.write("recording.csv", planar_recording(4.0));
+  const std::string pipe = folder.path("pipe"), got = folder.path("got.json");
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  std::thread reader([&] {
+    std::ifstream in(pipe, std::ios::binary);
+    std::ofstream(got, std::ios::binary) << in.rdbuf();
+  });
+  const ToolRun run = run_tool({"identify", "planar-2r", "--train", recording, "--json", pipe, "--quiet"}, "", 60);
+  if (run.status != 0) std::ofstream(pipe).close();  // which ends the reader
+  reader.join();
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_EQ(json_of(got)["command"], "identify");
+}
+
+// A log on a full disk, a program that closed its streams: the work is done, and no file takes a stream's place.
+TEST(AStreamThatTakesNothing, EndsNoWork) {
+  if (!std::ofstream("/dev/full").is_open()) GTEST_SKIP() << "no /dev/full here";
+  const TemporaryFolder folder;
+  const std::string recording = folder.write("recording.csv", planar_recording(4.0));
+  const std::string json = folder.path("o.json");
+  const std::string command = std::string(VERIDYN_TOOL) + " identify planar-2r --train '" + recording + "' --json '" + json + "'";
+  const auto status_of = [](const std::string& line) {
+    const int status = std::system(line.c_str());
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  };
+  for (const char* streams : {" > /dev/null 2> /dev/full", " > /dev/null 2>&-", " < /dev/null > /dev/null 2>&- <&-"}) {
+    EXPECT_EQ(status_of(command + streams), 0) << streams;
+    EXPECT_EQ(json_of(json)["command"], "identify") << streams;
+    std::filesystem::remove(json);
+  }
+  EXPECT_EQ(status_of(std::string(VERIDYN_TOOL) + " info nobody 2> /dev/full"), 3);
+  EXPECT_EQ(status_of(command + " >&- 2> /dev/null"), 3);
+  EXPECT_EQ(json_of(json)["command"], "identify");
 }
 
 // What a file says cannot drive the terminal that shows the error.

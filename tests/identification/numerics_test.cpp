@@ -119,6 +119,7 @@ TEST(AJointWithoutTorque, IsNamedAndHasNoError) {
   EXPECT_NE(verdict.joints[0].state, IdentifiedState::kNoTorque);
   EXPECT_EQ(verdict.joints[1].state, IdentifiedState::kNoTorque);
   EXPECT_NE(verdict.sentence.find("elbow has no torque"), std::string::npos) << verdict.sentence;
+  EXPECT_EQ(id.report().find("inf"), std::string::npos) << id.report();
 }
 
 // Beside torques whose squares vanish any model, a prior too, would be without error.

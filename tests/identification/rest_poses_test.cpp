@@ -99,6 +99,24 @@ TEST_F(Resting, OnePoseIsNoTableOfPoses) {
   EXPECT_TRUE(is_at_rest(truth_, folder.write("two.csv", header + "0" + here + "1" + here + "2" + there), {}));
 }
 
+// A motion whose velocities were not recorded is none either, and is identified with derived ones.
+TEST_F(Resting, AMotionWithVelocitiesOfZeroIsNoTableOfPoses) {
+  TemporaryFolder folder;
+  Recording r = read_recording(folder.write("recorded.csv", planar_recording(12.0)));
+  const Model arm = read_model("planar-2r");
+  const Identification with_velocities = identify(arm, r, IdentificationOptions());
+  r.dq.setZero();
+  const std::string path = folder.path("zero.csv");
+  write_recording(r, path);
+  EXPECT_FALSE(is_at_rest(arm, path, {}));
+  const Identification without = identify(arm, Recordings{path});
+  ASSERT_TRUE(with_velocities.model && without.model) << without.reason;
+  EXPECT_EQ(without.base.size(), with_velocities.base.size());
+  EXPECT_LT((without.train_error.relative - with_velocities.train_error.relative).maxCoeff(), 0.01);
+  ASSERT_FALSE(without.remarks.empty());
+  EXPECT_NE(without.remarks.back().find("is no derivative of q2"), std::string::npos) << without.remarks.back();
+}
+
 // Without it, no level is made up: the band says how far friction spreads the torques.
 TEST_F(Resting, WithoutAnApproachFrictionIsABand) {
   const Identification id = identify_at_rest(read_model("psm-3dof"), {without_approach(poses(1, 200))});

@@ -360,6 +360,28 @@ TEST(AFault, ZeroSignalsAreSaid) {
   EXPECT_EQ(names_of(quality), (std::set<std::string>{"sample_rate", "zero_signal", "no_motion"}));
 }
 
+// A column of zeros beside a position that moves was not recorded. The noise of a resting joint, held at one
+// pose after the other, and poses a second apart are no motion.
+TEST(AFault, VelocitiesOfZeroBesideAMotionAreWrong) {
+  Recording r = clean_recording();
+  r.dq.col(1).setZero();
+  const RecordingQuality quality = check_recording(r);
+  EXPECT_EQ(found(quality, "velocity_scale", 2).value, 0.0);
+  EXPECT_EQ(found(quality, "velocity_scale", 2).severity, Severity::kFault);
+  EXPECT_EQ(quality.find("velocity_scale", 1), nullptr);
+  r.time *= kRate;
+  EXPECT_EQ(check_recording(r).find("velocity_scale", 2), nullptr);
+
+  Recording poses = clean_recording();
+  std::mt19937 random(5);
+  std::normal_distribution<double> noise(0.0, 1e-3);
+  for (int k = 0; k < poses.rows(); ++k) {
+    for (int j = 0; j < poses.joints(); ++j) poses.q(k, j) = 0.2 * (k / 200) + noise(random);
+  }
+  poses.dq.setZero();
+  EXPECT_EQ(check_recording(poses).find("velocity_scale", 1), nullptr);
+}
+
 TEST(AFault, AMotionThatRepeatsIsToldWithItsPeriod) {
   Recording r = clean_recording();
   const int period = 1296;

@@ -28,7 +28,8 @@ struct RestPoses {
 RestPoses read_rest_poses(const Model& arm, const std::string& path,
                           const PreprocessingOptions& how, std::optional<double> approach = {});
 
-/// True if a recording is of poses: it has velocities, and they are never anything but zero.
+/// True if a recording is of poses: it has velocities, they are never anything but zero, and the
+/// positions are no motion whose velocities were not recorded.
 bool is_at_rest(const Model& arm, const std::string& path, const PreprocessingOptions& how);
 
 /// identify() from poses alone, where velocities and accelerations are zero:

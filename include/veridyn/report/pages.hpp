@@ -56,4 +56,7 @@ std::string to_page(const Fleet& fleet, const std::string& command = "");
 std::string project_page(const std::string& folder, const std::string& output,
                          const std::string& command = "");
 
+/// The result that this page shows, as JSON.
+std::string project_json(const std::string& folder, const std::string& output);
+
 }  // namespace veridyn

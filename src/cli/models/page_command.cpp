@@ -27,7 +27,9 @@ void add_page_command(CLI::App& tool, Outcome& outcome) {
   add_common_options(command, request->common);
   command.callback([request, &outcome] {
     if (request->output.empty()) request->output = request->folder + "/index.html";
+    require_writable(request->common.json);
     write_file(request->output, project_page(request->folder, request->output, outcome.command_line));
+    if (!request->common.json.empty()) write_file(request->common.json, project_json(request->folder, request->output));
   });
 }
 

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <iostream>
 
@@ -8,6 +9,7 @@
 #include "cli/options/recording_options.hpp"
 #include "cli/motions/simulate_request.hpp"
 #include "veridyn/recordings/preprocessing.hpp"
+#include "math/digits.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/report/motion_json.hpp"
 #include "report/pages/simulation_page.hpp"
@@ -38,9 +40,9 @@ std::string replay_report(const SimulateRequest& request, const Model& arm, cons
     out += fmt::format("joint {} ({}): ", i + 1, c.name);
     if (request.drive != "torques") {
       out += fmt::format(
-          "torque off by {:.2f} % of the recorded one (the model alone, at the "
-          "recorded motion: {:.2f} %); ",
-          100.0 * r.torque_error[i], 100.0 * r.inverse_error[i]);
+          "torque off by {} % of the recorded one (the model alone, at the "
+          "recorded motion: {} %); ",
+          in_percent(r.torque_error[i]), in_percent(r.inverse_error[i]));
     }
     out += fmt::format("motion off by {:.3g} {} rms, {:.3g} at most\n", 1e3 * r.motion_rms[i],
                        c.prismatic ? "mm" : "mrad", 1e3 * r.motion_max[i]);
@@ -77,6 +79,10 @@ ExitStatus run_replay(const SimulateRequest& request, const Model& arm,
   options.cutoff = request.preprocessing.cutoff;
   options.order = request.preprocessing.order;
   const ReplayInput input = input_of(request, arm, request.preprocessing);
+  if (std::find(input.use.begin(), input.use.end(), 1) == input.use.end()) {
+    say(request.replay + ": no usable samples are left after gaps, edges and row limits");
+    return kDataCannotAnswer;
+  }
   const Replay done = while_busy(request.common, "replaying",
                                  [&] { return replay(*engine, arm, input, options); });
   tell_left_out(request, engine->left_out());

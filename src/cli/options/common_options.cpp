@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <charconv>
@@ -165,6 +166,11 @@ void require_writable(const std::string& path) {
   const bool exists = ::stat(path.c_str(), &there) == 0;
   require(!exists || !S_ISDIR(there.st_mode), path,
           ": cannot be written: found a folder, expected a file name.");
+  // Opened and closed again, a pipe would end for its reader.
+  if (exists && !S_ISREG(there.st_mode)) {
+    require(::access(path.c_str(), W_OK) == 0, path, ": cannot be written: no permission.");
+    return;
+  }
   const OutputFile probe(path);
 }
 

@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <sstream>
 #include <utility>
 #include <vector>
 
+#include "math/excerpt.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::cli {
@@ -23,7 +25,9 @@ std::optional<std::pair<int, VectorXd>> result_in(const std::string& line) {
   std::vector<double> numbers;
   for (std::string word; words >> word;) {
     if (word == kEnd) return std::pair(part, VectorXd(Eigen::Map<VectorXd>(numbers.data(), static_cast<Eigen::Index>(numbers.size()))));
-    numbers.push_back(std::strtod(word.c_str(), nullptr));
+    char* end = nullptr;
+    numbers.push_back(std::strtod(word.c_str(), &end));
+    if (*end != '\0') return std::nullopt;
   }
   return std::nullopt;
 }
@@ -32,12 +36,16 @@ std::optional<std::pair<int, VectorXd>> result_in(const std::string& line) {
 
 KeptResults::KeptResults(std::string path, const std::string& what, const std::string& command) : path_(std::move(path)) {
   const std::string header = fmt::format("veridyn {} of command {:016x}", what, std::hash<std::string>{}(command));
+  std::error_code error;
+  const bool exists = std::filesystem::exists(path_, error);
+  require(!exists || std::filesystem::is_regular_file(path_, error), path_,
+          ": found a folder, a pipe or a device, expected the name of a file to keep results in.");
   std::ifstream in(path_);
   std::string line;
   const bool any = static_cast<bool>(std::getline(in, line));
   const bool cut = any && in.eof() && header.rfind(line, 0) == 0;
   const bool begun = any && !cut;
-  require(!begun || line == header, path_, ":1: found '", line, "', expected what this command keeps: '", header, "'.");
+  require(!begun || line == header, path_, ":1: found '", excerpt(line), "', expected what this command keeps: '", header, "'.");
   bool whole = true;
   while (begun && std::getline(in, line)) {
     whole = !in.eof();
@@ -45,7 +53,9 @@ KeptResults::KeptResults(std::string path, const std::string& what, const std::s
   }
   std::ofstream out(path_, begun ? std::ios::app : std::ios::trunc);
   out << (!begun ? header + "\n" : whole ? "" : "\n");
-  require(out.flush().good(), path_, ": cannot be written.");
+  const bool written = out.flush().good();
+  if (!written && !exists) std::filesystem::remove(path_, error);
+  require(written, path_, ": cannot be written: no such folder, no permission, or the disk is full.");
 }
 
 std::optional<VectorXd> KeptResults::find(int part) const {

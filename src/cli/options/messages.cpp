@@ -32,6 +32,12 @@ double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
+// A standard error that is full or closed shows nothing, and ends no work.
+template <typename... Parts>
+void to_standard_error(fmt::format_string<Parts...> format, Parts&&... parts) {
+  std::fputs(fmt::format(format, std::forward<Parts>(parts)...).c_str(), stderr);
+}
+
 // The remaining time, once enough is done.
 class Estimate {
  public:
@@ -55,10 +61,10 @@ class Bar {
     const int filled = static_cast<int>(kBarWidth * done_);
     const std::string left = estimate_.left(done_);
     const bool colour = std::getenv("NO_COLOR") == nullptr;
-    fmt::print(stderr, "{}[{}{:<{}}{}] {:3.0f} % {}{}", kClearLine, colour ? "\033[36m" : "",
+    to_standard_error("{}[{}{:<{}}{}] {:3.0f} % {}{}", kClearLine, colour ? "\033[36m" : "",
                std::string(static_cast<std::size_t>(filled), '#'), kBarWidth, colour ? "\033[0m" : "",
                100.0 * done_, what.substr(0, kLongest), left);
-    if (share >= 1.0) fmt::print(stderr, "{}", kClearLine);
+    if (share >= 1.0) to_standard_error("{}", kClearLine);
     std::fflush(stderr);
   }
 
@@ -116,7 +122,7 @@ std::string command_line(const std::vector<std::string>& words) {
 }
 
 void say(const std::string& line) {
-  fmt::print(stderr, "{}veridyn: {}\n", on_terminal() ? kClearLine : "", excerpt(line, line.size()));
+  to_standard_error("{}veridyn: {}\n", on_terminal() ? kClearLine : "", excerpt(line, line.size()));
 }
 
 Progress progress(const CommonOptions& options) {
@@ -144,13 +150,13 @@ void Busy::show() {
   const bool terminal = on_terminal();
   for (int seconds = 1; !over_.wait_for(lock, std::chrono::seconds(1), [this] { return done_; }); ++seconds) {
     if (terminal) {
-      fmt::print(stderr, "{}{}, {} s", kClearLine, what_, seconds);
+      to_standard_error("{}{}, {} s", kClearLine, what_, seconds);
       std::fflush(stderr);
     } else if (seconds == 1) {
       say(what_);
     }
   }
-  if (terminal) fmt::print(stderr, "{}", kClearLine);
+  if (terminal) to_standard_error("{}", kClearLine);
 }
 
 }  // namespace veridyn::cli

@@ -443,6 +443,11 @@ class Account {
     v.joint = JointIndex{j};
     v.held_out = held_out(d_.baseline, j);
     v.extended = extended;
+    if (!std::isfinite(v.held_out)) {
+      v.state = JointState::kCannotTell;
+      v.why = "its torque is zero throughout the held-out recordings, and no error is a share of it";
+      return v;
+    }
     const bool repeats = d_.baseline.noise_floor.size() > j;
     v.source = repeats ? FloorSource::kRepeats : FloorSource::kRegression;
     v.floor = std::min(v.held_out, repeats ? std::min(d_.baseline.noise_floor[j], left) : left);

@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
+#include <cmath>
 #include <string>
 
+#include "math/digits.hpp"
 #include "veridyn/identification/identification.hpp"
 #include "veridyn/identification/verdict.hpp"
 
@@ -10,7 +12,7 @@ namespace {
 
 std::string percent(const VectorXd& v) {
   std::string out;
-  for (Eigen::Index i = 0; i < v.size(); ++i) out += fmt::format(" {:7.2f}", 100.0 * v[i]);
+  for (Eigen::Index i = 0; i < v.size(); ++i) out += " " + in_percent(v[i], 7);
   return out;
 }
 
@@ -78,8 +80,10 @@ std::string Identification::report() const {
     for (const std::string& c : active_constraints) out += "  " + c + "\n";
   }
   out += fmt::format("\n  {:>13} {:>11}  {:<9} base parameter\n", "value", "std", "unit");
-  for (const BaseValue& b : base)
-    out += fmt::format("  {:13.6g} {:11.2g}  {:<9} {}\n", b.value, b.std, b.unit, b.expression);
+  for (const BaseValue& b : base) {
+    const std::string deviation = std::isfinite(b.std) ? fmt::format("{:.2g}", b.std) : "-";
+    out += fmt::format("  {:13.6g} {:>11}  {:<9} {}\n", b.value, deviation, b.unit, b.expression);
+  }
   return out;
 }
 

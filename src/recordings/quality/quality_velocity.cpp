@@ -13,6 +13,7 @@ struct VelocityFit {
   double factor = 1.0;
   double spread = 0.0;  // half the interquartile range of the ratio, window by window
   bool clear = false;   // enough windows with motion, which agree
+  bool zero = false;    // enough windows with motion, in which dq says that there is none
 };
 
 VelocityFit velocity_fit(const Head& head, int joint) {
@@ -57,6 +58,7 @@ VelocityFit velocity_fit(const Head& head, int joint) {
   }
   fit.factor = square > 0.0 ? cross / square : middle;
   fit.clear = std::abs(fit.factor) > kTinyFactor && fit.spread < numbers.agree * std::abs(fit.factor);
+  fit.zero = std::abs(fit.factor) <= kTinyFactor && fit.spread <= kTinyFactor;
   return fit;
 }
 
@@ -149,6 +151,23 @@ void report_joint_scale(const Place& place, const VelocityFit& fit, const Qualit
   }
 }
 
+// A position that goes on from row to row as it went is that of a motion. The noise of a resting joint
+// turns round, and poses at rest do not follow each other within a window.
+bool goes_on(const Head& head, int joint) {
+  if (head.step >= head.numbers.window) return false;
+  const auto q = head.rows.q.col(joint);
+  double onward = 0.0;
+  double all = 0.0;
+  for (int k = 2; k < q.size(); ++k) {
+    const double before = q[k - 1] - q[k - 2];
+    const double after = q[k] - q[k - 1];
+    if (!std::isfinite(before) || !std::isfinite(after)) continue;
+    onward += before * after;
+    all += after * after;
+  }
+  return onward > 0.5 * all;
+}
+
 // The same factor on all joints indicates the clock (or the unit), else single channels.
 void report_scales(const Head& head, const std::vector<int>& joints,
                    const std::vector<VelocityFit>& fits, Findings* findings) {
@@ -190,9 +209,9 @@ void check_velocities(const Head& head, Findings* findings) {
   std::vector<int> joints;
   std::vector<VelocityFit> fits;
   for (int j = 0; j < head.rows.joints(); ++j) {
-    if (!head.moves[j] || (head.rows.dq.col(j).array() == 0.0).all())
-      continue;
+    if (!head.moves[j]) continue;
     const VelocityFit fit = velocity_fit(head, j);
+    if (fit.zero && goes_on(head, j)) report_joint_scale({"dq", j + 1}, fit, head.numbers, findings);
     const double* const dq = head.rows.dq.col(j).data();
     const double range = between_quantiles({dq, dq + head.rows.rows()}, head.numbers.ends, 1.0 - head.numbers.ends);
     check_quantised(head, j, fit, range, findings);

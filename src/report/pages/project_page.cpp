@@ -67,7 +67,7 @@ Json sentences_of(const Json& result) {
   for (const char* list : {"findings", "joints", "data_quality"}) {
     if (!result.contains(list) || !result[list].is_array()) continue;
     for (const Json& one : result[list])
-      if (one.is_object() && one.value("significant", true) && one.value("severity", "") != "info")
+      if (one.is_object() && one.value("significant", Json(true)) != false && one.value("severity", Json()) != "info")
         add(one.value("sentence", Json()));
   }
   return out;
@@ -123,10 +123,7 @@ Json change_json(const DatedModel& before, const DatedModel& after) {
   return out;
 }
 
-}  // namespace
-
-std::string project_page(const std::string& folder, const std::string& output,
-                         const std::string& command) {
+Json project(const std::string& folder, const std::string& output) {
   require(fs::is_directory(folder), folder, ": found no such folder, expected one with results.");
   Json result = json_head("page");
   for (const char* list : {"models", "pages", "recordings", "changes", "unreadable"})
@@ -189,7 +186,18 @@ std::string project_page(const std::string& folder, const std::string& output,
   }
   require(!result["models"].empty() || !result["pages"].empty(), folder,
           ": found neither a MODEL nor a page of veridyn, expected some.");
-  return html_page(folder + ": what stands in it", written(result), series_of(command), "");
+  return result;
+}
+
+}  // namespace
+
+std::string project_page(const std::string& folder, const std::string& output,
+                         const std::string& command) {
+  return html_page(folder + ": what stands in it", written(project(folder, output)), series_of(command), "");
+}
+
+std::string project_json(const std::string& folder, const std::string& output) {
+  return written(project(folder, output));
 }
 
 }  // namespace veridyn
