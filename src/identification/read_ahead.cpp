@@ -4,6 +4,7 @@
 #include <deque>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -61,7 +62,8 @@ PreparationFacts read_ahead(const StretchPass& pass, const VisitSegment& visit) 
   Queue queue;
   PreparationFacts facts;
   std::exception_ptr failed;
-  std::thread reader([&] {
+  std::thread reader;
+  const auto read = [&] {
     try {
       facts = pass([&queue](const Segment& s) { queue.put(s); });
     } catch (const ReaderStopped&) {
@@ -70,7 +72,12 @@ PreparationFacts read_ahead(const StretchPass& pass, const VisitSegment& visit) 
       failed = std::current_exception();
     }
     queue.end();
-  });
+  };
+  try {
+    reader = std::thread(read);
+  } catch (const std::system_error&) {
+    return pass(visit);  // no memory for another thread: one after the other
+  }
   std::exception_ptr of_visitor;
   try {
     Segment segment;

@@ -162,6 +162,27 @@ TEST(AKilledTool, LeavesWholeFilesOrNone) {
   EXPECT_GT(killed, 0);
 }
 
+// Ctrl-C ends a watch that still learns from a long recording at once, and writes nothing; progress is told.
+TEST(AnInterruptedTool, EndsAWatchThatStillLearns) {
+  const TemporaryFolder folder;
+  const std::string model = folder.path("model.yaml"), json = folder.path("o.json");
+  ASSERT_EQ(run_tool({"export", "planar-2r", "--yaml", model, "--quiet"}).status, 0);
+  const std::string recording = folder.write("recording.csv", planar_recording(12.0));
+  const Words watch = {"watch", model, recording, "--json", json};
+  const ToolRun whole = run_tool(watch + Words{"--learn-from", recording});
+  EXPECT_EQ(whole.status, 0) << whole.err;
+  for (const char* stage : {"veridyn: learning: ", "veridyn: watching: "}) EXPECT_NE(whole.err.find(stage), std::string::npos) << whole.err;
+  std::filesystem::remove(json);
+  const pid_t child = start(watch + Words{"--learn-from", folder.write("long.csv", planar_recording(3000.0))});
+  ASSERT_GT(child, 0);
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  ::kill(child, SIGINT);
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGINT) << status;
+  EXPECT_FALSE(std::filesystem::exists(json));
+}
+
 // A limit on the size of files stands in for a full disk.
 ToolRun run_on_full_disk(const Words& words) {
   rlimit before{};

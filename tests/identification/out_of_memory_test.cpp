@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <pthread.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -7,6 +8,7 @@
 #include <filesystem>
 #include <new>
 #include <system_error>
+#include <thread>
 
 #include "identification/synthetic_recording.hpp"
 #include "recordings/samples.hpp"
@@ -120,6 +122,23 @@ TEST_F(OutOfMemory, EndsTheWorkAndLeavesFilesWhole) {
   EXPECT_GT(refused, kPlaces);
   // Nothing of that is left in the process.
   EXPECT_TRUE(survives(-2, -2));
+  EXPECT_EQ(bytes_of_file(output()), whole);
+}
+
+// A thread whose stack finds no room cannot be started: what it would have read ahead is read in turn.
+TEST_F(OutOfMemory, WithoutRoomForAThreadTheWorkIsDone) {
+  work();
+  const std::string whole = bytes_of_file(output());
+  fs::remove(output());
+  pthread_attr_t usual, vast;
+  ASSERT_EQ(::pthread_getattr_default_np(&usual), 0);
+  ASSERT_EQ(::pthread_attr_init(&vast), 0);
+  ASSERT_EQ(::pthread_attr_setstacksize(&vast, std::size_t{1} << 47), 0);  // all that a process can address
+  ASSERT_EQ(::pthread_setattr_default_np(&vast), 0);
+  EXPECT_THROW(std::thread([] {}).join(), std::system_error);
+  EXPECT_NO_THROW(work());
+  ASSERT_EQ(::pthread_setattr_default_np(&usual), 0);
+  ASSERT_TRUE(fs::exists(output()));
   EXPECT_EQ(bytes_of_file(output()), whole);
 }
 

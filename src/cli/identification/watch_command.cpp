@@ -31,6 +31,14 @@ volatile std::sig_atomic_t interrupted = 0;
 
 void stop(int /*signal*/) { interrupted = 1; }
 
+// What a signal does that ends the program: what was watched so far is written, or nothing.
+void at_signals(void (*handler)(int)) {
+  struct sigaction action {};  // without SA_RESTART, so that a blocking read ends
+  action.sa_handler = handler;
+  ::sigaction(SIGINT, &action, nullptr);
+  ::sigaction(SIGTERM, &action, nullptr);
+}
+
 struct WatchRequest {
   std::string model;
   std::vector<std::string> sources, learn_from;
@@ -53,6 +61,7 @@ class Watching {
  public:
   Watching(const Model& arm, WatchRequest& request, const std::string& command_line)
       : arm_(arm), request_(request), command_line_(command_line) {
+    if (!waits(request)) progress_ = progress(request.common);
     if (!request.port) return;
     live_ = std::make_unique<LivePage>(*request.port);
     say(text("the page is at http://127.0.0.1:", live_->port(), "/"));
@@ -60,9 +69,14 @@ class Watching {
 
   ExitStatus run() {
     for (const std::string& source : request_.sources) {
+      if (interrupted != 0) break;
       Watch watch(arm_, request_.options);
-      for (const std::string& quiet : request_.learn_from)
+      at_signals(SIG_DFL);
+      for (const std::string& quiet : request_.learn_from) {
+        show_progress("learning: " + quiet);
         watch.learn(read_recording(quiet, reading_of(arm_, request_.reading)));
+      }
+      at_signals(stop);
       watched_.push_back({});
       watched_.back().source = source;
       watch.on_step([this](const WatchState& state) { note(state); });
@@ -76,6 +90,7 @@ class Watching {
       for (const std::string& remark : watch.remarks()) say(source + ": " + remark);
       doubt_model(source);
     }
+    if (progress_) clear_bar();
     write(false);
     // Ctrl-C is the end of a source that grows; of a recording it leaves rows out.
     if (interrupted != 0 && !waits(request_)) return kInterrupted;
@@ -89,6 +104,10 @@ class Watching {
   }
 
  private:
+  void show_progress(const std::string& what) const {
+    if (progress_) progress_(what, static_cast<double>(watched_.size()) / static_cast<double>(request_.sources.size() + 1));
+  }
+
   // Warns of a large residual while the noise is learned, since it then counts as normal for the
   // arm.
   void doubt_model(const std::string& source) {
@@ -108,8 +127,10 @@ class Watching {
   void replay(Watch& watch, const std::string& source) {
     RecordingReader reader(source, reading_of(arm_, request_.reading));
     for (Recording rows = reader.next(kRowsAtOnce); rows.rows() > 0 && interrupted == 0;
-         rows = reader.next(kRowsAtOnce))
+         rows = reader.next(kRowsAtOnce)) {
+      show_progress("watching: " + source);
       tell(watch.add(rows));
+    }
   }
 
   void note_blindness(const Watch& watch) {
@@ -149,6 +170,7 @@ class Watching {
   }
 
   void tell(const std::vector<WatchEvent>& events) {
+    if (progress_ && !events.empty()) clear_bar();
     for (const WatchEvent& e : events) {
       watched_.back().events.push_back(e);
       if (request_.json_lines) {
@@ -183,6 +205,7 @@ class Watching {
   const Model& arm_;
   WatchRequest& request_;
   std::string command_line_;
+  Progress progress_;
   std::vector<WatchedSource> watched_;
   std::unique_ptr<LivePage> live_;
   VectorXd missed_, measured_;  // (n) sums of squares while noise is learned
@@ -195,10 +218,6 @@ ExitStatus run(WatchRequest& request, const std::string& command_line) {
   for (const EffectTerm& term : arm.arm_effects())
     say("warning: " + term.effect + " on the arm is left out here: what it does may be named as something else.");
   for (const std::string& link : request.options.links) expect_one_of("--link", link, frame_names(arm));
-  struct sigaction action {};  // without SA_RESTART, so that a blocking read ends
-  action.sa_handler = stop;
-  ::sigaction(SIGINT, &action, nullptr);
-  ::sigaction(SIGTERM, &action, nullptr);
   return Watching(arm, request, command_line).run();
 }
 

@@ -125,6 +125,10 @@ void say(const std::string& line) {
   to_standard_error("{}veridyn: {}\n", on_terminal() ? kClearLine : "", excerpt(line, line.size()));
 }
 
+void clear_bar() {
+  if (on_terminal()) to_standard_error("{}", kClearLine);
+}
+
 Progress progress(const CommonOptions& options) {
   if (options.quiet) return {};
   if (on_terminal()) return Bar();

@@ -26,6 +26,9 @@ using Progress = std::function<void(const std::string&, double)>;
 /// --quiet.
 Progress progress(const CommonOptions& options);
 
+/// Clears a progress bar on a terminal, before lines of the result.
+void clear_bar();
+
 /// For work whose share done is not known: while it exists, and once a second has passed, the
 /// activity and its seconds on a terminal, one plain line elsewhere; nothing with --quiet.
 /// Nothing else is to be printed meanwhile.
