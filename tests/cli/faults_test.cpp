@@ -165,14 +165,14 @@ TEST(AKilledTool, LeavesWholeFilesOrNone) {
 // Ctrl-C ends a watch that still learns from a long recording at once, and writes nothing; progress is told.
 TEST(AnInterruptedTool, EndsAWatchThatStillLearns) {
   const TemporaryFolder folder;
-  const std::string model = folder.path("model.yaml"), json = folder.path("o.json");
+  const std::string model = folder.path("model.yaml"), out = folder.path("o.json");
   ASSERT_EQ(run_tool({"export", "planar-2r", "--yaml", model, "--quiet"}).status, 0);
   const std::string recording = folder.write("recording.csv", planar_recording(12.0));
-  const Words watch = {"watch", model, recording, "--json", json};
+  const Words watch = {"watch", model, recording, "--json", out};
   const ToolRun whole = run_tool(watch + Words{"--learn-from", recording});
   EXPECT_EQ(whole.status, 0) << whole.err;
   for (const char* stage : {"veridyn: learning: ", "veridyn: watching: "}) EXPECT_NE(whole.err.find(stage), std::string::npos) << whole.err;
-  std::filesystem::remove(json);
+  std::filesystem::remove(out);
   const pid_t child = start(watch + Words{"--learn-from", folder.write("long.csv", planar_recording(3000.0))});
   ASSERT_GT(child, 0);
   std::this_thread::sleep_for(std::chrono::milliseconds(50));
@@ -180,7 +180,7 @@ TEST(AnInterruptedTool, EndsAWatchThatStillLearns) {
   int status = 0;
   ::waitpid(child, &status, 0);
   EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGINT) << status;
-  EXPECT_FALSE(std::filesystem::exists(json));
+  EXPECT_FALSE(std::filesystem::exists(out));
 }
 
 // A limit on the size of files stands in for a full disk.
@@ -242,20 +242,20 @@ TEST(AStreamThatTakesNothing, EndsNoWork) {
   if (!std::ofstream("/dev/full").is_open()) GTEST_SKIP() << "no /dev/full here";
   const TemporaryFolder folder;
   const std::string recording = folder.write("recording.csv", planar_recording(4.0));
-  const std::string json = folder.path("o.json");
-  const std::string command = std::string(VERIDYN_TOOL) + " identify planar-2r --train '" + recording + "' --json '" + json + "'";
+  const std::string out = folder.path("o.json");
+  const std::string command = std::string(VERIDYN_TOOL) + " identify planar-2r --train '" + recording + "' --json '" + out + "'";
   const auto status_of = [](const std::string& line) {
     const int status = std::system(line.c_str());
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   };
   for (const char* streams : {" > /dev/null 2> /dev/full", " > /dev/null 2>&-", " < /dev/null > /dev/null 2>&- <&-"}) {
     EXPECT_EQ(status_of(command + streams), 0) << streams;
-    EXPECT_EQ(json_of(json)["command"], "identify") << streams;
-    std::filesystem::remove(json);
+    EXPECT_EQ(json_of(out)["command"], "identify") << streams;
+    std::filesystem::remove(out);
   }
   EXPECT_EQ(status_of(std::string(VERIDYN_TOOL) + " info nobody 2> /dev/full"), 3);
   EXPECT_EQ(status_of(command + " >&- 2> /dev/null"), 3);
-  EXPECT_EQ(json_of(json)["command"], "identify");
+  EXPECT_EQ(json_of(out)["command"], "identify");
 }
 
 // What a file says cannot drive the terminal that shows the error.
