@@ -84,7 +84,7 @@ MUTANTS = [
     ("cooperation/stability/linear_arm.cpp", "odd(kSlow) - drag * kSlow", "odd(kSlow)", ["cooperation"]),
     ("cooperation/stability/linear_arm.cpp", "return state.bias() - state.tip()", "return state.bias() + state.tip()", ["cooperation"]),
     ("cooperation/held_object.cpp", "target.position += target.force / hand_stiffness_;", "target.position -= target.force / hand_stiffness_;", ["cooperation"]),
-    ("identification/rest_poses.cpp", "return piece.rows() == 0 && !one_pose;", "return piece.rows() == 0;", ["identification"]),
+    ("identification/rest_poses.cpp", "if (piece.rows() > 0 || one_pose) return false;", "if (piece.rows() > 0) return false;", ["identification"]),
     ("identification/rest_poses.cpp", "last[j] = r.dq(k, j) > 0.0 ? 1.0 : -1.0", "last[j] = r.dq(k, j) > 0.0 ? -1.0 : 1.0", ["identification"]),
     ("identification/rest_poses.cpp", "kBallRadius * kBallRadius;", "kBallRadius / kBallRadius;", ["identification"]),
     ("identification/velocity_choice.cpp", "std::min(how.row_count.value_or(identifying::kLookedAt), identifying::kLookedAt)", "how.row_count.value_or(identifying::kLookedAt)", ["identification"]),
