@@ -67,7 +67,7 @@ ExitStatus run_and_explain(int argc, char** argv) {
     // An error that begins with an option is a bad value of that option, detected where it is used.
     return std::string(error.what()).rfind("--", 0) == 0 ? kWrongUsage : kBadInput;
   } catch (const std::bad_alloc&) {
-    say("out of memory; nothing was written.");
+    say("out of memory.");
     return kProgramFault;
   } catch (const std::exception& error) {
     say(std::string("internal fault: ") + error.what());
@@ -75,8 +75,8 @@ ExitStatus run_and_explain(int argc, char** argv) {
   }
 }
 
-// The first file that is opened would get the number of a standard stream that is closed, and its text.
-// What takes the place of one fails when it is used, as the closed one would.
+// Where a standard stream is closed, the first file that is opened would get its number, and with it the messages
+// for that stream. The null device takes the place, opened so that using it fails as before.
 void hold_places_of_closed_streams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (::fcntl(stream, F_GETFD) < 0) ::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);

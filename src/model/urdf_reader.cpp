@@ -1,5 +1,6 @@
 #include "veridyn/math/require.hpp"
 #include "math/eigen_pose.hpp"
+#include "math/excerpt.hpp"
 #include "math/numbers.hpp"
 #include "veridyn/model/urdf.hpp"
 
@@ -127,7 +128,7 @@ class UrdfReader {
  private:
   [[noreturn]] void fail(const std::string& place, const std::string& found,
                          const std::string& expected) const {
-    throw InvalidInput(text(file_, ":", place, " found ", found, ", expected ", expected, "."));
+    throw InvalidInput(text(file_, ":", place, " found ", excerpt(found, 400), ", expected ", expected, "."));
   }
 
   [[noreturn]] void fail_at(const std::string& tag, const std::string& name,

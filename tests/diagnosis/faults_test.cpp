@@ -31,7 +31,7 @@ TEST_F(Stages, ATorqueWithTheWrongSignIsAFault) {
     for (const auto* list : {&x.train, &x.test}) {
       for (const std::string& path : *list) {
         Recording r = read_recording(path);
-        r.tau *= std::abs(sign);  // N cm: friction is as many deviations below zero
+        r.tau *= std::abs(sign);  // in N cm the friction is the same number of standard deviations below zero
         if (sign < 0.0) r.tau.col(1) *= -1.0;
         write_recording(r, path);
       }

@@ -43,6 +43,18 @@ TEST(Summary, TheFewThatExplainMostComeFirst) {
   EXPECT_TRUE(d.summary.worse_joints.empty());
 }
 
+// A curve that predicts what repeats differ by: the extended model is no better, and what is left is below the noise floor.
+TEST(Summary, CurvesWithoutANameCountAmongAllFindings) {
+  Diagnosis d = diagnosis(errors(0.2, 0.1), errors(0.2, 0.1));
+  d.baseline.noise_floor = errors(0.19, 0.1);
+  d.findings = {finding(UnnamedShape::kName, 0, 0.98), finding("nothing", 1, 0.0)};
+  d.findings[0].shape.emplace();
+  d.findings[0].test_before = errors(0.2, 0.1);
+  d.findings[0].test_after = errors(0.03, 0.1);
+  summarize(d, {});
+  EXPECT_NEAR(d.summary.explained_by_all, 1.0, 1e-12);
+}
+
 TEST(Summary, TheVerdictBeginsWithWhatTrainingConfirmsAndHeldOutRecordingsDoNotContradict) {
   Diagnosis d = diagnosis(errors(0.2, 0.2), errors(0.1, 0.1));
   d.findings = {finding("not confirmed", 0, 0.0), finding("contradicted", 0, 0.0),

@@ -117,7 +117,7 @@ TEST(WatchTool, AModelOfAnotherArmIsDoubted) {
   ASSERT_NE(heavy.find(masses), std::string::npos);
   heavy.replace(heavy.find(masses), masses.size(), "m1: 12, m2: 7.5");
   const std::string model = folder.write("heavy.yaml", heavy);
-  const ToolRun other = run_tool({"watch", model, recording});
+  const ToolRun other = run_tool({"watch", model, recording, "--quiet"});
   EXPECT_EQ(other.status, 0) << other.err;
   const std::string words = "warning: " + recording + ": the model leaves ";
   const size_t first = other.err.find(words);
@@ -130,8 +130,8 @@ TEST(WatchTool, AModelOfAnotherArmIsDoubted) {
   EXPECT_NEAR(elbow, 200, 40);
   // Each recording has shares of its own.
   const std::string slight = folder.write("slight.csv", planar_recording(12.0, 0.1, 1.0));
-  const std::string of_slight = run_tool({"watch", model, slight}).err;
-  EXPECT_EQ(run_tool({"watch", model, recording, slight}).err, other.err + of_slight);
+  const std::string of_slight = run_tool({"watch", model, slight, "--quiet"}).err;
+  EXPECT_EQ(run_tool({"watch", model, recording, slight, "--quiet"}).err, other.err + of_slight);
 }
 
 }  // namespace

@@ -58,7 +58,16 @@ void summarize(Diagnosis& d, const Thresholds& thresholds) {
   const VectorXd& before = d.baseline.test_error.relative;
   const VectorXd& after = d.extended.test_error.relative;
   if (before.size() == 0 || after.size() != before.size()) return;
-  s.explained_by_all = explained_share(before, after, d.baseline);
+  // Curves without a name are in no model: what they leave is in their findings, and what they predict of the
+  // difference between repeats is no noise.
+  VectorXd left = after, floor = d.baseline.noise_floor;
+  for (const Finding& f : d.findings) {
+    if (!f.shape || !f.joint || f.test_after.size() != left.size()) continue;
+    const int j = f.joint->value;
+    left[j] = std::min(left[j], f.test_after[j]);
+    if (floor.size() > j) floor[j] = std::min(floor[j], left[j]);
+  }
+  s.explained_by_all = explained_share(before, left, before, floor);
   for (Eigen::Index j = 0; j < before.size(); ++j) {
     if (after[j] > (1.0 + thresholds.held_out_worse) * before[j])
       s.worse_joints.push_back(static_cast<int>(j) + 1);

@@ -157,15 +157,12 @@ bool goes_on(const Head& head, int joint) {
   if (head.step >= head.numbers.window) return false;
   const auto q = head.rows.q.col(joint);
   double onward = 0.0;
-  double all = 0.0;
   for (int k = 2; k < q.size(); ++k) {
     const double before = q[k - 1] - q[k - 2];
     const double after = q[k] - q[k - 1];
-    if (!std::isfinite(before) || !std::isfinite(after)) continue;
-    onward += before * after;
-    all += after * after;
+    if (std::isfinite(before) && std::isfinite(after)) onward += before * after;
   }
-  return onward > 0.5 * all;
+  return onward > 0.0;
 }
 
 // The same factor on all joints indicates the clock (or the unit), else single channels.
