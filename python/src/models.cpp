@@ -90,7 +90,7 @@ VectorXd parameters(const Model& arm) {
 }  // namespace
 
 void bind_models(py::module_& m) {
-  py::class_<Model, std::shared_ptr<Model>>(m, "BaseModel");
+  const py::class_<Model, std::shared_ptr<Model>> base(m, "BaseModel");
   py::class_<SharedModel, Model, Shared>(m, "Model",
                                          R"(An arm: frames, bodies and effects. It never changes.
 

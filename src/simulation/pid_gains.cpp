@@ -2,6 +2,7 @@
 #include "math/input_file.hpp"
 #include "simulation/plant/plant_forces.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
+#include "veridyn/math/require.hpp"
 #include "kinematics/motion_limits.hpp"
 #include "veridyn/simulation/control_loop.hpp"
 
@@ -12,6 +13,8 @@ constexpr double kIntegralShare = 0.1;  // share of the bandwidth
 
 // The inertia of each joint by itself, rotors included, at the middle of the range.
 VectorXd middle_inertia(const Model& arm) {
+  require(arm.inertial_values().has_value(), "gains: '", arm.name(),
+          "' has no values; expected a robot with mass, com and inertia of every body.");
   const MotionLimits limits = motion_limits(arm);
   const VectorXd middle = 0.5 * (limits.lower + limits.upper);
   return mass_matrix(arm, middle).diagonal() + PlantForces(arm).inertia().diagonal();

@@ -15,7 +15,6 @@ constexpr double kTwoPi = 6.283185307179586;
 constexpr double kServoSpeed = 0.8;      // of the velocity limits, at most, in streams of positions
 constexpr double kStop = 0.1;            // [s] in which a move stops
 constexpr double kReleaseDamping = 5.0;  // [1/s]: of an arm that gives way
-constexpr double kRest = 1e-3;           // [rad/s], [m/s]
 constexpr double kSliding = 0.2;         // metres for radians where a file gives no velocity limit
 
 Tip tip_of(const Model& arm, const std::string& name) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_map>
 
 #include "effects/plain_friction.hpp"
 #include "identification/base_solution.hpp"
@@ -26,18 +27,33 @@ Model with_everything_open(const Model& arm) {
   return Model(std::move(d));
 }
 
-// Share of a joint's squared torques that the parameters leave unexplained in each half of the blocks.
-VectorXd shares_of_halves(const CompressedRecording& c, int joint, const std::vector<std::string>& names,
-                          const VectorXd& beta) {
+// Values of a factor's columns; those without one are zero.
+VectorXd values_of(const SquareRootInformation& factor, const std::unordered_map<std::string, double>& values) {
+  VectorXd out = VectorXd::Zero(factor.size());
+  for (int j = 0; j < factor.size(); ++j) {
+    const auto known = values.find(factor.columns()[j]);
+    if (known != values.end()) out[j] = known->second;
+  }
+  return out;
+}
+
+// Share of a joint's squared torques that the values leave unexplained in each half of the blocks.
+VectorXd shares_of_halves(const CompressedRecording& c, int joint, const VectorXd& values) {
   VectorXd left = VectorXd::Zero(kHalves);
   VectorXd all = left;
   for (std::size_t k = 0; k < c.blocks.size(); ++k) {
     const auto half = static_cast<Eigen::Index>(kHalves * k / c.blocks.size());
-    const SquareRootInformation own = c.blocks[k][joint].restricted(names);
-    left[half] += own.residual2(beta);
-    all[half] += own.rhs_norm2();
+    left[half] += c.blocks[k][joint].residual2(values);
+    all[half] += c.blocks[k][joint].rhs_norm2();
   }
   return left.cwiseQuotient(all.cwiseMax(1e-300));
+}
+
+// All rows of a joint, over the columns that move it.
+SquareRootInformation all_blocks(const CompressedRecording& c, int joint) {
+  SquareRootInformation out;
+  for (const auto& block : c.blocks) out.merge(block[joint]);
+  return out;
 }
 
 }  // namespace
@@ -72,25 +88,26 @@ std::pair<int, double> QuickFitter::determined(const Recording& recording) const
 }
 
 QuickFit QuickFitter::fit(const Recording& recording) const {
-  const CompressedRecording c = compress(arm_, recording, options_);
+  const std::vector<CompressedRecording> compressed = {compress(arm_, recording, options_)};
+  const CompressedRecording& c = compressed.front();
   QuickFit out;
-  const VectorXd weights = range_weights({c});
+  const VectorXd weights = range_weights(compressed);
   SquareRootInformation total(names_);
+  std::vector<SquareRootInformation> joints;
   for (int i = 0; i < arm_.joints(); ++i) {
-    SquareRootInformation joint(names_);
-    for (const auto& block : c.blocks) joint.merge(block[i]);
-    total.merge(joint, weights[i]);
-    out.joints.push_back(std::move(joint));
+    joints.push_back(all_blocks(c, i));
+    total.merge(joints.back(), weights[i]);
   }
   const SquareRootInformation base = total.restricted(base_columns_);
   const VectorXd beta = base.R().triangularView<Eigen::Upper>().solve(base.z());
+  std::unordered_map<std::string, double> values;
+  for (int j = 0; j < base_size(); ++j) values[base_columns_[j]] = beta[j];
   out.unexplained = base.rho2() / std::max(base.rhs_norm2(), 1e-300);
   out.halves.resize(arm_.joints(), kHalves);
   for (int i = 0; i < arm_.joints(); ++i) {
-    const SquareRootInformation& joint = out.joints[i];
-    out.halves.row(i) = shares_of_halves(c, i, base_columns_, beta).transpose();
-    const SquareRootInformation own = joint.restricted(base_columns_);
-    const double share = own.residual2(beta) / std::max(own.rhs_norm2(), 1e-300);
+    const VectorXd own = values_of(joints[i], values);
+    const double share = joints[i].residual2(own) / std::max(joints[i].rhs_norm2(), 1e-300);
+    out.halves.row(i) = shares_of_halves(c, i, own).transpose();
     out.misfit += std::log(std::max(share, smallest_share_));
     out.shares.push_back(share);
   }
@@ -100,6 +117,16 @@ QuickFit QuickFitter::fit(const Recording& recording) const {
   for (int i = 0; i < arm_.joints(); ++i)
     out.friction_significance.push_back(std::abs(out.friction[i]) /
                        std::max(spread.col(i).norm() * std::sqrt(base.rho2()), 1e-300));
+  return out;
+}
+
+std::vector<SquareRootInformation> QuickFitter::joint_factors(const Recording& recording) const {
+  const CompressedRecording c = compress(arm_, recording, options_);
+  std::vector<SquareRootInformation> out;
+  for (int i = 0; i < arm_.joints(); ++i) {
+    out.emplace_back(names_);
+    out.back().merge(all_blocks(c, i));
+  }
   return out;
 }
 

@@ -22,7 +22,6 @@ struct QuickFit {
   VectorXd friction;  ///< by joint: power lost to friction, relative to rms torque times rms speed
   /// By joint: relative rise of the rms misfit without friction, its significance.
   std::vector<double> friction_significance;
-  std::vector<SquareRootInformation> joints;  ///< factor of each joint's torques
 };
 
 /// Fits an arm with plain friction and all parameters free to one short recording after the other.
@@ -37,6 +36,9 @@ class QuickFitter {
   std::pair<int, double> determined(const Recording& recording) const;
 
   QuickFit fit(const Recording& recording) const;
+
+  /// Factor of each joint's torques over parameters().
+  std::vector<SquareRootInformation> joint_factors(const Recording& recording) const;
 
  private:
   struct Friction;

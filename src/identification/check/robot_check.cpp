@@ -433,12 +433,12 @@ class RobotCheck {
       const double value = fitter_.parameters()[j].value;
       phi[j] = std::isfinite(value) ? value : 0.0;
     }
+    const std::vector<SquareRootInformation> factors = fitter_.joint_factors(recording_);
     std::vector<double> ratios;
     bool as_currents = true;
     bool alien = false;
     for (int i = 0; i < joints(); ++i) {
-      const SquareRootInformation& f = now_.joints[i];
-      const double ratio = factor_beside_friction(f, phi);
+      const double ratio = factor_beside_friction(factors[i], phi);
       const double gain = given_.coordinates()[i].drive_gain;
       ratios.push_back(ratio);
       as_currents = as_currents && gain > 0.0 && ratio > 0.0 && std::abs(std::log(ratio * gain)) < std::log(limits_.current_factor) &&
