@@ -126,6 +126,13 @@ TEST(LoadCell, CalibrationFindsTheLineAndItsIntervals) {
   EXPECT_THROW(calibrate_load_cell({0.0, 1.0}, {5.0, 5.0}), InvalidInput);
 }
 
+// Under two forces the offset is the mean of the readings without force, here 99 and 101: of variance 2,
+// as half the readings' squares about their means (4) are, with Student's 4.3027 of two degrees of freedom.
+TEST(LoadCell, TheOffsetIsAsCertainAsTheReadingsWithoutForce) {
+  const LoadCellCalibration found = calibrate_load_cell({0.0, 0.0, 10.0, 10.0}, {99.0, 101.0, 599.0, 601.0});
+  EXPECT_NEAR(found.offset_interval, 4.3026527 * std::sqrt(2.0 / 2.0), 1e-6);
+}
+
 // A source that the test speaks through.
 class Spoken final : public ForceSource {
  public:
