@@ -73,6 +73,36 @@ TEST(FrictionCompensation, TheRuleOfTheThesisWithItsErrata) {
   }
 }
 
+// Where a rule asks for sliding, a memory is sheared in the direction of the motion.
+TEST(FrictionCompensation, ASlidingMemoryActsLikeCoulombFriction) {
+  const Model arm = thesis_friction();
+  const Model with_memory =
+      with_effects(arm, {effect_on(arm, "presliding_hysteresis", 2, {{"level", kCoulomb}, {"distance", 1e-3}})});
+  ArmState state(with_memory, {"tool"});
+  FrictionCompensation friction(with_memory, rule(FrictionRule::kStickSlip));
+  for (const double side : {1.0, -1.0}) {
+    EXPECT_NEAR(torque(friction, state, {side * 0.02, 0, 0}), side * kCoulomb, 1e-9);
+    EXPECT_NEAR(torque(friction, state, {0, 0, side * 0.0004}), side * kCoulomb, 1e-9);
+  }
+}
+
+// A share of the load is the same torque in whatever unit an axis s = c q is counted: the load along it is
+// tau / c, and the friction force along it c times that on the joint.
+TEST(FrictionCompensation, FrictionOfTheLoadDoesNotDependOnTheUnitOfItsAxis) {
+  const Model arm = plausible_model(read_model("psm-3dof"), 1).arm;
+  const double share = 0.1;
+  for (const double c : {1.0, 2.0, -0.5}) {
+    EffectTerm term = effect_on(arm, "load_dependent_friction", 2, {{"coefficient", share}});
+    term.axis.coefficients *= c;
+    const Model loaded = with_effects(arm, {term});
+    ArmState state(loaded, {"tool"});
+    FrictionCompensation friction(loaded, rule(FrictionRule::kVelocity));
+    const double found = torque(friction, state, {0.1, 0, 0});
+    EXPECT_GT(found, 0.01) << c;
+    EXPECT_NEAR(found, share * std::abs(state.rigid_bias()[2]), 1e-9) << c;
+  }
+}
+
 // At rest the presliding rule gives what the contact holds, and after a reversal it follows
 // z = 1 - 2 (1 - exp(-way / distance)).
 TEST(FrictionCompensation, ThePreslidingRuleFollowsTheMemory) {

@@ -126,20 +126,29 @@ TEST(LoadCell, CalibrationFindsTheLineAndItsIntervals) {
   EXPECT_THROW(calibrate_load_cell({0.0, 1.0}, {5.0, 5.0}), InvalidInput);
 }
 
+// Under two forces the offset is the mean of the readings without force, here 99 and 101: of variance 2,
+// as half the readings' squares about their means (4) are, with Student's 4.3027 of two degrees of freedom.
+TEST(LoadCell, TheOffsetIsAsCertainAsTheReadingsWithoutForce) {
+  const LoadCellCalibration found = calibrate_load_cell({0.0, 0.0, 10.0, 10.0}, {99.0, 101.0, 599.0, 601.0});
+  EXPECT_NEAR(found.offset_interval, 4.3026527 * std::sqrt(2.0 / 2.0), 1e-6);
+}
+
 // A source that the test speaks through.
 class Spoken final : public ForceSource {
  public:
-  Spoken(int& fresh, double& raw) : fresh_(fresh), raw_(raw) {}
+  Spoken(int& fresh, double& raw, const double* lay = nullptr) : fresh_(fresh), raw_(raw), lay_(lay) {}
   int poll() noexcept override {
     const int count = fresh_;
     fresh_ = 0;
     return count;
   }
   double raw() const noexcept override { return raw_; }
+  double lay() const noexcept override { return lay_ != nullptr ? *lay_ : 0.0; }
 
  private:
   int& fresh_;
   double& raw_;
+  const double* lay_;
 };
 
 TEST(ForceChannel, ADeadOrStuckSensorIsFoundWithinTwentyMilliseconds) {
@@ -254,6 +263,21 @@ TEST(ForceChannel, TheAgeOfASensorThatNeverSpokeCountsFromTheStart) {
   EXPECT_FALSE(reading.number);
   EXPECT_NEAR(reading.age, 0.5, 1e-12);
   EXPECT_EQ(channel.state(), ForceState::kWaiting);
+}
+
+// When the system's clock is set ahead between the arrival of a reading and its poll(), it seems to have lain for long.
+TEST(ForceChannel, AReadingMakesItNoOlder) {
+  int fresh = 0;
+  double raw = 0.0, lay = 0.0;
+  ForceChannel channel(std::make_unique<Spoken>(fresh, raw, &lay), {});
+  fresh = 1;
+  channel.update(1.0);
+  const double without = channel.update(1.002).age;
+  fresh = 1;
+  raw = 0.1;
+  lay = 0.5;
+  EXPECT_EQ(channel.update(1.002).age, without);
+  EXPECT_EQ(channel.state(), ForceState::kGood);
 }
 
 // However long a sensor has run, its reading may stay the same for as long as stuck_after.

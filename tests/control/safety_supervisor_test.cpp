@@ -193,6 +193,27 @@ TEST(SafetySupervisor, OldSamplesLeaveNoTraceInWhatIsHeld) {
   EXPECT_TRUE(near(out, holds, 1e-9));
 }
 
+// Positions that stayed away for ten cycles come back where the arm moved meanwhile, at nine tenths of its largest
+// velocity; at five times that velocity it did not get there.
+TEST(SafetySupervisor, APositionAfterAPauseIsAJumpOnlyWhereTheArmCouldNotBe) {
+  for (const double factor : {0.9, 5.5}) {
+    Supervised s;
+    SafetyLimits limits = safety_limits(s.arm_, kTorque);
+    limits.sensor_age = 0.02;
+    s.safety_ = SafetySupervisor(s.arm_, limits);
+    EXPECT_TRUE(s.safety_.enable());
+    s.run();
+    for (int k = 1; k <= 10; ++k) {
+      s.input_.sensor_age = s.input_.dt * k;
+      s.run();
+    }
+    s.input_.sensor_age = 0.0;
+    s.q_[0] += factor * limits.velocity[0] * 11.0 * s.input_.dt;
+    s.run();
+    EXPECT_EQ(s.safety_.fault(), factor < 1.0 ? SafetyFault::kNone : SafetyFault::kEncoderJump) << factor;
+  }
+}
+
 // Brings a supervised arm into kHold, by a joint that is too fast.
 void too_fast(Supervised& s) {
   s.dq_[0] = 2.1;

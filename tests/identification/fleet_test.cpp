@@ -184,6 +184,26 @@ TEST(AFleet, OfFewEqualArmsNamesNone) {
   }
 }
 
+// Values of a short recording differ from the others' by chance.
+TEST(AFleet, NamesNoArmForWhatItsShortRecordingLeavesUncertain) {
+  const Model arm = scara();
+  MotionShape shape;
+  shape.duration = 2.0;  // a fifth of the others'
+  shape.rate = 100.0;
+  for (const unsigned seed : {3U, 4U, 5U}) {
+    Simulated all = fleet(12, -1, nothing, seed);
+    shape.seed = seed;
+    Recording r = synthetic_recording(arm, shape);
+    r.tau += noise_like(r.tau, 0.01, seed);
+    all.names.push_back("short");
+    all.factors.push_back(compress(arm, std::vector<std::string>()));
+    all.factors.back().recordings.push_back(compress(arm, r, {}));
+    const Fleet found = identify_fleet(arm, all.names, all.factors);
+    EXPECT_EQ(found.members.size(), 13U) << found.report();
+    EXPECT_TRUE(found.outliers.empty()) << found.report();
+  }
+}
+
 // Doubles the first viscous friction.
 void double_friction(const std::vector<StandardParameter>& parameters, VectorXd& factors, double&) {
   for (size_t p = 0; p < parameters.size(); ++p)

@@ -148,7 +148,7 @@ SafetySupervisor::Finding SafetySupervisor::check_sensors(const ArmState& arm,
     return {SafetyFault::kNotFinite, {}};
   if (input.sensor_age > limits_.sensor_age) return {SafetyFault::kSensorAge, {}};
   if (!seen_) return {};
-  const double time = std::max(input.dt, 0.0) + input.sensor_age;
+  const double time = since_sound_ + std::max(input.dt, 0.0);
   for (Eigen::Index i = 0; i < q_sound_.size(); ++i) {
     if (std::abs(arm.q()[i] - q_sound_[i]) > kJumpShare * limits_.velocity[i] * time)
       return {SafetyFault::kEncoderJump, static_cast<int>(i)};
@@ -245,7 +245,7 @@ void SafetySupervisor::trust(const ArmState& arm, const SafetyInput& input) noex
   if (input.force.allFinite())
     load_.noalias() = arm.tip().jacobian().topRows<3>().transpose().lazyProduct(input.force);
   momentum_.noalias() = arm.mass_matrix().lazyProduct(arm.dq());
-  frozen_for_ = 0.0;
+  frozen_for_ = since_sound_ = 0.0;
   seen_ = true;
 }
 
@@ -332,6 +332,7 @@ const VectorXd& SafetySupervisor::update(const ArmState& arm, const SafetyInput&
     // Only new measurements are stored; and kFreeze lasts until reset, because velocities are wrong
     // for a while after a jump.
     const bool fresh = input.sensor_age < input.dt || !seen_;
+    if (input.dt > 0.0) since_sound_ += input.dt;
     if (trusted && fresh && action_of(fault_) != SafetyAction::kFreeze) trust(arm, input);
     if (worse) keep_holding_torque();
   }
