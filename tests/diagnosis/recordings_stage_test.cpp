@@ -70,7 +70,8 @@ TEST_F(OfRecordings, OnlyJointsThatAreBetterForItTakeTheirVelocityFromThePositio
       std::mt19937 random(7);
       std::normal_distribution<double> gauss;
       for (Eigen::Index k = 0; k < r.dq.rows(); ++k) {
-        r.dq.row(k) += Eigen::RowVector2d(0.003 * gauss(random), 0.3 * gauss(random));
+        r.dq(k, 0) += 0.003 * gauss(random);
+        r.dq(k, 1) += 0.3 * gauss(random);
         r.tau(k, 0) += 30.0 * gauss(random);
       }
     });

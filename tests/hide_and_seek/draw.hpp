@@ -29,6 +29,13 @@ class Draw {
 
   double sign() { return in(0.0, 1.0) < 0.5 ? -1.0 : 1.0; }
 
+  /// Uniform in [low, high), with either sign. Compilers evaluate the operands of one expression in orders of their own,
+  /// which a product of two draws would depend on.
+  double signed_in(double low, double high) {
+    const double s = sign();
+    return s * in(low, high);
+  }
+
   /// One of 0 ... n - 1.
   int below(int n) { return std::min(n - 1, static_cast<int>(in(0.0, n))); }
 

@@ -154,7 +154,7 @@ class Hider {
         cause.joint >= 0 &&
         hidden_.bench.robot.coordinates()[cause.joint].prismatic;
     if (e == "torque_gain") {
-      v["gain"] = 1.0 + draw_.sign() * draw_.in(0.05, 0.10) * scale;
+      v["gain"] = 1.0 + draw_.signed_in(0.05, 0.10) * scale;
       v["error"] = v["gain"] - 1.0;
     }
     if (e == "time_delay") {
@@ -175,9 +175,9 @@ class Hider {
       v["pitch"] = size * std::sin(to);
     }
     if (e == "external_contact")
-      v["effort"] = draw_.sign() * draw_.in(0.3, 0.6) * scale * joint_rms(cause.joint);
+      v["effort"] = draw_.signed_in(0.3, 0.6) * scale * joint_rms(cause.joint);
     if (e == "torque_crosstalk")
-      v["share"] = draw_.sign() * draw_.in(0.6, 1.4) * request_.share * joint_rms(cause.joint) / joint_rms(cause.from);
+      v["share"] = draw_.signed_in(0.6, 1.4) * request_.share * joint_rms(cause.joint) / joint_rms(cause.from);
     if (e == "payload") draw_payload(cause, scale);
     if (e == "coupling_error") draw_constant(cause, scale);
     if (!linear_parameters(e).empty()) draw_additive(cause, bench);
@@ -227,8 +227,8 @@ class Hider {
     for (Eigen::Index p = 0; p < weights.size(); ++p) {
       double square = 0.0;
       for (const MatrixXd& c : columns) square += std::pow(rms(c.col(p)), 2);
-      weights[p] = draw_.in(0.6, 1.4) * (any_sign ? draw_.sign() : 1.0) /
-                   std::sqrt(square / static_cast<double>(columns.size()));
+      weights[p] = draw_.in(0.6, 1.4) / std::sqrt(square / static_cast<double>(columns.size()));
+      if (any_sign) weights[p] *= draw_.sign();
     }
     double square = 0.0;
     double peak = 0.0;

@@ -74,8 +74,9 @@ Motion::Motion(const Model& arm, unsigned seed, int number, double reach) {
       speed = std::max(speed, std::abs(v.dx));
     }
     const double range = c.limits.upper - c.limits.lower;
-    const double scale = reach * std::min(draw.in(0.6, 0.85) * range / (high - low),
-                                          draw.in(0.65, 0.9) * c.limits.velocity / speed);
+    const double by_speed = draw.in(0.65, 0.9) * c.limits.velocity / speed;
+    const double by_range = draw.in(0.6, 0.85) * range / (high - low);
+    const double scale = reach * std::min(by_range, by_speed);
     for (Wave& wave : joint.wanted) {
       wave.sine *= scale;
       wave.cosine *= scale;

@@ -74,7 +74,10 @@ void add_noise(MatrixXd& m, int joint, double size) {
 // A velocity from counted ticks: between two of them it jumps from one to the other, beside a little noise.
 void add_ticks(MatrixXd& m, int joint, double step) {
   Draw draw(3, "ticks");
-  for (double& x : m.col(joint)) x = step * (std::floor(x / step + draw.in(0.0, 1.0)) + 0.01 * draw.normal());
+  for (double& x : m.col(joint)) {
+    const double count = std::floor(x / step + draw.in(0.0, 1.0));
+    x = step * (count + 0.01 * draw.normal());
+  }
 }
 
 void limit_torque(Recording& r, int joint, double share) {

@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 
+#include "math/excerpt.hpp"
 #include "recordings/bags/bag_sink.hpp"
 #include "recordings/bags/inflate.hpp"
 #include "veridyn/math/require.hpp"
@@ -47,6 +48,11 @@ Database open_with_log(const std::string& path) {
   return database;
 }
 
+// What sqlite3 says of its last failure; it quotes the schema.
+std::string complaint(const Database& database) {
+  return excerpt(sqlite3_errmsg(database.get()), 200);
+}
+
 Statement prepared(const Database& database, const char* sql) {
   sqlite3_stmt* raw = nullptr;
   sqlite3_prepare_v2(database.get(), sql, -1, &raw, nullptr);
@@ -78,8 +84,7 @@ std::map<sqlite3_int64, int> channels_in(const Database& database, const std::st
   const Statement rows =
       prepared(database, "SELECT id, name, type, serialization_format FROM topics ORDER BY id");
   require(rows != nullptr, path,
-          ": found a database without the tables of a ROS 2 bag (", sqlite3_errmsg(database.get()),
-          "), expected topics and messages.");
+          ": found a database without the tables of a ROS 2 bag (", complaint(database), "), expected topics and messages.");
   while (sqlite3_step(rows.get()) == SQLITE_ROW) {
     Channel channel;
     channel.topic = text_at(rows, 1);
@@ -96,8 +101,7 @@ void read_messages(const Database& database, const std::string& path, bool packe
   const std::map<sqlite3_int64, int> channels = channels_in(database, path, sink);
   const Statement rows = prepared(database, "SELECT topic_id, timestamp, data FROM messages");
   require(rows != nullptr, path,
-          ": found a database without the tables of a ROS 2 bag (", sqlite3_errmsg(database.get()),
-          "), expected topics and messages.");
+          ": found a database without the tables of a ROS 2 bag (", complaint(database), "), expected topics and messages.");
   long damaged = 0;
   int state = SQLITE_ROW;
   while ((state = sqlite3_step(rows.get())) == SQLITE_ROW) {
@@ -116,8 +120,7 @@ void read_messages(const Database& database, const std::string& path, bool packe
     }
   }
   if (state != SQLITE_DONE)
-    sink->remarks.push_back(text("the database is damaged or cut (", sqlite3_errmsg(database.get()),
-                                 "): it is read up to there."));
+    sink->remarks.push_back(text("the database is damaged or cut (", complaint(database), "): it is read up to there."));
   if (damaged > 0) sink->remarks.push_back(text(damaged, " of its messages cannot be unpacked."));
 }
 
