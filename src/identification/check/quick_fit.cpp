@@ -87,7 +87,7 @@ std::pair<int, double> QuickFitter::determined(const Recording& recording) const
   return {found.size(), solve_base(c, weights, found, names_).condition_number_scaled};
 }
 
-QuickFit QuickFitter::fit(const Recording& recording) const {
+QuickFit QuickFitter::fit(const Recording& recording, std::vector<SquareRootInformation>* factors) const {
   const std::vector<CompressedRecording> compressed = {compress(arm_, recording, options_)};
   const CompressedRecording& c = compressed.front();
   QuickFit out;
@@ -97,6 +97,9 @@ QuickFit QuickFitter::fit(const Recording& recording) const {
   for (int i = 0; i < arm_.joints(); ++i) {
     joints.push_back(all_blocks(c, i));
     total.merge(joints.back(), weights[i]);
+    if (factors == nullptr) continue;
+    factors->emplace_back(names_);
+    factors->back().merge(joints.back());
   }
   const SquareRootInformation base = total.restricted(base_columns_);
   const VectorXd beta = base.R().triangularView<Eigen::Upper>().solve(base.z());
@@ -117,16 +120,6 @@ QuickFit QuickFitter::fit(const Recording& recording) const {
   for (int i = 0; i < arm_.joints(); ++i)
     out.friction_significance.push_back(std::abs(out.friction[i]) /
                        std::max(spread.col(i).norm() * std::sqrt(base.rho2()), 1e-300));
-  return out;
-}
-
-std::vector<SquareRootInformation> QuickFitter::joint_factors(const Recording& recording) const {
-  const CompressedRecording c = compress(arm_, recording, options_);
-  std::vector<SquareRootInformation> out;
-  for (int i = 0; i < arm_.joints(); ++i) {
-    out.emplace_back(names_);
-    out.back().merge(all_blocks(c, i));
-  }
   return out;
 }
 

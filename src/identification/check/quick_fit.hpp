@@ -35,10 +35,8 @@ class QuickFitter {
   /// Number of base parameters that the recording determines, and their condition number.
   std::pair<int, double> determined(const Recording& recording) const;
 
-  QuickFit fit(const Recording& recording) const;
-
-  /// Factor of each joint's torques over parameters().
-  std::vector<SquareRootInformation> joint_factors(const Recording& recording) const;
+  /// @param factors  if not null, the factor of each joint's torques over parameters() is appended.
+  QuickFit fit(const Recording& recording, std::vector<SquareRootInformation>* factors = nullptr) const;
 
  private:
   struct Friction;

@@ -65,7 +65,7 @@ class RobotCheck {
   std::vector<QualityFinding> run() {
     tell_what_hardly_moves();
     if (!is_identifiable()) return std::move(findings_);
-    now_ = fitter_.fit(recording_);
+    fit_now();
     turned_.assign(static_cast<size_t>(joints()), 0);
     // Accepts the best hypothesis, then the best further one.
     while (static_cast<int>(findings_.size()) < joints() && accept_best(hypotheses(), limits_.better)) {
@@ -138,6 +138,11 @@ class RobotCheck {
     findings_.push_back(std::move(f));
   }
 
+  void fit_now() {
+    factors_.clear();
+    now_ = fitter_.fit(recording_, &factors_);
+  }
+
   QuickFit tried(const SignalHypothesis& hypothesis) const {
     Recording changed = recording_;
     hypothesis.mend(&changed);
@@ -155,6 +160,7 @@ class RobotCheck {
     }
     hypothesis.mend(&recording_);
     now_ = fit;
+    factors_.clear();
   }
 
   // Accepts the best hypothesis if it is much better than the recording as it is and than every other
@@ -303,7 +309,7 @@ class RobotCheck {
       recording_.tau.col(i) *= -1.0;
       again = true;
     }
-    if (again) now_ = fitter_.fit(recording_);
+    if (again) fit_now();
   }
 
   void check_signs_by_dissipation() {
@@ -433,12 +439,12 @@ class RobotCheck {
       const double value = fitter_.parameters()[j].value;
       phi[j] = std::isfinite(value) ? value : 0.0;
     }
-    const std::vector<SquareRootInformation> factors = fitter_.joint_factors(recording_);
+    if (factors_.empty()) fit_now();
     std::vector<double> ratios;
     bool as_currents = true;
     bool alien = false;
     for (int i = 0; i < joints(); ++i) {
-      const double ratio = factor_beside_friction(factors[i], phi);
+      const double ratio = factor_beside_friction(factors_[i], phi);
       const double gain = given_.coordinates()[i].drive_gain;
       ratios.push_back(ratio);
       as_currents = as_currents && gain > 0.0 && ratio > 0.0 && std::abs(std::log(ratio * gain)) < std::log(limits_.current_factor) &&
@@ -465,6 +471,7 @@ class RobotCheck {
   QuickFitter fitter_;
   std::vector<std::string> names_;
   QuickFit now_;
+  std::vector<SquareRootInformation> factors_;  // of now_, by joint; empty after a hypothesis was accepted
   std::vector<bool> moves_;   // joints that can be checked
   std::vector<char> turned_;  // joints whose torques were reversed
   std::vector<QualityFinding> findings_;
