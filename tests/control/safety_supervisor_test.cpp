@@ -142,13 +142,22 @@ TEST(SafetySupervisor, StatesAllowTheirTransitionsAndNoOthers) {
   EXPECT_EQ(s.run().norm(), 0.0);
   EXPECT_FALSE(safety.activate());
   EXPECT_TRUE(safety.enable());
+  EXPECT_FALSE(safety.homed());
   EXPECT_TRUE(safety.home());
+  EXPECT_FALSE(safety.activate());
   // Homing is slow: a fifth of the velocity limit.
   s.input_.q_wanted = s.q_;
   s.dq_[0] = 0.3;
   s.run();
   EXPECT_EQ(safety.fault(), SafetyFault::kNone);
+  EXPECT_TRUE(safety.homed());
+  EXPECT_TRUE(safety.activate());
   s.dq_[0] = 0.5;
+  s.run();
+  EXPECT_EQ(safety.fault(), SafetyFault::kNone);
+  safety.disable();
+  EXPECT_TRUE(safety.enable());
+  EXPECT_TRUE(safety.home());
   s.run();
   EXPECT_EQ(safety.fault(), SafetyFault::kVelocity);
 }
