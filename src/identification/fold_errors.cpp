@@ -53,8 +53,8 @@ VectorXd rms_residuals(const Model& arm, const Identification& id) {
 }
 
 // Factor that inflates residuals with a longer correlation time to equivalent ones with one
-// independent sample in kNoiseSeconds. For noise that is held for a time T, a column of frequency f gives
-// sqrt(T / kNoiseSeconds) |sin(pi f T) / (pi f T)|: the column changes within T, so that less of the noise adds up.
+// independent sample in kNoiseSeconds. Noise held for T seconds (a zero-order hold) and a column that oscillates with
+// f hertz give sqrt(T / kNoiseSeconds) |sinc(pi f T)|.
 double as_if_independent(const Model& arm, const Identification& id) {
   double seconds = 0.0;
   for (const CompressedRecording& r : id.factors) seconds += r.facts.duration;

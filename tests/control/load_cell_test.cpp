@@ -126,8 +126,9 @@ TEST(LoadCell, CalibrationFindsTheLineAndItsIntervals) {
   EXPECT_THROW(calibrate_load_cell({0.0, 1.0}, {5.0, 5.0}), InvalidInput);
 }
 
-// Under two forces the offset is the mean of the readings without force, here 99 and 101: of variance 2,
-// as half the readings' squares about their means (4) are, with Student's 4.3027 of two degrees of freedom.
+// With two different forces the line passes through the mean reading of each, so that the offset is the mean of 99 and
+// 101. The four residuals are 1, so a reading has the variance 4 / (4 - 2) = 2 and the mean of two of them half of it;
+// Student's t for two degrees of freedom is 4.3027.
 TEST(LoadCell, TheOffsetIsAsCertainAsTheReadingsWithoutForce) {
   const LoadCellCalibration found = calibrate_load_cell({0.0, 0.0, 10.0, 10.0}, {99.0, 101.0, 599.0, 601.0});
   EXPECT_NEAR(found.offset_interval, 4.3026527 * std::sqrt(2.0 / 2.0), 1e-6);

@@ -202,8 +202,8 @@ TEST(SafetySupervisor, OldSamplesLeaveNoTraceInWhatIsHeld) {
   EXPECT_TRUE(near(out, holds, 1e-9));
 }
 
-// Positions that stayed away for ten cycles come back where the arm moved meanwhile, at nine tenths of its largest
-// velocity; at five times that velocity it did not get there.
+// The position is repeated for ten cycles, then a new one arrives. At 0.9 of its largest velocity the arm can have moved
+// there meanwhile; at 5.5 times that velocity it cannot.
 TEST(SafetySupervisor, APositionAfterAPauseIsAJumpOnlyWhereTheArmCouldNotBe) {
   for (const double factor : {0.9, 5.5}) {
     Supervised s;
@@ -221,6 +221,22 @@ TEST(SafetySupervisor, APositionAfterAPauseIsAJumpOnlyWhereTheArmCouldNotBe) {
     s.run();
     EXPECT_EQ(s.safety_.fault(), factor < 1.0 ? SafetyFault::kNone : SafetyFault::kEncoderJump) << factor;
   }
+}
+
+// Positions that are always a cycle old are never fresh: however long that has lasted, a jump is found.
+TEST(SafetySupervisor, AJumpIsFoundAmongPositionsThatAreNeverFresh) {
+  Supervised s;
+  SafetyLimits limits = safety_limits(s.arm_, kTorque);
+  limits.sensor_age = 0.02;
+  s.safety_ = SafetySupervisor(s.arm_, limits);
+  EXPECT_TRUE(s.safety_.enable());
+  s.run();
+  s.input_.sensor_age = s.input_.dt;
+  for (int k = 0; k < 1000; ++k) s.run();
+  EXPECT_EQ(s.safety_.fault(), SafetyFault::kNone);
+  s.q_[0] += 10.0 * limits.velocity[0] * limits.sensor_age;
+  s.run();
+  EXPECT_EQ(s.safety_.fault(), SafetyFault::kEncoderJump);
 }
 
 // Brings a supervised arm into kHold, by a joint that is too fast.

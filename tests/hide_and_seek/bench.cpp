@@ -35,7 +35,7 @@ Eigen::Matrix3d random_turn(Draw& draw) {
 // A rod from the link's origin back to where it hangs, with an ellipsoid on it.
 Matrix4d random_body(double mass, const Vector3d& back, Draw& draw) {
   const double size = 0.5 * std::cbrt(mass / 3000.0) * draw.in(0.9, 1.5);
-  Vector3d wobble;
+  Vector3d wobble;  // drawn from z to x, as in all boards so far
   for (const int k : {2, 1, 0}) wobble[k] = draw.normal();
   const Vector3d com = draw.in(0.2, 0.7) * back + 0.4 * size * wobble;
   Eigen::Matrix3d spread = back * back.transpose() / 12.0;

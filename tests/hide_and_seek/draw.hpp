@@ -29,8 +29,8 @@ class Draw {
 
   double sign() { return in(0.0, 1.0) < 0.5 ? -1.0 : 1.0; }
 
-  /// Uniform in [low, high), with either sign. Compilers evaluate the operands of one expression in orders of their own,
-  /// which a product of two draws would depend on.
+  /// Uniform in [low, high), with a random sign. The sign is drawn first: of two draws in one expression a compiler may
+  /// take either first.
   double signed_in(double low, double high) {
     const double s = sign();
     return s * in(low, high);

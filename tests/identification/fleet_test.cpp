@@ -184,7 +184,7 @@ TEST(AFleet, OfFewEqualArmsNamesNone) {
   }
 }
 
-// Values of a short recording differ from the others' by chance.
+// What an arm's short recording hardly determines differs from the others' values by chance.
 TEST(AFleet, NamesNoArmForWhatItsShortRecordingLeavesUncertain) {
   const Model arm = scara();
   MotionShape shape;

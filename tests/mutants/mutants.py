@@ -70,7 +70,7 @@ MUTANTS = [
     ("control/sensors/force_channel.cpp", "heard_ = !number_ ? at : std::max(heard_, at);", "heard_ = at;", ["control"]),
     ("control/cooperative/teleoperation.cpp", "(R.transpose() * filtered_)", "(R * filtered_)", ["control"]),
     ("control/cooperative/teleoperation.cpp", "std::min(1.0, since_ / options_.ramp)", "1.0", ["control"]),
-    ("control/safety/safety_supervisor.cpp", "const double time = since_sound_ + std::max(input.dt, 0.0);", "const double time = std::max(input.dt, 0.0);", ["control"]),
+    ("control/safety/safety_supervisor.cpp", "const double time = std::min(since_sound_, limits_.sensor_age) + std::max(input.dt, 0.0);", "const double time = std::max(input.dt, 0.0);", ["control"]),
     ("control/sensors/load_cell_calibration.cpp", "slope_interval / (slope * slope)", "slope_interval / slope", ["control"]),
     ("control/sensors/load_cell_calibration.cpp", "1.0 / n + f_mean * f_mean / ff", "1.0 / n", ["control"]),
     ("cooperation/motion_plan.cpp", "tips_[arm].force += wall.drag *", "tips_[arm].force -= wall.drag *", ["cooperation"]),

@@ -148,7 +148,8 @@ SafetySupervisor::Finding SafetySupervisor::check_sensors(const ArmState& arm,
     return {SafetyFault::kNotFinite, {}};
   if (input.sensor_age > limits_.sensor_age) return {SafetyFault::kSensorAge, {}};
   if (!seen_) return {};
-  const double time = since_sound_ + std::max(input.dt, 0.0);
+  // Where positions are never fresh, the bound does not grow with the time that they have been so.
+  const double time = std::min(since_sound_, limits_.sensor_age) + std::max(input.dt, 0.0);
   for (Eigen::Index i = 0; i < q_sound_.size(); ++i) {
     if (std::abs(arm.q()[i] - q_sound_[i]) > kJumpShare * limits_.velocity[i] * time)
       return {SafetyFault::kEncoderJump, static_cast<int>(i)};

@@ -49,7 +49,7 @@ VectorXd shares_of_halves(const CompressedRecording& c, int joint, const VectorX
   return left.cwiseQuotient(all.cwiseMax(1e-300));
 }
 
-// All rows of a joint, over the columns that move it.
+// All rows of a joint, over the parameters that its torque depends on.
 SquareRootInformation all_blocks(const CompressedRecording& c, int joint) {
   SquareRootInformation out;
   for (const auto& block : c.blocks) out.merge(block[joint]);

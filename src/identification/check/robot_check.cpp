@@ -471,7 +471,7 @@ class RobotCheck {
   QuickFitter fitter_;
   std::vector<std::string> names_;
   QuickFit now_;
-  std::vector<SquareRootInformation> factors_;  // of now_, by joint; empty after a hypothesis was accepted
+  std::vector<SquareRootInformation> factors_;  // of the fit now_, one a joint; empty until fit_now()
   std::vector<bool> moves_;   // joints that can be checked
   std::vector<char> turned_;  // joints whose torques were reversed
   std::vector<QualityFinding> findings_;
