@@ -182,7 +182,7 @@ class Design {
   Candidate polished(Candidate best, int start, Found& found) const;
   Candidate search(const std::shared_ptr<const Asked>& asked, int start, Found& found) const;
   VectorXd numbers_of(const Candidate& end, const Found& found) const;
-  Candidate from_numbers(const std::shared_ptr<const Asked>& asked, const VectorXd& numbers, Found& found) const;
+  std::optional<Candidate> from_numbers(const std::shared_ptr<const Asked>& asked, const VectorXd& numbers, Found& found) const;
   void describe(const Candidate& best, const VectorXd& random, Excitation& out) const;
 
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -255,27 +255,31 @@ VectorXd Design::numbers_of(const Candidate& end, const Found& found) const {
   return Eigen::Map<const VectorXd>(out.data(), static_cast<Eigen::Index>(out.size()));
 }
 
-Design::Candidate Design::from_numbers(const std::shared_ptr<const Asked>& asked, const VectorXd& numbers,
-                                       Found& found) const {
+// Nothing where the numbers are not of this search.
+std::optional<Design::Candidate> Design::from_numbers(const std::shared_ptr<const Asked>& asked, const VectorXd& numbers,
+                                                      Found& found) const {
   Eigen::Index at = 3;
+  bool fits = true;
   const auto next = [&] {
-    require(at < numbers.size() && numbers[at] >= 0.0 && numbers[at] < static_cast<double>(numbers.size() - at),
-            "excitation: found a kept start that is not of this search.");
-    const auto size = static_cast<Eigen::Index>(numbers[at]);
+    fits = fits && at < numbers.size() && numbers[at] >= 0.0 && numbers[at] < static_cast<double>(numbers.size() - at);
+    const auto size = fits ? static_cast<Eigen::Index>(numbers[at]) : 0;
     at += size + 1;
-    return VectorXd(numbers.segment(at - size, size));
+    return VectorXd(numbers.segment(fits ? at - size : 0, size));
   };
   const VectorXd base = next();
-  Candidate out{asked, next(), numbers[0]};
-  found.nearest = next();
-  found.start = next();
+  const VectorXd x = next();
+  Found kept;
+  kept.nearest = next();
+  kept.start = next();
   const auto parameters = static_cast<double>(standard_parameters(arm_).size());
-  bool fits = base.size() > 0 && base.minCoeff() >= 0.0 && base.maxCoeff() < parameters;
-  for (const VectorXd* x : {&std::as_const(out.x), &std::as_const(found.nearest), &std::as_const(found.start)})
-    fits = fits && (x->size() == 0 || (x->size() == space_.size() && x->allFinite()));
-  require(fits, "excitation: found a kept start that is not of this search.");
-  found.converged = numbers[1] != 0.0;
-  found.evaluations = static_cast<long>(numbers[2]);
+  fits = fits && base.size() > 0 && base.minCoeff() >= 0.0 && base.maxCoeff() < parameters;
+  for (const VectorXd* of_search : {&x, &std::as_const(kept.nearest), &std::as_const(kept.start)})
+    fits = fits && (of_search->size() == 0 || (of_search->size() == space_.size() && of_search->allFinite()));
+  if (!fits) return std::nullopt;
+  kept.converged = numbers[1] != 0.0;
+  kept.evaluations = static_cast<long>(numbers[2]);
+  found = std::move(kept);
+  Candidate out{asked, x, numbers[0]};
   const std::vector<int> columns(base.begin(), base.end());
   if (columns != asked->exact.base()) out.asked = std::make_shared<Asked>(arm_, columns, options_, seconds());
   return out;
@@ -340,8 +344,9 @@ Excitation Design::run() {
   if (options_.progress) options_.progress("searching", 0.0);
   parallel_for(options_.starts, options_.threads, [&](int start) {
     const auto own = static_cast<size_t>(start);
-    if (const auto kept = options_.kept ? options_.kept(start) : std::nullopt) {
-      ends[own] = from_numbers(asked, *kept, found[own]);
+    const auto kept = options_.kept ? options_.kept(start) : std::nullopt;
+    if (auto end = kept ? from_numbers(asked, *kept, found[own]) : std::nullopt) {
+      ends[own] = std::move(*end);
       progress_.over(start);
       return;
     }

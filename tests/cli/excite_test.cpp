@@ -159,11 +159,17 @@ TEST(Excite, TakesAKeptSearchAsItIs) {
   ASSERT_EQ(run_tool(command + Words{"--json", folder.path("b.json")}).status, 0);
   EXPECT_EQ(json_of(folder.path("b.json"))["evaluations"], 123456);
   EXPECT_NE(json_of(folder.path("a.json"))["evaluations"], 123456);
-  // A damaged line is searched again.
-  text.replace(at, 6, "1234x6");
-  folder.write("searches", text);
-  ASSERT_EQ(run_tool(command + Words{"--json", folder.path("b.json")}).status, 0);
-  EXPECT_EQ(json_of(folder.path("b.json"))["evaluations"], json_of(folder.path("a.json"))["evaluations"]);
+  // A damaged line is searched again, and so is one of lists that no such search has; the new line is then taken.
+  for (const std::string damaged : {"1234x6", "7 9999"}) {
+    std::string other = text;
+    folder.write("searches", other.replace(at, 6, damaged));
+    for (const bool first : {true, false}) {
+      ASSERT_EQ(run_tool(command + Words{"--json", folder.path("b.json")}).status, 0) << damaged;
+      EXPECT_EQ(json_of(folder.path("b.json"))["evaluations"], json_of(folder.path("a.json"))["evaluations"]) << damaged << first;
+    }
+    const std::string lines = content_of(kept);
+    EXPECT_EQ(std::count(lines.begin(), lines.end(), '\n'), 3) << damaged;
+  }
 }
 
 // Read as a file, a device without an end would be read for ever.

@@ -149,6 +149,8 @@ GENERATED = {
              "dvrk/arms/joint_ranges.cpp": 2},
     "cooperation": {"cooperation/motion_plan.cpp": 3, "cooperation/loop_gains.cpp": 2, "cooperation/held_object.cpp": 3,
                     "cooperation/phase_figures.cpp": 2, "cooperation/stability/small_gain.cpp": 3},
+    "export": {"export/c_code.cpp": 3, "export/known_effects.cpp": 2, "export/mjcf.cpp": 4, "export/portable_model.cpp": 4,
+               "export/sdf.cpp": 3, "export/simulation_file.cpp": 4, "export/traced.cpp": 4},
 }
 
 # An operator and what takes its place. Blanks around them tell them from templates, signs and references.

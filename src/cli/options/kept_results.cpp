@@ -49,7 +49,7 @@ KeptResults::KeptResults(std::string path, const std::string& what, const std::s
   bool whole = true;
   while (begun && std::getline(in, line)) {
     whole = !in.eof();
-    if (auto result = result_in(line)) all_.insert(std::move(*result));
+    if (auto result = result_in(line)) all_.insert_or_assign(result->first, std::move(result->second));
   }
   std::ofstream out(path_, begun ? std::ios::app : std::ios::trunc);
   out << (!begun ? header + "\n" : whole ? "" : "\n");
