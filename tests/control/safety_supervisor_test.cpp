@@ -223,20 +223,26 @@ TEST(SafetySupervisor, APositionAfterAPauseIsAJumpOnlyWhereTheArmCouldNotBe) {
   }
 }
 
-// Positions that are always a cycle old are never fresh: however long that has lasted, a jump is found.
-TEST(SafetySupervisor, AJumpIsFoundAmongPositionsThatAreNeverFresh) {
-  Supervised s;
-  SafetyLimits limits = safety_limits(s.arm_, kTorque);
-  limits.sensor_age = 0.02;
-  s.safety_ = SafetySupervisor(s.arm_, limits);
-  EXPECT_TRUE(s.safety_.enable());
-  s.run();
-  s.input_.sensor_age = s.input_.dt;
-  for (int k = 0; k < 1000; ++k) s.run();
-  EXPECT_EQ(s.safety_.fault(), SafetyFault::kNone);
-  s.q_[0] += 10.0 * limits.velocity[0] * limits.sensor_age;
-  s.run();
-  EXPECT_EQ(s.safety_.fault(), SafetyFault::kEncoderJump);
+// Positions that are always some cycles old are new ones: an arm that moves at 0.9 of its largest velocity is not
+// stopped, and a jump is found.
+TEST(SafetySupervisor, PositionsOfAConstantLatencyAreNewOnes) {
+  for (const double cycles : {1.0, 1.7, 5.0}) {
+    Supervised s;
+    SafetyLimits limits = safety_limits(s.arm_, kTorque);
+    limits.sensor_age = 0.02;
+    s.safety_ = SafetySupervisor(s.arm_, limits);
+    EXPECT_TRUE(s.safety_.enable());
+    s.input_.sensor_age = cycles * s.input_.dt;
+    s.run();
+    for (int k = 0; k < 1000; ++k) {
+      s.q_[0] += (k % 200 < 100 ? 0.9 : -0.9) * limits.velocity[0] * s.input_.dt;
+      s.run();
+    }
+    EXPECT_EQ(s.safety_.fault(), SafetyFault::kNone) << cycles;
+    s.q_[0] += 5.5 * limits.velocity[0] * s.input_.dt;
+    s.run();
+    EXPECT_EQ(s.safety_.fault(), SafetyFault::kEncoderJump) << cycles;
+  }
 }
 
 // Brings a supervised arm into kHold, by a joint that is too fast.

@@ -95,7 +95,7 @@ struct SafetyInput {
   explicit SafetyInput(int joints) : q_wanted(VectorXd::Zero(joints)) {}
   VectorXd q_wanted;  ///< (n); NaN in an entry: its tracking is not checked (impedance control)
   double dt = 0.001;               ///< [s] since the last update, as measured
-  double sensor_age = 0.0;         ///< [s] of the positions: those of dt or more are repeated ones
+  double sensor_age = 0.0;         ///< [s] of the positions; where it has grown by dt they are repeated ones
   Eigen::Vector3d force{0, 0, 0};  ///< [N] measured at the tip, in the world
   double force_age = 0.0;          ///< [s] age of the force
   Eigen::Vector3d force_expected{0, 0, 0};  ///< MomentumObserver::force(); NaN: no comparison
@@ -180,7 +180,8 @@ class SafetySupervisor {
   bool stopped_ = false;  // while holding: q_hold_ is the position held
   double disagreed_ = 0.0;
   double frozen_for_ = 0.0;  // [s]
-  double since_sound_ = 0.0;  // [s] since q_sound_ was measured
+  double age_ = 0.0;          // [s] of the positions in the cycle before
+  double since_sound_ = 0.0;  // [s] from the measurement of q_sound_ to that of the positions now
   double fault_for_ = 0.0;   // [s]
   bool watched_ = false;     // while held: energy_ is the reference of its kinetic energy
   double energy_ = 0.0, slow_for_ = 0.0;  // [J], since [s]

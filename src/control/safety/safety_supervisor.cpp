@@ -15,6 +15,8 @@ constexpr double kBlindBraking = 0.8;     // share of the momentum; friction tak
 // Times the largest displacement in a cycle at the velocity limit.
 constexpr double kJumpShare = 5.0;
 
+constexpr double kNewer = 0.5;  // share of a cycle by which the time of a new measurement is later
+
 // Rank of a fault's action; the strongest one applies.
 int strength(SafetyFault fault) {
   switch (action_of(fault)) {
@@ -148,8 +150,7 @@ SafetySupervisor::Finding SafetySupervisor::check_sensors(const ArmState& arm,
     return {SafetyFault::kNotFinite, {}};
   if (input.sensor_age > limits_.sensor_age) return {SafetyFault::kSensorAge, {}};
   if (!seen_) return {};
-  // Where positions are never fresh, the bound does not grow with the time that they have been so.
-  const double time = std::min(since_sound_, limits_.sensor_age) + std::max(input.dt, 0.0);
+  const double time = std::max({since_sound_, input.dt, 0.0});
   for (Eigen::Index i = 0; i < q_sound_.size(); ++i) {
     if (std::abs(arm.q()[i] - q_sound_[i]) > kJumpShare * limits_.velocity[i] * time)
       return {SafetyFault::kEncoderJump, static_cast<int>(i)};
@@ -316,6 +317,12 @@ const VectorXd& SafetySupervisor::update(const ArmState& arm, const SafetyInput&
                                          const VectorXd& tau) noexcept {
   assert(arm.joints() == out_.size() && tau.size() == out_.size());
   if (state_ != SafetyState::kDisabled) {
+    // Repeated positions have aged by the cycle; those of a constant latency are new ones.
+    const double newer = input.dt + age_ - input.sensor_age;
+    if (std::isfinite(newer)) {
+      since_sound_ += newer;
+      age_ = input.sensor_age;
+    }
     const Finding found = check(arm, input, tau);
     const bool trusted = action_of(found.fault) != SafetyAction::kFreeze;
     if (state_ == SafetyState::kFault && std::isfinite(input.dt)) fault_for_ += input.dt;
@@ -332,8 +339,7 @@ const VectorXd& SafetySupervisor::update(const ArmState& arm, const SafetyInput&
     }
     // Only new measurements are stored; and kFreeze lasts until reset, because velocities are wrong
     // for a while after a jump.
-    const bool fresh = input.sensor_age < input.dt || !seen_;
-    if (input.dt > 0.0) since_sound_ += input.dt;
+    const bool fresh = since_sound_ > kNewer * input.dt || !seen_;
     if (trusted && fresh && action_of(fault_) != SafetyAction::kFreeze) trust(arm, input);
     if (worse) keep_holding_torque();
   }
