@@ -21,6 +21,7 @@ constexpr double kRodDensity = 1000.0;   // [kg/m^3]
 constexpr double kShortestRod = 0.05;    // [m]
 constexpr double kSmallestRadius = 0.005;  // [m] of a manufacturer's body, about its centre
 constexpr double kTorquesOverPrior = 1e4;  // weight of the torques' rows relative to the prior
+constexpr int kTurns = 2;                  // of the method of multipliers; the second leaves 1e-8 of the rows at most
 
 const char* const kSymbols[] = {"m", "hx", "hy", "hz", "Lxx", "Lxy", "Lyy", "Lxz", "Lyz", "Lzz"};
 
@@ -175,11 +176,17 @@ PortableModel portable_model(const Model& arm, const std::optional<Model>& prior
   const VectorXd scale = sizes_of(priors);
   const TorqueRows rows = torque_rows(base, *phi, free, scale);
   problem.R = kTorquesOverPrior * rows.A;
-  problem.z = kTorquesOverPrior * rows.b;
   options.entropic_prior.weight = 1.0;
   options.entropic_prior.phi = priors;
   options.gap_tolerance = 1e-7;
-  const FeasibleResult found = solve_feasible_least_squares(problem, options);
+  // The method of multipliers: what the prior pulls the torques' rows away by is added to their right side.
+  FeasibleResult found;
+  VectorXd wanted = rows.b;
+  for (int turn = 0; turn < kTurns; ++turn) {
+    problem.z = kTorquesOverPrior * wanted;
+    found = solve_feasible_least_squares(problem, options);
+    wanted += rows.b - rows.A * found.x;
+  }
   // Corrects rounding by the shortest step, in the prior's units, that restores the torques.
   const MatrixXd A = rows.A * scale.asDiagonal();
   VectorXd x = found.x;

@@ -116,6 +116,7 @@ MUTANTS = [
     ("diagnosis/unnamed/dependence.cpp", "|| k == direction || kind(k) == SignalKind::kTime)", "|| k == direction)", ["diagnosis"]),
     ("diagnosis/unnamed/dependence.cpp", "if (kind(k) == SignalKind::kTime) add_product(torque, k);", "", ["diagnosis"]),
     ("recordings/quality/quality_saturation.cpp", "percent(kStepToDeviation * step / rms)", "percent(step / rms)", ["recordings"]),
+    ("export/portable_model.cpp", "wanted += rows.b - rows.A * found.x;", "", ["export"]),
     ("dvrk/arms/psm_kinematics.cpp", "std::abs(n.x()) < 0.7 ? Eigen::Vector3d::UnitX()", "std::abs(n.x()) >= 0.7 ? Eigen::Vector3d::UnitX()", ["dvrk"]),
     ("dvrk/arms/joint_ranges.cpp", "q[k] - kTurn * std::ceil(above / kTurn) >= lower[k] - kSlack", "true", ["dvrk"]),
     ("dvrk/arms/joint_ranges.cpp", "else if (below > 0.0 &&", "else if (false &&", ["dvrk"]),

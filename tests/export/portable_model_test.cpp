@@ -1,0 +1,122 @@
+#include "veridyn/export/portable_model.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "math/dense.hpp"
+#include "support/near.hpp"
+#include "support/random.hpp"
+#include "support/sample_arms.hpp"
+#include "veridyn/dynamics/rigid_body_dynamics.hpp"
+#include "veridyn/identification/pseudo_inertia.hpp"
+#include "veridyn/regressor/base_parameters.hpp"
+
+namespace veridyn {
+namespace {
+
+Model with_bodies(const Model& arm, const VectorXd& phi) {
+  ModelDescription d = arm.description();
+  d.identified = IdentifiedBase{};
+  for (std::size_t b = 0; b < arm.bodies().size(); ++b)
+    d.frames[arm.bodies()[b]].body->phi = phi.segment<kBodyParameters>(static_cast<Eigen::Index>(kBodyParameters * b));
+  return Model(std::move(d));
+}
+
+// The arm as an identification may leave it: moved along what no torque shows, mostly to bodies that cannot be.
+Model as_identified(const Model& arm) {
+  const VectorXd phi = *arm.inertial_values();
+  MatrixXd K = base_parameters(arm).K.leftCols(phi.size());
+  Random random(5);
+  VectorXd hidden = random.vector(static_cast<int>(phi.size()), -3.0, 3.0);
+  for (std::size_t b = 0; b < arm.bodies().size(); ++b) {
+    if (!arm.frames()[arm.bodies()[b]].body->fixed) continue;
+    const auto at = static_cast<Eigen::Index>(kBodyParameters * b);
+    K.middleCols<kBodyParameters>(at).setZero();
+    hidden.segment<kBodyParameters>(at).setZero();
+  }
+  hidden -= least_norm(K, VectorXd(K * hidden));
+  return with_bodies(arm, phi + hidden);
+}
+
+double least_eigenvalue(const VectorXd& phi) {
+  double least = 1e300;
+  for (Eigen::Index at = 0; at < phi.size(); at += kBodyParameters)
+    least = std::min(least, smallest_eigenvalue(pseudo_inertia(phi.segment<kBodyParameters>(at))));
+  return least;
+}
+
+class PortableModels : public OnSampleArm {};
+INSTANTIATE_TEST_SUITE_P(Sample, PortableModels, testing::ValuesIn(sample_arm_names()), sample_arm_name);
+
+TEST_P(PortableModels, HavePossibleBodiesAndTheSameTorques) {
+  const Model identified = as_identified(arm());
+  ASSERT_LT(least_eigenvalue(*identified.inertial_values()), 0.0);
+  const PortableModel portable = portable_model(identified);
+  ASSERT_TRUE(portable.changed) << portable.remark;
+  EXPECT_EQ(portable.prior, "a rod of 5 cm diameter and the density of water along every link");
+  EXPECT_GT(least_eigenvalue(*portable.arm.inertial_values()), 0.0);
+  RigidBodyDynamics before(arm(), phi()), after(portable.arm, *portable.arm.inertial_values());
+  Random random(8);
+  for (int k = 0; k < 5; ++k) {
+    const VectorXd q = random.vector(joints(), -1.0, 1.0), dq = random.vector(joints(), -1.0, 1.0);
+    const VectorXd ddq = random.vector(joints(), -1.0, 1.0);
+    VectorXd expected(joints()), tau(joints());
+    before.inverse_dynamics(q, dq, ddq, expected);
+    after.inverse_dynamics(q, dq, ddq, tau);
+    EXPECT_TRUE(near(tau, expected, 1e-8 * (1.0 + expected.cwiseAbs().maxCoeff())));
+  }
+}
+
+// Where the torques admit the prior itself, nothing is nearer to it.
+TEST_P(PortableModels, AreThePriorWhereTheTorquesAreItsOwn) {
+  const PortableModel portable = portable_model(as_identified(arm()), arm());
+  ASSERT_TRUE(portable.changed) << portable.remark;
+  EXPECT_EQ(portable.prior, "the bodies of " + arm().name());
+  EXPECT_TRUE(near(*portable.arm.inertial_values(), phi(), 1e-3 * phi().cwiseAbs().maxCoeff()));
+}
+
+// A pendulum of 0.4 m whose torques are those of a rod of water: its mass, which no torque shows, is the rod's.
+TEST(PortableModel, ARodHasTheMassOfItsVolume) {
+  constexpr double kLength = 0.4, kMass = 1000.0 * M_PI * 0.025 * 0.025 * kLength;
+  ArmBuilder builder("pendulum", 1, 3);
+  const int link = builder.link(-1, JointType::kRevolute, {1.0}, 0.0, identity_pose(), identity_pose());
+  builder.bare(link, JointType::kFixed, {0.0}, 0.0, {identity3(), {kLength, 0.0, 0.0}}, identity_pose());
+  builder.description().gravity = {0.0, -9.81, 0.0};
+  const double across = kMass * (kLength * kLength / 12.0 + 0.025 * 0.025 / 4.0);
+  const Eigen::Vector3d middle(0.5 * kLength, 0.0, 0.0);
+  Eigen::Matrix<double, 6, 1> inertia;
+  inertia << 0.5 * kMass * 0.025 * 0.025, 0.0, across, 0.0, 0.0, across;
+  const Model rod = with_bodies(builder.build(), inertial_parameters(kMass, middle, inertia));
+  const PortableModel portable = portable_model(as_identified(rod));
+  ASSERT_TRUE(portable.changed) << portable.remark;
+  const InertialParameters phi = *portable.arm.frames()[link].body->phi;
+  EXPECT_NEAR(phi[0], kMass, 0.02 * kMass);
+  EXPECT_NEAR(phi[1], 0.5 * kLength * kMass, 1e-6);
+  EXPECT_NEAR(phi[9], across + kMass * middle.squaredNorm(), 1e-6);
+  ASSERT_EQ(portable.bodies.size(), 1U);
+  EXPECT_EQ(portable.bodies[0].mass, phi[0]);
+  EXPECT_EQ(portable.bodies[0].undetermined, (std::vector<std::string>{"m", "hz", "Lxx", "Lxy", "Lyy", "Lxz", "Lyz"}));
+}
+
+TEST(PortableModel, LeavesFactsAndWhatWasNotIdentified) {
+  ArmBuilder builder("facts", 2, 7);
+  const int fact = builder.link(-1, JointType::kRevolute, {1.0, 0.0}, 0.0, identity_pose(), identity_pose());
+  const int other = builder.link(fact, JointType::kRevolute, {0.0, 1.0}, 0.0, {identity3(), {0.3, 0.0, 0.1}}, identity_pose());
+  builder.description().frames[fact].body->fixed = true;
+  const Model arm = builder.build();
+  EXPECT_FALSE(portable_model(arm).changed);
+  EXPECT_TRUE(portable_model(arm).bodies.empty());
+  const Model identified = as_identified(arm);
+  const PortableModel portable = portable_model(identified);
+  ASSERT_TRUE(portable.changed) << portable.remark;
+  EXPECT_EQ(*portable.arm.frames()[fact].body->phi, *arm.frames()[fact].body->phi);
+  EXPECT_NE(*portable.arm.frames()[other].body->phi, *identified.frames()[other].body->phi);
+  ASSERT_EQ(portable.bodies.size(), 2U);
+  EXPECT_TRUE(portable.bodies[0].undetermined.empty());
+  EXPECT_FALSE(portable.bodies[1].undetermined.empty());
+}
+
+}  // namespace
+}  // namespace veridyn
