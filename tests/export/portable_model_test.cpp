@@ -10,6 +10,7 @@
 #include "support/random.hpp"
 #include "support/sample_arms.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
+#include "veridyn/export/sdf.hpp"
 #include "veridyn/identification/pseudo_inertia.hpp"
 #include "veridyn/regressor/base_parameters.hpp"
 
@@ -89,7 +90,8 @@ TEST(PortableModel, ARodHasTheMassOfItsVolume) {
   Eigen::Matrix<double, 6, 1> inertia;
   inertia << 0.5 * kMass * 0.025 * 0.025, 0.0, across, 0.0, 0.0, across;
   const Model rod = with_bodies(builder.build(), inertial_parameters(kMass, middle, inertia));
-  const PortableModel portable = portable_model(as_identified(rod));
+  const Model identified = as_identified(rod);
+  const PortableModel portable = portable_model(identified);
   ASSERT_TRUE(portable.changed) << portable.remark;
   const InertialParameters phi = *portable.arm.frames()[link].body->phi;
   EXPECT_NEAR(phi[0], kMass, 0.02 * kMass);
@@ -98,6 +100,10 @@ TEST(PortableModel, ARodHasTheMassOfItsVolume) {
   ASSERT_EQ(portable.bodies.size(), 1U);
   EXPECT_EQ(portable.bodies[0].mass, phi[0]);
   EXPECT_EQ(portable.bodies[0].undetermined, (std::vector<std::string>{"m", "hz", "Lxx", "Lxy", "Lyy", "Lxz", "Lyz"}));
+  const ExportedModel exported = exported_model(identified);
+  const std::string words = "<!-- not determined by torques alone: m, hz, Lxx, Lxy, Lyy, Lxz, Lyz -->";
+  EXPECT_NE(to_sdf(exported.arm, exported.extras).find(words), std::string::npos) << to_sdf(exported.arm, exported.extras);
+  EXPECT_NE(to_urdf(exported.arm, exported.extras).find(words), std::string::npos);
 }
 
 TEST(PortableModel, LeavesFactsAndWhatWasNotIdentified) {
