@@ -49,7 +49,6 @@ MUTANTS = [
     ("identification/shortfall.cpp", "travel = std::max(travel, r.joints[i].travel())", "travel = r.joints[i].travel()", ["identification"]),
     ("identification/many/factor_set.cpp", "require(version == kVersion", "require(true", ["identification"]),
     ("identification/many/factor_set.cpp", "require(a.settings == b.settings", "require(true", ["identification"]),
-    ("diagnosis/stages/selection_stage.cpp", "constexpr int kCycles = 2;", "constexpr int kCycles = 1;", ["diagnosis"]),
     ("diagnosis/evidence/payload_fit.cpp", "out.A.diagonal().segment(1, 3).array() += unseen_curvature(out);", "", ["diagnosis"]),
     ("diagnosis/causes/geometry.cpp", "std::max(out.deviation, wider * of_recordings)", "out.deviation", ["diagnosis"]),
     ("diagnosis/causes/geometry.cpp", "if (recordings < 3) return;", "if (recordings < 1000) return;", ["diagnosis"]),

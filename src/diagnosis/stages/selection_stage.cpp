@@ -22,8 +22,6 @@
 namespace veridyn {
 namespace {
 
-constexpr int kCycles = 2;
-
 // One round of tests with the accepted hypotheses.
 struct Round : CandidateTests {
   Selection selection;
@@ -382,17 +380,7 @@ void select(DiagnosisState& x) {
     round.reset();  // its factors, before there are others
     round.emplace(answer(x, prepare_tests(x, list, x.start)));
   }
-  size_t selected = round->selection.accepted.size();
   std::optional<Fit> fit(fitted(x, *round));
-  // Refined constants made some findings superfluous: hypotheses that they concealed are tested
-  // once more.
-  for (int cycle = 0; cycle < kCycles && round->selection.accepted.size() < selected; ++cycle) {
-    list.known = known_terms(fit->candidate_data.augmented);
-    round.reset();
-    round.emplace(answer(x, prepare_tests(x, list, x.start), &fit->candidate_data.augmented));
-    selected = round->selection.accepted.size();
-    fit.emplace(fitted(x, *round));
-  }
   challenge(x, list, round, fit);
   write_down(x, *round, *fit);
 }
