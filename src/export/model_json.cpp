@@ -2,7 +2,6 @@
 
 #include <yaml-cpp/yaml.h>
 
-#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -52,14 +51,10 @@ class Converter {
     if (quoted || is_word(key)) return word;
     if (word == "true" || word == "false") return word == "true";
     double number = 0.0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
-    const bool plain = error == std::errc() && end == word.data() + word.size();
-    if (!plain) {
-      try {
-        number = evaluate(word, constants_);
-      } catch (const std::exception&) {
-        return word;
-      }
+    try {
+      number = evaluate(word, constants_);
+    } catch (const std::exception&) {
+      return word;
     }
     if (!std::isfinite(number)) return word;
     const bool whole = std::abs(number) < 1e15 && number == std::floor(number) &&
