@@ -8,6 +8,7 @@
 #include "support/random.hpp"
 #include "comparison/comparison_words.hpp"
 #include "comparison/model_structure.hpp"
+#include "comparison/standard_torque.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/regressor/base_parameters.hpp"
 #include "kinematics/standard_motion.hpp"
@@ -407,6 +408,40 @@ TEST(TheComparison, RefusesTwoRobotsAndModelsWithoutValues) {
             std::string::npos);
   EXPECT_NE(error(read_model("psm-3dof"), read_model("psm-3dof")).find("without values"),
             std::string::npos);
+}
+
+// What a joint's quantities are, from the recursions and the same motion: the weight's mean and its amplitude along the
+// joint's own sine, and the mean of M_ii.
+TEST(TheComparison, MeasuresWeightAndInertiaOverTheStandardMotion) {
+  ModelDescription leaning = planar().description();
+  leaning.gravity = {-6.0, -7.0, 0.0};
+  const Model arm(std::move(leaning));
+  const ComparisonNumbers numbers;
+  const StandardTorque standard(arm, numbers);
+  VectorXd values(standard.parameters().size());
+  for (Eigen::Index p = 0; p < values.size(); ++p) values[p] = standard.parameters()[p].value;
+  RigidBodyDynamics bodies(arm, *arm.inertial_values());
+  const MotionSamples motion = standard_motion(arm);
+  const VectorXd zero = VectorXd::Zero(arm.joints());
+  for (int i = 0; i < arm.joints(); ++i) {
+    const double period = 1.0 / standard_frequency(i);
+    const double whole = period * std::floor((motion.time[motion.rows() - 1] - motion.time[0]) / period);
+    const VectorXd way = motion.q.col(i).array() - motion.q(0, i);
+    double rows = 0.0, weight = 0.0, along = 0.0, inertia = 0.0;
+    for (int k = 0; k < motion.rows() && motion.time[k] - motion.time[0] < whole - 1e-9; ++k) {
+      VectorXd g(arm.joints());
+      RigidBodyDynamics::TorqueDerivatives by;
+      bodies.inverse_dynamics_derivatives(motion.q.row(k).transpose(), zero, zero, g, by);
+      rows += 1.0;
+      weight += g[i];
+      along += 2.0 * g[i] * way[k] / way.cwiseAbs().maxCoeff();
+      inertia += by.by_ddq(i, i);
+    }
+    EXPECT_NEAR(standard.quantity(JointQuantity::kWeight, i).dot(values), weight / rows, 1e-9) << i;
+    EXPECT_NEAR(standard.quantity(JointQuantity::kWeightSlope, i).dot(values), along / rows, 1e-9) << i;
+    EXPECT_NEAR(standard.quantity(JointQuantity::kInertia, i).dot(values), inertia / rows, 1e-9) << i;
+    EXPECT_GT(std::abs(along / rows), 1.0) << i;
+  }
 }
 
 // Of what is below zero nobody agrees on what falls; a joint that slides has no angle; the interval
