@@ -254,6 +254,26 @@ TEST(ForceChannel, AJumpIsBelievedWhereTheNextReadingAgrees) {
   EXPECT_EQ(channel.beyond_range(), 1);
 }
 
+// One unusable reading in thirty is fewer than noisy_share, one in ten is more.
+TEST(ForceChannel, IsNoisyByTheShareOfUnusableReadings) {
+  for (const int one_in : {30, 10}) {
+    int fresh = 0;
+    double raw = 0.0;
+    ForceChannelOptions options;
+    options.largest_jump = 5.0;
+    options.stuck_after = 0.0;
+    ForceChannel channel(std::make_unique<Spoken>(fresh, raw), options);
+    bool noisy = false;
+    for (int k = 1; k <= 1000; ++k) {
+      raw = k % one_in == 0 ? 90.0 : 1.0;
+      fresh = 1;
+      channel.update(1e-3 * k);
+      noisy = noisy || channel.state() == ForceState::kNoisy;
+    }
+    EXPECT_EQ(noisy, one_in == 10) << one_in;
+  }
+}
+
 // From the first look on: a line that never spoke is as old as the look.
 TEST(ForceChannel, TheAgeOfASensorThatNeverSpokeCountsFromTheStart) {
   int fresh = 0;
