@@ -60,7 +60,8 @@ TEST(LoadCell, ALineWhoseLastFieldIsNoFiniteNumberIsRefused) {
   const std::vector<std::string> none = {
       "1.234,nan", "1.234,inf",   "1.234,-inf", "nan",     "1.234,",  "1.234;NaN", "5.2 N", "5.2N",
       "ERR 12",    "overload 12", "1.234,ERR",  "1e999",   "0x1F",    "1.2.3",     "--4",   "1,two,3",
-      "12 12nan",  "reading:",    "1.234,1e",   "= nan",   "ERR,5",   "x 1: y 2"};
+      "12 12nan",  "reading:",    "1.234,1e",   "= nan",   "ERR,5",   "x 1: y 2",
+      "F\x01: 12", "F\xB5=12"};
   for (const std::string& line : none) {
     LoadCellDecoder decoder(LoadCellFormat::kText);
     std::vector<double> got;
