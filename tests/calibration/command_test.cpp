@@ -167,7 +167,7 @@ TEST(CalibrateCommand, LinksSetTheDiagnosisBesideThePoses) {
   const auto said = [&](const std::string& findings) {
     const std::string file = folder.write("d.json", R"({"findings": [)" + findings + "]}");
     return run_tool({"calibrate", "links", "psm-3dof-printed", poses, "--frame", "counterweight",
-                     "--diagnosis", file});
+                     "--diagnosis", file, "--quiet"});
   };
   const std::string constant =
       R"({"effect": "coupling_error", "frame": "counterweight_rail", "constant": "theta",)"

