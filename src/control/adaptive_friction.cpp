@@ -51,6 +51,7 @@ void AdaptiveFriction::update(const ArmState& arm, const VectorXd& missing, doub
                               FrictionCompensation& friction) noexcept {
   assert(missing.size() == arm.joints());
   if (!options_.enabled || !(dt > 0.0) || !missing.allFinite() || !(friction.share() > 0.0)) return;
+  if (!arm.q().allFinite() || !arm.dq().allFinite()) return;
   for (int k = 0; k < friction.axes(); ++k) {
     const VectorXd& c = friction.axis(k);
     Learned& axis = axes_[k];

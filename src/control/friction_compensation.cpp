@@ -74,6 +74,7 @@ void FrictionCompensation::reset() noexcept {
     for (BoundEffect& term : axis.terms) term.reset();
     axis.first = true;
     axis.force = 0.0;
+    axis.energy = axis.largest;
   }
 }
 

@@ -57,7 +57,8 @@ bool ModelErrorObserver::set_limit(const VectorXd& limit) noexcept {
 const VectorXd& ModelErrorObserver::update(const ArmState& arm, const VectorXd& y,
                                            double dt) noexcept {
   assert(y.size() == d_.size() && arm.joints() == d_.size());
-  if (!arm.q().allFinite() || !arm.dq().allFinite() || !y.allFinite() || !std::isfinite(dt)) {
+  if (!arm.q().allFinite() || !arm.dq().allFinite() || !y.allFinite() || !(dt >= 0.0) ||
+      !std::isfinite(dt)) {
     first_ = true;  // d is kept; the change of velocity across the gap is not used
     return d_;
   }

@@ -78,7 +78,7 @@ const VectorXd& MomentumObserver::update(const ArmState& arm, const VectorXd& ta
                                          const VectorXd& ddq, double dt) noexcept {
   assert(arm.joints() == r_.size() && tau_motor.size() == r_.size() && ddq.size() == r_.size());
   if (!arm.q().allFinite() || !arm.dq().allFinite() || !tau_motor.allFinite() || !ddq.allFinite() ||
-      !std::isfinite(dt)) {
+      !(dt >= 0.0) || !std::isfinite(dt)) {
     reset();
     return r_;
   }

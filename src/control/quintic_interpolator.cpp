@@ -14,7 +14,7 @@ QuinticInterpolator::QuinticInterpolator(const VectorRef& x)
 }
 
 void QuinticInterpolator::reset(const VectorXd& x) noexcept {
-  if (x.size() != x_.size()) return;
+  if (x.size() != x_.size() || !x.allFinite()) return;
   x_ = goal_ = x;
   dx_.setZero();
   ddx_.setZero();

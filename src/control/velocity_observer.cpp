@@ -26,7 +26,7 @@ const VectorXd& VelocityObserver::update(const VectorXd& q, const VectorXd& ddq,
     first_ = false;
     return dq_;
   }
-  if (first_ || !(dt > 0.0)) return dq_;
+  if (first_ || !(dt > 0.0) || !std::isfinite(dt)) return dq_;
   const double p = std::exp(-bandwidth_ * dt);
   for (Eigen::Index i = 0; i < q.size(); ++i) {
     const double a = std::isfinite(ddq[i]) ? ddq[i] : 0.0;

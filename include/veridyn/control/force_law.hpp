@@ -66,7 +66,7 @@ class ForceTracker {
   void reset() noexcept;
 
   /// @param wanted  h_d [N]. @param rate  dl/dt as measured [m/s]. @param dt  [s] of the loop.
-  /// @returns change of the distance between the ends [m].
+  /// @returns change of the distance between the ends [m]; the last one where a number is not finite.
   double update(double wanted, const ForceReading& reading, double rate, double dt) noexcept;
 
   /// While targets are held, without a sensor: x_f is frozen, the damping term goes on.

@@ -37,7 +37,8 @@ class ModelErrorObserver {
   ModelErrorObserver(int joints, const ModelErrorOptions& options);
 
   /// @param y  (n) acceleration that is commanded from now on. @param dt [s] since the last
-  /// update(). @returns d (n), to be added to the torque; unchanged if an input is not finite.
+  /// update(). @returns d (n), to be added to the torque; unchanged if an input is not finite
+  /// or dt is below zero.
   /// Vectors have the sizes of the constructor; debug builds assert it.
   const VectorXd& update(const ArmState& arm, const VectorXd& y, double dt) noexcept;
 

@@ -41,7 +41,7 @@ class MomentumObserver {
   /// @param tau_motor  (n) true ones that acted since the last update(), best as commanded; measured
   /// ones come late by JointSensors::torque_delay(), and so does what is observed. @param ddq  (n) wanted, for the
   /// threshold. @param dt  [s] since the last update(). @returns r (n) [N m], [N]; it
-  /// starts afresh where a number is none.
+  /// starts afresh where a number is none or dt is below zero.
   /// Sizes are those of the constructor; another one is a fault of the program, asserted in debug
   /// builds alone.
   const VectorXd& update(const ArmState& arm, const VectorXd& tau_motor, const VectorXd& ddq,

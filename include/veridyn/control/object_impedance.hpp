@@ -56,7 +56,8 @@ class ObjectImpedance {
   bool set_internal_force(int hand, int other, double force) noexcept;
 
   /// Estimates the object's motion from its hands: Gauss-Newton steps from the last estimate. Two
-  /// hands do not observe a rotation about the line between them; it keeps its last value.
+  /// hands do not observe a rotation about the line between them; it keeps its last value, and so does
+  /// everything in a cycle with a number that is not finite.
   const ObjectMotion& estimate(const std::vector<Eigen::Vector3d>& positions,
                                const std::vector<Eigen::Vector3d>& velocities) noexcept;
 

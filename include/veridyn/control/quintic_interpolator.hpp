@@ -18,7 +18,7 @@ class QuinticInterpolator {
   /// Starts at rest at x. @throws InvalidInput  x has no entries or one that is not finite.
   explicit QuinticInterpolator(const VectorRef& x);
 
-  /// Sets the point to x, at rest.
+  /// Sets the point to x, at rest; nothing changes if x has another size or an entry that is not finite.
   void reset(const VectorXd& x) noexcept;
 
   /// Arrives at `goal` at rest after `duration` [s]. False, and nothing changes, if the goal has

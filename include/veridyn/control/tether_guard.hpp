@@ -63,7 +63,7 @@ class TetherGuard {
   void forget(int member) noexcept;
 
   /// While targets are held, once per period.
-  /// @param position, healthy  one entry for each arm: its tip [m]; 0: it does not follow its target.
+  /// @param position, healthy  one entry for each arm: its tip [m], passed over if not finite; 0: it does not follow its target.
   /// @param force  [N] allowed in a member.
   void update(const std::vector<Eigen::Vector3d>& position, const std::vector<char>& healthy,
               double force) noexcept;
@@ -77,6 +77,7 @@ class TetherGuard {
     Eigen::Vector3d position{Eigen::Vector3d::Zero()};
     Eigen::Vector3d velocity{Eigen::Vector3d::Zero()};
     Eigen::Vector3d acceleration{Eigen::Vector3d::Zero()};
+    bool looked = false;  // at a position that is a number
   };
   void look(const std::vector<Eigen::Vector3d>& position) noexcept;
   void limit(std::size_t member, double length, double force) noexcept;
@@ -88,7 +89,6 @@ class TetherGuard {
   std::vector<char> pushes_;
   std::vector<Motion> motions_;
   std::vector<Seen> seen_;
-  bool looked_ = false;
 };
 
 }  // namespace veridyn

@@ -15,7 +15,7 @@ constexpr double kShortest = 1e-9;  // [m] smallest distance of tips with a defi
 Vector3d centroid(const std::vector<Vector3d>& points) {
   Vector3d sum = Vector3d::Zero();
   for (const Vector3d& p : points) sum += p;
-  return points.empty() ? sum : Vector3d(sum / static_cast<double>(points.size()));
+  return sum / static_cast<double>(points.size());
 }
 
 Vector3d direction(const Vector3d& displacement) {
@@ -29,6 +29,8 @@ void check(const CooperativeOptions& o, std::size_t tips) {
           " tips and ", arms, " bases, expected one of each for at least one arm.");
   require(o.leader >= 0 && o.leader < arms, "cooperative controller: found the leader ", o.leader,
           ", expected one of ", arms, " arms from 0.");
+  for (const Eigen::Matrix3d& R : o.R_world_arm)
+    require(R.isUnitary(1e-6), "cooperative controller: found a base whose R_world_arm is no rotation.");
   for (const CooperativeMember& m : o.members) {
     require(m.from >= 0 && m.from < arms && m.to >= 0 && m.to < arms && m.from != m.to,
             "cooperative controller: found a member between the arms ", m.from, " and ", m.to,
@@ -187,7 +189,8 @@ bool CooperativeController::track(int member, bool on) noexcept {
   if (!commands_allowed() || member < 0 || member >= static_cast<int>(trackers_.size()))
     return false;
   const auto k = static_cast<size_t>(member);
-  if (on && tracked_[k] == 0) trackers_[k].reset();
+  if (on == (tracked_[k] != 0)) return true;
+  if (on) trackers_[k].reset();
   tracked_[k] = on ? 1 : 0;
   watches_[k] = {};
   monitors_[k].reset();
@@ -232,7 +235,8 @@ void CooperativeController::correct(const CooperativeInput& input) noexcept {
     const CooperativeMember& m = options_.members[k];
     const auto from = static_cast<size_t>(m.from);
     const auto to = static_cast<size_t>(m.to);
-    const Vector3d u = direction(input.position[to] - input.position[from]);
+    const Vector3d line = input.position[to] - input.position[from];
+    const Vector3d u = direction(line.allFinite() ? line : targets_[to].motion - targets_[from].motion);
     const double wanted = wanted_.x()[static_cast<Eigen::Index>(k)];
     const double planned = u.dot(targets_[to].velocity - targets_[from].velocity);
     const double rate = u.dot(input.velocity[to] - input.velocity[from]) - planned;
@@ -348,7 +352,7 @@ CooperativeState CooperativeController::judge(const CooperativeInput& input) noe
     if (!std::isfinite(reading.force)) return CooperativeState::kNotFinite;
     Watch& watch = watches_[k];
     watch.silent = !reading.number ? watch.silent + options_.period : 0.0;
-    if (std::max(reading.age, watch.silent) > options_.largest_age)
+    if (!(std::max(reading.age, watch.silent) <= options_.largest_age))
       return CooperativeState::kSensorStale;
     const double wanted = wanted_.x()[static_cast<Eigen::Index>(k)];
     if (reading.number && std::abs(reading.force) > options_.largest_force)
@@ -374,7 +378,9 @@ void CooperativeController::relieve(const CooperativeInput& input) noexcept {
   for (size_t k = 0; k < trackers_.size(); ++k) {
     const ForceReading& reading = input.force[k];
     const double beyond = std::abs(reading.force) - options_.relief_force;
-    if (tracked_[k] == 0 || reading.age > options_.largest_age || !(beyond > 0.0)) continue;
+    if (tracked_[k] == 0 || !(reading.age <= options_.largest_age) || !(beyond > 0.0) ||
+        !std::isfinite(beyond))
+      continue;
     const auto from = static_cast<size_t>(options_.members[k].from);
     const auto to = static_cast<size_t>(options_.members[k].to);
     const double speed = std::min(options_.relief_speed, options_.relief_gain * beyond);

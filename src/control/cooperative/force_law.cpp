@@ -45,6 +45,7 @@ void ForceTracker::reset() noexcept {
 
 double ForceTracker::update(double wanted, const ForceReading& reading, double rate,
                             double dt) noexcept {
+  if (!std::isfinite(dt)) return value_;
   clock_ += dt;
   const double e = wanted - reading.force;
   if (reading.number && reading.number != number_) {
@@ -71,7 +72,7 @@ double ForceTracker::hold(double wanted, double rate) noexcept {
 
 double ForceTracker::limited(double wanted, double rate, double proportional) noexcept {
   const double sum = x_f_ + law_.feed_forward * wanted - law_.damping * rate + proportional;
-  value_ = std::clamp(sum, -law_.reach, law_.reach);
+  if (std::isfinite(sum)) value_ = std::clamp(sum, -law_.reach, law_.reach);
   return value_;
 }
 

@@ -26,8 +26,8 @@ Matrix3d cross_matrix(const Vector3d& a) {
 
 Matrix3d turned(const Vector3d& by) {
   const double angle = by.norm();
-  return angle > 0.0 ? Eigen::AngleAxisd(angle, by / angle).toRotationMatrix()
-                     : Matrix3d::Identity();
+  return angle > 0.0 && std::isfinite(angle) ? Eigen::AngleAxisd(angle, by / angle).toRotationMatrix()
+                                             : Matrix3d::Identity();
 }
 
 // The rotation vector from R to R_wanted, in the world.
@@ -51,14 +51,15 @@ ObjectImpedance::ObjectImpedance(const ObjectImpedanceOptions& options)
   }
   if (!(reach_ > 0.0)) reach_ = 1.0;
   for (const double value :
-       {options.mass, options.inertia.minCoeff(), options.damping, options.stiffness,
-        options.angular_damping, options.angular_stiffness}) {
+       {options.mass, options.inertia.x(), options.inertia.y(), options.inertia.z(), options.damping,
+        options.stiffness, options.angular_damping, options.angular_stiffness}) {
     require(std::isfinite(value) && value >= 0.0, "object impedance: found ", value,
             ", expected numbers that are finite and not below zero.");
   }
   require(options.wanted_mass > 0.0 && options.wanted_inertia > 0.0,
           "object impedance: found a wanted mass of ", options.wanted_mass, " and an inertia of ",
           options.wanted_inertia, ", expected both above zero.");
+  require(options.gravity.allFinite(), "object impedance: found a gravity that is not finite.");
 }
 
 bool ObjectImpedance::set_internal_force(int hand, int other, double force) noexcept {
@@ -80,6 +81,7 @@ const ObjectMotion& ObjectImpedance::estimate(const std::vector<Vector3d>& posit
     drift += velocities[i] / count;
     grasps += options_.grasps[i] / count;
   }
+  if (!centre.allFinite() || !drift.allFinite()) return now_;
   const double small = kSingular * reach_ * reach_;
   for (int step = 0; step < kSteps; ++step) {
     Matrix3d A = small * Matrix3d::Identity();

@@ -42,7 +42,7 @@ TetherGuard::TetherGuard(int arms, std::vector<Member> members, const TetherGuar
 void TetherGuard::reset() noexcept {
   for (std::size_t k = 0; k < members_.size(); ++k) forget(static_cast<int>(k));
   for (Motion& motion : motions_) motion = Motion();
-  looked_ = false;
+  for (Seen& tip : seen_) tip = Seen();
 }
 
 void TetherGuard::forget(int member) noexcept {
@@ -75,7 +75,9 @@ void TetherGuard::look(const std::vector<Vector3d>& position) noexcept {
   const double r = 1.0 - p;
   for (std::size_t i = 0; i < seen_.size(); ++i) {
     Seen& tip = seen_[i];
-    if (!looked_) tip.position = position[i];
+    if (!position[i].allFinite()) continue;
+    if (!tip.looked) tip.position = position[i];
+    tip.looked = true;
     tip.position += dt * tip.velocity + 0.5 * dt * dt * tip.acceleration;
     tip.velocity += dt * tip.acceleration;
     const Vector3d e = position[i] - tip.position;
@@ -83,7 +85,6 @@ void TetherGuard::look(const std::vector<Vector3d>& position) noexcept {
     tip.velocity += 1.5 * r * r * (1.0 + p) / dt * e;
     tip.acceleration += r * r * r / (dt * dt) * e;
   }
-  looked_ = true;
 }
 
 // L_max: taut members may carry twice the force (at the force itself other ends yield, and noise
@@ -103,7 +104,7 @@ void TetherGuard::hold_back(std::size_t k, const std::vector<char>& healthy,
   const auto to = static_cast<std::size_t>(members_[k].to);
   const Vector3d line = seen_[to].position - seen_[from].position;
   const double length = line.norm();
-  if (std::isnan(lengths_[k]) || !(length > kShortest)) return;
+  if (!seen_[from].looked || !seen_[to].looked || std::isnan(lengths_[k]) || !(length > kShortest)) return;
   limit(k, length, force);
   const Vector3d u = line / length;
   const Vector3d relative = seen_[to].velocity - seen_[from].velocity;

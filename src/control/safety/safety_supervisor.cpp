@@ -71,11 +71,13 @@ SafetySupervisor::SafetySupervisor(const Model& arm, const SafetyLimits& limits)
        {&limits.lower, &limits.upper, &limits.velocity, &limits.torque, &limits.tracking})
     require(v->size() == n, "SafetySupervisor: found limits of ", v->size(), " entries, but arm '",
             arm.name(), "' has ", n, " joints.");
-  require((limits.upper - limits.lower).minCoeff() > 0.0 && limits.velocity.minCoeff() > 0.0 &&
-              limits.torque.minCoeff() > 0.0 && limits.torque.allFinite() &&
-              limits.tracking.minCoeff() > 0.0,
+  // minCoeff() may pass over a NaN.
+  const auto above_zero = [](const VectorXd& v) { return (v.array() > 0.0).all(); };
+  require(above_zero(limits.upper - limits.lower) && above_zero(limits.velocity) &&
+              above_zero(limits.torque) && limits.torque.allFinite() && above_zero(limits.tracking) &&
+              std::isfinite(limits.braking),
           "SafetySupervisor: found limits without room between them, or not above zero, or no "
-          "finite torque.");
+          "finite torque or braking.");
   for (const double v : {limits.force, limits.force_disagreement, limits.disagreement_seconds,
                          limits.sensor_age, limits.force_age, limits.overrun, limits.torque_seconds,
                          limits.homing_share, limits.braking, limits.held_seconds,

@@ -38,8 +38,9 @@ ForceChannel::ForceChannel(std::unique_ptr<ForceSource> source, const ForceChann
           "force channel: found a scale or an offset that cannot be.");
   require(options.largest_silence > 0.0 && options.stuck_after >= 0.0 && options.range > 0.0 &&
               options.cutoff >= 0.0 && options.latency >= 0.0 && options.largest_jump > 0.0 &&
-              options.noisy_share > 0.0 && options.noisy_window > 0,
-          "force channel: found a bound below zero.");
+              options.noisy_share > 0.0 && options.noisy_window > 0 &&
+              std::isfinite(options.cutoff) && std::isfinite(options.latency),
+          "force channel: found a bound below zero, or a cutoff or latency that is not finite.");
 }
 
 double ForceChannel::delay() const {
@@ -49,7 +50,7 @@ double ForceChannel::delay() const {
 
 // Accepts a step only if the next reading agrees with it.
 bool ForceChannel::is_believed(double force) noexcept {
-  beyond_ = !(std::abs(force) <= options_.range);
+  beyond_ = !(std::abs(force) <= options_.range) || !std::isfinite(force);
   if (beyond_) {
     ++beyond_range_;
     return false;

@@ -88,13 +88,14 @@ bool LoadCellDecoder::take_text(std::uint8_t byte) noexcept {
     return false;
   }
   const std::size_t length = length_;
-  const bool sound = begun_ && !overlong_;
+  const bool whole = begun_;
+  const bool sound = whole && !overlong_;
   length_ = 0;
   overlong_ = false;
   begun_ = true;
   if (length == 0) return false;
   if (sound && reading_of_line(line_.data(), length, raw_)) return true;
-  if (sound) ++refused_;
+  if (whole) ++refused_;
   return false;
 }
 
