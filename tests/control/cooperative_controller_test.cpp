@@ -285,6 +285,122 @@ TEST(CooperativeController, NotFiniteEndsTheTask) {
   for (const TipTarget& target : targets) EXPECT_TRUE(target.position.allFinite());
 }
 
+// Once targets are held, what is no number leaves no trace either: an arm that is lost often has none.
+TEST(CooperativeController, NotFiniteWhileTargetsAreHeldMovesNothing) {
+  const auto breaks = {+[](CooperativeInput& in) { in.position[1].x() = NAN; },
+                       +[](CooperativeInput& in) { in.velocity[1].y() = NAN; },
+                       +[](CooperativeInput& in) { in.force[0].force = NAN; },
+                       +[](CooperativeInput& in) { in.force[0].force = INFINITY; },
+                       +[](CooperativeInput& in) { in.force[0].age = NAN; }};
+  for (const auto& make : breaks) {
+    Tracking t;
+    t.input.healthy[1] = 0;
+    t.run(200);
+    EXPECT_EQ(t.control->state(), CooperativeState::kArmLost);
+    const std::vector<TipTarget> before = t.control->update(t.input);
+    CooperativeInput bad = t.input;
+    make(bad);
+    for (const CooperativeInput& input : {bad, t.input}) {
+      const std::vector<TipTarget>& now = t.control->update(input);
+      for (size_t i = 0; i < 2; ++i) {
+        EXPECT_LT((now[i].position - before[i].position).norm(), 1e-6);
+        EXPECT_LT((now[i].velocity - before[i].velocity).norm(), 1e-6);
+        EXPECT_LT(now[i].acceleration.norm(), 1e-3);
+      }
+    }
+  }
+}
+
+// A reading without a number, or without an age, ends the task like a position without one.
+TEST(CooperativeController, AReadingThatIsNoNumberEndsTheTask) {
+  Tracking number, age;
+  number.input.force[0].force = NAN;
+  number.control->update(number.input);
+  EXPECT_EQ(number.control->state(), CooperativeState::kNotFinite);
+  EXPECT_FALSE(number.control->turn({0.1, 0.0, 0.0}, 1.0));
+  EXPECT_FALSE(number.control->expand_grasp(0.001, 1.0));
+  EXPECT_FALSE(number.control->move_arm(1, {0.001, 0.0, 0.0}, 1.0));
+  EXPECT_FALSE(number.control->track(0, false));
+  std::vector<Vector3d> nowhere = number.input.position;
+  nowhere[1].z() = NAN;
+  number.control->restart(nowhere);  // targets stay where they were
+  for (const TipTarget& target : number.control->update(number.input))
+    EXPECT_TRUE(target.position.allFinite() && target.velocity.allFinite());
+  number.control->restart(number.input.position);
+  number.run(10);
+  EXPECT_EQ(number.control->state(), CooperativeState::kTracking);
+  age.input.force[0].age = NAN;
+  age.control->update(age.input);
+  EXPECT_EQ(age.control->state(), CooperativeState::kSensorStale);
+}
+
+// Commands with a number out of range are refused and change nothing.
+TEST(CooperativeController, CommandsThatCannotBeChangeNothing) {
+  Tracking t;
+  CooperativeController& c = *t.control;
+  for (const double time : {0.0, -1.0, static_cast<double>(NAN), HUGE_VAL}) {
+    EXPECT_FALSE(c.move({0.01, 0.0, 0.0}, time));
+    EXPECT_FALSE(c.turn({0.1, 0.0, 0.0}, time));
+    EXPECT_FALSE(c.expand_grasp(0.01, time));
+    EXPECT_FALSE(c.move_arm(0, {0.01, 0.0, 0.0}, time));
+    EXPECT_FALSE(c.set_force(0, 1.0, time));
+  }
+  EXPECT_FALSE(c.move({NAN, 0.0, 0.0}, 1.0));
+  EXPECT_FALSE(c.turn({0.0, NAN, 0.0}, 1.0));
+  EXPECT_FALSE(c.expand_grasp(NAN, 1.0));
+  EXPECT_FALSE(c.move_arm(0, {0.0, 0.0, NAN}, 1.0));
+  EXPECT_FALSE(c.set_force(0, NAN, 1.0));
+  for (const int none : {-1, 2}) EXPECT_FALSE(c.move_arm(none, {0.01, 0.0, 0.0}, 1.0));
+  for (const int none : {-1, 1}) EXPECT_FALSE(c.set_force(none, 1.0, 1.0) || c.track(none, true));
+  const std::vector<Vector3d> before = t.input.position;
+  t.run(100);
+  for (size_t i = 0; i < 2; ++i) EXPECT_LT((t.input.position[i] - before[i]).norm(), 1e-6);
+}
+
+// Force control that is on already goes on: neither the correction nor the checks of its sensor start
+// afresh. A member that is not tracked may have any reading.
+TEST(CooperativeController, SwitchingOnWhatIsOnChangesNothing) {
+  Tracking t;
+  const double correction = t.control->correction(0);
+  EXPECT_GT(correction, 1e-3);
+  for (int k = 0; k < 30; ++k) {  // a sensor that has not begun to speak is found all the same
+    EXPECT_EQ(t.control->track(0, true), t.control->state() == CooperativeState::kTracking) << k;
+    t.input.force[0].number.reset();
+    t.control->update(t.input);
+    EXPECT_NEAR(t.control->correction(0), correction, 1e-6) << k;
+  }
+  EXPECT_EQ(t.control->state(), CooperativeState::kSensorStale);
+  Tracking off;
+  EXPECT_TRUE(off.control->track(0, false));
+  off.input.force[0].force = 1e3;
+  off.control->update(off.input);
+  EXPECT_EQ(off.control->state(), CooperativeState::kTracking);
+}
+
+// The other reasons that end a task, and who gives way: an end whose arm does not follow is told nothing.
+TEST(CooperativeController, OtherReasonsEndTheTask) {
+  Tracking missed, error;
+  missed.input.force[0].force = -5.0;
+  missed.input.force[0].number = 100000;
+  missed.control->update(missed.input);
+  EXPECT_EQ(missed.control->state(), CooperativeState::kForceMissed);
+  error.input.position[0].x() += 0.1;
+  error.control->update(error.input);
+  EXPECT_EQ(error.control->state(), CooperativeState::kTargetMissed);
+  for (const int lost : {0, 1}) {
+    Tracking t;
+    t.input.healthy[lost] = 0;
+    t.input.located[lost] = 0;
+    t.control->update(t.input);
+    t.input.force[0].force = 15.0;
+    const std::vector<TipTarget> before = t.control->update(t.input);
+    for (int k = 0; k < 10; ++k) t.control->update(t.input);
+    const std::vector<TipTarget> after = t.control->update(t.input);
+    EXPECT_EQ(after[lost].relief.position, Vector3d(Vector3d::Zero())) << lost;
+    EXPECT_GT((after[1 - lost].relief.position - before[1 - lost].relief.position).norm(), 1e-4) << lost;
+  }
+}
+
 TEST(CooperativeController, RefusesWhatCannotBe) {
   CooperativeOptions o = options(2);
   EXPECT_THROW(CooperativeController(o, tips(1)), InvalidInput);

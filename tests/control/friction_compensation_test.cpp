@@ -234,6 +234,35 @@ TEST(FrictionCompensation, WithoutSupervisionItWouldMoveByItself) {
   EXPECT_GT(after_a_push(FrictionRule::kStickSlip, 1.0, false, false).late, 100.0);
 }
 
+// A time that is none empties the tank, which is safe; reset() fills it at once.
+TEST(FrictionCompensation, ATimeThatIsNoneEmptiesTheTank) {
+  const Model arm = thesis_friction();
+  ArmState state(arm, {"tool"});
+  FrictionCompensation friction(arm, rule(FrictionRule::kVelocity));
+  const VectorXd none = VectorXd::Zero(3);
+  state.update(Eigen::Vector3d(0.1, 0.2, 0.1), Eigen::Vector3d(0, 0, 0.1));
+  EXPECT_GT(friction.update(state, none, none, kPeriod)[2], kCoulomb);
+  EXPECT_EQ(friction.update(state, none, none, NAN).norm(), 0.0);
+  EXPECT_EQ(friction.tank_level(0), 0.0);
+  friction.reset();
+  EXPECT_EQ(friction.tank_level(0), 1.0);
+  EXPECT_GT(friction.update(state, none, none, kPeriod)[2], kCoulomb);
+  FrictionOptions nothing = rule(FrictionRule::kVelocity);
+  nothing.share = 0.0;
+  FrictionCompensation without(arm, nothing);
+  for (int k = 0; k < 2; ++k) EXPECT_EQ(without.update(state, none, none, kPeriod).norm(), 0.0);
+  EXPECT_EQ(without.tank_level(0), 1.0);  // of a tank that holds nothing
+}
+
+// Terms along one direction that count from different places are different frictions.
+TEST(FrictionCompensation, AxesDifferByTheirOffset) {
+  const Model arm = plausible_model(read_model("psm-3dof"), 1).arm;
+  EffectTerm here = effect_on(arm, "coulomb_friction", 2, {{"level", 1.0}}), there = here;
+  there.axis.offset = 0.05;
+  EXPECT_EQ(FrictionCompensation(with_effects(arm, {here, here})).axes(), 1);
+  EXPECT_EQ(FrictionCompensation(with_effects(arm, {here, there})).axes(), 2);
+}
+
 TEST(FrictionCompensation, WhatCannotBeIsRefused) {
   const Model arm = thesis_friction();
   EXPECT_THROW(FrictionCompensation(with_effects(arm, {effect_on(arm, "coulomb_friction", 0, {})})),

@@ -85,5 +85,20 @@ TEST(QuinticInterpolator, WhatCannotBeIsRefusedAndChangesNothing) {
   EXPECT_EQ(way.x(), Eigen::VectorXd::Ones(2));
 }
 
+TEST(QuinticInterpolator, APlaceOrATimeThatIsNoneChangesNothing) {
+  QuinticInterpolator way(Eigen::Vector2d(0.1, 0.2));
+  way.move_to(Eigen::Vector2d(0.3, 0.1), 1.0);
+  way.advance(0.4);
+  const VectorXd x = way.x(), dx = way.dx();
+  way.reset(Eigen::Vector2d(NAN, 0.0));
+  way.reset(VectorXd::Zero(3));
+  way.advance(NAN);
+  way.advance(-0.1);
+  EXPECT_EQ(way.x(), x);
+  EXPECT_EQ(way.dx(), dx);
+  way.advance(0.6);
+  EXPECT_EQ(way.x(), Eigen::Vector2d(0.3, 0.1));
+}
+
 }  // namespace
 }  // namespace veridyn

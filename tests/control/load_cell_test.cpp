@@ -55,6 +55,31 @@ TEST(LoadCell, TextLinesOfUsualConvertersAreRead) {
   EXPECT_EQ(decoder.refused(), 2);  // a name without a number, bytes that are no text
 }
 
+// Tabs, names with an equals sign and blanks at the end belong to usual lines; what is too long, whole or
+// in one field, or blank, is none.
+TEST(LoadCell, LinesWithBlanksAndLinesThatAreTooLong) {
+  LoadCellDecoder decoder(LoadCellFormat::kText);
+  std::vector<double> got;
+  readings_of(decoder, "cut\n1\t2\nF=3\nt=1 F=4 \t\n0.1, 5\n   \n0" + std::string(48, '0') + "6\n", got);
+  EXPECT_EQ(got, (std::vector<double>{2.0, 3.0, 4.0, 5.0}));
+  EXPECT_EQ(decoder.refused(), 2);
+  readings_of(decoder, "7 " + std::string(100, ' ') + "8\n9\n", got);
+  EXPECT_EQ(got.back(), 9.0);
+  EXPECT_EQ(got.size(), 5U);
+  EXPECT_EQ(decoder.refused(), 3);
+}
+
+// Two weights with one reading each leave nothing to tell an interval from.
+TEST(LoadCell, WithoutRepetitionThereIsNoInterval) {
+  const LoadCellCalibration found = calibrate_load_cell({0.0, 2.0}, {100.0, 300.0});
+  EXPECT_NEAR(found.scale, 0.01, 1e-12);
+  EXPECT_TRUE(std::isnan(found.scale_interval) && std::isnan(found.offset_interval));
+  for (const double bad : {static_cast<double>(NAN), static_cast<double>(INFINITY)}) {
+    EXPECT_THROW(calibrate_load_cell({0.0, bad}, {1.0, 2.0}), InvalidInput);
+    EXPECT_THROW(calibrate_load_cell({0.0, 1.0}, {1.0, bad}), InvalidInput);
+  }
+}
+
 // The number before "nan" is the time, and "ERR 12" is no force of 12 N.
 TEST(LoadCell, ALineWhoseLastFieldIsNoFiniteNumberIsRefused) {
   const std::vector<std::string> none = {
@@ -234,6 +259,41 @@ TEST(ForceChannel, BytesThatAreLostGiveNoReadingBeyondTheRange) {
       EXPECT_GT(largest, 1e5);  // what the range and the watch over jumps keep away
     }
   }
+}
+
+// Whatever a converter gives: what is no number is beyond every range, and the filter forgets it.
+TEST(ForceChannel, WhatIsNoNumberIsBeyondEveryRange) {
+  int fresh = 0;
+  double raw = 0.0;
+  ForceChannelOptions options;
+  options.range = std::numeric_limits<double>::infinity();
+  options.cutoff = 30.0;
+  options.latency = 0.002;
+  ForceChannel channel(std::make_unique<Spoken>(fresh, raw), options);
+  EXPECT_NEAR(channel.delay(), 0.002 + 1.0 / (2.0 * M_PI * 30.0), 1e-12);
+  const double bad[] = {NAN, INFINITY, -INFINITY};
+  for (int k = 0; k < 9; ++k) {  // the first three before anything else, the others one by one
+    const bool good = k >= 3 && k % 2 == 0;
+    raw = good ? 5.0 + 0.01 * k : bad[k % 3];
+    fresh = 1;
+    const ForceReading reading = channel.update(1e-3 * k);
+    EXPECT_TRUE(std::isfinite(reading.force)) << k;
+    EXPECT_EQ(channel.state() == ForceState::kRange, !good) << k;
+    EXPECT_EQ(reading.number.has_value(), k >= 4) << k;
+  }
+  options.cutoff = 0.0;
+  EXPECT_EQ(ForceChannel(std::make_unique<Spoken>(fresh, raw), options).delay(), 0.002);
+}
+
+// A source that never ends gets its share of a cycle and no more.
+TEST(ForceChannel, ASourceThatNeverEndsDoesNotHoldTheLoop) {
+  struct Flood final : ForceSource {
+    int poll() noexcept override { return 1; }
+    double raw() const noexcept override { return 5.0; }
+  };
+  ForceChannel channel(std::make_unique<Flood>(), {});
+  EXPECT_EQ(channel.update(0.0).number, 255);
+  EXPECT_EQ(channel.update(1e-3).number, 511);
 }
 
 TEST(ForceChannel, AJumpIsBelievedWhereTheNextReadingAgrees) {
@@ -443,6 +503,7 @@ TEST(SerialLine, DeadStuckAndPulledAreFoundWithin20Milliseconds) {
 TEST(SerialLine, SaysWhatIsNoLine) {
   EXPECT_THROW(open_force_source("serial:/dev/no-such-line"), InvalidInput);
   EXPECT_THROW(open_force_source("serial:/dev/null"), InvalidInput);
+  EXPECT_THROW(open_force_source("serial:/dev/null:12345"), InvalidInput);
 }
 
 // Somebody who sends datagrams to a port of this machine.
@@ -482,7 +543,8 @@ TEST(Udp, DatagramsAreReadings) {
   EXPECT_EQ(source->raw(), 512.5);
   EXPECT_EQ(poll_all(*source), 4);
   EXPECT_EQ(source->raw(), 3.0);
-  for (const char* wrong : {"udp:x", "usb:1", "udp:0", "udp:1.2.3:5", "udp:127.0.0.1", "udp:127.0.0.1:5:6:7"})
+  for (const char* wrong : {"udp:x", "usb:1", "udp:0", "udp:1.2.3:5", "udp:127.0.0.1", "udp:127.0.0.1:5:6:7",
+                            "udp:", "udp:-5", "udp:65536", "udp:5x"})
     EXPECT_THROW(open_force_source(wrong), InvalidInput) << wrong;
 }
 

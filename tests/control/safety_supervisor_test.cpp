@@ -57,6 +57,8 @@ const Wrong kWrongs[] = {
     {SafetyFault::kNotFinite, 1, SafetyAction::kFreeze, [](Supervised& s) { s.q_[1] = NAN; }},
     {SafetyFault::kNotFinite, 2, SafetyAction::kFreeze, [](Supervised& s) { s.dq_[2] = INFINITY; }},
     {SafetyFault::kNotFinite, {}, SafetyAction::kFreeze, [](Supervised& s) { s.input_.dt = NAN; }},
+    {SafetyFault::kNotFinite, {}, SafetyAction::kFreeze,
+     [](Supervised& s) { s.input_.sensor_age = NAN; }},
     {SafetyFault::kSensorAge, {}, SafetyAction::kFreeze,
      [](Supervised& s) { s.input_.sensor_age = 0.004; }},
     {SafetyFault::kEncoderJump, 0, SafetyAction::kFreeze, [](Supervised& s) { s.q_[0] += 0.05; }},
@@ -392,6 +394,44 @@ TEST(SafetySupervisor, AnArmThatWasNeverSeenGetsNoTorque) {
   EXPECT_EQ(s.run().norm(), 0.0);
   EXPECT_EQ(s.safety_.fault(), SafetyFault::kNotFinite);
   EXPECT_EQ(s.safety_.action(), SafetyAction::kMotorsOff);
+}
+
+// Numbers that are none, or too large to be computed with, come out as torques that are finite.
+TEST(SafetySupervisor, WhatIsHeldIsFiniteWhateverWasGiven) {
+  for (const double dt : {0.0, -1.0, static_cast<double>(NAN)}) {
+    Supervised s;
+    s.safety_.set_holding_torque(Eigen::Vector3d(NAN, 0.01, INFINITY));
+    s.dq_ << 0.5, -0.3, 0.1;
+    s.run();
+    s.q_.setConstant(NAN);
+    s.input_.dt = dt;
+    const VectorXd first = s.run();
+    for (int k = 0; k < 1000; ++k) ASSERT_TRUE(s.run().allFinite()) << dt;
+    // What brakes decays; what holds is the weight and the one torque that was a number.
+    GravityCompensation gravity(s.arm_);
+    const VectorXd holds = gravity.update(Eigen::Vector3d(0.1, 0.2, 0.1)) + Eigen::Vector3d(0, 0.01, 0);
+    EXPECT_TRUE(near(s.run(), holds, 1e-6)) << dt;
+    EXPECT_GT((first - holds).norm(), 0.1) << dt;
+    s.safety_.disable();  // a fault remains
+    EXPECT_EQ(s.safety_.state(), SafetyState::kFault);
+  }
+  Supervised far;
+  far.safety_.disable();
+  EXPECT_TRUE(far.safety_.enable());
+  far.q_ << 0.1, 0.2, 1e200;  // the first position that is seen, whose square is infinite
+  EXPECT_TRUE(far.run().allFinite());
+}
+
+// A robot file's effort limits count where there are any; without a range a joint has a fixed bound.
+TEST(SafetySupervisor, LimitsAreThoseOfTheRobotFile) {
+  ModelDescription d = plausible_model(read_model("psm-3dof"), 1).arm.description();
+  d.coordinates[0].limits.effort = 7.0;
+  for (const int i : {1, 2}) d.coordinates[i].limits.upper = std::numeric_limits<double>::infinity();
+  const SafetyLimits limits = safety_limits(Model(std::move(d)), kTorque);
+  EXPECT_EQ(limits.torque, Eigen::Vector3d(7.0, kTorque, kTorque));
+  EXPECT_NEAR(limits.tracking[0], 0.05 * (limits.upper[0] - limits.lower[0]), 1e-12);
+  EXPECT_EQ(limits.tracking[1], 0.1);
+  EXPECT_EQ(limits.tracking[2], 0.02);
 }
 
 TEST(SafetySupervisor, BadLimitsAreRefused) {
