@@ -78,6 +78,11 @@ class StandardInput final : public LineSource {
         held_.erase(0, end + 1);
         return true;
       }
+      if (held_.size() > kLongestLine) {  // refused as a line: an endless one would be read for ever
+        line.swap(held_);
+        held_.clear();
+        return true;
+      }
       if (closed_) return false;
       pollfd at{STDIN_FILENO, POLLIN, 0};
       if (::poll(&at, 1, 0) <= 0) return false;
@@ -94,6 +99,7 @@ class StandardInput final : public LineSource {
   bool closed() const override { return closed_ && held_.empty(); }
 
  private:
+  static constexpr std::size_t kLongestLine = 1024;  // as datagrams have
   std::string held_;
   bool closed_ = false;
 };

@@ -224,7 +224,7 @@ std::string MotionPlan::objection(State& state, std::size_t k) {
   for (Eigen::Index i = 0; i < q.size(); ++i) {
     const Coordinate& c = arm.known.model.coordinates()[i];
     const char* unit = c.prismatic ? "m" : "rad";
-    if (std::abs(arm.dq[i]) > kSpeedShare * c.limits.velocity)
+    if (!(std::abs(arm.dq[i]) <= kSpeedShare * c.limits.velocity))
       return text("would move joint ", c.name, " with ", std::abs(arm.dq[i]), " ", unit,
                   "/s, expected at most ", kSpeedShare * c.limits.velocity, ", its tip at ", place(x));
     const double room = kRoomLeft * (c.limits.upper - c.limits.lower);
@@ -233,7 +233,7 @@ std::string MotionPlan::objection(State& state, std::size_t k) {
       return text("would take joint ", c.name, " to ", q[i], " ", unit, " with ", arm.dq[i], " ", unit,
                   "/s, expected ", c.limits.lower, " to ", c.limits.upper,
                   " with room to stop, its tip at ", place(x));
-    if (std::abs(arm.tau[i]) > arm.known.torque[i])
+    if (!(std::abs(arm.tau[i]) <= arm.known.torque[i]))
       return text("would need ", std::abs(arm.tau[i]), c.prismatic ? " N" : " N m", " at joint ", c.name,
                   ", expected at most ", arm.known.torque[i], " (acceleration ", arm.ddq[i], " ", unit,
                   "/s^2), its tip at ", place(x));

@@ -2,8 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdlib>
 #include <deque>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "veridyn/math/require.hpp"
@@ -48,8 +53,93 @@ TEST(Live, LinesAreCheckedWordByWord) {
   EXPECT_EQ(move.over, 1.5);
   EXPECT_EQ(std::get<ScenarioCommand>(parse_live_command("force spring 5 1", s)).amount, 5.0);
   for (const char* wrong : {"mov 1 2 3 4", "move 1 2 3", "move 1 2 3 0", "move 1 2 x 1",
-                            "move 1 2 3 4 5", "force sprin 5 1", "wait -1", "jog 1 2 nan"})
+                            "move 1 2 3 4 5", "force sprin 5 1", "wait -1", "jog 1 2 nan", "wait 1e999", "arm left 0 0 0 1", "take", "release spring now", "tighten 1", "Stop"})
     EXPECT_THROW(parse_live_command(wrong, s), InvalidInput) << wrong;
+}
+
+TEST(Live, LinesOfTheStandardInputEndSomewhere) {
+  int ends[2];
+  ASSERT_EQ(::pipe(ends), 0);
+  const int own = ::dup(STDIN_FILENO);
+  ::dup2(ends[0], STDIN_FILENO);
+  const auto source = open_line_source("-");
+  std::string line;
+  EXPECT_FALSE(source->next(line));  // never blocks
+  const auto write = [&](const std::string& bytes) {
+    EXPECT_EQ(::write(ends[1], bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
+  };
+  write("stop\n\njog 0 0");
+  for (const char* wanted : {"stop", ""}) {
+    EXPECT_TRUE(source->next(line));
+    EXPECT_EQ(line, wanted);
+  }
+  EXPECT_FALSE(source->next(line));  // the half of a line is none
+  write(" 0.1\n" + std::string(9000, 'x'));
+  EXPECT_TRUE(source->next(line));
+  EXPECT_EQ(line, "jog 0 0 0.1");
+  EXPECT_TRUE(source->next(line)) << "a line without an end would be read for ever";
+  EXPECT_THROW(parse_live_command(line, example("two-arms-spring")), InvalidInput);
+  while (source->next(line)) {}
+  write("\nquit");
+  ::close(ends[1]);
+  EXPECT_FALSE(source->closed());
+  while (source->next(line)) {}
+  EXPECT_EQ(line, "quit");  // also without its end
+  EXPECT_TRUE(source->closed());
+  ::dup2(own, STDIN_FILENO);
+  ::close(own);
+  ::close(ends[0]);
+}
+
+TEST(Live, WhatCannotBeIsRefusedBeforeTheRun) {
+  const Scenario s = example("two-arms-spring");
+  EXPECT_THROW(open_line_source("tcp:5"), InvalidInput);
+  for (double LiveOptions::*one : {&LiveOptions::pace, &LiveOptions::silence, &LiveOptions::hold, &LiveOptions::longest,
+                                   &LiveOptions::tell}) {
+    for (const double value : {-1.0, std::nan("")}) {
+      LiveOptions wrong = at_once();
+      wrong.*one = value;
+      Given lines({"quit"});
+      EXPECT_THROW(run_live(s, lines, wrong, {}), InvalidInput);
+    }
+  }
+}
+
+// The line stays open, but nobody speaks: a jog ends by itself, a watched line is lost.
+TEST(Live, ASilentHandEndsAJog) {
+  class Silent final : public LineSource {
+   public:
+    bool next(std::string& line) override {
+      line = "jog 0.01 0 0";
+      return std::exchange(speaks_, false);
+    }
+    bool closed() const override { return false; }
+
+   private:
+    bool speaks_ = true;
+  };
+  for (const bool watched : {false, true}) {
+    Silent lines;
+    LiveOptions options = at_once();
+    options.longest = 2.5;
+    options.watches_silence = watched;
+    double moved = 0.0, at_end = 0.0;
+    options.tell = 0.5;
+    LiveReport tell;
+    std::vector<double> x;
+    tell.state = [&](const std::string& line) { x.push_back(std::atof(line.c_str() + line.find("master=") + 7)); };
+    const LiveRun run = run_live(example("two-arms-spring"), lines, options, tell);
+    ASSERT_GE(x.size(), 4U);
+    moved = x.back() - x.front();
+    at_end = x.back() - x[x.size() - 2];
+    EXPECT_NEAR(moved, 0.005, 0.0015);
+    EXPECT_NEAR(at_end, 0.0, 2e-4);
+    EXPECT_EQ(run.lost, watched);
+    if (watched) {
+      EXPECT_NEAR(run.lost_at, 0.5, 0.01);
+    }
+    EXPECT_EQ(run.report().find("the line was lost") != std::string::npos, watched) << run.report();
+  }
 }
 
 TEST(Live, CommandsMoveTheObjectAndKeepItsForce) {

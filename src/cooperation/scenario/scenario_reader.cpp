@@ -76,6 +76,8 @@ ScenarioControl read_control(const YamlNode& node) {
     node.at("mass").fail("a mass that is not above zero", "three masses above zero [kg]");
   if (c.stiffness.minCoeff() <= 0.0)
     node.at("stiffness").fail("a stiffness that is not above zero", "three above zero [N/m]");
+  if (c.damping.minCoeff() < 0.0)
+    node.at("damping").fail("a damping below zero", "three numbers that are not below zero [N s/m]");
   c.friction = nonnegative_or(node, "friction", c.friction);
   c.observer = nonnegative_or(node, "observer", c.observer);
   if (const auto rule = node.find("friction_rule"))
@@ -112,6 +114,7 @@ std::vector<double> read_grid(const YamlNode& node, const std::string& key) {
   for (const YamlNode& item : list->items("a list of numbers")) {
     values.push_back(item.number());
     if (values.back() < 0.0) item.fail(item.found(), "a number that is not below zero");
+    if (key == "stiffness" && values.back() == 0.0) item.fail(item.found(), "a positive number");
   }
   return values;
 }
@@ -147,16 +150,21 @@ void draw_base_errors(const YamlNode& error, Scenario& s) {
   }
 }
 
-// Throws if the recorded data would not fit into memory.
-void expect_room(const Scenario& s, const YamlNode& phases) {
+// Throws if a phase has not one cycle at this rate, or if the recorded data would not fit into memory.
+void expect_room(const Scenario& s, double rate, const YamlNode& node) {
   double seconds = 0.0;
-  for (const ScenarioPhase& phase : s.phases) seconds += phase.duration;
+  for (const ScenarioPhase& phase : s.phases) {
+    seconds += phase.duration;
+    if (phase.duration * rate < 1.0)
+      node.fail(text("a rate of ", rate, " Hz for the ", phase.duration, " s of '", phase.name, "'"),
+                "at least one cycle in every phase");
+  }
   double numbers = 1.0 + 6.0 * static_cast<double>(s.members.size() + s.walls.size() + s.bodies.size());
   for (const ScenarioArm& arm : s.arms) numbers += 3.0 * static_cast<double>(arm.start.size() + 3);
   const double most = std::floor(most_rows(numbers));
-  if (seconds * s.control.rate < most) return;
-  phases.fail(text(seconds, " s at ", s.control.rate, " Hz in all"),
-              text("fewer than ", most, " cycles, what this machine holds"));
+  if (seconds * rate < most) return;
+  node.fail(text(seconds, " s at ", rate, " Hz in all"),
+            text("fewer than ", most, " cycles, what this machine holds"));
 }
 
 Scenario read(const YamlNode& root, const std::string& path) {
@@ -217,12 +225,15 @@ Scenario read(const YamlNode& root, const std::string& path) {
   for (const YamlNode& node : root.at("phases").items("a list of phases"))
     s.phases.push_back(read_phase(node, arms, members));
   if (s.phases.empty()) root.at("phases").fail("no phases", "at least one");
-  expect_room(s, root.at("phases"));
+  expect_room(s, s.control.rate, root.at("phases"));
   if (const auto faults = root.find("faults")) {
     for (const YamlNode& node : faults->items("a list of faults"))
       s.faults.push_back(read_fault(node, arms, members));
   }
-  if (const auto sweep = root.find("sweep")) s.sweep = read_sweep(*sweep);
+  if (const auto sweep = root.find("sweep")) {
+    s.sweep = read_sweep(*sweep);
+    for (const double rate : s.sweep.rate) expect_room(s, rate, *sweep);
+  }
   return s;
 }
 
