@@ -123,6 +123,34 @@ TEST(ArmFacts, AWrongFileNamesLineAndReason) {
             std::string::npos);
   EXPECT_NE(message_of("name: PSM2", "name: PSM9").find("no arm 'PSM2'"), std::string::npos);
   EXPECT_THROW(read_arm("PSM4"), InvalidInput);
+  const struct {
+    const char *from, *to, *words;
+  } refused[] = {{"dvrk_arm: 1", "dvrk_arm: 2", "another version"},
+                 {"convention: modified", "convention: modifed", "standard or modified"},
+                 {"board: 0", "board: 0.5", "a whole number from 0 to 1"},
+                 {"board: 0", "board: -1", "a whole number from 0 to 1"},
+                 {"board: 0", "board: 2", "a whole number from 0 to 1"},
+                 {"gear: 56.50", "gear: .nan", "finite number"},
+                 {"max_current: ", "max_current: -", "a positive number"}};
+  for (const auto& one : refused) {
+    const std::string said = message_of(one.from, one.to);
+    EXPECT_NE(said.find(one.words), std::string::npos) << one.to << ": " << said;
+    EXPECT_EQ(said.find(path.string() + ":"), 0U) << said;
+  }
+  std::filesystem::remove(path);
+}
+
+// A brake's channel may get the current that releases it, and no more.
+TEST(ArmFacts, ABrakeHoldsWithNoMoreThanItsReleaseCurrent) {
+  std::ifstream file(kFolder + "ecm.yaml");
+  const std::string yaml{std::istreambuf_iterator<char>(file), {}};
+  const std::string path = testing::TempDir() + "veridyn_brake_" + std::to_string(::getpid()) + ".yaml";
+  for (const char* currents : {"released: 0.8, engaged: 0}", "released: 0.08, engaged: 0.8}", "released: 0.08, engaged: -0.8}"}) {
+    std::string wrong = yaml;
+    const std::string right = "released: 0.08, engaged: 0}";
+    std::ofstream(path) << wrong.replace(wrong.find(right), right.size(), currents);
+    EXPECT_TRUE(refuses_with("a current above the one that releases", [&] { read_arm(path + ":ECM"); })) << currents;
+  }
   std::filesystem::remove(path);
 }
 

@@ -103,6 +103,8 @@ void read_brake(const YamlNode& node, const std::vector<int>& boards,
   brake.release_time = node.at("release_time").positive_number();
   brake.released_current = node.at("released").positive_number();
   brake.engaged_current = node.at("engaged").number();
+  if (brake.released_current > brake.release_current || std::abs(brake.engaged_current) > brake.release_current)
+    node.fail("a current above the one that releases", "currents up to it");
   brake.max_current = brake.release_current;
   actuators[which].brake = brake;
 }
