@@ -476,6 +476,22 @@ TEST_F(ArmRun, WhatDoesNotFitIsRefused) {
   MotionSamples far = motion(1.0);
   far.q.col(1).array() += 2.5;
   EXPECT_TRUE(refuses_with("takes actuator 1 to 2", [&] { run_motion(arm, link_, far, sensible_gains(model_), RunOptions(), stop_); }));
+  const double nan = std::nan(""), infinity = std::numeric_limits<double>::infinity();
+  std::vector<std::pair<const char*, RunOptions>> wrong(8);
+  for (std::size_t k = 0; k < 2; ++k) wrong[k].first = "positive ones";
+  wrong[0].second.largest_error = Eigen::Vector2d(0.3, nan);
+  wrong[1].second.largest_error = Eigen::Vector2d(nan, 0.3);
+  wrong[2].first = "positive approach speed";
+  wrong[2].second.approach_speed = nan;
+  for (std::size_t k = 3; k < 6; ++k) wrong[k].first = "expected 0 or more";
+  wrong[3].second.approach_time = nan;
+  wrong[4].second.settle = -1.0;
+  wrong[5].second.power_timeout = 1e300;
+  for (std::size_t k = 6; k < 8; ++k) wrong[k].first = "a rate of ";
+  wrong[6].second.rate = infinity;
+  wrong[7].second.rate = nan;
+  for (const auto& [words, options] : wrong)
+    EXPECT_TRUE(refuses_with(words, [&, &how = options] { run_motion(arm, link_, motion(1.0), sensible_gains(model_), how, stop_); }));
   RobotConfig other = planar_config();
   other.hardware = "DQLA";
   EXPECT_THROW(ArmSession(link_, other), InvalidInput);

@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <cmath>
+#include <limits>
 
 #include "cycle_clock.hpp"
 #include "motion_check.hpp"
@@ -42,10 +43,14 @@ constexpr double kLargestErrorSliding = 0.02;  // [m]
 RunResult run_checked(ArmSession& arm, DatagramLink& link, const MotionSamples& motion,
                       Eigen::Index recorded, MotionController& controller,
                       const RunOptions& options, const std::atomic<bool>& stop) {
-  require(options.rate > 0.0, "arm '", arm.robot().name, "': expected a positive rate.");
+  require(options.rate > 0.0 && std::isfinite(options.rate), "arm '", arm.robot().name,
+          "': found a rate of ", options.rate, " Hz, expected a positive number.");
+  for (const double seconds : {options.approach_time, options.settle, options.power_timeout})
+    require(seconds >= 0.0 && seconds * options.rate < std::numeric_limits<int>::max(), "arm '", arm.robot().name,
+            "': found a time of ", seconds, " s to approach, to settle or for power, expected 0 or more.");
   RunOptions all = options;
   if (all.largest_error.size() == 0) all.largest_error = default_largest_errors(arm.robot());
-  require(all.largest_error.size() == arm.size() && all.largest_error.minCoeff() > 0.0 &&
+  require(all.largest_error.size() == arm.size() && (all.largest_error.array() > 0.0).all() &&
               options.approach_speed > 0.0,
           "arm '", arm.robot().name, "': found ", all.largest_error.size(),
           " largest errors, expected ", arm.size(),
@@ -139,7 +144,7 @@ std::string watch_while(ArmSession& arm, CycleClock& clock, DatagramLink& link, 
 }
 
 void require_time(const ArmSession& arm, double seconds, double rate) {
-  require(rate > 0.0 && seconds > 0.0, "arm '", arm.robot().name,
+  require(rate > 0.0 && std::isfinite(rate) && seconds > 0.0, "arm '", arm.robot().name,
           "': expected a positive rate and a positive time.");
 }
 

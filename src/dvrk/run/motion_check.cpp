@@ -49,7 +49,7 @@ const MotionCheck::Guard* MotionCheck::broken_by(const VectorXd& q, const Vector
     const double at = guard.of_joints.dot(q), speed = guard.of_joints.dot(dq);
     const double span = guard.range.upper - guard.range.lower;
     const double room = std::isfinite(span) ? share_left * span : 0.0;
-    if (std::abs(speed) > guard.velocity ||
+    if (!(std::abs(speed) <= guard.velocity) ||
         leaves_range(at, speed, {guard.range.lower + room, guard.range.upper - room}, braking_))
       return &guard;
   }

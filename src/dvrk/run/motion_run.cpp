@@ -184,7 +184,7 @@ bool MotionRun::approach() {
   wanted_.q = way.from;
   rest();
   const double distance = (way.to - way.from).cwiseAbs().maxCoeff();
-  way.duration = std::max(options_.approach_time, 1.875 * distance / options_.approach_speed);
+  way.duration = std::max({options_.approach_time, 1.0 / options_.rate, 1.875 * distance / options_.approach_speed});
   double start = -1.0;
   bool there = false;
   while (!there) {
