@@ -166,7 +166,7 @@ class TeleoperationLoop : private BoardLoop {
     }
     if (!(force_.age <= scenario_.control.largest_age))
       fail("holds: a force sensor's samples are too old", {});
-    if (std::abs(force_.force) > scenario_.control.largest_force)
+    if (!(std::abs(force_.force) <= scenario_.control.largest_force))
       fail("holds: a force is too large", {});
     return -force_.force * scenario_.walls.front().normal;
   }

@@ -24,6 +24,8 @@ LiveHand::LiveHand(const Scenario& scenario, LineSource& lines, const LiveOption
       report_(report),
       reads_(reads),
       plan_(std::move(plan)) {
+  require(options.silence > 0.0 && options.longest > 0.0 && options.tell > 0.0,
+          "live run: found a time that is not above zero.");
   if (reads == Reads::kBetweenCycles) return;
   thread_ = std::thread([this] {
     while (!ends_.load()) {
