@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <limits>
 #include <sstream>
+#include <utility>
 
 #include "math/words.hpp"
 #include "math/excerpt.hpp"
@@ -76,12 +77,13 @@ class StandardInput final : public LineSource {
       if (end != std::string::npos) {
         line = held_.substr(0, end);
         held_.erase(0, end + 1);
-        return true;
+        if (!std::exchange(skips_, false)) return true;
+        continue;
       }
-      if (held_.size() > kLongestLine) {  // refused as a line: an endless one would be read for ever
-        line.swap(held_);
+      if (held_.size() > kLongestLine) {  // no command: its first bytes are refused, and no part of its rest is one
+        line = held_.substr(0, 40) + " ...";
         held_.clear();
-        return true;
+        if (!std::exchange(skips_, true)) return true;
       }
       if (closed_) return false;
       pollfd at{STDIN_FILENO, POLLIN, 0};
@@ -102,6 +104,7 @@ class StandardInput final : public LineSource {
   static constexpr std::size_t kLongestLine = 1024;  // as datagrams have
   std::string held_;
   bool closed_ = false;
+  bool skips_ = false;  // the rest of a line that was refused
 };
 
 // The first sender has the line until the end of the run, which its silence is.

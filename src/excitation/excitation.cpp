@@ -272,7 +272,7 @@ std::optional<Design::Candidate> Design::from_numbers(const std::shared_ptr<cons
   kept.nearest = next();
   kept.start = next();
   const auto parameters = static_cast<double>(standard_parameters(arm_).size());
-  fits = fits && base.size() > 0 && base.minCoeff() >= 0.0 && base.maxCoeff() < parameters;
+  fits = fits && base.size() > 0 && base.allFinite() && base.minCoeff() >= 0.0 && base.maxCoeff() < parameters;
   for (const VectorXd* of_search : {&x, &std::as_const(kept.nearest), &std::as_const(kept.start)})
     fits = fits && (of_search->size() == 0 || (of_search->size() == space_.size() && of_search->allFinite()));
   if (!fits) return std::nullopt;

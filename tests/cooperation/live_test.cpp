@@ -79,12 +79,13 @@ TEST(Live, LinesOfTheStandardInputEndSomewhere) {
   EXPECT_EQ(line, "jog 0 0 0.1");
   EXPECT_TRUE(source->next(line)) << "a line without an end would be read for ever";
   EXPECT_THROW(parse_live_command(line, example("two-arms-spring")), InvalidInput);
-  while (source->next(line)) {}
-  write("\nquit");
+  EXPECT_FALSE(source->next(line));
+  write(" stop\nquit");  // the end of what was refused is no command
   ::close(ends[1]);
   EXPECT_FALSE(source->closed());
-  while (source->next(line)) {}
+  EXPECT_TRUE(source->next(line));
   EXPECT_EQ(line, "quit");  // also without its end
+  EXPECT_FALSE(source->next(line));
   EXPECT_TRUE(source->closed());
   ::dup2(own, STDIN_FILENO);
   ::close(own);

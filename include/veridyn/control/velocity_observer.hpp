@@ -24,8 +24,8 @@ class VelocityObserver {
   /// @param ddq  (n) expected acceleration; zeros where unknown. Constant offsets of the encoders
   /// have no effect.
   /// @returns dq (n), zero at the first update(). Positions that are not finite are skipped: pass
-  /// NaN where no new sample arrived, and the velocity is extrapolated. Nothing changes in a time that
-  /// is not finite or not above zero.
+  /// NaN where no new sample arrived, and the velocity is extrapolated. Nothing changes where
+  /// dt is not finite or not above zero.
   /// Vectors have the sizes of the constructor; debug builds assert it.
   const VectorXd& update(const VectorXd& q, const VectorXd& ddq, double dt) noexcept;
 

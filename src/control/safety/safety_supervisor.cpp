@@ -15,7 +15,8 @@ constexpr double kBlindBraking = 0.8;     // share of the momentum; friction tak
 // Times the largest displacement in a cycle at the velocity limit.
 constexpr double kJumpShare = 5.0;
 
-constexpr double kNewer = 0.5;  // share of a cycle by which the time of a new measurement is later
+// A position counts as newly measured if its time of measurement has advanced by this share of a cycle.
+constexpr double kNewer = 0.5;
 
 // Rank of a fault's action; the strongest one applies.
 int strength(SafetyFault fault) {
