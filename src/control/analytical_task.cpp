@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "math/rotation.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
@@ -86,7 +87,7 @@ Eigen::Matrix3d angle_rates_to_omega_rate(const Eigen::Vector3d& angles,
 
 AnalyticalTask::AnalyticalTask(int joints, TaskRows rows, const Eigen::Matrix3d& home)
     : rows_(rows), home_(home), J_(MatrixXd::Zero(6, joints)), dJ_(J_) {
-  require(home.allFinite() && (home * home.transpose()).isIdentity(1e-6) && home.determinant() > 0,
+  require(is_rotation(home, 1e-6),
           "AnalyticalTask: found a home that is no rotation, expected an orthonormal matrix.");
 }
 

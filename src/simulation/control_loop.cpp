@@ -14,6 +14,7 @@
 namespace veridyn {
 namespace {
 
+constexpr double kMostUnderWay = 1e6;  // positions that a sensor delays, which are all kept
 constexpr double kContactRamp = 0.1;  // [s] in which a contact fades in and out
 constexpr double kFar = 10.0;         // times a joint's range: no controller recovers
 constexpr double kStepSeconds = 1.0;  // of a joint's step
@@ -168,6 +169,8 @@ void check(const Model& arm, const MotionSamples& m, const LoopOptions& o) {
               o.sensors.velocity_cutoff >= 0.0,
           "control loop: found a rate that is not above zero, or a lag, step, delay or cut-off "
           "below zero.");
+  require(o.sensors.delay * o.rate < kMostUnderWay, "control loop: found ", o.rate, " Hz with a delay of ", o.sensors.delay,
+          " s, expected fewer than ", kMostUnderWay, " positions on their way.");
   require(
       o.drive.limit.size() == 0 || (o.drive.limit.size() == n && o.drive.limit.minCoeff() > 0.0),
       "control loop: found torque limits that are not ", n, " numbers above zero.");

@@ -156,7 +156,7 @@ TEST(Refusals, ForceLawAndTeleoperation) {
              each<T>({&T::scale, &T::largest_force, &T::speed, &T::cutoff, &T::ramp, &T::period},
                      {0.0, kEndless, kNone}) +
                  each<T>({&T::force_scale, &T::damping}, {-1.0, kEndless, kNone}) +
-                 Wrongs<T>{[](T& o) { o.R_follower_leader *= 2.0; },
+                 Wrongs<T>{[](T& o) { o.R_follower_leader *= 2.0; }, [](T& o) { o.R_follower_leader *= -1.0; },
                            [](T& o) { o.R_follower_leader(2, 1) = kNone; }},
              [&](const T& o) { Teleoperation(o, here, here); });
   EXPECT_THROW(Teleoperation({}, nowhere, here), InvalidInput);
@@ -205,6 +205,7 @@ TEST(Refusals, TetherGuardAndCooperativeController) {
   }
   for (const double share : {0.0, 1.1, kNone}) wrongs.push_back([=](O& o) { o.members[0].share = share; });
   wrongs.push_back([](O& o) { o.R_world_arm[1] *= 0.5; });
+  wrongs.push_back([](O& o) { o.R_world_arm[1].col(2) *= -1.0; });
   wrongs.push_back([](O& o) { o.R_world_arm[1](0, 1) = kNone; });
   refuses<O>(good, wrongs, [&](const O& o) { CooperativeController(o, tips); });
   EXPECT_THROW(CooperativeController({}, {}), InvalidInput);

@@ -86,6 +86,7 @@ TEST(ScenarioReader, SaysWhereItIsWrong) {
       {"phases:", "control: {rate: 1e-3}\nphases:", "s.yaml:1", "at least one cycle in every phase"},
       {"phases:", "control: {rate: 1e300}\nphases:", "s.yaml:1", "what this machine holds"},
       {"phases:", "control: {torque_delay: 1001}\nphases:", "s.yaml:9", "at most 1000 cycles"},
+      {"phases:", "control: {torque_delay: 3e9}\nphases:", "s.yaml:9", "at most 1000 cycles"},
       {"phases:", "control: {torque_delay: 0.5}\nphases:", "s.yaml:9", "a whole number"},
       {"phases:", "control: {torque_delay: -1}\nphases:", "s.yaml:9", "a whole number"},
       {"phases:", "control: {adaptive_friction: true, friction: 0}\nphases:", "s.yaml:9", "'friction' above zero"},

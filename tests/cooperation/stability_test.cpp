@@ -252,6 +252,8 @@ TEST(Stability, ParametersAndRangesAreChecked) {
   EXPECT_EQ(parameter(with_parameter(s, "stiffness", 123.0), "stiffness"), 123.0);
   EXPECT_THROW(with_parameter(s, "stifness", 1.0), InvalidInput);
   EXPECT_THROW(with_parameter(s, "stiffness", 0.0), InvalidInput);
+  EXPECT_EQ(with_parameter(s, "torque_delay", 1000.0).control.torque_delay, 1000);
+  EXPECT_THROW(with_parameter(s, "torque_delay", 1e300), InvalidInput);
   EXPECT_THROW(parse_range("stiffness=5:1:3"), InvalidInput);
   EXPECT_THROW(parse_range("stiffness=1:5"), InvalidInput);
   const ParameterRange range = parse_range("stiffness=100:10000:3");

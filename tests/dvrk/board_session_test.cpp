@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+
 #include "dvrk/rig.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -145,8 +148,14 @@ TEST(BoardSession, BadOptionsAreRefused) {
   BoardEmulator emulator({Rig::setup(6), Rig::setup(7)}, 3);
   EmulatedLink link(emulator);
   SessionOptions options = Rig::options();
-  options.watchdog = 0.0;
-  EXPECT_THROW(BoardSession(link, options), InvalidInput);
+  for (const auto seconds : {&SessionOptions::watchdog, &SessionOptions::relay_timeout, &SessionOptions::supply_timeout,
+                             &SessionOptions::off_timeout}) {
+    for (const double none : {0.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
+      options = Rig::options();
+      options.*seconds = none;
+      EXPECT_THROW(BoardSession(link, options), InvalidInput) << none;
+    }
+  }
   options = Rig::options();
   options.channels[1][2].max_current = 0.0;
   EXPECT_THROW(BoardSession(link, options), InvalidInput);

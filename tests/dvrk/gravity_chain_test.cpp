@@ -169,6 +169,8 @@ TEST_F(StaticFile, MistakesNameTheLine) {
   EXPECT_NE(message_of("q1,tau1\n1,2\n1\n").find(":3: found 1 fields"), std::string::npos);
   EXPECT_NE(message_of("q1,q2,tau1\n1,2,3\n").find("q1..qn and tau1..taun"), std::string::npos);
   EXPECT_NE(message_of("q1,tau1\n").find("no rows"), std::string::npos);
+  EXPECT_NE(message_of("q1,tau1,q1\n1,2,3\n").find(":1: found the column 'q1' twice"), std::string::npos);
+  EXPECT_NE(message_of("q1,tau1,tau1\n1,2,3\n").find(":1: found the column 'tau1' twice"), std::string::npos);
 }
 
 // Reported torque = current / configured scale. The truth is smaller by the gain, so the same

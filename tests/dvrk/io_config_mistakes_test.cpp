@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 
@@ -122,6 +123,18 @@ std::vector<Mistake> mistakes() {
 
 INSTANTIATE_TEST_SUITE_P(InTheExample, OnMistakes, testing::ValuesIn(mistakes()),
                          [](const auto& mistake) { return "m" + std::to_string(mistake.index); });
+
+TEST(IoConfig, WhatIsNotKnownIsNamedWithItsLine) {
+  std::string xml = content_of(kExample);
+  const std::vector<std::string> before = read_io_xml(xml, "io.xml").remarks;
+  const auto place = xml.find("</Actuator>");
+  xml.insert(place, "<Colour Shade=\"red\"/>");
+  const auto line = 1 + std::count(xml.begin(), xml.begin() + static_cast<std::ptrdiff_t>(place), '\n');
+  const std::vector<std::string> remarks = read_io_xml(xml, "io.xml").remarks;
+  ASSERT_EQ(remarks.size(), before.size() + 1);
+  EXPECT_EQ(remarks.front().rfind(text("io.xml:", line, ": "), 0), 0U) << remarks.front();
+  EXPECT_NE(remarks.front().find("Colour is not known here"), std::string::npos) << remarks.front();
+}
 
 TEST(IoConfig, ASingularCouplingOfPotsIsRefused) {
   IoConfig config = nominal_config(read_arm("MTMR"));

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "math/numbers.hpp"
 #include "support/near.hpp"
 #include "support/sample_arms.hpp"
 #include "support/stranger_files.hpp"
@@ -189,6 +190,40 @@ TEST(StrangersMjcf, IsReadWithItsClassesUnitsAndActuators) {
   EXPECT_EQ(finger.variable.coefficients[3], -0.5);
   EXPECT_NEAR(finger.variable.offset, 0.02, 1e-15);  // 0.01 + 0.02 - 0.5 reach, less its reference
   EXPECT_GE(arm.find_frame("mark"), 0);
+}
+
+// A joint's effort limit is the sum of what its actuators can give; one without a limit leaves none.
+TEST(MjcfActuators, TheirLargestForceIsTheJointsLimit) {
+  const TemporaryFolder folder;
+  const auto limit = [&](const std::string& actuators) {
+    const std::string arm = "<mujoco model=\"a\"><worldbody><body name=\"b\"><joint name=\"j\" type=\"hinge\"/>"
+                            "<inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/></body></worldbody><actuator>";
+    return read_model(folder.write("arm.xml", arm + actuators + "</actuator></mujoco>")).coordinates()[0].limits.effort;
+  };
+  EXPECT_EQ(limit(R"(<motor joint="j" ctrlrange="-3 2"/>)"), 3.0);
+  EXPECT_EQ(limit(R"(<motor joint="j" ctrlrange="-2 3" gear="-10"/>)"), 30.0);
+  EXPECT_EQ(limit(R"(<motor joint="j" ctrlrange="-2 3" forcerange="-1 2.5"/>)"), 2.5);
+  EXPECT_EQ(limit(R"(<motor joint="j" ctrlrange="-2 3" forcerange="-4 1"/>)"), 3.0);
+  EXPECT_EQ(limit(R"(<general joint="j" ctrlrange="-2 3" gainprm="-5"/>)"), 15.0);
+  EXPECT_EQ(limit(R"(<motor joint="j" ctrlrange="-2 3"/><motor joint="j" ctrlrange="-1 1"/>)"), 4.0);
+  EXPECT_EQ(limit(R"(<motor joint="j" ctrlrange="-2 3"/><motor joint="j"/>)"), kInfinity);
+  EXPECT_EQ(limit(R"(<motor joint="j" ctrlrange="-2 3" ctrllimited="false"/>)"), kInfinity);
+  EXPECT_EQ(limit(R"(<position joint="j" kp="100" ctrlrange="-2 3"/>)"), kInfinity);  // its control is a position
+  EXPECT_EQ(limit(R"(<position joint="j" kp="100" ctrlrange="-2 3" forcerange="-7 7"/>)"), 7.0);
+  EXPECT_EQ(limit(R"(<general joint="j" ctrlrange="-2 3" biastype="affine" biasprm="0 -100 0"/>)"), kInfinity);
+}
+
+TEST(MjcfGeoms, ThoseOfTheCompilersGroupsHaveMass) {
+  const TemporaryFolder folder;
+  const auto mass = [&](const std::string& compiler) {
+    const std::string arm = "<worldbody><body name=\"b\"><joint name=\"j\" type=\"hinge\"/><geom size=\"0.1\" mass=\"1\"/>"
+                            "<geom size=\"0.1\" mass=\"2\" group=\"2\"/><geom size=\"0.1\" mass=\"4\" group=\"3\"/></body></worldbody>";
+    return (*read_model(folder.write("arm.xml", "<mujoco model=\"a\">" + compiler + arm + "</mujoco>")).inertial_values())[0];
+  };
+  EXPECT_EQ(mass(""), 7.0);
+  EXPECT_EQ(mass(R"(<compiler inertiagrouprange="0 2"/>)"), 3.0);
+  EXPECT_EQ(mass(R"(<compiler inertiagrouprange="2 2"/>)"), 2.0);
+  EXPECT_EQ(mass(R"(<compiler inertiagrouprange="3 5"/>)"), 4.0);
 }
 
 TEST(StrangersMjcf, FollowerOfAReferenceIsPlaced) {

@@ -9,6 +9,7 @@
 
 #include "support/near.hpp"
 #include "veridyn/kinematics/kinematics.hpp"
+#include "math/numbers.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
@@ -153,6 +154,30 @@ TEST_F(UrdfFile, DampingAndFrictionBecomeEffects) {
   const Model again = read(to_urdf(arm));
   ASSERT_EQ(again.effects().size(), 2U);
   EXPECT_EQ(again.effects()[1].values.at("level"), 0.2);
+}
+
+// 1e10 and more mean "no limit", as exporters write them.
+TEST_F(UrdfFile, LimitsThatMeanNoneAreNone) {
+  const auto limits = [&](const std::string& attributes) {
+    std::string content = kGripper;
+    const std::string old = "lower=\"0\" upper=\"0.05\" velocity=\"0.1\" effort=\"30\"";
+    content.replace(content.find(old), old.size(), attributes);
+    return read(content).coordinates()[1].limits;
+  };
+  const Limits own = limits(R"(lower="-1" upper="2" velocity="3" effort="4")");
+  EXPECT_EQ(own.lower, -1.0);
+  EXPECT_EQ(own.upper, 2.0);
+  EXPECT_EQ(own.velocity, 3.0);
+  EXPECT_EQ(own.effort, 4.0);
+  const Limits zero = limits(R"(lower="0" upper="0" velocity="0" effort="0")");
+  const Limits large = limits(R"(lower="-1e16" upper="1e16" velocity="1e16" effort="1e16")");
+  const Limits infinite = limits(R"(lower="-1.8e308" upper="1.7e308" velocity="1.7e308" effort="1.7e308")");
+  for (const Limits& l : {zero, large, infinite}) {
+    EXPECT_EQ(l.lower, -kInfinity);
+    EXPECT_EQ(l.upper, kInfinity);
+    EXPECT_EQ(l.velocity, kInfinity);
+    EXPECT_EQ(l.effort, kInfinity);
+  }
 }
 
 TEST_F(UrdfFile, SeveralCoordinatesInOneFrameBecomeAChainOfMimicJoints) {

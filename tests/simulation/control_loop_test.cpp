@@ -158,6 +158,15 @@ TEST(ControlLoop, GainsComeFromAFile) {
 
 // A recording of the arm itself, made with another controller, is what the arm makes of it again:
 // whatever drives.
+TEST(ControlLoop, SensorsThatAreYearsLateAreRefused) {
+  const MotionSamples wanted = held(VectorXd::Constant(2, 0.4), 0.1);
+  ControlledOptions options;
+  for (const double delay : {-1.0, 1e305, std::nan("")}) {
+    options.loop.sensors.delay = delay;
+    EXPECT_THROW(simulate_controlled(planar_2r(), wanted, options), InvalidInput) << delay;
+  }
+}
+
 TEST(Replay, TheArmThatWasRecordedReplaysItsRecording) {
   const Model arm = robot("psm-3dof");
   VectorXd middle(3);

@@ -78,8 +78,13 @@ TEST(ForceSensor, RefusesWhatCannotBe) {
   options.rate = 0.0;
   EXPECT_THROW(ForceSensor{options}, InvalidInput);
   options.rate = 500.0;
-  options.delay = -1e-3;
-  EXPECT_THROW(ForceSensor{options}, InvalidInput);
+  for (const double delay : {-1e-3, 2001.0, 1e305}) {
+    options.delay = delay;
+    EXPECT_THROW(ForceSensor{options}, InvalidInput) << delay;
+  }
+  options.delay = 1.0;
+  EXPECT_NO_THROW(ForceSensor{options});
+  EXPECT_THROW(ForceSensor(options, 1e305), InvalidInput);
 }
 
 }  // namespace

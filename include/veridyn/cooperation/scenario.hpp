@@ -109,6 +109,8 @@ struct ScenarioFault {
   bool reported = false;  ///< the controller is informed of the failed arm
 };
 
+constexpr int kLongestTorqueDelay = 1000;  ///< [cycles]
+
 /// Settings of the control loops.
 struct ScenarioControl {
   double rate = 1000.0;                 ///< [Hz]
@@ -123,7 +125,7 @@ struct ScenarioControl {
   double velocity_cutoff = 400.0;     ///< [Hz] of the velocities from encoders
   double force_cutoff = 0.0;          ///< [Hz] of a low-pass of all force readings; 0: none
   double motor_lag = 0.0;             ///< [s] first-order lag between commanded and actual torques
-  int torque_delay = 0;               ///< [cycles] additional delay of the torques
+  int torque_delay = 0;               ///< [cycles] additional delay of the torques, at most kLongestTorqueDelay
   double largest_force = 20.0;        ///< [N] beyond which the task ends
   double largest_force_error = 20.0;  ///< [N] likewise, of a reading from h_d
   double largest_error = 0.02;        ///< [m] likewise

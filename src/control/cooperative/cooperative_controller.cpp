@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "math/rotation.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
@@ -30,7 +31,7 @@ void check(const CooperativeOptions& o, std::size_t tips) {
   require(o.leader >= 0 && o.leader < arms, "cooperative controller: found the leader ", o.leader,
           ", expected one of ", arms, " arms from 0.");
   for (const Eigen::Matrix3d& R : o.R_world_arm)
-    require(R.isUnitary(1e-6), "cooperative controller: found a base whose R_world_arm is no rotation.");
+    require(is_rotation(R, 1e-6), "cooperative controller: found a base whose R_world_arm is no rotation.");
   for (const CooperativeMember& m : o.members) {
     require(m.from >= 0 && m.from < arms && m.to >= 0 && m.to < arms && m.from != m.to,
             "cooperative controller: found a member between the arms ", m.from, " and ", m.to,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "math/rotation.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
@@ -22,7 +23,7 @@ Teleoperation::Teleoperation(const TeleoperationOptions& options, const Vector3d
             " among its options, expected numbers not below zero.");
   }
   require(leader.allFinite() && follower.allFinite(), "teleoperation: found tips without a place.");
-  require(options.R_follower_leader.isUnitary(1e-6), "teleoperation: found an R_follower_leader that "
+  require(is_rotation(options.R_follower_leader, 1e-6), "teleoperation: found an R_follower_leader that "
           "is no rotation.");
   share_ = 1.0 - std::exp(-2.0 * M_PI * options.cutoff * options.period);
   target_.position = target_.motion = follower;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 
 namespace veridyn {
 
@@ -14,11 +15,12 @@ struct PositionRange {
 ///
 ///   dq / braking
 ///
-/// A joint beyond a limit that moves back inside is allowed.
+/// A joint beyond a limit that moves back inside is allowed; one whose position or velocity is NaN is not.
 ///
 /// @param braking  [1/s], SafetyLimits::braking.
 inline bool leaves_range(double q, double dq, const PositionRange& range, double braking) noexcept {
   const double stops = q + dq / braking;
+  if (std::isnan(stops)) return true;
   const bool above = std::max(q, stops) > range.upper && dq >= 0.0;
   const bool below = std::min(q, stops) < range.lower && dq <= 0.0;
   return above || below;

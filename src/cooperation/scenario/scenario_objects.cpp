@@ -5,8 +5,6 @@
 namespace veridyn {
 namespace {
 
-constexpr double kMostUnderWay = 1e6;  // samples of one sensor, which are all kept
-
 ForceLaw read_law(const YamlNode& node, double stiffness) {
   node.allow_keys({"kind", "deadband", "increment", "gain", "proportional", "damping",
                    "feed_forward", "reach", "stiffness"});
@@ -36,9 +34,9 @@ ForceSensorOptions read_sensor(const YamlNode& node, const std::vector<std::stri
   sensor.noise = nonnegative_or(node, "noise", 0.0);
   sensor.step = nonnegative_or(node, "step", 0.0);
   const double under_way = sensor.rate * (1.0 + sensor.delay);
-  if (!(under_way < kMostUnderWay))
+  if (!(under_way < ForceSensor::kMostUnderWay))
     node.fail(text(sensor.rate, " Hz with a delay of ", sensor.delay, " s"),
-              text("fewer than ", kMostUnderWay, " samples under way and in a second"));
+              text("fewer than ", ForceSensor::kMostUnderWay, " samples under way and in a second"));
   return sensor;
 }
 

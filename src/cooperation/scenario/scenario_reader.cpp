@@ -90,8 +90,9 @@ ScenarioControl read_control(const YamlNode& node) {
   c.force_cutoff = nonnegative_or(node, "force_cutoff", c.force_cutoff);
   c.motor_lag = nonnegative_or(node, "motor_lag", c.motor_lag);
   if (const auto delay = node.find("torque_delay")) {
-    c.torque_delay = static_cast<int>(whole_number(*delay));
-    if (c.torque_delay > 1000) delay->fail(delay->found(), "at most 1000 cycles");
+    const long cycles = whole_number(*delay);
+    if (cycles > kLongestTorqueDelay) delay->fail(delay->found(), text("at most ", kLongestTorqueDelay, " cycles"));
+    c.torque_delay = static_cast<int>(cycles);
   }
   c.largest_energy = nonnegative_or(node, "largest_energy", c.largest_energy);
   c.relief_force = positive_or(node, "relief_force", c.relief_force);

@@ -108,7 +108,10 @@ const std::vector<Access>& table() {
       {{"motor_lag", "s", "between torques asked and made"}, get_control<&C::motor_lag>, set_control<&C::motor_lag>, false},
       {{"torque_delay", "cycles", "of torques beyond the cycle"},
        [](const Scenario& s) { return static_cast<double>(s.control.torque_delay); },
-       [](Scenario& s, double x) { s.control.torque_delay = static_cast<int>(std::lround(x)); }, false},
+       [](Scenario& s, double x) {
+         require(x <= kLongestTorqueDelay, "parameter torque_delay: found ", x, " cycles, expected at most ", kLongestTorqueDelay, ".");
+         s.control.torque_delay = static_cast<int>(std::lround(x));
+       }, false},
       {{"gain", "m/(N s)", "K_f of force laws", true}, get_law<&L::gain>, set_law<&L::gain>, false},
       {{"proportional", "m/N", "of force laws"}, get_law<&L::proportional>, set_law<&L::proportional>, false},
       {{"law_damping", "s", "of force laws"}, get_law<&L::damping>, set_law<&L::damping>, false},

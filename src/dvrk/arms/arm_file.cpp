@@ -6,6 +6,7 @@
 
 #include "math/input_file.hpp"
 #include "math/beside_program.hpp"
+#include "math/rotation.hpp"
 #include "model/suggestion.hpp"
 #include "model/yaml/yaml_node.hpp"
 #include "dvrk/arms/arm_facts.hpp"
@@ -115,9 +116,7 @@ Eigen::Matrix4d read_tip(const YamlNode& node) {
   const std::vector<double> p = node.at("position").numbers(3, "three numbers [x, y, z]");
   T.topRightCorner<3, 1>() << p[0], p[1], p[2];
   const MatrixXd R = read_square(node.at("rotation"));
-  const bool rotation =
-      R.rows() == 3 && (R * R.transpose()).isIdentity(1e-9) && R.determinant() > 0;
-  if (!rotation) node.at("rotation").fail("a matrix that is no rotation", "three rows of one");
+  if (!is_rotation(R, 1e-9)) node.at("rotation").fail("a matrix that is no rotation", "three rows of one");
   T.topLeftCorner<3, 3>() = R;
   return T;
 }

@@ -60,8 +60,9 @@ Columns columns_of(const std::vector<std::string>& fields, bool header, const st
     return columns;
   }
   for (std::size_t k = 0; k < fields.size(); ++k) {
-    if (const int joint = joint_of(fields[k], "q"); joint >= 0) columns.q[joint] = k;
-    if (const int joint = joint_of(fields[k], "tau"); joint >= 0) columns.tau[joint] = k;
+    const int position = joint_of(fields[k], "q"), effort = joint_of(fields[k], "tau");
+    const bool is_new = (position < 0 || columns.q.emplace(position, k).second) && (effort < 0 || columns.tau.emplace(effort, k).second);
+    require(is_new, where, ": found the column '", excerpt(fields[k]), "' twice.");
   }
   const int n = static_cast<int>(columns.q.size());
   require(n > 0 && columns.tau.size() == columns.q.size() && columns.q.rbegin()->first == n - 1 &&

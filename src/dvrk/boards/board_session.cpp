@@ -36,6 +36,8 @@ BoardSession::BoardSession(DatagramLink& link, const SessionOptions& options)
     : link_(link), options_(options), bus_(link, options.bus), channels_(options.channels) {
   require(options.watchdog > 0.0 && options.watchdog <= 0.34, "boards: found a watchdog of ",
           options.watchdog, " s, expected more than 0 and at most 0.34.");
+  for (const double seconds : {options.relay_timeout, options.supply_timeout, options.off_timeout})
+    require(std::isfinite(seconds) && seconds > 0.0, "boards: found a timeout of ", seconds, " s, expected a number above zero.");
   channels_.resize(bus_.boards());
   states_.resize(channels_.size());
   for (int b = 0; b < bus_.boards(); ++b) {

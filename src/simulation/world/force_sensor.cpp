@@ -38,6 +38,9 @@ ForceSensor::ForceSensor(const ForceSensorOptions& options, double longest_perio
   require(std::isfinite(options.delay) && options.delay >= 0.0 && options.noise >= 0.0 &&
               options.step >= 0.0 && longest_period > 0.0,
           "force sensor: found a delay, a noise or a step below zero.");
+  const double under_way = (options.delay + longest_period) * options.rate;
+  require(under_way < kMostUnderWay, "force sensor: found ", options.rate, " Hz with a delay of ", options.delay,
+          " s, expected fewer than ", kMostUnderWay, " samples on their way.");
   state_ = std::make_unique<State>(options, longest_period);
 }
 
