@@ -103,7 +103,7 @@ readme: tool python
 	  /usr/bin/python3 tests/readme/blocks.py write $$page out/readme || exit 1; done
 
 # The second test configuration, by clang: address and undefined-behaviour sanitizers, all rooms or ROOM="recordings model ...";
-# SANITIZER=tsan: the thread sanitizer. What asan ran is counted for `make coverage`.
+# SANITIZER=tsan: the thread sanitizer.
 SANITIZER ?= asan
 sanitize: packages-tests
 	@cmake/install-packages.sh cmake/debian-packages-fuzz.txt
@@ -111,12 +111,17 @@ sanitize: packages-tests
 	@cmake --build build-$(SANITIZER) -j $(JOBS) $(addprefix --target test_,$(ROOM))
 	@echo "$(SANITIZER): $(or $(ROOM),all rooms)"
 	@ASAN_OPTIONS=allocator_may_return_null=1 LSAN_OPTIONS=suppressions=$(CURDIR)/tests/fuzz/leaks.txt \
-	  LLVM_PROFILE_FILE=$(CURDIR)/build-$(SANITIZER)/profiles/%4m.profraw \
 	  ctest --test-dir build-$(SANITIZER) --output-on-failure -j $(JOBS) $(if $(ROOM),-R "^($$(echo $(ROOM) | tr ' ' '|'))/")
 
-# Lines, functions and branches of src/ROOM that the last `make sanitize ROOM=...` ran; build-asan/coverage/index.html has the source.
-coverage:
-	@tests/coverage.sh build-asan $(ROOM)
+# Lines, functions and branches that the tests of ROOM="control dvrk ..." (default: all) run of src/ROOM, or of SHOW="dvrk";
+# build-coverage/coverage/index.html has the source.
+coverage: packages-tests
+	@cmake/install-packages.sh cmake/debian-packages-fuzz.txt
+	@cmake --preset coverage >build-coverage.log 2>&1 || { cat build-coverage.log; exit 1; }
+	@cmake --build build-coverage -j $(JOBS) $(addprefix --target test_,$(ROOM))
+	@LLVM_PROFILE_FILE=$(CURDIR)/build-coverage/profiles/%4m.profraw \
+	  ctest --test-dir build-coverage --output-on-failure -j $(JOBS) $(if $(ROOM),-R "^($$(echo $(ROOM) | tr ' ' '|'))/")
+	@tests/coverage.sh build-coverage $(or $(SHOW),$(ROOM))
 
 # The tests that start threads, as they are built, under valgrind's helgrind: races and locks in two orders. Nothing is compiled.
 races: build
@@ -160,4 +165,4 @@ bill: tool
 	@echo $(BUILD)/veridyn.cdx.json
 
 clean:
-	rm -rf build build-asan build-tsan out
+	rm -rf build build-asan build-coverage build-tsan out

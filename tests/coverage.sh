@@ -1,5 +1,5 @@
 #!/bin/sh
-# coverage.sh FOLDER [ROOM...]: which lines, functions and branches of src/ROOM the last `make sanitize` ran, in a table by file and, with
+# coverage.sh FOLDER [ROOM...]: which lines, functions and branches of src/ROOM the tests in FOLDER ran, in a table by file and, with
 # the source, in FOLDER/coverage/index.html.
 set -eu
 cd "$(dirname "$0")/.."
@@ -7,7 +7,7 @@ folder=$1
 shift
 rooms=""
 for room; do rooms="$rooms src/$room include/veridyn/$room"; done
-ls "$folder"/profiles/*.profraw >/dev/null 2>&1 || { echo "coverage: found no $folder/profiles; make sanitize makes it" >&2; exit 3; }
+ls "$folder"/profiles/*.profraw >/dev/null 2>&1 || { echo "coverage: found no $folder/profiles; make coverage makes it" >&2; exit 3; }
 llvm-profdata merge -sparse "$folder"/profiles/*.profraw -o "$folder/coverage.profdata"
 # The first program is an argument, the others are options.
 set --
