@@ -60,6 +60,7 @@ Model::Model(ModelDescription description) : description_(std::move(description)
   const int n = joints();
   const std::string where = text("arm '", description_.name, "'");
   require(n > 0, where, " has no coordinates.");
+  require(n <= kMostCoordinates, where, " has ", n, " coordinates, expected at most ", kMostCoordinates, ".");
   require((description_.gravity.array().abs() <= kLargestNumber).all(), where, ": gravity is beyond +-", kLargestNumber,
           " m/s^2, expected that of a planet.");
   std::set<std::string> names;

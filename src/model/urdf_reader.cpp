@@ -172,6 +172,8 @@ class UrdfReader {
       if (moves(*joint) && !joint->mimic) model_.coordinates.push_back(coordinate(*joint));
     }
     if (model_.coordinates.empty()) fail("", "no joint that moves", "at least one");
+    if (model_.coordinates.size() > kMostCoordinates)
+      fail("", text(model_.coordinates.size(), " joints that move"), text("at most ", kMostCoordinates));
   }
 
   static bool moves(const urdf::Joint& joint) { return joint.type != urdf::Joint::FIXED; }

@@ -177,6 +177,18 @@ TEST(IoConfig, DamagedFilesAreReadOrRefused) {
   EXPECT_THROW(read_io_xml(deep + "</Config>", "f"), InvalidInput);
 }
 
+// A file of some megabytes is read in the time that its bytes take: its elements are many, not deep.
+TEST(IoConfig, ManyElementsAreReadOnce) {
+  std::string xml = "<Config Version=\"5\">\n", json = "{\"digital_inputs\": [";
+  constexpr int kMany = 50000;
+  for (int k = 0; k < kMany; ++k) {
+    xml += text("<DigitalIn Name=\"n", k, "\" BoardID=\"1\" BitID=\"2\" Pressed=\"1\"/>\n");
+    json += text(k > 0 ? "," : "", "{\"name\": \"n", k, "\", \"board_id\": 1, \"bit_id\": 2}");
+  }
+  EXPECT_EQ(read_io_xml(xml + "<Colour/>\n</Config>", "f").remarks, std::vector<std::string>{text("f:", kMany + 2, ": Colour is not known here and was not used.")});
+  EXPECT_EQ(read_io_json(json + "]}", "f").digital_inputs.size(), static_cast<std::size_t>(kMany));
+}
+
 TEST(IoConfig, OtherNamesOfJsonAreRead) {
   const std::string json = R"({"digital_inputs": [
     {"name": "a", "board_id": 1, "bit_id": 2, "pressed_value": false, "trigger_when_pressed": true,

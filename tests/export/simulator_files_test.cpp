@@ -6,9 +6,11 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
 
 #include "math/numbers.hpp"
 #include "support/near.hpp"
+#include "support/refusal.hpp"
 #include "support/sample_arms.hpp"
 #include "support/stranger_files.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
@@ -372,6 +374,31 @@ TEST_F(BadFile, DamagedSimulatorFilesAreRefusedAndNeverCrash) {
     for (int k = 0; k < 100000; ++k) deep += "</body>";
     deep += std::string(file) == "arm.xml" ? "</worldbody></mujoco>" : "</model></sdf>";
     EXPECT_THROW(read_model(folder_.write(file, deep)), InvalidInput);
+  }
+}
+
+// Times grow with the third power of the joints, so that their number has a limit, which is told before anything grows.
+TEST(RobotFormats, ArmsOfThousandsOfJointsAreRefused) {
+  const TemporaryFolder folder;
+  const auto file = [&](const std::string& name, int joints) {
+    std::string urdf = "<robot name=\"a\"><link name=\"l\"/>", mjcf = "<mujoco model=\"a\"><worldbody>", sdf = "<sdf version=\"1.7\"><model name=\"a\"><link name=\"l\"/>";
+    std::string yaml = "veridyn: 1\nname: a\nconvention: standard\ncoordinates:\n", frames = "frames:\n";
+    for (int k = 0; k < joints; ++k) {
+      const std::string n = std::to_string(k);
+      urdf += "<link name=\"l" + n + "\"/><joint name=\"j" + n + "\" type=\"continuous\"><parent link=\"l\"/><child link=\"l" + n + "\"/></joint>";
+      mjcf += "<body name=\"b" + n + "\"><joint name=\"j" + n + "\" type=\"hinge\"/><geom size=\"1\" mass=\"1\"/></body>";
+      sdf += "<link name=\"l" + n + "\"/><joint name=\"j" + n + "\" type=\"revolute\"><parent>l</parent><child>l" + n + "</child><axis><xyz>0 0 1</xyz></axis></joint>";
+      yaml += "  - {name: j" + n + "}\n";
+      frames += "  - {name: f" + n + ", parent: world, dh: [1, 0, 0, 0], revolute: {j" + n + ": 1}}\n";
+    }
+    const std::map<std::string, std::string> contents = {
+        {"a.urdf", urdf + "</robot>"}, {"a.xml", mjcf + "</worldbody></mujoco>"}, {"a.sdf", sdf + "</model></sdf>"}, {"a.yaml", yaml + frames}};
+    return folder.write(name, contents.at(name));
+  };
+  for (const char* name : {"a.urdf", "a.xml", "a.sdf", "a.yaml"}) {
+    EXPECT_EQ(read_model(file(name, 3)).joints(), 3) << name;
+    const std::string said = refusal([&] { read_model(file(name, 5000)); });
+    EXPECT_NE(said.find("expected at most 500."), std::string::npos) << said;
   }
 }
 

@@ -171,7 +171,7 @@ TEST_F(UrdfFile, LimitsThatMeanNoneAreNone) {
   EXPECT_EQ(own.effort, 4.0);
   const Limits zero = limits(R"(lower="0" upper="0" velocity="0" effort="0")");
   const Limits large = limits(R"(lower="-1e16" upper="1e16" velocity="1e16" effort="1e16")");
-  const Limits infinite = limits(R"(lower="-1.8e308" upper="1.7e308" velocity="1.7e308" effort="1.7e308")");
+  const Limits infinite = limits(R"(lower="-1.7e308" upper="1.7e308" velocity="1.7e308" effort="1.7e308")");
   for (const Limits& l : {zero, large, infinite}) {
     EXPECT_EQ(l.lower, -kInfinity);
     EXPECT_EQ(l.upper, kInfinity);

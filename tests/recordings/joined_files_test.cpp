@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "recordings/arrays/array_recording.hpp"
+#include "support/refusal.hpp"
 #include "recordings/fields/import.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/recordings/recording.hpp"
@@ -169,6 +170,21 @@ TEST(Arrays, NamedByAMapHaveTheirLongerDimensionAsTheTime) {
   EXPECT_EQ(found.recording.q(7, 1), 15.0);
   EXPECT_EQ(found.recording.tau(7, 0), -14.0);
   EXPECT_NEAR(found.recording.time[50], 1.0, 1e-9);
+}
+
+// A file may hold any number of arrays: a message names a few, and groups with signals have a limit.
+TEST(Arrays, ThousandsOfThemAreToldInOneShortLine) {
+  recordings::ArraySet others, groups;
+  for (int k = 0; k < 5000; ++k) {
+    others.arrays.push_back({text("a", k), 1, 1, {0.0}});
+    groups.arrays.push_back({text("g", k, "/q"), 3, 1, {0.0, 1.0, 2.0}});
+  }
+  RecordingOptions options;
+  options.rate = 50.0;
+  const std::string said = refusal([&] { recordings::raw_from_arrays(others, "a.npz", "NumPy", options); });
+  EXPECT_NE(said.find("found arrays a0, a1, "), std::string::npos) << said;
+  EXPECT_NE(said.find(", ... (5000), expected t, q, dq and tau"), std::string::npos) << said;
+  EXPECT_TRUE(refuses_with("5000 groups of arrays", [&] { recordings::raw_from_arrays(groups, "a.npz", "NumPy", options); }));
 }
 
 }  // namespace

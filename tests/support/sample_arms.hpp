@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "support/random.hpp"
+#include "math/numbers.hpp"
 #include "veridyn/model/model.hpp"
 
 // Arms that between them have every feature of a model: both joint types, both DH conventions,
@@ -23,7 +24,6 @@ class ArmBuilder {
  public:
   ArmBuilder(std::string name, int joints, unsigned seed) : random_(seed) {
     arm_.name = std::move(name);
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
     const Limits limits{-kInfinity, kInfinity, kInfinity, kInfinity, kInfinity};
     for (int i = 0; i < joints; ++i)
       arm_.coordinates.push_back({text_of("q", i + 1), limits, 0.0, false, {}});

@@ -12,6 +12,9 @@
 
 namespace veridyn {
 
+/// Joints that move by themselves, in one model: times grow with the third power of their number.
+constexpr int kMostCoordinates = 500;
+
 /// A joint variable or the line along which an effect acts: s = c . q + s0.
 struct Axis {
   VectorXd coefficients;  ///< c, (n)

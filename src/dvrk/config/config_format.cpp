@@ -5,6 +5,7 @@
 #include <pugixml.hpp>
 #include <sstream>
 #include <utility>
+#include <vector>
 
 #include "config_tree.hpp"
 #include "veridyn/math/require.hpp"
@@ -82,10 +83,21 @@ constexpr std::array<std::pair<const char*, const char*>, 8> kShortNames{{
     {"Row", "rows"},
 }};
 
-int line_of(const std::string& content, std::ptrdiff_t offset) {
-  const auto end = content.begin() + std::clamp<std::ptrdiff_t>(offset, 0, content.size());
-  return 1 + static_cast<int>(std::count(content.begin(), end, '\n'));
-}
+// Finds the line of a character; asked for every element, so the content is read once.
+class Lines {
+ public:
+  explicit Lines(const std::string& content) {
+    for (std::size_t k = 0; k < content.size(); ++k)
+      if (content[k] == '\n') ends_.push_back(static_cast<std::ptrdiff_t>(k));
+  }
+  // From 1.
+  int of(std::ptrdiff_t offset) const {
+    return 1 + static_cast<int>(std::lower_bound(ends_.begin(), ends_.end(), offset) - ends_.begin());
+  }
+
+ private:
+  std::vector<std::ptrdiff_t> ends_;
+};
 
 // No configuration is nested deeper than a few levels; a file that is would fill the stack.
 constexpr int kDeepest = 30;
@@ -95,12 +107,11 @@ void require_depth(int depth, const std::string& file) {
           " deep, expected a configuration.");
 }
 
-ConfigTree tree_of(const pugi::xml_node& node, const std::string& content, const std::string& file,
-                   int depth = 0) {
+ConfigTree tree_of(const pugi::xml_node& node, const Lines& lines, const std::string& file, int depth = 0) {
   require_depth(depth, file);
   ConfigTree tree;
   tree.name = tree.written = node.name();
-  tree.line = line_of(content, node.offset_debug());
+  tree.line = lines.of(node.offset_debug());
   for (const pugi::xml_attribute& attribute : node.attributes()) {
     ConfigTree& member = tree.members.emplace_back();
     member.name = member.written = attribute.name();
@@ -110,7 +121,7 @@ ConfigTree tree_of(const pugi::xml_node& node, const std::string& content, const
   }
   for (const pugi::xml_node& child : node.children()) {
     if (child.type() == pugi::node_element)
-      tree.members.push_back(tree_of(child, content, file, depth + 1));
+      tree.members.push_back(tree_of(child, lines, file, depth + 1));
   }
   return tree;
 }
@@ -144,9 +155,10 @@ ConfigTree tree_of(const std::string& name, const Json& value, const std::string
 ConfigTree parse_xml(const std::string& content, const std::string& file) {
   pugi::xml_document document;
   const pugi::xml_parse_result result = document.load_buffer(content.data(), content.size());
-  require(static_cast<bool>(result), file, ":", line_of(content, result.offset),
+  const Lines lines(content);
+  require(static_cast<bool>(result), file, ":", lines.of(result.offset),
           ": found text that is not XML (", result.description(), "), expected XML.");
-  return tree_of(document.document_element(), content, file);
+  return tree_of(document.document_element(), lines, file);
 }
 
 constexpr std::size_t kShown = 20;  // characters of what was found

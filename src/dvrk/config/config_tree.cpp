@@ -82,11 +82,11 @@ ConfigNode ConfigNode::at(const std::string& name) const {
   return *this;  // not reached
 }
 
-ConfigNode ConfigNode::item(const std::string& name, int index) const {
-  int k = 0;
+std::vector<ConfigNode> ConfigNode::items(const std::string& name) const {
+  std::vector<ConfigNode> out;
   for (const ConfigTree& member : tree_->members)
-    if (member.name == name && k++ == index) return inside(member, index);
-  fail(text("only ", k, " of ", called(name)), text(index + 1));
+    if (member.name == name) out.push_back(inside(member, static_cast<int>(out.size())));
+  return out;
 }
 
 std::string ConfigNode::word() const {

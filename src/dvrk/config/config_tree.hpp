@@ -53,7 +53,8 @@ class ConfigNode {
   int count(const std::string& name) const;
   /// The member of that name. Throws if there is none, or (without an index) several.
   ConfigNode at(const std::string& name) const;
-  ConfigNode item(const std::string& name, int index) const;
+  /// All members of that name.
+  std::vector<ConfigNode> items(const std::string& name) const;
 
   /// The node's own text.
   std::string word() const;

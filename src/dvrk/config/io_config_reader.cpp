@@ -36,16 +36,10 @@ class Reader {
   IoConfig read(const ConfigNode& root) const {
     check_version(root);
     IoConfig config;
-    for (int k = 0; k < root.count("Robot"); ++k)
-      config.robots.push_back(read_robot(root.item("Robot", k)));
-    for (int k = 0; k < root.count("DigitalIn"); ++k)
-      config.digital_inputs.push_back(read_input(root.item("DigitalIn", k)));
-    for (int k = 0; k < root.count("DigitalOut"); ++k)
-      config.digital_outputs.push_back(read_output(root.item("DigitalOut", k)));
-    for (int k = 0; k < root.count("DallasChip"); ++k) {
-      const ConfigNode chip = root.item("DallasChip", k);
-      config.dallas_chips.push_back({chip.word("Name"), board(chip)});
-    }
+    for (const ConfigNode& robot : root.items("Robot")) config.robots.push_back(read_robot(robot));
+    for (const ConfigNode& input : root.items("DigitalIn")) config.digital_inputs.push_back(read_input(input));
+    for (const ConfigNode& output : root.items("DigitalOut")) config.digital_outputs.push_back(read_output(output));
+    for (const ConfigNode& chip : root.items("DallasChip")) config.dallas_chips.push_back({chip.word("Name"), board(chip)});
     return config;
   }
 
@@ -103,8 +97,7 @@ class Reader {
         node.fail(text(there, there == 1 ? " actuator" : " actuators"),
                   text(promised, ", as its number of actuators says"));
     }
-    for (int k = 0; k < there; ++k)
-      robot.actuators.push_back(read_actuator(node.item("Actuator", k), robot));
+    for (const ConfigNode& actuator : node.items("Actuator")) robot.actuators.push_back(read_actuator(actuator, robot));
   }
 
   // Robots that are inputs and outputs only (grippers with a pot) may come without motor and
@@ -184,8 +177,8 @@ class Reader {
       robot.pots_to_actuators =
           json_ ? read_matrix(node, "JointToActuatorPosition", robot.size())
                 : read_matrix(node.at("JointToActuatorPosition"), "Row", robot.size());
-    for (int k = 0; k < node.count("Tolerance"); ++k) {
-      const ConfigNode item = node.item("Tolerance", k);
+    for (const ConfigNode& item : node.items("Tolerance")) {
+      const auto k = static_cast<int>(robot.pot_tolerances.size());
       PotTolerance tolerance;
       tolerance.axis = item.whole("Axis", 0, robot.size() - 1);
       if (tolerance.axis != k) item.fail(text("axis ", tolerance.axis), text("axis ", k, " here"));
@@ -201,10 +194,11 @@ class Reader {
   // Rows of XML are <Row Val="1 0"/>, those of JSON lists of numbers.
   static MatrixXd read_matrix(const ConfigNode& node, const std::string& rows, int size) {
     MatrixXd matrix(size, size);
-    if (node.count(rows) != size)
-      node.fail(text("a matrix of ", node.count(rows), " rows"), text(size, ", one per actuator"));
+    const std::vector<ConfigNode> lines = node.items(rows);
+    const auto count = static_cast<int>(lines.size());
+    if (count != size) node.fail(text("a matrix of ", count, " rows"), text(size, ", one per actuator"));
     for (int row = 0; row < size; ++row) {
-      const ConfigNode line = node.item(rows, row);
+      const ConfigNode& line = lines[row];
       std::string numbers = line.has("Val") ? line.word("Val") : line.word();
       for (char& letter : numbers)
         if (letter == '[' || letter == ']' || letter == ',') letter = ' ';

@@ -59,6 +59,7 @@ MjcfElements::MjcfElements(const std::string& path) : xml_(path, "mujoco", "an M
     xml_.fail(other, text("<", other.name(), "> of '", other.attribute("file").value(), "'"),
               "one file with all of the arm (MuJoCo writes one: mj_saveLastXML)");
   }
+  read_classes();
   read_compiler();
 }
 
@@ -73,16 +74,23 @@ pugi::xml_attribute MjcfElements::setting(const char* section, const char* name,
   return out;
 }
 
+// Of two classes of one name the first one counts. An element of another kind has no class of its own.
+void MjcfElements::read_classes() {
+  for (const pugi::xml_node top : root().children("default")) {
+    classes_.try_emplace(top.attribute("class") ? top.attribute("class").value() : "main", top);
+    for (pugi::xml_node at = top.first_child(); at;) {
+      if (std::strcmp(at.name(), "default") == 0) classes_.try_emplace(at.attribute("class").value(), at);
+      pugi::xml_node next = at.first_child();
+      for (; !next && at != top; at = at.parent()) next = at.next_sibling();
+      at = next;
+    }
+  }
+}
+
 // The defaults of a class: the element <default> of that name.
 pugi::xml_node MjcfElements::defaults(pugi::xml_node user, const std::string& name) const {
-  for (const pugi::xml_node top : root().children("default")) {
-    const std::string own = top.attribute("class") ? top.attribute("class").value() : "main";
-    if (own == name) return top;
-    const pugi::xml_node below = top.find_node([&](const pugi::xml_node& n) {
-      return std::strcmp(n.name(), "default") == 0 && name == n.attribute("class").value();
-    });
-    if (below) return below;
-  }
+  const auto known = classes_.find(name);
+  if (known != classes_.end()) return known->second;
   if (name != "main") xml_.fail(user, "the class '" + name + "'", "one that <default> defines");
   return {};
 }

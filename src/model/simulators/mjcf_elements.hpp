@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "model/simulators/simulator_frames.hpp"
@@ -45,6 +46,7 @@ class MjcfElements {
   XmlFile xml_;
 
  private:
+  void read_classes();
   void read_compiler();
   pugi::xml_node defaults(pugi::xml_node user, const std::string& name) const;
   Eigen::Vector3d direction(pugi::xml_node node, const char* name, const std::vector<double>& v) const;
@@ -52,6 +54,7 @@ class MjcfElements {
   std::optional<Body> inertia_of_geoms(pugi::xml_node node, const Eigen::Isometry3d& T_frame_body) const;
   std::optional<Body> geom(pugi::xml_node node, const Eigen::Isometry3d& T_frame_body) const;
 
+  std::unordered_map<std::string, pugi::xml_node> classes_;  // by name: their element <default>
   double angle_ = 1.0;
   std::string sequence_ = "xyz";
   bool auto_limits_ = true, geoms_always_ = false, geoms_never_ = false;

@@ -38,6 +38,8 @@ std::vector<Axis> joint_variables(const XmlFile& xml, const std::vector<FileJoin
     coordinates.push_back(c);
   }
   if (coordinates.empty()) xml.fail(xml.root(), "no joint that moves", "at least one");
+  if (coordinates.size() > kMostCoordinates)
+    xml.fail(xml.root(), text(coordinates.size(), " joints that move"), text("at most ", kMostCoordinates));
   std::vector<Axis> out(joints.size());
   std::vector<char> known(joints.size(), 0);
   Eigen::Index next = 0;

@@ -189,6 +189,8 @@ class ModelReader {
       if (other.name == c.name)
         list_item.fail("a second coordinate '" + c.name + "'", "unique names");
     }
+    if (model_.coordinates.size() == kMostCoordinates)
+      list_item.fail(text("a coordinate beyond ", kMostCoordinates), text("at most ", kMostCoordinates));
     coordinate_names_.push_back(c.name);
     model_.coordinates.push_back(std::move(c));
   }

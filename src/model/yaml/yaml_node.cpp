@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <set>
 
 #include "math/excerpt.hpp"
 #include "veridyn/math/require.hpp"
@@ -100,12 +101,11 @@ std::vector<YamlNode> YamlNode::items(const std::string& expected) const {
 std::vector<YamlNode::Entry> YamlNode::entries(const std::string& expected) const {
   if (!node_.IsMap()) fail(found(), expected);
   std::vector<Entry> all;
+  std::set<std::string> keys;
   for (const auto& pair : node_) {
     const YamlNode key_node(pair.first, *source_, place_);
     const std::string key = key_node.word("a name");
-    for (const Entry& other : all) {
-      if (other.key == key) key_node.fail("the key " + quoted(key) + " twice", "each key once");
-    }
+    if (!keys.insert(key).second) key_node.fail("the key " + quoted(key) + " twice", "each key once");
     all.push_back(
         {key, key_node, {pair.second, *source_, place_.empty() ? key : place_ + "/" + key}});
   }

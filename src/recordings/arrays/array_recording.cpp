@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
+#include "math/excerpt.hpp"
 #include "math/median.hpp"
 #include "recordings/csv/time_column.hpp"
 #include "recordings/signals/joint_fields.hpp"
@@ -12,6 +14,9 @@
 
 namespace veridyn::recordings {
 namespace {
+
+constexpr std::size_t kNamed = 12;         // arrays that a message names
+constexpr std::size_t kMostGroups = 1000;  // of arrays with signals; each is compared with all arrays
 
 std::string group_of(const std::string& name) {
   const std::size_t slash = name.rfind('/');
@@ -138,20 +143,22 @@ RawRecording raw_from_arrays(ArraySet set, const std::string& path, const std::s
                              const RecordingOptions& options) {
   RawRecording raw;
   raw.format = format;
+  std::set<std::string> known;
   std::vector<std::string> groups;
   for (const NamedArray& a : set.arrays) {
     const bool signal = field_of(last_of(a.name) + "/0").signal >= 0;
     const bool mapped = !options.signals.map.empty();
     if (!signal && !mapped) continue;
-    if (std::find(groups.begin(), groups.end(), group_of(a.name)) == groups.end())
-      groups.push_back(group_of(a.name));
+    if (known.insert(group_of(a.name)).second) groups.push_back(group_of(a.name));
   }
   if (groups.empty()) {
     std::string names;
-    for (const NamedArray& a : set.arrays) names += (names.empty() ? "" : ", ") + a.name;
+    for (std::size_t k = 0; k < std::min(set.arrays.size(), kNamed); ++k) names += (k == 0 ? "" : ", ") + excerpt(set.arrays[k].name);
+    if (set.arrays.size() > kNamed) names += text(", ... (", set.arrays.size(), ")");
     throw InvalidInput(text(path, ": found arrays ", names.empty() ? "of no numbers" : names,
                             ", expected t, q, dq and tau (samples by joints); --map names others."));
   }
+  require(groups.size() <= kMostGroups, path, ": found ", groups.size(), " groups of arrays with signals, expected at most ", kMostGroups, ".");
   for (const std::string& group : groups) add_group(set, path, group, options, &raw);
   return raw;
 }

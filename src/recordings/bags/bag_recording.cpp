@@ -64,10 +64,9 @@ class Collector {
         channel.topic + "\n" + channel.type + "\n" + channel.publisher + "\n" + channel.encoding;
     const auto [at, fresh] = entry_by_key_.try_emplace(key, static_cast<int>(entries_.size()));
     if (!fresh) return at->second;
-    const auto known = std::find_if(topics_.begin(), topics_.end(),
-                                    [&](const RawTopic& t) { return t.name == channel.topic; });
-    const auto topic = static_cast<std::size_t>(known - topics_.begin());
-    if (known == topics_.end()) topics_.push_back({channel.topic, channel.type, channel.encoding, 0, 0, 0, ""});
+    const auto [known, is_new] = topic_by_name_.try_emplace(channel.topic, topics_.size());
+    const std::size_t topic = known->second;
+    if (is_new) topics_.push_back({channel.topic, channel.type, channel.encoding, 0, 0, 0, ""});
     entries_.push_back(std::unique_ptr<Entry>(
         new Entry{TopicDecoder(channel, is_named(channel.topic, choice_)), topic}));
     if (!entries_.back()->decoder.problem().empty())
@@ -89,6 +88,7 @@ class Collector {
   const SignalChoice& choice_;
   BagSink sink_;
   std::vector<RawTopic> topics_;
+  std::map<std::string, std::size_t> topic_by_name_;
   std::vector<std::unique_ptr<Entry>> entries_;
   std::map<std::string, int> entry_by_key_;
 };
