@@ -74,17 +74,26 @@ pugi::xml_attribute MjcfElements::setting(const char* section, const char* name,
   return out;
 }
 
-// Of two classes of one name the first one counts. An element of another kind has no class of its own.
+// Of two classes of one name the first one counts, and of a class's settings for one kind of element.
 void MjcfElements::read_classes() {
+  const auto take = [this](pugi::xml_node defaults, const char* name) {
+    classes_.try_emplace(name, defaults);
+    for (const pugi::xml_node child : defaults.children()) settings_.try_emplace({defaults.hash_value(), child.name()}, child);
+  };
   for (const pugi::xml_node top : root().children("default")) {
-    classes_.try_emplace(top.attribute("class") ? top.attribute("class").value() : "main", top);
+    take(top, top.attribute("class") ? top.attribute("class").value() : "main");
     for (pugi::xml_node at = top.first_child(); at;) {
-      if (std::strcmp(at.name(), "default") == 0) classes_.try_emplace(at.attribute("class").value(), at);
+      if (std::strcmp(at.name(), "default") == 0) take(at, at.attribute("class").value());
       pugi::xml_node next = at.first_child();
       for (; !next && at != top; at = at.parent()) next = at.next_sibling();
       at = next;
     }
   }
+}
+
+pugi::xml_attribute MjcfElements::setting_of(pugi::xml_node defaults, const char* element, const char* name) const {
+  const auto known = settings_.find({defaults.hash_value(), element});
+  return known == settings_.end() ? pugi::xml_attribute() : known->second.attribute(name);
 }
 
 // The defaults of a class: the element <default> of that name.
@@ -102,11 +111,11 @@ pugi::xml_attribute MjcfElements::given(pugi::xml_node node, const char* name) c
     used = above.attribute("childclass").value();
   pugi::xml_node from = defaults(node, used.empty() ? "main" : used);
   for (; from && std::strcmp(from.name(), "default") == 0; from = from.parent()) {
-    if (const pugi::xml_attribute inherited = from.child(node.name()).attribute(name)) return inherited;
+    if (const pugi::xml_attribute inherited = setting_of(from, node.name(), name)) return inherited;
   }
   // Several top-level sections <default> make up the class main.
   for (const pugi::xml_node top : root().children("default")) {
-    if (const pugi::xml_attribute inherited = top.child(node.name()).attribute(name)) return inherited;
+    if (const pugi::xml_attribute inherited = setting_of(top, node.name(), name)) return inherited;
   }
   return {};
 }

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <map>
 #include <optional>
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "model/simulators/simulator_frames.hpp"
@@ -54,7 +56,10 @@ class MjcfElements {
   std::optional<Body> inertia_of_geoms(pugi::xml_node node, const Eigen::Isometry3d& T_frame_body) const;
   std::optional<Body> geom(pugi::xml_node node, const Eigen::Isometry3d& T_frame_body) const;
 
+  pugi::xml_attribute setting_of(pugi::xml_node defaults, const char* element, const char* name) const;
+
   std::unordered_map<std::string, pugi::xml_node> classes_;  // by name: their element <default>
+  std::map<std::pair<std::size_t, std::string>, pugi::xml_node> settings_;  // by an element <default> and the kind it is for
   double angle_ = 1.0;
   std::string sequence_ = "xyz";
   bool auto_limits_ = true, geoms_always_ = false, geoms_never_ = false;
