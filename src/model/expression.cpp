@@ -2,6 +2,8 @@
 
 #include <muParser.h>
 
+#include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -23,10 +25,23 @@ std::optional<double> plain_number(const std::string& text) {
   return error == std::errc{} ? value : std::numeric_limits<double>::infinity();
 }
 
-mu::Parser parser_with(const Constants& constants) {
+bool in_name(char c) {
+  return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
+}
+
+// Knows those constants whose names stand in the expression: a file may have thousands.
+mu::Parser parser_of(const std::string& expression, const Constants& constants) {
   mu::Parser parser;
   parser.DefineConst("pi", M_PI);
-  for (const auto& [name, value] : constants) parser.DefineConst(name, value);
+  for (std::size_t at = 0; at < expression.size();) {
+    std::size_t end = at;
+    const bool name = in_name(expression[at]) && std::isdigit(static_cast<unsigned char>(expression[at])) == 0;
+    while (name && end < expression.size() && in_name(expression[end])) ++end;
+    const auto known = constants.find(expression.substr(at, end - at));
+    if (known != constants.end()) parser.DefineConst(known->first, known->second);
+    at = std::max(end, at + 1);
+  }
+  parser.SetExpr(expression);
   return parser;
 }
 
@@ -44,8 +59,7 @@ std::string why(const mu::Parser::exception_type& error) {
 
 double parsed(const std::string& expression, const Constants& constants) {
   try {
-    mu::Parser parser = parser_with(constants);
-    parser.SetExpr(expression);
+    mu::Parser parser = parser_of(expression, constants);
     const double value = parser.Eval();
     require(parser.GetNumResults() == 1, "'", excerpt(expression),
             "' (several values, separated by commas)");

@@ -93,6 +93,7 @@ Model::Model(ModelDescription description) : description_(std::move(description)
     support_.push_back(std::move(support));
     if (frame.body) bodies_.push_back(k);
   }
+  require(bodies_.size() <= kMostBodies, where, " has ", bodies_.size(), " bodies, expected at most ", kMostBodies, ".");
   for (int i = 0; i < n; ++i)
     description_.coordinates[i].prismatic = slides[i] != 0 && turns[i] == 0;
   for (const EffectTerm& term : description_.effects) {

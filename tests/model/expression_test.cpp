@@ -25,6 +25,13 @@ TEST(Expression, KnowsPiFunctionsAndConstants) {
   EXPECT_EQ(evaluate("2*l^2 + sqrt(l)", {{"l", 4.0}}), 34.0);
 }
 
+TEST(Expression, ANameIsTheLongestThatStandsThere) {
+  const Constants constants = {{"l", 1.0}, {"l_2", 10.0}, {"l_20", 100.0}, {"_a", 1000.0}, {"E", 7.0}, {"e3", 9.0}};
+  EXPECT_EQ(evaluate("l_20-l_2+l", constants), 91.0);
+  EXPECT_EQ(evaluate("(_a)*2", constants), 2000.0);
+  EXPECT_EQ(evaluate("E*1E3+e3*1e3", constants), 16000.0);
+}
+
 TEST(Expression, MistakesAreQuotedWithTheirReason) {
   EXPECT_NE(reason("2*(3").find("'2*(3' ("), std::string::npos);
   EXPECT_NE(reason("").find("''"), std::string::npos);

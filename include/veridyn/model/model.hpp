@@ -14,6 +14,8 @@ namespace veridyn {
 
 /// Joints that move by themselves, in one model: times grow with the third power of their number.
 constexpr int kMostCoordinates = 500;
+/// Bodies of one model, those that are fixed to others included.
+constexpr int kMostBodies = 2000;
 
 /// A joint variable or the line along which an effect acts: s = c . q + s0.
 struct Axis {
