@@ -35,6 +35,7 @@ bool give_name(int descriptor, const std::string& aside, const std::string& path
 }  // namespace
 
 OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
+  require(path_ != "-", "found '-' for a file to write, expected a name; /dev/stdout writes to the terminal.");
   std::error_code error;
   // A symbolic link is kept, and its target replaced.
   if (std::filesystem::is_symlink(path_, error)) {

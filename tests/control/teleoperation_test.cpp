@@ -61,6 +61,16 @@ TEST(Teleoperation, BringsForcesBackWithinTheirBound) {
   EXPECT_LT(tele.leader_force().x(), -0.4);  // damping
 }
 
+TEST(Teleoperation, AVelocityThatIsMeasuredWrongIsNoFasterThanAsked) {
+  Teleoperation tele(turned(), kLeader, kFollower);
+  tele.clutch(true);
+  const Vector3d none = Vector3d::Zero();
+  tele.update(kLeader, none, none);
+  tele.update(kLeader, {50.0, 0.0, 0.0}, none);  // at rest
+  EXPECT_LT((tele.follower().velocity - Vector3d(0.0, TeleoperationOptions().speed, 0.0)).norm(), 1e-12);
+  EXPECT_EQ(tele.follower().position, kFollower);
+}
+
 TEST(Teleoperation, IsNeverFasterThanAskedAndLetsGoOfWhatIsNoNumber) {
   Teleoperation tele(turned(), kLeader, kFollower);
   tele.clutch(true);

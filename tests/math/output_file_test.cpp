@@ -103,6 +103,8 @@ TEST_F(AnOutputFile, NamesThePlaceThatCannotBeWritten) {
   } catch (const InvalidInput& e) {
     EXPECT_NE(std::string(e.what()).find(nowhere), std::string::npos) << e.what();
   }
+  EXPECT_THROW(OutputFile("-"), InvalidInput);  // no file of that name, and no terminal
+  EXPECT_FALSE(fs::exists("-"));
   fs::create_directory(path());
   EXPECT_THROW(write_file(path(), "text"), InvalidInput);
   EXPECT_TRUE(fs::is_directory(path()));

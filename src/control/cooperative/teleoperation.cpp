@@ -54,7 +54,8 @@ void Teleoperation::update(const Vector3d& leader, const Vector3d& velocity,
     step *= most / size;
     target_.velocity = step / options_.period;
   } else {
-    target_.velocity = options_.scale * (R * velocity);
+    const Vector3d ahead = options_.scale * (R * velocity);
+    target_.velocity = ahead * std::min(1.0, options_.speed / std::max(ahead.norm(), options_.speed));
   }
   target_.position += step;
   target_.motion = target_.position;

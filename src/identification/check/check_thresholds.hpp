@@ -27,7 +27,7 @@ struct CheckThresholds {
   double gains_better = 0.3;
   /// largest gain < equal_gains * smallest gain: currents would fit as well as torques, and are not tested.
   double equal_gains = 1.05;
-  /// share > well_fitted of some joint, else no exchange of joints is tested.
+  /// share > well_fitted of one of two joints, else their exchange is not tested.
   double well_fitted = 0.02;
   /// share < smallest_share: counts as this; less of a joint's squared torque is noise.
   double smallest_share = 1e-3;

@@ -4,14 +4,13 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <functional>
-#include <limits>
 #include <optional>
 #include <utility>
 
 #include "effects/plain_friction.hpp"
 #include "identification/check/check_thresholds.hpp"
 #include "identification/check/quick_fit.hpp"
+#include "identification/check/signal_hypotheses.hpp"
 #include "math/dense.hpp"
 #include "math/numbers.hpp"
 #include "math/parallel.hpp"
@@ -21,33 +20,6 @@
 
 namespace veridyn {
 namespace {
-
-const double kDegree = std::acos(-1.0) / 180.0;
-
-using Change = std::function<void(Recording*)>;
-
-// One hypothesis about mistaken signals.
-struct SignalHypothesis {
-  std::string finding;
-  int joint = 0;  // from 1; 0: all
-  std::string what;
-  std::string option;
-  Change mend;
-  int second = 0;      // from 1; 0: none
-  bool whole = false;  // of both joints everything is exchanged
-
-  // True if at most one of both can hold. That torques of two joints are exchanged and that their motions
-  // are is one mistake, seen from either side.
-  bool excludes(const SignalHypothesis& other) const {
-    if (second != 0 && joint == other.joint && second == other.second && !whole && !other.whole) return false;
-    const auto concerns = [&other](int k) { return k != 0 && (k == other.joint || k == other.second); };
-    return joint == 0 || other.joint == 0 || concerns(joint) || concerns(second);
-  }
-};
-
-void swap_columns(MatrixXd* values, int i, int j) {
-  if (values->cols() > 0) values->col(i).swap(values->col(j));
-}
 
 std::string percent(double share) {
   return text(quality::number(100.0 * share), " %");
@@ -251,36 +223,19 @@ class RobotCheck {
     findings_.back().severity = Severity::kInfo;
   }
 
+  // Of exchanges those of which the arm explains at least one joint badly as it is.
   std::vector<SignalHypothesis> hypotheses() const {
-    std::vector<SignalHypothesis> all;
-    add_angles(&all);
+    std::vector<SignalHypothesis> all = angles_in_degrees(given_, recording_);
+    for (int i = 0; i < joints(); ++i)
+      if (moves(i)) all.push_back(turned_torque(i));
     for (int i = 0; i < joints(); ++i) {
-      if (moves(i))
-        all.push_back({"torque_sign", i + 1, "", "", [i](Recording* r) { r->tau.col(i) *= -1.0; }});
-    }
-    if (*std::max_element(now_.shares.begin(), now_.shares.end()) > limits_.well_fitted) add_swaps(&all);
-    return all;
-  }
-
-  void add_angles(std::vector<SignalHypothesis>* all) const {
-    std::vector<int> turning;
-    for (int i = 0; i < joints(); ++i) {
-      if (!given_.coordinates()[i].prismatic) turning.push_back(i);
-    }
-    if (turning.empty()) return;
-    const auto scale = [turning](MatrixXd* values) {
-      for (const int i : turning) {
-        if (values->cols() > 0) values->col(i) *= kDegree;
+      for (int j = i + 1; j < joints(); ++j) {
+        if (!moves(i) || !moves(j) || std::max(now_.shares[i], now_.shares[j]) <= limits_.well_fitted) continue;
+        for (SignalHypothesis& swap : exchanges(i, j, joint(i) + " and " + joint(j), recording_.dq.size() > 0, torque_name()))
+          all.push_back(std::move(swap));
       }
-    };
-    all->push_back({"degrees", 0, "Positions are degrees", "--units q=deg",
-                    [scale](Recording* r) { scale(&r->q); }});
-    if (recording_.dq.size() > 0)
-      all->push_back({"degrees", 0, "Positions and velocities are degrees", "--units q=deg,dq=deg/s",
-                      [scale](Recording* r) {
-                        scale(&r->q);
-                        scale(&r->dq);
-                      }});
+    }
+    return all;
   }
 
   bool friction_shows(int i, int sign) const {
@@ -330,38 +285,6 @@ class RobotCheck {
     }
   }
 
-  void add_swaps(std::vector<SignalHypothesis>* all) const {
-    const bool dq = recording_.dq.size() > 0;
-    for (int i = 0; i < joints(); ++i) {
-      for (int j = i + 1; j < joints(); ++j) {
-        if (!moves(i) || !moves(j)) continue;
-        const std::string a = std::to_string(i + 1);
-        const std::string b = std::to_string(j + 1);
-        const std::string pair = joint(i) + " and " + joint(j);
-        const std::string t = torque_name();
-        const std::string torques = t + a + "=" + t + b + "," + t + b + "=" + t + a;
-        std::string motion = "q" + a + "=q" + b + ",q" + b + "=q" + a;
-        if (dq) motion += ",dq" + a + "=dq" + b + ",dq" + b + "=dq" + a;
-        const auto swap_torques = [i, j](Recording* r) { swap_columns(&r->tau, i, j); };
-        const auto swap_motion = [i, j](Recording* r) {
-          swap_columns(&r->q, i, j);
-          swap_columns(&r->dq, i, j);
-          swap_columns(&r->ddq, i, j);
-        };
-        all->push_back({"swapped_joints", i + 1, "The torques of " + pair + " are swapped",
-                        "--map " + torques, swap_torques, j + 1});
-        all->push_back({"swapped_joints", i + 1,
-                        "Positions and velocities of " + pair + " are swapped", "--map " + motion,
-                        swap_motion, j + 1});
-        all->push_back({"swapped_joints", i + 1, "The whole of " + pair + " is swapped",
-                        "--map " + motion + "," + torques, [=](Recording* r) {
-                          swap_torques(r);
-                          swap_motion(r);
-                        }, j + 1, true});
-      }
-    }
-  }
-
   bool has_gains() const {
     return std::all_of(given_.coordinates().begin(), given_.coordinates().end(),
                        [](const Coordinate& c) { return c.drive_gain > 0.0; });
@@ -390,9 +313,7 @@ class RobotCheck {
     const VectorXd gains = this->gains();
     // Equal gains would fit torques as well.
     if (gains.maxCoeff() < limits_.equal_gains * gains.minCoeff()) return;
-    accept_best({{"current", 0, "Efforts are motor currents", "--units tau=A",
-                  [gains](Recording* r) { r->tau = r->tau * gains.asDiagonal(); }}},
-                limits_.gains_better);
+    accept_best({currents(gains)}, limits_.gains_better);
   }
 
   // True if every joint's largest effort is below the current at its torque limit.
