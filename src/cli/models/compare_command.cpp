@@ -3,6 +3,7 @@
 
 #include "cli/commands.hpp"
 #include "cli/options/common_options.hpp"
+#include "cli/options/messages.hpp"
 #include "veridyn/comparison/model_comparison.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/model/model_file.hpp"
@@ -20,8 +21,9 @@ struct CompareRequest {
 
 void run(const CompareRequest& request, const std::string& command_line) {
   require_writable(request.common.json, request.common.report);
+  const Model before = read_model(request.before), after = read_model(request.after);
   const ModelComparison found =
-      compare(read_model(request.before), read_model(request.after), request.options);
+      while_busy(request.common, "comparing", [&] { return compare(before, after, request.options); });
   write_results(request.common, found, command_line);
   std::cout << found.report();
 }

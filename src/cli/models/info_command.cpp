@@ -3,6 +3,7 @@
 
 #include "cli/commands.hpp"
 #include "cli/options/common_options.hpp"
+#include "cli/options/messages.hpp"
 #include "cli/options/sound_arguments.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/model/model_file.hpp"
@@ -21,7 +22,7 @@ struct InfoRequest {
 void run(const InfoRequest& request, const std::string& command_line) {
   require_writable(request.common.json, request.common.report, request.yaml);
   const Model arm = read_model(request.robot);
-  const RobotInfo info = robot_info(arm);
+  const RobotInfo info = while_busy(request.common, "finding what torques can identify", [&] { return robot_info(arm); });
   if (!request.yaml.empty()) save_model(arm, request.yaml);
   write_results(request.common, info, command_line);
   std::cout << info.report();
