@@ -181,18 +181,20 @@ const char* name_of(FloorSource source) {
 
 std::string Diagnosis::verdict() const {
   if (findings.empty()) {
-    std::string left;
+    std::string left, unknown;
     for (const JointVerdict& v : joints) {
-      if (v.state != JointState::kAtFloor)
-        left += (left.empty() ? "" : ", ") + std::to_string(v.joint.value + 1);
+      if (v.state == JointState::kAtFloor) continue;
+      std::string& list = std::isfinite(v.held_out) ? left : unknown;
+      list += (list.empty() ? "" : ", ") + std::to_string(v.joint.value + 1);
     }
-    if (left.empty()) return "none";
+    if (left.empty() && unknown.empty()) return "none";
     for (const RecordingQuality& q : data_quality) {
       for (const QualityFinding& f : q.findings) {
         if (f.finding == "swapped_joints" && f.severity == Severity::kFault) return f.sentence + " No cause was asked about.";
       }
     }
-    return "no cause was found; joints above their floor: " + left;
+    return "no cause was found" + (left.empty() ? "" : "; joints above their floor: " + left) +
+           (unknown.empty() ? "" : "; joints without a held-out error: " + unknown);
   }
   std::string out = sentence(findings.front());
   if (findings.front().status == FindingStatus::kNotConfirmed)

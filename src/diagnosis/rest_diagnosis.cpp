@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "causes/candidates.hpp"
 #include "diagnosis/evidence/folds.hpp"
@@ -195,20 +196,25 @@ class RestDiagnosis {
   // Above its floor is what smooth functions of the positions predict on poses that were held out.
   void add_verdicts() {
     const Identification& id = d_.extended;
-    if (id.test_error.relative.size() == 0) return;
     std::vector<MotionSignal> signals = motion_signals(id, limits_);
     signals.erase(std::remove_if(signals.begin(), signals.end(),
                                  [](const MotionSignal& s) { return s.kind != SignalKind::kPosition; }),
                   signals.end());
     const MotionRows rows = motion_rows(id, id.train, {}, signals);
     const MotionRows there = motion_rows(id, id.test, {}, signals);
+    const VectorXd& before = d_.baseline.test_error.relative;
     for (int j = 0; j < arm_.joints(); ++j) {
+      const double error = before.size() > j ? before[j] : std::numeric_limits<double>::quiet_NaN();
+      if (!std::isfinite(error)) {
+        d_.joints.push_back(not_judged({j}, error, d_.baseline));
+        continue;
+      }
       const Dependence found = find_dependence(j, rows, there, smooth_terms(signals, j, limits_), limits_);
       const double share = found.model.chosen.empty() ? 0.0 : found.predicted_of_folds.back();
       const bool clear = share > limits_.unnamed_share;
       JointVerdict v;
       v.joint = JointIndex{j};
-      v.held_out = d_.baseline.test_error.relative[j];
+      v.held_out = error;
       v.extended = v.left = id.test_error.relative[j];
       v.floor = std::min(v.held_out, clear ? v.left * std::sqrt(1.0 - share) : v.left);
       v.removable = v.held_out - v.floor;

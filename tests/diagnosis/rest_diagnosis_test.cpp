@@ -6,6 +6,7 @@
 #include <random>
 
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
+#include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 
@@ -69,6 +70,19 @@ TEST(DiagnosisAtRest, AsksNothingOfAJointThatStandsStill) {
   ASSERT_TRUE(some.baseline.model.has_value()) << some.baseline.reason;
   EXPECT_LT(some.hypotheses, all.hypotheses);
   for (const Finding& f : some.findings) EXPECT_NE(f.joint->value, 1) << some.report();
+}
+
+// Who asks about one cause hears of no other, and that others were not asked about.
+TEST(DiagnosisAtRest, JudgesNoJointWithoutAHeldOutError) {
+  const std::vector<RestPoses> train = {hanging_poses(1, 0.0), hanging_poses(2, 0.0)};
+  const Diagnosis nothing_held_out = diagnose_at_rest(read_model("psm-3dof"), train, {});
+  ASSERT_EQ(nothing_held_out.joints.size(), 3U);
+  EXPECT_EQ(nothing_held_out.verdict(), "no cause was found; joints without a held-out error: 1, 2, 3");
+  RestPoses test = hanging_poses(3, 0.0);
+  test.tau.col(2).setZero();
+  const Diagnosis without_torque = diagnose_at_rest(read_model("psm-3dof"), train, {test});
+  EXPECT_EQ(without_torque.verdict(), "no cause was found; joints without a held-out error: 3") << without_torque.report();
+  EXPECT_NE(without_torque.report().find("its torque is zero throughout"), std::string::npos) << without_torque.report();
 }
 
 }  // namespace

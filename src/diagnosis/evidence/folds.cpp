@@ -69,7 +69,9 @@ VectorXd joint_weights(const NormalBlocks& data, const ColumnSet& set) {
 }
 
 double log_fall(const VectorXd& before, const VectorXd& after) {
-  return (before.array().max(numerics::kTiny).log() - after.array().max(numerics::kTiny).log()).sum();
+  return (before.array().max(numerics::kTiny).min(numerics::kHuge).log() -
+          after.array().max(numerics::kTiny).min(numerics::kHuge).log())
+      .sum();
 }
 
 double fold_gain(const NormalBlocks& before, const ColumnSet& base_before,

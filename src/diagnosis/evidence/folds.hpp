@@ -20,7 +20,8 @@ NormalBlocks::Sums summed(const NormalBlocks& data, const std::vector<int>& clus
 /// Inverse of the mean square residual of every joint, iterated.
 VectorXd joint_weights(const NormalBlocks& data, const ColumnSet& set);
 
-/// Fall of the sum over joints of ln(mean square).
+/// Fall of the sum over joints of ln(mean square). The error of a joint without torque is an infinite share of it, before
+/// and after, and counts for nothing.
 double log_fall(const VectorXd& before, const VectorXd& after);
 
 /// Mean over the held-out folds of that fall, from one model of the same recordings to another.

@@ -1,15 +1,19 @@
 #include "diagnosis/evidence/held_out.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace veridyn {
 namespace {
 
-// Sum over joints of the squared error above the noise floor: what a better model could remove.
+// Sum over joints of the squared error above the noise floor: what a better model could remove. Of a joint without
+// torque no error is a share.
 double removable(const VectorXd& error, const VectorXd& floor) {
   const VectorXd below =
       floor.size() == error.size() ? VectorXd(floor.cwiseAbs2()) : VectorXd::Zero(error.size());
-  return (error.cwiseAbs2() - below).cwiseMax(0.0).sum();
+  VectorXd above = (error.cwiseAbs2() - below).cwiseMax(0.0);
+  for (double& share : above) share = std::isfinite(share) ? share : 0.0;
+  return above.sum();
 }
 
 }  // namespace

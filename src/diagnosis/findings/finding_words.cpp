@@ -144,6 +144,16 @@ static std::optional<JointIndex> only_joint(const Finding& f) {
   return channel != nullptr && channel->acts_on(another, f.joint) ? std::nullopt : f.joint;
 }
 
+JointVerdict not_judged(JointIndex joint, double held_out, const Identification& baseline) {
+  JointVerdict v;
+  v.joint = joint;
+  v.held_out = v.extended = held_out;
+  v.state = JointState::kCannotTell;
+  v.why = baseline.test.empty() ? "no recording is held out, on which its error would be measured"
+                                : "its torque is zero throughout the held-out recordings, and no error is a share of it";
+  return v;
+}
+
 FindingStatus status_of(const Finding& f) {
   const bool measured = f.folds_before.size() > 0 && f.folds_after.size() == f.folds_before.size();
   return !measured || falls(f.folds_before, f.folds_after, only_joint(f)) ? FindingStatus::kConfirmed

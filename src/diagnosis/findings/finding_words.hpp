@@ -29,6 +29,9 @@ void refresh(const Identification& id, const std::vector<std::string>& names, Fi
 /// Whether errors (n) fall in sum over the joints, of ln(mean square), and on a joint.
 bool falls(const VectorXd& before, const VectorXd& after, std::optional<JointIndex> joint);
 
+/// Verdict on a joint whose error on the held-out recordings is no number: they have no torque of it, or there are none.
+JointVerdict not_judged(JointIndex joint, double held_out, const Identification& baseline);
+
 /// Confirmed where falls() of its errors on held-out parts of the training recordings.
 FindingStatus status_of(const Finding& f);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -29,7 +30,7 @@ namespace {
 using numerics::kPercent;
 
 double error_of(const VectorXd& relative, int joint) {
-  return relative.size() > joint ? relative[joint] : 0.0;
+  return relative.size() > joint ? relative[joint] : std::numeric_limits<double>::quiet_NaN();
 }
 
 bool acts_on(const Finding& f, int joint) {
@@ -439,15 +440,12 @@ class Account {
   }
 
   JointVerdict verdict_of(int j, const Dependence& found, double extended, double left) const {
+    const double error = held_out(d_.baseline, j);
+    if (!std::isfinite(error)) return not_judged({j}, error, d_.baseline);
     JointVerdict v;
     v.joint = JointIndex{j};
-    v.held_out = held_out(d_.baseline, j);
+    v.held_out = error;
     v.extended = extended;
-    if (!std::isfinite(v.held_out)) {
-      v.state = JointState::kCannotTell;
-      v.why = "its torque is zero throughout the held-out recordings, and no error is a share of it";
-      return v;
-    }
     const bool repeats = d_.baseline.noise_floor.size() > j;
     v.source = repeats ? FloorSource::kRepeats : FloorSource::kRegression;
     v.floor = std::min(v.held_out, repeats ? std::min(d_.baseline.noise_floor[j], left) : left);

@@ -83,7 +83,7 @@ double rest_speed_of(const Identification& id, int joint) {
 double phase_of(const RecordingError& r, double time) {
   const double first = r.series.time.front();
   const double length = r.period > 0.0 ? r.period : r.series.time.back() - first;
-  return std::fmod(time - first, length) / length;
+  return length > 0.0 ? std::fmod(time - first, length) / length : 0.0;
 }
 
 }  // namespace
@@ -131,6 +131,7 @@ std::vector<MotionSignal> motion_signals(const Identification& id, const Thresho
 }
 
 std::vector<int> folds_of(const MotionRows& rows, const Thresholds& limits) {
+  if (rows.recordings == 0) return {};
   const HoldOut how = hold_out(limits);
   const size_t parts = how.parts_of_each(rows.recordings);
   const size_t most = 2 * how.parts_of_each(1);

@@ -1,0 +1,115 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "diagnosis/evidence/folds.hpp"
+#include "diagnosis/evidence/held_out.hpp"
+#include "diagnosis/findings/finding_words.hpp"
+#include "diagnosis/stage_support.hpp"
+#include "diagnosis/unnamed/motion_signals.hpp"
+#include "veridyn/diagnosis/rest_diagnosis.hpp"
+
+// Joints without torque, and diagnoses without held-out recordings: errors that are no share of anything.
+
+namespace veridyn {
+namespace {
+
+constexpr double kNoShare = std::numeric_limits<double>::infinity();
+
+TEST(WithoutTorque, AJointCountsForNothingInTheMeasuresOfOthers) {
+  const Eigen::Vector2d before(0.2, kNoShare), after(0.1, kNoShare);
+  EXPECT_NEAR(log_fall(before, after), std::log(2.0), 1e-12);
+  Identification baseline;
+  baseline.test_error.relative = before;
+  EXPECT_NEAR(explained_share(before, after, baseline), 0.75, 1e-12);
+  Finding f;
+  f.cause = NewEffect{"joint_spring", {0}};
+  f.joint = JointIndex{0};
+  f.test_before = before;
+  f.test_after = after;
+  EXPECT_EQ(f.held_out(), Agreement::kAgrees);
+  std::swap(f.test_before, f.test_after);
+  EXPECT_EQ(f.held_out(), Agreement::kContradicts);
+}
+
+class NotHeldOut : public Stages {
+ protected:
+  Diagnosis of_a_spring(bool held_out, bool elbow_has_torque = true) const {
+    std::vector<std::string> files;
+    for (unsigned k = 1; k <= 4; ++k) files.push_back(record(k, {"joint_spring:shoulder:stiffness=8"}));
+    if (!elbow_has_torque) {
+      Recording r = read_recording(files.back());
+      r.tau.col(1).setZero();
+      write_recording(r, files.back());
+    }
+    DiagnosisOptions options;
+    options.identification.threads = 1;
+    options.effects = {"joint_spring"};
+    const std::vector<std::string> train(files.begin(), files.begin() + 3);
+    const std::vector<std::string> test(files.begin() + 3, held_out ? files.end() : files.begin() + 3);
+    return diagnose(read_model("planar-2r"), train, test, options);
+  }
+};
+
+// The elbow's torque was not recorded in the held-out recording: what the shoulder has is judged by the shoulder.
+TEST_F(NotHeldOut, AFindingIsJudgedByTheJointsThatHaveTorque) {
+  const Diagnosis d = of_a_spring(true, false);
+  ASSERT_EQ(d.findings.size(), 1U) << d.report();
+  EXPECT_EQ(d.findings[0].held_out(), Agreement::kAgrees) << d.report();
+  EXPECT_GT(d.findings[0].explains, 0.9) << d.report();
+  EXPECT_GT(d.summary.explained_by_all, 0.9);
+  EXPECT_EQ(d.joints.at(0).state, JointState::kNamed) << d.report();
+  EXPECT_EQ(d.joints.at(1).state, JointState::kCannotTell) << d.report();
+}
+
+// The training recordings confirm the spring; how large the errors are elsewhere, nobody knows.
+TEST_F(NotHeldOut, WithoutHeldOutRecordingsNoJointIsAtItsFloor) {
+  const Diagnosis d = of_a_spring(false);
+  ASSERT_EQ(d.findings.size(), 1U) << d.report();
+  EXPECT_EQ(d.findings[0].status, FindingStatus::kConfirmed);
+  EXPECT_EQ(d.findings[0].held_out(), Agreement::kNotMeasured);
+  ASSERT_EQ(d.joints.size(), 2U);
+  for (const JointVerdict& v : d.joints) {
+    EXPECT_EQ(v.state, JointState::kCannotTell);
+    EXPECT_NE(v.why.find("no recording is held out"), std::string::npos) << v.why;
+  }
+  EXPECT_EQ(d.report().find("nan"), std::string::npos) << d.report();
+}
+
+TEST_F(NotHeldOut, TheVerdictTellsJointsThatCannotBeJudgedFromThoseAboveTheirFloor) {
+  Diagnosis d;
+  d.baseline.model = truth_;
+  d.joints = {not_judged({0}, kNoShare, d.baseline)};
+  EXPECT_EQ(d.verdict(), "no cause was found; joints without a held-out error: 1");
+  JointVerdict above;
+  above.joint = JointIndex{1};
+  above.held_out = 0.2;
+  above.state = JointState::kCannotTell;
+  d.joints.push_back(above);
+  EXPECT_EQ(d.verdict(), "no cause was found; joints above their floor: 2; joints without a held-out error: 1");
+  d.joints = {above};
+  EXPECT_EQ(d.verdict(), "no cause was found; joints above their floor: 2");
+  d.joints[0].state = JointState::kAtFloor;
+  EXPECT_EQ(d.verdict(), "none");
+}
+
+// A recording of one row, such as a file of one pose, is wholly in its first part.
+TEST(MotionRowsOfOneRow, AreAPart) {
+  Identification id;
+  id.model = read_model("planar-2r");
+  RecordingError r;
+  r.source = "one";
+  r.series.time = {0.0};
+  for (auto* table : {&r.series.q, &r.series.dq, &r.series.ddq, &r.series.measured, &r.series.modelled})
+    *table = {{0.1}, {0.2}};
+  id.train = {r, r};
+  const MotionRows rows = motion_rows(id, id.train, {}, {});
+  EXPECT_EQ(rows.phase, (std::vector<double>{0.0, 0.0}));
+  const HoldOut how = hold_out({});
+  EXPECT_EQ(folds_of(rows, {}), (std::vector<int>{0, static_cast<int>(how.parts_of_each(2))}));
+  EXPECT_TRUE(folds_of(motion_rows(id, {}, {}, {}), {}).empty());
+}
+
+}  // namespace
+}  // namespace veridyn
