@@ -53,7 +53,9 @@ class RestDiagnosis {
  public:
   RestDiagnosis(const Model& arm, const std::vector<RestPoses>& train, const std::vector<RestPoses>& test,
                 const DiagnosisOptions& options)
-      : arm_(arm), train_(train), test_(test), options_(options), limits_(options.thresholds) {}
+      : arm_(arm), train_(train), test_(test), options_(options), limits_(options.thresholds) {
+    for (const std::string& one : options.effects) wanted_.push_back(normalized_cause(arm, one));
+  }
 
   Diagnosis run() {
     const auto begin = std::chrono::steady_clock::now();
@@ -112,6 +114,7 @@ class RestDiagnosis {
     }
     std::vector<RestQuestion> out;
     for (const Candidate& c : candidates(arm_, scope)) {
+      if (!is_among(wanted_, arm_, c.cause)) continue;
       if (c.own || !c.joint || (c.axis.coefficients.array() != 0.0).count() != 1) continue;
       if (c.from && scope.still[c.from->value]) continue;
       EffectTerm term;
@@ -223,8 +226,8 @@ class RestDiagnosis {
       });
       v.state = clear ? JointState::kCannotTell : named ? JointState::kNamed : JointState::kAtFloor;
       if (clear)
-        v.why = fmt::format("smooth functions of the positions predict {:.0f} % of what is left over, and no spring or cable has their shape",
-                            numerics::kPercent * share);
+        v.why = fmt::format("smooth functions of the positions predict {:.0f} % of what is left over, and {}", numerics::kPercent * share,
+                            wanted_.empty() ? "no spring or cable has their shape" : "not all causes were asked about");
       d_.joints.push_back(std::move(v));
     }
   }
@@ -234,6 +237,7 @@ class RestDiagnosis {
   const std::vector<RestPoses>& test_;
   const DiagnosisOptions& options_;
   const Thresholds& limits_;
+  std::vector<std::string> wanted_;  // causes; empty: all
   Diagnosis d_;
 };
 

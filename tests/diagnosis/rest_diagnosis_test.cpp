@@ -73,6 +73,25 @@ TEST(DiagnosisAtRest, AsksNothingOfAJointThatStandsStill) {
 }
 
 // Who asks about one cause hears of no other, and that others were not asked about.
+TEST(DiagnosisAtRest, AsksAboutWhatIsWantedOnly) {
+  const std::vector<RestPoses> train = {hanging_poses(1, kStiffness), hanging_poses(2, kStiffness)};
+  const auto asked = [&train](const std::string& cause) {
+    DiagnosisOptions options;
+    options.effects = {cause};
+    return diagnose_at_rest(read_model("psm-3dof"), train, {hanging_poses(3, kStiffness)}, options);
+  };
+  EXPECT_EQ(asked("position_force:yaw").hypotheses, 1);
+  const Diagnosis pitch = asked("position_force:2");
+  EXPECT_EQ(pitch.hypotheses, 1);
+  ASSERT_EQ(pitch.findings.size(), 1U) << pitch.report();
+  EXPECT_EQ(pitch.findings[0].joint, JointIndex{1});
+  const Diagnosis friction = asked("stribeck_friction");
+  EXPECT_EQ(friction.hypotheses, 0);
+  EXPECT_EQ(friction.joints.at(1).state, JointState::kCannotTell) << friction.report();
+  EXPECT_NE(friction.joints.at(1).why.find("not all causes were asked about"), std::string::npos) << friction.joints.at(1).why;
+  EXPECT_THROW(asked("position_farce"), InvalidInput);
+}
+
 TEST(DiagnosisAtRest, JudgesNoJointWithoutAHeldOutError) {
   const std::vector<RestPoses> train = {hanging_poses(1, 0.0), hanging_poses(2, 0.0)};
   const Diagnosis nothing_held_out = diagnose_at_rest(read_model("psm-3dof"), train, {});

@@ -103,6 +103,7 @@ TEST_F(Stages, ACauseAtOnePlaceIsAskedAboutThereOnly) {
   EXPECT_TRUE(found("external_contact:elbow").empty());
   EXPECT_THROW(found("joint_spring:wrist"), InvalidInput);
   EXPECT_THROW(found("coupling_error:elbow.zero"), InvalidInput);
+  EXPECT_THROW(found("joint_sprung"), InvalidInput);
 }
 
 // A file without friction: what the joints have is found together, with its size, and nothing else.

@@ -4,19 +4,31 @@
 #include "identification/velocity_choice.hpp"
 
 #include <algorithm>
-#include <cmath>
 
+#include "model/effect_names.hpp"
+#include "model/suggestion.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
 
 std::string normalized_cause(const Model& arm, const std::string& words) {
-  if (split_cause(words).place.empty()) return words;
+  if (split_cause(words).place.empty()) {
+    const std::vector<std::string>& known = effect_names();
+    require(std::find(known.begin(), known.end(), words) != known.end(), "found the unknown effect '", words, "'",
+            did_you_mean(words, known), ", expected one of: ", listed(known), ".");
+    return words;
+  }
   const Cause cause = parse_cause(arm, words);
   const std::optional<FrameIndex> frame = frame_of(cause);
   require(!std::holds_alternative<KinematicError>(cause) || (frame && arm.frames()[frame->value].dh), "cause '", words,
           "': is asked about as a number of a frame's row only, as coupling_error:FRAME.theta.");
   return to_text(arm, cause);
+}
+
+bool is_among(const std::vector<std::string>& wanted, const Model& arm, const Cause& cause) {
+  return wanted.empty() || std::any_of(wanted.begin(), wanted.end(), [&](const std::string& one) {
+           return one == effect_of(cause) || one == to_text(arm, cause);
+         });
 }
 
 bool DiagnosisState::tests_effect(const std::string& effect) const {
@@ -27,11 +39,7 @@ bool DiagnosisState::tests_effect(const std::string& effect) const {
 }
 
 bool DiagnosisState::tests_cause(const Cause& cause) const {
-  const std::vector<std::string>& some = options.effects;
-  if (not_asked.count(to_text(arm, cause)) != 0) return false;
-  return some.empty() || std::any_of(some.begin(), some.end(), [&](const std::string& one) {
-           return one == effect_of(cause) || one == to_text(arm, cause);
-         });
+  return not_asked.count(to_text(arm, cause)) == 0 && is_among(options.effects, arm, cause);
 }
 
 Identification DiagnosisState::fit(const Model& any) const {

@@ -19,6 +19,9 @@ namespace veridyn {
 /// supports it.
 std::string normalized_cause(const Model& arm, const std::string& words);
 
+/// True for a cause that these words (normalized_cause()) name, alone or by its effect; empty: all.
+bool is_among(const std::vector<std::string>& wanted, const Model& arm, const Cause& cause);
+
 /// State of a diagnosis, passed from stage to stage. Every stage is a function of it, in its own
 /// file; run_stages() in diagnosis.cpp defines their order.
 struct DiagnosisState {
