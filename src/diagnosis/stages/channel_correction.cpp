@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/evidence/effect_facts.hpp"
 #include "diagnosis/evidence/numerics.hpp"
 #include "diagnosis/shapes/refinement.hpp"
 #include "veridyn/effects/channel_effect.hpp"
@@ -72,6 +73,12 @@ bool is_relative(const Hypothesis& h, size_t p) {
   return !h.from && find_effect(effect_of(h.cause)).parameters()[p].unit_revolute == "1";
 }
 
+std::vector<double> values_in(const Finding& f) {
+  std::vector<double> out;
+  for (const FoundParameter& p : f.parameters) out.push_back(p.value);
+  return out;
+}
+
 // A factor is positive: a torque with the wrong sign is no error of its gain.
 bool is_possible(const Hypothesis& h, const std::vector<double>& values) {
   for (size_t p = 0; p < values.size(); ++p) {
@@ -96,6 +103,36 @@ std::vector<double> together(const Hypothesis& h, const std::vector<double>& fir
     out.push_back(is_relative(h, p) ? (1.0 + first[p]) * (1.0 + second[p]) - 1.0 : first[p] + second[p]);
   }
   return out;
+}
+
+void merge_corrections(const Model& arm, size_t first, std::vector<Finding>& all) {
+  for (size_t k = all.size(); k-- > first;) {
+    const Finding& more = all[k];
+    const auto behind = all.begin() + static_cast<long>(first);
+    const auto earlier = std::find_if(all.begin(), behind, [&more](const Finding& f) {
+      return std::holds_alternative<ChannelError>(f.cause) && effect_of(f.cause) == effect_of(more.cause) &&
+             f.joint == more.joint && f.from == more.from;
+    });
+    if (!std::holds_alternative<ChannelError>(more.cause) || earlier == behind) continue;
+    if (more.status == FindingStatus::kConfirmed) {
+      Hypothesis h;
+      h.cause = more.cause;
+      h.from = more.from;
+      const std::vector<double> values = together(h, values_in(*earlier), values_in(more));
+      for (size_t p = 0; p < values.size(); ++p) {
+        FoundParameter& sum = earlier->parameters[p];
+        const double change = values[p] - sum.value;
+        sum = {sum.name, sum.unit, values[p], sum.low + change, sum.high + change};
+      }
+      EffectTerm term;
+      term.effect = effect_of(more.cause);
+      term.axis.coefficients = VectorXd::Zero(arm.joints());
+      if (more.joint) term.axis.coefficients[more.joint->value] = 1.0;
+      if (more.from) term.from = Axis{VectorXd::Unit(arm.joints(), more.from->value), 0.0};
+      earlier->phrase = channel_phrase(arm, term, values);
+    }
+    all.erase(all.begin() + static_cast<long>(k));
+  }
 }
 
 std::optional<CorrectedChannel> correct_channel(const DiagnosisState& x, const CandidateTests& asked,

@@ -31,4 +31,8 @@ std::vector<double> values_so_far(const Model& first, const Hypothesis& h, const
 std::vector<double> together(const Hypothesis& h, const std::vector<double>& first,
                              const std::vector<double>& second);
 
+/// An error of a channel that is corrected already may need a little more beside causes that came later: it is one
+/// finding, with both in its values. @param first  of the later ones in `all`.
+void merge_corrections(const Model& arm, size_t first, std::vector<Finding>& all);
+
 }  // namespace veridyn

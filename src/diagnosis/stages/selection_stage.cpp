@@ -137,8 +137,7 @@ bool correct_first_channel(DiagnosisState& x, const Round& round) {
   const VectorXd folds_after = x.fold_errors(channel->corrected).relative();
   if (Finding* earlier = same_channel(x.d, h)) {
     std::vector<double> before;
-    for (size_t p = 0; p < channel->values.size(); ++p)
-      before.push_back(earlier->parameters[p].value);
+    for (const FoundParameter& p : earlier->parameters) before.push_back(p.value);
     const std::vector<double> values =
         values_so_far(*x.d.baseline.model, h, *channel, together(h, before, channel->values));
     const Finding both = channel_finding(round.q, h, values, channel->half_widths);
@@ -314,34 +313,6 @@ void drop_lost_friction(DiagnosisState& x) {
   }
 }
 
-// An error of a channel that is corrected already may need a little more beside causes that came later: it is one
-// finding, with both in its values.
-void merge_corrections(DiagnosisState& x, size_t first) {
-  auto& all = x.d.findings;
-  for (size_t k = all.size(); k-- > first;) {
-    const Finding& more = all[k];
-    const auto earlier = std::find_if(all.begin(), all.begin() + static_cast<long>(first), [&more](const Finding& f) {
-      return std::holds_alternative<ChannelError>(f.cause) && effect_of(f.cause) == effect_of(more.cause) && f.joint == more.joint;
-    });
-    if (!std::holds_alternative<ChannelError>(more.cause) || earlier == all.begin() + static_cast<long>(first)) continue;
-    if (more.status == FindingStatus::kConfirmed) {
-      std::vector<double> values;
-      for (size_t p = 0; p < earlier->parameters.size(); ++p) {
-        FoundParameter& sum = earlier->parameters[p];
-        const double change = more.parameters[p].value;
-        sum = {sum.name, sum.unit, sum.value + change, sum.low + change, sum.high + change};
-        values.push_back(sum.value);
-      }
-      EffectTerm term;
-      term.effect = effect_of(more.cause);
-      term.axis.coefficients = VectorXd::Zero(x.arm.joints());
-      if (more.joint) term.axis.coefficients[more.joint->value] = 1.0;
-      earlier->phrase = channel_phrase(x.arm, term, values);
-    }
-    all.erase(all.begin() + static_cast<long>(k));
-  }
-}
-
 void write_down(DiagnosisState& x, const Round& round, const Fit& fit) {
   const auto& asked = round.q.augmented.hypotheses;
   x.d.hypotheses = static_cast<int>(std::set<Candidate>(asked.begin(), asked.end()).size());
@@ -364,7 +335,7 @@ void write_down(DiagnosisState& x, const Round& round, const Fit& fit) {
   for (size_t k = own.size(); k-- > 0;) {
     if (own[k] != 0) x.d.findings.erase(x.d.findings.begin() + static_cast<long>(first + k));
   }
-  merge_corrections(x, first);
+  merge_corrections(x.arm, first, x.d.findings);
   refresh_findings(x);
   drop_lost_friction(x);
   x.d.next_experiment = next_experiment(x.d);

@@ -1,0 +1,82 @@
+#include <gtest/gtest.h>
+
+#include "diagnosis/findings/right_to_a_name.hpp"
+#include "diagnosis/stage_support.hpp"
+#include "diagnosis/stages/channel_correction.hpp"
+
+// The list of findings: how many there may be, which are one, and which are fitted with the baseline.
+
+namespace veridyn {
+namespace {
+
+class FindingLists : public Stages {
+ protected:
+  static Model with_wrong_length() {
+    ModelFileOptions longer;
+    longer.constants["l1"] = 0.6;
+    return read_model("planar-2r", longer);
+  }
+
+  static Finding channel_error(const std::string& effect, int joint, double value) {
+    Finding f;
+    f.cause = ChannelError{effect, JointIndex{joint}};
+    f.joint = JointIndex{joint};
+    f.parameters = {{"", "1", value, value - 0.01, value + 0.01}};
+    return f;
+  }
+};
+
+TEST_F(FindingLists, AConstantCountsAsOneOfTheMostThatMayBeNamed) {
+  for (const int most : {0, 1}) {
+    DiagnosisState x = investigation(with_wrong_length(), {});
+    x.options.max_effects = most;
+    correct_constants(x);
+    EXPECT_EQ(x.d.findings.size(), static_cast<size_t>(most));
+  }
+}
+
+// 20 % and then 10 % more are 32 %; delays of 20 and 10 ms are 30 ms.
+TEST_F(FindingLists, WhatAChannelNeedsBesideLaterCausesIsOneErrorWithTheEarlier) {
+  std::vector<Finding> gain = {channel_error("torque_gain", 1, 0.2), channel_error("torque_gain", 1, 0.1)};
+  merge_corrections(truth_, 1, gain);
+  ASSERT_EQ(gain.size(), 1U);
+  EXPECT_NEAR(gain[0].parameters[0].value, 0.32, 1e-12);
+  EXPECT_NEAR(gain[0].parameters[0].low, 0.31, 1e-12);
+  EXPECT_NE(gain[0].phrase.find("32"), std::string::npos) << gain[0].phrase;
+  std::vector<Finding> delay = {channel_error("time_delay", 1, 0.02), channel_error("time_delay", 1, 0.01)};
+  for (Finding& f : delay) f.parameters[0].unit = "s";
+  merge_corrections(truth_, 1, delay);
+  ASSERT_EQ(delay.size(), 1U);
+  EXPECT_NEAR(delay[0].parameters[0].value, 0.03, 1e-12);
+}
+
+// What is not confirmed is in no model: it goes, and the earlier one stays as it was. Of another joint it is no part.
+TEST_F(FindingLists, AnUnconfirmedCorrectionChangesNothing) {
+  std::vector<Finding> all = {channel_error("torque_gain", 1, 0.2), channel_error("torque_gain", 0, 0.3),
+                              channel_error("torque_gain", 1, 0.1)};
+  all[2].status = FindingStatus::kNotConfirmed;
+  merge_corrections(truth_, 1, all);
+  ASSERT_EQ(all.size(), 2U);
+  EXPECT_EQ(all[0].parameters[0].value, 0.2);
+  EXPECT_EQ(all[1].joint, JointIndex{0});
+}
+
+// Torques of two other joints in one channel are two errors, and a share of one of them says whose it is.
+TEST_F(FindingLists, CrosstalkFromAnotherJointIsAnotherError) {
+  const Model arm = read_model("psm-3dof");
+  std::vector<Finding> all(3, channel_error("torque_crosstalk", 1, 0.1));
+  all[0].from = all[2].from = JointIndex{0};
+  all[1].from = JointIndex{2};
+  merge_corrections(arm, 1, all);
+  ASSERT_EQ(all.size(), 2U);
+  EXPECT_NEAR(all[0].parameters[0].value, 0.2, 1e-12);
+  EXPECT_NE(all[0].phrase.find("0.2 times the torque of joint 'yaw'"), std::string::npos) << all[0].phrase;
+  EXPECT_EQ(all[1].from, JointIndex{2});
+  EXPECT_NEAR(all[1].parameters[0].value, 0.1, 1e-12);
+}
+
+// A joint that is predicted worse is no reason to take a name from another joint that does not touch it.
+// Friction that is fitted with the baseline is no step of the selection: the last step is the spring's, wherever in the
+// list the two come to stand.
+}  // namespace
+}  // namespace veridyn
