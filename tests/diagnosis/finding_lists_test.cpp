@@ -78,5 +78,26 @@ TEST_F(FindingLists, CrosstalkFromAnotherJointIsAnotherError) {
 // A joint that is predicted worse is no reason to take a name from another joint that does not touch it.
 // Friction that is fitted with the baseline is no step of the selection: the last step is the spring's, wherever in the
 // list the two come to stand.
+TEST_F(FindingLists, TheLastStepIsThatOfASelectedCauseWhenOthersAreWithdrawn) {
+  DiagnosisState x = investigation(read_model("planar-2r"), {});
+  x.d.extended = x.start;
+  const auto named = [&](const char* effect, int joint) {
+    Finding f;
+    f.cause = NewEffect{effect, {joint}};
+    f.joint = JointIndex{joint};
+    f.folds_before = f.folds_after = x.fold_errors(x.d.extended).relative();
+    f.test_before = f.test_after = Eigen::Vector2d(0.5, 0.5);
+    return f;
+  };
+  x.d.findings = {named("viscous_friction", 1), named("coulomb_friction", 1), named("joint_spring", 0)};
+  x.d.findings[0].status = FindingStatus::kNotConfirmed;  // and its joint is at its floor: it goes
+  x.fitted_by_start[1] = {"level"};
+  account_for_errors(x);
+  ASSERT_EQ(x.d.findings.size(), 2U);
+  EXPECT_EQ(effect_of(x.d.findings[0].cause), "coulomb_friction");
+  EXPECT_EQ(x.d.findings[0].test_after, Eigen::Vector2d(0.5, 0.5));
+  EXPECT_EQ(x.d.findings[1].test_after, x.d.extended.test_error.relative);
+}
+
 }  // namespace
 }  // namespace veridyn

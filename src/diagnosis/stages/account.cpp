@@ -194,6 +194,7 @@ class Account {
 
   void withdraw(const Reasons& lost) {
     std::vector<Finding> kept;
+    std::map<size_t, std::vector<std::string>> fitted_by_start;  // by the new indices
     std::vector<VectorXd> begins;  // errors before the names that go, held out and of folds
     for (size_t k = 0; k < d_.findings.size(); ++k) {
       Finding& f = d_.findings[k];
@@ -201,6 +202,8 @@ class Account {
       const bool is_step = !f.shape && f.test_before.size() > 0;
       if (why == lost.end()) {
         if (is_step && !begins.empty()) begin_at(f, std::exchange(begins, {}));
+        const auto names = x_.fitted_by_start.find(k);
+        if (names != x_.fitted_by_start.end()) fitted_by_start.emplace(kept.size(), std::move(names->second));
         kept.push_back(std::move(f));
         continue;
       }
@@ -209,6 +212,7 @@ class Account {
       d_.remarks.push_back(fmt::format("Withdrawn: {} Not named, for {}.", d_.sentence(f), why->second));
     }
     d_.findings = std::move(kept);
+    x_.fitted_by_start = std::move(fitted_by_start);
   }
 
   // The step of a finding begins where that of the names withdrawn before it began.
