@@ -130,7 +130,9 @@ std::string words_of_curve(const Curve& c, const MotionSignal& s, const std::str
     return "one-sided: nothing below " + place(c.x[std::min(left, n - 1)], s.unit) + size;
   if (2 * right >= n && turns(c) == 0)
     return "one-sided: nothing above " + place(c.x[n - 1 - std::min(right, n - 1)], s.unit) + size;
-  if (turns(c) == 0 && 4 * (left + right) >= n && left > 2 && right > 2)
+  // A straight line keeps within that share of its range over the same share of its length.
+  const double of_line = kShapeFlat * static_cast<double>(n);
+  if (turns(c) == 0 && static_cast<double>(std::min(left, right)) > of_line)
     return sides + "saturating: flat towards both ends" + size;
   if (turns(c) == 0) {
     const double first = std::abs(c.y[n / 4] - c.y.front());

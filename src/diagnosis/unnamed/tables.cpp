@@ -83,7 +83,7 @@ std::vector<EffectTerm> tables_of(const Model& arm, JointIndex joint, const Unna
     } else {
       values["second"] = code(signals[1]);
       values["at"] = shape.curve[at * row].at[1];
-      values["width"] = (of[1].high - of[1].low) / static_cast<double>(windows - 1);
+      values["width"] = (shape.curve.back().at[1] - shape.curve.front().at[1]) / static_cast<double>(windows - 1);
     }
   }
   if (!shape.on_sides) {  // what every window's table leaves to its middle: a function of the second
