@@ -127,6 +127,13 @@ VectorXd torque_at_rest(const Model& arm, const VectorXd& q) {
   return tau;
 }
 
+// Where it went: at its onset, of a mean over a tenth of a second, a joint may rest still.
+int direction_of(const VectorXd& q, const Ramp& ramp, double way) {
+  Eigen::Index k = ramp.onset;
+  while (k + 1 < ramp.end && std::abs(q[k] - q[ramp.rest]) <= way) ++k;
+  return q[k] > q[ramp.rest] ? 1 : -1;
+}
+
 void add_breakaways(const Model& arm, const Recording& r, int joint,
                     std::vector<FrictionBreakaway>& out) {
   const MatrixXd tau = torque_of(arm, r);
@@ -135,7 +142,7 @@ void add_breakaways(const Model& arm, const Recording& r, int joint,
     FrictionBreakaway one;
     one.source = r.source;
     one.time = r.time[ramp.onset] - r.time[0];
-    one.direction = r.q(ramp.onset, joint) > r.q(ramp.rest, joint) ? 1 : -1;
+    one.direction = direction_of(r.q.col(joint), ramp, ramp_thresholds(arm.coordinates()[joint]).way);
     const VectorXd q = r.q.row(ramp.rest).transpose();
     one.torque = effort_at(r.time, tau.col(joint), ramp.onset) - torque_at_rest(arm, q)[joint];
     out.push_back(one);

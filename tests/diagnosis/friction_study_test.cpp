@@ -7,6 +7,7 @@
 
 #include "recordings/steady_runs.hpp"
 #include "simulation/simulation_support.hpp"
+#include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 
 // One joint of a simulated arm at constant speeds, to and fro, while the others rest.
@@ -43,9 +44,35 @@ class OneJoint : public testing::Test {
  protected:
   OneJoint() : arm_(plausible_model(read_model("psm-3dof"), 1).arm) {}
 
-  // Slides with these hidden effects; the robot file without values is asked.
-  FrictionStudy study(const std::vector<std::string>& hidden, const Model& asked) const {
-    std::vector<Recording> recordings;
+  // The yaw rests under a torque that grows to `breakaway` beyond what holds it, and then slides: twice forwards, once
+  // backwards.
+  Recording ramps(double breakaway) const {
+    const int resting = static_cast<int>(2.0 * kRate), sliding = static_cast<int>(0.5 * kRate);
+    Recording r;
+    r.source = "ramps";
+    const Eigen::Index rows = 3 * (resting + sliding);
+    r.time = VectorXd::LinSpaced(rows, 0.0, static_cast<double>(rows - 1) / kRate);
+    r.q = r.dq = r.tau = MatrixXd::Zero(rows, 3);
+    RigidBodyDynamics bodies(arm_, *arm_.inertial_values());
+    VectorXd holding(3);
+    double q = 0.0;
+    for (Eigen::Index k = 0; k < rows; ++k) {
+      const auto within = static_cast<int>(k % (resting + sliding));
+      const double direction = k / (resting + sliding) < 2 ? 1.0 : -1.0;
+      const bool slides = within >= resting;
+      r.dq(k, 0) = slides ? 0.3 * direction : 0.0;
+      q += r.dq(k, 0) / kRate;
+      r.q(k, 0) = q;
+      bodies.gravity_torques(r.q.row(k).transpose(), holding);
+      holding[0] += parameter("torque_offset", "offset");
+      r.tau.row(k) = holding.transpose();
+      r.tau(k, 0) += direction * breakaway * (slides ? 0.9 : static_cast<double>(within) / resting);
+    }
+    return r;
+  }
+
+  // Slides with these hidden effects, in recordings beside others; the robot file without values is asked.
+  FrictionStudy study(const std::vector<std::string>& hidden, const Model& asked, std::vector<Recording> recordings = {}) const {
     for (unsigned seed : {1u, 2u}) {
       SimulationOptions options;
       for (const std::string& one : hidden) options.hidden.push_back(parse_hidden_effect(one));
@@ -126,6 +153,43 @@ TEST_F(OneJoint, NothingThatMovesIsAnAnswer) {
   const FrictionStudy found = study_friction(arm_, still);
   EXPECT_NE(found.reason, "");
   EXPECT_TRUE(found.joints.empty());
+}
+
+// Torques at which the joint begins to slide are measured, in recordings that say nothing of its friction in motion.
+TEST_F(OneJoint, BreakawaysAreTorquesBeyondGravityWithTheirDirection) {
+  constexpr double breakaway = 20.0;  // [N m], far beyond what holds the joint
+  const FrictionStudy found = study({}, read_model("psm-3dof"), {ramps(breakaway)});
+  ASSERT_EQ(found.joints.size(), 1u) << found.reason;
+  const std::vector<FrictionBreakaway>& all = found.joints.front().breakaways;
+  ASSERT_EQ(all.size(), 3u);
+  for (size_t k = 0; k < all.size(); ++k) {
+    EXPECT_EQ(all[k].source, "ramps");
+    EXPECT_EQ(all[k].direction, k < 2 ? 1 : -1);
+    EXPECT_NEAR(all[k].torque, (k < 2 ? 1.0 : -1.0) * breakaway, 0.1 * breakaway);
+    EXPECT_NEAR(all[k].time, 2.0 + 2.5 * static_cast<double>(k), 0.1);
+  }
+  EXPECT_NE(found.report().find("breaks away forwards at +"), std::string::npos) << found.report();
+  EXPECT_NE(found.report().find("breaks away backwards at -"), std::string::npos) << found.report();
+  const FrictionStudy alone = study_friction(read_model("psm-3dof"), ramps(breakaway));
+  EXPECT_NE(alone.reason.find("rest during most of their time"), std::string::npos) << alone.reason;
+  EXPECT_NE(alone.report().find("no friction curve: all recordings rest"), std::string::npos) << alone.report();
+}
+
+// Of one recording the last third is held out; recordings that are given for it are taken whole.
+TEST_F(OneJoint, WhatIsHeldOutIsSaid) {
+  std::vector<Recording> recordings;
+  for (unsigned seed : {1u, 2u}) {
+    SimulationOptions options;
+    options.noise = sensor_noise("low");
+    options.seed = seed;
+    recordings.push_back(recording_of(simulate_recording(arm_, constant_speeds(3, 2), options)));
+    recordings.back().source = "run " + std::to_string(seed);
+  }
+  DiagnosisOptions options;
+  options.effects = {"quadratic_drag"};
+  EXPECT_EQ(study_friction(arm_, recordings[0], {}, options).held_out, std::vector<std::string>{"run 1 (its last third)"});
+  EXPECT_EQ(study_friction(arm_, recordings[0], recordings[1], options).held_out, std::vector<std::string>{"run 2"});
+  EXPECT_EQ(study_friction(arm_, recordings, {}, options).held_out, std::vector<std::string>{"run 2"});
 }
 
 TEST(SteadyRuns, StretchesOfConstantSpeedAreFoundAndNothingElse) {
