@@ -159,7 +159,6 @@ std::vector<FrictionAtSpeed> speeds_of(const Identification& id, const FrictionC
   for (const RecordingError& recording : id.train) {
     const PredictionSeries& s = recording.series;
     const auto joint = static_cast<size_t>(curve.joint);
-    if (joint >= s.dq.size()) continue;
     for (const SteadyRun& run : steady_runs(s.time, s.dq[joint])) {
       Run one;
       one.samples = static_cast<double>(run.end - run.from);

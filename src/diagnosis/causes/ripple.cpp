@@ -25,7 +25,6 @@ Cloud cloud_of(const Identification& id, size_t joint) {
   const size_t step = std::max<size_t>(1, total / static_cast<size_t>(numerics::kSpectrumSamples));
   for (const RecordingError& recording : id.train) {
     const PredictionSeries& x = recording.series;
-    if (joint >= x.q.size()) continue;
     for (size_t k = 0; k < x.time.size(); k += step) {
       out.s.push_back(x.q[joint][k]);
       out.r.push_back(x.measured[joint][k] - x.modelled[joint][k]);
@@ -65,7 +64,6 @@ std::vector<double> peaks(const Cloud& c, const Thresholds& limits) {
 
 std::vector<std::vector<double>> ripple_orders(const Identification& id, const Thresholds& limits) {
   std::vector<std::vector<double>> out;
-  if (!id.model) return out;
   for (int i = 0; i < id.model->joints(); ++i)
     out.push_back(peaks(cloud_of(id, static_cast<size_t>(i)), limits));
   return out;

@@ -129,7 +129,7 @@ std::vector<const RecordingError*> all_of(const Identification& id) {
 std::vector<Snag> find_snags(const Identification& id, const Thresholds& limits) {
   std::vector<Snag> out;
   const std::vector<const RecordingError*> all = all_of(id);
-  if (all.size() < 3 || !id.model) return out;
+  if (all.size() < 3) return out;
   for (int i = 0; i < id.model->joints(); ++i) snags_of(all, static_cast<size_t>(i), limits, out);
   return out;
 }

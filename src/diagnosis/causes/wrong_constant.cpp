@@ -60,7 +60,6 @@ std::optional<WrongConstant> wrong_constant(const Model& arm,
                                       const CandidateData& q, const NormalBlocks& data,
                                       const std::vector<std::string>& train,
                                       const DiagnosisOptions& options) {
-  if (geometry.empty()) return std::nullopt;
   GeometryFinding best = geometry.front();
   const double profiled = best.gain;
   best.gain = correction_gain(with_constant(arm, best.constant, best.found), q, data, train, options);

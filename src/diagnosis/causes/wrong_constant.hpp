@@ -24,7 +24,7 @@ double correction_gain(const Model& corrected, const CandidateData& q, const Nor
 /// The wrong constant that explains at least as much as any effect; tested before the effects,
 /// since otherwise several effects would imitate it. Nullopt if the recordings indicate none.
 ///
-/// @param geometry  profiles of the constants, best first.
+/// @param geometry  profiles of the constants, at least one, best first.
 /// @param q         the arm as it stands with all effects, to compare with.
 std::optional<WrongConstant> wrong_constant(const Model& arm,
                                       const std::vector<GeometryFinding>& geometry,

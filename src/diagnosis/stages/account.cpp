@@ -536,12 +536,7 @@ class Account {
 
 void account_for_errors(DiagnosisState& x) {
   x.d.joints.clear();
-  if (!x.d.extended.model || x.d.extended.train.empty()) return;
-  for (const auto* list : {&x.d.extended.train, &x.d.extended.test}) {
-    for (const RecordingError& r : *list) {
-      if (r.series.time.empty()) return;
-    }
-  }
+  if (!x.d.extended.model) return;
   std::optional<Account> account(std::in_place, x);
   account->run();
   for (int turn = 0; turn < x.options.thresholds.withdrawals && x.options.extended == ExtendedModel::kConfirmedOnly && account->withdraw_names(); ++turn) {

@@ -53,7 +53,7 @@ std::vector<std::vector<int>> moving_as_one(const Identification& id, const Thre
       for (const double value : r.series.q[j]) q(row++, j) = value;
     }
     const bool slides = id.model->coordinates()[j].prismatic;
-    if (rows > 0 && q.col(j).maxCoeff() - q.col(j).minCoeff() <= limits.still(slides)) q.col(j).setZero();
+    if (q.col(j).maxCoeff() - q.col(j).minCoeff() <= limits.still(slides)) q.col(j).setZero();
   }
   return correlated_columns(q, limits.move_as_one);
 }
@@ -62,11 +62,6 @@ std::vector<std::vector<int>> moving_as_one(const Identification& id, const Thre
 
 void exclude_rests(DiagnosisState& x) {
   const Identification& seen = x.d.baseline;
-  const bool has_series =
-      std::all_of(seen.train.begin(), seen.train.end(), [&seen](const RecordingError& r) {
-        return r.series.dq.size() == static_cast<size_t>(seen.model->joints()) && !r.series.time.empty();
-      });
-  if (!has_series) return;
   x.d.moving_as_one = moving_as_one(seen, x.options.thresholds);
   const std::vector<double> speeds = fastest(seen.train, static_cast<size_t>(seen.model->joints()));
   std::vector<ExcludedInterval> rests;
