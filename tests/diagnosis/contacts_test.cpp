@@ -156,6 +156,65 @@ TEST_F(Residuals, WhatIsSmallBesideTheTorqueIsNoContact) {
   EXPECT_EQ(find_contacts(id_, {}).size(), 1U);
 }
 
+// Two pushes a fifth of a second apart are one that was let go for a moment.
+TEST_F(Residuals, PushesThatFollowEachOtherAreOne) {
+  push(0, 12.0, 12.5, 2.5);
+  push(0, 12.7, 13.2, 2.5);
+  const std::vector<Contact> found = find_contacts(id_, {});
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_NEAR(found[0].from, 12.0, 0.05);
+  EXPECT_NEAR(found[0].to, 13.2, 0.05);
+}
+
+// Five in half a minute may be pushes; what happens more often belongs to the motion.
+TEST_F(Residuals, WhatHappensOftenIsNoContact) {
+  id_.train[0].period = 0.0;
+  const std::vector<double> times = {1.0, 5.1, 9.4, 13.7, 17.9, 22.4};
+  for (size_t k = 0; k < times.size(); ++k) {
+    push(0, times[k], times[k] + 0.6, 2.5);
+    EXPECT_EQ(find_contacts(id_, {}).size(), k < 5 ? k + 1 : 0) << times[k];
+  }
+}
+
+// Joints that are pushed one after the other for most of a recording are pushed by nothing that comes and goes.
+TEST_F(Residuals, WhatLastsMostOfTheTimeIsNoContact) {
+  id_.train[0].period = 0.0;
+  const Identification quiet = id_;
+  for (const double seconds : {2.0, 3.5}) {
+    id_ = quiet;
+    for (int k = 0; k < 5; ++k) push(k % 2, 1.0 + 5.9 * k, 1.0 + 5.9 * k + seconds, k < 2 ? 2.5 : -2.5);
+    EXPECT_EQ(find_contacts(id_, {}).size(), seconds < 3.0 ? 5U : 0U) << seconds;
+  }
+}
+
+// A joint that trembles about its pose has no reversals at which friction may do what a push does.
+TEST_F(Residuals, OfAJointAtRestFrictionIsNoReason) {
+  PredictionSeries& x = id_.train[0].series;
+  for (size_t k = 0; k < x.time.size(); ++k) {
+    x.q[1][k] = 0.3 + 2e-3 * std::sin(20.0 * x.time[k]);
+    x.dq[1][k] = 0.04 * std::cos(20.0 * x.time[k]);
+  }
+  push(1, 12.0, 13.0, 0.5);
+  EXPECT_EQ(find_contacts(id_, {}).size(), 1U);
+  Thresholds any_motion;
+  any_motion.still_revolute = 1e-3;
+  EXPECT_TRUE(find_contacts(id_, any_motion).empty());
+}
+
+// Ten samples a second.
+TEST_F(Residuals, AFewSamplesTellNothing) {
+  PredictionSeries& x = id_.train[0].series;
+  for (double& time : x.time) time *= 10.0;
+  push(0, 2.0, 2.6, 5.0);
+  for (const size_t samples : {60, 49}) {
+    for (auto* table : {&x.q, &x.dq, &x.ddq, &x.measured, &x.modelled}) {
+      for (std::vector<double>& joint : *table) joint.resize(samples);
+    }
+    x.time.resize(samples);
+    EXPECT_EQ(find_contacts(id_, {}).size(), samples > 50 ? 1U : 0U) << samples;
+  }
+}
+
 TEST_F(Residuals, FindingsSayWhenWhereAndHowHard) {
   push(1, 12.0, 13.0, -1.4);
   push(0, 21.0, 21.6, -2.0);

@@ -76,6 +76,35 @@ TEST_F(FindingLists, CrosstalkFromAnotherJointIsAnotherError) {
 }
 
 // A joint that is predicted worse is no reason to take a name from another joint that does not touch it.
+TEST_F(FindingLists, OfAWorseJointItsOwnNamesGoFirst) {
+  const auto named = [](int joint, const Eigen::Vector2d& after) {
+    Finding f;
+    f.cause = NewEffect{"joint_spring", {joint}};
+    f.joint = JointIndex{joint};
+    f.folds_before = Eigen::Vector2d(0.5, 0.5);
+    f.folds_after = after;
+    return f;
+  };
+  const auto errors = [](double first) {
+    FoldErrors out;
+    out.error2 = MatrixXd::Ones(4, 2);
+    out.error2.col(0).setConstant(first);
+    out.torque2 = VectorXd::Ones(2);
+    return out;
+  };
+  Diagnosis d;
+  d.findings = {named(1, {0.6, 0.1}), named(1, {0.55, 0.1}), named(0, {0.4, 0.5}), named(0, {0.3, 0.5})};
+  const auto lost = [&](const std::set<size_t>& kept) { return worse_with(d, 0, kept, {}, errors(1.0), errors(1.5), {}); };
+  ASSERT_TRUE(lost({0, 1, 2, 3}).has_value());
+  EXPECT_EQ(lost({0, 1, 2, 3})->finding, 2U);
+  EXPECT_EQ(lost({0, 1, 3})->finding, 3U);
+  EXPECT_EQ(lost({0, 1})->finding, 0U);  // both cost it, and this one more
+  EXPECT_EQ(lost({0, 1})->joint, 0);
+  d.findings[1].folds_after[0] = 0.5;
+  EXPECT_FALSE(lost({1}).has_value());
+  EXPECT_FALSE(worse_with(d, 0, {2}, {2}, errors(1.0), errors(1.5), {}).has_value());
+}
+
 // Friction that is fitted with the baseline is no step of the selection: the last step is the spring's, wherever in the
 // list the two come to stand.
 TEST_F(FindingLists, TheLastStepIsThatOfASelectedCauseWhenOthersAreWithdrawn) {

@@ -223,5 +223,38 @@ TEST(PayloadTable, ShowsWhatItIsOrderedByAndNoCentreOfNothing) {
     EXPECT_EQ(text.find(part), std::string::npos) << part << "\n" << text;
 }
 
+// A load is found by a mass, or by a moment, that is surely not zero, where it gains enough and weighs what a load can.
+TEST(PayloadTable, SaysWhetherALoadIsFound) {
+  PayloadReport report;
+  report.robot = "arm";
+  report.reason = "nothing moves";
+  EXPECT_FALSE(report.found());
+  EXPECT_EQ(report.report(), "arm: no payload: nothing moves\n");
+  PayloadEstimate load;
+  load.frame = "tool";
+  load.others = {"flange"};
+  load.mass = 0.5;
+  load.mass_low = 0.4;
+  load.mass_high = 0.6;
+  load.moment_half_width.setOnes();
+  load.gain = 0.5;
+  report.smallest_gain = 0.1;
+  report.links = {load};
+  EXPECT_TRUE(report.found());
+  EXPECT_EQ(report.report().find("arm: a load of 0.5 kg on tool (95 %: 0.4 to 0.6 kg)\n"), 0U) << report.report();
+  EXPECT_NE(report.report().find("or on flange: it moves so alike"), std::string::npos);
+  report.links[0].mass_low = 0.0;
+  EXPECT_FALSE(report.found());
+  EXPECT_EQ(report.report().find("arm: no load that these recordings could be sure of\n"), 0U) << report.report();
+  report.links[0].moment.x() = -1.1;
+  EXPECT_TRUE(report.found());
+  report.links[0].gain = 0.05;
+  EXPECT_FALSE(report.found());
+  report.links[0].gain = 0.5;
+  report.links[0].mass = 200.0;  // the search ends there
+  EXPECT_FALSE(report.found());
+  EXPECT_NE(report.report().find("200 or beyond"), std::string::npos) << report.report();
+}
+
 }  // namespace
 }  // namespace veridyn

@@ -93,5 +93,23 @@ TEST(Snags, SmallFrictionBesideLargeTorquesIsNone) {
   EXPECT_EQ(find_snags(id, {}).size(), 1U);
 }
 
+// A spot is a part of the travel; what holds over half of it is friction of its own.
+TEST(Snags, FrictionOverHalfOfTheTravelIsNoSpot) {
+  for (const double to : {0.5, 0.8}) {
+    Identification id = four_recordings();
+    add_friction(id.train[2], 1, -0.2, to, 0.6);
+    EXPECT_EQ(find_snags(id, {}).size(), to < 0.6 ? 1U : 0U) << to;
+  }
+}
+
+TEST(Snags, OfASlideAreToldInMillimetres) {
+  const Model arm = read_model("psm-3dof");
+  const Snag snag{"one.csv", 2, 0.105, 0.121, 1.34};
+  ASSERT_TRUE(arm.coordinates()[2].prismatic);
+  const std::string text = snag_text(snag, arm.coordinates()[2]);
+  EXPECT_NE(text.find("1.3 N more friction between 105 and 121 mm"), std::string::npos) << text;
+  EXPECT_NE(snag_text(snag, arm.coordinates()[0]).find("1.3 N m more friction between 105 and 121 mrad"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace veridyn

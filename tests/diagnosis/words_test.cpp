@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cctype>
+#include <limits>
 #include <sstream>
 
 #include "diagnosis/findings/finding_words.hpp"
@@ -72,6 +73,41 @@ TEST(FindingWords, AnotherFitMovesValuesAndTheirIntervals) {
   EXPECT_NEAR(f.parameters[0].high, 5.0 + 1.96, 0.01);
 }
 
+// What a fit does not know moves nothing.
+TEST(FindingWords, AFitWithoutThatParameterMovesNothing) {
+  Finding f = finding(NewEffect{"viscous_friction", {0}}, "as before");
+  f.parameters = {{"coefficient", "", 0.3, 0.2, 0.4}};
+  Identification id;
+  refresh(id, {"no_model"}, f);
+  id.model = read_model("planar-2r");
+  const std::vector<std::string> names = parameter_names(standard_parameters(*id.model));
+  refresh(id, {names[4]}, f);  // no fit
+  const auto count = static_cast<Eigen::Index>(names.size());
+  id.parameters = VectorXd::Constant(count, 7.0);
+  id.parameter_deviations = VectorXd::Constant(count, std::numeric_limits<double>::quiet_NaN());
+  id.effective_samples = 100.0;
+  refresh(id, {names[4]}, f);  // it does not know how well
+  refresh(id, {"another"}, f);
+  EXPECT_EQ(f.parameters[0].value, 0.3);
+  EXPECT_EQ(f.parameters[0].low, 0.2);
+  EXPECT_EQ(f.phrase, "as before");
+}
+
+// Of a cause that acts on one joint that joint decides with the sum; of a wrong zero or constant the sum alone.
+TEST(FindingWords, AStatusAsksTheJointThatACauseActsOn) {
+  const auto status = [](Cause cause) {
+    Finding f = finding(std::move(cause), "");
+    f.folds_before = Eigen::Vector2d(0.2, 0.2);
+    f.folds_after = Eigen::Vector2d(0.21, 0.1);  // joint 1 is worse, the sum is better
+    return status_of(f);
+  };
+  EXPECT_EQ(status(NewEffect{"joint_spring", {0}}), FindingStatus::kNotConfirmed);
+  EXPECT_EQ(status(NewEffect{"joint_spring", {1}}), FindingStatus::kConfirmed);
+  EXPECT_EQ(status(ChannelError{"torque_gain", JointIndex{0}}), FindingStatus::kNotConfirmed);
+  EXPECT_EQ(status(ChannelError{"encoder_offset", JointIndex{0}}), FindingStatus::kConfirmed);
+  EXPECT_EQ(status(KinematicError{JointZero{{0}}}), FindingStatus::kConfirmed);
+}
+
 Diagnosis with_rival(Cause cause, Cause rival) {
   Diagnosis d;
   d.baseline.model = read_model("planar-2r");
@@ -100,6 +136,63 @@ TEST(NextExperiment, AsksForTheFirstPairThatAMotionCanSeparate) {
   EXPECT_TRUE(next_experiment(with_rival(ChannelError{"encoder_offset", JointIndex{0}},
                                          KinematicError{JointZero{{0}}}))
                   .between.empty());
+}
+
+// A curve over positions, or over the travel since a reversal, shows at low speed.
+TEST(NextExperiment, ShowsTheFirstCurveWhereNothingIsToBeSeparated) {
+  Diagnosis d = with_rival(NewEffect{"backlash", {0}}, NewEffect{"backlash", {1}});
+  EXPECT_TRUE(next_experiment(d).shows.empty());
+  for (const char* signal : {"q2", "history1", "dq1", "tau1"}) {
+    Finding curve = finding(NewEffect{"backlash", {0}}, "something");
+    curve.shape.emplace();
+    curve.shape->signals = {"t", signal};
+    d.findings = {with_rival(NewEffect{"backlash", {0}}, NewEffect{"backlash", {1}}).findings[0], curve, curve};
+    const NextExperiment next = next_experiment(d);
+    EXPECT_EQ(next.shows, std::string("what joint 1 depends on over t and ") + signal);
+    EXPECT_EQ(next.slow_passes > 0, signal[0] == 'q' || signal[0] == 'h') << signal;
+    d.next_experiment = next;
+    EXPECT_NE(d.report("excite it").find("next experiment, to show " + next.shows + ":\n  excite it\n"), std::string::npos);
+    EXPECT_NE(d.report().find("next experiment, to show " + next.shows + "\n"), std::string::npos);
+  }
+  d.findings[0].rivals = {{NewEffect{"presliding_hysteresis", {0}}, "as good"}};
+  EXPECT_TRUE(next_experiment(d).shows.empty());  // what is to be separated goes first
+}
+
+TEST(DiagnosisReport, SaysWhatTheRecordingsLimit) {
+  Diagnosis d = with_rival(NewEffect{"backlash", {0}}, NewEffect{"backlash", {1}});
+  EXPECT_EQ(d.report().find("provisional"), std::string::npos);
+  d.provisional = true;
+  d.moving_as_one = {{0, 1}};
+  d.remarks = {"a word"};
+  d.changes = true;
+  RecordingQuality quality;
+  quality.file = "one.csv";
+  QualityFinding info, warning;
+  info.sentence = "a fact";
+  info.severity = Severity::kInfo;
+  warning.sentence = "a warning";
+  warning.severity = Severity::kWarning;
+  quality.findings = {info, warning};
+  d.data_quality = {quality};
+  const std::string report = d.report();
+  for (const char* words : {"one recording to learn from: names are provisional\n", "joints 1 and 2 move as one in all training recordings",
+                            "remark: a word\n", "\nwhat changed since the model was made:\n", "recording one.csv: a warning\n"})
+    EXPECT_NE(report.find(words), std::string::npos) << words << "\n" << report;
+  EXPECT_EQ(report.find("a fact"), std::string::npos);
+}
+
+// A push is no error of the model: its errors are those outside of it, and of no share of anything.
+TEST(DiagnosisReport, OfAContactSaysTheErrorsOutsideOfIt) {
+  Diagnosis d = with_rival(NewEffect{"backlash", {0}}, NewEffect{"backlash", {1}});
+  d.findings = {finding(ExternalContact{{1}}, "something pushes")};
+  d.findings[0].source = "one.csv";
+  d.findings[0].test_before = d.findings[0].test_after = Eigen::Vector2d(0.31, 0.42);
+  d.findings[0].test_outside = Eigen::Vector2d(0.11, 0.12);
+  const std::string report = d.report();
+  EXPECT_NE(report.find("held-out error outside of what is left out, %:"), std::string::npos) << report;
+  EXPECT_NE(report.find("11.00"), std::string::npos) << report;
+  EXPECT_EQ(report.find("31.00"), std::string::npos) << report;
+  EXPECT_EQ(report.find("removable"), std::string::npos) << report;
 }
 
 TEST(DiagnosisReport, SaysFindingsRivalsAndWhatIsLeftOpen) {

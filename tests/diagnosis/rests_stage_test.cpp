@@ -1,0 +1,97 @@
+#include <gtest/gtest.h>
+
+#include "diagnosis/stage_support.hpp"
+
+// Rests at the ends of recordings, in which friction holds a joint against anything, and joints that move as one.
+
+namespace veridyn {
+namespace {
+
+class AtTheEnds : public Stages {
+ protected:
+  // A recording that stands still for some seconds before it begins and after it ends, under any torque.
+  static Recording with_rests(const Recording& r, double before, double after) {
+    const double dt = r.time[1] - r.time[0];
+    const auto first = static_cast<int>(before / dt), last = static_cast<int>(after / dt);
+    Recording out = r;
+    const Eigen::Index rows = first + r.rows() + last;
+    out.time = VectorXd::LinSpaced(rows, 0.0, static_cast<double>(rows - 1) * dt);
+    const auto held = [&](const MatrixXd& values, double share) {
+      MatrixXd all(rows, values.cols());
+      all.topRows(first).rowwise() = share * values.row(0);
+      all.middleRows(first, r.rows()) = values;
+      all.bottomRows(last).rowwise() = share * values.row(r.rows() - 1);
+      return all;
+    };
+    out.q = held(r.q, 1.0);
+    out.tau = held(r.tau, 0.5);
+    if (r.dq.size() > 0) out.dq = held(r.dq, 0.0);
+    if (r.ddq.size() > 0) out.ddq = held(r.ddq, 0.0);
+    return out;
+  }
+
+  DiagnosisState resting(double before, double after) const {
+    DiagnosisState x{read_model("planar-2r"), {}, {}, {}, {}, {}, 0, {}, {}, {}};
+    for (unsigned k = 1; k <= 3; ++k) x.train.push_back(record(k, {}));
+    x.test = {record(4, {})};
+    write_recording(with_rests(read_recording(x.train[1]), before, after), x.train[1]);
+    x.options.identification.threads = 1;
+    x.options.identification.test_preprocessing = x.options.identification.preprocessing;
+    EXPECT_TRUE(fit_baseline(x));
+    return x;
+  }
+};
+
+TEST_F(AtTheEnds, RestsAreLeftOutOfTheirRecording) {
+  DiagnosisState x = resting(3.0, 2.0);
+  const double moving = read_recording(x.train[0]).time.tail(1)[0];
+  const double with_rests = x.start.train_error.relative.maxCoeff();
+  exclude_rests(x);
+  ASSERT_EQ(x.d.excluded_intervals.size(), 2U);
+  for (const ExcludedInterval& part : x.d.excluded_intervals) {
+    EXPECT_EQ(part.source, x.train[1]);
+    EXPECT_FALSE(part.joint);
+  }
+  EXPECT_EQ(x.d.excluded_intervals[0].from, 0.0);
+  EXPECT_NEAR(x.d.excluded_intervals[0].to, 3.0, 0.3);
+  EXPECT_NEAR(x.d.excluded_intervals[1].from, 3.0 + moving, 0.3);
+  EXPECT_GT(x.d.excluded_intervals[1].to, 5.0 + moving);
+  EXPECT_EQ(x.options.identification.test_preprocessing->excluded_intervals.size(), 2U);
+  EXPECT_LT(x.start.train_without_excluded.relative.maxCoeff(), 0.5 * with_rests);
+}
+
+TEST_F(AtTheEnds, AMomentOfRestIsNone) {
+  DiagnosisState x = resting(1.9, 1.2);  // of which the filter's transients are dropped anyway, 1.2 and 0.5 s
+  exclude_rests(x);
+  EXPECT_TRUE(x.d.excluded_intervals.empty());
+}
+
+// Poses: a recording that never moves has no ends.
+TEST_F(AtTheEnds, ARecordingThatNeverMovesIsKept) {
+  DiagnosisState x = resting(0.0, 0.0);
+  PredictionSeries& still = x.d.baseline.train[1].series;
+  for (auto* table : {&still.dq, &still.ddq}) {
+    for (std::vector<double>& joint : *table) std::fill(joint.begin(), joint.end(), 0.0);
+  }
+  exclude_rests(x);
+  EXPECT_TRUE(x.d.excluded_intervals.empty());
+}
+
+// Whoever moves all joints along one line cannot tell them apart; joints that stand still move as nothing.
+TEST_F(AtTheEnds, JointsWhosePositionsAreOneLineMoveAsOne) {
+  DiagnosisState x = resting(0.0, 0.0);
+  exclude_rests(x);
+  EXPECT_TRUE(x.d.moving_as_one.empty());
+  const auto second_follows = [&x](double share) {
+    for (RecordingError& r : x.d.baseline.train) {
+      for (size_t k = 0; k < r.series.time.size(); ++k) r.series.q[1][k] = 0.2 + share * r.series.q[0][k];
+    }
+    exclude_rests(x);
+    return x.d.moving_as_one;
+  };
+  EXPECT_EQ(second_follows(-0.5), (std::vector<std::vector<int>>{{0, 1}}));
+  EXPECT_TRUE(second_follows(1e-3).empty());
+}
+
+}  // namespace
+}  // namespace veridyn

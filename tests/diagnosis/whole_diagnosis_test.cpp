@@ -1,0 +1,76 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "diagnosis/stage_support.hpp"
+#include "veridyn/model/model_file.hpp"
+
+// Diagnoses from the recordings to the report: answers that single stages do not give.
+
+namespace veridyn {
+namespace {
+
+class WholeDiagnosis : public Stages {
+ protected:
+  // The last of five recordings is held out.
+  Diagnosis diagnosed(const Model& robot, const std::vector<std::string>& hidden, const std::vector<std::string>& effects,
+                      const std::function<void(Recording&, unsigned)>& change = {}) const {
+    std::vector<Recording> all;
+    for (unsigned k = 1; k <= 5; ++k) {
+      all.push_back(read_recording(record(k, hidden)));
+      all.back().source = "recording " + std::to_string(k);
+      if (change) change(all.back(), k);
+    }
+    DiagnosisOptions options;
+    options.identification.threads = 1;
+    options.effects = effects;
+    return diagnose(robot, {all[0], all[1], all[2], all[3]}, all[4], options);
+  }
+};
+
+TEST_F(WholeDiagnosis, RecordingsThatGiveNoModelAreAnAnswer) {
+  const Diagnosis d = diagnosed(read_model("planar-2r"), {}, {}, [](Recording& r, unsigned) { r = rows_of(r, 0, 50); });
+  EXPECT_FALSE(d.baseline.model.has_value());
+  EXPECT_NE(d.baseline.reason.find("no usable samples"), std::string::npos) << d.baseline.reason;
+  EXPECT_EQ(d.report(), d.baseline.report());
+  EXPECT_TRUE(d.findings.empty());
+  EXPECT_TRUE(d.joints.empty());
+}
+
+// What pushed the arm is said first, and what the arm has is found beside it as if nobody had pushed.
+TEST_F(WholeDiagnosis, APushBesideASpringLeavesTheSpringAsItIs) {
+  const std::vector<std::string> hidden = {"joint_spring:elbow:stiffness=4"}, effects = {"joint_spring", "external_contact"};
+  const auto spring_of = [](const Diagnosis& d) {
+    const auto found = std::find_if(d.findings.begin(), d.findings.end(), [](const Finding& f) { return effect_of(f.cause) == "joint_spring"; });
+    EXPECT_NE(found, d.findings.end()) << d.report();
+    return found == d.findings.end() ? 0.0 : found->parameters[0].value;
+  };
+  const Diagnosis alone = diagnosed(read_model("planar-2r"), hidden, effects);
+  const Diagnosis pushed = diagnosed(read_model("planar-2r"), hidden, effects, [](Recording& r, unsigned k) {
+    for (int row = 0; k == 2 && row < r.rows(); ++row) {
+      if (r.time[row] > 5.0 && r.time[row] < 6.0) r.tau(row, 0) += 15.0;
+    }
+  });
+  EXPECT_EQ(alone.findings.size(), 1U) << alone.report();
+  ASSERT_EQ(pushed.findings.size(), 2U) << pushed.report();
+  EXPECT_TRUE(std::holds_alternative<ExternalContact>(pushed.findings[0].cause));
+  EXPECT_EQ(pushed.findings[0].source, "recording 2");
+  EXPECT_NEAR(spring_of(pushed), spring_of(alone), 0.02);
+  EXPECT_LT(pushed.extended.test_error.relative.maxCoeff(), 1.1 * alone.extended.test_error.relative.maxCoeff());
+}
+
+// A manufacturer's file has no friction: it is added, told in a table, and is no finding.
+TEST_F(WholeDiagnosis, FrictionThatAFileLacksIsATable) {
+  ModelDescription bare = without_effects(read_model("planar-2r")).description();
+  bare.values = RobotValues::kPrior;
+  const Diagnosis d = diagnosed(Model(std::move(bare)), {}, {"joint_spring"});
+  ASSERT_FALSE(d.friction_remark.empty()) << d.report();
+  EXPECT_TRUE(d.findings.empty()) << d.report();
+  EXPECT_FALSE(d.friction.empty());
+  EXPECT_NE(d.report().find(d.friction_remark + " Found: table below."), std::string::npos) << d.report();
+  EXPECT_NE(d.report().find("\nfriction, offset and rotor inertia that were found"), std::string::npos) << d.report();
+  EXPECT_NE(d.report().find("  shoulder "), std::string::npos);
+}
+
+}  // namespace
+}  // namespace veridyn
