@@ -185,7 +185,7 @@ void ChangeFinder::emit_present(double now) {
   const std::vector<Score> all = scores(c, whole);
   c.score = all.front();
   const double odds = quantiles_.dispersion() * numbers_.odds;
-  if (c.score.size.size() == 0 || c.score.gain < odds * numbers_.present_odds) return;
+  if (c.score.gain < odds * numbers_.present_odds) return;
   VectorXd power = VectorXd::Zero(arm_.joints());
   for (const Step& step : quiet_)
     power += (step.columns(Eigen::all, c.score.columns) * c.score.size).cwiseAbs2() /

@@ -24,7 +24,8 @@ bool is_last(const Model& arm, int frame) {
 std::vector<FrameIndex> load_frames(const Model& arm, const std::vector<std::string>& links) {
   std::vector<FrameIndex> out;
   for (const std::string& link : links) {
-    out.push_back(find_frame(arm, link, "watch: robot '" + arm.name() + "'"));
+    const FrameIndex frame = find_frame(arm, link, "watch: robot '" + arm.name() + "'");
+    if (std::find(out.begin(), out.end(), frame) == out.end()) out.push_back(frame);
   }
   for (int k = 0; links.empty() && k < static_cast<int>(arm.frames().size()); ++k) {
     bool moves = false;

@@ -49,6 +49,7 @@ void SmoothedRows::check(const Recording& rows) const {
   const int n = arm_.joints();
   require(rows.joints() == n, rows.source, ": found ", rows.joints(), " joints, but robot '",
           arm_.name(), "' has ", n, " coordinates.");
+  require(!has_velocity_ || rows.dq.size() > 0, rows.source, ": found no velocities (dq1..dq", n, "), expected them as in the rows before.");
   if (rows.tau.size() > 0) return;
   require(rows.current.size() > 0, rows.source, ": found neither torques (tau1..tau", n,
           ") nor motor currents (i1..i", n, ").");
@@ -177,7 +178,11 @@ void SmoothedRows::add(const Recording& rows) {
 // Processes one recorded row: the grid points between it and the previous row.
 void SmoothedRows::place(const Row& row) {
   if (has_last_) {
-    if (row.t <= last_.t) return;
+    if (row.t <= last_.t) {  // as after the start of another controller
+      unusable(usable_ + dt_ * static_cast<double>(++back_), "times do not rise");
+      return;
+    }
+    back_ = 0;
     const bool same = row.q == last_.q && row.tau == last_.tau;
     if (same && moved()) {
       unusable(row.t, "the same row comes again and again, of an arm that moves");
@@ -208,7 +213,7 @@ void SmoothedRows::place(const Row& row) {
   }
   for (double t; (t = first_t_ + static_cast<double>(next_) * dt_) <= row.t + kSameTime * dt_; ++next_) {
     Row between = row;
-    if (t < row.t && row.t > last_.t) {
+    if (t < row.t) {
       const double share = (t - last_.t) / (row.t - last_.t);
       between.q = last_.q + share * (row.q - last_.q);
       between.dq = last_.dq + share * (row.dq - last_.dq);
@@ -233,8 +238,7 @@ void SmoothedRows::put(Row row) {
 // side and returns, so that only lasting jumps count.
 void SmoothedRows::look_for_jump() {
   const int end = static_cast<int>(grid_.size()) - 1;
-  const int begin = end - 2 * reach_;
-  if (begin < 0) return;
+  const int begin = end - 2 * reach_;  // within the window, for reach_ < half_
   seen_ += 1.0;
   std::vector<PositionJump> found;
   for (int j = 0; j < arm_.joints(); ++j) {

@@ -45,7 +45,8 @@ class SmoothedRows {
   std::function<void(const Blindness&)> on_blind;
   std::function<void()> on_break;  ///< after a pause; the next row is not contiguous
 
-  /// @throws InvalidInput  another number of joints, neither torques nor currents with drive gains.
+  /// @throws InvalidInput  another number of joints, neither torques nor currents with drive gains, no
+  /// velocities after rows with them.
   void check(const Recording& rows) const;
   void add(const Recording& rows);
   double dt() const { return dt_; }
@@ -102,6 +103,7 @@ class SmoothedRows {
   // Last usable row and last row of all [s].
   double usable_ = 0.0, heard_ = 0.0, blind_ = 0.0;
   bool heard_any_ = false, is_blind_ = false;
+  long back_ = 0;  // rows in a row whose time does not rise
   // (n) since when a torque has not changed, its joint's position then, and the longest such time before.
   VectorXd same_torque_, same_since_, same_from_, same_longest_;
   std::vector<char> never_changed_, stopped_;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "math/numbers.hpp"
 #include "recordings/velocity_trust.hpp"
 #include "veridyn/math/require.hpp"
 #include "math/student_t.hpp"
@@ -20,10 +21,15 @@ using watching::Change;
 using watching::ChangeFinder;
 using watching::Step;
 
-void check(const WatchOptions& o) {
-  require(o.learn > 0.0 && o.learn_more >= o.learn && o.step > 0.0 && o.false_alarms > 0.0 &&
-              o.longest_naming > 0.0 && o.refine >= 0.0,
-          "watch: found a time or a rate that is not above zero.");
+void check(const WatchOptions& o, const WatchNumbers& numbers) {
+  for (const double value : {o.learn, o.learn_more, o.step, o.false_alarms, o.longest_naming}) {
+    require(value > 0.0 && std::isfinite(value), "watch: found a time or a rate of ", value,
+            ", expected a number above zero.");
+  }
+  require(o.refine >= 0.0 && std::isfinite(o.refine), "watch: found ", o.refine, " s to refine a cause in, expected 0 or more.");
+  require(o.learn_more >= o.learn, "watch: found ", o.learn_more, " s to learn more in, expected ", o.learn, " s or more.");
+  require(o.step < numbers.short_memory, "watch: found steps of ", o.step, " s, expected less than ", numbers.short_memory,
+          " s, the shortest memory.");
 }
 
 Recording joined(const Recording& before, const Recording& rows) {
@@ -41,6 +47,17 @@ Recording joined(const Recording& before, const Recording& rows) {
     if (all.size() > 0) all << first, then;
   }
   return out;
+}
+
+// [s] from the earliest to the latest of the times that are numbers.
+double duration_of(const VectorXd& time) {
+  double earliest = kInfinity, latest = -kInfinity;
+  for (const double t : time) {
+    if (!std::isfinite(t)) continue;
+    earliest = std::min(earliest, t);
+    latest = std::max(latest, t);
+  }
+  return latest - earliest;
 }
 
 std::set<int> wrong_velocities(const Recording& rows) {
@@ -61,7 +78,7 @@ class Watch::Implementation {
   Implementation(const Model& arm, const WatchOptions& options, const WatchNumbers& numbers)
       : numbers_(numbers), arm_(arm), options_(options), rows_(arm, numbers_), hypotheses_(arm, options.links, numbers_),
         steps_(hypotheses_, options.step), finder_(arm, hypotheses_.all(), options, numbers_) {
-    check(options);
+    check(options, numbers_);
     state_.residual = state_.torque = state_.noise = VectorXd::Zero(arm.joints());
     rows_.on_row = [this](const watching::SmoothedRow& row) { steps_.add(row, rows_.dt()); };
     rows_.on_break = [this] { steps_.begin_again(); };
@@ -94,8 +111,7 @@ class Watch::Implementation {
       watch(rows);
     } else if (rows.rows() > 0) {
       unjudged_ = joined(unjudged_, rows);
-      if (unjudged_.time[unjudged_.rows() - 1] - unjudged_.time[0] >= numbers_.judged * options_.learn)
-        judge_velocities();
+      if (duration_of(unjudged_.time) >= numbers_.judged * options_.learn) judge_velocities();
     }
     note_blindness();
     return taken();

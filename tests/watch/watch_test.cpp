@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <functional>
 #include <limits>
 
+#include "support/refusal.hpp"
 #include "veridyn/math/require.hpp"
 #include "watch/event_words.hpp"
 #include "watch/onsets.hpp"
@@ -199,16 +202,48 @@ TEST(Watch, BadInputIsRefused) {
   options.links = {"tol"};
   EXPECT_THROW(Watch(bench().arm, options), InvalidInput);
   EXPECT_THROW(Watch(read_model("psm-3dof")), InvalidInput);  // bodies without values
+  const double inf = std::numeric_limits<double>::infinity();
+  const auto refused = [](const std::function<void(WatchOptions&)>& change) {
+    WatchOptions changed;
+    change(changed);
+    EXPECT_THROW(Watch(bench().arm, changed), InvalidInput);
+  };
+  for (const double value : {0.0, -1.0, std::nan(""), inf}) {
+    refused([value](WatchOptions& o) { o.learn = value; });
+    refused([value](WatchOptions& o) { o.learn_more = value; });
+    refused([value](WatchOptions& o) { o.step = value; });
+    refused([value](WatchOptions& o) { o.false_alarms = value; });
+    refused([value](WatchOptions& o) { o.longest_naming = value; });
+    if (value != 0.0) refused([value](WatchOptions& o) { o.refine = value; });
+  }
+  refused([](WatchOptions& o) { o.learn_more = 0.5 * o.learn; });
+  refused([](WatchOptions& o) { o.step = WatchNumbers().short_memory; });  // which would forget everything
   Watch watch(bench().arm);
   Recording two;
   two.time = VectorXd::LinSpaced(50, 0.0, 1.0);
   two.q = two.tau = MatrixXd::Zero(50, 2);
   EXPECT_THROW(watch.add(two), InvalidInput);
+  Recording frozen = recorded({}, 10.0, 1);
+  frozen.time.setConstant(3.0);
+  Watch without_clock(bench().arm);
+  without_clock.add(frozen);
+  EXPECT_TRUE(refuses_with("times that do not rise", [&] { without_clock.finish(); }));
+}
+
+// Rows without velocities after rows with them: before the velocities are judged, and long afterwards.
+TEST(Watch, RefusesRowsThatLackVelocities) {
+  Recording later = recorded({}, 1.0, 1);
+  later.dq.resize(0, 0);
+  for (const double seconds : {0.5, 6.0}) {
+    Watch watch(bench().arm);
+    watch.add(recorded({}, seconds, 1));
+    EXPECT_TRUE(refuses_with(seconds < 1.0 ? "columns dq" : "no velocities", [&] { watch.add(later); })) << seconds;
+  }
 }
 
 // What takes the sight from a watch is said, with the time that is lost; it is no change, and nothing is
 // made of what was suspected in it: a torque that is no number or stops, a recorder that repeats its last
-// row, no rows at all.
+// row, no rows at all, a clock that begins again.
 TEST(Watch, SaysWhenItCannotSee) {
   const int from = 10 * static_cast<int>(WatchedArm::kRate);
   const Recording quiet = recorded({}, 20.0, 6);
@@ -221,10 +256,13 @@ TEST(Watch, SaysWhenItCannotSee) {
   for (MatrixXd* m : {&frozen.q, &frozen.dq, &frozen.tau}) m->bottomRows(last).rowwise() = m->row(from).eval();
   Recording pause = quiet;
   pause.time.tail(last).array() += 10.0;
+  Recording restarted = quiet;
+  restarted.time.tail(last).array() -= 10.0;
   const std::pair<Recording, const char*> all[] = {{nothing, "tau2 (pitch) is no number"},
                                                    {dead, "tau2 (pitch) stays at 0"},
                                                    {frozen, "the same row"},
-                                                   {pause, "no usable row"}};
+                                                   {pause, "no usable row"},
+                                                   {restarted, "times do not rise"}};
   for (const auto& [rows, why] : all) {
     Watch watch(bench().arm);
     std::vector<WatchEvent> events = watch.add(rows);
@@ -256,6 +294,29 @@ TEST(Watch, SurvivesBadRows) {
   const std::vector<WatchEvent> events = watched(r);
   ASSERT_EQ(events.size(), 1U) << all_of(events);
   EXPECT_EQ(events[0].stage, WatchStage::kBlind) << all_of(events);
+}
+
+// A first row without a time is no reason to wait for the end of the rows.
+TEST(Watch, BeginsWithoutATime) {
+  Recording r = recorded({}, 6.0, 5);
+  r.time[0] = std::numeric_limits<double>::quiet_NaN();
+  Watch watch(bench().arm);
+  watch.add(r);
+  EXPECT_FALSE(watch.state().learning);
+  EXPECT_GT(watch.state().time, 5.5);
+}
+
+// A link that is given twice is one, and no rival of itself.
+TEST(Watch, TakesALinkOnce) {
+  WatchOptions options;
+  options.links = {"tool", "tool"};
+  Watch watch(bench().arm, options);
+  watch.add(with_change("payload:tool:mass=0.3", 16.0, 1));
+  watch.finish();
+  const WatchEvent* named = first(watch.events(), WatchStage::kNamed);
+  ASSERT_NE(named, nullptr) << all_of(watch.events());
+  EXPECT_EQ(named->text, "payload:tool");
+  for (const WatchRival& rival : named->rivals) EXPECT_NE(rival.text, named->text);
 }
 
 TEST(Watch, SpeaksOfEffectsInWords) {

@@ -33,8 +33,9 @@ enum class WatchStage {
   kOver,       ///< a contact that has ended
   kPresent,    ///< there when the watch began: learned, and no reason for an alarm
   kWithdrawn,  ///< the name was wrong: another one explains more, and follows with the same id
-  /// Nothing can be watched since: no rows, no finite numbers, rows or a torque that stand still while the
-  /// arm moves. No change and no cause; the id is that of a change that was suspected since then, or 0.
+  /// Nothing can be watched since: no rows, no finite numbers, times that do not rise, rows or a torque that
+  /// stand still while the arm moves. No change and no cause; the id is that of a change that was suspected
+  /// since then, or 0.
   kBlind,
 };
 const char* name_of(WatchStage stage);
@@ -116,7 +117,8 @@ class Watch {
 
   /// Watches the next rows and returns the events that they bring. Rows whose time does not rise, or
   /// which are repeated, are skipped; a pause of more than half a second begins a new segment.
-  /// @throws InvalidInput  another number of joints, neither torques nor currents with drive gains.
+  /// @throws InvalidInput  another number of joints, neither torques nor currents with drive gains, other
+  /// signals than in the rows before.
   std::vector<WatchEvent> add(const Recording& rows);
 
   /// Reports changes that are still open at the end of the rows.
