@@ -60,7 +60,7 @@ MotionSamples random_states(const Model& arm, int count, unsigned seed,
 }
 
 int state_count(int columns, int joints) {
-  return 20 + 2 * columns / std::max(1, joints);
+  return 20 + 2 * columns / joints;
 }
 
 }  // namespace veridyn

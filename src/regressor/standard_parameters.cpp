@@ -77,10 +77,14 @@ std::vector<std::string> parameter_names(const std::vector<StandardParameter>& p
 }
 
 Model with_values(const Model& arm, const VectorRef& values, const VectorRef& deviations) {
+  const std::size_t count = standard_parameters(arm).size();
+  require(static_cast<std::size_t>(values.size()) == count, "with_values: found ", values.size(), " values, expected ", count, ".");
+  require(deviations.size() == 0 || deviations.size() == values.size(), "with_values: found ", deviations.size(),
+          " deviations, expected ", count, " or none.");
   ModelDescription d = arm.description();
   d.identified.reset();
   const auto known = [&deviations](Eigen::Index i) {
-    return i < deviations.size() && std::isfinite(deviations[i]);
+    return deviations.size() > 0 && std::isfinite(deviations[i]);
   };
   Eigen::Index at = 0;
   for (const int k : arm.bodies()) {
@@ -98,7 +102,6 @@ Model with_values(const Model& arm, const VectorRef& values, const VectorRef& de
       ++at;
     }
   }
-  require(at == values.size(), "with_values: found ", values.size(), " values, expected ", at, ".");
   return Model(d);
 }
 

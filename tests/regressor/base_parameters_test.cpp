@@ -234,6 +234,16 @@ TEST(BaseParametersOf, AFactorSayHowColumnsDepend) {
   EXPECT_EQ(base.classes[3], Identifiability::kNot);
 }
 
+TEST(BaseParametersOf, NothingAreNone) {
+  EXPECT_EQ(base_parameters(SquareRootInformation(std::vector<std::string>{}), {}).size(), 0);
+  SquareRootInformation zero(std::vector<std::string>{"a", "b"});
+  zero.absorb(MatrixXd::Zero(5, 2), VectorXd::Ones(5));
+  const BaseParameters none = base_parameters(zero, {0, 1});
+  EXPECT_EQ(none.size(), 0);
+  EXPECT_EQ(none.rank_gap, 0.0);
+  for (const Identifiability one : none.classes) EXPECT_EQ(one, Identifiability::kNot);
+}
+
 TEST(ARandomStateFactor, HoldsStillWhatIsAskedTo) {
   const Model arm = robot("planar-2r");
   const std::vector<StandardParameter> parameters = standard_parameters(arm);

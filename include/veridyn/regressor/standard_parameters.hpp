@@ -33,7 +33,8 @@ VectorXd standard_values(const Model& arm);
 /// Names of the parameters.
 std::vector<std::string> parameter_names(const std::vector<StandardParameter>& parameters);
 
-/// The arm with these values and standard deviations (NaN: none) instead of its own.
+/// The arm with these values and standard deviations (NaN: none; empty: none at all) instead of its own.
+/// @throws InvalidInput  another number of them than standard_parameters().
 Model with_values(const Model& arm, const VectorRef& values, const VectorRef& deviations);
 
 /// The regressor of bodies and memoryless effects at one state, (n x parameters); effects with
