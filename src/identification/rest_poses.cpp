@@ -63,33 +63,47 @@ Recording corrected(const Model& arm, const Recording& r) {
   return rows;
 }
 
-// Segments in which nothing moves, one pose each.
+// Segments in which nothing moves, one pose each. A velocity that is not there is no rest; and where rows
+// were left out, or recordings joined, another position begins another pose, approached nobody knows how.
 RestPoses poses_between_motions(const Model& arm, const Recording& r, const IdentificationNumbers& numbers) {
   const int n = arm.joints();
-  const auto moves = [&](Eigen::Index k, int j) {
-    const double still = arm.coordinates()[j].prismatic ? numbers.still_sliding : numbers.still_turning;
-    return std::abs(r.dq(k, j)) > still;
+  const auto still = [&](int j) {
+    return arm.coordinates()[j].prismatic ? numbers.still_sliding : numbers.still_turning;
+  };
+  const auto is_elsewhere = [&](Eigen::Index k, int j) {
+    const double travel = arm.coordinates()[j].prismatic ? numbers.still_prismatic : numbers.still_revolute;
+    return std::abs(r.q(k, j) - r.q(k - 1, j)) > travel;
   };
   RestPoses out;
   out.source = r.source;
   Eigen::RowVectorXd last = Eigen::RowVectorXd::Zero(n);
   std::vector<Eigen::RowVectorXd> q, tau, approach;
   Eigen::Index first = 0;
-  for (Eigen::Index k = 0; k <= r.rows(); ++k) {
-    bool rests = k < r.rows();
-    for (int j = 0; j < n && rests; ++j) rests = !moves(k, j);
-    if (rests) continue;
+  const auto end_at = [&](Eigen::Index k, Eigen::Index next) {
     const Eigen::Index count = k - first;
-    if (count >= numbers.fewest_rows) {
-      q.emplace_back(r.q.middleRows(first, count).colwise().mean());
-      tau.emplace_back(r.tau.middleRows(first, count).colwise().mean());
-      approach.push_back(last);
+    first = next;
+    if (count < numbers.fewest_rows) return;
+    q.emplace_back(r.q.middleRows(k - count, count).colwise().mean());
+    tau.emplace_back(r.tau.middleRows(k - count, count).colwise().mean());
+    approach.push_back(last);
+  };
+  for (Eigen::Index k = 0; k < r.rows(); ++k) {
+    bool rests = true, jumped = false;
+    for (int j = 0; j < n; ++j) {
+      rests = rests && std::abs(r.dq(k, j)) <= still(j);
+      jumped = jumped || (k > first && is_elsewhere(k, j));
     }
-    for (int j = 0; j < n && k < r.rows(); ++j) {
-      if (moves(k, j)) last[j] = r.dq(k, j) > 0.0 ? 1.0 : -1.0;
+    if (rests && !jumped) continue;
+    end_at(k, rests ? k : k + 1);
+    for (int j = 0; j < n; ++j) {
+      if (std::abs(r.dq(k, j)) > still(j)) {
+        last[j] = r.dq(k, j) > 0.0 ? 1.0 : -1.0;
+      } else if (rests && is_elsewhere(k, j)) {
+        last[j] = 0.0;
+      }
     }
-    first = k + 1;
   }
+  end_at(r.rows(), r.rows());
   const auto rows = static_cast<Eigen::Index>(q.size());
   out.q.resize(rows, n);
   out.tau.resize(rows, n);
@@ -339,6 +353,8 @@ Identification identify_at_rest(const Model& file, const std::vector<RestPoses>&
                                 const std::vector<RestPoses>& test, const IdentificationOptions& options,
                                 const IdentificationNumbers& numbers) {
   require(!train.empty(), "identify_at_rest: there is no recording to train on.");
+  require(options.method != Method::kIv && options.method != Method::kDidim,
+          "identify_at_rest: found a method with instruments, which are motions, expected another one.");
   for (const auto* list : {&train, &test}) {
     for (const RestPoses& poses : *list) {
       require(poses.q.cols() == file.joints() && poses.tau.cols() == file.joints() &&
@@ -346,6 +362,8 @@ Identification identify_at_rest(const Model& file, const std::vector<RestPoses>&
                   poses.approach.rows() == poses.poses(),
               poses.source, ": found poses of ", poses.q.cols(), " joints, expected the ", file.joints(),
               " of robot '", file.name(), "'.");
+      require(poses.poses() > 0 && poses.q.allFinite() && poses.tau.allFinite() && poses.approach.allFinite(), poses.source,
+              ": found ", poses.poses() > 0 ? "a pose with a number that is not finite" : "no pose", ", expected poses at rest.");
     }
   }
   const bool approached = std::any_of(train.begin(), train.end(), [](const RestPoses& p) {
@@ -382,7 +400,7 @@ Identification identify_at_rest(const Model& file, const std::vector<RestPoses>&
   id.factors = std::move(factors);
   keep_training_error(id);
   id.remarks.insert(id.remarks.begin(),
-                    text("Identified from ", static_cast<long>(of_train.torque2.size() > 0 ? id.rows / arm.joints() : 0.0),
+                    text("Identified from ", static_cast<long>(id.rows / arm.joints()),
                          " poses at rest: they determine ", base.size(),
                          " parameters of gravity, offsets and forces of position. Inertia and viscous friction "
                          "are not in them: the model is for gravity, not for motion."));

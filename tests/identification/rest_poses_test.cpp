@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "cli/tool.hpp"
+#include "support/refusal.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
@@ -213,6 +214,55 @@ TEST_F(Resting, PosesAreReadFromRowsAndFromRests) {
   const RestPoses again = read_rest_poses(truth_, folder.write("gaps.csv", text), {});
   EXPECT_EQ(again.approach, three.approach);
   EXPECT_EQ(again.tau, three.tau);
+}
+
+// Rests at two positions are two poses though no row shows the motion between them: its rows were left out
+// (no torques), or its velocities are missing. From which side the second one was reached nobody knows.
+TEST_F(Resting, TwoPositionsAreTwoPoses) {
+  TemporaryFolder folder;
+  const auto read = [&](const std::string& between) {
+    std::string text = "t,q1,q2,q3,dq1,dq2,dq3,tau1,tau2,tau3\n";
+    const auto add = [&](int from, int count, const std::string& row) {
+      for (int k = from; k < from + count; ++k) text += std::to_string(0.01 * k) + row + "\n";
+    };
+    add(0, 3, ",0.0,0.2,0.1,0.5,0,0,1,0,0");
+    add(3, 10, ",0.1,0.2,0.1,0.001,0,0,1,0,0");
+    if (!between.empty()) add(13, 10, between);
+    add(23, 10, ",0.5,0.2,0.1,0.001,0,0,2,0,0");
+    return read_rest_poses(truth_, folder.write("rests.csv", text), {});
+  };
+  for (const char* between : {"", ",0.3,0.2,0.1,1,0,0,nan,0,0"}) {
+    const RestPoses two = read(between);
+    ASSERT_EQ(two.poses(), 2) << between;
+    EXPECT_EQ(two.q.col(0), Eigen::Vector2d(0.1, 0.5));
+    EXPECT_EQ(two.tau.col(0), Eigen::Vector2d(1, 2));
+    EXPECT_EQ(two.approach.col(0), Eigen::Vector2d(1, 0));
+  }
+  const RestPoses still = read(",0.3,0.2,0.1,nan,0,0,3,0,0");
+  ASSERT_EQ(still.poses(), 2);
+  EXPECT_EQ(still.tau.col(0), Eigen::Vector2d(1, 2));
+}
+
+TEST_F(Resting, PosesThatAreNoneAreRefused) {
+  const Model file = read_model("psm-3dof");
+  const RestPoses good = poses(1, 30);
+  RestPoses none = good;
+  none.q.resize(0, 3);
+  none.tau = none.approach = none.q;
+  RestPoses gap = good;
+  gap.tau(7, 1) = std::nan("");
+  EXPECT_TRUE(refuses_with("found no pose", [&] { identify_at_rest(file, {none}); }));
+  EXPECT_TRUE(refuses_with("found no pose", [&] { identify_at_rest(file, {good}, {none}); }));
+  EXPECT_TRUE(refuses_with("not finite", [&] { identify_at_rest(file, {gap}); }));
+  RestPoses two = good;
+  two.q = good.q.leftCols(2);
+  EXPECT_TRUE(refuses_with("poses of 2 joints", [&] { identify_at_rest(file, {two}); }));
+  EXPECT_TRUE(refuses_with("no recording to train on", [&] { identify_at_rest(file, {}); }));
+  for (const Method method : {Method::kIv, Method::kDidim}) {
+    IdentificationOptions options;
+    options.method = method;
+    EXPECT_TRUE(refuses_with("instruments", [&] { identify_at_rest(file, {good}, {}, options); }));
+  }
 }
 
 TEST_F(Resting, TheToolIdentifiesAModelForTheGravityOfADvrk) {
