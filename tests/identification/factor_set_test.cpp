@@ -18,6 +18,7 @@
 #include "identification/synthetic_recording.hpp"
 #include "recordings/kept_recordings.hpp"
 #include "support/near.hpp"
+#include "support/refusal.hpp"
 #include "veridyn/identification/many_machines.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
@@ -355,6 +356,19 @@ TEST(ManyMachines, GoOnWithoutWhatCannotBeRead) {
   int refused = 0;
   by_ranks(arm, {lost, broken}, {}, 3, &refused);
   EXPECT_EQ(refused, 3);
+}
+
+// They share factors, and drive gains and instruments need samples.
+TEST(ManyMachines, RefuseWhatNeedsSamples) {
+  const Model arm = robot("scara");
+  Mail mail;
+  ThreadRank alone(0, 1, mail);
+  IdentificationOptions instruments, masses;
+  instruments.method = Method::kDidim;
+  masses.known_masses = {{1.0, "tool", {}}};
+  EXPECT_TRUE(refuses_with("instruments", [&] { identify(arm, {"a.csv"}, {}, instruments, alone); }));
+  EXPECT_TRUE(refuses_with("known masses", [&] { identify(arm, {"a.csv"}, {}, masses, alone); }));
+  EXPECT_TRUE(refuses_with("no recording to train on", [&] { identify(arm, std::vector<std::string>(), {}, {}, alone); }));
 }
 
 }  // namespace

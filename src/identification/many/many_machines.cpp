@@ -351,6 +351,8 @@ Identification identify(const Model& file, const std::vector<std::string>& train
   require(!train.empty(), "identify: there is no recording to train on.");
   require(options.known_masses.empty(),
           "identify: drive gains are found on one machine; leave known masses away.");
+  require(options.method != Method::kIv && options.method != Method::kDidim,
+          "identify: found a method with instruments, which need samples; ranks share factors alone.");
   std::optional<FactorSet> first;
   FactorSet last;
   const KeepFactors hold = [&](const FactorSet& factors, bool whole) {
