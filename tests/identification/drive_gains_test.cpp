@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "identification/identification_numbers.hpp"
 #include "identification/synthetic_recording.hpp"
 #include "support/near.hpp"
 #include "veridyn/identification/identification.hpp"
@@ -149,6 +150,20 @@ TEST_F(KnownMasses, MayBeSeveral) {
   EXPECT_TRUE(near(*found.loads[1].centre, kCentre, 5e-3));
 }
 
+// A load on the first link, whose axis is vertical, weighs on no joint; one on the flange does.
+TEST_F(KnownMasses, OfSeveralWeighOnAJointIfOneDoes) {
+  const std::string column = arm_.frames().front().name;
+  const std::string first = record(loaded(arm_, column, 1.0), 3, 0.02);
+  const std::string last = with_load(4);
+  IdentificationNumbers strict;
+  strict.identifiable = 1e-12;
+  const DriveGains found = find_drive_gains(arm_, {free_arm(1), first, last}, {{1.0, column, {first}}, {2.0, frame_, {last}}}, {}, 0, strict);
+  ASSERT_EQ(found.joints.size(), 6U);
+  for (const DriveGain& g : found.joints) EXPECT_FALSE(g.identifiable);
+  EXPECT_NE(found.joints[0].reason.find("its axis feels no weight"), std::string::npos) << found.joints[0].reason;
+  for (const int j : {1, 2}) EXPECT_NE(found.joints[j].reason.find("too little tells it apart"), std::string::npos) << found.joints[j].reason;
+}
+
 // Gains scale with the mass that is claimed.
 TEST_F(KnownMasses, SetTheScale) {
   const std::string load = with_load(3);
@@ -233,6 +248,8 @@ TEST_F(KnownMasses, AreRefusedWhereTheyMakeNoSense) {
     }
     return "no error";
   };
+  EXPECT_NE(error({without, load}, {}).find("found none"), std::string::npos);
+  EXPECT_NE(error({}, {{2.0, frame_, {}}}).find("found no recording"), std::string::npos);
   EXPECT_NE(error({without}, {{2.0, frame_, {}}}).find("one recording"), std::string::npos);
   EXPECT_NE(error({without, load}, {{2.0, "nowhere", {}}}).find("'nowhere'"), std::string::npos);
   EXPECT_NE(error({without, load}, {{-2.0, frame_, {}}}).find("mass above 0"), std::string::npos);

@@ -40,6 +40,7 @@ std::vector<int> named_loads(const std::vector<std::string>& recordings,
 
 void check(const Model& arm, const std::vector<std::string>& recordings,
            const std::vector<KnownMass>& loads) {
+  require(!loads.empty(), "known mass: found none, expected one at least.");
   std::vector<std::string> frames;
   for (const Frame& frame : arm.frames()) frames.push_back(frame.name);
   for (const KnownMass& load : loads) {
@@ -51,8 +52,8 @@ void check(const Model& arm, const std::vector<std::string>& recordings,
     require(!load.recordings.empty() || loads.size() == 1,
             "known mass: found several without recordings, expected KG@FRAME=REC,REC for each.");
   }
-  require(recordings.size() > 1,
-          "known mass: found one recording, expected one at least with the load and one without.");
+  require(recordings.size() > 1, "known mass: found ", recordings.empty() ? "no" : "one",
+          " recording, expected one at least with the load and one without.");
 }
 
 std::string why_not(const DriveGain& gain, bool feels_weight, const IdentificationNumbers& numbers) {
@@ -122,7 +123,8 @@ DriveGains described(const Model& arm, const std::vector<std::string>& recording
   out.clusters = fit.clusters;
   out.problem = problem_of(fit, numbers);
   const double t = student_t_quantile(identifying::kOutside, std::max(1, out.clusters - 1));
-  const VectorXd weight = data.weight_torque(0);
+  VectorXd weight = VectorXd::Zero(fit.joints());
+  for (size_t l = 0; l < loads.size(); ++l) weight = weight.cwiseMax(data.weight_torque(static_cast<int>(l)));
   for (Eigen::Index j = 0; j < fit.joints(); ++j) {
     DriveGain gain = gain_of(arm.coordinates()[j], fit.solution.p()[j],
                              fit.p_deviation(j), t, numbers);
