@@ -89,11 +89,7 @@ BaseSolution solve_base(const std::vector<CompressedRecording>& recordings,
   const MatrixXd inverse =
       total.R().triangularView<Eigen::Upper>().solve(MatrixXd::Identity(total.size(), total.size()));
   out.white_std = inverse.rowwise().norm() * std::sqrt(out.residual2 / freedom);
-  out.clusters = static_cast<int>(blocks.size());
-  out.scatter = blocks.size() < 3 ? MatrixXd(out.beta.size(), 0) : jackknife_factor(solutions_without(blocks));
-  out.std = out.scatter.cols() > 0
-                ? VectorXd(out.scatter.rowwise().norm())
-                : VectorXd::Constant(out.beta.size(), std::numeric_limits<double>::quiet_NaN());
+  take_deviations(solutions_without(blocks), out);
   std::vector<double> ratios;
   for (Eigen::Index j = 0; j < out.beta.size(); ++j) {
     const double ratio = std::pow(out.white_std[j] / out.std[j], 2);
@@ -101,6 +97,13 @@ BaseSolution solve_base(const std::vector<CompressedRecording>& recordings,
   }
   out.effective_samples = total.rows() * std::min(1.0, median(ratios));
   return out;
+}
+
+void take_deviations(const MatrixXd& without, BaseSolution& solution) {
+  solution.clusters = static_cast<int>(without.cols());
+  solution.scatter = solution.clusters < 3 ? MatrixXd(without.rows(), 0) : jackknife_factor(without);
+  solution.std = solution.clusters < 3 ? VectorXd::Constant(without.rows(), std::numeric_limits<double>::quiet_NaN())
+                                       : VectorXd(solution.scatter.rowwise().norm());
 }
 
 VectorXd range_weights(const std::vector<CompressedRecording>& recordings) {

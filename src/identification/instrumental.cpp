@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "identification/identification_numbers.hpp"
-#include "math/clustered_statistics.hpp"
 #include "math/decompositions.hpp"
 #include "math/student_t.hpp"
 #include "math/zero_phase_filter.hpp"
@@ -219,6 +218,7 @@ std::pair<double, int> residual_on(const SquareRootInformation& factor, const Ma
 // Durbin-Wu-Hausman by the augmented regression: if the measured columns carry no noise that is
 // correlated with the torque's, the difference of the two motions' columns explains nothing more.
 EndogeneityTest endogeneity(const SquareRootInformation& factor, Eigen::Index k, double independent_share) {
+  if (k == 0) return {};  // all of the joint's parameters are facts
   MatrixXd measured = MatrixXd::Zero(2 * k + 1, k);
   measured.topRows(k).setIdentity();
   MatrixXd both = MatrixXd::Zero(2 * k + 1, 2 * k);
@@ -278,15 +278,13 @@ InstrumentalFit fit_with_instruments(const Model& arm, const std::vector<Compres
   std::vector<std::string> leading;
   for (const int j : base.independent) leading.push_back(names[j]);
   out.objective = weighted_total(joint_totals(recordings), weights, names).restricted(leading).residual2(out.solution.beta);
-  out.solution.clusters = static_cast<int>(blocks.size());
   MatrixXd without(base.size(), static_cast<Eigen::Index>(blocks.size()));
   for (size_t b = 0; b < blocks.size(); ++b) {
     CrossMoments rest = all;
     rest.add(-1.0, moments[b]);
     without.col(b) = estimate(rest, options.method, scale);
   }
-  out.solution.scatter = jackknife_factor(without);
-  out.solution.std = out.solution.scatter.rowwise().norm();
+  take_deviations(without, out.solution);
   const double share = std::clamp(out.solution.effective_samples / std::max(1.0, rows), 0.0, 1.0);
   for (size_t i = 0; i < joints.size(); ++i) out.tests.push_back(endogeneity(totals[i], joints[i].count(), share));
   return out;

@@ -126,6 +126,35 @@ TEST(Instruments, HaveHonestDeviations) {
   }
 }
 
+// The jackknife of two clusters, or of one, is no standard deviation: it is that of least squares, which says so.
+TEST(Instruments, HaveNoDeviationsFromTwoClusters) {
+  const Model arm = viscous_arm();
+  const Recording r = rows_of(swings(arm, 1e-5, 1e-4, 0.01, 5), 0, 350);
+  for (const Method method : {Method::kWls, Method::kIv, Method::kDidim}) {
+    IdentificationOptions o = with(method);
+    const Identification id = identify(arm, r, o);
+    ASSERT_TRUE(id.model.has_value()) << id.reason;
+    ASSERT_LT(id.factors.front().blocks.size(), 3U);
+    for (const BaseValue& b : id.base) EXPECT_TRUE(std::isnan(b.std)) << b.name << ": " << b.std;
+  }
+}
+
+// A joint whose parameters are all facts has nothing that could be biased; the other one is identified beside it.
+TEST(Instruments, LeaveAJointOfFactsAlone) {
+  const Model truth = viscous_arm();
+  ModelDescription d = truth.description();
+  d.frames[1].body->fixed = true;
+  for (EffectTerm& term : d.effects) term.fixed = term.axis.coefficients[1] != 0.0;
+  for (const Method method : {Method::kIv, Method::kDidim}) {
+    const Identification id = identify(Model(d), swings(truth, 1e-5, 1e-4, 0.02, 5), with(method));
+    ASSERT_TRUE(id.model.has_value()) << id.reason;
+    EXPECT_LT(error_of_damping(id, truth), 0.02);
+    ASSERT_EQ(id.endogeneity.size(), 2U);
+    EXPECT_EQ(id.endogeneity[1].numerator_freedom, 0.0);
+    EXPECT_EQ(id.endogeneity[1].p_value, 1.0);
+  }
+}
+
 TEST(Instruments, RefuseALeastSpeed) {
   const Model arm = viscous_arm();
   IdentificationOptions o = with(Method::kIv);
