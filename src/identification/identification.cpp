@@ -55,13 +55,15 @@ bool rank_deficient(const Model& arm, const BaseParameters& arm_base,
   const auto parameters = standard_parameters(arm);
   const BaseParameters data_base = base_parameters(total, preferred_columns(parameters));
   id.rank_gap = data_base.rank_gap;
-  if (data_base.size() >= arm_base.size() && id.still_joints.empty()) return false;
+  const bool enough = data_base.size() >= arm_base.size();
+  if (enough && id.still_joints.empty()) return false;
   const SquareRootInformation structure = identifiable_factor(arm, 3, id.still_joints);
   const BaseParameters& determined =
       id.still_joints.empty() ? data_base
                               : base_parameters(structure, preferred_columns(parameters));
   id.undetermined =
       undetermined_parameters(arm_base, determined, identifiable_factor(arm, 3).column_norms());
+  if (enough && id.undetermined.empty()) return false;  // what the still joint would tell are facts
   id.status = IdentificationStatus::kRankDeficient;
   std::string open;
   int told = 0;
@@ -71,7 +73,7 @@ bool rank_deficient(const Model& arm, const BaseParameters& arm_base,
     open += (told++ == 0 ? "" : "; ") + name;
   }
   const int rest = static_cast<int>(id.undetermined.size()) - told;
-  if (rest > 0) open += text(told > 0 ? " and " : "", rest, told > 0 ? " more" : " sums of parameters");
+  if (rest > 0) open += text(told > 0 ? " and " : "", rest, told > 0 ? " more" : rest > 1 ? " sums of parameters" : " sum of parameters");
   id.reason = shortfall(arm_base, data_base, id.still_joints);
   // If the gap concerns nearly all of them, listing their names does not help.
   if (!id.still_joints.empty() || static_cast<int>(id.undetermined.size()) <= arm_base.size() / 2) {
@@ -129,6 +131,10 @@ void solve(const Model& arm, const std::vector<CompressedRecording>& recordings,
   const auto parameters = standard_parameters(arm);
   const std::vector<std::string> names = parameter_names(parameters);
   const BaseParameters base = identifiable_base_parameters(arm);
+  if (base.size() == 0) {
+    id.reason = "robot '" + arm.name() + "' has no parameter to identify: its file declares all as facts";
+    return;
+  }
   std::vector<SquareRootInformation> joints = joint_totals(recordings);
   const SquareRootInformation total = weighted_total(joints, range_weights(recordings), names);
   if (rank_deficient(arm, base, total, id)) return;
@@ -261,7 +267,7 @@ bool fit_arm(const Model& arm, const std::vector<CompressedRecording>& recording
   id.noise_floor = mean_noise_floor(recordings, arm.joints());
   const auto begin = std::chrono::steady_clock::now();
   solve(arm, recordings, options, id);
-  if (id.status == IdentificationStatus::kRankDeficient && !recordings.empty()) {
+  if (id.status == IdentificationStatus::kRankDeficient) {
     const std::string more =
         recordings.size() > 1 ? text(" and ", recordings.size() - 1, " more") : std::string();
     id.reason = recordings.front().source + more + ": " + id.reason;

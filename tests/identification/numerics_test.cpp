@@ -106,6 +106,39 @@ TEST(AJointThatRestsInTheLastRecording, IsNotStill) {
   EXPECT_TRUE(id.still_joints.empty());
 }
 
+// What a joint that never moves would tell may be known already.
+TEST(AStillJoint, IsNoObstacleWhereItLeavesNothingOpen) {
+  ModelDescription d = planar().description();
+  d.frames[1].body->fixed = true;
+  for (EffectTerm& term : d.effects) term.fixed = term.axis.coefficients[1] != 0.0;
+  const Model arm{d};
+  MatrixXd ddq;
+  MotionShape shape;
+  shape.duration = 12.0;
+  Recording r = sines(arm, shape, ddq);
+  r.q.col(1).setConstant(0.3);
+  r.dq.col(1).setZero();
+  ddq.col(1).setZero();
+  r.tau = torques(arm, r, ddq);
+  for (const Method method : {Method::kWls, Method::kFeasible}) {
+    const Identification id = identify(arm, r, with(method));
+    ASSERT_EQ(id.status, IdentificationStatus::kDone) << id.reason;
+    EXPECT_EQ(id.still_joints, std::vector<std::string>{"elbow"});
+    EXPECT_TRUE(near(id.model->effects()[0].values.at("coefficient") * VectorXd::Ones(1), VectorXd::Constant(1, 0.8), 1e-3));
+    EXPECT_LT(id.train_error.relative[0], 1e-3);
+  }
+}
+
+// An arm whose parameters are all facts has none to identify.
+TEST(AnArm, OfFactsAloneHasAReason) {
+  for (const Method method : {Method::kOls, Method::kFeasible, Method::kIv}) {
+    const Identification id = identify(with_fixed_parameters(planar()), recorded(planar()), with(method));
+    EXPECT_EQ(id.status, IdentificationStatus::kNoData);
+    EXPECT_FALSE(id.model.has_value());
+    EXPECT_NE(id.reason.find("declares all as facts"), std::string::npos) << id.reason;
+  }
+}
+
 // No error is a share of a torque that is zero: such a joint is named, and 0 % would be a lie.
 TEST(AJointWithoutTorque, IsNamedAndHasNoError) {
   Recording r = recorded(planar());

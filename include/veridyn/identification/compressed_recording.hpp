@@ -31,7 +31,6 @@ struct CompressedRecording {
   MotionPeriod period;
   /// (n) relative error of a perfect model, from repeated periods; empty without repeats
   VectorXd noise_floor;
-                         ///< none repeat
   double rows = 0.0;     ///< over all joints
   bool detached = false;  ///< known by its factor only: its samples are elsewhere
 };
