@@ -15,6 +15,7 @@
 #include "identification/fleet/fleet_problem.hpp"
 #include "identification/synthetic_recording.hpp"
 #include "support/near.hpp"
+#include "support/refusal.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 
@@ -304,12 +305,30 @@ TEST(AFleet, TakesAVelocityThatIsNoDerivativeFromThePosition) {
     write_recording(r, arms.back().files.front());
   }
   const Fleet found = identify_fleet(arm, arms);
+  // Factors that identify() made of that recording say the same.
+  PreprocessingOptions derived;
+  derived.derive_velocity_of = {1};
+  std::vector<FleetArm> with_factors = arms;
+  with_factors[2].files.front() = (folder / "2.factors").string();
+  save_factors(compress(arm, arms[2].files, derived), with_factors[2].files.front());
+  const Fleet same = identify_fleet(arm, with_factors);
+  EXPECT_TRUE(same.unusable_recordings.empty()) << same.report();
+  EXPECT_TRUE(near(same.parameters, found.parameters, 1e-9 * found.parameters.norm()));
   std::filesystem::remove_all(folder);
   EXPECT_TRUE(found.outliers.empty()) << found.report();
   EXPECT_TRUE(found.other_bodies.empty()) << found.report();
   ASSERT_EQ(found.remarks.size(), 1U) << found.report();
   EXPECT_NE(found.remarks[0].find("2.csv: dq2"), std::string::npos) << found.remarks[0];
   for (const FleetMember& m : found.members) EXPECT_LT(m.relative_error.maxCoeff(), 0.03) << m.name;
+}
+
+TEST(AFleet, NeedsASoundProbability) {
+  const Simulated some = fleet(3, -1, nothing);
+  for (const double p : {0.0, -0.1, 1.0, std::nan("")}) {
+    FleetOptions options;
+    options.significance = p;
+    EXPECT_TRUE(refuses_with("significance", [&] { identify_fleet(scara(), some.names, some.factors, options); })) << p;
+  }
 }
 
 TEST(AFleet, ReadsItsListAndSaysWhatIsWrongWithIt) {
@@ -322,6 +341,9 @@ TEST(AFleet, ReadsItsListAndSaysWhatIsWrongWithIt) {
   ASSERT_EQ(arms.size(), 2);
   EXPECT_EQ(arms[0].files, (std::vector<std::string>{folder + "/a.csv", "/c.csv"}));
   EXPECT_EQ(arms[1].name, "blue");
+  std::ofstream(path) << "\xEF\xBB\xBF" "arm,file\r\nred\ta.csv\r\n";  // as a spreadsheet may write it
+  ASSERT_EQ(read_fleet(path).size(), 1U);
+  EXPECT_EQ(read_fleet(path)[0].name, "red");
   std::ofstream(path) << "red\n";
   EXPECT_THROW(read_fleet(path), InvalidInput);
   std::ofstream(path) << "";

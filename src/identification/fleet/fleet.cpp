@@ -140,6 +140,8 @@ std::string too_few(size_t left, const std::vector<UndeterminedArm>& undetermine
 Fleet solved_fleet(const Model& arm, std::vector<ArmFactor> arms,
                    std::vector<UnusedRecording> unusable_recordings, const FleetOptions& options,
                    const FleetNumbers& numbers) {
+  require(options.significance > 0.0 && options.significance < 1.0, "fleet: found the significance ",
+          options.significance, ", expected a probability between 0 and 1.");
   arms.erase(
       std::remove_if(arms.begin(), arms.end(), [](const ArmFactor& a) { return a.joints.empty(); }),
       arms.end());
@@ -189,7 +191,10 @@ const std::vector<TableNumber<FleetNumbers>>& fleet_numbers() {
 }
 
 std::vector<FleetArm> read_fleet(const std::string& path) {
-  std::istringstream file(content_of_file(path, "a list of arms and their files"));
+  std::string content = content_of_file(path, "a list of arms and their files");
+  const std::string byte_order_mark = "\xEF\xBB\xBF";  // as spreadsheets write it
+  if (content.compare(0, byte_order_mark.size(), byte_order_mark) == 0) content.erase(0, byte_order_mark.size());
+  std::istringstream file(content);
   const auto slash = path.find_last_of('/');
   const std::string folder = slash == std::string::npos ? "" : path.substr(0, slash + 1);
   std::vector<FleetArm> out;
@@ -236,21 +241,23 @@ std::vector<FleetArm> read_fleet(const std::string& path) {
 namespace {
 
 // The factors of one file. A velocity that is no derivative of its position is taken from the
-// position, as in identify(), which `remarks` says.
+// position, as in identify(), which `remarks` says; factors may have been made so.
 FactorSet factors_of_file(const Model& arm, const std::string& path,
                           const PreprocessingOptions& preprocessing,
                           std::vector<std::string>& remarks) {
-  if (is_factor_file(path)) {
-    FactorSet set = read_factors(path);
-    require_factors_of(arm, set, preprocessing);
-    return set;
-  }
+  FactorSet set = compress(arm, std::vector<std::string>(), preprocessing, 1);
   IdentificationOptions how;
   how.preprocessing = preprocessing;
   how.threads = 1;
+  if (is_factor_file(path)) {
+    FactorSet read = read_factors(path);
+    if (preprocessing.derive_velocity_of.empty()) how.preprocessing.derive_velocity_of = joints_with_derived_velocities(read);
+    require_factors_of(arm, read, how.preprocessing);
+    set.recordings = std::move(read.recordings);
+    return set;
+  }
   for (const std::string& remark : remarks_on(leave_wrong_velocities_out(arm, {path}, {}, how), arm))
     remarks.push_back(path + ": " + remark);
-  FactorSet set = compress(arm, std::vector<std::string>(), preprocessing, 1);
   set.recordings = compress(arm, std::vector<std::string>{path}, how.preprocessing, 1).recordings;
   return set;
 }

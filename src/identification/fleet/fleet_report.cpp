@@ -69,7 +69,7 @@ std::string Fleet::report() const {
       out += fmt::format("  and {} more\n", undetermined.size() - fleets::kShown);
   }
   for (const std::string& remark : remarks) out += "remark: " + remark + "\n";
-  if (!unusable_recordings.empty()) out += fmt::format("\n{} files left out\n", unusable_recordings.size());
+  if (!unusable_recordings.empty()) out += fmt::format("\n{} left out\n", unusable_recordings.size() == 1 ? "1 file" : fmt::format("{} files", unusable_recordings.size()));
   return out;
 }
 
