@@ -43,6 +43,56 @@ TEST(FrictionCurves, AreTheSumOfTheEffectsWithTheirInterval) {
   EXPECT_NEAR(c.at(0.5), 0.8 * 0.5 + 1.2, 1e-6);
 }
 
+// Where the model has the scatter over clusters, the parameters' errors are not independent: those of viscous and
+// Coulomb friction take each other off here. A parameter that the recordings tell in a combination alone has its
+// deviation, if that is known.
+TEST(FrictionCurves, HaveTheIntervalOfTheScatter) {
+  ModelDescription d = file();
+  IdentifiedBase base;
+  base.clusters = 3;
+  const auto add = [&base](const std::string& name, const Eigen::Vector3d& scatter) {
+    IdentifiedParameter p;
+    p.name = name;
+    p.combination[name] = 1.0;
+    p.scatter = scatter;
+    base.parameters.push_back(p);
+  };
+  const Eigen::Vector3d viscous(0.2, -0.1, 0.05), coulomb(-0.1, 0.3, 0.02);
+  add("viscous_friction(shoulder).coefficient", viscous);
+  add("coulomb_friction(shoulder).level", coulomb);
+  d.identified = base;
+  Identification id = identified(d);
+  const auto expect = [](const FrictionCurve& c, const Eigen::Vector3d& at_speed, const Eigen::Vector3d& at_side, double own) {
+    for (Eigen::Index k = 0; k < c.velocity.size(); ++k) {
+      const double v = c.velocity[k];
+      EXPECT_NEAR(c.half_width[k], 1.96 * std::hypot((v * at_speed + std::copysign(1.0, v) * at_side).norm(), own * v), 1e-9) << v;
+    }
+  };
+  expect(friction_curves(id).at(0), viscous, coulomb, 0.0);
+  d.identified->parameters[0].combination["Lzz_upper"] = 2.0;
+  Identification combined = identified(d);
+  expect(friction_curves(combined).at(0), Eigen::Vector3d::Zero(), coulomb, 0.1);
+  combined.parameter_deviations.setConstant(std::nan(""));
+  expect(friction_curves(combined).at(0), Eigen::Vector3d::Zero(), coulomb, 0.0);
+}
+
+// Between its speeds a curve is straight, and beyond them it stays.
+TEST(FrictionCurves, StayAtTheirEnds) {
+  const FrictionCurve c{0, Eigen::Vector3d(-1.0, 1.0, 3.0), Eigen::Vector3d(-2.0, 2.0, 8.0), Eigen::Vector3d::Zero()};
+  EXPECT_EQ(c.at(-9.0), -2.0);
+  EXPECT_EQ(c.at(-1.0), -2.0);
+  EXPECT_EQ(c.at(0.0), 0.0);
+  EXPECT_EQ(c.at(2.0), 5.0);
+  EXPECT_EQ(c.at(3.0), 8.0);
+  EXPECT_EQ(c.at(9.0), 8.0);
+}
+
+TEST(FrictionCurves, OfAModelWithoutFrictionAreNone) {
+  ModelDescription d = file();
+  d.effects.clear();
+  EXPECT_TRUE(friction_curves(identified(std::move(d))).empty());
+}
+
 // Friction that depends on position is that of the mean position, counted from where the effect's axis has its zero.
 TEST(FrictionCurves, AreOfTheMeanPosition) {
   ModelDescription d = file();
