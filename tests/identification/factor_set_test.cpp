@@ -358,6 +358,54 @@ TEST(ManyMachines, GoOnWithoutWhatCannotBeRead) {
   EXPECT_EQ(refused, 3);
 }
 
+// Factors are kept while the work goes on, and once as a whole, with the velocities that were chosen in the end.
+TEST(ManyMachines, KeepTheirFactors) {
+  const Model arm = robot("scara");
+  const Files files("kept");
+  std::vector<std::string> train = files.recordings(arm, 3, 8.0);
+  for (const bool wrong : {false, true}) {
+    for (const std::string& path : train) {
+      if (!wrong) break;
+      Recording r = read_recording(path);
+      r.dq.col(1) *= 1.3;
+      write_recording(r, path);
+    }
+    Mail mail;
+    ThreadRank alone(0, 1, mail);
+    std::vector<size_t> parts;
+    std::vector<FactorSet> whole;
+    const Identification id = identify(arm, train, {}, {}, alone, [&](const FactorSet& factors, bool all) {
+      if (all) whole.push_back(factors);
+      else parts.push_back(factors.recordings.size());
+    });
+    ASSERT_TRUE(id.model.has_value()) << id.reason;
+    EXPECT_GE(parts.size(), 2U);
+    EXPECT_EQ(parts.back(), 3U);
+    ASSERT_EQ(whole.size(), 1U);
+    EXPECT_EQ(whole[0].recordings.size(), 3U);
+    EXPECT_EQ(joints_with_derived_velocities(whole[0]), wrong ? std::vector<int>{1} : std::vector<int>{});
+    EXPECT_TRUE(near(identify(arm, whole[0]).parameters, id.parameters, 1e-9 * id.parameters.norm()));
+  }
+}
+
+// Ranks tell what recordings leave open as one machine does.
+TEST(ManyMachines, HaveTheReasonOfOne) {
+  const Model arm = robot("scara");
+  const Files files("still");
+  std::vector<std::string> train = files.recordings(arm, 2, 8.0);
+  for (const std::string& path : train) {
+    Recording r = read_recording(path);
+    r.q.col(3).setConstant(0.1);
+    r.dq.col(3).setZero();
+    write_recording(r, path);
+  }
+  const Identification one = identify(arm, train), many = by_ranks(arm, train, {}, 2);
+  EXPECT_EQ(one.status, IdentificationStatus::kRankDeficient);
+  EXPECT_EQ(many.status, one.status);
+  EXPECT_EQ(many.reason, one.reason);
+  EXPECT_EQ(many.undetermined, one.undetermined);
+}
+
 // They share factors, and drive gains and instruments need samples.
 TEST(ManyMachines, RefuseWhatNeedsSamples) {
   const Model arm = robot("scara");

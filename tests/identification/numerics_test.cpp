@@ -129,6 +129,44 @@ TEST(AStillJoint, IsNoObstacleWhereItLeavesNothingOpen) {
   }
 }
 
+// Every joint that stands still is named, and the recordings are counted.
+TEST(StillJoints, AreNamedTogether) {
+  Recording r = recorded(planar());
+  r.q.rowwise() = r.q.row(0).eval();
+  r.dq.setZero();
+  for (const bool prior : {false, true}) {
+    IdentificationOptions options;
+    if (prior) options.prior = planar();
+    const Identification id = identify(planar(), std::vector<Recording>{r, r, r}, {}, options);
+    EXPECT_EQ(id.status, IdentificationStatus::kRankDeficient);
+    EXPECT_NE(id.reason.find("synthetic and 2 more: joints shoulder, elbow never move; undetermined: "), std::string::npos) << id.reason;
+  }
+}
+
+// A box of one body is kept to, and named where it is the limit.
+TEST(ABox, OfABodyIsKept) {
+  ModelDescription d = planar().description();
+  d.frames[1].body->box.mass_max = 1.5;  // its mass is 2.5 kg
+  d.frames[1].body->box.com_reach = 0.1;  // its centre is at 0.2 m
+  const Identification id = identify(Model(d), recorded(planar()));
+  ASSERT_TRUE(id.model.has_value()) << id.reason;
+  EXPECT_LE(id.parameters[10], 1.5);
+  EXPECT_LE(std::abs(id.parameters[11]), 0.1 * id.parameters[10] + 1e-12);
+  EXPECT_NE(std::find(id.active_constraints.begin(), id.active_constraints.end(), "m_fore <= 1.5"), id.active_constraints.end());
+  EXPECT_NE(id.report().find("  m_fore <= 1.5\n"), std::string::npos);
+}
+
+// A model is judged on samples, or not at all.
+TEST(Evaluation, OfNoSamplesHasAReason) {
+  Recording brief = rows_of(recorded(planar()), 0, 200);
+  brief.source = "brief";
+  const Identification id = evaluate(planar(), brief);
+  EXPECT_FALSE(id.model.has_value());
+  EXPECT_NE(id.reason.find("brief: no usable samples are left"), std::string::npos) << id.reason;
+  EXPECT_THROW(evaluate(planar(), std::vector<Recording>{}), InvalidInput);
+  EXPECT_THROW(evaluate(read_model("psm-3dof"), brief), InvalidInput);
+}
+
 // An arm whose parameters are all facts has none to identify.
 TEST(AnArm, OfFactsAloneHasAReason) {
   for (const Method method : {Method::kOls, Method::kFeasible, Method::kIv}) {

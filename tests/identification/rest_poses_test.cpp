@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <memory>
 #include <random>
 #include <sstream>
 
@@ -241,6 +242,57 @@ TEST_F(Resting, TwoPositionsAreTwoPoses) {
   const RestPoses still = read(",0.3,0.2,0.1,nan,0,0,3,0,0");
   ASSERT_EQ(still.poses(), 2);
   EXPECT_EQ(still.tau.col(0), Eigen::Vector2d(1, 2));
+}
+
+// Without velocities every row is a pose, as where all are zero, and currents are torques by the drive gains; rows
+// with gaps are none.
+TEST_F(Resting, PosesComeFromWhatIsRecorded) {
+  Recording r;
+  r.source = "table";
+  r.time = VectorXd::LinSpaced(4, 0.0, 3.0);
+  r.q = r.tau = MatrixXd::Ones(4, 3);
+  r.q.col(0) = Eigen::Vector4d(0.1, 0.2, 0.3, std::nan(""));
+  r.tau.col(1) = Eigen::Vector4d(4.0, 5.0, 6.0, 7.0);
+  const auto read = [](const Model& arm, const Recording& table) {
+    PreprocessingOptions how;
+    how.in_memory["table"] = std::make_shared<const Recording>(table);
+    return read_rest_poses(arm, "table", how);
+  };
+  const RestPoses bare = read(truth_, r);
+  ASSERT_EQ(bare.poses(), 3);
+  EXPECT_EQ(bare.tau.col(1), Eigen::Vector3d(4.0, 5.0, 6.0));
+  EXPECT_TRUE(bare.approach.isZero(0.0));
+  Recording zero = r;
+  zero.dq = MatrixXd::Zero(4, 3);
+  EXPECT_EQ(read(truth_, zero).tau, bare.tau);
+  Recording currents = r;
+  currents.current = 0.5 * r.tau;
+  currents.tau.resize(0, 0);
+  EXPECT_TRUE(refuses_with("no drive_gain", [&] { read(truth_, currents); }));
+  ModelDescription d = truth_.description();
+  for (Coordinate& c : d.coordinates) c.drive_gain = 2.0;
+  EXPECT_EQ(read(Model(d), currents).tau, bare.tau);
+  currents.current.resize(0, 0);
+  EXPECT_TRUE(refuses_with("neither torques", [&] { read(Model(d), currents); }));
+  r.q.col(1).setConstant(std::nan(""));
+  EXPECT_TRUE(refuses_with("no row with finite positions", [&] { read(truth_, r); }));
+}
+
+// An arm whose bodies and offsets are facts leaves nothing to identify at rest.
+TEST_F(Resting, AnArmOfFactsHasAReason) {
+  ModelDescription d = with_fixed_parameters(truth_).description();
+  d.effects.clear();
+  for (int j = 0; j < 3; ++j) {
+    EffectTerm offset;
+    offset.effect = "torque_offset";
+    offset.axis.coefficients = VectorXd::Unit(3, j);
+    offset.values["offset"] = kOffset[j];
+    offset.fixed = true;
+    d.effects.push_back(offset);
+  }
+  const Identification id = identify_at_rest(Model(d), {without_approach(poses(1, 30))});
+  EXPECT_FALSE(id.model.has_value());
+  EXPECT_EQ(id.reason, "the poses determine no parameter");
 }
 
 TEST_F(Resting, PosesThatAreNoneAreRefused) {
