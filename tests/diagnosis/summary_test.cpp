@@ -9,7 +9,7 @@ namespace veridyn {
 namespace {
 
 VectorXd errors(double a, double b) {
-  return (VectorXd(2) << a, b).finished();
+  return Eigen::Vector2d(a, b);
 }
 
 Finding finding(const std::string& effect, int joint, double explains) {

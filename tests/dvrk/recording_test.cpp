@@ -101,20 +101,20 @@ TEST(RowFile, AFullDiskKeepsWholeRowsAndSaysHowMany) {
 // The boards' counter gives times that no late wake-up disturbs; somebody else who reads the
 // boards restarts it, and the time that he took is added.
 TEST(LatchTime, KeepsTrueTimeBesideAnotherReader) {
-  constexpr double kPeriod = 1.0 / 1500.0;
+  constexpr double kCycle = 1.0 / 1500.0;
   for (const bool another : {false, true}) {
     LatchTime latch;
     double worst = 0.0, last = 0.0;
     for (int k = 0; k < 15000; ++k) {
-      const double at = k * kPeriod;
+      const double at = k * kCycle;
       const double woken = (k % 7 == 0 ? 3e-4 : 0.0) + (k % 500 == 0 ? 2e-3 : 0.0);
       // Ten times a second another reader takes a half of the time since the read before.
-      const double lost = another && k % 150 == 75 ? 0.5 * kPeriod : 0.0;
-      last = latch.next(at + woken, kPeriod - lost);
+      const double lost = another && k % 150 == 75 ? 0.5 * kCycle : 0.0;
+      last = latch.next(at + woken, kCycle - lost);
       if (k > 100) worst = std::max(worst, std::abs(last - (at - 0.0)));
     }
     EXPECT_LT(worst, 1.5e-3) << another;
-    EXPECT_NEAR(last, 14999 * kPeriod, 1.5e-3) << another;  // not ten seconds less 33 ms
+    EXPECT_NEAR(last, 14999 * kCycle, 1.5e-3) << another;  // not ten seconds less 33 ms
     EXPECT_EQ(latch.foreign_reads() > 50, another);
   }
 }
