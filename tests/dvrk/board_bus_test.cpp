@@ -267,5 +267,26 @@ TEST(Exchange, AsksAgainSoonerAfterAMiss) {
   EXPECT_EQ(pauses(0.004), (std::vector<double>{0, 1, 3}));
 }
 
+// A node's number is another board's after a reset that swaps them: a preload would make that board's position wrong.
+TEST(BoardBus, RegistersAreLeftAloneWhileNodesAreUnknown) {
+  Rig rig;
+  rig.session.start();
+  rig.cycles(5);
+  ASSERT_EQ(rig.session.bus().info(0).node, 0);
+  rig.emulator.bus_reset(0.0, {1, 0});
+  rig.cycles(3);
+  ASSERT_EQ(rig.session.bus().state(), BusState::kScanning);
+  EXPECT_FALSE(rig.session.preload(0, 1, 1234));
+  std::uint32_t value = 0;
+  EXPECT_FALSE(rig.session.bus().read_register(0, address::kStatus, value));
+  for (int k = 0; k < 100 && rig.session.bus().state() != BusState::kRunning; ++k) rig.cycle();
+  ASSERT_EQ(rig.session.bus().info(0).node, 1);
+  EXPECT_TRUE(rig.session.needs_preload(0, 1));
+  EXPECT_TRUE(rig.session.needs_preload(1, 1));
+  EXPECT_TRUE(rig.session.preload(0, 1, 1234));
+  EXPECT_FALSE(rig.session.needs_preload(0, 1));
+  EXPECT_TRUE(rig.session.needs_preload(1, 1));
+}
+
 }  // namespace
 }  // namespace veridyn::dvrk

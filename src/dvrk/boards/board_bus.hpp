@@ -124,6 +124,7 @@ class BoardBus {
   /// DAC bits of zero current, by calibration.
   void set_zero(int b, int channel, std::uint16_t bits) noexcept;
 
+  /// Registers of one board; false, and nothing sent, while nodes are unknown.
   bool read_register(int b, std::uint16_t address, std::uint32_t& value) noexcept;
   bool write_register(int b, std::uint16_t address, std::uint32_t value) noexcept;
   /// Writes, reads back, repeats twice. @returns whether it is there.
@@ -197,6 +198,7 @@ class BoardBus {
   void look_at(Board& b) noexcept;
   void look_for_lost_writes() noexcept;
 
+  bool nodes_known() const noexcept;
   void write_blocks() noexcept;
   void remember(Board& b) noexcept;
   bool one_group() const noexcept;

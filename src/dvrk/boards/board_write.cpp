@@ -89,13 +89,18 @@ bool BoardBus::switch_off_by_register(int b, Off what) noexcept {
   return write_register(b, address::kStatus, word);
 }
 
+// While nodes are unknown a board's number may be that of another board, or of all.
+bool BoardBus::nodes_known() const noexcept {
+  return state_ == BusState::kRunning && !exchange_.generation_changed();
+}
+
 bool BoardBus::read_register(int b, std::uint16_t where, std::uint32_t& value) noexcept {
-  return exchange_.read(route(boards_[b]), where, options_.reply_timeout,
-                        value) == ReadResult::kOk;
+  return nodes_known() && exchange_.read(route(boards_[b]), where, options_.reply_timeout, value) ==
+                              ReadResult::kOk;
 }
 
 bool BoardBus::write_register(int b, std::uint16_t where, std::uint32_t value) noexcept {
-  if (listens()) return false;
+  if (listens() || !nodes_known()) return false;
   return exchange_.write(route(boards_[b]), where, value);
 }
 
