@@ -288,5 +288,39 @@ TEST(BoardBus, RegistersAreLeftAloneWhileNodesAreUnknown) {
   EXPECT_TRUE(rig.session.needs_preload(1, 1));
 }
 
+// Fails to send as often as it is told.
+class Stutter final : public DatagramLink {
+ public:
+  explicit Stutter(DatagramLink& link) : link_(link) {}
+  bool send(ByteView datagram, Destination to) noexcept override {
+    return failing > 0 ? --failing < 0 : link_.send(datagram, to);
+  }
+  Arrival receive(ByteSpan buffer, double timeout) noexcept override { return link_.receive(buffer, timeout); }
+  double now() noexcept override { return link_.now(); }
+  void wait(double seconds) noexcept override { link_.wait(seconds); }
+  std::uint32_t address_word() const noexcept override { return link_.address_word(); }
+  int failing = 0;
+
+ private:
+  DatagramLink& link_;
+};
+
+TEST(BoardBus, ASendThatFailsIsALostLinkWhicheverBoardItWasFor) {
+  BoardEmulator emulator({Rig::setup(6), Rig::setup(7)}, 3);
+  EmulatedLink good(emulator);
+  Stutter link(good);
+  BoardBus bus(link, both_boards());
+  bus.start();
+  EXPECT_TRUE(bus.read());
+  EXPECT_FALSE(bus.link_lost());
+  link.failing = 1;  // of two
+  EXPECT_FALSE(bus.read());
+  EXPECT_FALSE(bus.valid(0));
+  EXPECT_TRUE(bus.valid(1));
+  EXPECT_TRUE(bus.link_lost());
+  EXPECT_TRUE(bus.read());
+  EXPECT_FALSE(bus.link_lost());
+}
+
 }  // namespace
 }  // namespace veridyn::dvrk

@@ -114,13 +114,14 @@ bool BoardBus::read() noexcept {
 
 void BoardBus::read_sequential() noexcept {
   const double start = link_.now();
+  link_lost_ = false;
   for (Board& b : boards_) {
     const double left = options_.reply_timeout - (link_.now() - start);
     QuadletView block;
     const ReadResult result =
         exchange_.read_block(route(b), address::kRealTime, read_quadlets(b.info.firmware),
                              std::max(left, kShortestWait), block);
-    link_lost_ = result == ReadResult::kNotSent;
+    link_lost_ = link_lost_ || result == ReadResult::kNotSent;
     if (result == ReadResult::kOk) {
       accept(b, block);
     } else {
