@@ -322,5 +322,33 @@ TEST(BoardBus, ASendThatFailsIsALostLinkWhicheverBoardItWasFor) {
   EXPECT_FALSE(bus.link_lost());
 }
 
+// Datagrams from elsewhere, one after the other for very long.
+class Flood final : public DatagramLink {
+ public:
+  bool send(ByteView, Destination) noexcept override { return true; }
+  Arrival receive(ByteSpan, double timeout) noexcept override {
+    if (timeout > 0.0) now_ += 1e-4;
+    return {++received <= 100000, 28, false, 0.0};
+  }
+  double now() noexcept override { return now_; }
+  void wait(double seconds) noexcept override { now_ += seconds; }
+  std::uint32_t address_word() const noexcept override { return 0; }
+  long received = 0;
+
+ private:
+  double now_ = 1.0;
+};
+
+// 64 are discarded before the request, 200 until the time is up, and as many as before after it.
+TEST(Exchange, AFloodFromElsewhereEndsWithTheTime) {
+  Flood link;
+  FaultLog log;
+  Exchange exchange(link, log);
+  std::uint32_t value = 0;
+  EXPECT_EQ(exchange.read(Route{}, address::kStatus, 0.020, value), ReadResult::kNoReply);
+  EXPECT_LE(link.received, 64 + 201 + 66);
+  EXPECT_EQ(log.count(Condition::kNoReply), 1);
+}
+
 }  // namespace
 }  // namespace veridyn::dvrk

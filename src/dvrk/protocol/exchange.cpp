@@ -112,8 +112,10 @@ ReadResult Exchange::judge(const Request& request, ByteView datagram, Malformed 
 // A late reply to an earlier request has an old label: it is discarded, and the wait continues. Any
 // other wrong reply ends it.
 ReadResult Exchange::await(const Request& request, double until, Reply& reply) noexcept {
+  int overdue = 0;  // datagrams taken after the time is up: a flood of them ends as well
   while (true) {
     const double left = until - link_.now();
+    if (left <= 0.0 && overdue++ > kMostStale) return ReadResult::kNoReply;
     const Arrival arrival = link_.receive({in_.data(), in_.size()}, left > 0.0 ? left : 0.0);
     const double now = link_.now();
     if (!arrival.any) {
