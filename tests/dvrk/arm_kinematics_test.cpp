@@ -139,6 +139,16 @@ TEST(ArmKinematics, WhatIsNoPoseLeavesTheJointsAlone) {
   EXPECT_EQ(mtm.inverse(bad, q7).status, InverseStatus::kOutOfReach);
   EXPECT_EQ(mtm.inverse(bad, q7).q, q7);
   EXPECT_EQ(ecm.inverse(bad, Eigen::Vector4d::Zero()).status, InverseStatus::kOutOfReach);
+  // A single column, and products beyond the largest number.
+  const Eigen::Vector4d q4(0.1, 0.1, 0.1, 0.1);
+  Eigen::Matrix4d turned = Chain(read_arm("ECM")).forward(q4);
+  turned.topLeftCorner<3, 1>().setConstant(std::nan(""));
+  EXPECT_EQ(ecm.inverse(turned, q4).status, InverseStatus::kOutOfReach);
+  EXPECT_EQ(ecm.inverse(turned, q4).q, q4);
+  Eigen::Matrix4d far = Eigen::Matrix4d::Identity();
+  far.topRightCorner<3, 1>().setConstant(1e200);
+  EXPECT_EQ(psm.inverse(far, q6).status, InverseStatus::kOutOfReach);
+  EXPECT_EQ(psm.inverse(far, q6).q, q6);
 }
 
 TEST(ArmKinematics, EcmInverseFindsTheJointsAndRefusesTheRest) {

@@ -59,7 +59,7 @@ inline Eigen::Matrix3d shaft_orientation(double yaw, double pitch) {
   return R;
 }
 
-/// The best of several solutions: within the limits first, then nearest to `near`.
+/// The best of several solutions: within the limits first, then nearest to `near`. Joints that are no numbers are none.
 template <int n>
 class Choice {
  public:
@@ -70,6 +70,7 @@ class Choice {
   }
 
   void offer(Joints q, bool singular) noexcept {
+    if (!q.allFinite()) return;
     ranges_.wrap(q, near_);
     const bool inside = ranges_.contain(q);
     const double distance = (q - near_).squaredNorm();
