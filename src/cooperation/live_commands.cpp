@@ -69,6 +69,11 @@ ScenarioCommand command(ScenarioCommand::Kind kind) {
   return out;
 }
 
+constexpr std::size_t kLongestLine = 1024;
+
+// A line that is too long is no command, not even its beginning.
+std::string too_long(const std::string& line) { return line.substr(0, 40) + " ..."; }
+
 class StandardInput final : public LineSource {
  public:
   bool next(std::string& line) override {
@@ -81,7 +86,7 @@ class StandardInput final : public LineSource {
         continue;
       }
       if (held_.size() > kLongestLine) {  // no command: its first bytes are refused, and no part of its rest is one
-        line = held_.substr(0, 40) + " ...";
+        line = too_long(held_);
         held_.clear();
         if (!std::exchange(skips_, true)) return true;
       }
@@ -101,7 +106,6 @@ class StandardInput final : public LineSource {
   bool closed() const override { return closed_ && held_.empty(); }
 
  private:
-  static constexpr std::size_t kLongestLine = 1024;  // as datagrams have
   std::string held_;
   bool closed_ = false;
   bool skips_ = false;  // the rest of a line that was refused
@@ -114,10 +118,11 @@ class UdpLines final : public LineSource {
       : port_(place, std::numeric_limits<double>::infinity(), "live commands") {}
 
   bool next(std::string& line) override {
-    char bytes[1024];
+    char bytes[kLongestLine + 1];
     UdpPort::Datagram got;
     if (!port_.receive(bytes, sizeof(bytes), got)) return false;
     line.assign(bytes, got.size);
+    if (line.size() > kLongestLine) line = too_long(line);
     while (!line.empty() && (line.back() == '\n' || line.back() == '\r')) line.pop_back();
     return true;
   }

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <arpa/inet.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -90,6 +92,35 @@ TEST(Live, LinesOfTheStandardInputEndSomewhere) {
   ::dup2(own, STDIN_FILENO);
   ::close(own);
   ::close(ends[0]);
+}
+
+// The first 1024 bytes of a longer datagram may be a command by chance: "2" for "20" here.
+TEST(Live, ADatagramThatIsTooLongIsNoCommand) {
+  sockaddr_in at{};
+  at.sin_family = AF_INET;
+  at.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  const int free_port = ::socket(AF_INET, SOCK_DGRAM, 0);
+  ASSERT_EQ(::bind(free_port, reinterpret_cast<const sockaddr*>(&at), sizeof at), 0);
+  socklen_t size = sizeof at;
+  ASSERT_EQ(::getsockname(free_port, reinterpret_cast<sockaddr*>(&at), &size), 0);
+  ::close(free_port);
+  const auto source = open_line_source("udp:" + std::to_string(ntohs(at.sin_port)));
+  const int hand = ::socket(AF_INET, SOCK_DGRAM, 0);
+  const auto send = [&](const std::string& bytes) {
+    EXPECT_EQ(::sendto(hand, bytes.data(), bytes.size(), 0, reinterpret_cast<const sockaddr*>(&at), sizeof at),
+              static_cast<ssize_t>(bytes.size()));
+  };
+  const std::string move = "move 0 0 0.01";
+  send(move + std::string(1024 - move.size() - 1, ' ') + "2");
+  send(move + std::string(1024 - move.size() - 1, ' ') + "20");
+  std::string line;
+  const Scenario s = example("two-arms-spring");
+  ASSERT_TRUE(source->next(line));
+  EXPECT_EQ(std::get<ScenarioCommand>(parse_live_command(line, s)).over, 2.0);
+  ASSERT_TRUE(source->next(line));
+  EXPECT_THROW(parse_live_command(line, s), InvalidInput) << line;
+  EXPECT_FALSE(source->next(line));
+  ::close(hand);
 }
 
 TEST(Live, WhatCannotBeIsRefusedBeforeTheRun) {
