@@ -260,5 +260,40 @@ TEST(Stability, ParametersAndRangesAreChecked) {
   EXPECT_NEAR(range.values()[1], 1000.0, 1e-9);
 }
 
+// Below half of the intervals a corner may be unstable already, or with exact parameters.
+TEST(Stability, TheFactorOfTheIntervalsIsBelowAHalfWhereTheLoopIsUnstableThere) {
+  constexpr int kSamples = 2;
+  constexpr double kResolution = 0.5 / 4096.0;  // twelve halvings
+  const Scenario unstable = with_parameter(example("gazebo-y"), "stiffness", 1e6);
+  const StabilityBounds none = bound_stability(unstable, kSamples, 1);
+  EXPECT_EQ(none.unstable, kSamples);
+  EXPECT_EQ(none.factor, 0.0);
+  EXPECT_TRUE(none.factor_bounded);
+  Scenario exact = example("gazebo-y");
+  exact.model_error = 0.0;
+  const double limit = [&] {
+    const std::vector<RestPoint> points = rest_points(exact);
+    return first_crossing(
+        [&](double stiffness) {
+          double worst = 0.0;
+          for (const RestPoint& p : points)
+            worst = std::max(worst, loop_radius(p.loop, with_parameter(exact, "stiffness", stiffness)));
+          return worst;
+        },
+        1000.0, 1e6, 10);
+  }();
+  Scenario near_it = with_parameter(example("gazebo-y"), "stiffness", 0.98 * limit);
+  near_it.model_error = 0.4;
+  const StabilityBounds some = bound_stability(near_it, kSamples, 1);
+  EXPECT_GT(some.factor, 10.0 * kResolution);
+  EXPECT_LT(some.factor, 0.5);
+  Scenario within = near_it, beyond = near_it;
+  within.model_error *= some.factor;
+  beyond.model_error *= some.factor + 2.0 * kResolution;
+  EXPECT_EQ(bound_stability(within, kSamples, 1).unstable, 0);
+  EXPECT_GT(bound_stability(beyond, kSamples, 1).unstable, 0);
+  EXPECT_THROW(bound_stability(near_it, 0, 1), InvalidInput);
+}
+
 }  // namespace
 }  // namespace veridyn

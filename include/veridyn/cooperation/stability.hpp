@@ -87,7 +87,7 @@ struct StabilityAnalysis {
   double radius = 0.0;  ///< largest modulus per cycle, at the worst point
   StabilityPoint worst;
   std::vector<StabilityPoint> points;
-  StabilityMargins margins;                ///< smallest of all points
+  StabilityMargins margins;                ///< at the worst point
   /// [N/m] below which the scenario comes to rest, with dry friction
   double largest_stable_stiffness = 0.0;
   double linear_stable_stiffness = 0.0;    ///< [N/m] the same for sliding arms
@@ -149,7 +149,8 @@ struct StabilityBounds {
   int unstable = 0;        ///< samples whose loop is unstable
   double worst_radius = 0.0;
   double first_seed = 0.0;
-  /// Factor on all intervals below which every sampled corner is stable.
+  /// Factor on all intervals up to which every sampled corner is stable; 0: one is not even with exact
+  /// parameters.
   double factor = 0.0;
   bool factor_bounded = false;
   /// Guarantee of the small-gain theorem: the loop is stable for all errors of the known mass
@@ -157,6 +158,7 @@ struct StabilityBounds {
   /// variation in time. Conservative.
   double guaranteed_mass_error = 0.0;
 };
+/// @throws InvalidInput  fewer than one sample.
 StabilityBounds bound_stability(const Scenario& scenario, int samples, int threads = 0);
 
 /// True force in every member after a step of 1 N in all wanted forces, in the linear loop.

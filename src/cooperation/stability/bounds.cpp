@@ -2,11 +2,13 @@
 
 #include "loop_search.hpp"
 #include "math/parallel.hpp"
+#include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {
 
-constexpr double kLargestFactor = 10.0;
+constexpr double kFirstFactor = 0.5, kLargestFactor = 10.0;
+constexpr int kFactorHalvings = 12;  // below the first factor
 constexpr int kFrequencies = 160;
 
 // The worst radius of a sample: a corner of the parameters' box by its seed.
@@ -18,9 +20,23 @@ double sampled_radius(Scenario scenario, double factor, unsigned seed) {
   return worst;
 }
 
+// Factor on the intervals up to which this corner is stable; zero: not even with exact parameters.
+double stable_factor(const Scenario& scenario, unsigned seed) {
+  const auto radius = [&](double factor) { return sampled_radius(scenario, factor, seed); };
+  if (radius(kFirstFactor) <= kUnstable) return first_crossing(radius, kFirstFactor, kLargestFactor, 6);
+  if (radius(0.0) > kUnstable) return 0.0;
+  double stable = 0.0, unstable = kFirstFactor;
+  for (int k = 0; k < kFactorHalvings; ++k) {
+    const double middle = 0.5 * (stable + unstable);
+    (radius(middle) > kUnstable ? unstable : stable) = middle;
+  }
+  return stable;
+}
+
 }  // namespace
 
 StabilityBounds bound_stability(const Scenario& scenario, int samples, int threads) {
+  require(samples >= 1, "bound_stability: found ", samples, " samples, expected at least one.");
   // Points at the ends of the first and the last phase are sufficient.
   Scenario short_one = scenario;
   if (short_one.phases.size() > 2)
@@ -33,8 +49,7 @@ StabilityBounds bound_stability(const Scenario& scenario, int samples, int threa
     const auto seed = static_cast<unsigned>(k + 1);
     const auto i = static_cast<size_t>(k);
     radius[i] = sampled_radius(short_one, 1.0, seed);
-    factor[i] = first_crossing([&](double f) { return sampled_radius(short_one, f, seed); }, 0.5,
-                               kLargestFactor, 6);
+    factor[i] = stable_factor(short_one, seed);
   });
   for (const double r : radius) out.unstable += r > kUnstable ? 1 : 0;
   out.worst_radius = *std::max_element(radius.begin(), radius.end());
