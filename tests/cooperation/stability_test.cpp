@@ -295,5 +295,15 @@ TEST(Stability, TheFactorOfTheIntervalsIsBelowAHalfWhereTheLoopIsUnstableThere) 
   EXPECT_THROW(bound_stability(near_it, 0, 1), InvalidInput);
 }
 
+// Numbers that overflow before the last second show no correction in it.
+TEST(Stability, ALoopThatDivergesWithoutItsIncrementsSwings) {
+  const Scenario s = with_parameter(example("position-stable"), "law_damping", 50.0);
+  const LinearPoint point = rest_points(s).back().loop;
+  ASSERT_GT(loop_radius(point, s), 1.1);
+  const DeadbandSwing swing = deadband_swing(point, s, 0);
+  EXPECT_TRUE(swing.swings);
+  EXPECT_TRUE(std::isinf(swing.amplitude));
+}
+
 }  // namespace
 }  // namespace veridyn

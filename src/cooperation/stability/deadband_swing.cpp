@@ -81,7 +81,11 @@ DeadbandSwing deadband_swing(const LinearPoint& point, const Scenario& scenario,
     least = std::min(least, force);
     most = std::max(most, force);
     if (k < last) least = most = force;
-    if (!x.allFinite()) break;
+    if (!x.allFinite()) {  // the loop diverges without corrections, too
+      out.swings = true;
+      out.amplitude = std::numeric_limits<double>::infinity();
+      return out;
+    }
   }
   out.swings = corrections > 0;
   out.amplitude = 0.5 * (most - least);
