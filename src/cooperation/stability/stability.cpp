@@ -46,7 +46,7 @@ double radius_with_deadbands(const RestPoint& point, const Scenario& scenario) {
 }
 
 // Largest and smallest stiffness of the interval of stable ones that holds the scenario's own; of
-// the first one above it, or else below, where the scenario's own is not stable.
+// the first one below it, where the scenario's own is not stable.
 void find_stiffnesses(const RestPoint& point, const Scenario& scenario, StabilityAnalysis& out) {
   const auto radius = [&](double stiffness) {
     return radius_with_deadbands(point, with_parameter(scenario, "stiffness", stiffness));
