@@ -7,7 +7,6 @@
 #include "veridyn/comparison/model_comparison.hpp"
 #include "veridyn/diagnosis/payload.hpp"
 #include "model/effect_names.hpp"
-#include "model/suggestion.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/report/comparison_json.hpp"
 #include "veridyn/report/diagnosis_json.hpp"
@@ -113,12 +112,6 @@ std::shared_ptr<Diagnosis> diagnose_call(const py::object& model, const py::obje
     call.keywords.read_choice("values", values, {RobotValues::kFacts, RobotValues::kPrior},
                               [](RobotValues v) { return name_of(v); });
     options.values = values;
-  }
-  for (const std::string& name : options.effects) {
-    const std::vector<std::string>& known = effect_names();
-    require(std::find(known.begin(), known.end(), name) != known.end(),
-            "diagnose: found the effect '", name, "'", did_you_mean(name, known),
-            ", expected one of: ", listed(known), ".");
   }
   options.identification =
       read_identification(call.keywords, call.progress, options.identification);

@@ -197,7 +197,7 @@ def diagnose(model: Any, train: Any, test: Any, **options: Unpack[DiagnosisOptio
 
     An arm without values is identified first; of a MODEL the findings say what changed since.
 
-    effects : list of names to ask about; all where it is not given
+    effects : list of names to ask about, "EFFECT" or "EFFECT:PLACE"; all where it is not given
     max_effects : int, findings at most (20)
     values : "facts" (what changed since?) or "prior" (identified first, as a URDF is)
 {fit}
