@@ -217,7 +217,7 @@ bool says_as_much(const VectorXd& curves, const VectorXd& named, const std::set<
 // @param beside_curves  true: curves give way where the other says as much.
 void ask(DiagnosisState& x, const std::vector<std::string>& later, const std::set<int>& in_question,
          const Finding* instead, bool beside_curves) {
-  if (later.empty()) return;
+  if (later.empty() || x.options.max_effects < 1) return;
   DiagnosisState y = x;
   y.start = y.d.baseline;
   begin_tests(y);
