@@ -102,6 +102,24 @@ TEST_F(ErrorsInVariables, NoiseInVelocitiesIsToldWithTheBetterEstimate) {
   }
 }
 
+// A joint without torque says nothing, and does not silence the others.
+TEST_F(ErrorsInVariables, AJointWithoutTorqueDoesNotSilenceTheOthers) {
+  DiagnosisState x{read_model("planar-2r"), {}, {}, {}, {}, {}, 0, {}, {}, {}};
+  for (unsigned k = 2; k <= 3; ++k) {
+    x.train.push_back(repeated(k, 0.2, 0.1));
+    Recording r = read_recording(x.train.back());
+    r.tau.col(1).setZero();
+    write_recording(r, x.train.back());
+  }
+  x.options.identification.threads = 1;
+  x.d.data_quality.resize(1);
+  x.d.data_quality[0].file = x.train[0];
+  ASSERT_TRUE(fit_baseline(x));
+  check_errors_in_variables(x);
+  ASSERT_EQ(x.d.data_quality[0].findings.size(), 1U);
+  EXPECT_EQ(x.d.data_quality[0].findings[0].sentence.find("elbow"), std::string::npos) << x.d.data_quality[0].findings[0].sentence;
+}
+
 // Without repeats there are no instruments, and of a MODEL nothing was fitted.
 TEST_F(ErrorsInVariables, NothingIsToldWhereNothingRepeatsOrNothingWasFitted) {
   DiagnosisState x = investigated(1, 0.2, 0.1);

@@ -97,20 +97,43 @@ std::vector<RepeatedRows> repeated_rows(const DiagnosisState& x, const Model& ar
   return out;
 }
 
+// Keeps the parameters that joints with a weight show: friction of the others shows nowhere.
+void keep_visible(const VectorXd& weights, std::vector<RepeatedRows>& joints, std::vector<int>& independent) {
+  VectorXd squares = VectorXd::Zero(independent.size());
+  for (size_t j = 0; j < joints.size(); ++j) {
+    if (weights[j] > 0.0) squares += joints[j].A.colwise().squaredNorm().transpose();
+  }
+  std::vector<int> kept;
+  std::vector<int> parameters;
+  for (Eigen::Index k = 0; k < squares.size(); ++k) {
+    if (squares[k] == 0.0) continue;
+    kept.push_back(static_cast<int>(k));
+    parameters.push_back(independent[k]);
+  }
+  independent = std::move(parameters);
+  for (RepeatedRows& rows : joints) {
+    rows.A = MatrixXd(rows.A(Eigen::all, kept));
+    rows.Z = MatrixXd(rows.Z(Eigen::all, kept));
+  }
+}
+
 }  // namespace
 
 void check_errors_in_variables(DiagnosisState& x) {
   if (x.d.changes || !x.start.model) return;
   const Model& arm = *x.start.model;
-  const std::vector<int> independent = base_parameters(arm).independent;
-  const std::vector<RepeatedRows> joints = repeated_rows(x, arm, independent);
-  VectorXd weights(arm.joints());
+  std::vector<int> independent = base_parameters(arm).independent;
+  std::vector<RepeatedRows> joints = repeated_rows(x, arm, independent);
+  VectorXd weights = VectorXd::Zero(arm.joints());
   for (Eigen::Index i = 0; i < weights.size(); ++i) {
     const RepeatedRows& rows = joints[i];
+    if (rows.b.norm() == 0.0) continue;  // no torque was recorded
     if (rows.b.size() < 2 * static_cast<Eigen::Index>(independent.size())) return;
     const double error = x.start.train_error.relative[i] * rows.b.norm();
     weights[i] = static_cast<double>(rows.b.size()) / std::max(error * error, numerics::kTiny);
   }
+  if ((weights.array() == 0.0).all()) return;
+  keep_visible(weights, joints, independent);
   const InstrumentalEstimate found = compare_with_instruments(joints, weights);
   const double limit =
       x.options.thresholds.significance / static_cast<double>(independent.size());
