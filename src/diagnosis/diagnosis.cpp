@@ -56,7 +56,7 @@ void run_stages(DiagnosisState& x, const Tell& tell) {
   tell("accounting for what is left over");
   account_for_errors(x);
   test_names_together(x);
-  summarize(x.d, x.options.thresholds);
+  summarize(x.d, x.options);
   if (!x.d.friction_remark.empty()) x.d.friction = plain_friction_of(*x.d.extended.model);
 }
 

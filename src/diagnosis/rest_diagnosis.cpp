@@ -88,7 +88,7 @@ class RestDiagnosis {
     for (size_t k = 0; k < terms.size(); ++k) refresh(now.id, names_of(terms[k]), d_.findings[k]);
     if (d_.extended.remarks.size() > 1) d_.remarks.back() = d_.extended.remarks.back();  // the band that is left
     add_verdicts();
-    summarize(d_, limits_);
+    summarize(d_, options_);
     d_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return std::move(d_);
   }

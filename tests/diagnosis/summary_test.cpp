@@ -43,6 +43,20 @@ TEST(Summary, TheFewThatExplainMostComeFirst) {
   EXPECT_TRUE(d.summary.worse_joints.empty());
 }
 
+// What is not confirmed is not in the extended model, by which all of them are judged, unless it holds all.
+TEST(Summary, WhatIsNotConfirmedExplainsNothing) {
+  Diagnosis d = diagnosis(errors(0.2, 0.2), errors(0.2, 0.2));
+  d.findings = {finding("confirmed", 0, 0.01), finding("not confirmed", 0, 0.14), finding("another", 1, 0.001)};
+  d.findings[1].status = FindingStatus::kNotConfirmed;
+  Diagnosis with_all = d;
+  summarize(d, {});
+  EXPECT_NEAR(d.summary.explained_by_main, 0.01, 1e-12);
+  DiagnosisOptions all;
+  all.extended = ExtendedModel::kAllFindings;
+  summarize(with_all, all);
+  EXPECT_NEAR(with_all.summary.explained_by_main, 0.15, 1e-12);
+}
+
 // A curve that predicts what repeats differ by: the extended model is no better, and what is left is below the noise floor.
 TEST(Summary, CurvesWithoutANameCountAmongAllFindings) {
   Diagnosis d = diagnosis(errors(0.2, 0.1), errors(0.2, 0.1));

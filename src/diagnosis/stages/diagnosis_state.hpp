@@ -141,6 +141,6 @@ void account_for_errors(DiagnosisState& x);
 void test_names_together(DiagnosisState& x);
 
 /// Marks what the held-out recordings contradict, orders by what matters.
-void summarize(Diagnosis& d, const Thresholds& thresholds);
+void summarize(Diagnosis& d, const DiagnosisOptions& options);
 
 }  // namespace veridyn

@@ -39,7 +39,8 @@ std::vector<char> main_ones(const Diagnosis& d, double share) {
 
 }  // namespace
 
-void summarize(Diagnosis& d, const Thresholds& thresholds) {
+void summarize(Diagnosis& d, const DiagnosisOptions& options) {
+  const Thresholds& thresholds = options.thresholds;
   for (Finding& f : d.findings) {
     if (is_no_factor(d, f))
       f.phrase += " in the mean, in no constant proportion: what is left depends on the same torque, as behind a limit or a dead zone";
@@ -53,7 +54,9 @@ void summarize(Diagnosis& d, const Thresholds& thresholds) {
     Finding& f = d.findings[k];
     f.rank = static_cast<int>(k) + 1;
     s.main += static_cast<int>(f.main);
-    if (f.main) s.explained_by_main += f.explains;
+    // What is not confirmed is in no extended model, unless all are.
+    const bool counts = f.status == FindingStatus::kConfirmed || options.extended == ExtendedModel::kAllFindings;
+    if (f.main && counts) s.explained_by_main += f.explains;
   }
   const VectorXd& before = d.baseline.test_error.relative;
   const VectorXd& after = d.extended.test_error.relative;
