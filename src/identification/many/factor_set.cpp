@@ -1,5 +1,7 @@
 #include "veridyn/identification/factor_set.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -55,19 +57,17 @@ constexpr const char* kDerived = ", velocities from the position at joints";
 std::string derived_joints(const PreprocessingOptions& how) {
   if (how.derive_velocity_of.empty()) return "";
   std::string out = kDerived;
-  for (const int j : how.derive_velocity_of) out += text(" ", j + 1);
+  for (const int j : how.derive_velocity_of) out += " " + std::to_string(j + 1);
   return out;
 }
 
+// A stream would be cut short without a word where memory ends; format() throws.
 std::string settings_of(const PreprocessingOptions& how) {
-  return text("cut-off ", how.cutoff, " Hz, order ", how.order,
-              how.filtering == Filtering::kMatched ? ", matched" : ", signals",
-              ", signal cut-off ratio ", how.signal_cutoff_ratio,
-              how.velocity == VelocitySource::kRecorded ? ", velocities as recorded"
-                                                        : ", velocities derived",
-              how.stale_rows == StaleRows::kFilled ? ", stale rows filled" : ", stale rows kept",
-              ", decimation ", how.decimation, ", rate ", how.rate, " Hz, slowest ",
-              how.min_speed, derived_joints(how));
+  return fmt::format("cut-off {:g} Hz, order {}{}, signal cut-off ratio {:g}{}{}, decimation {}, rate {:g} Hz, slowest {:g}{}", how.cutoff,
+                     how.order, how.filtering == Filtering::kMatched ? ", matched" : ", signals", how.signal_cutoff_ratio,
+                     how.velocity == VelocitySource::kRecorded ? ", velocities as recorded" : ", velocities derived",
+                     how.stale_rows == StaleRows::kFilled ? ", stale rows filled" : ", stale rows kept", how.decimation, how.rate,
+                     how.min_speed, derived_joints(how));
 }
 
 bool same_arm(const VectorXd& a, const VectorXd& b) {
