@@ -254,7 +254,6 @@ class MjcfReader : private MjcfElements {
   // The largest force of a joint's actuators, and constant forces that they add.
   void read_actuators() {
     std::vector<double> force(joints_.size(), 0.0);
-    std::vector<char> known(joints_.size(), 1);
     for (const pugi::xml_node section : root().children("actuator")) {
       for (const pugi::xml_node motor : section.children()) {
         const char* transmission = motor.attribute("joint") ? "joint" : "jointinparent";
@@ -262,16 +261,14 @@ class MjcfReader : private MjcfElements {
         const int j = find_joint(motor, transmission);
         const auto gears = numbers(motor, "gear", 1, 6);
         const double gear = gears.empty() ? 1.0 : gears[0];
-        const double most = largest_force(motor) * std::abs(gear);
-        force[j] += most;
-        if (most == kInfinity) known[j] = 0;
+        force[j] += largest_force(motor) * std::abs(gear);
         const auto bias = numbers(motor, "biasprm", 1, 10);
         const bool constant = bias.size() >= 1 && bias[0] != 0.0 && (bias.size() < 2 || bias[1] == 0.0) && (bias.size() < 3 || bias[2] == 0.0);
         if (constant && std::strcmp(given(motor, "biastype").value(), "affine") == 0) biases_.emplace_back(j, -gear * bias[0]);
       }
     }
     for (std::size_t j = 0; j < joints_.size(); ++j) {
-      if (known[j] != 0 && force[j] > 0.0) joints_[j].limits.effort = std::min(joints_[j].limits.effort, force[j]);
+      if (force[j] > 0.0) joints_[j].limits.effort = std::min(joints_[j].limits.effort, force[j]);
     }
   }
 
