@@ -122,6 +122,10 @@ def test_diagnose_names_what_was_hidden(arm, motion):
     assert [(f["effect"], f["joint"]) for f in found.findings] == [("stribeck_friction", 1)]
     assert "stribeck_friction" in [e["effect"] for e in found.model.effects]
     assert "<iframe" in found._repr_html_()
+    elsewhere = veridyn.diagnose(bare(arm), train, test, effects=["stribeck_friction:pitch"])
+    assert all(f["effect"] != "stribeck_friction" or f["joint"] == 2 for f in elsewhere.findings)
+    with pytest.raises(veridyn.InvalidInput, match="did you mean 'stribeck_friction'"):
+        veridyn.diagnose(bare(arm), train, test, effects=["stribek_friction:pitch"])
 
 
 def test_wrong_arguments_are_refused(arm, recording):
