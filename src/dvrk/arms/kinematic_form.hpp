@@ -59,7 +59,7 @@ inline Eigen::Matrix3d shaft_orientation(double yaw, double pitch) {
   return R;
 }
 
-/// The best of several solutions: within the limits first, then nearest to `near`. Joints that are no numbers are none.
+/// The best of several solutions: within the limits first, then nearest to `near`. Joints that are NaN or infinite are no solution.
 template <int n>
 class Choice {
  public:

@@ -223,7 +223,7 @@ class RobotCheck {
     findings_.back().severity = Severity::kInfo;
   }
 
-  // Of exchanges those of which the arm explains at least one joint badly as it is.
+  // Two joints are exchanged only where the recording as it is leaves at least one of them badly explained.
   std::vector<SignalHypothesis> hypotheses() const {
     std::vector<SignalHypothesis> all = angles_in_degrees(given_, recording_);
     for (int i = 0; i < joints(); ++i)
