@@ -2,9 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <sstream>
-
 #include "math/eigen_pose.hpp"
+#include "veridyn/math/text_stream.hpp"
 
 namespace veridyn {
 
@@ -36,7 +35,7 @@ void add_comment(pugi::xml_node node, const std::string& words) {
 }
 
 std::string xml_text(const pugi::xml_document& document) {
-  std::ostringstream out;
+  TextStream out;
   document.save(out, "  ", pugi::format_default, pugi::encoding_utf8);
   return out.str();
 }

@@ -1,14 +1,14 @@
 #include <pugixml.hpp>
-#include <sstream>
 
 #include "veridyn/math/require.hpp"
+#include "veridyn/math/text_stream.hpp"
 #include "veridyn/model/urdf.hpp"
 
 namespace veridyn {
 namespace {
 
 std::string printed(const pugi::xml_node& node) {
-  std::ostringstream out;
+  TextStream out;
   node.print(out, "  ", pugi::format_indent, pugi::encoding_utf8, 0);
   return out.str();
 }

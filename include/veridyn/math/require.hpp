@@ -1,8 +1,9 @@
 #pragma once
 
-#include <sstream>
 #include <stdexcept>
 #include <string>
+
+#include "veridyn/math/text_stream.hpp"
 
 namespace veridyn {
 
@@ -14,9 +15,10 @@ class InvalidInput : public std::runtime_error {
 };
 
 /// All arguments, streamed one after the other.
+/// @throws std::bad_alloc  where memory ends.
 template <typename... Parts>
 std::string text(const Parts&... parts) {
-  std::ostringstream out;
+  TextStream out;
   (out << ... << parts);
   return out.str();
 }

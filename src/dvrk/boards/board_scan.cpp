@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <array>
 #include <iomanip>
-#include <sstream>
 
 #include "dvrk/boards/board_bus.hpp"
 #include "veridyn/math/require.hpp"
+#include "veridyn/math/text_stream.hpp"
 
 // Bus scan: section 5, and again whenever nodes may have changed (section 6).
 
@@ -30,7 +30,7 @@ Route hub_route() {
 }
 
 std::string hex(std::uint32_t value) {
-  std::ostringstream out;
+  TextStream out;
   out << "0x" << std::hex << std::setw(8) << std::setfill('0') << value;
   return out.str();
 }

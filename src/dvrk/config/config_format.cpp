@@ -3,12 +3,12 @@
 #include <cctype>
 #include <nlohmann/json.hpp>
 #include <pugixml.hpp>
-#include <sstream>
 #include <utility>
 #include <vector>
 
 #include "config_tree.hpp"
 #include "veridyn/math/require.hpp"
+#include "veridyn/math/text_stream.hpp"
 
 namespace veridyn::dvrk {
 namespace {
@@ -277,7 +277,7 @@ std::string print_config(const ConfigTree& tree, ConfigFormat format) {
   declaration.append_attribute("version") = "1.0";
   declaration.append_attribute("encoding") = "utf-8";
   write_xml(tree, document);
-  std::ostringstream out;
+  TextStream out;
   document.save(out, "  ");
   return out.str();
 }

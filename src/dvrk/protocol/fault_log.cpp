@@ -1,11 +1,11 @@
 #include "dvrk/protocol/fault_log.hpp"
 
 #include <iomanip>
-#include <sstream>
 
 #include "dvrk/protocol/analog.hpp"
 #include "dvrk/protocol/protocol.hpp"
 #include "veridyn/math/require.hpp"
+#include "veridyn/math/text_stream.hpp"
 
 namespace veridyn::dvrk {
 
@@ -88,7 +88,7 @@ std::string describe_found(Condition condition, std::uint32_t value) {
   const auto celsius = [](std::uint32_t half_degrees) {
     return half_degrees == 0xFF ? std::string("none") : text(0.5 * half_degrees, " deg C");
   };
-  std::ostringstream out;
+  TextStream out;
   switch (condition) {
     case Condition::kTemperature:
       out << celsius((value >> 8) & 0xFF) << " and " << celsius(value & 0xFF);
@@ -124,7 +124,7 @@ const FaultEntry& FaultLog::operator[](Condition condition) const {
 }
 
 std::string FaultLog::report() const {
-  std::ostringstream out;
+  TextStream out;
   for (int k = 1; k <= kConditions; ++k) {
     const auto condition = static_cast<Condition>(k);
     const FaultEntry& entry = (*this)[condition];

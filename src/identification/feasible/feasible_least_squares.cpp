@@ -10,6 +10,7 @@
 #include "identification/feasible/interior_point.hpp"
 #include "math/numbers.hpp"
 #include "veridyn/math/require.hpp"
+#include "veridyn/math/text_stream.hpp"
 
 namespace veridyn {
 
@@ -274,7 +275,7 @@ FeasibleResult solve_feasible_least_squares(const FeasibleProblem& problem,
 }
 
 std::string FeasibleResult::report() const {
-  std::ostringstream out;
+  TextStream out;
   out.precision(12);
   out << "feasible least squares: " << status_text(status) << " after " << iterations
       << " iterations, " << text(1e3 * seconds) << " ms\n";

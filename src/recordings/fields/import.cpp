@@ -4,12 +4,12 @@
 
 #include <list>
 #include <mutex>
-#include <sstream>
 
 #include "recordings/arrays/array_recording.hpp"
 #include "recordings/bags/bag_recording.hpp"
 #include "recordings/csv/csv_table.hpp"
 #include "veridyn/math/require.hpp"
+#include "veridyn/math/text_stream.hpp"
 
 namespace veridyn::recordings {
 namespace {
@@ -19,7 +19,7 @@ constexpr std::size_t kKeptNumbers = std::size_t{64} << 20;
 
 // Text of everything that determines the result.
 std::string key_of(const std::string& path, const RecordingOptions& options) {
-  std::ostringstream key;
+  TextStream key;
   struct stat about {};
   ::stat(path.c_str(), &about);
   key << path << '\n' << about.st_size << ' ' << about.st_mtim.tv_sec << ' ' << about.st_mtim.tv_nsec

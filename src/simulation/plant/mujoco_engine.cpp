@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstring>
 #include <iomanip>
-#include <sstream>
 
 #include "math/eigen_pose.hpp"
 #include "dynamics/principal_body.hpp"
@@ -15,6 +14,7 @@
 #include "simulation/plant/small_cholesky.hpp"
 #include "veridyn/kinematics/tree.hpp"
 #include "veridyn/math/require.hpp"
+#include "veridyn/math/text_stream.hpp"
 #include "veridyn/simulation/plant.hpp"
 
 namespace veridyn {
@@ -31,7 +31,7 @@ using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::R
 // "pos='x y z' quat='w x y z'" of a pose.
 std::string pose_text(const Eigen::Vector3d& p, const Eigen::Matrix3d& R) {
   const Eigen::Quaterniond q(R);
-  std::ostringstream out;
+  TextStream out;
   out << std::setprecision(17) << " pos='" << p.x() << ' ' << p.y() << ' ' << p.z() << "' quat='"
       << q.w() << ' ' << q.x() << ' ' << q.y() << ' ' << q.z() << '\'';
   return out.str();
@@ -40,7 +40,7 @@ std::string pose_text(const Eigen::Vector3d& p, const Eigen::Matrix3d& R) {
 // Mass, centre and principal inertia, in the joint's frame: MuJoCo's body frame turns with the
 // joint and lies before B.
 std::string inertial_text(const double* phi, const Posed& B) {
-  std::ostringstream out;
+  TextStream out;
   out << std::setprecision(17) << "<inertial";
   if (phi == nullptr || phi[0] <= kNoMass) {
     out << " pos='0 0 0' mass='" << kNoMass << "' diaginertia='" << kNoMass << ' ' << kNoMass << ' '
@@ -82,7 +82,7 @@ void write_children(const Tree& tree, const VectorXd& phi, int parent, const Pos
 }
 
 std::string mjcf(const Tree& tree, const VectorXd& phi) {
-  std::ostringstream out;
+  TextStream out;
   out << std::setprecision(17)
       << "<mujoco><compiler angle='radian' inertiafromgeom='false'/>\n<option gravity='"
       << tree.gravity.x << ' ' << tree.gravity.y << ' ' << tree.gravity.z

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <sstream>
+
+namespace veridyn {
+
+/// A stream into a text that lets std::bad_alloc through: std::ostringstream alone keeps a flag that
+/// nobody reads, and gives a text that is cut short.
+class TextStream : public std::ostringstream {
+ public:
+  TextStream() { exceptions(std::ios::badbit); }
+};
+
+}  // namespace veridyn
