@@ -28,10 +28,10 @@ std::string identifier(const std::string& name) {
   return out;
 }
 
-// Removes characters that a C comment or string must not contain.
+// Removes characters that a C comment or string must not contain: three of them with ?? are another in C99.
 std::string plain(std::string words) {
   for (char& c : words) {
-    if (c == '*' || c == '\\' || c == '"' || c == '\n') c = ' ';
+    if (c == '*' || c == '\\' || c == '"' || c == '?' || (c >= 0 && c < ' ')) c = ' ';
   }
   return words;
 }

@@ -43,6 +43,11 @@ bool is_nothing(const SimpleForce& f) {
          f.friction == 0.0;
 }
 
+// Simulators refuse such an effect; a fit without bounds can find one.
+bool is_below_zero(const SimpleForce& f) {
+  return f.stiffness < 0.0 || f.damping < 0.0 || f.inertia < 0.0 || f.friction < 0.0;
+}
+
 bool is_written(const EffectFacts& effect) {
   const EffectTraits& t = effect.traits();
   const bool own = !t.uses_source && !t.uses_load && !t.depends_on_time && !t.memory;
@@ -85,6 +90,10 @@ KnownEffects known_effects(const Model& arm) {
       continue;
     }
     const SimpleForce force = simple_force(effect);
+    if (is_below_zero(force)) {
+      out.left_out.push_back(term.effect + " on " + axis_text(arm, term.axis) + ", which is below zero");
+      continue;
+    }
     if (is_nothing(force)) continue;
     const auto same = std::find_if(out.forces.begin(), out.forces.end(), [&](const SimpleForce& f) {
       return f.axis.coefficients == force.axis.coefficients;

@@ -64,10 +64,12 @@ class SdfWriter {
 
   // Parts of a model have one name space in SDFormat.
   std::string link_name(const std::string& name) const {
-    const bool taken = urdf_.child("robot").find_child([&](const pugi::xml_node& node) {
-      return std::strcmp(node.name(), "joint") == 0 && name == node.attribute("name").value();
-    });
-    return taken ? name + "_link" : name;
+    const pugi::xml_node robot = urdf_.child("robot");
+    if (!robot.find_child_by_attribute("joint", "name", name.c_str())) return name;
+    std::string own = name;
+    do own += "_link";
+    while (robot.find_child_by_attribute("joint", "name", own.c_str()) || robot.find_child_by_attribute("link", "name", own.c_str()));
+    return own;
   }
 
   void link(pugi::xml_node from) {

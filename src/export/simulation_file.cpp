@@ -14,6 +14,7 @@
 #include "known_effects.hpp"
 #include "model/joint_placement.hpp"
 #include "model/physical_body.hpp"
+#include "model/simulators/mjcf_elements.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/simulator_files.hpp"
@@ -25,6 +26,9 @@ namespace {
 // Values of a model and of a file that differ by less, relative to the largest of a body's, are the
 // same: rounding of one conversion.
 constexpr double kSameValue = 1e-12;
+constexpr double kSamePlace = 1e-9;  // [m], [rad]
+
+const char* const kLeftOut = " left out: ";  // begins a comment
 
 std::string quaternion_text(const Eigen::Matrix3d& R) {
   const Eigen::Quaterniond q(R);
@@ -57,6 +61,19 @@ class UpdatedSimulation {
   virtual ~UpdatedSimulation() = default;
 
  protected:
+  // Inertial parameters belong to the places of joints and frames that the model has.
+  void places() {
+    if (arm_.gravity() != in_file_.gravity()) out_.left_out.push_back("gravity");
+    for (const Frame& mine : arm_.frames()) {
+      const int k = in_file_.find_frame(mine.name);
+      if (k < 0) continue;
+      const Frame& there = in_file_.frames()[k];
+      const auto same = [](const Posed& a, const Posed& b) { return eigen(a.R).isApprox(eigen(b.R), kSamePlace) && (eigen(a.p) - eigen(b.p)).norm() <= kSamePlace; };
+      if (!same(mine.A, there.A) || !same(mine.B, there.B) || std::abs(mine.variable.offset - there.variable.offset) > kSamePlace)
+        out_.left_out.push_back("the place of " + mine.name);
+    }
+  }
+
   // Bodies whose values the file has otherwise or lacks.
   void bodies(const std::function<void(const Frame& mine, const Frame& there)>& change,
               const std::function<bool(const Frame& mine)>& add) {
@@ -79,7 +96,7 @@ class UpdatedSimulation {
   }
 
   // Effects on each coordinate's own axis; the others are named.
-  void effects(const std::function<void(const std::string& joint, const char* value, double now)>& change, bool rotors) {
+  void effects(const std::function<bool(const std::string& joint, const char* value, double now)>& change, bool rotors) {
     const KnownEffects mine = known_effects(arm_);
     for (const std::string& one : mine.left_out) out_.left_out.push_back(one);
     const PlacedEffects now = placed_effects(mine.forces, arm_.joints());
@@ -95,8 +112,8 @@ class UpdatedSimulation {
           out_.left_out.push_back(fmt::format("{} {} of {}, which other parts of the file share", what, value, name));
           return;
         }
-        change(name, what, value);
-        out_.changed.push_back(std::string(what) + " of " + name);
+        const bool done = change(name, what, value);
+        (done ? out_.changed : out_.left_out).push_back(fmt::format("{} of {}{}", what, name, done ? "" : ", a joint without a name of its own"));
       };
       one("damping", a.damping, b.damping);
       one("friction", a.friction, b.friction);
@@ -143,10 +160,15 @@ class UpdatedSimulation {
   }
 
   UpdatedFile finish() {
+    for (pugi::xml_node node = root_.first_child(), next; node; node = next) {
+      next = node.next_sibling();
+      const bool earlier = node.type() == pugi::node_comment && std::strncmp(node.value(), kLeftOut, std::strlen(kLeftOut)) == 0;
+      if (earlier) root_.remove_child(node);
+    }
     pugi::xml_node first = root_.first_child();
     for (const std::string& words : out_.left_out) {
       pugi::xml_node comment = first ? root_.insert_child_before(pugi::node_comment, first) : root_.append_child(pugi::node_comment);
-      std::string safe = " left out: " + words + " ";
+      std::string safe = kLeftOut + words + " ";
       for (std::size_t k = safe.find("--"); k != std::string::npos; k = safe.find("--")) safe.replace(k, 2, "- ");
       comment.set_value(safe.c_str());
     }
@@ -180,23 +202,33 @@ class UpdatedSimulation {
 class UpdatedMjcf : public UpdatedSimulation {
  public:
   UpdatedMjcf(const Model& arm, const Model& in_file, const std::string& path)
-      : UpdatedSimulation(arm, in_file, path, "mujoco") {
+      : UpdatedSimulation(arm, in_file, path, "mujoco"), elements_(path) {
     for (const pugi::xml_node world : root_.children("worldbody")) trees_.push_back(world);
     for (const pugi::xml_node compiler : root_.children("compiler")) {
-      if (const pugi::xml_attribute angle = compiler.attribute("angle")) degrees_ = std::strcmp(angle.value(), "radian") != 0;
       if (std::strcmp(compiler.attribute("inertiafromgeom").value(), "true") == 0) from_geoms_ = compiler;
     }
   }
 
   UpdatedFile file() {
+    places();
     bodies([this](const Frame& mine, const Frame&) { change_body(mine); }, [this](const Frame& mine) { return add_body(mine); });
-    effects([this](const std::string& joint, const char* value, double now) { change_joint(joint, value, now); }, true);
-    // Only "auto" lets a body's own inertial win.
-    if (from_geoms_ && !out_.changed.empty()) from_geoms_.attribute("inertiafromgeom").set_value("auto");
+    effects([this](const std::string& joint, const char* value, double now) { return change_joint(joint, value, now); }, true);
+    if (from_geoms_ && !written_.empty()) inertials_count();
     return finish();
   }
 
  private:
+  // Only "auto" lets a body's own inertial win, and then those that did not count must not come to life.
+  void inertials_count() {
+    from_geoms_.attribute("inertiafromgeom").set_value("auto");
+    for (const pugi::xml_node tree : trees_) {
+      for (pugi::xpath_node found : tree.select_nodes(".//inertial")) {
+        pugi::xml_node body = found.parent();
+        if (written_.count(body.attribute("name").value()) == 0) body.remove_child(found.node());
+      }
+    }
+  }
+
   void inertial(pugi::xml_node node, const InertialParameters& phi, const Posed& T_body_frame, const std::string& name) {
     const PrincipalBody p = principal_body(phi.data(), T_body_frame);
     require(phi[0] > 0.0 && p.possible(), "export: the body ", name, " of '", arm_.name(), "' has a mass of ", phi[0],
@@ -206,19 +238,14 @@ class UpdatedMjcf : public UpdatedSimulation {
     set_attribute(node, "quat", quaternion_text(p.axes));
     set_attribute(node, "mass", xml_number(phi[0]));
     set_attribute(node, "diaginertia", xml_vector(p.moments));
+    written_.insert(name);
   }
 
   // Pose of the frame in its body's axes: that of the site of the same name, see read_mjcf().
-  static Posed frame_in_body(pugi::xml_node body) {
-    Posed T = identity_pose();
-    for (const pugi::xml_node site : body.children("site")) {
-      if (std::strcmp(site.attribute("name").value(), body.attribute("name").value()) != 0) continue;
-      double p[3] = {0, 0, 0}, q[4] = {1, 0, 0, 0};
-      std::istringstream(site.attribute("pos").value()) >> p[0] >> p[1] >> p[2];
-      std::istringstream(site.attribute("quat").value()) >> q[0] >> q[1] >> q[2] >> q[3];
-      T = {from_eigen(Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized().toRotationMatrix()), {p[0], p[1], p[2]}};
-    }
-    return T;
+  Posed frame_in_body(const std::string& body) const {
+    const pugi::xml_node there = find_in(elements_.root(), "body", body);
+    const pugi::xml_node site = there.find_child_by_attribute("site", "name", body.c_str());
+    return site ? from_eigen(elements_.pose(site)) : identity_pose();
   }
 
   // Without a length of its own a tendon's spring is relaxed at the spring references of its joints.
@@ -244,7 +271,7 @@ class UpdatedMjcf : public UpdatedSimulation {
     } else {
       node = body.prepend_child("inertial");
     }
-    inertial(node, *mine.body->phi, frame_in_body(body), mine.name);
+    inertial(node, *mine.body->phi, frame_in_body(mine.name), mine.name);
   }
 
   bool add_body(const Frame& mine) {
@@ -258,7 +285,7 @@ class UpdatedMjcf : public UpdatedSimulation {
       above = find("body", arm_.frames()[carrier].name);
     }
     if (!above) return false;
-    T = frame_in_body(above) * T;
+    T = frame_in_body(arm_.frames()[carrier].name) * T;
     pugi::xml_node body = above.append_child("body");
     set(body, "name", mine.name);
     set(body, "pos", xml_vector(T.p));
@@ -267,15 +294,19 @@ class UpdatedMjcf : public UpdatedSimulation {
     return true;
   }
 
-  void change_joint(const std::string& joint, const char* value, double now) {
+  bool change_joint(const std::string& joint, const char* value, double now) {
+    const pugi::xml_node node = find("joint", joint);
+    if (!node) return false;
     const std::string what = value;
     const bool angle = what == "spring" && !arm_.coordinates()[arm_.find_coordinate(joint)].prismatic;
     const char* name = what == "friction" ? "frictionloss" : what == "spring" ? "springref" : value;
-    set_attribute(find("joint", joint), name, xml_number(angle && degrees_ ? now * 180.0 / M_PI : now));
+    set_attribute(node, name, xml_number(angle ? now / elements_.angle() : now));
+    return true;
   }
 
-  bool degrees_ = true;
+  MjcfElements elements_;  // of the same file
   pugi::xml_node from_geoms_;
+  std::set<std::string> written_;  // bodies that have an inertial of the model
 };
 
 class UpdatedSdf : public UpdatedSimulation {
@@ -286,9 +317,10 @@ class UpdatedSdf : public UpdatedSimulation {
   }
 
   UpdatedFile file() {
+    places();
     bodies([this](const Frame& mine, const Frame&) { inertial(find("link", mine.name), *mine.body->phi); },
            [this](const Frame& mine) { return add_link(mine); });
-    effects([this](const std::string& joint, const char* value, double now) { change_joint(joint, value, now); }, false);
+    effects([this](const std::string& joint, const char* value, double now) { return change_joint(joint, value, now); }, false);
     return finish();
   }
 
@@ -329,10 +361,11 @@ class UpdatedSdf : public UpdatedSimulation {
     return true;
   }
 
-  void change_joint(const std::string& joint, const char* value, double now) {
+  bool change_joint(const std::string& joint, const char* value, double now) {
     const std::string what = value;
     const char* name = what == "stiffness" ? "spring_stiffness" : what == "spring" ? "spring_reference" : value;
     child(child(child(find("joint", joint), "axis"), "dynamics"), name).text().set(xml_number(now).c_str());
+    return true;
   }
 };
 

@@ -153,12 +153,12 @@ class UrdfWriter {
     return words;
   }
 
-  // True for friction of one coordinate that <dynamics> can hold.
+  // True for friction of one coordinate that <dynamics> can hold, which nothing below zero is.
   static bool damping_or_friction(const EffectTerm& term) {
     const bool known = says(term, "damping") || says(term, "friction");
     const bool plain =
         term.axis.coefficients.cwiseAbs().sum() == 1.0 && term.axis.coefficients.maxCoeff() == 1.0;
-    return known && plain && term.values.size() == 1;
+    return known && plain && term.values.size() == 1 && term.values.begin()->second >= 0.0;
   }
 
   // True if this attribute of <dynamics> represents the term and its value.

@@ -190,6 +190,57 @@ TEST_F(SimulationFile, AReferenceThatATendonUsesStays) {
   EXPECT_TRUE(holds(updated.xml, "springref=\"20\""));
 }
 
+// Its first joint has no name, the first body's <inertial> does not count, and the second body's frame is turned.
+const char* const kFromGeoms = R"(<mujoco model="two">
+  <compiler angle="degree" inertiafromgeom="true"/>
+  <worldbody>
+    <body name="upper">
+      <inertial pos="0 0 9" mass="9" diaginertia="9 9 9"/>
+      <joint axis="0 1 0" damping="0.1"/>
+      <geom type="capsule" fromto="0 0 0 0 0 0.3" size="0.03"/>
+      <body name="fore" pos="0 0 0.3">
+        <joint name="elbow" axis="0 1 0" damping="0.1"/>
+        <site name="fore" pos="0.01 0 0.02" euler="30 20 10"/>
+        <geom type="capsule" fromto="0 0 0 0.1 0 0.3" size="0.02"/>
+      </body>
+    </body>
+  </worldbody>
+</mujoco>
+)";
+
+TEST_F(SimulationFile, BodiesOfGeomsStayAsTheyCounted) {
+  const std::string path = write("arm.xml", kFromGeoms);
+  ModelDescription d = read_model(path).description();
+  for (Frame& f : d.frames) {
+    if (f.name == "fore") *f.body->phi *= 1.3;
+  }
+  const UpdatedFile updated = updated_mjcf(Model(d), path);
+  EXPECT_EQ(updated.changed, std::vector<std::string>{"inertial of fore"});
+  expect_same_torques(Model(d), read_model(write("new.xml", updated.xml)));
+}
+
+TEST_F(SimulationFile, AJointWithoutANameIsNamedAndStays) {
+  const std::string path = write("arm.xml", kFromGeoms);
+  ModelDescription d = read_model(path).description();
+  for (EffectTerm& term : d.effects) term.values["coefficient"] = 0.7;
+  const UpdatedFile updated = updated_mjcf(Model(d), path);
+  EXPECT_EQ(updated.changed, std::vector<std::string>{"damping of elbow"});
+  EXPECT_EQ(updated.left_out, std::vector<std::string>{"damping of upper_joint, a joint without a name of its own"});
+}
+
+// A refined length or another base: the inertials belong to places that the file does not have.
+TEST_F(SimulationFile, OtherPlacesAreNamed) {
+  const std::string path = write("arm.xml", kFromGeoms);
+  ModelDescription d = read_model(path).description();
+  d.gravity = {0.1, 0, -9.8};
+  d.frames[read_model(path).find_frame("fore")].A.p.z += 0.01;
+  const UpdatedFile updated = updated_mjcf(Model(d), path);
+  EXPECT_EQ(updated.left_out, (std::vector<std::string>{"gravity", "the place of fore"}));
+  // A second export tells what it left out itself, and nothing of the first one.
+  const UpdatedFile again = updated_mjcf(read_model(path), write("new.xml", updated.xml));
+  EXPECT_FALSE(holds(again.xml, "left out"));
+}
+
 TEST_F(SimulationFile, AnotherArmsFileIsRefused) {
   const std::string path = write("arm.xml", kStrangerMjcf);
   EXPECT_THROW(updated_mjcf(read_model(write("arm.sdf", kStrangerSdf)), path), InvalidInput);

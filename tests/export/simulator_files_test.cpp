@@ -20,6 +20,7 @@
 #include "veridyn/kinematics/kinematics.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
+#include "veridyn/model/urdf.hpp"
 #include "veridyn/simulation/joint_torques.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 
@@ -165,6 +166,32 @@ const EffectTerm* term_of(const Model& arm, const std::string& effect, int coord
     if (term.effect == effect && main_coordinate(term.axis) == coordinate) return &term;
   }
   return nullptr;
+}
+
+// Simulators refuse negative damping, as our own readers do; an unconstrained fit can find it.
+TEST(ExportedEffects, BelowZeroAreLeftOutAndNamed) {
+  ModelDescription d = read_model("planar-2r").description();
+  for (EffectTerm& term : d.effects) {
+    if (term.axis.coefficients[1] == 1.0 && term.effect == "viscous_friction") term.values["coefficient"] = -0.4;
+  }
+  const Model arm(std::move(d));
+  const TemporaryFolder folder;
+  for (const auto& [name, content] : std::map<std::string, std::string>{{"arm.urdf", to_urdf(arm)}, {"arm.xml", to_mjcf(arm)}, {"arm.sdf", to_sdf(arm)}}) {
+    EXPECT_NE(content.find("left out: viscous_friction on "), std::string::npos) << name;
+    EXPECT_EQ(read_model(folder.write(name, content)).effects().size(), 3U) << name;
+  }
+}
+
+// A link called as a joint is gets another name in SDFormat, which no other link has.
+TEST(ExportedNames, OfLinksAreUniqueInSdf) {
+  ModelDescription d = read_model("planar-2r").description();
+  d.frames[0].name = "shoulder";
+  d.frames[1].name = "shoulder_link";
+  const Model arm(std::move(d));
+  const TemporaryFolder folder;
+  const Model read = read_model(folder.write("arm.sdf", to_sdf(arm)));
+  EXPECT_EQ(read.joints(), 2);
+  EXPECT_GE(read.find_frame("shoulder_link"), 0);
 }
 
 TEST(StrangersMjcf, IsReadWithItsClassesUnitsAndActuators) {

@@ -15,6 +15,7 @@
 #include "support/sanitized.hpp"
 #include "veridyn/identification/factor_set.hpp"
 #include "veridyn/identification/identification.hpp"
+#include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 
 // Memory that ends at any allocation of a recording's way from its file to factors in a file and to an
@@ -140,6 +141,23 @@ TEST_F(OutOfMemory, WithoutRoomForAThreadTheWorkIsDone) {
   ASSERT_EQ(::pthread_setattr_default_np(&usual), 0);
   ASSERT_TRUE(fs::exists(output()));
   EXPECT_EQ(bytes_of_file(output()), whole);
+}
+
+TEST_F(OutOfMemory, CutsNoTextShort) {
+  const std::string part(500, 'x');
+  const auto whole = [&part] { return text(part, ' ', 1.5, ' ', part, ' ', 12345678); };
+  const std::string expected = whole();
+  const long before = allocations;
+  (void)whole();
+  const long all = allocations - before;
+  if (all == 0) GTEST_SKIP() << "a sanitizer brings its own malloc";
+  ASSERT_GT(all, 2);
+  for (long at = 0; at < all; ++at) {
+    first_failing = last_failing = allocations + at;
+    EXPECT_THROW(whole(), std::bad_alloc) << "allocation " << at;
+    first_failing = last_failing = -1;
+    EXPECT_EQ(whole(), expected);
+  }
 }
 
 }  // namespace

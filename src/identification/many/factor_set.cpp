@@ -61,7 +61,6 @@ std::string derived_joints(const PreprocessingOptions& how) {
   return out;
 }
 
-// A stream would be cut short without a word where memory ends; format() throws.
 std::string settings_of(const PreprocessingOptions& how) {
   return fmt::format("cut-off {:g} Hz, order {}{}, signal cut-off ratio {:g}{}{}, decimation {}, rate {:g} Hz, slowest {:g}{}", how.cutoff,
                      how.order, how.filtering == Filtering::kMatched ? ", matched" : ", signals", how.signal_cutoff_ratio,
