@@ -94,6 +94,40 @@ TEST_F(Joined, OtherRatesAreInterpolatedAndOnlyTimesInCommonCount) {
   EXPECT_THROW(read_recording(file("c.csv", 0, 1) + "+" + file("d.csv", 1, 1, 100.0, 50.0)), InvalidInput);
 }
 
+// A joint at a tenth of the rate has nothing fast in it, and the rows look as if it had.
+TEST_F(Joined, ASlowerFileIsTold) {
+  RecordingFacts facts;
+  const std::string fast = file("a.csv", 0, 1) + "+" + file("b.csv", 1, 1, 99.0);
+  (void)read_recording(fast, RecordingOptions(), facts);
+  EXPECT_TRUE(facts.remarks.empty()) << facts.remarks.front();
+  const std::string slow = file("a.csv", 0, 1) + "+" + file("c.csv", 1, 1, 10.0);
+  (void)read_recording(slow, RecordingOptions(), facts);
+  ASSERT_EQ(facts.remarks.size(), 1U);
+  EXPECT_EQ(facts.remarks[0], "signals of 2 come every 100 ms, and are interpolated at rows every 10 ms.");
+}
+
+// Only files that count their joints are counted on; a name beside a number tells that these are names.
+TEST_F(Joined, AJointInTwoFilesIsRefusedWhereOneHasAName) {
+  const std::string named = folder_.write("named.csv", "t,position,elbow_position,effort,elbow_effort\n0,1,2,3,4\n0.01,1.1,2.2,3.3,4.4\n0.02,1,2,3,4\n");
+  EXPECT_NE(refusal([&] { (void)read_recording(file("a.csv", 0, 1) + "+" + named); }).find("named.csv: found joint 1, expected one that no file before it has"), std::string::npos);
+}
+
+TEST_F(Joined, UnitsOfAJointAreThoseOfItsKind) {
+  const std::string path = file("a.csv", 0, 1) + "+" + file("b.csv", 1, 1);
+  RecordingOptions options;
+  options.signals.joints = {{"yaw", false}, {"insertion", true}};
+  const auto refused = [&](const std::string& key, const std::string& unit) {
+    options.signals.units = {{key, unit}};
+    return refusal([&] { (void)read_recording(path, options); });
+  };
+  EXPECT_NE(refused("q2", "deg").find("joint 2 slides"), std::string::npos);
+  EXPECT_NE(refused("dq1", "mm/s").find("joint 1 turns"), std::string::npos);
+  EXPECT_NE(refused("tau2", "A").find("expected tau=A"), std::string::npos);
+  EXPECT_NE(refused("q0", "rad").find("has 2 joints"), std::string::npos);
+  EXPECT_EQ(refused("q", "deg"), "");  // of those that turn
+  EXPECT_EQ(refused("q2", "mm"), "");
+}
+
 TEST_F(Joined, AFileMayHaveASignOfPlusInItsName) {
   expect_joints(read_recording(file("a+b.csv", 0, 1)), {0});
   EXPECT_THROW(read_recording(folder_.path("no+such.csv")), InvalidInput);

@@ -3,9 +3,11 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <set>
 
 #include "recordings/fields/choose_fields.hpp"
 #include "math/median.hpp"
+#include "model/suggestion.hpp"
 #include "recordings/fields/import.hpp"
 #include "recordings/fields/stream_clock.hpp"
 #include "recordings/signals/units.hpp"
@@ -19,6 +21,8 @@ constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
 constexpr std::int64_t kSinceAges = 100000000LL * 1000000000LL;
 // In median steps: other streams are interpolated across shorter steps only.
 constexpr double kLongStep = 2.5;
+// In the base's median steps: a stream with longer ones is told.
+constexpr double kSlower = 1.5;
 
 // The stream that has the most columns; the longest of these.
 int base_stream(const RawRecording& raw, const ChosenFields& chosen) {
@@ -107,6 +111,7 @@ class Assembler {
     const auto field = static_cast<std::size_t>(place.field);
     const StreamClock& own = clock_of_stream(base);
     if (place.stream != base) {
+      others_.insert(place.stream);
       // Recording times lag the stamps by the base's usual delay.
       const StreamClock& other = clock_of_stream(place.stream);
       const bool own_stamps = own.recorded_after != 0;
@@ -187,7 +192,24 @@ class Assembler {
     const std::vector<std::string>& clock = clock_of_stream(base).remarks;
     remarks.insert(remarks.end(), clock.begin(), clock.end());
     remarks.insert(remarks.end(), facts->remarks.begin(), facts->remarks.end());
+    for (const int stream : others_) tell_slower(stream, base, &remarks);
     facts->remarks = std::move(remarks);
+  }
+
+  // What comes at a lower rate has nothing faster in it, whatever the rows' rate says.
+  void tell_slower(int stream, int base, std::vector<std::string>* remarks) {
+    const double step = 1e-9 * static_cast<double>(median_step(clock_of_stream(stream).time));
+    const double own = 1e-9 * static_cast<double>(median_step(clock_of_stream(base).time));
+    if (!(step > kSlower * own)) return;
+    std::vector<std::string> joints;
+    for (std::size_t j = 0; j < chosen_.places.size(); ++j) {
+      const auto& places = chosen_.places[j];
+      const bool here = std::any_of(places.begin(), places.end(), [&](const auto& place) { return place && place->stream == stream; });
+      if (here) joints.push_back(chosen_.joints[j]);
+    }
+    const std::string& topic = raw_.streams[stream].topic;
+    remarks->push_back(text(topic.empty() ? "" : topic + ": ", "signals of ", listed(joints), " come every ", 1e3 * step,
+                            " ms, and are interpolated at rows every ", 1e3 * own, " ms."));
   }
 
   bool uses(int stream) const {
@@ -204,6 +226,7 @@ class Assembler {
   const SignalChoice& choice_;
   ChosenFields chosen_;
   std::map<int, StreamClock> clocks_;
+  std::set<int> others_;  // streams that are interpolated
 };
 
 }  // namespace

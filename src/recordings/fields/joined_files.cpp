@@ -50,19 +50,20 @@ RawStream stream_of(const std::string& file, const RecordingOptions& options, Re
 // Numbers joints on from file to file where each file counts its own from 1.
 void tell_joints_apart(const std::vector<std::string>& files, std::vector<RawStream>* streams) {
   std::set<std::string> all;
-  std::size_t count = 0;
+  std::string second, where;  // the first name that a file before has, too
   bool numbers = true;
   for (std::size_t s = 0; s < streams->size(); ++s) {
     std::set<std::string> own;
     for (const RawField& f : (*streams)[s].fields) own.insert(f.joint);
-    count += own.size();
     for (const std::string& name : own) {
       numbers = numbers && is_number(name) && name.size() <= kDigits;
-      const bool fresh = all.insert(name).second;
-      require(fresh || numbers, files[s], ": found joint ", name, ", expected one that no file before it has.");
+      if (all.insert(name).second || !where.empty()) continue;
+      second = name;
+      where = files[s];
     }
   }
-  if (all.size() == count) return;
+  if (where.empty()) return;
+  require(numbers, where, ": found joint ", second, ", expected one that no file before it has.");
   int before = 0;
   for (RawStream& stream : *streams) {
     int most = 0;

@@ -50,6 +50,12 @@ bool slides_only(std::string unit) {
   return unit.rfind("mm", 0) == 0;
 }
 
+// True for degrees where the joint is known to slide, and millimetres where it is known to turn.
+bool of_other_joints(const SignalChoice& choice, const std::string& unit, int joint) {
+  if (joint < 1 || static_cast<std::size_t>(joint) > choice.joints.size()) return false;
+  return choice.joints[joint - 1].prismatic ? turns_only(unit) : slides_only(unit);
+}
+
 }  // namespace
 
 std::optional<double> unit_factor(const std::string& signal, const std::string& unit) {
@@ -77,11 +83,7 @@ std::string unit_of(const SignalChoice& choice, const std::string& signal, int j
 double factor_for(const SignalChoice& choice, const std::string& signal, int joint) {
   const std::string unit = unit_of(choice, signal, joint);
   if (unit.empty()) return 1.0;
-  const bool known = static_cast<std::size_t>(joint) <= choice.joints.size() && joint > 0;
-  if (known) {
-    const bool slides = choice.joints[joint - 1].prismatic;
-    if ((slides && turns_only(unit)) || (!slides && slides_only(unit))) return 1.0;
-  }
+  if (of_other_joints(choice, unit, joint)) return 1.0;
   return unit_factor(signal, unit).value_or(1.0);
 }
 
@@ -103,9 +105,14 @@ void require_joints_of(const SignalChoice& choice, int joints, const std::string
   for (const auto& [key, unit] : choice.units) {
     const std::size_t digits = key.find_last_not_of("0123456789") + 1;
     if (digits == key.size()) continue;
-    const bool there = key.size() - digits <= 6 && std::stoi(key.substr(digits)) <= joints;
-    require(there, "--units: found '", key, "', but ", path, " has ", joints,
+    const int joint = key.size() - digits <= 6 ? std::stoi(key.substr(digits)) : 0;
+    require(joint >= 1 && joint <= joints, "--units: found '", key, "', but ", path, " has ", joints,
             joints == 1 ? " joint." : " joints.");
+    require(key.rfind("tau", 0) != 0 || !is_current_unit(unit), "--units: found '", key, "=", unit,
+            "', expected tau=", unit, ": currents of all joints.");
+    if (!of_other_joints(choice, unit, joint)) continue;
+    throw InvalidInput(text("--units: found '", key, "=", unit, "', but joint ", joint,
+                            choice.joints[joint - 1].prismatic ? " slides, expected a unit of lengths." : " turns, expected a unit of angles."));
   }
 }
 
