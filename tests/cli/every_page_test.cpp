@@ -81,10 +81,54 @@ class EveryPage : public testing::TestWithParam<PageCase> {
 
   std::string page() const { return path(std::string(GetParam().name) + ".html"); }
 
+  // The page as all tests look at it, opened once; kUsed: its slider is moved, and its buttons are pressed.
+  enum View { kWide, kNarrow, kUsed, kWideDark, kNarrowDark };
+  const OpenedPage& opened(View view) const {
+    std::vector<OpenedPage>& views = views_[GetParam().name];
+    if (views.empty()) {
+      views = open_pages({{page(), kWidest}, {page(), kNarrowest}, {page(), 1000, kUse}});
+      for (OpenedPage& dark : open_pages({{page(), kWidest}, {page(), kNarrowest}}, Scheme::kDark)) views.push_back(std::move(dark));
+    }
+    return views[view];
+  }
+
+  static constexpr int kWidest = 1400, kNarrowest = 400;
+  static const char* const kUse;
   static TemporaryFolder* folder_;
+  static std::map<std::string, std::vector<OpenedPage>> views_;
 };
 
 TemporaryFolder* EveryPage::folder_ = nullptr;
+std::map<std::string, std::vector<OpenedPage>> EveryPage::views_;
+
+const char* const EveryPage::kUse = R"(
+    const data = page.document.documentElement.dataset;
+    const arm = page.document.querySelector('[data-plot=arm] svg');
+    if (arm) {
+      const drawn = () => [...arm.querySelectorAll('line, path, polygon')].map((shape) => {
+        const box = shape.getBoundingClientRect();
+        return [box.left, box.top, box.right, box.bottom];
+      });
+      const before = drawn();
+      const slider = page.document.querySelector('.scrubber');
+      slider.value = 0.37 * slider.max;
+      slider.dispatchEvent(new page.Event('input'));
+      data.moved = Math.round(Math.max(...drawn().map(
+          (box, k) => Math.max(...box.map((edge, e) => Math.abs(edge - (before[k] || box)[e]))))));
+    }
+    page.HTMLAnchorElement.prototype.click = () => 0;
+    const saved = [];
+    for (const button of page.document.querySelectorAll('.tools button')) {
+      if (button.textContent !== 'SVG' && button.textContent !== 'CSV') continue;
+      data.saved = '';
+      button.click();
+      saved.push(data.saved.split(' ').pop() > 60 ? 1 : 0);
+    }
+    for (const button of page.document.querySelectorAll('.all-rows')) button.click();
+    data.saves = saved.length;
+    data.good = saved.reduce((a, b) => a + b, 0);
+    data.folded = [...page.document.querySelectorAll('tr.more')].filter((row) => row.getBoundingClientRect().height === 0).length;
+)";
 
 INSTANTIATE_TEST_SUITE_P(
     Of, EveryPage,
@@ -114,10 +158,11 @@ PageElement arm_of(const OpenedPage& page) {
 }
 
 TEST_P(EveryPage, IsSoundWideAndNarrowLightAndDark) {
-  for (const auto& [width, scheme] : {std::pair(1400, Scheme::kLight), std::pair(1400, Scheme::kDark),
-                                      std::pair(400, Scheme::kLight), std::pair(400, Scheme::kDark)}) {
-    const OpenedPage opened = open_page(page(), width, "", scheme);
-    EXPECT_EQ(opened.root().at("data-scheme"), scheme == Scheme::kDark ? "dark" : "light");
+  for (const View view : {kWide, kNarrow, kWideDark, kNarrowDark}) {
+    const OpenedPage& opened = this->opened(view);
+    const bool dark = view == kWideDark || view == kNarrowDark;
+    const int width = view == kWide || view == kWideDark ? kWidest : kNarrowest;
+    EXPECT_EQ(opened.root().at("data-scheme"), dark ? "dark" : "light");
     EXPECT_EQ(opened.root().at("data-errors"), "0");
     EXPECT_EQ(opened.root().at("data-overflow"), "0") << opened.root().at("data-overflow-by");
     EXPECT_EQ(opened.console, "");
@@ -140,21 +185,7 @@ TEST_P(EveryPage, IsSoundWideAndNarrowLightAndDark) {
 }
 
 TEST_P(EveryPage, ItsButtonsSaveFiguresAndUnfoldTables) {
-  const OpenedPage opened = open_page(page(), 1000, R"(
-    page.HTMLAnchorElement.prototype.click = () => 0;
-    const saved = [];
-    for (const button of page.document.querySelectorAll('.tools button')) {
-      if (button.textContent !== 'SVG' && button.textContent !== 'CSV') continue;
-      page.document.documentElement.dataset.saved = '';
-      button.click();
-      saved.push(page.document.documentElement.dataset.saved.split(' ').pop() > 60 ? 1 : 0);
-    }
-    for (const button of page.document.querySelectorAll('.all-rows')) button.click();
-    page.document.documentElement.dataset.saves = saved.length;
-    page.document.documentElement.dataset.good = saved.reduce((a, b) => a + b, 0);
-    page.document.documentElement.dataset.folded =
-        [...page.document.querySelectorAll('tr.more')].filter((row) => row.getBoundingClientRect().height === 0).length;
-  )");
+  const OpenedPage& opened = this->opened(kUsed);
   const PageElement root = opened.root();
   EXPECT_EQ(root.at("data-errors"), "0");
   EXPECT_EQ(root.at("data-saves"), root.at("data-good"));
@@ -165,21 +196,9 @@ TEST_P(EveryPage, ItsButtonsSaveFiguresAndUnfoldTables) {
 }
 
 TEST_P(EveryPage, TheSliderMovesTheArmAndTheMarkInTimePlots) {
-  const OpenedPage still = open_page(page(), 1000);
+  const OpenedPage& still = opened(kWide);
   if (arm_of(still).tag.empty()) GTEST_SKIP() << "a page without an arm";
-  const OpenedPage moved = open_page(page(), 1000, R"(
-    const arm = page.document.querySelector('[data-plot=arm] svg');
-    const drawn = () => [...arm.querySelectorAll('line, path, polygon')].map((shape) => {
-      const box = shape.getBoundingClientRect();
-      return [box.left, box.top, box.right, box.bottom];
-    });
-    const before = drawn();
-    const slider = page.document.querySelector('.scrubber');
-    slider.value = 0.37 * slider.max;
-    slider.dispatchEvent(new page.Event('input'));
-    page.document.documentElement.dataset.moved = Math.round(Math.max(...drawn().map(
-        (box, k) => Math.max(...box.map((edge, e) => Math.abs(edge - (before[k] || box)[e]))))));
-  )");
+  const OpenedPage& moved = opened(kUsed);
   EXPECT_GT(std::stod(moved.root().at("data-moved")), 3.0) << "pixels on the screen";
   EXPECT_EQ(moved.root().at("data-errors"), "0");
   EXPECT_FALSE(arm_of(still).at("data-pose").empty());

@@ -57,6 +57,17 @@ class ReportPage : public testing::Test {
 
   static std::string path(const std::string& name) { return folder_->path(name); }
 
+  static void make_hooked() {
+    std::vector<std::string> changed;
+    for (const char* k : {"1", "2", "3"}) {
+      Recording r = read_recording(path(std::string("recording") + k + ".csv"));
+      for (int row = r.rows() / 2; row < r.rows(); ++row) r.tau(row, 0) += 2.0 * r.q(row, 0);
+      changed.push_back(path(std::string("hooked") + k + ".csv"));
+      write_recording(r, changed.back());
+    }
+    run({"diagnose", "psm-3dof", "--train", changed[0], changed[1], "--test", changed[2], "--quiet", "--report", path("hooked.html")});
+  }
+
   static TemporaryFolder* folder_;
 };
 
@@ -68,7 +79,19 @@ class OpenedReport : public ReportPage, public testing::WithParamInterface<int> 
     if (browser().empty()) GTEST_SKIP() << "no browser: chromium is not installed";
     ReportPage::SetUp();
   }
+
+  // A page at this test's width, opened once for both.
+  const OpenedPage& opened(const std::string& name, const std::string& script = "") const {
+    std::vector<OpenedPage>& both = pages_[name + script];
+    if (both.empty()) both = open_pages({{path(name), kWidths[0], script}, {path(name), kWidths[1], script}});
+    return both[GetParam() == kWidths[0] ? 0 : 1];
+  }
+
+  static constexpr int kWidths[] = {1280, 400};
+  static std::map<std::string, std::vector<OpenedPage>> pages_;
 };
+
+std::map<std::string, std::vector<OpenedPage>> OpenedReport::pages_;
 
 INSTANTIATE_TEST_SUITE_P(Width, OpenedReport, testing::Values(1280, 400));
 
@@ -127,7 +150,7 @@ void expect_all_samples(const OpenedPage& page, std::size_t recording) {
 }
 
 TEST_P(OpenedReport, ADiagnosisShowsTheNumbersOfItsJson) {
-  const OpenedPage page = open_page(path("why.html"), GetParam());
+  const OpenedPage& page = opened("why.html");
   expect_sound(page, GetParam());
   const json result = json_of(path("why.json"));
   EXPECT_EQ(embedded(page.html, "result"), result);
@@ -152,7 +175,7 @@ TEST_P(OpenedReport, ADiagnosisShowsTheNumbersOfItsJson) {
 }
 
 TEST_P(OpenedReport, ADiagnosisDrawsEverySampleOfThreeJoints) {
-  const OpenedPage page = open_page(path("why.html"), GetParam());
+  const OpenedPage& page = opened("why.html");
   std::map<std::string, int> kinds;
   for (const PageElement& plot : page.with("data-plot")) ++kinds[plot.at("data-plot")];
   EXPECT_EQ(kinds["waterfall"], 3);
@@ -167,15 +190,8 @@ TEST_P(OpenedReport, ADiagnosisDrawsEverySampleOfThreeJoints) {
 
 // A spring that is hooked on half-way depends on position and time: three curves over the position, none beyond the axes.
 TEST_P(OpenedReport, AFunctionOfTwoSignalsIsDrawnAtThreeValuesOfTheSecond) {
-  std::vector<std::string> changed;
-  for (const char* k : {"1", "2", "3"}) {
-    Recording r = read_recording(path(std::string("recording") + k + ".csv"));
-    for (int row = r.rows() / 2; row < r.rows(); ++row) r.tau(row, 0) += 2.0 * r.q(row, 0);
-    changed.push_back(path(std::string("hooked") + k + ".csv"));
-    write_recording(r, changed.back());
-  }
-  run({"diagnose", "psm-3dof", "--train", changed[0], changed[1], "--test", changed[2], "--quiet", "--report", path("hooked.html")});
-  const OpenedPage page = open_page(path("hooked.html"), GetParam());
+  if (!std::filesystem::exists(path("hooked.html"))) make_hooked();
+  const OpenedPage& page = opened("hooked.html");
   expect_sound(page, GetParam());
   int drawn = 0;
   for (const PageElement& plot : page.with("data-plot")) {
@@ -189,7 +205,7 @@ TEST_P(OpenedReport, AFunctionOfTwoSignalsIsDrawnAtThreeValuesOfTheSecond) {
 }
 
 TEST_P(OpenedReport, AnIdentificationShowsTheNumbersOfItsJson) {
-  const OpenedPage page = open_page(path("id.html"), GetParam());
+  const OpenedPage& page = opened("id.html");
   expect_sound(page, GetParam());
   const json result = json_of(path("id.json"));
   EXPECT_EQ(embedded(page.html, "result"), result);
@@ -211,11 +227,10 @@ TEST_P(OpenedReport, TheReaderChoosesRecordingAndTime) {
   const std::string choose =
       "const select = page.document.querySelector('#chooser select');"
       "select.value = 1; select.dispatchEvent(new page.Event('change'));";
-  const OpenedPage other = open_page(path("why.html"), GetParam(), choose);
+  const OpenedPage& other = opened("why.html", choose);
   expect_sound(other, GetParam());
   expect_all_samples(other, 1);
-  const OpenedPage zoomed =
-      open_page(path("why.html"), GetParam(), "page.showTime([5, 10]); page.noteState();");
+  const OpenedPage& zoomed = opened("why.html", "page.showTime([5, 10]); page.noteState();");
   expect_sound(zoomed, GetParam());
   const json time = embedded(zoomed.html, "series")["recordings"][0]["time"];
   long inside = 0;

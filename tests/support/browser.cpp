@@ -28,17 +28,29 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return text;
 }
 
-// The page in a frame of the wanted width, for a window cannot be narrower than 500 pixels. When
-// all is drawn, the page takes the frame's place, and the browser writes it out.
-std::string frame_page(const std::string& path, int width, const std::string& script) {
-  return "<!DOCTYPE html><body style='margin:0'><iframe id='frame' style='border:0;width:" +
-         std::to_string(width) + "px;height:900px' src='file://" + path +
-         "'></iframe><script>window.onload = () => {\n"
-         "const page = document.getElementById('frame').contentWindow;\n" +
-         script +
-         "\nconst root = page.document.documentElement;\n"
-         "document.replaceChild(document.adoptNode(root), document.documentElement);\n"
-         "};</script>";
+// The pages in frames of the wanted widths, for a window cannot be narrower than 500 pixels; all lie in its
+// corner, for what is out of sight is not drawn. When all are, what they hold takes their place as a list of
+// texts, and the browser writes it out.
+std::string frames_of(const std::vector<PageToOpen>& pages) {
+  std::string frames, scripts;
+  for (const PageToOpen& page : pages) {
+    frames += "<iframe style='border:0;position:absolute;left:0;top:0;height:900px;width:" + std::to_string(page.width) +
+              "px' src='file://" + page.path + "'></iframe>";
+    scripts += "(page) => {" + page.script + "\n},\n";
+  }
+  return "<!DOCTYPE html><body style='margin:0'>" + frames + "<script>window.onload = () => {\nconst scripts = [" + scripts +
+         R"(];
+const texts = [...document.querySelectorAll('iframe')].map((frame, k) => {
+  scripts[k](frame.contentWindow);
+  return frame.contentDocument.documentElement.outerHTML;
+});
+document.body.textContent = '';
+const list = document.createElement('script');
+list.type = 'application/json';
+list.id = 'pages';
+list.textContent = JSON.stringify(texts).replaceAll('<', '\\u003c');
+document.body.append(list);
+};</script>)";
 }
 
 std::map<std::string, std::string> attributes_of(const std::string& tag) {
@@ -74,7 +86,8 @@ void run_browser(const fs::path& work, const std::string& words) {
   const std::string folder = work.string();
   const std::string command =
       "timeout 180 " + browser() +
-      " --headless=new --no-sandbox --disable-gpu --hide-scrollbars --allow-file-access-from-files"
+      " --headless=new --no-sandbox --disable-gpu --hide-scrollbars --allow-file-access-from-files --disable-extensions --no-first-run"
+      " --disable-background-networking --disable-sync --disable-component-update --disable-default-apps"
       " --enable-logging=stderr --user-data-dir=" +
       folder + "/profile " + words + " >" + folder + "/dom 2>" + folder + "/log </dev/null";
   EXPECT_EQ(std::system(command.c_str()), 0) << read(work / "log");
@@ -170,22 +183,29 @@ std::string browser() {
   return "";
 }
 
-OpenedPage open_page(const std::string& path, int width, const std::string& script, Scheme scheme) {
+std::vector<OpenedPage> open_pages(const std::vector<PageToOpen>& pages, Scheme scheme) {
   const fs::path work = new_folder();
-  std::ofstream(work / "frame.html") << frame_page(path, width, script);
+  std::ofstream(work / "frames.html") << frames_of(pages);
   const std::string dark = scheme == Scheme::kDark ? "--blink-settings=preferredColorScheme=0 " : "";
-  run_browser(work, dark + "--window-size=1400,1000 --dump-dom file://" + (work / "frame.html").string());
-  OpenedPage page;
-  page.html = read(work / "dom");
+  run_browser(work, dark + "--window-size=1400,1000 --dump-dom file://" + (work / "frames.html").string());
+  const nlohmann::json texts = embedded(read(work / "dom"), "pages");
+  std::vector<OpenedPage> out(pages.size());
+  EXPECT_EQ(texts.size(), pages.size());
+  for (std::size_t k = 0; k < std::min(texts.size(), pages.size()); ++k) out[k].html = texts[k];
   std::istringstream log(read(work / "log"));
   for (std::string line; std::getline(log, line);) {
     // The browser's own windows write to the console too, as when its fonts load slowly.
     const bool of_browser = line.find("chrome://") != std::string::npos;
-    if (line.find("CONSOLE") != std::string::npos && !of_browser) page.console += line + "\n";
+    if (line.find("CONSOLE") == std::string::npos || of_browser) continue;
+    for (OpenedPage& page : out) page.console += line + "\n";  // a line does not tell in which frame
   }
   std::error_code ignored;
   fs::remove_all(work, ignored);
-  return page;
+  return out;
+}
+
+OpenedPage open_page(const std::string& path, int width, const std::string& script) {
+  return open_pages({{path, width, script}}).front();
 }
 
 void expect_sound(const OpenedPage& page, int width) {

@@ -35,10 +35,17 @@ std::string browser();
 
 enum class Scheme { kLight, kDark };
 
-/// Opens a file in a frame of this width, without a network.
-/// @param script  runs when the page is ready, with `page` as its window.
-OpenedPage open_page(const std::string& path, int width, const std::string& script = "",
-                     Scheme scheme = Scheme::kLight);
+/// A file to open in a frame of this width.
+struct PageToOpen {
+  std::string path;
+  int width;
+  std::string script = "";  ///< runs when all frames are ready, with `page` as its window
+};
+
+/// Opens pages side by side in one browser, without a network: a browser takes longer to start than a page to draw.
+std::vector<OpenedPage> open_pages(const std::vector<PageToOpen>& pages, Scheme scheme = Scheme::kLight);
+
+OpenedPage open_page(const std::string& path, int width, const std::string& script = "");
 
 /// What the page says about itself is as it should be: no fault, nothing wider than the page, and
 /// every plot has points and pixels of every curve.
