@@ -77,6 +77,10 @@ TEST(Capture, FaultsOfAFileAreNamed) {
             std::string::npos);
   EXPECT_NE(fault("t,x,y,z,qw,qx,qy,qz\n0,1,2,3,1,1,0,0\n").find("norm"), std::string::npos);
   EXPECT_NE(fault("t,x,y,z\n0,812,200,3\n").find("--unit mm"), std::string::npos);
+  EXPECT_NE(fault("t,x [in],y [in],z [in]\n0,1,2,3\n").find("poses.csv:1: found 'in' as the unit of 'x [in]'"), std::string::npos);
+  EXPECT_NE(fault("# unit: feet\nt,x,y,z\n0,1,2,3\n").find("found 'feet' as the unit of 'x', expected m, cm or mm"), std::string::npos);
+  EXPECT_EQ(fault("# units of this file are kept\nt,x,y,z\n0,1,2,3\n"), "");
+  EXPECT_EQ(fault("# all units are millimetres\nt,x,y,z\n0,812,200,3\n"), "");
   EXPECT_NE(fault("t,a,b\n0,1,2\n").find("no column of a position"), std::string::npos);
   EXPECT_NE(fault("t,q1,q3,x,y,z\n0,1,2,3,4,5\n").find("q3 but no q2"), std::string::npos);
   EXPECT_NE(fault("t,A/x,A/y,A/z,B/x,B/y,B/z\n0,1,2,3,4,5,6\n").find("--body"), std::string::npos);

@@ -10,12 +10,12 @@ namespace veridyn::internal {
 namespace {
 
 // Removes "[mm]" or "(mm)" from the end of a name.
-std::string without_unit(const std::string& name, double& metres) {
+std::string without_unit(const std::string& name, std::string& unit) {
   const char closing = name.empty() ? ' ' : name.back();
   if (closing != ']' && closing != ')') return name;
   const std::size_t open = name.rfind(closing == ']' ? '[' : '(');
   if (open == std::string::npos) return name;
-  metres = metres_of(name.substr(open + 1, name.size() - open - 2));
+  unit = name.substr(open + 1, name.size() - open - 2);
   const std::size_t last = name.find_last_not_of(" \t_", open == 0 ? 0 : open - 1);
   return name.substr(0, last == std::string::npos ? 0 : last + 1);
 }
@@ -55,7 +55,7 @@ CaptureColumn capture_column(const std::string& name) {
   using Kind = CaptureColumn::Kind;
   CaptureColumn column;
   column.name = name;
-  const std::string bare = without_unit(name, column.metres);
+  const std::string bare = without_unit(name, column.unit);
   const std::string word = lower(bare);
   if (is_one_of(word, {"t", "time", "timestamp", "time_s", "seconds"})) {
     column.kind = Kind::kTime;

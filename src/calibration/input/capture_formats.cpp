@@ -51,7 +51,7 @@ CaptureColumn component(const std::string& object, int index, const std::string&
 CaptureHeader motive_header(CsvLines& lines, const Fields& first) {
   CaptureHeader header;
   header.padded = true;
-  header.metres = metres_of(value_after(first, "Length Units"));
+  header.unit = value_after(first, "Length Units");
   header.rate = std::atof(value_after(first, "Export Frame Rate").c_str());
   Fields types;
   Fields names;
@@ -112,7 +112,7 @@ CaptureHeader nexus_header(CsvLines& lines) {
       continue;
     }
     header.columns.push_back(component(object, static_cast<int>(axis), axes[k]));
-    if (k < units.size()) header.columns.back().metres = metres_of(units[k]);
+    if (k < units.size()) header.columns.back().unit = units[k];
   }
   return header;
 }
@@ -123,7 +123,7 @@ CaptureHeader track_manager_header(CsvLines& lines) {
   CaptureHeader header;
   header.separator = '\t';
   header.padded = true;
-  header.metres = 0.001;
+  header.unit = "mm";
   for (;;) {
     const Fields row = next_fields(lines, '\t', "a row MARKER_NAMES");
     if (row[0] == "FREQUENCY" && row.size() > 1) header.rate = std::atof(row[1].c_str());
@@ -138,17 +138,18 @@ CaptureHeader track_manager_header(CsvLines& lines) {
   }
 }
 
-// The last comment may state the unit: "unit: mm".
-double unit_of_comment(const std::string& comment) {
-  std::string words = comment;
-  std::replace(words.begin(), words.end(), ':', ' ');
-  std::replace(words.begin(), words.end(), '=', ' ');
+// The last comment may state the unit: "unit: mm", or "units in mm" among other words.
+std::string unit_of_comment(const std::string& comment) {
+  std::string words;
+  for (const char c : comment) words += c == ':' || c == '=' ? " : " : std::string(1, c);
   const Fields fields = csv_fields(words, ' ');
-  for (std::size_t k = 0; k + 1 < fields.size(); ++k) {
-    if (begins_with(fields[k], "unit") || begins_with(fields[k], "Unit"))
-      return metres_of(fields[k + 1]);
-  }
-  return 0.0;
+  const auto unit = std::find_if(fields.begin(), fields.end(), [](const std::string& word) {
+    return begins_with(word, "unit") || begins_with(word, "Unit");
+  });
+  if (unit == fields.end()) return "";
+  if (std::distance(unit, fields.end()) > 2 && unit[1] == ":") return unit[2];
+  const auto known = std::find_if(unit, fields.end(), [](const std::string& word) { return metres_of(word) > 0.0; });
+  return known == fields.end() ? "" : *known;
 }
 
 }  // namespace
@@ -164,7 +165,7 @@ CaptureHeader read_capture_header(CsvLines& lines) {
   if (begins_with(names[0], "NO_OF_FRAMES")) return track_manager_header(lines);
   CaptureHeader header;
   header.separator = separator;
-  header.metres = unit_of_comment(lines.last_comment());
+  header.unit = unit_of_comment(lines.last_comment());
   for (const std::string& name : names) header.columns.push_back(capture_column(name));
   return header;
 }

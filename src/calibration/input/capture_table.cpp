@@ -48,15 +48,18 @@ class Reader {
     std::vector<CaptureColumn> before(1);
     if (fields.size() > 1 && fields[1] == "Time") before.push_back(capture_column("t"));
     header_.columns.insert(header_.columns.begin(), before.begin(), before.end());
+    metres_.insert(metres_.begin(), before.size(), 1.0);
     return true;
   }
 
   void check_columns() {
     std::map<std::string, int> seen;
     std::vector<int> joints;
+    metres_.assign(header_.columns.size(), 1.0);
     for (std::size_t k = 0; k < header_.columns.size(); ++k) {
       const CaptureColumn& c = header_.columns[k];
       if (c.kind == Kind::kIgnored) continue;
+      if (c.kind == Kind::kComponent && c.index < 3) metres_[k] = metres(c);
       const std::string key = text(static_cast<int>(c.kind), " ", c.object, " ", c.index);
       require(++seen[key] == 1 || header_.padded, path_, ":", lines_.number(), ":", k + 1,
               ": found column '", c.name, "' twice, expected it once.");
@@ -88,9 +91,12 @@ class Reader {
 
   // Metres per unit of a column: the option, its own unit, the file's.
   double metres(const CaptureColumn& column) const {
-    if (!options_.unit.empty()) return metres_of(options_.unit);
-    if (column.metres > 0.0) return column.metres;
-    return header_.metres > 0.0 ? header_.metres : 1.0;
+    const std::string& unit = !options_.unit.empty() ? options_.unit : !column.unit.empty() ? column.unit : header_.unit;
+    if (unit.empty()) return 1.0;
+    const double out = metres_of(unit);
+    require(out > 0.0, path_, ":", lines_.number(), ": found '", excerpt(unit), "' as the unit of '", column.name,
+            "', expected m, cm or mm; --unit tells it otherwise.");
+    return out;
   }
 
   void row(const std::vector<std::string>& fields) {
@@ -145,7 +151,7 @@ class Reader {
       const CaptureColumn& c = header_.columns[k];
       if (c.kind != Kind::kComponent) continue;
       double value = number(fields[k], k);
-      if (c.index < 3) value *= metres(c);
+      if (c.index < 3) value *= metres_[k];
       const std::string& name = is_long_ ? of_row : c.object;
       const auto [found, is_new] = index_.try_emplace(name, objects_.size());
       if (is_new) objects_.push_back({name, {}, false});
@@ -210,6 +216,7 @@ class Reader {
   bool is_long_ = false;
   bool has_positions_ = false;
   std::size_t joints_ = 0;
+  std::vector<double> metres_;  // per unit, of each column
   std::vector<double> times_;
   std::vector<long> lines_of_;
   std::vector<std::vector<double>> q_;

@@ -14,7 +14,7 @@ struct CaptureColumn {
   Kind kind = Kind::kIgnored;
   int index = 0;            ///< joint from 0; component: x y z qw qx qy qz
   std::string object;       ///< "BODY/MARKER", "BODY" or ""
-  double metres = 0.0;      ///< metres per unit of the column; 0: no unit given
+  std::string unit;         ///< as the column states it; "": none
   std::string name;         ///< as in the file
 };
 
@@ -22,7 +22,7 @@ struct CaptureColumn {
 struct CaptureHeader {
   char separator = ',';
   std::vector<CaptureColumn> columns;
-  double metres = 0.0;  ///< metres per unit of the file; 0: no unit given
+  std::string unit;     ///< as the file states it; "": none
   double rate = 0.0;    ///< [Hz]; 0: not stated
   bool padded = false;  ///< rows may be short, as exports omit trailing gaps
 };
