@@ -23,6 +23,11 @@ std::string place_of(const CauseWords& w) {
   return "Joint " + std::to_string(w.joint) + " (" + w.coordinate + ")";
 }
 
+const FoundParameter* find_parameter(const std::vector<FoundParameter>& all, const std::string& name) {
+  const auto found = std::find_if(all.begin(), all.end(), [&name](const FoundParameter& p) { return p.name == name; });
+  return found == all.end() ? nullptr : &*found;
+}
+
 }  // namespace
 
 Finding finding_at(const Hypothesis& h) {
@@ -90,6 +95,40 @@ std::vector<Rival> rivals_of(const CandidateData& asked, const NormalBlocks& dat
   if (constant && h.joint && !changes) {
     out.push_back({KinematicError{JointZero{*h.joint}},
                    "a wrong zero of this joint in the robot file does exactly the same"});
+  }
+  return out;
+}
+
+std::vector<FoundParameter> load_parameters(const PayloadEstimate& load) {
+  std::vector<FoundParameter> out = {{"mass", "kg", load.mass, load.mass_low, load.mass_high}};
+  double half = 0.0;
+  for (int c = 0; c < 3; ++c) {
+    if (!load.seen[static_cast<size_t>(c)]) continue;
+    half = std::hypot(half, load.moment_half_width[c]);
+    if (load.mass_low <= 0.0) continue;
+    out.push_back({std::string(1, "xyz"[c]), "m", load.com[c], load.com[c] - load.com_half_width[c],
+                   load.com[c] + load.com_half_width[c]});
+  }
+  const double lever = load.moment.norm();
+  out.push_back({"moment", "kg m", lever, std::max(0.0, lever - half), lever + half});
+  return out;
+}
+
+std::string load_phrase(const std::vector<FoundParameter>& of) {
+  const FoundParameter& mass = *find_parameter(of, "mass");
+  if (mass.low > 0.0)
+    return fmt::format("a load of {:.3g} kg (95 %: {:.3g} to {:.3g})", mass.value, mass.low, mass.high);
+  const FoundParameter& moment = *find_parameter(of, "moment");
+  return fmt::format("a load with a moment of {:.3g} kg m (95 %: {:.3g} to {:.3g}) and a mass that may be zero (at most {:.3g} kg)",
+                     moment.value, moment.low, moment.high, mass.high);
+}
+
+std::vector<FoundParameter> known_to_both(const std::vector<FoundParameter>& first,
+                                          const std::vector<FoundParameter>& second) {
+  std::vector<FoundParameter> out;
+  for (const FoundParameter& p : first) {
+    const FoundParameter* other = find_parameter(second, p.name);
+    if (other != nullptr) out.push_back({p.name, p.unit, p.value, std::min(p.low, other->low), std::max(p.high, other->high)});
   }
   return out;
 }

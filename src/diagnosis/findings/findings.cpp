@@ -77,19 +77,7 @@ std::vector<double> FindingWriter::values_of(const Hypothesis& h) const {
 
 std::vector<FoundParameter> FindingWriter::payload_parameters(const Hypothesis& h) const {
   for (size_t k = 0; k < payloads_.size(); ++k) {
-    if (&accepted(k) != &h) continue;
-    const PayloadEstimate& p = payloads_[k];
-    std::vector<FoundParameter> out = {{"mass", "kg", p.mass, p.mass_low, p.mass_high}};
-    for (int c = 0; c < 3; ++c)
-      out.push_back({std::string(1, "xyz"[c]), "m", p.com[c], p.com[c] - p.com_half_width[c],
-                     p.com[c] + p.com_half_width[c]});
-    const double lever = p.moment.norm();
-    double half = 0.0;
-    for (int c = 0; c < 3; ++c) {
-      if (p.seen[c]) half = std::hypot(half, p.moment_half_width[c]);
-    }
-    out.push_back({"moment", "kg m", lever, std::max(0.0, lever - half), lever + half});
-    return out;
+    if (&accepted(k) == &h) return load_parameters(payloads_[k]);
   }
   return {};
 }
@@ -162,19 +150,9 @@ std::string FindingWriter::phrase_of(const Hypothesis& h) const {
   return EffectFacts(arm, term_of(arm, h)).phrase(values);
 }
 
-// A load that torques know by its moment alone has no mass to speak of.
-static std::string load_phrase(const FoundParameter& mass, const FoundParameter& moment) {
-  if (mass.low > 0.0)
-    return fmt::format("a load of {:.3g} kg (95 %: {:.3g} to {:.3g})", mass.value, mass.low, mass.high);
-  return fmt::format("a load with a moment of {:.3g} kg m (95 %: {:.3g} to {:.3g}) and a mass that may be zero (at most {:.3g} kg)",
-                     moment.value, moment.low, moment.high, mass.high);
-}
-
 std::string FindingWriter::phrase_of(const Group& group, const Finding& f) const {
   const Hypothesis& h = accepted(group.front());
-  if (is_load(h)) {
-    return load_phrase(f.parameters.front(), f.parameters.back());
-  }
+  if (is_load(h)) return load_phrase(f.parameters);
   if (is_other_constant(h))
     return phrase_of(h) + ". The model has this effect, and its file another constant";
   if (is_change(h)) return change_text(h, f);
@@ -332,11 +310,7 @@ bool FindingWriter::fit_load_alone(size_t k, Finding& f) {
   if (!is_load(h)) return false;
   payloads_[group.front()] =
       fit_payload(asked_.augmented, asked_data_, asked_hypothesis(h), BesideLoad::kNothing);
-  const std::vector<FoundParameter> beside_friction = std::exchange(f.parameters, payload_parameters(h));
-  for (size_t p = 0; p < f.parameters.size() && p < beside_friction.size(); ++p) {  // friction may have changed
-    f.parameters[p].low = std::min(f.parameters[p].low, beside_friction[p].low);
-    f.parameters[p].high = std::max(f.parameters[p].high, beside_friction[p].high);
-  }
+  f.parameters = known_to_both(payload_parameters(h), f.parameters);  // friction may have changed
   f.phrase = phrase_of(group, f);
   return true;
 }
