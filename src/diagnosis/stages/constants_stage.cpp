@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 #include <variant>
 
@@ -34,12 +35,16 @@ std::vector<Hypothesis> channels_in_question(const DiagnosisState& x, const Cand
   return out;
 }
 
-double p_value_beside_base(const CandidateTests& asked, const Hypothesis& h,
-                           const DiagnosisOptions& options) {
-  const std::vector<Hypothesis> one = {h};
-  const Examiner examiner(asked.data, asked.q.base, one, options);
+// The p value of a channel's error beside the base, as one of all causes that are asked about; nothing: it is not
+// certain enough.
+std::optional<double> sure_beside_base(const CandidateTests& asked, const Hypothesis& h, const DiagnosisOptions& options) {
+  const std::vector<Hypothesis>& all = asked.q.augmented.hypotheses;
+  const auto at = std::find_if(all.begin(), all.end(), [&h](const Hypothesis& other) { return same_candidate(other, h); });
+  const auto index = static_cast<int>(at - all.begin());
+  const Examiner examiner(asked.data, asked.q.base, all, options);
   const auto base = examiner.baseline({});
-  return examiner.p_value(0, *base, examiner.without_clusters(*base));
+  const double p = examiner.p_value(index, *base, examiner.without_clusters(*base));
+  return p < examiner.limit(index) ? std::optional<double>(p) : std::nullopt;
 }
 
 // The constant that a channel's error took the place of.
@@ -48,17 +53,32 @@ Rival as_rival(const Model& arm, const Finding& wrong, double share) {
                                    numerics::kPercent * share)};
 }
 
-void correct(const CandidateTests& asked, const Hypothesis& h, const CorrectedChannel& channel,
-             double gain, double p_value, const Finding& instead, DiagnosisState& x) {
+// True if what held-out parts of the training recordings say of a finding keeps it; else a line says so.
+bool is_borne_out(const Finding& f, DiagnosisState& x) {
+  if (x.options.extended == ExtendedModel::kAllFindings || f.status == FindingStatus::kConfirmed) return true;
+  x.d.not_supported.push_back({f.cause, f.p_value, "held-out parts of the training recordings contradict it"});
+  return false;
+}
+
+// Takes a channel's error in place of a constant. False if it is not certain enough, or contradicted: then it is not
+// asked about again.
+bool correct(const CandidateTests& asked, const Hypothesis& h, const CorrectedChannel& channel,
+             double gain, const Finding& instead, DiagnosisState& x) {
+  const std::optional<double> p_value = sure_beside_base(asked, h, x.options);
+  if (!p_value) return false;
   Finding f = channel_finding(asked.q, h, channel.values, channel.half_widths);
   f.gain = gain;
-  f.p_value = p_value;
+  f.p_value = *p_value;
   f.test_before = x.start.test_error.relative;
   f.test_after = channel.corrected.test_error.relative;
   f.folds_before = x.fold_errors(x.start).relative();
   f.folds_after = x.fold_errors(channel.corrected).relative();
   f.explains = explained_share(f.test_before, f.test_after, x.d.baseline);
   f.status = status_of(f);
+  if (!is_borne_out(f, x)) {
+    x.refused.insert(h);
+    return false;
+  }
   f.rivals.push_back(as_rival(x.arm, instead, instead.gain / gain));
   // Alternatives to the constant are alternatives to the channel error.
   for (const Rival& other : instead.rivals) {
@@ -66,6 +86,7 @@ void correct(const CandidateTests& asked, const Hypothesis& h, const CorrectedCh
   }
   x.d.findings.push_back(std::move(f));
   x.start = channel.corrected;
+  return true;
 }
 
 // Applies the conditions of other causes: significance among all constants that were profiled (Bonferroni), and an
@@ -107,9 +128,7 @@ void correct_constants(DiagnosisState& x) {
     const double gain = correction_gain(*channel->corrected.model, asked.q, asked.data, x.train,
                                         x.options);
     if (gain < x.options.thresholds.commoner_cause * wrong->finding.gain) continue;
-    correct(asked, h, *channel, gain, p_value_beside_base(asked, h, x.options),
-            wrong->finding, x);
-    return;
+    if (correct(asked, h, *channel, gain, wrong->finding, x)) return;
   }
   if (!is_sure(wrong->finding, x)) return;
   const Identification corrected =
@@ -122,9 +141,7 @@ void correct_constants(DiagnosisState& x) {
   f.folds_after = x.fold_errors(corrected).relative();
   f.explains = explained_share(f.test_before, f.test_after, x.d.baseline);
   f.status = status_of(f);
-  if (x.options.extended == ExtendedModel::kConfirmedOnly &&
-      f.status == FindingStatus::kNotConfirmed)
-    return;
+  if (!is_borne_out(f, x)) return;
   x.d.findings.push_back(std::move(f));
   x.start = corrected;
 }
