@@ -35,6 +35,22 @@ TEST_F(FindingLists, AConstantCountsAsOneOfTheMostThatMayBeNamed) {
   }
 }
 
+// Whether held-out parts confirm plain friction or not, it takes no name's place; nor does a contact.
+TEST_F(FindingLists, ContactsAndPlainFrictionAreNoNames) {
+  DiagnosisState x = investigation(without_effects(read_model("planar-2r")), {});
+  x.options.max_effects = 3;
+  begin_tests(x);
+  ASSERT_GT(x.d.findings.size(), 0U);
+  EXPECT_EQ(x.names_left(), 3);
+  x.fitted_by_start.clear();  // as if no part confirmed it
+  EXPECT_EQ(x.names_left(), 3);
+  x.d.findings.insert(x.d.findings.begin(), Finding());
+  x.contacts = 1;
+  EXPECT_EQ(x.names_left(), 3);
+  x.d.findings.push_back(channel_error("torque_gain", 1, 0.2));
+  EXPECT_EQ(x.names_left(), 2);
+}
+
 // 20 % and then 10 % more are 32 %; delays of 20 and 10 ms are 30 ms.
 TEST_F(FindingLists, WhatAChannelNeedsBesideLaterCausesIsOneErrorWithTheEarlier) {
   std::vector<Finding> gain = {channel_error("torque_gain", 1, 0.2), channel_error("torque_gain", 1, 0.1)};

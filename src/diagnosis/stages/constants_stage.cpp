@@ -110,7 +110,7 @@ bool is_sure(const Finding& f, DiagnosisState& x) {
 }  // namespace
 
 void correct_constants(DiagnosisState& x) {
-  if (x.d.changes || x.options.max_effects < 1 || !x.tests_effect(KinematicError::kName)) return;
+  if (x.d.changes || x.names_left() < 1 || !x.tests_effect(KinematicError::kName)) return;
   const Model arm = *x.start.model;
   std::vector<GeometryFinding> geometry =
       profile_geometry(arm, x.train, x.options.identification, x.options.thresholds);

@@ -42,6 +42,11 @@ bool DiagnosisState::tests_cause(const Cause& cause) const {
   return not_asked.count(to_text(arm, cause)) == 0 && is_among(options.effects, arm, cause);
 }
 
+int DiagnosisState::names_left() const {
+  const size_t uncounted = contacts + plain_friction;
+  return options.max_effects - static_cast<int>(d.findings.size() - std::min(uncounted, d.findings.size()));
+}
+
 Identification DiagnosisState::fit(const Model& any) const {
   return d.changes ? evaluate(any, train, test, options.identification)
                    : identify(any, train, test, options.identification);

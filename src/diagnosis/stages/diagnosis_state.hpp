@@ -59,6 +59,13 @@ struct DiagnosisState {
   /// Causes as text that are not asked about, whatever the options say.
   std::set<std::string> not_asked = {};
 
+  /// Findings of d that are plain friction of a file without it; they follow the contacts.
+  size_t plain_friction = 0;
+
+  /// Names that may still be found: DiagnosisOptions::max_effects without those that d has. Contacts and plain friction
+  /// do not count.
+  int names_left() const;
+
   /// True if the effect is among those to test, at any place.
   bool tests_effect(const std::string& effect) const;
 

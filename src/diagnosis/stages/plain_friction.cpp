@@ -78,7 +78,9 @@ void begin_tests(DiagnosisState& x) {
   x.d.remarks = x.remarks;
   x.fitted_by_start.clear();
   x.refused.clear();
+  x.plain_friction = 0;
   add_plain_friction(x);
+  x.plain_friction = x.d.findings.size() - x.contacts;
 }
 
 }  // namespace veridyn

@@ -50,12 +50,9 @@ std::vector<int> same_ones(const AugmentedModel& fitted, const CandidateData& q)
   return out;
 }
 
-// Findings so far (constants, channels) count towards the limit; contacts and plain friction do
-// not.
 DiagnosisOptions for_the_rest(const DiagnosisState& x) {
   DiagnosisOptions out = x.options;
-  const size_t counted = x.d.findings.size() - x.contacts - x.fitted_by_start.size();
-  out.max_effects -= static_cast<int>(counted);
+  out.max_effects = x.names_left();
   return out;
 }
 
