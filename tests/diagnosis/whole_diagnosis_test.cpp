@@ -59,6 +59,23 @@ TEST_F(WholeDiagnosis, APushBesideASpringLeavesTheSpringAsItIs) {
   EXPECT_LT(pushed.extended.test_error.relative.maxCoeff(), 1.1 * alone.extended.test_error.relative.maxCoeff());
 }
 
+// A force of the shoulder's position that no asked cause has: the joint is above its floor, whether the held-out recording
+// bears it out or has the other sign. A share is no negative number.
+TEST_F(WholeDiagnosis, WhatWasNotAskedAboutIsNoFloor) {
+  for (const double sign : {1.0, -1.0}) {
+    const Diagnosis d = diagnosed(read_model("planar-2r"), {}, {"viscous_friction"}, [sign](Recording& r, unsigned k) {
+      r.tau.col(0).array() += (k < 5 ? 4.0 : 4.0 * sign) * (3.0 * r.q.col(0).array()).sin();
+    });
+    const JointVerdict& v = d.joints.at(0);
+    ASSERT_EQ(v.state, JointState::kCannotTell) << d.report();
+    EXPECT_EQ(d.joints.at(1).state, JointState::kAtFloor) << d.report();
+    EXPECT_EQ(v.why.find("not all causes were asked about; signals of the motion predict "), 0U) << v.why;
+    EXPECT_EQ(v.why.find("predict 0 %") != std::string::npos, sign < 0.0) << v.why;
+    EXPECT_EQ(v.floor < 0.2 * v.held_out, sign > 0.0);
+    EXPECT_NE(d.verdict(), "none");
+  }
+}
+
 // A manufacturer's file has no friction: it is added, told in a table, and is no finding.
 TEST_F(WholeDiagnosis, FrictionThatAFileLacksIsATable) {
   ModelDescription bare = without_effects(read_model("planar-2r")).description();

@@ -134,6 +134,9 @@ class Account {
       v.floor = without_share(left, vibration->share);
       v.source = FloorSource::kRegression;
     }
+    // What signals predict and nobody asked about is no floor.
+    const bool unasked = !x_.options.effects.empty() && is_clear(found, x_);
+    if (unasked) v.floor = std::min(v.floor, without_share(left, std::max(0.0, found.predicted_of_test.back())));
     v.removable = v.held_out - v.floor;
     v.left = left;
     // What is wrong on one joint can bend the parameters of the others: a name there explains this joint's error if
@@ -148,7 +151,7 @@ class Account {
       v.state = JointState::kNamed;
     } else if (unnamed) {
       v.state = JointState::kUnnamed;
-    } else if (at_floor && v.held_out <= limits_.at_floor * v.floor) {
+    } else if (at_floor && !unasked && v.held_out <= limits_.at_floor * v.floor) {
       v.state = JointState::kAtFloor;
     } else {
       v.state = JointState::kCannotTell;
@@ -186,7 +189,7 @@ class Account {
   std::string why_not(const Dependence& found, bool repeats) const {
     if (!x_.options.effects.empty() && is_clear(found, x_)) {
       return fmt::format("not all causes were asked about; signals of the motion predict {:.0f} % of what is left over",
-                         kPercent * found.predicted_of_test.back());
+                         kPercent * std::max(0.0, found.predicted_of_test.back()));
     }
     if (!found.model.chosen.empty()) {
       return fmt::format("the training recordings predict {:.0f} % of what is left over, the held-out ones {:.0f} %",
