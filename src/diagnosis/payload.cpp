@@ -8,6 +8,7 @@
 
 #include "diagnosis/shapes/candidate_data.hpp"
 #include "diagnosis/evidence/payload_fit.hpp"
+#include "diagnosis/evidence/silent_joints.hpp"
 #include "diagnosis/evidence/numerics.hpp"
 #include "math/digits.hpp"
 #include "veridyn/effects/cause.hpp"
@@ -115,10 +116,16 @@ PayloadReport find_on(const Model& model, const std::string& robot, const std::v
   out.robot = robot;
   leave_wrong_velocities_out(model, recordings, {}, options);
   options.choose_velocities = false;
-  const Identification start = evaluate(model, recordings, {}, options);
+  Identification start = evaluate(model, recordings, {}, options);
   if (!start.model) {
     out.reason = start.reason;
     return out;
+  }
+  const std::vector<ExcludedInterval> rows = silent_rows(start.factors);
+  if (!rows.empty()) {
+    std::vector<ExcludedInterval>& left_out = options.preprocessing.excluded_intervals;
+    left_out.insert(left_out.end(), rows.begin(), rows.end());
+    start = evaluate(model, recordings, {}, options);
   }
   CandidateList list;
   list.wanted = {AddedLoad::kName};

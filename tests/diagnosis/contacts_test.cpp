@@ -69,6 +69,18 @@ TEST_F(Residuals, APushIsFoundWithItsTimeAndItsLastJoint) {
   EXPECT_EQ(found[1].last_joint, 0);
 }
 
+// What a model expects of a joint without torque is no push.
+TEST_F(Residuals, AJointWithoutTorqueIsNotPushed) {
+  PredictionSeries& x = id_.train[0].series;
+  for (size_t k = 0; k < x.time.size(); ++k) {
+    x.measured[1][k] = 0.0;
+    x.modelled[1][k] = 0.05 * std::sin(40.0 * x.time[k]) + (x.time[k] >= 12.0 && x.time[k] <= 13.0 ? 2.5 : 0.0);
+  }
+  EXPECT_TRUE(find_contacts(id_, {}).empty());
+  push(1, 0.0, 30.0, 1e-3);  // torque it has, and the push is seen
+  EXPECT_EQ(find_contacts(id_, {}).size(), 1U);
+}
+
 TEST_F(Residuals, WhatReturnsWhereverTheJointPassesThePlaceIsNoContact) {
   id_.train[0].period = 0.0;
   PredictionSeries& x = id_.train[0].series;

@@ -94,5 +94,26 @@ TEST(AWrongLength, IsAsUncertainAsItDiffersBetweenRecordings) {
   EXPECT_LT(mine->deviation, 4.0 * deviation);
 }
 
+// The elbow's torque was not recorded: what acts on it alone is in no residual, and bends nothing.
+TEST(AJointWithoutTorque, SaysNothingOfConstants) {
+  ModelDescription d = plausible_model(read_model("planar-2r"), 3).arm.description();
+  const Model arm(d);
+  EffectTerm spring;
+  spring.effect = "joint_spring";
+  spring.axis.coefficients = VectorXd::Unit(2, 1);
+  d.effects.push_back(spring);
+  const Model with_spring(std::move(d));
+  Recording r = recording_of(simulate_recording(arm, waves_of(1), {}));
+  r.tau.col(0).array() += 0.5 * (2.0 * r.q.col(0).array()).sin();  // something is left over
+  TemporaryFolder folder;
+  const auto start = [&](const Model& of) {
+    write_recording(r, folder.path("r.csv"));
+    return GeometryProfiler(of, {folder.path("r.csv")}, {}).start();
+  };
+  EXPECT_GT(std::abs(start(with_spring) - start(arm)), 1e-5);  // of its torque it is a part
+  r.tau.col(1).setZero();
+  EXPECT_NEAR(start(with_spring), start(arm), 1e-6);
+}
+
 }  // namespace
 }  // namespace veridyn

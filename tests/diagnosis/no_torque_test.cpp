@@ -94,6 +94,91 @@ TEST_F(NotHeldOut, TheVerdictTellsJointsThatCannotBeJudgedFromThoseAboveTheirFlo
   EXPECT_EQ(d.verdict(), "none");
 }
 
+// The elbow's torque was recorded nowhere: its zeros are no torques. What the shoulder has is found as if there were
+// no zeros, nothing is named on the elbow or after it, and one line says so.
+class Silent : public Stages {
+ protected:
+  // @param only  the recording, from 1, in which the joint is silent; 0: all.
+  std::vector<std::string> recorded(const std::vector<std::string>& hidden, int silent, unsigned only) const {
+    std::vector<std::string> files;
+    for (unsigned k = 1; k <= 4; ++k) {
+      files.push_back(record(k, hidden));
+      if (only != 0 && k != only) continue;
+      Recording r = read_recording(files.back());
+      r.tau.col(silent).setZero();
+      write_recording(r, files.back());
+    }
+    return files;
+  }
+
+  Diagnosis diagnosed(const Model& robot, const std::vector<std::string>& hidden, int silent,
+                      const std::vector<std::string>& effects = {}, unsigned only = 0) const {
+    std::vector<std::string> train = recorded(hidden, silent, only);
+    const std::string test = train.back();
+    train.pop_back();
+    DiagnosisOptions options;
+    options.identification.threads = 1;
+    options.effects = effects;
+    options.values = values_;
+    return diagnose(robot, train, {test}, options);
+  }
+
+  RobotValues values_ = RobotValues::kPrior;  // facts: what changed since is asked
+
+  static int count(const std::string& text, const std::string& words) {
+    int out = 0;
+    for (size_t at = text.find(words); at != std::string::npos; at = text.find(words, at + 1)) ++out;
+    return out;
+  }
+};
+
+TEST_F(Silent, AJointHasNoNameAndBendsNoOther) {
+  for (const RobotValues values : {RobotValues::kPrior, RobotValues::kFacts}) {
+    for (const bool spring : {false, true}) {
+      values_ = values;
+      const Diagnosis d = diagnosed(read_model("planar-2r"), spring ? Words{"joint_spring:shoulder:stiffness=8"} : Words(), 1);
+      EXPECT_EQ(d.changes, values == RobotValues::kFacts);
+      ASSERT_EQ(d.joints.size(), 2U);
+      ASSERT_EQ(d.findings.size(), spring ? 1U : 0U) << d.report();
+      EXPECT_EQ(d.joints[0].state, spring ? JointState::kNamed : JointState::kAtFloor) << d.report();
+      EXPECT_LT(d.extended.test_error.relative[0], 0.01);
+      EXPECT_EQ(d.joints[1].state, JointState::kCannotTell);
+      EXPECT_EQ(count(d.report(), "zero throughout the training recordings"), 1) << d.report();
+      if (!spring) continue;
+      EXPECT_EQ(to_text(truth_, d.findings[0].cause), "joint_spring:shoulder");
+      EXPECT_NEAR(d.findings[0].parameters[0].value, 8.0, 0.2);
+    }
+  }
+}
+
+// What the elbow has is learnt from the recordings that have its torque.
+TEST_F(Silent, AJointInOneRecordingIsKnownFromTheOthers) {
+  const Diagnosis d = diagnosed(read_model("planar-2r"), {"joint_spring:elbow:stiffness=8"}, 1, {}, 2);
+  ASSERT_EQ(d.findings.size(), 1U) << d.report();
+  EXPECT_EQ(to_text(truth_, d.findings[0].cause), "joint_spring:elbow");
+  EXPECT_NEAR(d.findings[0].parameters[0].value, 8.0, 0.2);
+  for (const JointVerdict& v : d.joints) EXPECT_TRUE(v.state == JointState::kNamed || v.state == JointState::kAtFloor) << d.report();
+}
+
+// Nothing is asked of it even by name, and of no channel what its torque does to it.
+TEST_F(Silent, AJointIsNotAskedAboutByName) {
+  const Diagnosis d = diagnosed(read_model("planar-2r"), {}, 1, {"joint_spring:elbow", "torque_gain:elbow", "torque_crosstalk"});
+  EXPECT_TRUE(d.findings.empty()) << d.report();
+  EXPECT_TRUE(d.not_supported.empty());
+  EXPECT_EQ(d.hypotheses, 0);
+}
+
+// The elbow knows nothing of the shoulder's own inertia: the arm is not determined, and nothing is asked.
+TEST_F(Silent, AnArmThatTheOtherJointsDoNotDetermineIsNotAskedAbout) {
+  const Diagnosis d = diagnosed(read_model("planar-2r"), {"joint_spring:elbow:stiffness=8"}, 0);
+  EXPECT_TRUE(d.findings.empty()) << d.report();
+  ASSERT_EQ(d.joints.size(), 2U);
+  for (const JointVerdict& v : d.joints) {
+    EXPECT_EQ(v.state, JointState::kCannotTell);
+    EXPECT_EQ(v.why, "joints without torque: 1, and the others alone do not determine the arm");
+  }
+}
+
 // A recording of one row, such as a file of one pose, is wholly in its first part.
 TEST(MotionRowsOfOneRow, AreAPart) {
   Identification id;

@@ -88,6 +88,24 @@ TEST_F(Payload, AVelocityInDegreesIsNoLoad) {
   EXPECT_NEAR(found.links[0].mass, 1.5, 0.075);
 }
 
+// The torque of the fifth joint was not recorded: its zeros lift no load.
+TEST_F(Payload, AJointWithoutTorqueCarriesNothing) {
+  const std::string last = arm_.frames().back().name;
+  MotionSamples motion{VectorXd::LinSpaced(3000, 0.0, 29.99), MatrixXd(3000, 6), {}, {}};
+  for (int i = 0; i < 6; ++i)
+    motion.q.col(i) = 0.5 * ((0.9 + 0.17 * i) * motion.time.array() + i).sin() + 0.2 * ((2.3 + 0.31 * i) * motion.time.array() + 2 * i).sin();
+  Recording r = read_recording(recording_with("payload:" + last + ":mass=1.5,x=0.05,y=-0.02,z=0.08", 1, with_derivatives(motion)));
+  r.tau.col(4).setZero();
+  const std::string path = folder_.path("silent.csv");
+  write_recording(r, path);
+  const PayloadReport report = find_payload(arm_, {path});
+  ASSERT_TRUE(report.found()) << report.report();
+  const PayloadEstimate& load = report.links.front();
+  EXPECT_EQ(load.frame, last) << report.report();
+  EXPECT_NEAR(load.mass, 1.5, 0.05) << report.report();
+  EXPECT_LT((load.com - Eigen::Vector3d(0.05, -0.02, 0.08)).norm(), 0.02) << report.report();
+}
+
 // A load on the axis of the last joint can be held by the link before it as well; the noise of a
 // recording does not decide which of them is named.
 TEST_F(Payload, OfATieTheOutermostLinkIsNamed) {

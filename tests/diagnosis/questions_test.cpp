@@ -17,7 +17,7 @@
 namespace veridyn {
 namespace {
 
-// A recording in which the joints move so far.
+// A recording in which the joints move so far, under some torque.
 CompressedRecording moving(const std::vector<double>& travels) {
   CompressedRecording out;
   for (const double travel : travels) {
@@ -25,6 +25,8 @@ CompressedRecording moving(const std::vector<double>& travels) {
     joint.lowest = -0.5 * travel;
     joint.highest = 0.5 * travel;
     joint.largest_speed = travel;
+    joint.minimum = -1.0;
+    joint.maximum = 1.0;
     out.joints.push_back(joint);
   }
   out.facts.duration = 20.0;
@@ -51,6 +53,20 @@ TEST(Hypotheses, AskForEveryJointThatMovesAndForTheArm) {
   EXPECT_EQ(asked({0.0, 1.0}), (std::multiset<std::string>{"joint_spring:elbow", "time_delay:arm",
                                                            "time_delay:elbow"}));
   EXPECT_TRUE(asked({0.0, 0.0}).empty());
+}
+
+// Without torque, as where a joint never moves: neither its own errors nor what its torque does in another's channel. One
+// recording that has it is enough.
+TEST(Hypotheses, AskForNoJointWithoutTorque) {
+  const Model arm = read_model("planar-2r");
+  CandidateList list;
+  list.wanted = {"joint_spring", "time_delay", "torque_crosstalk"};
+  CompressedRecording silent = moving({1.0, 1.0});
+  silent.joints[1].minimum = silent.joints[1].maximum = 0.0;
+  EXPECT_EQ(causes_of(arm, augmented_model(arm, {silent, silent}, list)),
+            (std::multiset<std::string>{"joint_spring:shoulder", "time_delay:arm", "time_delay:shoulder"}));
+  const CompressedRecording sound = moving({1.0, 1.0});
+  EXPECT_EQ(causes_of(arm, augmented_model(arm, {silent, sound}, list)), causes_of(arm, augmented_model(arm, {sound}, list)));
 }
 
 // Every hypothesis has its columns among the parameters of the augmented model, and nobody else has

@@ -66,6 +66,22 @@ TEST(Snags, FrictionAtOnePlaceOfOneRecordingIsFoundAndLeftOut) {
   }
 }
 
+// What a model expects of a joint without torque sticks nowhere.
+TEST(Snags, AJointWithoutTorqueDoesNotStick) {
+  Identification id = four_recordings();
+  for (RecordingError& r : id.train) {
+    r.series.measured[1].assign(r.series.time.size(), 0.0);
+    r.series.modelled[1] = r.series.measured[1];
+  }
+  PredictionSeries& x = id.train[2].series;
+  for (size_t k = 0; k < x.time.size(); ++k) {
+    if (x.q[1][k] > 0.2 && x.q[1][k] < 0.5) x.modelled[1][k] = x.dq[1][k] > 0.0 ? -0.4 : 0.4;
+  }
+  EXPECT_TRUE(find_snags(id, {}).empty());
+  id.train[0].series.measured[1][0] = 1e-3;  // torque it has, and sticks
+  EXPECT_FALSE(find_snags(id, {}).empty());
+}
+
 TEST(Snags, FrictionThatAllRecordingsHaveIsOfTheArm) {
   Identification id = four_recordings();
   for (RecordingError& r : id.train) add_friction(r, 1, 0.2, 0.5, 0.4);

@@ -142,7 +142,7 @@ TEST(Unnamed, ACurveThatIsNotKeptSaysWhy) {
 // torque that is carried.
 TEST(Unnamed, ADeadZoneIsNoFactorAndNoFriction) {
   const Diagnosis d = scara_with([](Recording& r, unsigned) {
-    for (double& t : r.tau.col(1)) t = std::copysign(std::max(0.0, std::abs(t) - 2.0), t);
+    for (double& t : r.tau.col(1)) t = std::copysign(std::max(0.0, std::abs(t) - 1.1), t);  // of 1.5 N m
   });
   bool curve = false;
   for (const Finding& f : d.findings) {

@@ -89,6 +89,7 @@ Residual residual_of(const Model& arm, const PredictionSeries& x, size_t joint,
     most = std::max(most, std::abs(x.measured[joint][k]));
     fastest = std::max(fastest, std::abs(x.dq[joint][k]));
   }
+  if (most == 0.0) std::fill(out.r.begin(), out.r.end(), 0.0);  // no torque was recorded
   out.scatter = std::max(kMadToDeviation * median(size), numerics::kNoise);
   // On a moving joint, friction at a start or a reversal is no contact; on a joint that holds a
   // pose, it is part of the holding torque.

@@ -181,6 +181,7 @@ GeometryProfiler::Parts GeometryProfiler::sums_of_parts(const Model& variant,
         else
           A.col(c) = Y[at].col(from);
       }
+      if (fold.tau.col(i).isZero(0.0)) A.setZero();  // zeros that nobody measured say nothing
       for (Eigen::Index k = 0; k < parts; ++k) {
         const Eigen::Index begin = k * rows / parts;
         const Eigen::Index count = (k + 1) * rows / parts - begin;

@@ -81,7 +81,7 @@ std::vector<std::vector<double>> excess(std::vector<std::vector<double>> frictio
 void snags_of(const std::vector<const RecordingError*>& all, size_t joint,
               const Thresholds& limits, std::vector<Snag>& out) {
   const TravelStatistics travel = travel_statistics(all, joint);
-  if (!(travel.high > travel.low)) return;
+  if (!(travel.high > travel.low) || travel.torque2 == 0.0) return;
   std::vector<std::vector<double>> friction;
   for (const RecordingError* r : all) friction.push_back(friction_by_place(r->series, joint, travel, limits.moving_share));
   friction = excess(std::move(friction));

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "diagnosis/evidence/numerics.hpp"
+#include "diagnosis/evidence/silent_joints.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 
 namespace veridyn {
@@ -52,7 +53,8 @@ class Builder {
       hypotheses_.push_back(std::move(h));
     }
     Scope scope{list_.wanted, list_.changes, {}};
-    for (int i = 0; i < arm_.joints(); ++i) scope.still.push_back(!moves(i));
+    const std::set<int> silent = silent_joints(facts_);
+    for (int i = 0; i < arm_.joints(); ++i) scope.still.push_back(!moves(i) || silent.count(i) != 0);
     for (const Candidate& candidate : candidates(arm_, scope)) add_candidate(candidate);
   }
 

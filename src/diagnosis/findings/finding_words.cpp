@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "diagnosis/evidence/effect_facts.hpp"
 #include "diagnosis/evidence/payload_fit.hpp"
@@ -190,6 +191,15 @@ JointVerdict not_judged(JointIndex joint, double held_out, const Identification&
   v.state = JointState::kCannotTell;
   v.why = baseline.test.empty() ? "no recording is held out, on which its error would be measured"
                                 : "its torque is zero throughout the held-out recordings, and no error is a share of it";
+  return v;
+}
+
+JointVerdict no_torque_verdict(JointIndex joint) {
+  JointVerdict v;
+  v.joint = joint;
+  v.held_out = v.extended = std::numeric_limits<double>::infinity();
+  v.state = JointState::kCannotTell;
+  v.why = "its torque is zero throughout the training recordings (not recorded, or nothing drove it): nothing is asked about it";
   return v;
 }
 

@@ -44,6 +44,9 @@ bool falls(const VectorXd& before, const VectorXd& after, std::optional<JointInd
 /// Verdict on a joint whose error on the held-out recordings is no number: they have no torque of it, or there are none.
 JointVerdict not_judged(JointIndex joint, double held_out, const Identification& baseline);
 
+/// Verdict on a joint whose torque no training recording has.
+JointVerdict no_torque_verdict(JointIndex joint);
+
 /// Confirmed where falls() of its errors on held-out parts of the training recordings.
 FindingStatus status_of(const Finding& f);
 

@@ -119,6 +119,7 @@ class Account {
   }
 
   JointVerdict verdict_of(int j, const Dependence& found, double extended, double left) const {
+    if (x_.silent.count(j) != 0) return no_torque_verdict({j});
     const double error = held_out_error(x_, d_.baseline, j);
     if (!std::isfinite(error)) return not_judged({j}, error, d_.baseline);
     JointVerdict v;

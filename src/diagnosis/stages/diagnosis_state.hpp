@@ -56,6 +56,9 @@ struct DiagnosisState {
   /// Joints whose rows at the limit of their torque are left out.
   std::set<int> saturated = {};
 
+  /// Joints without torque in all training recordings: nothing is asked about them.
+  std::set<int> silent = {};
+
   /// Causes as text that are not asked about, whatever the options say.
   std::set<std::string> not_asked = {};
 
@@ -109,6 +112,13 @@ void leave_out(const std::vector<ExcludedInterval>& parts, DiagnosisState& x);
 /// True if in all training recordings two joints are exchanged beyond doubt; they say so, and every joint's verdict:
 /// causes of such recordings would be names of the exchange.
 bool columns_are_exchanged(DiagnosisState& x);
+
+/// Leaves out the rows of joints without torque, and fits the arm again from the others. False if these do not determine
+/// it: every joint's verdict says so.
+bool leave_silent_joints_out(DiagnosisState& x);
+
+/// Ends a diagnosis that asks nothing: every joint cannot_tell, for this reason.
+void cannot_tell_of_all(DiagnosisState& x, const std::string& why);
 
 /// Reports joints with significantly negative friction, which indicates a torque of the wrong sign.
 void check_torque_signs(DiagnosisState& x);

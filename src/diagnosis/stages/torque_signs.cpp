@@ -55,10 +55,7 @@ bool says_exchange(const std::string& file, DiagnosisState& x) {
 
 }  // namespace
 
-bool columns_are_exchanged(DiagnosisState& x) {
-  bool all = true;
-  for (size_t k = 0; k < x.train.size() && all; ++k) all = says_exchange(x.train[k], x);
-  if (!all) return false;
+void cannot_tell_of_all(DiagnosisState& x, const std::string& why) {
   Diagnosis& d = x.d;
   d.extended = d.baseline;
   for (int j = 0; j < x.arm.joints(); ++j) {
@@ -69,10 +66,16 @@ bool columns_are_exchanged(DiagnosisState& x) {
     v.floor = d.baseline.noise_floor.size() > j ? std::min(v.held_out, d.baseline.noise_floor[j]) : 0.0;
     v.removable = v.held_out - v.floor;
     v.state = JointState::kCannotTell;
-    v.why = "columns of the recordings are exchanged";
+    v.why = why;
     d.joints.push_back(std::move(v));
   }
-  return true;
+}
+
+bool columns_are_exchanged(DiagnosisState& x) {
+  bool all = true;
+  for (size_t k = 0; k < x.train.size() && all; ++k) all = says_exchange(x.train[k], x);
+  if (all) cannot_tell_of_all(x, "columns of the recordings are exchanged");
+  return all;
 }
 
 void check_torque_signs(DiagnosisState& x) {
