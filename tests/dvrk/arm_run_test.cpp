@@ -203,6 +203,27 @@ TEST_F(ArmRun, RecordsAtRestWithoutPower) {
   EXPECT_FALSE(emulator_.board(0).status().power_requested());
 }
 
+// Nothing is driven, so nothing ends: the recording says that its positions are worth little.
+TEST_F(ArmRun, ARecordingTellsThatEncodersFailed) {
+  for (const char* fault : {"", "overflow", "transition"}) {
+    PlanarArm bench;
+    EmulatedEncoder& encoder = bench.emulator.board(0).encoder(1);
+    ArmSession arm(bench.link, planar_config());
+    arm.start();
+    const double at = bench.link.now() + 1.0;
+    bench.link.each = [&](double now) {
+      encoder.overflow_latched = now > at && std::string(fault) == "overflow";
+      encoder.broken_lines = now > at && std::string(fault) == "transition";
+    };
+    const std::string path = testing::TempDir() + "failed-encoders.csv";
+    const RunResult run = record_at_rest(arm, bench.link, 1.5, 1000.0, bench.stop, path);
+    EXPECT_TRUE(run.complete) << run.why;
+    EXPECT_EQ(run.remark.find("the last of board 6, channel 2: positions") != std::string::npos, *fault != 0) << run.remark;
+    EXPECT_EQ(first_line(path).rfind("# encoders failed ", 0) == 0, *fault != 0) << first_line(path);
+    std::remove(path.c_str());
+  }
+}
+
 // The motion begins when the brake is open; until then the arm gets no torque.
 TEST_F(ArmRun, ABrakeOpensBeforeTheMotion) {
   RobotConfig robot = planar_config();

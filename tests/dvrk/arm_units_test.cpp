@@ -40,7 +40,6 @@ TEST(ArmUnits, OneActuatorByHand) {
   EXPECT_NEAR(state.pot_q[0], 0.0, 1e-12);  // 97.3125 deg - 43.25 deg/V * 2.25 V
   EXPECT_NEAR(state.current[0], 6.2571 - 30000 * 0.000190735, 1e-12);
   EXPECT_NEAR(state.tau[0], (6.2571 - 30000 * 0.000190735) / 0.4040893846, 1e-11);
-  EXPECT_TRUE(state.encoders_valid);
 
   ArmCommand command(7);
   units.write(VectorXd::Unit(7, 0) * 0.5, command);
@@ -216,21 +215,6 @@ TEST(ArmUnits, VelocityOfSoftwareIsTheDifferenceOfCounts) {
   units.reset();
   units.read(raw.data(), state);
   EXPECT_EQ(state.dq[2], 0.0);
-}
-
-TEST(ArmUnits, OverflowAndImpossibleTransitionsMakeEncodersInvalid) {
-  ArmUnits units(example());
-  BoardArmState state(7);
-  std::vector<RawActuator> raw(7);
-  raw[6].encoder.position |= 1U << 24;
-  units.read(raw.data(), state);
-  EXPECT_FALSE(state.encoders_valid);
-  raw[6].encoder.position = 0x800000;
-  units.read(raw.data(), state);
-  EXPECT_TRUE(state.encoders_valid);
-  raw[1].encoder.period |= 1U << 28;
-  units.read(raw.data(), state);
-  EXPECT_FALSE(state.encoders_valid);
 }
 
 TEST(ArmUnits, CouplingsThatCannotBeInvertedAreRefused) {

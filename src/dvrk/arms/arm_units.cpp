@@ -67,7 +67,6 @@ ArmUnits::ArmUnits(const RobotConfig& robot, const MatrixXd& actuator_to_joint)
 }
 
 void ArmUnits::read(const RawActuator* raw, BoardArmState& state) noexcept {
-  state.encoders_valid = true;
   for (int i = 0; i < size(); ++i) {
     const auto k = static_cast<std::size_t>(i);
     const ActuatorConfig& actuator = actuators_[k];
@@ -79,8 +78,6 @@ void ArmUnits::read(const RawActuator* raw, BoardArmState& state) noexcept {
     state.current[i] = actuator.bits_to_amps(raw[i].current);
     state.actuator_tau[i] = state.current[i] / actuator.effort_to_amps;
     pot_[i] = actuator.volts_to_position(actuator.bits_to_volts(raw[i].pot));
-    if (encoder_overflow(raw[i].encoder.position) || encoder_error(raw[i].encoder.period))
-      state.encoders_valid = false;
   }
   has_previous_ = true;
   state.q.noalias() = actuator_to_joint_ * state.actuator_q;

@@ -25,7 +25,6 @@ struct BoardArmState {
   VectorXd actuator_q, actuator_dq, actuator_tau;  ///< Actuator values
   VectorXd current;                                ///< measured [A]
   VectorXd pot_q;                                  ///< actuator positions from the pots
-  bool encoders_valid = false;  ///< no overflow, and no transition that an encoder cannot make
 };
 
 /// Result of a command after limits.

@@ -143,6 +143,15 @@ std::string watch_while(ArmSession& arm, CycleClock& clock, DatagramLink& link, 
   return "stopped by a signal";
 }
 
+// What a reader must know of positions whose encoders failed: nobody acts on it while nothing is driven.
+std::string encoder_remark(const FaultLog& faults) {
+  const FaultEntry& failed = faults[Condition::kEncoder];
+  if (failed.count == 0) return "";
+  return text("encoders failed ", failed.count, " times (overflow, illegal transition or supply), the last of board ",
+              *failed.board, failed.channel ? text(", channel ", *failed.channel + 1) : "",
+              ": positions are not to be relied on");
+}
+
 void require_time(const ArmSession& arm, double seconds, double rate) {
   require(rate > 0.0 && std::isfinite(rate) && seconds > 0.0, "arm '", arm.robot().name,
           "': expected a positive rate and a positive time.");
@@ -178,6 +187,7 @@ RunResult record_at_rest(ArmSession& arm, DatagramLink& link, double seconds, do
   result.rows = keeper.take(arm.size());
   const Eigen::Index rows = result.rows.rows();
   const double last = rows > 0 ? result.rows.time[rows - 1] : 0.0;
+  result.remark = encoder_remark(arm.boards().faults());
   if (result.why.empty()) result.why = objection_to(result.timing);
   if (result.why.empty() && !file.failed() && seconds - last > kSilence)
     result.why = text("no valid read after ", last, " s");

@@ -81,8 +81,8 @@ VectorXd largest_torques(const ArmSession& arm);
 LoopTiming watch(ArmSession& arm, DatagramLink& link, double seconds, double rate,
                  const std::atomic<bool>& stop, const std::function<void(double)>& each);
 
-/// Records without moving, optionally to a file as well (empty: none). @throws InvalidInput  the
-/// session does not start.
+/// Records without moving, optionally to a file as well (empty: none). Encoders that failed meanwhile
+/// are told in RunResult::remark and in the file. @throws InvalidInput  the session does not start.
 RunResult record_at_rest(ArmSession& arm, DatagramLink& link, double seconds, double rate,
                          const std::atomic<bool>& stop, const std::string& recording = "");
 
