@@ -131,11 +131,52 @@ TEST(ArmFacts, AWrongFileNamesLineAndReason) {
                  {"board: 0", "board: -1", "a whole number from 0 to 1"},
                  {"board: 0", "board: 2", "a whole number from 0 to 1"},
                  {"gear: 56.50", "gear: .nan", "finite number"},
-                 {"max_current: ", "max_current: -", "a positive number"}};
+                 {"max_current: ", "max_current: -", "a positive number"},
+                 {"max_current: 1.34", "max_current: 6.3", "at most 6.24981 A, the end of the converter"},
+                 {"position: [-91*pi/180, 91*pi/180], velocity", "position: [1, 1], velocity", "a lower limit not below the upper one"},
+                 {"position: [-91*pi/180, 91*pi/180], velocity", "position: [1], velocity", "two numbers [lower, upper]"},
+                 {"dh: [0, pi/2, 0, pi/2]", "dh: [0, pi/2, 0]", "four numbers"},
+                 {"velocity: 2.0", "velocity: 0", "a positive number"},
+                 {"prismatic: true", "prismatic: perhaps", "true or false"},
+                 {"pot: [-43.5*pi/180", "pot: [0", "the scale 0"},
+                 {"boards: [8, 9]", "boards: [8]", "two board ids"},
+                 {"boards: [8, 9]", "boards: [8, 16]", "a whole number from 0 to 15"},
+                 {"boards: [8, 9]", "boards: [8, 8]", "Actuator 4: found board 8 axis 0, which Robot PSM2/Actuator 0 has already"},
+                 {"name: pitch,     board: 0, axis: 1", "name: pitch,     board: 0, axis: 0", "Actuator 1: found board 8 axis 0, which Robot PSM2/Actuator 0 has already"},
+                 {"axis: 3", "axis: 4", "a whole number from 0 to 3"},
+                 {"first: 3", "first: 7", "a whole number from 0 to 6"},
+                 {"first: 3", "first: 2", "a matrix of 4 rows, expected 5"},
+                 {"[0, 1.0186, 0, 0]", "[0, 1.0186, 0]", "4 numbers, as many as there are rows"},
+                 {"  - {name: jaw, ", "  - {name: more, position: [0, 1]}\n  - {name: jaw, ", "7 actuators, expected 8"},
+                 {"rotation: [[0, -1, 0], [0, 0, 1], [-1, 0, 0]]", "rotation: [[1, 0], [0, 1]]", "no rotation"},
+                 {"position: [0, 0.0102, 0]", "position: [0, 0.0102]", "three numbers"}};
   for (const auto& one : refused) {
     const std::string said = message_of(one.from, one.to);
     EXPECT_NE(said.find(one.words), std::string::npos) << one.to << ": " << said;
     EXPECT_EQ(said.find(path.string() + ":"), 0U) << said;
+  }
+  std::filesystem::remove(path);
+}
+
+// Two brakes of one actuator, and brakes on channels of motors: one of the two would be driven by the other's currents.
+TEST(ArmFacts, ABrakeHasAnActuatorAndAChannelOfItsOwn) {
+  std::ifstream file(kFolder + "ecm.yaml");
+  const std::string yaml{std::istreambuf_iterator<char>(file), {}};
+  const std::string path = testing::TempDir() + "veridyn_brakes_" + std::to_string(::getpid()) + ".yaml";
+  const struct {
+    const char *from, *to, *words;
+  } refused[] = {{"{actuator: 1, board", "{actuator: 0, board", "found a second brake of actuator 0"},
+                 {"{actuator: 2, board", "{actuator: 4, board", "a whole number from 0 to 3"},
+                 {"board: 1, axis: 2, release", "board: 0, axis: 2, release", "Actuator 2's brake: found board 4 axis 2"},
+                 {"board: 1, axis: 2, release", "board: 1, axis: 1, release", "Actuator 2's brake: found board 5 axis 1"},
+                 {"release: 0.90", "release: 7", "Actuator 2's brake: found MaxCurrent 7 A"},
+                 {"release_time: 2, released: 0.20", "release_time: 0, released: 0.20", "a positive number"}};
+  for (const auto& one : refused) {
+    std::string wrong = yaml;
+    const auto place = wrong.find(one.from);
+    ASSERT_NE(place, std::string::npos) << one.from;
+    std::ofstream(path) << wrong.replace(place, std::string(one.from).size(), one.to);
+    EXPECT_TRUE(refuses_with(one.words, [&] { read_arm(path + ":ECM"); }));
   }
   std::filesystem::remove(path);
 }

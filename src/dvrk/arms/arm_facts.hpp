@@ -74,7 +74,8 @@ struct ArmFacts {
 
 /// The arm of that name ("PSM1", "MTMR", "ECM"), from data/dvrk or $VERIDYN_DVRK; or from a file,
 /// if the name is "FILE.yaml:NAME".
-/// @throws InvalidInput  there is no such arm, or its file is wrong: file, line, found, expected.
+/// @throws InvalidInput  there is no such arm, or its file is wrong: file, line, found, expected; its
+/// nominal_config() cannot be (check_io_config(): two motors on one channel).
 ArmFacts read_arm(const std::string& name);
 
 /// Names that read_arm() knows.

@@ -95,6 +95,7 @@ void read_brake(const YamlNode& node, const std::vector<int>& boards,
                 std::vector<ArmActuator>& actuators) {
   node.allow_keys({"actuator", "board", "axis", "release", "release_time", "released", "engaged"});
   const int which = whole(node.at("actuator"), 0, static_cast<int>(actuators.size()) - 1);
+  if (actuators[which].brake) node.at("actuator").fail(text("a second brake of actuator ", which), "one for each");
   BrakeConfig brake;
   brake.board = boards[whole(node.at("board"), 0, 1)];
   brake.axis = whole(node.at("axis"), 0, 3);
@@ -155,6 +156,7 @@ class File {
         read_brake(brake, facts.boards, facts.actuators);
     read_couplings(facts);
     if (const auto tip = root_.find("tip")) facts.T_last_tip = read_tip(*tip);
+    check_io_config(nominal_config(facts), source_.file);
     return facts;
   }
 
