@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "support/near.hpp"
+#include "support/refusal.hpp"
 #include "dvrk/arms/arm_facts.hpp"
 #include "dvrk/arms/arm_units.hpp"
 #include "veridyn/math/require.hpp"
@@ -55,6 +56,11 @@ void expect_same(const IoConfig& a, const IoConfig& b) {
     EXPECT_EQ(x.name, y.name);
     EXPECT_EQ(x.hardware, y.hardware);
     EXPECT_EQ(x.serial, y.serial);
+    ASSERT_EQ(x.board_serials.size(), y.board_serials.size());
+    for (std::size_t k = 0; k < x.board_serials.size(); ++k) {
+      EXPECT_EQ(x.board_serials[k].board, y.board_serials[k].board);
+      EXPECT_EQ(x.board_serials[k].serial, y.board_serials[k].serial);
+    }
     EXPECT_EQ(x.io_only, y.io_only);
     EXPECT_EQ(x.has_encoder_preload, y.has_encoder_preload);
     EXPECT_EQ(x.pot_lookup_table, y.pot_lookup_table);
@@ -85,19 +91,24 @@ void expect_same(const IoConfig& a, const IoConfig& b) {
   ASSERT_EQ(a.digital_outputs.size(), b.digital_outputs.size());
   for (std::size_t k = 0; k < a.digital_outputs.size(); ++k) {
     EXPECT_EQ(a.digital_outputs[k].name, b.digital_outputs[k].name);
+    EXPECT_EQ(a.digital_outputs[k].board, b.digital_outputs[k].board);
     EXPECT_EQ(a.digital_outputs[k].bit, b.digital_outputs[k].bit);
     EXPECT_EQ(a.digital_outputs[k].high_duration, b.digital_outputs[k].high_duration);
+    EXPECT_EQ(a.digital_outputs[k].low_duration, b.digital_outputs[k].low_duration);
     EXPECT_EQ(a.digital_outputs[k].frequency, b.digital_outputs[k].frequency);
   }
   ASSERT_EQ(a.dallas_chips.size(), b.dallas_chips.size());
-  for (std::size_t k = 0; k < a.dallas_chips.size(); ++k)
+  for (std::size_t k = 0; k < a.dallas_chips.size(); ++k) {
+    EXPECT_EQ(a.dallas_chips[k].name, b.dallas_chips[k].name);
     EXPECT_EQ(a.dallas_chips[k].board, b.dallas_chips[k].board);
+  }
 }
 
 // Everything that a configuration can have.
 IoConfig full_config() {
   IoConfig config = read_io_config(kExample);
   config.robots[0].serial = "4711";
+  config.robots[0].board_serials = {{6, "1234-56"}, {7, "1234-57"}};
   config.robots[0].actuators[2].velocity_source = VelocitySource::kSoftware;
   const IoConfig ecm = nominal_config(read_arm("ECM"));
   const IoConfig mtm = nominal_config(read_arm("MTML"));
@@ -182,6 +193,30 @@ TEST(IoConfig, JsonByHandIsRead) {
   EXPECT_EQ(actuator.velocity_source, VelocitySource::kSoftware);
   ASSERT_EQ(config.remarks.size(), 1U);
   EXPECT_NE(config.remarks[0].find("robots/colour"), std::string::npos) << config.remarks[0];
+}
+
+// Lists without items, as programs write them: nothing is there, and nothing is wrong.
+TEST(IoConfig, EmptyListsOfJsonAreNoItems) {
+  std::string json = to_io_json(nominal_config(read_arm("PSM1")));
+  json.replace(json.rfind('}'), 1, R"(, "digital_inputs": [], "digital_outputs": [], "dallas_chips": [] })");
+  json.replace(json.find("\"joint_type\""), 0, "\"brakes\": [], ");
+  const auto pots = json.find("\"potentiometers\": {");
+  ASSERT_NE(pots, std::string::npos);
+  json.replace(pots, 19, "\"potentiometers\": { \"joint_to_actuator_position\": [], ");
+  const IoConfig config = read_io_json(json, "lists.json");
+  EXPECT_TRUE(config.remarks.empty()) << config.remarks.front();
+  expect_same(config, nominal_config(read_arm("PSM1")));
+  EXPECT_TRUE(read_io_json("{\"robots\": []}", "lists.json").robots.empty());
+}
+
+// What only one of the formats can hold is not written as something that no reader takes.
+TEST(IoConfig, NumbersThatAFileCannotHoldAreRefused) {
+  IoConfig config = read_io_config(kExample);
+  config.robots[0].actuators[2].upper = 1e306;  // [m]
+  EXPECT_NO_THROW(to_io_json(config));
+  EXPECT_TRUE(refuses_with("found inf as Upper to write", [&] { to_io_xml(config); }));
+  config.robots[0].actuators[2].upper = std::nan("");
+  EXPECT_TRUE(refuses_with("found nan as Upper to write", [&] { to_io_json(config); }));
 }
 
 // A gripper: a pot and nothing else. It is read and written, but is no arm to drive.

@@ -139,7 +139,8 @@ ConfigTree tree_of(const std::string& name, const Json& value, const std::string
     return tree;
   }
   for (const auto& [key, member] : value.items()) {
-    const bool list_of_members = member.is_array() && !member.empty() && !member[0].is_number();
+    if (member.is_array() && member.empty()) continue;  // no items
+    const bool list_of_members = member.is_array() && !member[0].is_number();
     if (!list_of_members) {
       tree.members.push_back(tree_of(key, member, file, depth + 1));
       continue;

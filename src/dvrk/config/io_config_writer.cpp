@@ -27,6 +27,7 @@ void add_text(ConfigTree& tree, const std::string& name, const std::string& valu
 }
 
 void add_number(ConfigTree& tree, const std::string& name, double value) {
+  require(std::isfinite(value), "configuration: found ", value, " as ", name, " to write, expected a finite number.");
   add_text(tree, name, shortest(value));
   tree.members.back().quoted = false;
 }
