@@ -6,6 +6,8 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
+#include <map>
 
 #include "dvrk/gravity_support.hpp"
 #include "support/near.hpp"
@@ -136,6 +138,52 @@ TEST(GravityChain, WhatCannotBeWrittenIsRefused) {
             std::string::npos);
 }
 
+// Limits of the model that have nothing in common with those of the arm tell nothing of where it is: the arm's count.
+TEST(GravityChain, LimitsThatAreApartAreTheArms) {
+  const auto fitted = [](double lower, double upper) {
+    ModelDescription description = with_random_bodies(read_model("psm-3dof"), 9).description();
+    for (Coordinate& c : description.coordinates) {
+      if (c.name != "insertion") continue;
+      c.limits.lower = lower;
+      c.limits.upper = upper;
+    }
+    return fit_gravity_chain(Model(description), read_arm("PSM1"));
+  };
+  const double infinity = std::numeric_limits<double>::infinity();
+  const GravityChain free = fitted(-infinity, infinity);
+  const GravityChain apart = fitted(0.5, 0.7);
+  const GravityChain narrow = fitted(0.0, 0.1);
+  EXPECT_EQ(apart.largest_torque, free.largest_torque);
+  EXPECT_GT((narrow.largest_torque - free.largest_torque).norm(), 1e-3);
+}
+
+// What holds the arm beside gravity is named; a spring of unknown stiffness, and friction that rests, are not.
+TEST(GravityChain, WhatElseHoldsTheArmIsNamed) {
+  ModelDescription description = with_random_bodies(read_model("psm-3dof"), 10).description();
+  description.effects.clear();
+  const auto add = [&](const char* name, int joint, std::map<std::string, double> values) {
+    EffectTerm term;
+    term.effect = name;
+    term.axis.coefficients = VectorXd::Unit(static_cast<Eigen::Index>(description.coordinates.size()), joint);
+    term.values = std::move(values);
+    description.effects.push_back(term);
+  };
+  add("joint_spring", 1, {{"stiffness", 2.0}});
+  add("joint_spring", 0, {});
+  add("viscous_friction", 0, {{"coefficient", 0.5}});
+  const GravityChain chain = fit_gravity_chain(Model(description), read_arm("PSM1"));
+  EXPECT_EQ(chain.left_out, std::vector<std::string>{"joint_spring(pitch)"});
+  const auto file = nlohmann::json::parse(to_gravity_json(chain, "a \xff name"));
+  EXPECT_EQ(file.at("veridyn").at("not_in_the_rows"), nlohmann::json::array({"joint_spring(pitch)"}));
+  EXPECT_EQ(file.at("veridyn").at("arm"), "PSM1");
+  EXPECT_EQ(file.at("veridyn").at("gravity_torques").at("pitch").at("largest_torque"), chain.largest_torque[1]);
+}
+
+TEST(GravityChain, RowsAreAsManyAsJoints) {
+  const GravityChain chain = fit_gravity_chain(with_random_bodies(read_model("psm-3dof"), 11), read_arm("PSM1"));
+  EXPECT_TRUE(refuses_with("q has 3 entries, expected 6", [&] { gravity_torques(chain, VectorXd::Zero(3)); }));
+}
+
 class StaticFile : public testing::Test {
  protected:
   ~StaticFile() override { std::filesystem::remove(path_); }
@@ -169,6 +217,14 @@ TEST_F(StaticFile, MistakesNameTheLine) {
   EXPECT_NE(message_of("q1,tau1\n1,2\n1\n").find(":3: found 1 fields"), std::string::npos);
   EXPECT_NE(message_of("q1,q2,tau1\n1,2,3\n").find("q1..qn and tau1..taun"), std::string::npos);
   EXPECT_NE(message_of("q1,tau1\n").find("no rows"), std::string::npos);
+  EXPECT_NE(message_of("1,2\n1,inf\n").find(":2: found 'inf', expected a finite number"), std::string::npos);
+  EXPECT_NE(message_of("q1,tau1\n1,\n").find(":2: found ''"), std::string::npos);
+  EXPECT_NE(message_of("q1,q3,tau1,tau3\n1,2,3,4\n").find("q1..qn and tau1..taun"), std::string::npos);
+  EXPECT_NE(message_of("q1,q2,tau1,tau3\n1,2,3,4\n").find("q1..qn and tau1..taun"), std::string::npos);
+  EXPECT_NE(message_of("q0,tau0\n1,2\n").find("q1..qn and tau1..taun"), std::string::npos);
+  EXPECT_NE(message_of("q1x,tau1\n1,2\n").find("q1..qn and tau1..taun"), std::string::npos);
+  EXPECT_NE(message_of("q,tau\n1,2\n").find("q1..qn and tau1..taun"), std::string::npos);
+  EXPECT_NE(message_of("tau1,q1,tau1\n1,2,3\n").find("the column 'tau1' twice"), std::string::npos);
   EXPECT_NE(message_of("q1,tau1,q1\n1,2,3\n").find(":1: found the column 'q1' twice"), std::string::npos);
   EXPECT_NE(message_of("q1,tau1,tau1\n1,2,3\n").find(":1: found the column 'tau1' twice"), std::string::npos);
 }
