@@ -27,6 +27,9 @@ struct TeleoperationStep {
 ///     steps:                                # by the names of the phases
 ///       free: {hand: [0.04, 0, 0], over: 1}
 ///       back: {hand: [-0.04, 0, 0], over: 1, clutch: out}
+///
+/// Two arms, at most one wall, for the follower, and phases without commands. Keys that only a run of
+/// members reads (`ask`, `faults`) are refused.
 struct TeleoperationScenario {
   Scenario scenario;
   int leader = 0, follower = 1;
@@ -35,7 +38,7 @@ struct TeleoperationScenario {
   std::vector<TeleoperationStep> steps;                ///< one for each phase
 };
 
-/// True if the file has a key `teleoperation`; false if it cannot be read.
+/// True if the file has a key `teleoperation`; false if it cannot be read, or is no YAML.
 bool is_teleoperation(const std::string& path);
 
 /// @throws InvalidInput  "file:line:column: found ..., expected ...".

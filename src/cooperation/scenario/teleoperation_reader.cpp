@@ -1,9 +1,9 @@
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 
 #include "cooperation/scenario/scenario_parts.hpp"
+#include "math/input_file.hpp"
 #include "veridyn/cooperation/teleoperation_scenario.hpp"
+#include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {
@@ -48,34 +48,46 @@ void read_settings(const YamlNode& node, TeleoperationScenario& out) {
   if (!steps) return;
   for (const YamlNode::Entry& entry : steps->entries("what the hand does in each phase")) {
     const std::string name = entry.key_node.word("a phase");
-    const auto phase = std::find_if(out.scenario.phases.begin(), out.scenario.phases.end(),
-                                    [&](const ScenarioPhase& p) { return p.name == name; });
-    if (phase == out.scenario.phases.end())
-      entry.key_node.fail(entry.key_node.found(), "the name of a phase");
+    const auto has_name = [&](const ScenarioPhase& p) { return p.name == name; };
+    const auto phase = std::find_if(out.scenario.phases.begin(), out.scenario.phases.end(), has_name);
+    if (phase == out.scenario.phases.end() || std::any_of(phase + 1, out.scenario.phases.end(), has_name))
+      entry.key_node.fail(entry.key_node.found(), "the name of one phase");
     out.steps[phase - out.scenario.phases.begin()] =
         read_step(entry.value, phase->duration);
+  }
+}
+
+// Nobody would look at them: what is asked would count as met, and a fault would not come.
+void refuse_unheeded(const YamlNode& root, const Scenario& scenario) {
+  const auto ask = root.find("ask");
+  if (ask) ask->fail("a bound of the run beside 'teleoperation'", "none: its report tells what was reached");
+  const auto faults = root.find("faults");
+  if (faults) faults->fail("faults beside 'teleoperation'", "none: --board-fault lets boards fail");
+  for (const ScenarioPhase& phase : scenario.phases) {
+    if (phase.asked_force_error > 0.0 || phase.asked_steady_error > 0.0 || phase.asked_position_error > 0.0)
+      root.at("phases").fail(text("a bound of the phase '", phase.name, "' beside 'teleoperation'"), "none: its report tells what was reached");
   }
 }
 
 }  // namespace
 
 bool is_teleoperation(const std::string& path) {
-  std::ifstream file(path);
-  std::string line;
-  while (std::getline(file, line)) {
-    if (line.rfind("teleoperation:", 0) == 0) return true;
+  try {
+    YamlSource source;
+    return YamlNode::parse(content_of_file(path, "a scenario (YAML)"), source).find("teleoperation").has_value();
+  } catch (const InvalidInput&) {
+    return false;
   }
-  return false;
 }
 
 TeleoperationScenario read_teleoperation(const std::string& path) {
-  TeleoperationScenario out;
-  out.scenario = read_scenario(path);
-  std::ifstream file(path, std::ios::binary);
   YamlSource source;
   source.file = path;
   source.expected = "a scenario";
-  const YamlNode root = YamlNode::parse({std::istreambuf_iterator<char>(file), {}}, source);
+  const std::string content = content_of_file(path, "a scenario (YAML)");
+  TeleoperationScenario out;
+  out.scenario = parse_scenario(content, path);
+  const YamlNode root = YamlNode::parse(content, source);
   const YamlNode node = root.at("teleoperation");
   if (out.scenario.arms.size() != 2 || !out.scenario.members.empty() ||
       !out.scenario.bodies.empty() || out.scenario.walls.size() > 1)
@@ -84,6 +96,7 @@ TeleoperationScenario read_teleoperation(const std::string& path) {
   for (const ScenarioPhase& phase : out.scenario.phases) {
     if (!phase.commands.empty()) node.fail("commands in the phases", "names and durations alone");
   }
+  refuse_unheeded(root, out.scenario);
   read_settings(node, out);
   for (const ScenarioWall& wall : out.scenario.walls) {
     if (wall.arm != out.follower) node.fail("a wall for the leader", "one for the follower");
