@@ -65,6 +65,23 @@ TEST(FeaturesOff, TheImpedanceOfAHeldBody) {
   EXPECT_GT(without.phases[1].body_error, 5.0 * with.phases[1].body_error);
 }
 
+// Two hands that pull by F stretch their grasps, one way each, by F over their stiffness.
+TEST(FeaturesOff, TheInternalForceOfAHeldBody) {
+  const auto apart = [](double force) {
+    Scenario s = shipped("held-body");
+    s.model_error = 0.0;
+    s.phases.resize(1);
+    s.bodies[0].internal_force = force;
+    s.bodies[0].grasps[1].stiffness = 2500.0;
+    const ScenarioRun run = run_scenario(s);
+    EXPECT_TRUE(run.complete());
+    EXPECT_EQ(run.state, CooperativeState::kTracking);
+    return (run.arm[1].tip.row(run.time.size() - 1) - run.arm[0].tip.row(run.time.size() - 1)).norm();
+  };
+  const double expected = 2.0 / 5000.0 + 2.0 / 2500.0;
+  EXPECT_NEAR(apart(2.0) - apart(0.0), expected, 0.1 * expected);
+}
+
 // The impedance that is moved 15 mm into the tissue comes to rest where both forces are equal.
 TEST(FeaturesOff, TissueThatStiffensWithDepth) {
   Scenario s = shipped("tissue-stiffening");

@@ -5,6 +5,7 @@
 
 #include "veridyn/cooperation/scenario.hpp"
 #include "veridyn/math/require.hpp"
+#include "veridyn/simulation/object.hpp"
 #include "support/refusal.hpp"
 
 namespace veridyn {
@@ -47,6 +48,81 @@ TEST(ScenarioReader, ReadsWhatIsThere) {
   EXPECT_EQ(s.phases[1].commands[0].kind, ScenarioCommand::Kind::kRelease);
   EXPECT_EQ(s.faults[0].member, 0);
   EXPECT_EQ(s.sweep.delay[1], 0.001);
+}
+
+// Every key of members, walls and bodies arrives in its own place; what is not given has its default.
+TEST(ScenarioReader, ReadsTheObjectsBetweenArms) {
+  std::string content = kGood;
+  const auto at = content.find("phases:");
+  content.insert(at, R"(  - {name: bar, kind: bar, between: [right, left], slack: -0.001, sensor: {rate: 250, delay: 0.001, noise: 0.02, step: 0.05}, law: {kind: tuned}}
+  - {name: spring, kind: spring, between: [left, right], stiffness: 800, law: {kind: increment, deadband: 0.1, increment: 0.002, gain: 0.3, proportional: 0.4, damping: 5, feed_forward: 0.6, reach: 0.07, stiffness: 900}}
+walls:
+  - {name: tissue, arm: right, point: [0.1, 0.2, 0.3], normal: [0, 3, 4], stiffness: 400, stiffening: 50, damping: 2, drag: 8, sensor: {axes: 3, rate: 200}}
+  - {name: plain, arm: left, normal: [1, 0, 0], stiffness: 100}
+bodies:
+  - {name: box, mass: 0.4, inertia: [1e-3, 2e-3, 3e-3], grasps: [{arm: right, stiffness: 5000, damping: 5}, {arm: left, stiffness: 4000}], internal_force: 1.5, impedance: {mass: 2, damping: 40, stiffness: 300, inertia: 0.02, angular_damping: 0.5, angular_stiffness: 6}}
+  - {name: ball, mass: 0.1, inertia: [1e-3, 1e-3, 1e-3], grasps: [{arm: left, stiffness: 1000}]}
+)");
+  const Scenario s = parse_scenario(content, "s.yaml");
+  ASSERT_EQ(s.members.size(), 3U);
+  const ScenarioMember& rope = s.members[0];
+  EXPECT_TRUE(rope.pulls_only);
+  EXPECT_EQ(rope.law.kind, ForceLaw::Kind::kProportional);
+  EXPECT_EQ(rope.sensor.rate, 500.0);
+  EXPECT_EQ(rope.sensor.delay, 0.002);
+  const ScenarioMember& bar = s.members[1];
+  EXPECT_FALSE(bar.pulls_only);
+  EXPECT_EQ(bar.from, 1);
+  EXPECT_EQ(bar.to, 0);
+  EXPECT_EQ(bar.stiffness, kRigidStiffness);
+  EXPECT_EQ(bar.damping, kRigidDamping);
+  EXPECT_EQ(bar.slack, -0.001);
+  EXPECT_EQ(bar.sensor.noise, 0.02);
+  EXPECT_EQ(bar.sensor.step, 0.05);
+  EXPECT_TRUE(bar.tuned);
+  EXPECT_EQ(bar.law.gain, tuned_force_law(kRigidStiffness, 300.0, 30.0).gain);
+  const ScenarioMember& spring = s.members[2];
+  EXPECT_FALSE(spring.pulls_only);
+  EXPECT_EQ(spring.damping, 0.0);
+  EXPECT_EQ(spring.law.kind, ForceLaw::Kind::kIncrement);
+  EXPECT_EQ(spring.law.deadband, 0.1);
+  EXPECT_EQ(spring.law.increment, 0.002);
+  EXPECT_EQ(spring.law.gain, 0.3);
+  EXPECT_EQ(spring.law.proportional, 0.4);
+  EXPECT_EQ(spring.law.damping, 5.0);
+  EXPECT_EQ(spring.law.feed_forward, 0.6);
+  EXPECT_EQ(spring.law.reach, 0.07);
+  EXPECT_EQ(spring.law.stiffness, 900.0);
+  ASSERT_EQ(s.walls.size(), 2U);
+  const ScenarioWall& tissue = s.walls[0];
+  EXPECT_EQ(tissue.arm, 1);
+  EXPECT_EQ(tissue.point, Eigen::Vector3d(0.1, 0.2, 0.3));
+  EXPECT_LT((tissue.normal - Eigen::Vector3d(0.0, 0.6, 0.8)).norm(), 1e-15);
+  EXPECT_EQ(tissue.stiffness, 400.0);
+  EXPECT_EQ(tissue.stiffening, 50.0);
+  EXPECT_EQ(tissue.damping, 2.0);
+  EXPECT_EQ(tissue.drag, 8.0);
+  EXPECT_EQ(tissue.sensor.rate, 200.0);
+  EXPECT_EQ(tissue.sensor_axes, 3);
+  EXPECT_EQ(s.walls[1].sensor_axes, 1);
+  EXPECT_EQ(s.walls[1].drag, 0.0);
+  ASSERT_EQ(s.bodies.size(), 2U);
+  const ScenarioBody& box = s.bodies[0];
+  EXPECT_EQ(box.mass, 0.4);
+  EXPECT_EQ(box.inertia, Eigen::Vector3d(1e-3, 2e-3, 3e-3));
+  ASSERT_EQ(box.grasps.size(), 2U);
+  EXPECT_EQ(box.grasps[0].arm, 1);
+  EXPECT_EQ(box.grasps[0].stiffness, 5000.0);
+  EXPECT_EQ(box.grasps[0].damping, 5.0);
+  EXPECT_EQ(box.grasps[1].damping, 0.0);
+  EXPECT_EQ(box.internal_force, 1.5);
+  EXPECT_EQ(box.wanted_mass, 2.0);
+  EXPECT_EQ(box.impedance_damping, 40.0);
+  EXPECT_EQ(box.impedance_stiffness, 300.0);
+  EXPECT_EQ(box.wanted_inertia, 0.02);
+  EXPECT_EQ(box.angular_damping, 0.5);
+  EXPECT_EQ(box.angular_stiffness, 6.0);
+  EXPECT_EQ(s.bodies[1].impedance_stiffness, 0.0);
 }
 
 // Place, what was found, what was expected.
@@ -99,6 +175,19 @@ TEST(ScenarioReader, SaysWhereItIsWrong) {
       {"phases:", "bodies: [{name: b, mass: 1, inertia: [1, 1, 1], grasps: []}]\nphases:", "s.yaml:9", "at least one"},
       {"phases:", "bodies: [{name: b, mass: 1, inertia: [1, 1, 1], grasps: [{arm: left, stiffness: 1}, {arm: left, "
        "stiffness: 1}]}]\nphases:", "s.yaml:9", "each arm once"},
+      {"phases:", "bodies: [{name: b, mass: 1, inertia: [1, 1, 1], grasps: [{arm: left, stiffness: 1}], internal_force: 1, "
+       "impedance: {stiffness: 1}}]\nphases:", "s.yaml:9", "an impedance and two grasps"},
+      {"phases:", "bodies: [{name: b, mass: 1, inertia: [1, 1, 1], grasps: [{arm: left, stiffness: 1}, {arm: right, "
+       "stiffness: 1}], internal_force: 1}]\nphases:", "s.yaml:9", "an impedance and two grasps"},
+      {"phases:", "bodies: [{name: b, mass: 1, inertia: [1, 1, 1], grasps: [{arm: left, stiffness: 1}], impedance: {mass: 1}}]\nphases:",
+       "s.yaml:9", "'stiffness' here"},
+      {"phases:", "walls: [{name: w, arm: left, normal: [1, 0, 0], stiffness: 1, sensor: {axes: 2}}]\nphases:", "s.yaml:9", "one of: 1, 3"},
+      {"phases:", "walls: [{name: rope, arm: left, normal: [1, 0, 0], stiffness: 1}]\nphases:", "s.yaml:9", "twice"},
+      {"sensor: {rate: 500", "sensor: {axes: 3, rate: 500", "s.yaml:8", "unknown key 'axes'"},
+      {"law: {kind: proportional, gain: 0.1}", "law: 1", "s.yaml:8", "a map"},
+      {"law: {kind: proportional, gain: 0.1}", "law: {kind: tuned, gain: 0.1}", "s.yaml:8", "unknown key 'gain'"},
+      {"law: {kind: proportional, gain: 0.1}", "law: {kind: tunned}", "s.yaml:8", "did you mean 'tuned'"},
+      {"law: {kind: proportional, gain: 0.1}", "law: {kind: proportional, reach: 0}", "s.yaml:8", "a positive number"},
       {"delay: 0.002", "delay: 1e305", "s.yaml:8", "samples under way"},
       {"rate: 500", "rate: 1e305", "s.yaml:8", "samples under way"},
       {"start: [0, 0, 0.1], control: position", "start: [0, 0, 1e305], control: position", "s.yaml:4", "expected it within"},

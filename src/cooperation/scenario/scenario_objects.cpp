@@ -12,7 +12,7 @@ ForceLaw read_law(const YamlNode& node, double stiffness) {
   law.kind =
       choice<ForceLaw::Kind>(node.at("kind"), {{"increment", ForceLaw::Kind::kIncrement},
                                                {"proportional", ForceLaw::Kind::kProportional},
-                                               {"tuned", ForceLaw::Kind::kProportional}});
+                                               {"tuned", ForceLaw::Kind::kProportional}});  // read_member() has it
   law.deadband = nonnegative_or(node, "deadband", 0.0);
   law.increment = nonnegative_or(node, "increment", 0.0);
   law.gain = nonnegative_or(node, "gain", 0.0);
@@ -118,8 +118,11 @@ ScenarioBody read_body(const YamlNode& node, const Names& arms) {
     body.grasps.push_back(grasp);
   }
   if (body.grasps.empty()) node.at("grasps").fail("no grasps", "at least one");
-  if (const auto force = node.find("internal_force")) body.internal_force = force->number();
   const auto impedance = node.find("impedance");
+  if (const auto force = node.find("internal_force")) {
+    body.internal_force = force->number();
+    if (!impedance || body.grasps.size() < 2) force->fail("a force between hands", "an impedance and two grasps beside it");
+  }
   if (!impedance) return body;
   impedance->allow_keys({"mass", "damping", "stiffness", "inertia", "angular_damping",
                          "angular_stiffness"});
