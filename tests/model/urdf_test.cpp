@@ -156,6 +156,52 @@ TEST_F(UrdfFile, DampingAndFrictionBecomeEffects) {
   EXPECT_EQ(again.effects()[1].values.at("level"), 0.2);
 }
 
+// One attribute of <dynamics> does not need the other, and terms of one attribute add up.
+TEST_F(UrdfFile, DampingAndFrictionAreWrittenEachForItself) {
+  struct Term {
+    const char* effect;
+    double value;
+  };
+  const auto written = [&](const std::vector<Term>& terms) {
+    ModelDescription description = read(kGripper).description();
+    description.effects.clear();
+    for (const Term& one : terms) {
+      EffectTerm term;
+      term.effect = one.effect;
+      term.axis.coefficients = Eigen::Vector2d(0.0, 1.0);
+      term.values[term.effect == "viscous_friction" ? "coefficient" : "level"] = one.value;
+      description.effects.push_back(term);
+    }
+    const Model again = read(to_urdf(Model(description)));
+    std::string out;
+    for (const EffectTerm& term : again.effects()) {
+      EXPECT_TRUE(near(term.axis.coefficients, Eigen::Vector2d(0.0, 1.0), 0.0));
+      out += text(term.effect, " ", term.values.begin()->second, ";");
+    }
+    return out;
+  };
+  EXPECT_EQ(written({Term{"viscous_friction", 0.75}}), "viscous_friction 0.75;");
+  EXPECT_EQ(written({Term{"coulomb_friction", 0.25}}), "coulomb_friction 0.25;");
+  EXPECT_EQ(written({Term{"coulomb_friction", 0.25}, Term{"viscous_friction", 0.5}, Term{"viscous_friction", 0.25}}),
+            "viscous_friction 0.75;coulomb_friction 0.25;");
+  EXPECT_EQ(written({}), "");
+}
+
+// A joint that follows another has friction of its own speed; one that does not move has none.
+TEST_F(UrdfFile, DampingActsOnTheSpeedOfItsJoint) {
+  std::string content = kGripper;
+  const std::string mimic = "<mimic joint=\"alpha\" multiplier=\"-0.5\" offset=\"0.2\"/>", damping = "<dynamics damping=\"3\"/>";
+  content.insert(content.find(mimic), damping);
+  const Model arm = read(content);
+  ASSERT_EQ(arm.effects().size(), 3U);
+  EXPECT_EQ(arm.effects()[2].values.at("coefficient"), 3.0);
+  EXPECT_TRUE(near(arm.effects()[2].axis.coefficients, Eigen::Vector2d(0.0, -0.5), 0.0));
+  content = kGripper;
+  content.insert(content.find("</robot>"), "<link name=\"cap\"/><joint name=\"fixed\" type=\"fixed\"><parent link=\"tip\"/><child link=\"cap\"/>" +
+                                              damping + "</joint>");
+  EXPECT_EQ(read(content).effects().size(), 2U);
+}
+
 // 1e10 and more mean "no limit", as exporters write them.
 TEST_F(UrdfFile, LimitsThatMeanNoneAreNone) {
   const auto limits = [&](const std::string& attributes) {

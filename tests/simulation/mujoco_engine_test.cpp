@@ -72,6 +72,35 @@ INSTANTIATE_TEST_SUITE_P(Arms, PlantAgainstMujoco,
                                          "psm-3dof", "psm-wrist", "ur10e"),
                          sample_arm_name);
 
+// Friction that decays within a twentieth of the caller's step: m ddq = f - c dq from a speed of 1, in closed form.
+TEST(MujocoEngine, FrictionThatDecaysWithinAStepIsStable) {
+  const Model bare = slide();
+  const double m = mass_of(bare), rate = 2e4, c = rate * m;
+  const Model arm = with_effects(bare, {effect(bare, "viscous_friction", 0, {{"coefficient", c}})});
+  const auto mujoco = make_engine("mujoco", arm);
+  mujoco->set_state(one(0.0), one(1.0));
+  const double v = 0.25, dt = 1e-3;
+  for (int k = 1; k <= 3; ++k) {
+    ASSERT_EQ(mujoco->step(one(c * v), dt), StepStatus::kOk);
+    EXPECT_NEAR(mujoco->dq()[0], v, 1e-4);
+    EXPECT_NEAR(mujoco->q()[0], v * k * dt + (1.0 - v) / rate, 1e-4 / rate);
+    EXPECT_NEAR(mujoco->time(), k * dt, 1e-15);
+  }
+}
+
+// A caller's long step is made of steps of a millisecond.
+TEST(MujocoEngine, ALongStepIsManyShortOnes) {
+  const Model arm = sample_arms().at("planar_2R");
+  const auto far = make_engine("mujoco", arm), near_by = make_engine("mujoco", arm);
+  const VectorXd start = Eigen::Vector2d(0.3, -0.8), speed = Eigen::Vector2d(4.0, -3.0), tau = Eigen::Vector2d(0.5, 0.1);
+  far->set_state(start, speed);
+  near_by->set_state(start, speed);
+  ASSERT_EQ(far->step(tau, 0.2), StepStatus::kOk);
+  for (int k = 0; k < 200; ++k) ASSERT_EQ(near_by->step(tau, 1e-3), StepStatus::kOk);
+  EXPECT_TRUE(near(far->q(), near_by->q(), 1e-11));
+  EXPECT_TRUE(near(far->dq(), near_by->dq(), 1e-10));
+}
+
 // Two ways to treat friction, one motion: events and true rest here, a steep sign there.
 TEST(PlantAgainstMujocoWithFriction, MotionsAgree) {
   const Model model = robot("psm-3dof");
