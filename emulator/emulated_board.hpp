@@ -42,6 +42,7 @@ struct BoardFaults {
   bool relay_stuck_open = false;
   bool encoder_supply = false;
   bool ignores_writes = false;                    ///< real-time writes change nothing
+  bool ignores_registers = false;                 ///< writes of single registers change nothing
   bool stops_clock = false;                       ///< timestamps are zero
   int wrong_id = -1;                              ///< the status shows this id
   int wrong_channels = -1;                        ///< the status shows this many

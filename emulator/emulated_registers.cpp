@@ -180,6 +180,7 @@ void EmulatedBoard::command_qla_prom(std::uint32_t command) noexcept {
 void EmulatedBoard::write(std::uint16_t where, std::uint32_t data) noexcept {
   last_write_ = now_;
   if (where == address::kHubQuery) query = data;
+  if (faults.ignores_registers) return;
   if (where == address::kQlaPromCommand) command_qla_prom(data);
   if (where == address::kFpgaPromCommand) command_prom(data);
   if ((where >> 12) == 8) waveform_[where & 0x3FFU] = data;

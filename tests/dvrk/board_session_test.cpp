@@ -123,6 +123,50 @@ TEST(BoardSession, ABoardThatIgnoresEverythingIsLeftToItsWatchdog) {
   EXPECT_FALSE(rig.any_amp_on());
 }
 
+// What it ignores are signs of life to it all the same, and so are the queries of a broadcast read: all must end.
+TEST(BoardSession, ABoardThatIgnoresRegistersTooIsLeftToItsWatchdog) {
+  for (const CycleProtocol protocol : {CycleProtocol::kSequential, CycleProtocol::kBroadcastWrite, CycleProtocol::kBroadcast}) {
+    SCOPED_TRACE(static_cast<int>(protocol));
+    Rig rig(protocol);
+    ASSERT_TRUE(rig.bring_up());
+    rig.cycles(3, 900.0);
+    rig.emulator.board(1).faults.ignores_writes = rig.emulator.board(1).faults.ignores_registers = true;
+    for (int k = 0; k < 10; ++k) rig.cycle(900.0 + k);
+    EXPECT_EQ(rig.session.state(), PowerState::kFault);
+    rig.cycles(120);  // 80 ms
+    EXPECT_FALSE(rig.any_amp_on());
+    EXPECT_TRUE(rig.emulator.board(1).watchdog_tripped());
+  }
+}
+
+// Nobody sees that it ignores what is sent: without replies, or while a scan looks for boards that do not come back.
+TEST(BoardSession, ABoardThatIsNotHeardIsLeftToItsWatchdog) {
+  for (const CycleProtocol protocol : {CycleProtocol::kSequential, CycleProtocol::kBroadcastWrite, CycleProtocol::kBroadcast}) {
+    for (const bool reset : {false, true}) {
+      SCOPED_TRACE(testing::Message() << static_cast<int>(protocol) << (reset ? " after a reset" : ""));
+      Rig rig(protocol);
+      ASSERT_TRUE(rig.bring_up());
+      rig.cycles(3, 900.0);
+      ASSERT_TRUE(rig.currents_flow());
+      rig.emulator.board(1).faults.ignores_writes = rig.emulator.board(1).faults.ignores_registers = true;
+      if (reset) {
+        rig.emulator.bus_reset(0.0, {1, 0});
+        rig.emulator.board(1).faults.wrong_id = 9;  // board 7 is not found again
+      } else {
+        rig.emulator.faults.reply = ReplyFault::kDrop;
+        rig.emulator.faults.replies = -1;
+      }
+      const double start = rig.link.now();
+      while (rig.link.now() - start < 0.3) rig.cycle(900.0);
+      EXPECT_EQ(rig.session.state(), PowerState::kFault);
+      EXPECT_FALSE(rig.any_amp_on());
+      EXPECT_TRUE(rig.emulator.board(1).watchdog_tripped());
+      EXPECT_EQ(rig.session.bus().state() == BusState::kScanning, reset);
+      EXPECT_FALSE(rig.emulator.board(0).status().power_requested());  // it obeyed before the silence
+    }
+  }
+}
+
 TEST(BoardSession, PreloadsAreVerifiedAndOnlyWhileOff) {
   Rig rig;
   rig.session.start();

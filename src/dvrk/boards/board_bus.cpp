@@ -100,7 +100,7 @@ bool BoardBus::read() noexcept {
   exchange_.repeat_after(options_.repeat_after);
   if (options_.access == Access::kListenByRegister) {
     read_by_register();
-  } else if (protocol_ == CycleProtocol::kBroadcast) {
+  } else if (protocol_ == CycleProtocol::kBroadcast && !silent_) {
     read_broadcast();
   } else {
     read_sequential();

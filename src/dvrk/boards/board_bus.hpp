@@ -94,6 +94,8 @@ class BoardBus {
 
   /// Reads all boards. @returns whether all of them are valid.
   bool read() noexcept;
+  /// While silent, reads send no query: it is a write, and keeps watchdogs quiet (section 14.1).
+  void fall_silent(bool silent) noexcept { silent_ = silent; }
   bool valid(int b) const { return boards_[b].valid; }
   const BoardFeedback& feedback(int b) const { return boards_[b].feedback; }
   /// Cycles in a row without a valid read.
@@ -218,6 +220,7 @@ class BoardBus {
   std::uint16_t sequence_ = 0;
   std::uint32_t watchdog_counts_ = 0;
   bool link_lost_ = false;
+  bool silent_ = false;
   long cycles_ = 0;
   std::array<std::uint8_t, kMaxDatagram> block_{};
 };

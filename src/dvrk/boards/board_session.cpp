@@ -11,6 +11,8 @@ namespace {
 constexpr int kAmpsFirst = 2;  // cycles with amplifiers off before the supply is switched off
 constexpr double kObeyBlocks = 0.005;     // [s] in which blocks must show "off"; otherwise registers are written
 constexpr double kObeyRegisters = 0.020;  // else silence: the watchdog is left to bite
+constexpr double kBlind = 0.1;  // [s] after which boards that do not answer are left to it, once
+constexpr double kBite = 2.0;   // watchdog periods of that silence
 
 }  // namespace
 
@@ -195,8 +197,14 @@ void BoardSession::commit() noexcept {
   if (listens()) return;
   const bool off = state_ == PowerState::kOff || state_ == PowerState::kFault;
   const double in_state = link_.now() - entered_;
-  if (off && in_state > kObeyBlocks && amps_stay_on()) {
-    if (in_state > kObeyRegisters) return;
+  const bool blind = off && !all_valid_;
+  const bool disobeyed = off && in_state > kObeyBlocks && amps_stay_on();
+  // A board may take blocks for signs of life and nothing else. A watchdog that has tripped stays tripped (14.1).
+  const bool silent = (disobeyed && in_state > kObeyRegisters) ||
+                      (blind && in_state > kBlind && in_state < kBlind + kBite * options_.watchdog);
+  bus_.fall_silent(silent);
+  if (silent) return;
+  if (disobeyed) {
     for (int b = 0; b < bus_.boards(); ++b) bus_.switch_off_by_register(b, BoardBus::Off::kPower);
   }
   for (int b = 0; b < bus_.boards(); ++b) {
@@ -223,7 +231,6 @@ void BoardSession::commit() noexcept {
     }
     for (int c = 0; c < kChannels; ++c) channel(b, c).asked = false;
   }
-  const bool blind = off && !all_valid_;
   if (blind) {  // nodes may have changed: by broadcast alone
     bus_.switch_off(power_off_asked_ && off_cycles_ >= kAmpsFirst ? BoardBus::Off::kPower
                                                                   : BoardBus::Off::kAmps);
