@@ -288,6 +288,51 @@ TEST(BoardBus, RegistersAreLeftAloneWhileNodesAreUnknown) {
   EXPECT_TRUE(rig.session.needs_preload(1, 1));
 }
 
+// Board 7 is another arm's, and a reset gives it the node that board 6 had. Until board 6 is found again its own number is
+// that of the other arm, which would fall: off goes by broadcast, in blocks that name the board.
+TEST(BoardBus, OffByRegisterSparesTheOtherArmWhileNodesAreUnknown) {
+  BoardEmulator emulator({Rig::setup(6), Rig::setup(7)}, 3);
+  EmulatedLink link(emulator);
+  BusOptions options = both_boards();
+  options.boards = {6};
+  BoardBus bus(link, options);
+  bus.start();
+  const auto are_on = [&](bool six) {
+    EXPECT_EQ(emulator.board(0).amp_on(0), six);
+    EXPECT_EQ(emulator.board(0).status().power_requested(), six);
+    EXPECT_TRUE(emulator.board(1).amp_on(0));
+    EXPECT_TRUE(emulator.board(1).status().power_requested());
+  };
+  const auto switch_on = [&] {
+    for (const std::uint32_t word : {control::kRelayClose, control::kPowerOn, control::kAmpsOn}) {
+      for (int b = 0; b < 2; ++b) {
+        emulator.board(b).write(address::kWatchdog, 0);
+        emulator.board(b).write(address::kStatus, word);
+      }
+      link.wait(0.1);
+    }
+  };
+  switch_on();
+  are_on(true);
+  emulator.bus_reset(0.0, {1, 0});
+  for (int k = 0; bus.state() != BusState::kRunning || k < 2; ++k) {
+    ASSERT_LT(k, 100);
+    bus.read();
+    if (bus.state() == BusState::kRunning) continue;
+    EXPECT_FALSE(bus.switch_off_by_register(0, BoardBus::Off::kPower)) << k;
+    are_on(true);
+  }
+  EXPECT_EQ(bus.info(0).node, 1);
+  EXPECT_TRUE(bus.switch_off_by_register(0, BoardBus::Off::kPower));
+  are_on(false);
+  switch_on();
+  emulator.bus_reset(0.0, {0, 1});
+  bus.read();
+  ASSERT_EQ(bus.state(), BusState::kScanning);
+  bus.switch_off(BoardBus::Off::kPower);
+  are_on(false);
+}
+
 // Fails to send as often as it is told.
 class Stutter final : public DatagramLink {
  public:
