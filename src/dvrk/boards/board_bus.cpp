@@ -1,6 +1,7 @@
 #include "dvrk/boards/board_bus.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <set>
 #include <utility>
@@ -51,7 +52,8 @@ void BoardBus::note(Condition condition, std::optional<int> board, std::optional
 }
 
 Route BoardBus::route(const Board& b) const {
-  return route_to(b.info.node);
+  assert(b.info.node);
+  return route_to(*b.info.node);
 }
 
 // Section 2.3: without FireWire a node's number is its board's id, and each has its own address.

@@ -53,7 +53,7 @@ struct BusOptions {
 
 struct BoardInfo {
   int id = -1;
-  int node = -1;
+  std::optional<int> node;  ///< nothing: not found on the bus
   int firmware = 0;
   std::uint32_t hardware = 0;
   std::uint32_t status = 0;

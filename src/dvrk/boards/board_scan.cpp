@@ -96,10 +96,10 @@ void BoardBus::settle_gap_count() noexcept {
   std::size_t nodes = 0;
   std::uint32_t low = kGapCountNever, high = 0;
   for (const BoardInfo& found : scan_.found) {
-    if (found.node < 0) continue;
+    if (!found.node) continue;
     ++nodes;
     std::uint32_t result = 0;
-    const Route one{static_cast<std::uint8_t>(found.node), false, Destination::kBoard};
+    const Route one{static_cast<std::uint8_t>(*found.node), false, Destination::kBoard};
     if (exchange_.read(one, address::kPhyResult, options_.reply_timeout, result) != ReadResult::kOk)
       return;
     low = std::min(low, result & 0x3F);
@@ -113,7 +113,7 @@ void BoardBus::settle_gap_count() noexcept {
 bool BoardBus::all_found() const noexcept {
   return std::all_of(boards_.begin(), boards_.end(), [this](const Board& b) {
     return std::any_of(scan_.found.begin(), scan_.found.end(), [&](const BoardInfo& found) {
-      return found.node >= 0 && found.id == b.info.id;
+      return found.node && found.id == b.info.id;
     });
   });
 }
@@ -121,11 +121,11 @@ bool BoardBus::all_found() const noexcept {
 // Gives the boards in use their nodes.
 BoardBus::Objection BoardBus::assign() noexcept {
   unsigned seen = 0;
-  for (Board& b : boards_) b.info.node = -1;
+  for (Board& b : boards_) b.info.node.reset();
   for (const BoardInfo& found : scan_.found) {
-    if (found.node < 0) continue;
+    if (!found.node) continue;
     if (((seen >> found.id) & 1U) != 0) {
-      note(Condition::kDuplicateBoard, found.id, {}, static_cast<std::uint32_t>(found.node));
+      note(Condition::kDuplicateBoard, found.id, {}, static_cast<std::uint32_t>(*found.node));
       return {Condition::kDuplicateBoard, found.id};
     }
     seen |= 1U << found.id;
@@ -136,7 +136,7 @@ BoardBus::Objection BoardBus::assign() noexcept {
   for (int k = 0; k < boards(); ++k) {
     const BoardInfo& there = info(k);
     Objection objection{Condition::kNoReply, k};
-    if (there.node < 0) {
+    if (!there.node) {
       objection.condition = Condition::kMissingBoard;
     } else if (there.hardware != kHardwareQla1 || Status{there.status}.channels() != kChannels) {
       objection.condition = Condition::kWrongHardware;
@@ -163,7 +163,7 @@ std::string BoardBus::words_of(const Objection& objection) const {
     return text("board ", there.id, ": found firmware ", there.firmware, ", expected 6 to 9.");
   std::string others;
   for (const BoardInfo& found : scan_.found) {
-    if (found.node >= 0) others += text(others.empty() ? " " : ", ", found.id);
+    if (found.node) others += text(others.empty() ? " " : ", ", found.id);
   }
   return text("board ", there.id, " does not answer; found", others.empty() ? " none" : others,
               ethernet_only_ ? " on an Ethernet without FireWire (--firewire: there is one)." : ".");
@@ -204,7 +204,7 @@ void BoardBus::start() {
   for (int node = 0; node < kScannedNodes; ++node) probe(node, options_.reply_timeout);
   if (!all_found()) {  // a datagram may have been lost
     for (int node = 0; node < kScannedNodes; ++node) {
-      if (scan_.found[node].node < 0) probe(node, options_.reply_timeout);
+      if (!scan_.found[node].node) probe(node, options_.reply_timeout);
     }
   }
   require(!exchange_.generation_changed(), "boards: the bus was reset during the scan.");
@@ -217,7 +217,7 @@ void BoardBus::start() {
   if (exchange_.read(hub_route(), address::kStatus, options_.reply_timeout, status) ==
       ReadResult::kOk) {
     for (const BoardInfo& found : scan_.found) {
-      if (found.node >= 0 && found.id == Status{status}.board()) hub_node_ = found.node;
+      if (found.node && found.id == Status{status}.board()) hub_node_ = *found.node;
     }
   }
   for (Board& b : boards_) {
@@ -261,7 +261,7 @@ void BoardBus::scan_step() noexcept {
     return;
   }
   for (const BoardInfo& found : scan_.found) {
-    if (found.node >= 0 && found.id == Status{status}.board()) hub_node_ = found.node;
+    if (found.node && found.id == Status{status}.board()) hub_node_ = *found.node;
   }
   for (size_t k = 0; k < boards_.size(); ++k) {
     Board& b = boards_[k];
