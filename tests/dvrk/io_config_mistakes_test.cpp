@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <fstream>
 #include <iterator>
 
@@ -116,6 +118,14 @@ std::vector<Mistake> mistakes() {
       {"<Potentiometers>",
        "<Potentiometers><JointToActuatorPosition><Row Val=\"1 0\"/></JointToActuatorPosition>",
        {"JointToActuatorPosition", "1 rows", "7"}},
+      {"SN=\"00007\"", "BoardSerials=\"1234-56\"", {"Robot PSM1/BoardSerials", "'1234-56'", "BOARD=SERIAL, as 6=1234-56"}},
+      {"SN=\"00007\"", "BoardSerials=\"6=1234-56 =1234-57\"", {"found '=1234-57'"}},
+      {"SN=\"00007\"", "BoardSerials=\"6x=1234-56\"", {"found '6x=1234-56'"}},
+      {"SN=\"00007\"", "BoardSerials=\"16=1234-56\"", {"found '16=1234-56'"}},
+      {"SN=\"00007\"", "BoardSerials=\"-1=1234-56\"", {"found '-1=1234-56'"}},
+      {"SN=\"00007\"", "BoardSerials=\"99999999999999999999=1\"", {"BOARD=SERIAL"}},
+      {"SN=\"00007\"", "BoardSerials=\"6=\"", {"found '6='"}},
+      {"<Tolerance Axis=\"6\"", "<Tolerant Axis=\"6\"", {"Potentiometers", "6 tolerances", "7, one per axis"}},
       {"Debounce=\"0.2\"", "Debounce=\"0.2s\"", {"PSM1-SUJClutch/Debounce", "'0.2s'"}},
       {"</Config>", "", {"not XML"}},
   };
@@ -140,6 +150,61 @@ TEST(IoConfig, ASingularCouplingOfPotsIsRefused) {
   IoConfig config = nominal_config(read_arm("MTMR"));
   config.robots[0].pots_to_actuators.row(2).setZero();
   EXPECT_TRUE(refuses_with("JointToActuatorPosition: found a singular matrix", [&] { read_io_xml(to_io_xml(config), "io.xml"); }));
+}
+
+// Rows of a coupling have as many numbers as there are actuators, in either format.
+TEST(IoConfig, RowsOfACouplingHaveANumberForEachActuator) {
+  const IoConfig config = nominal_config(read_arm("MTMR"));
+  const struct {
+    bool json;
+    const char *from, *to, *words;
+  } cases[] = {{false, "\"0 1 1 0 0 0 0\"", "\"0 1 1 0 0 0\"", "Row 2: found fewer than 7 numbers"},
+               {false, "\"0 1 1 0 0 0 0\"", "\"0 one 1 0 0 0 0\"", "Row 2: found fewer than 7 numbers"},
+               {false, "\"0 1 1 0 0 0 0\"", "\"0 1 1 0 0 0 0 1\"", "found '1' behind the row"},
+               {true, "0,\n            1,\n            1,", "0,\n            1,", "found fewer than 7 numbers"}};
+  for (const auto& c : cases) {
+    std::string content = c.json ? to_io_json(config) : to_io_xml(config);
+    const auto place = content.find(c.from);
+    ASSERT_NE(place, std::string::npos) << content.substr(0, 3000);
+    content.replace(place, std::string(c.from).size(), c.to);
+    EXPECT_TRUE(refuses_with(c.words, [&] { c.json ? read_io_json(content, "f") : read_io_xml(content, "f"); }));
+  }
+}
+
+TEST(IoConfig, ABrakesCurrentsAreWithinItsLargest) {
+  IoConfig config = nominal_config(read_arm("ECM"));
+  config.robots[0].actuators[0].brake->released_current = 0.3;  // of 0.25 A
+  EXPECT_TRUE(refuses_with("AnalogBrake: found a current above the brake's MaxCurrent", [&] { read_io_xml(to_io_xml(config), "f"); }));
+}
+
+// Whether a file is XML or JSON is told by its first character, after a byte order mark and blanks.
+TEST(IoConfig, EitherFormatIsKnownByItsFirstCharacter) {
+  const IoConfig config = nominal_config(read_arm("PSM2"));
+  const std::string path = testing::TempDir() + "veridyn_format_" + std::to_string(::getpid());
+  for (const std::string& content : {to_io_xml(config), to_io_json(config), "\xEF\xBB\xBF \n" + to_io_json(config)}) {
+    std::ofstream(path) << content;
+    EXPECT_EQ(read_io_config(path).robot().name, "PSM2");
+  }
+  for (const char* none : {"", " \n"}) {
+    std::ofstream(path) << none;
+    EXPECT_THROW(read_io_config(path), InvalidInput);
+  }
+  std::remove(path.c_str());
+  EXPECT_TRUE(refuses_with("found a folder", [] { read_io_config(testing::TempDir()); }));
+}
+
+// Axes beyond a QLA's four belong to other boards, which have ten; nobody drives those.
+TEST(IoConfig, OtherBoardsHaveMoreAxes) {
+  IoConfig config = nominal_config(read_arm("ECM"));
+  config.robots[0].hardware = "dRA1";
+  config.robots[0].actuators[3].axis = 9;
+  config.robots[0].actuators[2].brake->axis = 8;
+  const IoConfig back = read_io_xml(to_io_xml(config), "f");
+  EXPECT_EQ(back.robots[0].hardware, "dRA1");
+  EXPECT_EQ(back.robots[0].actuators[3].axis, 9);
+  EXPECT_EQ(back.robots[0].actuators[2].brake->axis, 8);
+  config.robots[0].hardware = "QLA1";
+  EXPECT_TRUE(refuses_with("AxisID: found 8, expected a whole number from 0 to 3", [&] { read_io_xml(to_io_xml(config), "f"); }));
 }
 
 // Bytes changed, cut out and doubled at random: either a configuration, or one line that says why
