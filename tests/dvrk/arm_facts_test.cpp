@@ -149,13 +149,45 @@ TEST(ArmFacts, AWrongFileNamesLineAndReason) {
                  {"[0, 1.0186, 0, 0]", "[0, 1.0186, 0]", "4 numbers, as many as there are rows"},
                  {"  - {name: jaw, ", "  - {name: more, position: [0, 1]}\n  - {name: jaw, ", "7 actuators, expected 8"},
                  {"rotation: [[0, -1, 0], [0, 0, 1], [-1, 0, 0]]", "rotation: [[1, 0], [0, 1]]", "no rotation"},
-                 {"position: [0, 0.0102, 0]", "position: [0, 0.0102]", "three numbers"}};
+                 {"position: [0, 0.0102, 0]", "position: [0, 0.0102]", "three numbers"},
+                 {"rotation: [[0, -1, 0], [0, 0, 1], [-1, 0, 0]]", "rotation: []", "a singular matrix"}};
   for (const auto& one : refused) {
     const std::string said = message_of(one.from, one.to);
     EXPECT_NE(said.find(one.words), std::string::npos) << one.to << ": " << said;
     EXPECT_EQ(said.find(path.string() + ":"), 0U) << said;
   }
   std::filesystem::remove(path);
+}
+
+// Folders of one's own come first; one without arms is passed over.
+TEST(ArmFacts, ArmsOfOnesOwnAreFoundInTheirFolder) {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::path(testing::TempDir()) / ("veridyn_arms_" + std::to_string(::getpid()));
+  fs::create_directories(folder);
+  ASSERT_EQ(::setenv("VERIDYN_DVRK", folder.c_str(), 1), 0);
+  EXPECT_EQ(arm_names().size(), 6U);
+  std::ifstream file(kFolder + "ecm.yaml");
+  std::string yaml{std::istreambuf_iterator<char>(file), {}};
+  yaml.replace(yaml.find("convention: modified"), 20, "convention: standard");
+  yaml.replace(yaml.find("{name: ECM, boards"), 18, "{name: MINE, boards");
+  yaml.erase(yaml.find("unsure:"), yaml.find("convention:") - yaml.find("unsure:"));
+  std::ofstream(folder / "mine.yaml") << yaml;
+  std::ofstream(folder / "notes.txt") << "no arm";
+  EXPECT_EQ(arm_names(), std::vector<std::string>{"MINE"});
+  const ArmFacts mine = read_arm("MINE");
+  EXPECT_EQ(mine.joints[0].dh->convention, DhConvention::kStandard);
+  EXPECT_EQ(read_arm(kFolder + "ecm.yaml:ECM").joints[0].dh->convention, DhConvention::kModified);
+  EXPECT_TRUE(mine.unsure.empty());
+  EXPECT_TRUE(refuses_with("expected one of: MINE", [] { read_arm("ECM"); }));
+  ::unsetenv("VERIDYN_DVRK");
+  fs::remove_all(folder);
+  EXPECT_NO_THROW(read_arm("ECM"));
+}
+
+TEST(ArmFacts, AnArmWithoutDhRowsHasNoChain) {
+  ArmFacts arm = read_arm("PSM1");
+  for (ArmJoint& joint : arm.joints) joint.dh.reset();
+  EXPECT_TRUE(refuses_with("arm 'PSM1': found no joint with a DH row", [&] { arm_model(arm); }));
 }
 
 // Two brakes of one actuator, and brakes on channels of motors: one of the two would be driven by the other's currents.

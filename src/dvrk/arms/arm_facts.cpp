@@ -65,6 +65,7 @@ Model arm_model(const ArmFacts& arm) {
   ModelDescription description;
   description.name = arm.name;
   const int n = arm.kinematic_joints();
+  require(n > 0, "arm '", arm.name, "': found no joint with a DH row, expected at least one.");
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   for (const ArmJoint& joint : arm.joints) {
     if (!joint.dh) continue;
@@ -85,7 +86,7 @@ Model arm_model(const ArmFacts& arm) {
   }
   Frame tip;
   tip.name = "tip";
-  if (n > 0) tip.parent = FrameIndex{n - 1};
+  tip.parent = FrameIndex{n - 1};
   tip.variable.coefficients = VectorXd::Zero(n);
   tip.A = from_eigen(Eigen::Isometry3d(arm.T_last_tip));
   description.frames.push_back(tip);

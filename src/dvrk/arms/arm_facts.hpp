@@ -82,7 +82,7 @@ ArmFacts read_arm(const std::string& name);
 std::vector<std::string> arm_names();
 
 /// The chain of DH rows with a frame "tip" at its end, without bodies, for the library's generic
-/// functions.
+/// functions. @throws InvalidInput  no joint has a DH row.
 Model arm_model(const ArmFacts& arm);
 
 /// A configuration of nominal scales, as of an uncalibrated arm; pots without facts cover the
