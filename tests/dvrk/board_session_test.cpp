@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <set>
+#include <string>
 
 #include "dvrk/rig.hpp"
 #include "veridyn/math/require.hpp"
@@ -165,6 +168,113 @@ TEST(BoardSession, ABoardThatIsNotHeardIsLeftToItsWatchdog) {
       EXPECT_FALSE(rig.emulator.board(0).status().power_requested());  // it obeyed before the silence
     }
   }
+}
+
+// What would end a run at once is a reason not to begin it.
+TEST(BoardSession, PowerIsRefusedWithItsReason) {
+  struct Trouble {
+    const char* words;
+    std::function<void(Rig&)> make;
+  };
+  const Trouble troubles[] = {
+      {"the motor supply has a fault", [](Rig& rig) { rig.emulator.board(1).faults.supply_fault = true; }},
+      {"the encoders have no supply", [](Rig& rig) { rig.emulator.board(0).faults.encoder_supply = true; }},
+      {"a board is too warm", [](Rig& rig) { rig.emulator.board(1).temperatures = 0x327A; }},  // 25 and 61 degC
+      {"a board is too warm", [](Rig& rig) { rig.emulator.board(0).temperatures = 0x7A32; }},
+      {"an encoder reports an error", [](Rig& rig) { rig.emulator.board(1).encoder(3).broken_lines = true; }},
+      {"an encoder has run over", [](Rig& rig) { rig.emulator.board(0).encoder(2).overflow_latched = true; }},
+      {"a board was rebooted: start() again",
+       [](Rig& rig) {
+         rig.emulator.board(1).reboot(static_cast<Ticks>(rig.link.now() * kTicksPerSecond));
+         rig.cycles(500);
+       }},
+      {"the boards are not known",
+       [](Rig& rig) {
+         rig.emulator.board(1).faults.wrong_id = 9;
+         rig.emulator.bus_reset();
+       }},
+      {"the last read was not valid",
+       [](Rig& rig) {
+         rig.emulator.faults.reply = ReplyFault::kDrop;
+         rig.emulator.faults.replies = -1;
+       }},
+  };
+  for (const Trouble& trouble : troubles) {
+    Rig rig;
+    rig.session.start();
+    rig.cycles(5);
+    trouble.make(rig);
+    rig.cycles(5);
+    EXPECT_STREQ(rig.session.power_on(), trouble.words);
+    rig.cycles(100, 900.0);
+    EXPECT_EQ(rig.session.state(), PowerState::kOff) << trouble.words;
+    EXPECT_FALSE(rig.emulator.board(0).status().power_requested() || rig.any_amp_on()) << trouble.words;
+  }
+  Rig rig;
+  ASSERT_TRUE(rig.bring_up());
+  EXPECT_STREQ(rig.session.power_on(), "power is on, or on the way");
+  rig.emulator.chain.emergency_stop = true;
+  rig.cycles(3);
+  EXPECT_STREQ(rig.session.power_on(), "a fault was not acknowledged");
+  rig.emulator.chain.emergency_stop = false;
+  rig.cycles(3);
+  EXPECT_TRUE(rig.session.acknowledge());
+  EXPECT_TRUE(rig.session.acknowledge());  // there is nothing left to acknowledge
+  rig.cycles(3);
+  EXPECT_TRUE(rig.power_up());
+}
+
+// Its encoders have lost what was loaded. A moment after the restart nothing that is read in every cycle tells it.
+TEST(BoardSession, ABoardThatRestartedIsFoundBeforeItsAmplifiersAreOn) {
+  for (int b = 0; b < 2; ++b) {
+    Rig rig;
+    rig.session.start();
+    rig.cycles(5);
+    rig.emulator.board(b).reboot(static_cast<Ticks>(rig.link.now() * kTicksPerSecond));
+    rig.cycles(2);
+    ASSERT_EQ(rig.session.power_on(), nullptr);
+    for (int k = 0; k < 300; ++k) {
+      rig.cycle(900.0);
+      ASSERT_FALSE(rig.any_amp_on()) << k;
+    }
+    EXPECT_EQ(rig.session.state(), PowerState::kFault);
+    EXPECT_EQ(rig.session.cause(), Condition::kRebooted);
+    EXPECT_FALSE(rig.session.acknowledge());
+    rig.session.start();
+    rig.cycles(3);
+    EXPECT_TRUE(rig.power_up());
+  }
+}
+
+// A relay that is not even asked to close, since its board ignores blocks, and a supply that does not come.
+TEST(BoardSession, PowerThatDoesNotComeUpIsGivenUp) {
+  SessionOptions how = Rig::options();
+  how.supply_timeout = 0.5;
+  for (const bool supply : {false, true}) {
+    Rig rig(how);
+    rig.session.start();
+    rig.cycles(5);
+    if (supply)
+      rig.emulator.chain.supply_on = false;
+    else
+      rig.emulator.board(1).faults.ignores_writes = true;
+    ASSERT_EQ(rig.session.power_on(), nullptr);
+    const double start = rig.link.now(), most = supply ? how.supply_timeout : how.relay_timeout;
+    while (rig.session.state() != PowerState::kFault && rig.link.now() - start < 2.0) rig.cycle(900.0);
+    EXPECT_EQ(rig.session.cause(), supply ? Condition::kNoSupply : Condition::kRelayOpen);
+    EXPECT_NEAR(rig.link.now() - start, most, 0.05);
+    EXPECT_EQ(rig.count(rig.session.cause()), 1);
+    rig.cycles(3);
+    for (int b = 0; b < 2; ++b) EXPECT_FALSE(rig.emulator.board(b).status().power_requested()) << b;
+    EXPECT_FALSE(rig.any_amp_on());
+  }
+}
+
+TEST(BoardSession, EveryStateHasItsWords) {
+  std::set<std::string> words;
+  for (const PowerState state : {PowerState::kOff, PowerState::kRelay, PowerState::kPower, PowerState::kAmps, PowerState::kOn, PowerState::kFault})
+    EXPECT_TRUE(words.insert(describe(state)).second) << describe(state);
+  EXPECT_EQ(words.count(""), 0U);
 }
 
 TEST(BoardSession, PreloadsAreVerifiedAndOnlyWhileOff) {

@@ -105,6 +105,10 @@ class BoardBus {
   /// Cycles in a row in which a command was not found in the motor status; on Rev 7 in the
   /// registers of its channels, one of them every few cycles.
   int lost_writes(int b) const { return boards_[b].lost_writes; }
+  /// Looks at the registers of every board in the next cycles, one board in each, whether it has restarted.
+  void suspect_all() noexcept {
+    for (Board& b : boards_) b.suspect = true;
+  }
   /// The board has restarted: watchdog and preloads are those of power-up.
   bool rebooted(int b) const { return boards_[b].rebooted; }
   bool link_lost() const { return link_lost_; }

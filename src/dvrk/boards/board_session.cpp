@@ -266,6 +266,7 @@ const char* BoardSession::power_on() noexcept {
         return "an encoder reports an error";
     }
   }
+  bus_.suspect_all();
   power_off_asked_ = true;  // what follows a fault or power_off() in later states
   enter(PowerState::kRelay);
   return nullptr;
