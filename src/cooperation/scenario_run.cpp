@@ -78,7 +78,7 @@ ScenarioRun run_scenario(const Scenario& scenario, const std::string& engine,
     experiment.begin(phase);
     const Eigen::Index first = k;
     const Eigen::Index end = k + rows_of(scenario, phase.duration);
-    for (; k < end && run.complete(); ++k) {
+    for (; k < end; ++k) {
       if (!experiment.step()) {
         run.status = experiment.status();
         run.stopped_at = experiment.world().time();

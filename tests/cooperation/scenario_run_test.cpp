@@ -343,6 +343,43 @@ TEST(ScenarioSweep, FindsWhereTheLoopIsStable) {
   EXPECT_THROW(sweep_scenario(s), InvalidInput);
 }
 
+// A loop far faster than its cycles throws its arm out: the run ends there with the rows until then, and of the phases after
+// that nothing is told; nor of one that begins there.
+TEST(ScenarioRun, EndsWhereAnArmRunsAway) {
+  Scenario s = example("one-arm-moves");
+  s.control.position_frequency = 1e3;
+  s.arms[0].control = ArmControl::kPosition;
+  const ScenarioRun run = run_scenario(s);
+  ASSERT_FALSE(run.complete());
+  EXPECT_FALSE(run.met());
+  EXPECT_NE(run.report().find("Stopped at"), std::string::npos) << run.report();
+  const Eigen::Index rows = run.time.size();
+  ASSERT_GT(rows, 1);
+  EXPECT_NEAR(run.stopped_at * s.control.rate, static_cast<double>(rows), 1.5);
+  EXPECT_EQ(run.arm[0].tau.rows(), rows);
+  ASSERT_EQ(run.phases.size(), 1U);
+  EXPECT_TRUE(run.phases[0].cut_short);
+  s.phases[0].duration = static_cast<double>(rows) / s.control.rate;
+  const ScenarioRun split = run_scenario(s);
+  EXPECT_FALSE(split.complete() || split.met());
+  EXPECT_EQ(split.time.size(), rows);
+  ASSERT_EQ(split.phases.size(), 1U);
+  EXPECT_FALSE(split.phases[0].cut_short);
+}
+
+TEST(ScenarioRun, TellsHowFarItIs) {
+  Scenario s = example("two-arms-spring");
+  s.phases.resize(2);
+  s.phases[0].duration = 1.25;
+  s.phases[1].duration = 0.75;
+  for (ScenarioPhase& phase : s.phases) {
+    for (ScenarioCommand& c : phase.commands) c.over = 0.5;
+  }
+  std::vector<double> told;
+  run_scenario(s, "veridyn", [&](double share) { told.push_back(share); });
+  EXPECT_EQ(told, (std::vector<double>{0.0, 0.25, 0.5, 0.75}));
+}
+
 TEST(ScenarioRun, SaysWhatIsWrongWithAnArm) {
   Scenario s = example("two-arms-spring");
   s.arms[0].start[2] = 0.9;
