@@ -142,6 +142,14 @@ MUTANTS = [
     ("model/mesh_file.cpp", "static_cast<long>(out.points.size()) + number", "-1 - number", ["model"]),
     ("dvrk/config/config_tree.cpp", "member.line > 0 ? text(\":\", member.line)", "false ? text(\":\", member.line)", ["dvrk"]),
     ("dvrk/run/run_json.cpp", "run.power == OffState::kConfirmed ?", "run.power != OffState::kNotAsked ?", ["dvrk_io"]),
+    ("dvrk/boards/board_session.cpp", "(blind && in_state > kBlind && in_state < kBlind + kBite * options_.watchdog)", "false", ["dvrk_io"]),
+    ("dvrk/boards/board_session.cpp", "  bus_.suspect_all();\n", "", ["dvrk_io"]),
+    ("dvrk/boards/board_bus.cpp", "protocol_ == CycleProtocol::kBroadcast && !silent_", "protocol_ == CycleProtocol::kBroadcast", ["dvrk_io"]),
+    ("dvrk/boards/board_write.cpp", "state_ == BusState::kRunning && !exchange_.generation_changed();", "true;", ["dvrk_io"]),
+    ("dvrk/arms/arm_file.cpp", "check_io_config(nominal_config(facts), source_.file);", "", ["dvrk"]),
+    ("dvrk/arms/gravity_chain.cpp", "const bool overlap = lower < upper;", "const bool overlap = true;", ["dvrk"]),
+    ("cooperation/scenario/scenario_objects.cpp", "if (!impedance || body.grasps.size() < 2)", "if (false)", ["cooperation"]),
+    ("cooperation/scenario/teleoperation_reader.cpp", "refuse_unheeded(root, out.scenario);", "", ["cooperation"]),
     ("dvrk/boards/board_session.cpp", "require(std::isfinite(seconds) && seconds > 0.0", "require(seconds > 0.0", ["dvrk_io"]),
 ]
 
