@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cctype>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -77,7 +78,7 @@ class CWriter {
     const std::string functions = std::exchange(out_, {});
     head();
     constants();
-    helpers(functions);
+    helpers();
     out_ += functions;
     for_doubles();
     line("#endif");
@@ -147,11 +148,9 @@ class CWriter {
     line("};\n");
   }
 
-  // Writes those helper functions of WrittenInC::c_columns() that `functions` calls.
-  void helpers(const std::string& functions) {
-    const auto called = [&](const char* helper) {
-      return functions.find(name_ + "_" + helper + "(") != std::string::npos;
-    };
+  // Writes those helper functions of WrittenInC::c_columns() that the functions call.
+  void helpers() {
+    const auto called = [&](const char* helper) { return called_.count(helper) != 0; };
     const bool contact = called("contact");
     if (called("direction")) {
       line(fmt::format(R"(/* The sign of a velocity, a straight line below {0}_rest_speed rad/s or m/s. */
@@ -293,7 +292,13 @@ static double {0}_contact(double s, double distance, double* z) {{
     line(fmt::format("  typedef {}_real R;", name_));
     line("  (void)sizeof(R);");
     for (const char* one : in) line(fmt::format("  (void){};", one));
-    for (const char c : body) out_ += c == '@' ? name_ + "_" : std::string(1, c);
+    for (const char* helper : {"direction", "clamp", "step", "contact"}) {
+      if (body.find(std::string("@") + helper + "(") != std::string::npos) called_.insert(helper);
+    }
+    for (const char c : body) {
+      if (c == '@') out_ += name_ + "_";
+      else out_ += c;
+    }
     line("}\n");
     std::string passed;
     for (const auto* list : {&in, &out}) {
@@ -379,6 +384,7 @@ static double {0}_contact(double s, double distance, double* z) {{
   VectorXd phi_;
   std::vector<EffectFacts> effects_;
   std::vector<std::string> left_out_;
+  std::set<std::string> called_;  // helper functions
   std::string out_, for_doubles_;
 };
 

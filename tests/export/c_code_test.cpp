@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -223,6 +224,28 @@ TEST(CCodeIsShort, WhereDerivativesAreTaken) {
   const std::string code = to_c_code(builder.build());
   EXPECT_LT(products(code, "derivatives"), 6 * products(code, "inverse_dynamics"));
   EXPECT_EQ(code.find("e-17"), std::string::npos);  // 0.3 cos(pi/2)
+}
+
+// The time is that of writing the name as often as C needs it.
+TEST(CCodeIsSoon, WrittenOfALongName) {
+  ModelDescription d = read_model("planar-2r").description();
+  const std::string short_code = to_c_code(Model(d));
+  const auto uses = [](const std::string& code, const std::string& name) {
+    long count = 0;
+    for (size_t at = code.find(name + "_"); at != std::string::npos; at = code.find(name + "_", at + name.size())) ++count;
+    return count;
+  };
+  const long count = uses(short_code, "planar_2r");
+  EXPECT_GT(count, 50);
+  EXPECT_NE(short_code.find("planar_2r_direction(double"), std::string::npos);
+  EXPECT_EQ(short_code.find("planar_2r_clamp("), std::string::npos);
+  const size_t length = 100000;
+  d.name = std::string(length, 'a');
+  const auto begun = std::chrono::steady_clock::now();
+  const std::string code = to_c_code(Model(d));
+  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count(), 20.0);
+  const auto more = static_cast<double>(code.size() - short_code.size());
+  EXPECT_NEAR(more / static_cast<double>(length), static_cast<double>(count), 0.1 * static_cast<double>(count));
 }
 
 // Joints at quarter turns of one angle share its sine and cosine; right angles leave no product.
