@@ -8,12 +8,15 @@
 #include "comparison/model_structure.hpp"
 #include "veridyn/effects/effect_facts.hpp"
 #include "veridyn/regressor/base_parameters.hpp"
-#include "math/dense.hpp"
+#include "math/decompositions.hpp"
 #include "veridyn/math/require.hpp"
 #include "comparison/comparison_numbers.hpp"
 
 namespace veridyn {
 namespace {
+
+// x with A x = b of least norm, for many b.
+using LeastNorm = Eigen::CompleteOrthogonalDecomposition<MatrixXd>;
 
 VectorXd values_of(const Model& arm, const std::vector<StandardParameter>& parameters) {
   require(arm.inertial_values().has_value(), "compare: found a body without values in robot '",
@@ -86,13 +89,14 @@ void make_canonical(BaseNumbers& numbers) {
   for (Eigen::Index r = 0; r < count; ++r)
     leading.col(r) = numbers.K.col(numbers.leading[r]);
   if (leading.isIdentity(comparing::kSame)) return;
-  const auto solve = [&leading](MatrixXd& columns) {
+  const LeastNorm by_leading(leading);
+  const auto solve = [&by_leading](MatrixXd& columns) {
     for (Eigen::Index c = 0; c < columns.cols(); ++c)
-      columns.col(c) = least_norm(leading, columns.col(c));
+      columns.col(c) = by_leading.solve(VectorXd(columns.col(c)));
   };
   solve(numbers.K);
   solve(numbers.scatter);
-  numbers.free = least_norm(leading, numbers.free);
+  numbers.free = by_leading.solve(VectorXd(numbers.free));
 }
 
 void take_values(const Model& arm, const VectorXd& values, BaseNumbers& out) {
@@ -160,9 +164,10 @@ MatchedBase matched_base(const Model& before, const BaseNumbers& a, const Model&
   };
   const MatrixXd in_a = scaled(a.K, at_a);
   const MatrixXd in_b = scaled(b.K, at_b);
+  const LeastNorm by_a(in_a), by_b(in_b);
   MatchedBase out;
   for (Eigen::Index r = 0; r < in_a.cols(); ++r) {
-    const VectorXd w = least_norm(in_b, in_a.col(r));
+    const VectorXd w = by_b.solve(VectorXd(in_a.col(r)));
     if ((in_b * w - in_a.col(r)).norm() > comparing::kInSpan * in_a.col(r).norm()) {
       out.only_before.push_back(a.expressions[r]);
       continue;
@@ -171,7 +176,7 @@ MatchedBase matched_base(const Model& before, const BaseNumbers& a, const Model&
                               a.scatter.row(r).transpose(), b.scatter.transpose() * w});
   }
   for (Eigen::Index r = 0; r < in_b.cols(); ++r) {
-    const VectorXd w = least_norm(in_a, in_b.col(r));
+    const VectorXd w = by_a.solve(VectorXd(in_b.col(r)));
     if ((in_a * w - in_b.col(r)).norm() > comparing::kInSpan * in_b.col(r).norm())
       out.only_after.push_back(b.expressions[r]);
   }

@@ -57,7 +57,8 @@ StandardTorque::StandardTorque(const Model& arm, const ComparisonNumbers& number
   for (Eigen::Index i = 0; i < arm.joints(); ++i) {
     motion.ddq.setZero();
     motion.ddq.col(i).setOnes();
-    speeding_up_.push_back(columns.rows(segment_of(motion))[i]);
+    const auto joint = static_cast<int>(i);
+    speeding_up_.push_back(columns.rows(segment_of(motion), {joint, joint + 1}).front());
   }
 }
 
