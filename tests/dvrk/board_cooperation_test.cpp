@@ -2,10 +2,15 @@
 #include "dvrk/cooperation/board_cooperation.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
+#include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <optional>
@@ -476,3 +481,36 @@ TEST(BoardCooperation, ASignalReleasesAndSwitchesOff) {
 
 }  // namespace
 }  // namespace veridyn::dvrk
+// A disk that is full before the first row leaves no file, and an older one as it was.
+TEST(ScenarioRowFile, AFullDiskWithoutARowLeavesNoFile) {
+  const auto folder = std::filesystem::temp_directory_path() / ("veridyn-no-row-" + std::to_string(::getpid()));
+  std::filesystem::create_directory(folder);
+  const std::string path = (folder / "rows.csv").string();
+  const Scenario scenario = board_example("two-psm-spring");
+  const ScenarioRun run = empty_run(scenario, "boards", 100);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  for (const bool there : {false, true}) {
+    if (there) std::ofstream(path) << "an older recording\n";
+    const rlimit small{300, before.rlim_max};
+    ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+    {
+      ScenarioRowFile file(path, run);
+      file.count(60);
+      std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    }
+    ::setrlimit(RLIMIT_FSIZE, &before);
+    int files = 0;
+    for ([[maybe_unused]] const auto& one : std::filesystem::directory_iterator(folder)) ++files;
+    EXPECT_EQ(files, there ? 1 : 0);
+    if (!there) continue;
+    std::string line;
+    std::ifstream kept(path);
+    std::getline(kept, line);
+    EXPECT_EQ(line, "an older recording");
+  }
+  std::signal(SIGXFSZ, handler);
+  std::filesystem::remove_all(folder);
+}
+

@@ -98,6 +98,59 @@ TEST(RowFile, AFullDiskKeepsWholeRowsAndSaysHowMany) {
   std::filesystem::remove(path);
 }
 
+// Full before the first row: no file, and the one that was there stays as it was.
+TEST(RowFile, AFullDiskWithoutARowLeavesNoFile) {
+  const auto folder = std::filesystem::temp_directory_path() / ("veridyn-no-row-" + std::to_string(::getpid()));
+  std::filesystem::create_directory(folder);
+  const std::string path = (folder / "rows.csv").string();
+  std::signal(SIGXFSZ, SIG_IGN);
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  for (const bool there : {false, true}) {
+    for (const rlim_t bytes : {0, 100, 230}) {  // nothing, a part of the first line, no whole row
+      if (there) std::ofstream(path) << "an older recording\n";
+      const rlimit small{bytes, before.rlim_max};
+      ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+      RowKeeper keeper(2, 10.0, 100.0);
+      {
+        RowFile file(path, keeper, 2);
+        keep(keeper, 0, 500);
+        EXPECT_TRUE(comes([&] { return file.failed(); }));
+        file.finish("stopped");
+        EXPECT_EQ(file.rows(), 0);
+        EXPECT_NE(file.error(), "");
+      }
+      ::setrlimit(RLIMIT_FSIZE, &before);
+      EXPECT_EQ(std::filesystem::exists(path), there) << bytes;
+      if (there) {
+        EXPECT_EQ(content(path), "an older recording\n");
+      }
+      int files = 0;
+      for ([[maybe_unused]] const auto& one : std::filesystem::directory_iterator(folder)) ++files;
+      EXPECT_EQ(files, there ? 1 : 0) << bytes;
+    }
+  }
+  std::filesystem::remove_all(folder);
+}
+
+// A link to a file stays one.
+TEST(RowFile, ALinkIsFollowed) {
+  const auto folder = std::filesystem::temp_directory_path() / ("veridyn-linked-" + std::to_string(::getpid()));
+  std::filesystem::create_directory(folder);
+  const std::string path = (folder / "link.csv").string(), target = (folder / "target.csv").string();
+  std::ofstream(target) << "an older recording\n";
+  std::filesystem::create_symlink(target, path);
+  RowKeeper keeper(2, 10.0, 100.0);
+  {
+    RowFile file(path, keeper, 2);
+    keep(keeper, 0, 50);
+    file.finish("");
+  }
+  EXPECT_TRUE(std::filesystem::is_symlink(path));
+  EXPECT_EQ(read_recording(target).rows(), 50);
+  std::filesystem::remove_all(folder);
+}
+
 // The boards' counter gives times that no late wake-up disturbs; somebody else who reads the
 // boards restarts it, and the time that he took is added.
 TEST(LatchTime, KeepsTrueTimeBesideAnotherReader) {

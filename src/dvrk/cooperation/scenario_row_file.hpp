@@ -3,6 +3,7 @@
 #include <atomic>
 #include <fstream>
 #include <string>
+#include <system_error>
 #include <thread>
 
 #include "veridyn/cooperation/scenario_run.hpp"
@@ -11,7 +12,8 @@ namespace veridyn::dvrk {
 
 /// Writes the rows of a run to a file during the run, in a thread of ordinary priority, so that a
 /// killed program leaves nearly all of them. The first line says that the file is incomplete;
-/// write_scenario_rows() replaces it at the end. Devices, pipes and unwritable files are left to
+/// write_scenario_rows() replaces it at the end. The file has another name until it has a row, so that a full
+/// disk keeps an existing one. Devices, pipes and unwritable files are left to
 /// that function.
 class ScenarioRowFile {
  public:
@@ -28,6 +30,9 @@ class ScenarioRowFile {
   void follow();
 
   const ScenarioRun& run_;
+  std::string path_, aside_;
+  bool named_ = false;
+  std::error_code ignored_;  // a file that is not named is no recording
   std::ofstream file_;
   std::atomic<Eigen::Index> rows_{0};
   std::atomic<bool> ends_{false};

@@ -9,7 +9,9 @@
 #include <charconv>
 #include <chrono>
 #include <csignal>
+#include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <utility>
 
@@ -55,6 +57,9 @@ RowFile::RowFile(std::string path, const RowKeeper& rows, Eigen::Index joints)
   struct stat there {};
   const bool exists = ::stat(path_.c_str(), &there) == 0;
   followed_ = !path_.empty() && (!exists || S_ISREG(there.st_mode));
+  std::error_code ignored;
+  if (followed_ && std::filesystem::is_symlink(path_, ignored))  // the link is kept, and its target replaced
+    path_ = std::filesystem::weakly_canonical(path_, ignored).string();
   if (followed_) thread_ = std::thread([this] { follow(); });
 }
 
@@ -68,15 +73,39 @@ void RowFile::stop() {
   if (thread_.joinable()) thread_.join();
 }
 
-// Opened at the first row only, so that a run without motion keeps an existing file.
+// Opened at the first row only, so that a run without motion keeps an existing file; and under another name
+// until that row is written, so that a full disk keeps it as well.
 void RowFile::open() {
-  file_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  constexpr int kNew = O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC;
+  aside_ = text(path_, ".part-", ::getpid());
+  file_ = ::open(aside_.c_str(), kNew, 0666);
+  if (file_ < 0) {
+    aside_.clear();
+    file_ = ::open(path_.c_str(), kNew, 0666);
+  }
   if (file_ < 0) {
     error_ = std::strerror(errno);
     failed_ = true;
     return;
   }
   put(remark_line("incomplete: the program ended while it recorded") + header(joints_));
+}
+
+// Gives the file its name once it has rows, or takes it away where there will be none.
+void RowFile::name_or_remove() {
+  if (file_ < 0 || (written_ == 0 && !failed())) return;
+  if (written_ > 0 && aside_.empty()) return;
+  if (written_ > 0 && std::rename(aside_.c_str(), path_.c_str()) == 0) {
+    aside_.clear();
+    return;
+  }
+  if (written_ > 0) {
+    error_ = std::strerror(errno);
+    written_ = 0;
+    failed_ = true;
+  }
+  ::unlink(aside_.empty() ? path_.c_str() : aside_.c_str());
+  ::close(std::exchange(file_, -1));
 }
 
 bool RowFile::put(const std::string& bytes) {
@@ -116,14 +145,16 @@ void RowFile::append() {
     const off_t before = ::lseek(file_, 0, SEEK_CUR);
     if (put(text_)) {
       written_ = last;
+      name_or_remove();
       continue;
     }
     const auto fitted = static_cast<std::size_t>(::lseek(file_, 0, SEEK_CUR) - before);
     const std::size_t whole = text_.rfind('\n', fitted == 0 ? 0 : fitted - 1);
     const std::size_t keep = fitted == 0 || whole == std::string::npos ? 0 : whole + 1;
     for (std::size_t k = 0; k < keep; ++k) written_ += text_[k] == '\n' ? 1 : 0;
-    if (::ftruncate(file_, before + static_cast<off_t>(keep)) != 0) return;
+    if (::ftruncate(file_, before + static_cast<off_t>(keep)) != 0) break;
   }
+  name_or_remove();
 }
 
 void RowFile::follow() {

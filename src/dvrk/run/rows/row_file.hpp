@@ -12,6 +12,9 @@ namespace veridyn::dvrk {
 /// a RowKeeper, so that a killed program leaves nearly all of them. The first line says that the
 /// recording is incomplete until finish().
 ///
+/// A disk that is full before the first row leaves no file, and an existing one as it was; later it leaves the
+/// whole rows that fitted.
+///
 /// Devices and pipes are not followed; finish() alone writes them.
 class RowFile {
  public:
@@ -35,12 +38,14 @@ class RowFile {
   void follow();
   void append();
   void open();
+  void name_or_remove();
   bool put(const std::string& bytes);
   void stop();
   void remark_in_place(const std::string& remark);
   void copy_rows(const std::string& remark) const;
 
   std::string path_;
+  std::string aside_;  ///< present name of the file, until it has rows
   const RowKeeper& keeper_;
   Eigen::Index joints_;
   int file_ = -1;
