@@ -216,5 +216,21 @@ TEST(ScenarioReader, ReadsEveryExample) {
   EXPECT_GE(count, 10);
 }
 
+// Every member, wall and body has numbers in every cycle: 5000 of them would fill gigabytes.
+TEST(ScenarioReader, TakesTwoHundredOfAKind) {
+  const std::string rope = "  - {name: rope, kind: string, between: [left, right], stiffness: 2450, damping: 2, sensor: {rate: 500, delay: 0.002}, law: {kind: proportional, gain: 0.1}}\n";
+  std::string ropes = rope;
+  for (int k = 1; k < 200; ++k) ropes += std::string(rope).replace(rope.find("rope"), 4, "rope" + std::to_string(k));
+  EXPECT_EQ(message(rope, ropes), "");
+  ropes += std::string(rope).replace(rope.find("rope"), 4, "one-more");
+  const std::string words = message(rope, ropes);
+  EXPECT_NE(words.find("200"), std::string::npos) << words;
+  EXPECT_NE(words.find("201 members"), std::string::npos) << words;
+  std::string walls = "walls:\n";
+  for (int k = 0; k < 201; ++k)
+    walls += "  - {name: wall" + std::to_string(k) + ", arm: right, normal: [1, 0, 0], stiffness: 100}\n";
+  EXPECT_NE(message("phases:\n", walls + "phases:\n").find("201 walls"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace veridyn

@@ -26,6 +26,15 @@ std::string model_path(const std::string& named, const std::string& scenario) {
   return (fs::path(scenario).parent_path() / named).string();
 }
 
+// Each has a row of numbers in every cycle of the run, and states in dense matrices of the stability analysis.
+constexpr std::size_t kMostElements = 200;
+
+std::vector<YamlNode> elements(const YamlNode& list, const std::string& what) {
+  std::vector<YamlNode> out = list.items("a list of " + what);
+  if (out.size() > kMostElements) list.fail(text(out.size(), " ", what), text("at most ", kMostElements));
+  return out;
+}
+
 ScenarioArm read_arm(const YamlNode& node, const std::string& scenario) {
   node.allow_keys(
       {"name", "model", "seed", "position", "turn", "frame", "offset", "start", "control",
@@ -201,20 +210,20 @@ Scenario read(const YamlNode& root, const std::string& path) {
   if (const auto error = root.find("base_pose_error")) draw_base_errors(*error, s);
   Names members{"member", {}};
   if (const auto list = root.find("members")) {
-    for (const YamlNode& node : list->items("a list of members")) {
+    for (const YamlNode& node : elements(*list, "members")) {
       s.members.push_back(read_member(node, arms));
       members.add(s.members.back().name, node.at("name"));
     }
   }
   if (const auto list = root.find("walls")) {
-    for (const YamlNode& node : list->items("a list of walls")) {
+    for (const YamlNode& node : elements(*list, "walls")) {
       s.walls.push_back(read_wall(node, arms));
       members.add(s.walls.back().name, node.at("name"));
     }
     members.all.resize(s.members.size());
   }
   if (const auto list = root.find("bodies")) {
-    for (const YamlNode& node : list->items("a list of bodies"))
+    for (const YamlNode& node : elements(*list, "bodies"))
       s.bodies.push_back(read_body(node, arms));
   }
   if (const auto ask = root.find("ask")) {
