@@ -1,4 +1,5 @@
 #include <poll.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -104,6 +105,10 @@ class StandardInput final : public LineSource {
     }
   }
   bool closed() const override { return closed_ && held_.empty(); }
+  bool is_script() const override {
+    struct stat at {};
+    return ::fstat(STDIN_FILENO, &at) == 0 && S_ISREG(at.st_mode);
+  }
 
  private:
   std::string held_;

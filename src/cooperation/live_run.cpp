@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
 #include <thread>
 #include <vector>
 
 #include "experiment.hpp"
 #include "motion_plan.hpp"
+#include "waiting_lines.hpp"
 #include "cooperation/scenario/scenario_models.hpp"
 #include "veridyn/cooperation/live.hpp"
 #include "veridyn/math/require.hpp"
@@ -75,6 +77,8 @@ class Live {
 
  private:
   void take_lines() {
+    if (quits_ || out_.lost) return;
+    if (const std::optional<int> dropped = lines_.stopped()) stop(*dropped);
     std::string line;
     while (out_.time >= waits_until_ && !quits_ && !out_.lost && lines_.next(line)) {
       line_at_ = Clock::now();
@@ -83,6 +87,10 @@ class Live {
       try {
         const LiveCommand command = parse_live_command(line, scenario_);
         const std::string why = objection(command);
+        if (const std::optional<int> dropped = lines_.stopped()) {  // while this one was planned
+          stop(*dropped + 1);
+          continue;
+        }
         if (!why.empty()) throw InvalidInput(text("'", line, "': ", why, "."));
         act(command);
       } catch (const InvalidInput& error) {
@@ -90,6 +98,15 @@ class Live {
         if (tell_.refused) tell_.refused(error.what());
       }
     }
+  }
+
+  void stop(int dropped) {
+    line_at_ = Clock::now();
+    heard_ = waits_until_ = out_.time;
+    began_ = true;
+    act(LiveStop{});
+    out_.refused += dropped;
+    if (dropped > 0 && tell_.refused) tell_.refused(dropped_lines(dropped));
   }
 
   // As for arms on boards: what cannot be carried out is not begun.
@@ -203,7 +220,7 @@ class Live {
   }
 
   const Scenario& scenario_;
-  LineSource& lines_;
+  WaitingLines lines_;
   LiveOptions options_;
   LiveReport tell_;
   Experiment experiment_;

@@ -7,12 +7,15 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <deque>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "cooperation/waiting_lines.hpp"
 #include "veridyn/math/require.hpp"
 
 // Commands by line: what they mean, and that the end of the line holds.
@@ -37,6 +40,44 @@ class Given final : public LineSource {
 
  private:
   std::deque<std::string> lines_;
+};
+
+// Each line comes at one of the calls that find nothing: one in every cycle of a wait, two in others.
+class Timed final : public LineSource {
+ public:
+  struct Line {
+    int from;
+    std::string words;
+  };
+  explicit Timed(std::deque<Line> lines, bool script = false) : lines_(std::move(lines)), script_(script) {}
+  bool next(std::string& line) override {
+    if (lines_.empty() || lines_.front().from > cycle_) {
+      ++cycle_;
+      return false;
+    }
+    line = lines_.front().words;
+    lines_.pop_front();
+    return true;
+  }
+  bool closed() const override { return lines_.empty() && cycle_ > 6000; }
+  bool is_script() const override { return script_; }
+
+ private:
+  std::deque<Line> lines_;
+  bool script_;
+  int cycle_ = 0;
+};
+
+// How far the master has moved along x at the reports, [m].
+struct Way {
+  std::vector<double> x;
+  LiveReport tell;
+  std::vector<std::string> refusals;
+  Way() {
+    tell.state = [this](const std::string& line) { x.push_back(std::atof(line.c_str() + line.find("master=") + 7)); };
+    tell.refused = [this](const std::string& line) { refusals.push_back(line); };
+  }
+  double at(std::size_t report) const { return x.at(report) - x.front(); }
 };
 
 LiveOptions at_once() {
@@ -70,6 +111,7 @@ TEST(Live, LinesOfTheStandardInputEndSomewhere) {
   const auto write = [&](const std::string& bytes) {
     EXPECT_EQ(::write(ends[1], bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
   };
+  EXPECT_FALSE(source->is_script());  // somebody may speak in between
   write("stop\n\njog 0 0");
   for (const char* wanted : {"stop", ""}) {
     EXPECT_TRUE(source->next(line));
@@ -89,6 +131,11 @@ TEST(Live, LinesOfTheStandardInputEndSomewhere) {
   EXPECT_EQ(line, "quit");  // also without its end
   EXPECT_FALSE(source->next(line));
   EXPECT_TRUE(source->closed());
+  std::FILE* file = std::tmpfile();
+  ASSERT_NE(file, nullptr);
+  ::dup2(::fileno(file), STDIN_FILENO);
+  EXPECT_TRUE(open_line_source("-")->is_script());
+  std::fclose(file);
   ::dup2(own, STDIN_FILENO);
   ::close(own);
   ::close(ends[0]);
@@ -207,6 +254,72 @@ TEST(Live, CommandsThatCannotBeCarriedOutAreRefused) {
   EXPECT_NE(refusals[0].find("'move 5 0 0 0.1': at "), std::string::npos) << refusals[0];
   EXPECT_LT(run.largest_force, 5.5);
   EXPECT_EQ(run.state, CooperativeState::kTracking);
+}
+
+// A wait holds up no stop: the move ends when the stop comes, what waited before it is dropped, and what comes after it
+// is carried out. In a script, where nobody can speak in between, it has its turn.
+TEST(Live, AStopWaitsForNothing) {
+  for (const bool script : {false, true}) {
+    Timed lines({{0, "move 0.05 0 0 2"}, {0, "wait 3"}, {300, "move -0.05 0 0 1"}, {500, "stop"}, {2500, "move 0 0.01 0 0.5"},
+                 {4500, "quit"}}, script);
+    LiveOptions options = at_once();
+    options.tell = 0.1;
+    options.longest = 5.0;
+    Way way;
+    const LiveRun run = run_live(example("two-arms-spring"), lines, options, way.tell);
+    EXPECT_FALSE(run.lost);
+    if (script) {
+      EXPECT_NEAR(way.at(29), 0.05, 2e-3);  // nothing before the wait is over
+      continue;
+    }
+    EXPECT_GT(way.at(5), 0.001);
+    EXPECT_LT(way.at(9), 0.02);
+    EXPECT_NEAR(way.at(12), way.at(9), 1e-3);  // half a second for the end of the motion
+    EXPECT_NEAR(way.at(24), way.at(9), 1e-3);
+    EXPECT_NEAR(run.time, 2.5, 0.01);
+    EXPECT_EQ(run.commands, 5);
+    EXPECT_EQ(run.refused, 1);
+    ASSERT_EQ(way.refusals.size(), 1U);
+    EXPECT_EQ(way.refusals[0], "stopped: 1 line before it had not been carried out and is dropped.");
+  }
+}
+
+// A stop ends a jog that a wait keeps alive.
+TEST(Live, AStopEndsAJogThatWaits) {
+  Timed lines({{0, "jog 0.02 0 0"}, {0, "wait 10"}, {300, "  stop "}, {2700, "quit"}});
+  LiveOptions options = at_once();
+  options.tell = 0.1;
+  options.longest = 3.0;
+  Way way;
+  const LiveRun run = run_live(example("two-arms-spring"), lines, options, way.tell);
+  EXPECT_NEAR(run.time, 1.5, 0.01);
+  EXPECT_LT(way.at(14), 0.02);
+  EXPECT_NEAR(way.at(14), way.at(8), 5e-4);
+  EXPECT_TRUE(way.refusals.empty());
+}
+
+// A source that never falls silent is not read for ever, and a stop comes through it.
+TEST(Live, AStopComesThroughAFlood) {
+  class Flood final : public LineSource {
+   public:
+    bool next(std::string& line) override {
+      ++lines;
+      line = lines == 1 ? "wait 100" : lines == 5000 ? "stop" : "alive";
+      return true;
+    }
+    bool closed() const override { return false; }
+    int lines = 0;
+  };
+  Flood flood;
+  WaitingLines waiting(flood);
+  std::optional<int> dropped = waiting.stopped();
+  int cycles = 1;
+  for (; !dropped && cycles < 100; ++cycles) dropped = waiting.stopped();
+  ASSERT_TRUE(dropped.has_value());
+  EXPECT_EQ(*dropped, 4999);
+  EXPECT_LE(cycles, 20);
+  for (int k = 0; k < 1000; ++k) EXPECT_FALSE(waiting.stopped().has_value());
+  EXPECT_EQ(flood.lines, 15000);
 }
 
 // In the middle of a move the line ends: everything stops and stays.

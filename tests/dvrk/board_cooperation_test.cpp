@@ -220,6 +220,49 @@ TEST(BoardCooperation, CommandsByLineMoveTheArmsAndTheirLossLetsGo) {
   }
 }
 
+// A wait holds up no stop on boards either.
+TEST(BoardCooperation, AStopWaitsForNothing) {
+  class Timed final : public LineSource {
+   public:
+    bool next(std::string& line) override {
+      static const std::pair<int, const char*> kLines[] = {
+          {0, "move 0.01 0 0 2"}, {0, "wait 5"}, {300, "move -0.01 0 0 1"}, {600, "stop"}, {2600, "quit"}};
+      if (next_ == 5 || kLines[next_].first > cycle_) {
+        ++cycle_;
+        return false;
+      }
+      line = kLines[next_++].second;
+      return true;
+    }
+    bool closed() const override { return false; }
+
+   private:
+    int next_ = 0, cycle_ = 0;
+  } lines;
+  BoardCooperationOptions options;
+  options.emulate = emulate_boards;
+  options.stepped = true;
+  options.hold = options.release = 0.5;
+  options.lines = &lines;
+  options.live.pace = 0.0;
+  std::vector<double> x;
+  std::vector<std::string> refusals;
+  options.live_report.state = [&](const std::string& line) { x.push_back(std::atof(line.c_str() + line.find("master=") + 7)); };
+  options.live_report.refused = [&](const std::string& line) { refusals.push_back(line); };
+  const std::atomic<bool> stop{false};
+  const BoardCooperationRun done = run_on_boards(board_example("two-psm-spring"), patient_side(2), options, stop);
+  EXPECT_EQ(done.end, BoardEnd::kDone) << done.report();
+  EXPECT_EQ(done.commands, 4);
+  EXPECT_EQ(done.refused, 1);
+  ASSERT_EQ(refusals.size(), 1U);
+  EXPECT_NE(refusals[0].find("1 line before it"), std::string::npos) << refusals[0];
+  ASSERT_GT(x.size(), 14U);
+  EXPECT_LT(x.size(), 25U);
+  EXPECT_GT(x[8] - x[0], 2e-4);
+  EXPECT_LT(x[8] - x[0], 0.006);
+  EXPECT_NEAR(x[14], x[9], 1e-4);
+}
+
 // A load cell that is polled once a cycle and speaks from one poll to another.
 class Cell final : public ForceSource {
  public:
@@ -439,6 +482,39 @@ TEST(BoardCooperation, RowsAreInTheFileWhileTheyAreMade) {
   std::remove(path.c_str());
 }
 
+// A disk that is full before the first row leaves no file, and an older one as it was.
+TEST(ScenarioRowFile, AFullDiskWithoutARowLeavesNoFile) {
+  const auto folder = std::filesystem::temp_directory_path() / ("veridyn-no-row-" + std::to_string(::getpid()));
+  std::filesystem::create_directory(folder);
+  const std::string path = (folder / "rows.csv").string();
+  const Scenario scenario = board_example("two-psm-spring");
+  const ScenarioRun run = empty_run(scenario, "boards", 100);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  for (const bool there : {false, true}) {
+    if (there) std::ofstream(path) << "an older recording\n";
+    const rlimit small{300, before.rlim_max};
+    ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+    {
+      ScenarioRowFile file(path, run);
+      file.count(60);
+      std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    }
+    ::setrlimit(RLIMIT_FSIZE, &before);
+    int files = 0;
+    for ([[maybe_unused]] const auto& one : std::filesystem::directory_iterator(folder)) ++files;
+    EXPECT_EQ(files, there ? 1 : 0);
+    if (!there) continue;
+    std::string line;
+    std::ifstream kept(path);
+    std::getline(kept, line);
+    EXPECT_EQ(line, "an older recording");
+  }
+  std::signal(SIGXFSZ, handler);
+  std::filesystem::remove_all(folder);
+}
+
 // What the report says of an arm is what its encoders saw.
 // A healthy run ends without a fault although its wanted force is beyond largest_force_error (2 N).
 TEST(BoardCooperation, GivingUpAPretensionIsNoFault) {
@@ -481,36 +557,3 @@ TEST(BoardCooperation, ASignalReleasesAndSwitchesOff) {
 
 }  // namespace
 }  // namespace veridyn::dvrk
-// A disk that is full before the first row leaves no file, and an older one as it was.
-TEST(ScenarioRowFile, AFullDiskWithoutARowLeavesNoFile) {
-  const auto folder = std::filesystem::temp_directory_path() / ("veridyn-no-row-" + std::to_string(::getpid()));
-  std::filesystem::create_directory(folder);
-  const std::string path = (folder / "rows.csv").string();
-  const Scenario scenario = board_example("two-psm-spring");
-  const ScenarioRun run = empty_run(scenario, "boards", 100);
-  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
-  rlimit before{};
-  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
-  for (const bool there : {false, true}) {
-    if (there) std::ofstream(path) << "an older recording\n";
-    const rlimit small{300, before.rlim_max};
-    ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
-    {
-      ScenarioRowFile file(path, run);
-      file.count(60);
-      std::this_thread::sleep_for(std::chrono::milliseconds(300));
-    }
-    ::setrlimit(RLIMIT_FSIZE, &before);
-    int files = 0;
-    for ([[maybe_unused]] const auto& one : std::filesystem::directory_iterator(folder)) ++files;
-    EXPECT_EQ(files, there ? 1 : 0);
-    if (!there) continue;
-    std::string line;
-    std::ifstream kept(path);
-    std::getline(kept, line);
-    EXPECT_EQ(line, "an older recording");
-  }
-  std::signal(SIGXFSZ, handler);
-  std::filesystem::remove_all(folder);
-}
-

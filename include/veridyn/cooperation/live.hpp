@@ -14,7 +14,9 @@ namespace veridyn {
 struct LiveWait {
   double seconds = 0.0;
 };
-struct LiveStop {};   ///< end all motion
+/// End all motion. It is carried out as soon as it arrives, also while a LiveWait lasts; lines before it that have
+/// not been carried out by then are dropped.
+struct LiveStop {};
 struct LiveAlive {};  ///< keeps the line alive, nothing else
 struct LiveQuit {};   ///< end the run
 struct LiveJog {      ///< the object's velocity from now on, until the next line
@@ -45,6 +47,8 @@ class LineSource {
   /// True if a whole line has arrived; `line` is set to it.
   virtual bool next(std::string& line) = 0;
   virtual bool closed() const = 0;
+  /// True if nobody can speak in between, as in a file: every line has its turn then, a stop as well.
+  virtual bool is_script() const { return false; }
 };
 
 /// "-": standard input; "udp:PORT": every datagram is a line, from this machine alone unless

@@ -49,11 +49,26 @@ LiveHand::Shown LiveHand::shown() {
 // The next line becomes a command when the loop has taken all before it: it is planned from there.
 void LiveHand::pump() {
   const Shown now = shown();
-  if (!now.plan || now.taken != written_.load()) return;
+  if (!now.plan) return;
+  stops(0);
+  if (now.taken != written_.load()) return;
   if (now.jogs) plan_jog(now);
   std::string line;
   if (!now.waits && lines_.next(line)) take(line, now);
   if (lines_.closed()) closed_.store(true);
+}
+
+// A stop goes ahead of all that has not been carried out. @param under_way  lines that are being answered.
+bool LiveHand::stops(int under_way) {
+  const std::optional<int> dropped = lines_.stopped();
+  if (!dropped) return false;
+  put(LiveStop{});
+  stop_.store(written_.load());
+  const int all = *dropped + under_way;
+  if (all == 0) return true;
+  refused_by_words_.fetch_add(all);
+  if (report_.refused) report_.refused(dropped_lines(all));
+  return true;
 }
 
 void LiveHand::put(const LiveCommand& command) {
@@ -66,6 +81,7 @@ void LiveHand::take(const std::string& line, const Shown& now) {
   try {
     command = parse_live_command(line, scenario_);
     const std::string why = plan_ ? objection(command, now) : "";
+    if (stops(1)) return;
     if (!why.empty()) throw InvalidInput(text("'", line, "': ", why, "."));
     if (std::holds_alternative<LiveJog>(command)) jog_until_.store(now.time + options_.silence);
   } catch (const InvalidInput& error) {
@@ -140,6 +156,11 @@ LiveHand::End LiveHand::act(double time, CooperativeController& control) noexcep
   }
   // Asked first: what was written before the end came is in the queue then.
   const bool closed = closed_.load();
+  if (const std::size_t stop = stop_.load(); stop > read_.load()) {
+    refused_ += static_cast<long>(stop - 1 - read_.load());
+    read_.store(stop - 1);
+    waits_until_ = time;
+  }
   while (time >= waits_until_ && !quits_ && read_.load() != written_.load()) {
     give(queue_[read_.load() % kRoom], time, control);
     read_.fetch_add(1);

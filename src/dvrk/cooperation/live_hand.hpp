@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "cooperation/motion_plan.hpp"
+#include "cooperation/waiting_lines.hpp"
 #include "veridyn/control/cooperative_controller.hpp"
 #include "veridyn/cooperation/live.hpp"
 
@@ -17,7 +18,8 @@ namespace veridyn::dvrk {
 /// own, or, for boards by a stepped clock, between two cycles; the loop takes commands from a queue
 /// and neither waits nor allocates. What moves the arms is planned before it is taken, from where
 /// they are then: a line that cannot be carried out is refused, and a jog is planned again all the
-/// time, so that it stops before it leads where an arm cannot go.
+/// time, so that it stops before it leads where an arm cannot go. A stop waits for nothing but the plan of the
+/// line that is being answered.
 class LiveHand {
  public:
   enum class End { kGoesOn, kQuit, kLost };
@@ -69,6 +71,7 @@ class LiveHand {
   };
 
   void pump();
+  bool stops(int under_way);
   void take(const std::string& line, const Shown& now);
   void put(const LiveCommand& command);
   void plan_jog(const Shown& now);
@@ -78,12 +81,13 @@ class LiveHand {
   void give(const LiveCommand& command, double time, CooperativeController& control) noexcept;
 
   const Scenario& scenario_;
-  LineSource& lines_;
+  WaitingLines lines_;
   LiveOptions options_;
   LiveReport report_;
   Reads reads_;
   std::array<LiveCommand, kRoom> queue_;
   std::atomic<std::size_t> written_{0}, read_{0};
+  std::atomic<std::size_t> stop_{0};  // commands up to and with the last stop that came ahead of its turn
   std::atomic<bool> closed_{false}, ends_{false};
   std::atomic<long> refused_by_words_{0};
   std::mutex showing_;
