@@ -456,6 +456,14 @@ void ChangeFinder::blind(const Blindness& blindness) {
   events_.push_back(std::move(e));
 }
 
+void ChangeFinder::set_back(const Blindness& blindness, double now) {
+  finish(now);
+  blind(blindness);
+  for (double* time : {&relearn_until_, &refractory_until_}) *time -= blindness.set_back;
+  last_learned_ = -1e300;
+  for (Change& c : past_) c.score.onset -= blindness.set_back;
+}
+
 void ChangeFinder::finish(double now) {
   if (open_) isolate(now, true);
   if (refining_) {

@@ -35,6 +35,8 @@ class ChangeFinder {
   void add(const Step& step, WatchState& state);
   void jump(const PositionJump& jump, double now);
   void blind(const Blindness& blindness);
+  /// The clock was set back: what is open is answered, as at the end, and nothing known is forgotten.
+  void set_back(const Blindness& blindness, double now);
   void finish(double now);
   std::vector<WatchEvent> take();
   bool learning() const { return learning_; }

@@ -117,6 +117,37 @@ void SmoothedRows::unusable(double time, const std::string& why) {
   if (on_blind) on_blind({usable_, time, why});
 }
 
+// False for a row whose time does not rise, until the clock is known to have been set back, as by the start
+// of another controller.
+bool SmoothedRows::clock_goes_on(double time) {
+  if (!has_last_ || time > last_.t) {
+    // Set back by less, it has caught up: rows on both sides are not contiguous.
+    if (back_ > 0 && back_last_ - back_first_ >= numbers_.jump_reach) begin_again();
+    back_ = 0;
+    return true;
+  }
+  if (back_ == 0 || time <= back_last_) back_first_ = time;
+  back_last_ = time;
+  const double before = usable_ + dt_ * static_cast<double>(++back_);  // by the clock as it was
+  if (time - back_first_ >= 0.5 * numbers_.pause) {
+    set_back(time, before);
+    return true;
+  }
+  unusable(before, "times do not rise");
+  return false;
+}
+
+void SmoothedRows::set_back(double time, double before) {
+  const double by = last_.t + dt_ - back_first_;
+  blind_ += before - usable_;
+  is_blind_ = false;
+  if (on_blind) on_blind({usable_, before, text("the clock was set back to ", back_first_, " s, and the watch begins anew"), by});
+  same_since_.array() -= by;
+  back_ = 0;
+  usable_ = heard_ = time;
+  begin_again();
+}
+
 void SmoothedRows::usable(double time) {
   if (is_blind_) {
     blind_ += time - usable_;
@@ -148,7 +179,7 @@ void SmoothedRows::add(const Recording& rows) {
   Row row;
   for (int k = 0; k < rows.rows(); ++k) {
     take(rows, k, row);
-    if (!std::isfinite(row.t)) continue;
+    if (!std::isfinite(row.t) || !clock_goes_on(row.t)) continue;
     if (const std::string why = fault(row); !why.empty()) {
       unusable(row.t, why);
       continue;
@@ -170,7 +201,9 @@ void SmoothedRows::add(const Recording& rows) {
     value_ = kernel.row(0);
     slope_ = kernel.row(1) / dt_;
     curve_ = kernel.row(2) / (dt_ * dt_);
-    for (const Row& one : start_) place(one);
+    for (const Row& one : start_) {
+      if (clock_goes_on(one.t)) place(one);
+    }
     start_.clear();
   }
 }
@@ -178,11 +211,6 @@ void SmoothedRows::add(const Recording& rows) {
 // Processes one recorded row: the grid points between it and the previous row.
 void SmoothedRows::place(const Row& row) {
   if (has_last_) {
-    if (row.t <= last_.t) {  // as after the start of another controller
-      unusable(usable_ + dt_ * static_cast<double>(++back_), "times do not rise");
-      return;
-    }
-    back_ = 0;
     const bool same = row.q == last_.q && row.tau == last_.tau;
     if (same && moved()) {
       unusable(row.t, "the same row comes again and again, of an arm that moves");

@@ -30,11 +30,16 @@ struct Blindness {
   double since = 0.0;  ///< [s] last usable row
   double time = 0.0;   ///< [s] at which it was noticed
   std::string why;
+  /// [s] by which the clock was set back; the rows that follow count as usable, by the new clock. 0: it was not.
+  double set_back = 0.0;
 };
 
 /// Prepares rows of a running arm for the equations of motion: skips gaps and repeated rows,
 /// interpolates on a uniform grid, corrects channels as the MODEL says, detects and removes jumps
 /// of an encoder, and estimates velocity and acceleration by local least squares.
+///
+/// Rows whose times do not rise above the last one's are skipped. Where they rise among themselves for half a
+/// pause the clock was set back: on_blind tells it, and smoothing begins anew.
 class SmoothedRows {
  public:
   SmoothedRows(const Model& arm, const WatchNumbers& numbers);
@@ -66,6 +71,8 @@ class SmoothedRows {
   std::string fault(const Row& row) const;
   std::string stopped_torque(const Row& row);
   bool moved() const;
+  bool clock_goes_on(double time);
+  void set_back(double time, double before);
   void unusable(double time, const std::string& why);
   void usable(double time);
   void place(const Row& row);
@@ -103,7 +110,8 @@ class SmoothedRows {
   // Last usable row and last row of all [s].
   double usable_ = 0.0, heard_ = 0.0, blind_ = 0.0;
   bool heard_any_ = false, is_blind_ = false;
-  long back_ = 0;  // rows in a row whose time does not rise
+  long back_ = 0;  // rows in a row whose time does not rise above the last one's
+  double back_first_ = 0.0, back_last_ = 0.0;  // [s] between which their times rise
   // (n) since when a torque has not changed, its joint's position then, and the longest such time before.
   VectorXd same_torque_, same_since_, same_from_, same_longest_;
   std::vector<char> never_changed_, stopped_;

@@ -82,7 +82,16 @@ class Watch::Implementation {
     state_.residual = state_.torque = state_.noise = VectorXd::Zero(arm.joints());
     rows_.on_row = [this](const watching::SmoothedRow& row) { steps_.add(row, rows_.dt()); };
     rows_.on_break = [this] { steps_.begin_again(); };
-    rows_.on_blind = [this](const watching::Blindness& b) { finder_.blind(b); };
+    rows_.on_blind = [this](const watching::Blindness& b) {
+      if (b.set_back <= 0.0) {
+        finder_.blind(b);
+        return;
+      }
+      finder_.set_back(b, now_);
+      now_ -= b.set_back;
+      state_.set_back += b.set_back;
+      state_.alarmed = false;
+    };
     rows_.on_jump = [this](const watching::PositionJump& jump) { finder_.jump(jump, now_); };
     steps_.on_step = [this](const Step& step) {
       now_ = step.time;

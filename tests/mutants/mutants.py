@@ -39,6 +39,8 @@ MUTANTS = [
     ("watch/evidence.cpp", "if (windows < 1.0) continue;", "", ["watch"]),
     ("watch/evidence.cpp", "A > kNothing ? std::clamp(b / A, least, largest) : 0.0", "A > kNothing ? b / A : 0.0", ["watch"]),
     ("watch/evidence.cpp", "if (step->time > latest || gain", "if (gain", ["watch"]),
+    ("watch/change.cpp", "c.score.onset -= blindness.set_back;", "c.score.onset -= 0.0;", ["watch"]),
+    ("watch/smoothed_rows.cpp", "back_last_ - back_first_ >= numbers_.jump_reach) begin_again();", "back_last_ < back_first_) begin_again();", ["watch"]),
     ("watch/change.cpp", "above_ < numbers_.above_in_a_row", "above_ < 1", ["watch"]),
     ("watch/change.cpp", "refractory_until_ = step.time + numbers_.refractory_time;", "refractory_until_ = step.time;", ["watch"]),
     ("watch/change.cpp", "open_->alarm, numbers_.push_ends, price", "open_->alarm, 80.0, price", ["watch"]),

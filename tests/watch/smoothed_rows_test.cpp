@@ -147,5 +147,69 @@ TEST(SmoothedRowsWithJumps, TellSlipsFromJoinedRows) {
   EXPECT_TRUE(heard(file(), {before, slipped}).jumps.empty());
 }
 
+// A clock that is set back is known after a quarter of a second of rows, and smoothing begins anew there.
+TEST(SmoothedRowsOfASetBackClock, GoOnByTheNewClock) {
+  Recording r = parabolas(6.0);
+  const int cut = 800;
+  r.time.tail(r.rows() - cut).array() -= 3.5;
+  const Heard h = heard(file(), {r}, true);
+  ASSERT_EQ(h.blind.size(), 1U);
+  EXPECT_EQ(h.blind[0].why, "the clock was set back to 0.5 s, and the watch begins anew");
+  EXPECT_NEAR(h.blind[0].since, 4.0, 0.01);
+  EXPECT_NEAR(h.blind[0].time, 4.25, 0.011);
+  EXPECT_NEAR(h.blind[0].set_back, 3.5, 1e-9);
+  EXPECT_EQ(h.breaks, 1);
+  EXPECT_TRUE(h.jumps.empty());
+  EXPECT_NEAR(h.rows.back().time, 2.45, 0.02);
+  for (const SmoothedRow& row : h.rows) EXPECT_NEAR(row.dq[0], 0.6 * (row.time + (row.dq[0] > 2.4 ? 3.5 : 0.0)), 1e-6);
+}
+
+// Rows that cannot be used do not hide that the clock was set back.
+TEST(SmoothedRowsOfASetBackClock, BadRowsDoNotHideIt) {
+  Recording r = parabolas(6.0);
+  r.time.bottomRows(400).array() -= 3.5;
+  r.tau.bottomRows(400).col(1).setConstant(std::nan(""));
+  const Heard h = heard(file(), {r});
+  ASSERT_EQ(h.blind.size(), 2U);
+  EXPECT_NEAR(h.blind[0].set_back, 3.5, 1e-9);
+  EXPECT_EQ(h.blind[1].why, "tau2 (elbow) is no number");
+}
+
+// Set back by less, the clock soon catches up: what lies between is no slip of an encoder.
+TEST(SmoothedRowsOfASetBackClock, ALittleIsABreakAndNoSlip) {
+  Recording r = parabolas(6.0);
+  for (MatrixXd* m : {&r.q, &r.dq}) m->col(1).setConstant(0.0);
+  const int cut = 800;
+  Recording later = r;
+  later.time.tail(r.rows() - cut).array() -= 0.1;
+  const Heard h = heard(file(), {rows_of(later, 0, cut), rows_of(later, cut, r.rows() - cut)}, true);
+  EXPECT_TRUE(h.jumps.empty());
+  EXPECT_TRUE(h.blind.empty());
+  EXPECT_EQ(h.breaks, 1);
+  EXPECT_NEAR(h.rows.back().time, 5.85, 0.02);
+}
+
+// Neither old rows that come late, nor two clocks in turn, nor one that runs backwards or stands still, is a
+// clock that was set back.
+TEST(SmoothedRowsOfASetBackClock, OtherDisorderIsNone) {
+  const Recording whole = parabolas(6.0);
+  const Recording late = rows_of(whole, 700, 40);
+  const Heard old = heard(file(), {rows_of(whole, 0, 800), late, rows_of(whole, 800, 400)});
+  EXPECT_TRUE(old.blind.empty());
+  EXPECT_NEAR(old.rows.back().time, 5.95, 0.02);
+  Recording two = whole;
+  for (Eigen::Index k = 401; k < two.rows(); k += 2) two.time[k] -= 1.9;
+  const Heard turns = heard(file(), {two});
+  EXPECT_TRUE(turns.blind.empty());
+  EXPECT_EQ(turns.breaks, 0);
+  EXPECT_NEAR(turns.rows.back().time, 5.94, 0.02);
+  Recording backwards = whole;
+  for (Eigen::Index k = 800; k < backwards.rows(); ++k) backwards.time[k] = 8.0 - whole.time[k];
+  const Heard down = heard(file(), {backwards});
+  ASSERT_EQ(down.blind.size(), 1U);
+  EXPECT_EQ(down.blind[0].why, "times do not rise");
+  EXPECT_EQ(down.blind[0].set_back, 0.0);
+}
+
 }  // namespace
 }  // namespace veridyn::watching

@@ -140,6 +140,68 @@ TEST(WatchLife, OtherDaysAreLearnedFrom) {
   EXPECT_TRUE(refuses_with("less than two seconds", [&] { watch.learn(rows_of(quiet, 0, 0)); }));
 }
 
+// The rows' clock is set back by 11 s at 12 s. What was named before stays known and raises no alarm again; a change
+// afterwards is one more, with times of the new clock; and what was named is over by that clock.
+TEST(WatchLife, AClockThatIsSetBackTakesNoKnowledge) {
+  const MotionSamples motion = watched_waves(34.0);
+  const Recording without = psm().recorded(motion, {}, 1);
+  const Recording with = psm().recorded(motion, {"payload:tool:mass=0.3"}, 1);
+  const Recording more = psm().recorded(motion, {"payload:tool:mass=0.3", "torque_offset:yaw:offset=0.3"}, 1);
+  const Recording less = psm().recorded(motion, {"torque_offset:yaw:offset=0.3"}, 1);
+  Recording rows = joined(joined(joined(without, with, 5.0, 34.0), more, 16.0, 34.0), less, 26.0, 34.0);
+  const auto cut = static_cast<Eigen::Index>(12.0 * WatchedArm::kRate);
+  rows.time.tail(rows.rows() - cut).array() -= 11.0;
+  Watch watch(psm().arm);
+  for (int k = 0; k < rows.rows(); k += 37) watch.add(rows_of(rows, k, std::min(37, rows.rows() - k)));
+  watch.finish();
+  const std::vector<WatchEvent>& events = watch.events();
+  EXPECT_NEAR(watch.state().set_back, 11.0, 1e-6);
+  EXPECT_NEAR(watch.state().blind, 0.25, 0.02);
+  EXPECT_NEAR(watch.state().heard, 23.0, 0.01);
+  const std::vector<WatchEvent> blind = of(events, WatchStage::kBlind), named = of(events, WatchStage::kNamed),
+                                over = of(events, WatchStage::kOver), suspected = of(events, WatchStage::kSuspected);
+  ASSERT_EQ(blind.size(), 1U) << in_words(events);
+  EXPECT_NEAR(blind[0].since, 12.0, 0.02);
+  EXPECT_NEAR(blind[0].time, 12.25, 0.03);
+  ASSERT_EQ(named.size(), 2U) << in_words(events);
+  EXPECT_EQ(named[0].text, "payload:tool");
+  EXPECT_EQ(named[1].text, "torque_offset:yaw");
+  EXPECT_NEAR(named[1].since, 5.0, 0.5);
+  EXPECT_EQ(suspected.size(), 3U) << in_words(events);  // the load, the offset, the load that is taken off
+  ASSERT_EQ(over.size(), 1U) << in_words(events);
+  EXPECT_EQ(over[0].id, named[0].id);
+  EXPECT_NEAR(over[0].since, 5.0 - 11.0, 0.5);
+  EXPECT_NEAR(over[0].until, 26.0 - 11.0, 0.5);
+}
+
+// A change that is open when the clock is set back is answered with what there is, as at the end.
+TEST(WatchLife, ASetBackClockEndsWhatIsOpen) {
+  const MotionSamples motion = watched_waves(20.0);
+  Recording rows = joined(psm().recorded(motion, {}, 1), psm().recorded(motion, {"payload:tool:mass=0.3"}, 1), 11.0, 20.0);
+  const auto cut = static_cast<Eigen::Index>(12.0 * WatchedArm::kRate);
+  rows.time.tail(rows.rows() - cut).array() -= 11.0;
+  const std::vector<WatchEvent> events = psm().watched(rows);
+  const std::vector<WatchEvent> named = of(events, WatchStage::kNamed);
+  ASSERT_EQ(named.size(), 1U) << in_words(events);
+  EXPECT_EQ(named[0].text.rfind("payload:", 0), 0U);  // which link carries it is not known after a second
+  EXPECT_NEAR(named[0].since, 11.0, 0.5);
+  EXPECT_NEAR(named[0].time, 12.0, 0.2);
+  for (const WatchEvent& e : events) EXPECT_TRUE(e.id == 1 || e.stage == WatchStage::kBlind) << in_words(events);
+}
+
+// A clock that is set back while the noise is learned costs a quarter of a second of it.
+TEST(WatchLife, ItLearnsByASetBackClock) {
+  Recording rows = psm().recorded(watched_waves(12.0), {}, 1);
+  const auto cut = static_cast<Eigen::Index>(3.0 * WatchedArm::kRate);
+  rows.time.tail(rows.rows() - cut).array() -= 2.9;
+  Watch watch(psm().arm);
+  watch.add(rows);
+  EXPECT_FALSE(watch.state().learning);
+  EXPECT_NEAR(watch.state().time, 9.0, 0.2);
+  ASSERT_EQ(watch.events().size(), 1U) << in_words(watch.events());
+  EXPECT_EQ(watch.events()[0].stage, WatchStage::kBlind);
+}
+
 TEST(WatchLife, WithoutVelocitiesItSeesTheSame) {
   const MotionSamples motion = watched_waves(16.0);
   Recording changed = joined(psm().recorded(motion, {}, 1), psm().recorded(motion, {"payload:tool:mass=0.3"}, 1), 5.0, 16.0);

@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <sstream>
+#include <string>
 #include <thread>
 
 #include "cli/tool.hpp"
@@ -132,6 +134,27 @@ TEST(WatchTool, AModelOfAnotherArmIsDoubted) {
   const std::string slight = folder.write("slight.csv", planar_recording(12.0, 0.1, 1.0));
   const std::string of_slight = run_tool({"watch", model, slight, "--quiet"}).err;
   EXPECT_EQ(run_tool({"watch", model, recording, slight, "--quiet"}).err, other.err + of_slight);
+}
+
+// Seconds are those of the rows, whatever their clock does, and what is not watched is no more than it takes to know.
+TEST(WatchTool, ASetBackClockTakesNoSeconds) {
+  TemporaryFolder folder;
+  std::istringstream whole(planar_recording(12.0));
+  std::string rows, line;
+  std::getline(whole, line);
+  rows = line + "\n";
+  while (std::getline(whole, line)) {
+    const double t = std::stod(line);
+    rows += std::to_string(t < 8.0 ? t : t - 7.0) + line.substr(line.find(',')) + "\n";
+  }
+  const std::string recording = folder.write("arm.csv", rows), out = folder.path("watch.json");
+  const ToolRun run = run_tool({"watch", "planar-2r", recording, "--json", out});
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_NE(run.out.find("the clock was set back to 1 s, and the watch begins anew"), std::string::npos) << run.out;
+  const auto source = json_of(out)["sources"][0];
+  EXPECT_NEAR(source["seconds"].get<double>(), 12.0, 0.3);
+  EXPECT_NEAR(source["blind"].get<double>(), 0.25, 0.03);
+  EXPECT_EQ(source["alarms"], 0);
 }
 
 }  // namespace

@@ -34,7 +34,7 @@ enum class WatchStage {
   kPresent,    ///< there when the watch began: learned, and no reason for an alarm
   kWithdrawn,  ///< the name was wrong: another one explains more, and follows with the same id
   /// Nothing can be watched since: no rows, no finite numbers, times that do not rise, rows or a torque that
-  /// stand still while the arm moves. No change and no cause; the id is that of a change that was suspected
+  /// stand still while the arm moves; or the clock was set back, by which later events have their times. No change and no cause; the id is that of a change that was suspected
   /// since then, or 0.
   kBlind,
 };
@@ -70,6 +70,7 @@ struct WatchState {
   bool alarmed = false;  ///< a change is being isolated
   double heard = 0.0;    ///< [s] of the last row, usable or not
   double blind = 0.0;    ///< [s] so far in which nothing could be watched, see WatchStage::kBlind
+  double set_back = 0.0; ///< [s] by which the rows' clock was set back so far
   double strength = 0.0; ///< largest statistic divided by its threshold
   std::string suspect;   ///< cause with that statistic
   /// (n) mean over the step: measured minus modelled torque, known changes compensated
@@ -116,7 +117,8 @@ class Watch {
   void learn(const Recording& quiet);
 
   /// Watches the next rows and returns the events that they bring. Rows whose time does not rise, or
-  /// which are repeated, are skipped; a pause of more than half a second begins a new segment.
+  /// which are repeated, are skipped; a pause of more than half a second begins a new segment, and so does a
+  /// clock that was set back, which takes a quarter of a second to be known. What was learned and named stays.
   /// @throws InvalidInput  another number of joints, neither torques nor currents with drive gains, other
   /// signals than in the rows before.
   std::vector<WatchEvent> add(const Recording& rows);

@@ -78,6 +78,7 @@ class Watching {
       }
       at_signals(stop);
       watched_.push_back({});
+      set_back_ = 0.0;
       watched_.back().source = source;
       watch.on_step([this](const WatchState& state) { note(state); });
       if (source == "-" || request_.follow) {
@@ -133,8 +134,17 @@ class Watching {
     }
   }
 
+  // A clock that is set back takes the source's beginning and end with it.
+  void keep_clock(const WatchState& state) {
+    const double by = state.set_back - set_back_;
+    set_back_ = state.set_back;
+    watched_.back().from -= by;
+    watched_.back().to -= by;
+  }
+
   void note_blindness(const Watch& watch) {
     WatchedSource& s = watched_.back();
+    keep_clock(watch.state());
     s.blind = watch.state().blind;
     if (s.blind > 0.0) s.to = std::max(s.to, watch.state().heard);
   }
@@ -156,6 +166,7 @@ class Watching {
   }
 
   void note(const WatchState& state) {
+    keep_clock(state);
     WatchedSource& s = watched_.back();
     if (s.states.empty()) s.from = state.time - 0.5 * request_.options.step;
     s.to = state.time + 0.5 * request_.options.step;
@@ -210,6 +221,7 @@ class Watching {
   std::unique_ptr<LivePage> live_;
   VectorXd missed_, measured_;  // (n) sums of squares while noise is learned
   Clock::time_point written_{};
+  double set_back_ = 0.0;  // [s] of the present source's clock
 };
 
 ExitStatus run(WatchRequest& request, const std::string& command_line) {

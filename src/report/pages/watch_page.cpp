@@ -38,8 +38,8 @@ std::string to_page(const std::vector<WatchedSource>& sources, const Model& arm,
   if (!sources.empty() && !sources.back().states.empty()) {
     const WatchedSource& source = sources.back();
     VectorXd time(source.states.size());
-    for (std::size_t k = 0; k < source.states.size(); ++k)
-      time[static_cast<Eigen::Index>(k)] = source.states[k].time;
+    for (std::size_t k = 0; k < source.states.size(); ++k)  // by the first clock, so that times rise
+      time[static_cast<Eigen::Index>(k)] = source.states[k].time + source.states[k].set_back;
     Json joints = Json::array();
     for (int j = 0; j < arm.joints(); ++j)
       joints.push_back(
