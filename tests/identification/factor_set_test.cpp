@@ -2,13 +2,16 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <condition_variable>
+#include <cstdio>
 #include <deque>
 #include <filesystem>
 #include <fstream>
 #include <map>
 #include <mutex>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
@@ -232,6 +235,8 @@ TEST(ManyRecordings, KeepEveryRowInFewBlocks) {
 
 // ---- ranks, as threads --------------------------------------------------------------------------
 
+constexpr std::chrono::seconds kLongestWait{60};
+
 class Mail {
  public:
   void put(int from, int to, const std::string& bytes) {
@@ -242,7 +247,8 @@ class Mail {
   std::string take(int from, int to) {
     std::unique_lock<std::mutex> lock(guard_);
     std::deque<std::string>& box = boxes_[{from, to}];
-    arrived_.wait(lock, [&] { return !box.empty(); });
+    if (!arrived_.wait_for(lock, kLongestWait, [&] { return !box.empty(); }))
+      throw std::runtime_error(text("rank ", to, " waits for rank ", from));
     std::string bytes = box.front();
     box.pop_front();
     return bytes;
@@ -269,22 +275,24 @@ class ThreadRank final : public Communicator {
 
 // The answer of rank 0, and what each rank threw.
 Identification by_ranks(const Model& arm, const std::vector<std::string>& train,
-                        const std::vector<std::string>& test, int size, int* refused = nullptr) {
+                        const std::vector<std::string>& test, int size, std::vector<std::string>* refused = nullptr,
+                        IdentificationOptions options = {}, const KeepFactors& keep = {}, int keeper = 0) {
   Mail mail;
   std::vector<std::thread> ranks;
   Identification answer;
   std::mutex guard;
-  IdentificationOptions options;
   options.threads = 1;
   for (int r = 0; r < size; ++r) {
     ranks.emplace_back([&, r] {
       ThreadRank rank(r, size, mail);
       try {
-        Identification id = identify(arm, train, test, options, rank);
+        Identification id = identify(arm, train, test, options, rank, r == keeper ? keep : KeepFactors());
         if (r == 0) answer = std::move(id);
-      } catch (const InvalidInput&) {
+      } catch (const InvalidInput& error) {
         const std::lock_guard<std::mutex> lock(guard);
-        if (refused != nullptr) ++*refused;
+        if (refused != nullptr) refused->emplace_back(error.what());
+      } catch (const std::exception& error) {
+        ADD_FAILURE() << error.what();
       }
     });
   }
@@ -353,9 +361,51 @@ TEST(ManyMachines, GoOnWithoutWhatCannotBeRead) {
   EXPECT_EQ(many.unusable_recordings[1].source, broken);
   EXPECT_NE(many.unusable_recordings[1].why.find("broken.csv"), std::string::npos);
   EXPECT_TRUE(same_answer(many, identify(arm, good, {good[0]}), 1e-12));
-  int refused = 0;
+  std::vector<std::string> refused;
   by_ranks(arm, {lost, broken}, {}, 3, &refused);
-  EXPECT_EQ(refused, 3);
+  EXPECT_EQ(refused.size(), 3U);
+}
+
+// What rank 0 alone finds out is refused by all, in the same words, and nobody waits: a prior of another arm, before
+// anything is read; a weight that no solver takes, once all have compressed; and a recording that is gone when its
+// errors are measured; and what another rank cannot keep.
+TEST(ManyMachines, RefuseTogether) {
+  const Model arm = robot("scara");
+  const Files files("ranks-refuse");
+  const std::vector<std::string> train = files.recordings(arm, 3, 8.0);
+  IdentificationOptions foreign, weight;
+  foreign.prior = robot("planar-2r");
+  weight.prior = arm;
+  weight.prior_weight = -1.0;
+  int kept = 0;
+  const KeepFactors count = [&](const FactorSet&, bool) { ++kept; };
+  std::vector<std::string> refused;
+  by_ranks(arm, train, {}, 3, &refused, foreign, count);
+  ASSERT_EQ(refused.size(), 3U);
+  EXPECT_NE(refused[0].find("does not give values to the same bodies"), std::string::npos) << refused[0];
+  EXPECT_EQ(kept, 0);
+  foreign.method = Method::kWls;  // which asks no prior
+  EXPECT_TRUE(by_ranks(arm, train, {}, 3, nullptr, foreign).model.has_value());
+  std::vector<std::string> of_weight;
+  by_ranks(arm, train, {}, 3, &of_weight, weight);
+  ASSERT_EQ(of_weight.size(), 3U);
+  EXPECT_NE(of_weight[0].find("weight"), std::string::npos) << of_weight[0];
+  const KeepFactors lose = [&](const FactorSet&, bool whole) {
+    if (whole) return;
+    std::remove(train[0].c_str());
+  };
+  std::vector<std::string> gone;
+  by_ranks(arm, train, {}, 3, &gone, {}, lose);
+  ASSERT_EQ(gone.size(), 3U);
+  EXPECT_NE(gone[0].find(train[0]), std::string::npos) << gone[0];
+  const KeepFactors full = [&](const FactorSet&, bool whole) { require(whole, "the disk is full"); };
+  std::vector<std::string> of_disk;
+  by_ranks(arm, {train[1], train[2]}, {}, 3, &of_disk, {}, full, 2);
+  ASSERT_EQ(of_disk.size(), 3U);
+  EXPECT_EQ(of_disk[0], "the disk is full");
+  for (const auto* all : {&refused, &of_weight, &gone, &of_disk}) {
+    for (const std::string& one : *all) EXPECT_EQ(one, all->front());
+  }
 }
 
 // Factors are kept while the work goes on, and once as a whole, with the velocities that were chosen in the end.

@@ -31,8 +31,8 @@ class Communicator {
 /// survive the failure of a rank; and on rank 0 once with those of all ranks, `whole` is then true.
 /// May be empty.
 /// @returns  the result at rank 0; on other ranks only status and reason are valid.
-/// @throws InvalidInput  on every rank alike: no recording could be used, or known masses were
-/// given.
+/// @throws InvalidInput  on every rank alike: no recording could be used, known masses were given, or
+/// whatever else identify() refuses, such as a prior of another arm.
 using KeepFactors = std::function<void(const FactorSet& factors, bool whole)>;
 Identification identify(const Model& arm, const std::vector<std::string>& train,
                         const std::vector<std::string>& test, const IdentificationOptions& options,

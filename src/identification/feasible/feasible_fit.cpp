@@ -123,12 +123,8 @@ std::optional<std::vector<InertialParameters>> priors_of(const Model& arm,
                                                          const IdentificationOptions& options) {
   std::vector<InertialParameters> out;
   if (options.prior) {
+    require_prior_fits(arm, options);
     const auto phi = options.prior->inertial_values();
-    require(phi.has_value(), "prior: found bodies without values in '", options.prior->name(),
-            "', expected a model with values, as from CAD or identify.");
-    require(phi->size() == kBodyParameters * static_cast<int>(arm.bodies().size()),
-            "the prior '", options.prior->name(), "' does not give values to the same bodies as '",
-            arm.name(), "'.");
     for (const int first : problem.body_columns)
       out.push_back(with_size(phi->segment<kBodyParameters>(first), kSmallestRadius));
     return out;
@@ -220,6 +216,16 @@ void solve_with(PriorUse use, const Model& arm, const SquareRootInformation& tot
 }
 
 }  // namespace
+
+void require_prior_fits(const Model& arm, const IdentificationOptions& options) {
+  if (!options.prior) return;
+  const auto phi = options.prior->inertial_values();
+  require(phi.has_value(), "prior: found bodies without values in '", options.prior->name(),
+          "', expected a model with values, as from CAD or identify.");
+  require(phi->size() == kBodyParameters * static_cast<int>(arm.bodies().size()),
+          "the prior '", options.prior->name(), "' does not give values to the same bodies as '",
+          arm.name(), "'.");
+}
 
 void solve_feasible(const Model& arm, const SquareRootInformation& total,
                     const IdentificationOptions& options, Identification& id) {

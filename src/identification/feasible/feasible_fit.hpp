@@ -9,6 +9,9 @@ namespace veridyn {
 /// Values of the manufacturer's file for a body.
 std::optional<InertialParameters> maker_of(const Model& arm, const Body& body);
 
+/// @throws InvalidInput  the prior of the options lacks values, or has not the bodies of the arm.
+void require_prior_fits(const Model& arm, const IdentificationOptions& options);
+
 /// Feasible least squares on a factor over all standard parameters, with the signs and boxes of the robot
 /// file and the prior of the options. Sets parameters, objective, gap, active constraints, and a status
 /// with its reason where there is no solution.

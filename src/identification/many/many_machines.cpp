@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "identification/feasible/feasible_fit.hpp"
 #include "identification/identification_numbers.hpp"
 #include "identification/many/factor_bytes.hpp"
 #include "identification/many_recordings.hpp"
@@ -126,6 +127,7 @@ MeasuredRecording read_measured(ByteReader& in, int joints) {
 struct Part {
   FactorSet factors;
   std::vector<UnusedRecording> unusable_recordings;
+  std::string refusal;  // why the whole work cannot go on; empty: it can
 };
 
 class Job {
@@ -154,7 +156,12 @@ class Job {
       }
       const size_t done = k + 1 - first;
       if (keep_ && (done >= 2 * kept || k + 1 == end)) {
-        keep_(out.factors, false);
+        try {
+          keep_(out.factors, false);
+        } catch (const InvalidInput& error) {
+          out.refusal = error.what();
+          return out;
+        }
         kept = done;
       }
     }
@@ -166,6 +173,7 @@ class Job {
     for (int step = 1; step < ranks_.size(); step *= 2) {
       if (ranks_.rank() % (2 * step) != 0) {
         ByteWriter out;
+        out.text(share.refusal);
         write(share.unusable_recordings, out);
         out.text(to_bytes(share.factors));
         ranks_.send(ranks_.rank() - step, out.bytes());
@@ -175,21 +183,29 @@ class Job {
       const std::string bytes = ranks_.receive(ranks_.rank() + step);
       const std::string name = text("factors of rank ", ranks_.rank() + step);
       ByteReader in(bytes, 0, name);
+      const std::string refusal = in.text();
+      if (share.refusal.empty()) share.refusal = refusal;
       read(in, share.unusable_recordings);
       share.factors = merge(std::move(share.factors), factors_from_bytes(in.text(), name));
     }
   }
 
-  // Errors of these values on this rank's recordings, collected at rank 0.
+  // Errors of these values on this rank's recordings, collected at rank 0. @param refusal  of the first rank whose
+  // recordings cannot be read again.
   std::vector<MeasuredRecording> measured(const std::vector<CompressedRecording>& mine,
                                           const PreprocessingOptions& how, const VectorXd& values,
-                                          int recordings) const {
+                                          int recordings, std::string& refusal) const {
     std::vector<MeasuredRecording> out;
-    for (const CompressedRecording& r : mine)
-      out.push_back(
-          measure(arm_, r, how, values, series_samples_of_each(recordings), options_.threads));
+    try {
+      for (const CompressedRecording& r : mine)
+        out.push_back(
+            measure(arm_, r, how, values, series_samples_of_each(recordings), options_.threads));
+    } catch (const InvalidInput& error) {
+      if (refusal.empty()) refusal = error.what();
+    }
     if (ranks_.rank() != 0) {
       ByteWriter bytes;
+      bytes.text(refusal);
       bytes.number(out.size());
       for (const MeasuredRecording& r : out) write(r, bytes);
       ranks_.send(0, bytes.bytes());
@@ -199,6 +215,8 @@ class Job {
       const std::string bytes = ranks_.receive(r);
       const std::string name = text("errors of rank ", r);
       ByteReader in(bytes, 0, name);
+      const std::string of_rank = in.text();
+      if (refusal.empty()) refusal = of_rank;
       const std::size_t count = in.count(8);
       for (std::size_t k = 0; k < count; ++k) out.push_back(read_measured(in, arm_.joints()));
     }
@@ -261,14 +279,20 @@ Identification identify_once(const Model& file, const std::vector<std::string>& 
   Part share = job.compress_share(train);
   const std::vector<CompressedRecording> mine = share.factors.recordings;
   job.bring_together(share);
-  if (ranks.rank() == 0) {
+  std::string refusal = share.refusal;
+  if (ranks.rank() == 0 && refusal.empty()) {
     if (keep) keep(share.factors, true);
     id.unusable_recordings = std::move(share.unusable_recordings);
     id.seconds.compress =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    solve(arm, std::move(share.factors.recordings), train.size(), options, id);
+    try {
+      solve(arm, std::move(share.factors.recordings), train.size(), options, id);
+    } catch (const InvalidInput& error) {
+      refusal = error.what();
+    }
   }
   ByteWriter answer;
+  answer.text(refusal);
   answer.number(id.model ? 1 : 0);
   answer.number(arm.used().effects().size());
   answer.number(static_cast<std::uint64_t>(id.status));
@@ -277,6 +301,8 @@ Identification identify_once(const Model& file, const std::vector<std::string>& 
   const std::string bytes = broadcast(answer.bytes(), ranks);
   const std::string name = "answer of rank 0";
   ByteReader in(bytes, 0, name);
+  refusal = in.text();
+  if (!refusal.empty()) throw InvalidInput(refusal);
   const bool solved = in.number() != 0;
   if (in.number() < arm.used().effects().size()) arm.leave_rotors_out();
   id.status = static_cast<IdentificationStatus>(in.number());
@@ -290,13 +316,15 @@ Identification identify_once(const Model& file, const std::vector<std::string>& 
       compress_held_out(arm.used(), test, id, options.threads, ranks, unused);
   const auto count = static_cast<int>(train.size() + test.size());
   std::vector<MeasuredRecording> of_train =
-      job.measured(mine, id.preprocessing, id.parameters, count);
+      job.measured(mine, id.preprocessing, id.parameters, count, refusal);
   std::vector<MeasuredRecording> of_test =
-      job.measured(held_out, id.test_preprocessing, id.parameters, count);
+      job.measured(held_out, id.test_preprocessing, id.parameters, count, refusal);
   Part names;
   names.factors = compress(arm.used(), std::vector<std::string>(), options.preprocessing, 1);
   names.unusable_recordings = std::move(unused);
   job.bring_together(names);
+  refusal = broadcast(refusal, ranks);
+  if (!refusal.empty()) throw InvalidInput(refusal);
   if (ranks.rank() != 0) return id;
   id.unusable_recordings.insert(id.unusable_recordings.end(), names.unusable_recordings.begin(), names.unusable_recordings.end());
   take_errors(arm.used(), std::move(of_train), std::move(of_test), id);
@@ -304,10 +332,21 @@ Identification identify_once(const Model& file, const std::vector<std::string>& 
   return id;
 }
 
+// Messages of rank 0 after the first fit begin with one of these; an empty one is the end.
+enum class Message : std::uint64_t { kQuestion, kRefusal };
+
+std::string refusal(const std::string& why) {
+  ByteWriter out;
+  out.number(static_cast<std::uint64_t>(Message::kRefusal));
+  out.text(why);
+  return out.bytes();
+}
+
 // Joints whose velocities a further fit derives from the position, and the periods of the recordings
 // from the first one.
 std::string question(const IdentificationOptions& how) {
   ByteWriter out;
+  out.number(static_cast<std::uint64_t>(Message::kQuestion));
   out.number(how.preprocessing.derive_velocity_of.size());
   for (const int j : how.preprocessing.derive_velocity_of)
     out.number(static_cast<std::uint64_t>(j));
@@ -322,6 +361,7 @@ std::string question(const IdentificationOptions& how) {
 void read_question(const std::string& bytes, IdentificationOptions& how) {
   const std::string name = "question of rank 0";
   ByteReader in(bytes, 0, name);
+  if (in.number() == static_cast<std::uint64_t>(Message::kRefusal)) throw InvalidInput(in.text());
   std::set<int> joints;
   for (std::size_t left = in.count(8); left > 0; --left)
     joints.insert(static_cast<int>(in.number()));
@@ -353,6 +393,7 @@ Identification identify(const Model& file, const std::vector<std::string>& train
           "identify: drive gains are found on one machine; leave known masses away.");
   require(options.method != Method::kIv && options.method != Method::kDidim,
           "identify: found a method with instruments, which need samples; ranks share factors alone.");
+  if (options.method == Method::kFeasible) require_prior_fits(file, options);
   std::optional<FactorSet> first;
   FactorSet last;
   const KeepFactors hold = [&](const FactorSet& factors, bool whole) {
@@ -371,11 +412,20 @@ Identification identify(const Model& file, const std::vector<std::string>& train
     return id;
   }
   const std::vector<std::string> readable = usable(train, id);
-  id = with_chosen_velocities(file, std::move(id), readable, options, IdentificationNumbers(),
-                              [&](const IdentificationOptions& how) {
-                                broadcast(question(how), ranks);
-                                return identify_once(file, train, test, how, ranks, kept);
-                              });
+  bool all_know = false;  // of a refusal within a further fit
+  try {
+    id = with_chosen_velocities(file, std::move(id), readable, options, IdentificationNumbers(),
+                                [&](const IdentificationOptions& how) {
+                                  broadcast(question(how), ranks);
+                                  all_know = true;
+                                  Identification again = identify_once(file, train, test, how, ranks, kept);
+                                  all_know = false;
+                                  return again;
+                                });
+  } catch (const InvalidInput& error) {
+    if (!all_know) broadcast(refusal(error.what()), ranks);
+    throw;
+  }
   broadcast("", ranks);
   if (keep) keep(id.preprocessing.derive_velocity_of.empty() ? *first : last, true);
   return id;
