@@ -16,7 +16,8 @@ struct WatchNumbers {
   double half_window_of_position = 0.08;
   /// rows >= rows_for_step: the time step is their median.
   int rows_for_step = 30;
-  /// time without a row > pause [s]: filters begin anew.
+  /// time without a row > pause [s]: filters begin anew. Times that fell and rise again for half of it: the clock
+  /// was set back.
   double pause = 0.5;
   /// repeats of a row < repeats: they are stale; more mean rest.
   int repeats = 20;
@@ -25,7 +26,8 @@ struct WatchNumbers {
   double judged = 0.5;
 
   // Jumps of a position.
-  /// samples within jump_reach [s] of a jump <= those of its statistic.
+  /// samples within jump_reach [s] of a jump <= those of its statistic. Times that rise for as long before they
+  /// have caught up with a clock that was set back: a break, and no jump.
   double jump_reach = 0.02;
   /// jump > jump_deviations * its statistic's own scatter, ...
   double jump_deviations = 12.0;
