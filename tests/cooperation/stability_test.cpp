@@ -14,8 +14,10 @@
 
 #include "cooperation/experiment.hpp"
 #include "cooperation/stability/loop_search.hpp"
+#include "cooperation/stability/sample_pattern.hpp"
 #include "math/singular_values.hpp"
 #include "support/near.hpp"
+#include "support/refusal.hpp"
 #include "veridyn/cooperation/scenario_run.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
@@ -60,7 +62,7 @@ class WithoutFriction : public testing::Test {
 
 // How the true force answers a small step of the wanted one, cycle by cycle: from the difference of
 // two simulations, and from the linear loop. Sensors of the loop's own rate, of half of it and of
-// two fifths, delays that are no whole cycles, a lag of the motors and a filter of the force.
+// two fifths and of a fortieth, delays that are no whole cycles, a lag of the motors and a filter of the force.
 TEST_F(WithoutFriction, TheLinearCycleIsTheSimulatedOne) {
   struct Case {
     const char* name;
@@ -69,7 +71,8 @@ TEST_F(WithoutFriction, TheLinearCycleIsTheSimulatedOne) {
   };
   const Case cases[] = {{"two-arms-spring", 2450.0, 0.002, 500.0, 0.0, 0.0, 0},
                         {"two-arms-string", 20000.0, 0.0025, 400.0, 0.002, 100.0, 0},
-                        {"gazebo-y", 1000.0, 0.0, 1000.0, 0.0, 0.0, 1}};
+                        {"gazebo-y", 1000.0, 0.0, 1000.0, 0.0, 0.0, 1},
+                        {"gazebo-y", 500.0, 0.004, 10.0, 0.0, 0.0, 0}};
   constexpr int kSettled = 2500;
   constexpr int kCompared = 300;
   constexpr double kStep = 1e-4;  // [N]
@@ -82,6 +85,7 @@ TEST_F(WithoutFriction, TheLinearCycleIsTheSimulatedOne) {
     s.control.motor_lag = c.motor_lag;
     s.control.force_cutoff = c.force_cutoff;
     s.control.torque_delay = c.torque_delay;
+    s.control.largest_age = std::max(s.control.largest_age, 4.0 / c.sensor_rate);
     Experiment still(s, "veridyn"), stepped(s, "veridyn");
     still.begin(s.phases[0]);
     stepped.begin(s.phases[0]);
@@ -218,8 +222,8 @@ TEST(Stability, TheGainOfMissingTorquesIsThatOfThePulseResponses) {
 }
 
 // The stiffness that a force on the tip adds is the slope of -J' f, with f on the true arm and -f, exerted, on the known one;
-// sliding slowly, dry friction is its level and nothing of the drag.
-TEST(LinearArm, HasTheSlopeOfItsForcesAndTheLevelsOfItsFriction) {
+// sliding slowly, only viscous friction grows with speed.
+TEST(LinearArm, HasTheSlopeOfItsForcesAndTheDragOfItsFriction) {
   const Scenario s = example("two-arms-spring");
   const ScenarioModels models = scenario_models(s, 1);
   const Eigen::Vector3d q(0.2, -0.4, 0.14), force(30.0, -20.0, 50.0), none = Eigen::Vector3d::Zero();
@@ -235,16 +239,13 @@ TEST(LinearArm, HasTheSlopeOfItsForcesAndTheLevelsOfItsFriction) {
   EXPECT_GT(slope.norm(), 1.0);
   EXPECT_TRUE(near(arm.G - free.G, slope, 1e-4));
   EXPECT_TRUE(near(arm.G_known - free.G_known, known, 1e-4));
-  int levels = 0;
+  MatrixXd drag = MatrixXd::Zero(3, 3);
   for (const EffectTerm& term : models.real.effects()) {
-    if (term.effect != "coulomb_friction") continue;
-    for (const LinearFriction& f : arm.friction) {
-      if ((f.axis - term.axis.coefficients).norm() > 0.0) continue;
-      EXPECT_NEAR(f.level, term.values.at("level"), 1e-9);
-      ++levels;
-    }
+    const VectorXd& c = term.axis.coefficients;
+    if (term.effect == "viscous_friction") drag += term.values.at("coefficient") * c * c.transpose();
   }
-  EXPECT_EQ(levels, 3);
+  EXPECT_GT(drag.norm(), 0.01);
+  EXPECT_TRUE(near(arm.D, drag, 1e-9));
 }
 
 TEST(Stability, ParametersAndRangesAreChecked) {
@@ -269,6 +270,7 @@ TEST(Stability, TheFactorOfTheIntervalsIsBelowAHalfWhereTheLoopIsUnstableThere) 
   EXPECT_EQ(none.unstable, kSamples);
   EXPECT_EQ(none.factor, 0.0);
   EXPECT_TRUE(none.factor_bounded);
+  EXPECT_EQ(none.guaranteed_mass_error, 0.0);  // of an unstable loop nothing is guaranteed
   Scenario exact = example("gazebo-y");
   exact.model_error = 0.0;
   const double limit = [&] {
@@ -291,6 +293,7 @@ TEST(Stability, TheFactorOfTheIntervalsIsBelowAHalfWhereTheLoopIsUnstableThere) 
   within.model_error *= some.factor;
   beyond.model_error *= some.factor + 2.0 * kResolution;
   EXPECT_EQ(bound_stability(within, kSamples, 1).unstable, 0);
+  EXPECT_GT(bound_stability(within, kSamples, 1).guaranteed_mass_error, 0.0);
   EXPECT_GT(bound_stability(beyond, kSamples, 1).unstable, 0);
   EXPECT_THROW(bound_stability(near_it, 0, 1), InvalidInput);
 }
@@ -303,6 +306,108 @@ TEST(Stability, ALoopThatDivergesWithoutItsIncrementsSwings) {
   const DeadbandSwing swing = deadband_swing(point, s, 0);
   EXPECT_TRUE(swing.swings);
   EXPECT_TRUE(std::isinf(swing.amplitude));
+}
+
+TEST(SamplePattern, IsExactWhereItIsShortAndNearWhereItIsNot) {
+  struct Case {
+    std::vector<double> given;
+    int cycles;
+    std::vector<double> ratios;
+  };
+  const Case cases[] = {{{}, 1, {}},
+                        {{1.5, 1.0}, 1, {1.0, 1.0}},
+                        {{0.4}, 5, {0.4}},
+                        {{1.0 / 24.0}, 24, {1.0 / 24.0}},
+                        {{0.02}, 50, {0.02}},
+                        {{1.0 / 49.6}, 50, {0.02}},
+                        {{0.001}, 1000, {0.001}},
+                        {{0.2, 1.0 / 7.0}, 35, {0.2, 1.0 / 7.0}},
+                        {{0.97}, 24, {23.0 / 24.0}},
+                        {{1.0 / 23.0, 1.0 / 19.0, 1.0 / 17.0}, 989, {43.0 / 989.0, 52.0 / 989.0, 58.0 / 989.0}}};
+  for (const Case& c : cases) {
+    const SamplePattern p = sample_pattern(c.given);
+    EXPECT_EQ(p.cycles, c.cycles);
+    ASSERT_EQ(p.ratios.size(), c.ratios.size());
+    for (size_t k = 0; k < c.ratios.size(); ++k) EXPECT_NEAR(p.ratios[k], c.ratios[k], 1e-12) << c.cycles;
+  }
+  for (double ratio = 0.001; ratio < 1.0; ratio *= 1.003)  // within 4 %
+    EXPECT_NEAR(sample_pattern({ratio}).ratios[0] / ratio, 1.0, 0.041) << ratio;
+  EXPECT_THROW(sample_pattern({1e-3, 0.9e-3}), InvalidInput);
+}
+
+// A sensor of a 40th of the loop's rate is analysed as it is, and the map of its pattern, of which powers are taken, is
+// the product of its cycles. It bears less than the same sensor of a 24th.
+TEST(Stability, ASlowSensorIsAnalysedAsItIs) {
+  const Scenario s = with_parameter(example("gazebo-y"), "sensor_rate", 10.0);
+  const LinearPoint point = rest_points(s).back().loop;
+  const ClosedLoop loop(point, s, {});
+  ASSERT_EQ(loop.hyperperiod(), 40);
+  MatrixXd one_by_one = MatrixXd::Identity(loop.states(), loop.states());
+  for (int k = 0; k < 40; ++k) loop.advance(loop.first_cycle() + k, one_by_one);
+  const MatrixXd map = loop.map();
+  EXPECT_LT((map - one_by_one).norm(), 1e-10 * one_by_one.norm());
+  const auto radius = [&](double rate, double stiffness) {
+    return loop_radius(point, with_parameter(with_parameter(s, "sensor_rate", rate), "stiffness", stiffness));
+  };
+  const auto limit = [&](double rate) {
+    return first_crossing([&](double stiffness) { return radius(rate, stiffness); }, 100.0, 1e6, 40);
+  };
+  EXPECT_LT(limit(10.0), 0.9 * limit(400.0 / 24.0));
+  EXPECT_LT(limit(5.0), 0.9 * limit(10.0));
+}
+
+// Rates that are replaced are told; a sensor that hardly ever speaks is refused.
+TEST(Stability, SensorsThatAreReplacedAreTold) {
+  Scenario s = with_parameter(example("two-arms-spring"), "sensor_rate", 970.0);
+  s.phases.resize(1);
+  const StabilityAnalysis a = analyse_stability(s);
+  ASSERT_EQ(a.replaced_rates.size(), 1U);
+  EXPECT_EQ(a.replaced_rates[0].sensor, "spring");
+  EXPECT_EQ(a.replaced_rates[0].rate, 970.0);
+  EXPECT_NEAR(a.replaced_rates[0].analysed, 1000.0 * 23.0 / 24.0, 1e-9);
+  EXPECT_NE(a.report().find("The sensor of spring is analysed with 958.333 Hz in place of its 970 Hz"), std::string::npos) << a.report();
+  EXPECT_TRUE(analyse_stability(with_parameter(s, "sensor_rate", 2000.0)).replaced_rates.empty());
+  EXPECT_TRUE(refuses_with("one sample in 2000 cycles", [&] { analyse_stability(with_parameter(s, "sensor_rate", 0.5)); }));
+}
+
+// Where no stiffness below the scenario's own is stable the ones above are searched; where none is at all, that is said.
+TEST(Stability, StableStiffnessesAboveTheScenariosOwnAreFound) {
+  Scenario s = example("gazebo-y");
+  s.control.force_cutoff = 106.0;
+  s = with_parameter(with_parameter(s, "delay", 0.00716), "stiffness", 3.0);
+  const StabilityAnalysis soft = analyse_stability(s);
+  EXPECT_FALSE(soft.stable);
+  EXPECT_GT(soft.smallest_stable_stiffness, 3.0);
+  EXPECT_GT(soft.linear_stable_stiffness, 2.0 * soft.smallest_stable_stiffness);
+  EXPECT_NE(soft.report().find("as given, the scenario is not stable"), std::string::npos) << soft.report();
+  const std::vector<RestPoint> points = rest_points(s);
+  for (const RestPoint& p : points) {
+    if (p.time != soft.worst.time) continue;
+    const auto radius = [&](double stiffness) { return loop_radius(p.loop, with_parameter(s, "stiffness", stiffness)); };
+    EXPECT_GT(radius(0.99 * soft.smallest_stable_stiffness), 1.0);
+    EXPECT_LT(radius(1.01 * soft.smallest_stable_stiffness), 1.0);
+    EXPECT_LT(radius(0.99 * soft.linear_stable_stiffness), 1.0);
+    EXPECT_GT(radius(1.01 * soft.linear_stable_stiffness), 1.0);
+  }
+  const StabilityAnalysis none = analyse_stability(with_parameter(example("position-stable"), "law_damping", 50.0));
+  EXPECT_EQ(none.linear_stable_stiffness, 0.0);
+  EXPECT_NE(none.report().find("none from 1 to 1e+07 N/m is stable"), std::string::npos) << none.report();
+}
+
+// Where nothing ever moves no simulation swings, however stiff the object: dry friction holds up to the end of the search.
+TEST(Stability, WhatNeverSwingsIsStableUpToTheEndOfTheSearch) {
+  Scenario s = example("gazebo-y");
+  s.encoder = "none";
+  s.model_error = 0.0;
+  s.phases.resize(1);
+  s.phases[0].commands.clear();
+  s.phases[0].duration = 0.05;
+  for (ScenarioMember& m : s.members) m.sensor.noise = 0.0;
+  const StabilityAnalysis a = analyse_stability(s);
+  EXPECT_LT(a.linear_stable_stiffness, 1e6);
+  EXPECT_GT(a.simulated_runs, 5);
+  EXPECT_EQ(a.largest_stable_stiffness, 1e7);
+  EXPECT_NE(a.report().find("with the arms' dry friction up to 1e+07 N/m, the end of the search"), std::string::npos) << a.report();
 }
 
 }  // namespace

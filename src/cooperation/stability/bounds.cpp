@@ -10,6 +10,7 @@ namespace {
 constexpr double kFirstFactor = 0.5, kLargestFactor = 10.0;
 constexpr int kFactorHalvings = 12;  // below the first factor
 constexpr int kFrequencies = 160;
+constexpr int kMostLifted = 24;  // cycles: inputs of all of them make one dense matrix
 
 // The worst radius of a sample: a corner of the parameters' box by its seed.
 double sampled_radius(Scenario scenario, double factor, unsigned seed) {
@@ -61,8 +62,11 @@ StabilityBounds bound_stability(const Scenario& scenario, int samples, int threa
   double largest = 0.0;
   Scenario exact = short_one;
   exact.model_error = 0.0;
-  for (const RestPoint& p : rest_points(exact))
+  for (const RestPoint& p : rest_points(exact)) {
+    const bool lifted = ClosedLoop(p.loop, exact, {}).hyperperiod() <= kMostLifted;
+    if (!lifted || loop_radius(p.loop, exact) > kUnstable) return out;  // no guarantee
     largest = std::max(largest, torque_error_gain(p.loop, exact, kFrequencies));
+  }
   out.guaranteed_mass_error = largest > 0.0 ? 1.0 / largest : 0.0;
   return out;
 }

@@ -2,42 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numeric>
+#include <map>
 
 #include "cooperation/loop_gains.hpp"
+#include "sample_pattern.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {
 
 constexpr double kSameTime = 1e-9;   // [s], as ForceSensor has it
-constexpr long kHyperperiod = 24;        // cycles of a hyperperiod: slower patterns are approximated
 constexpr double kLongestDelay = 1000.0;  // cycles: each is a state of a dense matrix
-
-// The fraction below or at one with a small denominator that is nearest to the ratio.
-std::pair<long, long> fraction(double ratio) {
-  std::pair<long, long> best{1, 1};
-  if (ratio >= 1.0) return best;
-  double error = std::numeric_limits<double>::infinity();
-  for (long below = 1; below <= kHyperperiod; ++below) {
-    const long above = std::max(1L, std::lround(ratio * static_cast<double>(below)));
-    const double off =
-        std::abs(static_cast<double>(above) / static_cast<double>(below) - ratio);
-    if (off < error - 1e-12) {
-      error = off;
-      best = {above, below};
-    }
-  }
-  return best;
-}
-
-// Describing function of a saturation of slope one that begins at `edge`, at this amplitude.
-double saturation(double amplitude, double edge) {
-  if (amplitude <= edge) return 1.0;
-  const double r = edge / amplitude;
-  return 2.0 / M_PI * (std::asin(r) + r * std::sqrt(1.0 - r * r));
-}
+constexpr int kOneByOne = 24;             // equal cycles in a row: more are a power of their map
 
 }  // namespace
 
@@ -54,6 +30,7 @@ ClosedLoop::ClosedLoop(const LinearPoint& point, const Scenario& scenario,
   for (size_t k = 0; k < arm_.size(); ++k) prepare_arm(static_cast<int>(k), scenario);
   for (size_t k = 0; k < element_.size(); ++k) prepare_element(static_cast<int>(k), scenario);
   prepare_plant();
+  tell_cycles_apart();
 }
 
 void ClosedLoop::lay_out(const LinearPoint& point, const Scenario& scenario) {
@@ -79,14 +56,18 @@ void ClosedLoop::lay_out(const LinearPoint& point, const Scenario& scenario) {
     }
   }
   const double rate = scenario.control.rate;
+  const auto sensor_of = [&scenario](size_t k) -> const ForceSensorOptions& {
+    const size_t members = scenario.members.size();
+    return k < members ? scenario.members[k].sensor : scenario.walls[k - members].sensor;
+  };
+  std::vector<double> samples;
+  for (size_t k = 0; k < point.elements.size(); ++k) samples.push_back(sensor_of(k).rate / rate);
+  const SamplePattern pattern = sample_pattern(samples);
+  hyperperiod_ = pattern.cycles;
   for (size_t k = 0; k < point.elements.size(); ++k) {
     Element e;
-    const ForceSensorOptions& sensor = k < scenario.members.size()
-                                           ? scenario.members[k].sensor
-                                           : scenario.walls[k - scenario.members.size()].sensor;
-    const auto [above, below] = fraction(sensor.rate / rate);
-    e.ratio = static_cast<double>(above) / static_cast<double>(below);
-    hyperperiod_ = static_cast<int>(std::min(kHyperperiod, std::lcm<long>(hyperperiod_, below)));
+    const ForceSensorOptions& sensor = sensor_of(k);
+    e.ratio = pattern.ratios[k];
     const double cycles = std::ceil((sensor.delay - kSameTime) * rate);
     require(cycles <= kLongestDelay, "found a force sensor's delay of ", sensor.delay, " s, ", cycles,
             " cycles of the loop, expected at most ", kLongestDelay, " cycles.");
@@ -101,22 +82,12 @@ void ClosedLoop::lay_out(const LinearPoint& point, const Scenario& scenario) {
 
 void ClosedLoop::prepare_arm(int k, const Scenario& scenario) {
   Arm& a = arm_[k];
-  const LinearArm& arm = point_.arms[k];
   const ScenarioControl& c = scenario.control;
   a.gives_way = scenario.arms[k].control == ArmControl::kImpedance;
   const ImpedanceGains gains = a.gives_way ? impedance_gains(c) : position_gains(c);
   a.mass_inverse = gains.mass.head<3>().cwiseInverse().asDiagonal();
   a.damping = gains.damping.head<3>().asDiagonal();
   a.stiffness = gains.stiffness.head<3>().asDiagonal();
-  a.friction = MatrixXd::Zero(a.n, 3);
-  if (c.friction <= 0.0 || settings_.friction_amplitude <= 0.0) return;
-  for (const LinearFriction& f : arm.friction) {
-    const Eigen::RowVectorXd along = f.axis.transpose() * arm.inverse;
-    const double amplitude = settings_.friction_amplitude * along.norm();
-    const double slope =
-        c.friction * f.known_level / f.deadband * saturation(amplitude, f.deadband);
-    a.friction += slope * f.axis * along;
-  }
 }
 
 void ClosedLoop::prepare_element(int k, const Scenario& scenario) {
@@ -219,6 +190,38 @@ bool ClosedLoop::sampled(const Element& e, long k) const {
   return e.ratio >= 1.0 || count(k) > count(k - 1);
 }
 
+// Cycles since the sample before the one that arrives in cycle k.
+long ClosedLoop::gap(const Element& e, long k) const {
+  long cycles = 1;
+  while (cycles < hyperperiod_ && !sampled(e, k - e.delay - cycles)) ++cycles;
+  return cycles;
+}
+
+// Cycles differ by the sensors whose samples arrive, and by how old the ones before are.
+void ClosedLoop::tell_cycles_apart() {
+  std::map<std::vector<long>, int> known;
+  for (int k = 0; k < hyperperiod_; ++k) {
+    std::vector<long> arrived;
+    for (const Element& e : element_) {
+      const long cycle = first_cycle() + k;
+      arrived.push_back(sampled(e, cycle - e.delay) ? gap(e, cycle) : 0);
+    }
+    kinds_.push_back(known.emplace(std::move(arrived), static_cast<int>(known.size())).first->second);
+  }
+}
+
+std::vector<CycleRow> ClosedLoop::rows() const {
+  std::vector<CycleRow> out;
+  for (int k = 0; k < hyperperiod_;) {
+    int end = k + 1;
+    while (end < hyperperiod_ && kinds_[end] == kinds_[k]) ++end;
+    const int step = end - k > kOneByOne ? end - k : 1;
+    out.push_back({first_cycle() + k, kinds_[k], step});
+    k += step;
+  }
+  return out;
+}
+
 // The latest reading that has arrived, in place of the one before; the delay line moves on.
 void ClosedLoop::read(long k, const Element& e, const MatrixXd& tension, MatrixXd& X,
                       bool& fresh) const {
@@ -235,9 +238,7 @@ MatrixXd ClosedLoop::law(long k, const Element& e, const MatrixXd& reading, cons
   value.array() += e.law.feed_forward * wanted;
   const bool proportional = e.law.kind == ForceLaw::Kind::kProportional;
   if (fresh) {
-    long gap = 1;
-    while (gap < 2 * kHyperperiod && !sampled(e, k - e.delay - gap)) ++gap;
-    const double since = static_cast<double>(gap) * period_;
+    const double since = static_cast<double>(gap(e, k)) * period_;
     if (proportional) {
       X.row(*e.x_f).array() -=
           settings_.integral * e.law.gain * since * (reading.array() - wanted);
@@ -328,7 +329,7 @@ void ClosedLoop::advance(long k, MatrixXd& X) const {
     if (a.gives_way) effort -= to_base * exerted[i];
     y = arm.inverse * (a.mass_inverse * effort) -
         arm.free * (kPostureDamping * vh + kPostureStiffness * q);
-    MatrixXd tau = arm.G_known * q + arm.M_known * y + a.friction * error;
+    MatrixXd tau = arm.G_known * q + arm.M_known * y;
     if (a.gives_way) tau += arm.J_base.transpose() * (to_base * exerted[i]);
     d += observer_ * (arm.M_known * lacking);
     tau += d;
@@ -350,9 +351,15 @@ void ClosedLoop::advance(long k, MatrixXd& X) const {
 
 MatrixXd ClosedLoop::map() const {
   MatrixXd X = MatrixXd::Identity(states_, states_);
-  // Begun late enough for every delayed sample to have a number that is not below zero.
-  const long start = 1000L * hyperperiod_;
-  for (int k = 0; k < hyperperiod_; ++k) advance(start + k, X);
+  for (const CycleRow& row : rows()) {
+    if (row.count == 1) {
+      advance(row.first, X);
+      continue;
+    }
+    MatrixXd one = MatrixXd::Identity(states_, states_);
+    advance(row.first, one);
+    X = (power(std::move(one), row.count) * X).eval();
+  }
   // States without dynamics would have an eigenvalue of one: a correction without an integral part,
   // an observer that is switched off.
   for (const Element& e : element_) {

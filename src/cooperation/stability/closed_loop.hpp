@@ -31,14 +31,21 @@ struct LoopSettings {
   double increment_gain = 0.0;    ///< [m/(N s)] in place of a law of increments
   /// [N] offset of every wanted force from the equilibrium, for step responses.
   double wanted = 0.0;
-  double friction_amplitude = 0;  ///< [m] of the tip, for describing functions; 0: as if far larger
+};
+
+/// Neighbouring cycles with one and the same map.
+struct CycleRow {
+  long first = 0;
+  int kind = 0;   ///< of ClosedLoop::kinds()
+  int count = 1;
 };
 
 /// The linearised closed loop of a scenario: one control cycle after the other, exactly as
 /// Experiment::step() does them, about a point of rest. Between cycles the arms and the object move
 /// by the matrix exponential of their equations.
 ///
-/// Sensors that are slower than the loop make it periodic: hyperperiod() cycles repeat.
+/// Sensors that are slower than the loop make it periodic: hyperperiod() cycles repeat, as
+/// sample_pattern() has it.
 class ClosedLoop {
  public:
   ClosedLoop(const LinearPoint& point, const Scenario& scenario, const LoopSettings& settings);
@@ -46,6 +53,14 @@ class ClosedLoop {
   int states() const { return states_; }
   int hyperperiod() const { return hyperperiod_; }
   double period() const { return period_; }
+
+  /// First cycle of the pattern, late enough for every delayed sample to have a number that is not below zero.
+  long first_cycle() const { return 1000L * hyperperiod_; }
+  /// (hyperperiod) for every cycle from the first on; cycles of one kind have the same map. Kinds are numbered
+  /// from 0 as they appear.
+  const std::vector<int>& kinds() const { return kinds_; }
+  /// The hyperperiod in rows of equal cycles; short rows are given cycle by cycle.
+  std::vector<CycleRow> rows() const;
 
   /// Every column of X (states x any) through cycle k; the wanted forces are those of the settings.
   void advance(long k, MatrixXd& X) const;
@@ -75,7 +90,6 @@ class ClosedLoop {
     bool gives_way = false;
     Eigen::Matrix3d mass_inverse{Eigen::Matrix3d::Zero()};
     Eigen::Matrix3d damping{Eigen::Matrix3d::Zero()}, stiffness{Eigen::Matrix3d::Zero()};
-    MatrixXd friction;  // (n x 3): torque per error in the base
   };
   struct Element {
     int line = 0, held = 0;
@@ -95,6 +109,8 @@ class ClosedLoop {
   void prepare_plant();
   MatrixXd line_map(int k) const;  // (3 x joints): end minus start, true
   bool sampled(const Element& e, long k) const;
+  long gap(const Element& e, long k) const;
+  void tell_cycles_apart();
   void read(long k, const Element& e, const MatrixXd& tension, MatrixXd& X, bool& fresh) const;
   MatrixXd law(long k, const Element& e, const MatrixXd& reading, const MatrixXd& rate,
                bool fresh, MatrixXd& X) const;
@@ -110,7 +126,11 @@ class ClosedLoop {
   double motor_ = 1.0;                // share of a torque's change that acts in a cycle
   int torque_delay_ = 0;
   int joints_ = 0, states_ = 0, hyperperiod_ = 1;
+  std::vector<int> kinds_;
 };
+
+/// A^n by squaring.
+MatrixXd power(MatrixXd A, int n);
 
 /// Largest modulus of the eigenvalues of a square matrix; infinite where it is not finite.
 double spectral_radius(const MatrixXd& A);

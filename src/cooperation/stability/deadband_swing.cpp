@@ -37,14 +37,16 @@ DeadbandSwing deadband_swing(const LinearPoint& point, const Scenario& scenario,
   // x <- A_k (x + e_xf increment), with the reading that arrives in cycle k as a row.
   const ClosedLoop loop(point, scenario, {});
   const int cycles = loop.hyperperiod();
-  const long begin = 1000L * cycles;
-  std::vector<MatrixXd> A;
+  const long begin = loop.first_cycle();
+  std::vector<MatrixXd> A;  // of every kind of cycle
   std::vector<VectorXd> readings;
   std::vector<char> fresh;
   for (int k = 0; k < cycles; ++k) {
-    MatrixXd X = MatrixXd::Identity(loop.states(), loop.states());
-    loop.advance(begin + k, X);
-    A.push_back(X);
+    if (loop.kinds()[k] == static_cast<int>(A.size())) {
+      MatrixXd X = MatrixXd::Identity(loop.states(), loop.states());
+      loop.advance(begin + k, X);
+      A.push_back(X);
+    }
     readings.emplace_back(loop.reading_row(index, begin + k));
     fresh.push_back(loop.arrives(index, begin + k) ? 1 : 0);
   }
@@ -54,7 +56,7 @@ DeadbandSwing deadband_swing(const LinearPoint& point, const Scenario& scenario,
   const double start = point.elements[index].force / m.stiffness;
   x[row] = -start;
   const auto settling = static_cast<long>(kSettling * scenario.control.rate) / cycles * cycles;
-  for (long k = 0; k < settling; ++k) x = (A[k % cycles] * x).eval();
+  for (long k = 0; k < settling; ++k) x = (A[loop.kinds()[k % cycles]] * x).eval();
   const auto steps = static_cast<long>(kLongest * scenario.control.rate);
   const auto last = steps - static_cast<long>(kLast * scenario.control.rate);
   const VectorXd tension = loop.tension_row(index);
@@ -75,7 +77,7 @@ DeadbandSwing deadband_swing(const LinearPoint& point, const Scenario& scenario,
         direction = sign;
       }
     }
-    x = (A[phase] * x).eval();
+    x = (A[loop.kinds()[phase]] * x).eval();
     const double force = tension.dot(x);
     if (k == last) least = most = force;
     least = std::min(least, force);

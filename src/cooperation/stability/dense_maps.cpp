@@ -8,6 +8,15 @@
 
 namespace veridyn {
 
+MatrixXd power(MatrixXd A, int n) {
+  MatrixXd out = MatrixXd::Identity(A.rows(), A.cols());
+  for (; n > 0; n /= 2) {
+    if (n % 2 == 1) out = (A * out).eval();
+    if (n > 1) A = (A * A).eval();
+  }
+  return out;
+}
+
 double spectral_radius(const MatrixXd& A) {
   if (!A.allFinite()) return std::numeric_limits<double>::infinity();
   const Eigen::EigenSolver<MatrixXd> solver(A, false);

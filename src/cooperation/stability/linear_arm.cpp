@@ -1,6 +1,5 @@
 #include "linear_arm.hpp"
 
-
 #include "veridyn/control/arm_state.hpp"
 #include "veridyn/control/friction_compensation.hpp"
 #include "veridyn/control/task_inverse.hpp"
@@ -10,7 +9,6 @@ namespace {
 
 constexpr double kStep = 1e-5;      // [rad], [m] of central differences: errors of 1e-10
 constexpr double kSlow = 0.01;      // [rad/s], [m/s]: dry friction slides, drag is small
-constexpr double kDeadbandTurn = 0.0015, kDeadbandSlide = 0.0003;
 
 // Torques of an arm at rest under a force f on the tip, in the arm's own base.
 VectorXd holding(ArmState& state, const VectorXd& q, const VectorXd& rest,
@@ -33,30 +31,20 @@ MatrixXd slope(ArmState& state, const VectorXd& q, const Eigen::Vector3d& f_base
   return out;
 }
 
-// Friction of a model at the present state: levels, and viscous coefficients.
-struct Sliding {
-  std::vector<VectorXd> axis;
-  std::vector<double> level, deadband;
-  MatrixXd drag;
-};
-
-Sliding sliding(const Model& model, const ArmState& state) {
+// Friction that grows with the speed of a sliding arm, (n x n); dry friction is no part of it.
+MatrixXd drag_of(const Model& model, const ArmState& state) {
   FrictionOptions options;
   options.share = 1.0;
   FrictionCompensation friction(model, options);
   friction.locate(state);
-  Sliding out;
-  out.drag = MatrixXd::Zero(model.joints(), model.joints());
+  MatrixXd out = MatrixXd::Zero(model.joints(), model.joints());
   for (int k = 0; k < friction.axes(); ++k) {
     const auto odd = [&](double speed) {
       return 0.5 * (friction.sliding(k, 1.0, speed) - friction.sliding(k, -1.0, speed));
     };
     const double drag = (odd(2.0 * kSlow) - odd(kSlow)) / kSlow;
     const VectorXd& c = friction.axis(k);
-    out.drag += drag * c * c.transpose();
-    out.axis.push_back(c);
-    out.level.push_back(odd(kSlow) - drag * kSlow);
-    out.deadband.push_back(friction.prismatic(k) ? kDeadbandSlide : kDeadbandTurn);
+    out += drag * c * c.transpose();
   }
   return out;
 }
@@ -74,8 +62,7 @@ LinearArm linear_arm(const ScenarioModels& models, const ScenarioArm& arm, const
   out.M = real.mass_matrix();
   out.J = models.R_world_base * real.tip().jacobian().topRows(3);
   out.tip = models.p_world_base + models.R_world_base * real.tip().position();
-  const Sliding truth = sliding(models.real, real);
-  out.D = truth.drag;
+  out.D = drag_of(models.real, real);
   ArmState known(models.known, tip);
   out.R_world_base = models.R_world_base_known;
   out.G_known = slope(known, q, -out.R_world_base.transpose() * exerted);
@@ -94,9 +81,6 @@ LinearArm linear_arm(const ScenarioModels& models, const ScenarioArm& arm, const
     out.inverse.col(axis) = column;
   }
   out.free = MatrixXd::Identity(q.size(), q.size()) - out.inverse * out.J_base;
-  const Sliding belief = sliding(models.known, known);
-  for (size_t k = 0; k < truth.axis.size(); ++k)
-    out.friction.push_back({truth.axis[k], truth.level[k], belief.level[k], truth.deadband[k]});
   return out;
 }
 

@@ -8,14 +8,6 @@
 
 namespace veridyn {
 
-/// Dry friction along one axis of an arm, and what its controller believes of it.
-struct LinearFriction {
-  VectorXd axis;               ///< (n)
-  double level = 0.0;          ///< [N m], [N] of the arm, sliding slowly
-  double known_level = 0.0;    ///< as the controller knows it
-  double deadband = 0.0;       ///< [rad], [m]: FrictionOptions::position
-};
-
 /// An arm and its controller about a point of rest, to first order:
 ///
 ///   M ddq + D dq + G q = tau + J' f,     tau = M_known y + G_known q + ...
@@ -32,7 +24,6 @@ struct LinearArm {
   MatrixXd free;             ///< (n x n): what the task leaves of a posture's acceleration
   Eigen::Matrix3d R_world_base{Eigen::Matrix3d::Identity()};
   Eigen::Vector3d tip{Eigen::Vector3d::Zero()};  ///< [m] in the world
-  std::vector<LinearFriction> friction;
   int joints() const { return static_cast<int>(M.rows()); }
 };
 

@@ -42,11 +42,13 @@ class TurnedLoop {
     const ClosedLoop closed(point, scenario, {});
     const ClosedLoop open(point, scenario, none);
     cycles_ = closed.hyperperiod();
-    for (int k = 0; k < cycles_; ++k) {
+    rows_ = closed.rows();
+    for (const CycleRow& row : rows_) {
+      if (row.kind < static_cast<int>(without_.size())) continue;
       MatrixXd with = MatrixXd::Identity(closed.states(), closed.states());
       MatrixXd without = with;
-      closed.advance(1000L * cycles_ + k, with);
-      open.advance(1000L * cycles_ + k, without);
+      closed.advance(row.first, with);
+      open.advance(row.first, without);
       without_.push_back(without);
       readings_.push_back(with - without);
     }
@@ -56,19 +58,20 @@ class TurnedLoop {
     const Eigen::Index n = without_.front().rows();
     MatrixXd product = MatrixXd::Identity(2 * n, 2 * n);
     MatrixXd one(2 * n, 2 * n);
-    for (int k = 0; k < cycles_; ++k) {
-      const auto i = static_cast<size_t>(k);
+    for (const CycleRow& row : rows_) {
+      const auto i = static_cast<size_t>(row.kind);
       one.topLeftCorner(n, n) = one.bottomRightCorner(n, n) =
           without_[i] + std::cos(phase) * readings_[i];
       one.topRightCorner(n, n) = std::sin(phase) * readings_[i];
       one.bottomLeftCorner(n, n) = -one.topRightCorner(n, n);
-      product = (one * product).eval();
+      product = ((row.count == 1 ? one : power(one, row.count)) * product).eval();
     }
     return per_cycle(spectral_radius(product), cycles_);
   }
 
  private:
-  std::vector<MatrixXd> without_, readings_;
+  std::vector<CycleRow> rows_;
+  std::vector<MatrixXd> without_, readings_;  // for every kind of cycle
   int cycles_ = 1;
 };
 
@@ -102,10 +105,12 @@ double first_crossing(const std::function<double(double)>& radius, double begin,
   return end;
 }
 
+// The largest phases first: most loops that fail do so there.
 bool stable_up_to_phase(const LinearPoint& point, const Scenario& scenario, double phase) {
   const TurnedLoop turned(point, scenario);
-  for (const double share : {1.0, 0.75, 0.5, 0.25}) {
-    if (turned.radius(share * phase) > kTurnedUnstable) return false;
+  const int steps = std::max(4, static_cast<int>(std::ceil(phase * kPhaseSteps / M_PI)));
+  for (int k = steps; k > 0; --k) {
+    if (turned.radius(phase * k / steps) > kTurnedUnstable) return false;
   }
   return true;
 }

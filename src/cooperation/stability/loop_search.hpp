@@ -15,12 +15,15 @@ double loop_radius(const LinearPoint& point, const Scenario& scenario,
 /// Beyond this modulus per cycle the loop swings: the rounding of eigenvalues.
 constexpr double kUnstable = 1.0 + 1e-9;
 
+/// [N/m] ends of the search over stiffnesses.
+constexpr double kSoftest = 1.0, kStiffest = 1e7;
+
 /// Value at which f changes from stable (at most kUnstable) to unstable, searched from `begin` to
 /// `end` by equal ratios, then by bisection; `end` if there is none.
 double first_crossing(const std::function<double(double)>& radius, double begin, double end,
                       int steps);
 
-/// True if the loop is stable for every phase lag of the readings from zero to this one [rad].
+/// True if the loop is stable for phase lags of the readings up to this one [rad], in steps of 5 degrees or less.
 bool stable_up_to_phase(const LinearPoint& point, const Scenario& scenario, double phase);
 
 /// Largest amplification over frequency from a torque that is missing, M^-1/2 w, to M^1/2 ddq.

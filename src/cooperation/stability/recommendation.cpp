@@ -90,7 +90,7 @@ StepResponses step_responses(const Scenario& scenario) {
   MatrixXd X = MatrixXd::Zero(loop.states(), 1);
   for (const ScenarioMember& m : scenario.members) out.members.push_back(m.name);
   out.force.resize(out.members.size());
-  const long begin = 1000L * loop.hyperperiod();
+  const long begin = loop.first_cycle();
   const auto steps = static_cast<long>(1.0 * scenario.control.rate);
   const long every = std::max(1L, steps / 1000);
   for (long k = 0; k < steps; ++k) {

@@ -25,7 +25,7 @@ Lifted lift(const ClosedLoop& loop, const MatrixXd& root) {
   MatrixXd Z(h * n, N + h * n);
   for (Eigen::Index k = 0; k < h; ++k) {
     const MatrixXd before = X.middleRows(n, n);
-    loop.advance(1000L * h + k, X);
+    loop.advance(loop.first_cycle() + k, X);
     X.block(0, N + k * n, 2 * n, n) += loop.torque_input() * root;
     Z.middleRows(k * n, n) = root.transpose() * (X.middleRows(n, n) - before) / loop.period();
   }

@@ -1,13 +1,14 @@
 #include "veridyn/cooperation/stability.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <optional>
 
 #include "loop_search.hpp"
+#include "sample_pattern.hpp"
 #include "veridyn/cooperation/scenario_run.hpp"
 #include "math/parallel.hpp"
 
@@ -16,12 +17,11 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kSoftest = 1.0;    // [N/m] of the search over stiffnesses
-constexpr double kStiffest = 1e7;
 constexpr double kLeastSwing = 0.25;    // [N] from least to largest: more is no noise
 constexpr double kSwingShare = 0.1;     // of the wanted force
 constexpr double kFirstStep = 1.05, kFarStep = 1.5, kOnsetAccuracy = 1.04;
 constexpr int kStiffnessSteps = 56;  // eight per decade
+constexpr double kSameRate = 1e-9;   // relative: rounding
 
 double seconds_since(Clock::time_point begun) {
   return std::chrono::duration<double>(Clock::now() - begun).count();
@@ -45,32 +45,36 @@ double radius_with_deadbands(const RestPoint& point, const Scenario& scenario) {
   return linear;
 }
 
-// Largest and smallest stiffness of the interval of stable ones that holds the scenario's own; of
-// the first one below it, where the scenario's own is not stable.
+// From the scenario's own stiffness by equal ratios to the first one with a stable loop, downwards and, where
+// none is there, upwards.
+std::optional<double> first_stable(const std::function<double(double)>& radius, double own) {
+  if (radius(own) <= kUnstable) return own;
+  const double step = std::pow(10.0, 0.05);
+  for (double at = own / step; at >= kSoftest; at /= step) {
+    if (radius(at) <= kUnstable) return at;
+  }
+  for (double at = own * step; at <= kStiffest; at *= step) {
+    if (radius(at) <= kUnstable) return at;
+  }
+  return std::nullopt;
+}
+
+// Largest and smallest stiffness of the interval of stable ones that holds the scenario's own; of the
+// nearest one below it where the scenario's own is not stable, or of the nearest above.
 void find_stiffnesses(const RestPoint& point, const Scenario& scenario, StabilityAnalysis& out) {
   const auto radius = [&](double stiffness) {
     return radius_with_deadbands(point, with_parameter(scenario, "stiffness", stiffness));
   };
-  const double own = parameter(scenario, "stiffness");
-  double inside = own;
-  if (radius(own) > kUnstable) {
-    const double step = std::pow(10.0, 0.05);
-    inside = own / step;
-    while (inside >= kSoftest && radius(inside) > kUnstable) inside /= step;
-    if (inside < kSoftest) {
-      out.largest_stable_stiffness = out.smallest_stable_stiffness = 0.0;
-      out.stiffness_bounded = true;
-      return;
-    }
-  }
+  out.largest_stable_stiffness = out.smallest_stable_stiffness = 0.0;
+  out.stiffness_bounded = true;
+  const std::optional<double> inside = first_stable(radius, parameter(scenario, "stiffness"));
+  if (!inside) return;
   const int steps = has_increments(scenario) ? 14 : kStiffnessSteps;
-  const double most = first_crossing(radius, inside, std::max(kStiffest, 10.0 * inside), steps);
-  const auto downwards = [&](double ratio) { return radius(inside / ratio); };
-  const double least =
-      inside / first_crossing(downwards, 1.0, std::max(10.0, inside / kSoftest), steps);
-  out.largest_stable_stiffness = std::min(out.largest_stable_stiffness, most);
-  out.smallest_stable_stiffness = std::max(out.smallest_stable_stiffness, least);
-  out.stiffness_bounded = out.stiffness_bounded || most < kStiffest;
+  out.largest_stable_stiffness = first_crossing(radius, *inside, std::max(kStiffest, 10.0 * *inside), steps);
+  const auto downwards = [&](double ratio) { return radius(*inside / ratio); };
+  out.smallest_stable_stiffness =
+      *inside / first_crossing(downwards, 1.0, std::max(10.0, *inside / kSoftest), steps);
+  out.stiffness_bounded = out.largest_stable_stiffness < kStiffest;
 }
 
 // True if the beginning of the scenario does not come to rest in the nonlinear simulation: an arm
@@ -103,8 +107,11 @@ void find_simulated_onset(const Scenario& scenario, StabilityAnalysis& out) {
   double unstable = stable * kFirstStep;
   while (!swings(unstable)) {
     stable = unstable;
-    unstable *= kFarStep;
-    if (unstable > kStiffest) return;
+    if (stable >= kStiffest) {
+      out.largest_stable_stiffness = stable;
+      return;
+    }
+    unstable = std::min(unstable * kFarStep, kStiffest);
   }
   if (stable == out.linear_stable_stiffness) return;  // friction adds less than a step
   while (unstable > kOnsetAccuracy * stable) {
@@ -112,6 +119,23 @@ void find_simulated_onset(const Scenario& scenario, StabilityAnalysis& out) {
     (swings(middle) ? unstable : stable) = middle;
   }
   out.largest_stable_stiffness = stable;
+}
+
+std::vector<ReplacedRate> replaced_rates(const Scenario& scenario) {
+  const double rate = scenario.control.rate;
+  std::vector<ReplacedRate> sensors;
+  for (const ScenarioMember& m : scenario.members) sensors.push_back({m.name, m.sensor.rate, 0.0});
+  for (const ScenarioWall& w : scenario.walls) sensors.push_back({w.name, w.sensor.rate, 0.0});
+  std::vector<double> samples;
+  for (const ReplacedRate& s : sensors) samples.push_back(s.rate / rate);
+  const SamplePattern pattern = sample_pattern(samples);
+  std::vector<ReplacedRate> out;
+  for (size_t k = 0; k < sensors.size(); ++k) {
+    sensors[k].analysed = rate * pattern.ratios[k];
+    const double wanted = std::min(sensors[k].rate, rate);
+    if (std::abs(sensors[k].analysed - wanted) > kSameRate * wanted) out.push_back(sensors[k]);
+  }
+  return out;
 }
 
 const RestPoint& worst_of(const std::vector<RestPoint>& points, const Scenario& scenario) {
@@ -135,6 +159,7 @@ StabilityAnalysis analyse_stability(const Scenario& scenario) {
   StabilityAnalysis out;
   out.name = scenario.name;
   out.period = 1.0 / scenario.control.rate;
+  out.replaced_rates = replaced_rates(scenario);
   for (const ScenarioMember& m : scenario.members) out.members.push_back(m.name);
   const double infinite = std::numeric_limits<double>::infinity();
   out.margins = {infinite, infinite, infinite};
@@ -224,80 +249,6 @@ RootLocus root_locus(const Scenario& scenario, const ParameterRange& range) {
     });
     out.eigenvalues.push_back(std::move(found));
     out.stable.push_back(radius_with_deadbands(worst, changed) <= kUnstable ? 1 : 0);
-  }
-  return out;
-}
-
-std::string StabilityAnalysis::report() const {
-  std::string out = fmt::format(
-      "{}: {} at {} points of rest; {} states, eigenvalues of {} cycle{} of {:.4g} ms.\n", name,
-      stable ? "stable" : "NOT stable", points.size(), states, cycles, cycles == 1 ? "" : "s",
-      1e3 * period);
-  out += fmt::format("Worst: {} at {:.4g} s, largest modulus {:.6f} per cycle.\n", worst.phase,
-                     worst.time, worst.radius);
-  const auto shown = [](double x, const char* unit) {
-    return std::isfinite(x) ? fmt::format("{:.3g}{}", x, unit) : std::string("none found");
-  };
-  out += fmt::format("Margins of the force readings: gain {}, phase {}, delay {}.\n",
-                     shown(margins.gain, ""), shown(margins.phase_deg, " degrees"),
-                     shown(1e3 * margins.delay, " ms"));
-  if (std::isfinite(largest_stable_stiffness))
-    out += fmt::format("Object stiffness: stable from {:.4g} up to {:.4g} N/m{}{}.\n",
-                       smallest_stable_stiffness, linear_stable_stiffness,
-                       stiffness_bounded ? "" : ", the end of the search",
-                       simulated_runs > 0
-                           ? fmt::format("; with the arms' dry friction up to {:.4g} N/m, by {} "
-                                         "simulated run{}",
-                                         largest_stable_stiffness, simulated_runs,
-                                         simulated_runs == 1 ? "" : "s")
-                           : std::string());
-  for (const DeadbandSwing& d : deadbands)
-    out += fmt::format(
-        "{}: increments with a deadband act as an integral of up to {:.3g} m/(N s), and {:.3g} "
-        "swings: {}; iterated, {}.\n",
-        d.member, d.largest_gain, d.critical_gain,
-        d.describing_function_swings ? "a limit cycle may exist" : "no limit cycle",
-        d.swings ? fmt::format("it swings by {:.3g} N at {:.3g} Hz", d.amplitude, d.frequency)
-                 : std::string("it comes to rest"));
-  return out;
-}
-
-std::string StabilityStudy::report() const {
-  std::string out = analysis.report();
-  if (map) {
-    const auto stable = std::count(map->stable.begin(), map->stable.end(), 1);
-    out += fmt::format("Map of {} and {}: {} of {} points stable, in {:.2g} s.\n", map->a.name,
-                       map->b.name, stable, map->stable.size(), map->seconds);
-  }
-  if (locus) {
-    for (std::size_t k = 1; k < locus->values.size(); ++k) {
-      if (locus->stable[k] != locus->stable[k - 1])
-        out += fmt::format("Locus: {} between {:.4g} and {:.4g}, {}.\n", locus->range.name,
-                           locus->values[k - 1], locus->values[k],
-                           locus->stable[k] != 0 ? "begins to be stable" : "begins to swing");
-    }
-  }
-  if (recommendation) {
-    const GainRecommendation& r = *recommendation;
-    out += r.found ? fmt::format(
-                         "Recommended for a phase margin of {:.3g} degrees: gain {:.4g} m/(N s), "
-                         "proportional {:.4g} m/N, damping {:.4g} s, feed forward {:.4g} m/N, "
-                         "impedance damping {:.4g} N s/m; its margins: gain {:.3g}, phase {:.3g} "
-                         "degrees.\n",
-                         r.phase_deg, r.law.gain, r.law.proportional, r.law.damping,
-                         r.law.feed_forward, r.impedance_damping, r.margins.gain,
-                         r.margins.phase_deg)
-                   : fmt::format("No gains found with a phase margin of {:.3g} degrees.\n",
-                                 r.phase_deg);
-  }
-  if (bounds) {
-    const StabilityBounds& b = *bounds;
-    out += fmt::format(
-        "Bounds: {} of {} corners of the parameters' box ({:.3g} % each) not stable; all corners "
-        "are stable up to {:.3g} times these intervals{}. Guaranteed by small gain: errors of the "
-        "mass matrix up to {:.2g} % of it.\n",
-        b.unstable, b.samples, 1e2 * b.share, b.factor, b.factor_bounded ? "" : " at least",
-        1e2 * b.guaranteed_mass_error);
   }
   return out;
 }

@@ -79,6 +79,9 @@ Json study_json(const StabilityStudy& study) {
   out["eigenvalues"] = a.eigenvalues;
   out["eigenvalue_cycles"] = a.cycles;
   out["period"] = a.period;
+  out["replaced_rates"] = Json::array();
+  for (const ReplacedRate& r : a.replaced_rates)
+    out["replaced_rates"].push_back({{"sensor", r.sensor}, {"rate", r.rate}, {"analysed", r.analysed}});
   out["radius"] = a.radius;
   out["worst"] = point_json(a.worst);
   out["margins"] = margins_json(a.margins);
