@@ -21,7 +21,8 @@ GrowingRecording::GrowingRecording(const std::string& path, const RecordingOptio
     std::this_thread::sleep_for(kPause);
     return true;
   };
-  source_ = recordings::csv_rows(CsvLines(ByteStream(pipe ? "/dev/stdin" : path, wait)), options);
+  source_ = recordings::csv_rows(CsvLines(ByteStream(pipe ? "/dev/stdin" : path, wait)), options,
+                                 recordings::RowClock::kMayBeSetBack);
 }
 
 GrowingRecording::~GrowingRecording() = default;

@@ -24,7 +24,7 @@ class GrowingRecording {
   ~GrowingRecording();
 
   /// Returns the next rows and waits until there are that many; fewer only at the end of the
-  /// recording.
+  /// recording. Their times may fall, where the clock was set back.
   /// @throws InvalidInput  as RecordingReader::next().
   Recording next(int rows);
 

@@ -187,8 +187,8 @@ namespace {
 
 class CsvRows : public RowSource {
  public:
-  CsvRows(CsvLines text, const RecordingOptions& wanted)
-      : options(wanted), lines(std::move(text)) {
+  CsvRows(CsvLines text, const RecordingOptions& wanted, RowClock of_rows)
+      : options(wanted), clock(of_rows), lines(std::move(text)) {
     read_layout();
   }
 
@@ -206,6 +206,7 @@ class CsvRows : public RowSource {
   void parse(std::string_view line);
 
   RecordingOptions options;
+  RowClock clock;
   CsvLines lines;
   CsvLayout layout;
   std::string first_line;  // the first row of numbers, if it was read ahead
@@ -302,14 +303,14 @@ bool CsvRows::next_line(std::string_view* line) {
   return true;
 }
 
-// Checks that the row's time increases. False: it repeats the previous time.
+// Checks that the row's time increases, where it must. False: it repeats the previous time.
 bool CsvRows::accept_time() {
   const double t = row[CsvLayout::kTime];
   if (t == time) {
     ++repeated;
     return false;
   }
-  if (!(t > time) && !std::isnan(time)) {
+  if (!(t > time) && !std::isnan(time) && clock == RowClock::kRises) {
     const auto column = std::find(layout.slots.begin(), layout.slots.end(), CsvLayout::kTime) -
                         layout.slots.begin();
     char message[160];
@@ -411,8 +412,8 @@ Recording CsvRows::next(int rows) {
 
 }  // namespace
 
-std::unique_ptr<RowSource> csv_rows(CsvLines lines, const RecordingOptions& options) {
-  return std::make_unique<CsvRows>(std::move(lines), options);
+std::unique_ptr<RowSource> csv_rows(CsvLines lines, const RecordingOptions& options, RowClock clock) {
+  return std::make_unique<CsvRows>(std::move(lines), options, clock);
 }
 
 }  // namespace recordings

@@ -17,7 +17,10 @@ class RowSource {
   virtual RecordingFacts facts() const = 0;
 };
 
+/// Whether times that fall are an error of the file, or a clock that somebody set back while it was written.
+enum class RowClock { kRises, kMayBeSetBack };
+
 /// Rows of a CSV file with columns t, q1..qn, one after the other.
-std::unique_ptr<RowSource> csv_rows(CsvLines lines, const RecordingOptions& options);
+std::unique_ptr<RowSource> csv_rows(CsvLines lines, const RecordingOptions& options, RowClock clock = RowClock::kRises);
 
 }  // namespace veridyn::recordings
