@@ -78,7 +78,7 @@ class Live {
  private:
   void take_lines() {
     if (quits_ || out_.lost) return;
-    if (const std::optional<int> dropped = lines_.stopped()) stop(*dropped);
+    if (const std::optional<int> dropped = lines_.stopped(out_.time)) stop(*dropped);
     std::string line;
     while (out_.time >= waits_until_ && !quits_ && !out_.lost && lines_.next(line)) {
       line_at_ = Clock::now();
@@ -87,7 +87,7 @@ class Live {
       try {
         const LiveCommand command = parse_live_command(line, scenario_);
         const std::string why = objection(command);
-        if (const std::optional<int> dropped = lines_.stopped()) {  // while this one was planned
+        if (const std::optional<int> dropped = lines_.stopped(out_.time)) {  // while this one was planned
           stop(*dropped + 1);
           continue;
         }

@@ -10,6 +10,7 @@ namespace {
 
 constexpr std::size_t kMost = 10000;  // lines that wait
 constexpr int kAtOnce = 256;          // lines that are read in one cycle
+constexpr double kOneBreath = 0.05;   // [s] nobody has seen a line and said "stop" within it
 
 bool is_stop(const std::string& line) {
   std::istringstream words(line);
@@ -25,18 +26,25 @@ std::string dropped_lines(int count) {
 }
 
 bool WaitingLines::next(std::string& line) {
-  if (lines_.empty()) return source_.next(line);
-  line = std::move(lines_.front());
+  if (lines_.empty()) {
+    if (!source_.next(line)) return false;
+    taken_arrived_ = now_;
+    return true;
+  }
+  line = std::move(lines_.front().words);
+  taken_arrived_ = lines_.front().arrived;
   lines_.pop_front();
   return true;
 }
 
-std::optional<int> WaitingLines::stopped() {
+std::optional<int> WaitingLines::stopped(double now) {
   if (source_.is_script()) return std::nullopt;
+  now_ = now;
   std::string line;
   for (int k = 0; k < kAtOnce && lines_.size() < kMost && source_.next(line); ++k) {
-    if (!is_stop(line)) {
-      lines_.push_back(std::move(line));
+    const double oldest = taken_arrived_ ? *taken_arrived_ : lines_.empty() ? -kOneBreath : lines_.front().arrived;
+    if (!is_stop(line) || now - oldest < kOneBreath) {
+      lines_.push_back({std::move(line), now});
       continue;
     }
     const auto dropped = static_cast<int>(lines_.size());

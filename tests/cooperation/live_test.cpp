@@ -284,6 +284,18 @@ TEST(Live, AStopWaitsForNothing) {
   }
 }
 
+// As a program writes its script into a pipe.
+TEST(Live, AStopInOneBreathWithTheLinesBeforeItHasItsTurn) {
+  Timed lines({{0, "move 0.05 0 0 2"}, {0, "wait 2.5"}, {20, "stop"}, {20, "wait 0.5"}, {20, "quit"}});
+  LiveOptions options = at_once();
+  options.tell = 0.1;
+  Way way;
+  const LiveRun run = run_live(example("two-arms-spring"), lines, options, way.tell);
+  EXPECT_NEAR(way.at(24), 0.05, 2e-3);
+  EXPECT_NEAR(run.time, 3.0, 0.05);
+  EXPECT_EQ(run.refused, 0);
+}
+
 // A stop ends a jog that a wait keeps alive.
 TEST(Live, AStopEndsAJogThatWaits) {
   Timed lines({{0, "jog 0.02 0 0"}, {0, "wait 10"}, {300, "  stop "}, {2700, "quit"}});
@@ -312,13 +324,13 @@ TEST(Live, AStopComesThroughAFlood) {
   };
   Flood flood;
   WaitingLines waiting(flood);
-  std::optional<int> dropped = waiting.stopped();
+  std::optional<int> dropped = waiting.stopped(0.0);
   int cycles = 1;
-  for (; !dropped && cycles < 100; ++cycles) dropped = waiting.stopped();
+  for (; !dropped && cycles < 100; ++cycles) dropped = waiting.stopped(0.01 * cycles);
   ASSERT_TRUE(dropped.has_value());
   EXPECT_EQ(*dropped, 4999);
   EXPECT_LE(cycles, 20);
-  for (int k = 0; k < 1000; ++k) EXPECT_FALSE(waiting.stopped().has_value());
+  for (int k = 0; k < 1000; ++k) EXPECT_FALSE(waiting.stopped(1.0).has_value());
   EXPECT_EQ(flood.lines, 15000);
 }
 

@@ -15,7 +15,7 @@ struct LiveWait {
   double seconds = 0.0;
 };
 /// End all motion. It is carried out as soon as it arrives, also while a LiveWait lasts; lines before it that have
-/// not been carried out by then are dropped.
+/// not been carried out by then are dropped. In a script, which arrives as a whole, it has its turn.
 struct LiveStop {};
 struct LiveAlive {};  ///< keeps the line alive, nothing else
 struct LiveQuit {};   ///< end the run

@@ -50,7 +50,7 @@ LiveHand::Shown LiveHand::shown() {
 void LiveHand::pump() {
   const Shown now = shown();
   if (!now.plan) return;
-  stops(0);
+  stops(0, now.time);
   if (now.taken != written_.load()) return;
   if (now.jogs) plan_jog(now);
   std::string line;
@@ -59,8 +59,8 @@ void LiveHand::pump() {
 }
 
 // A stop goes ahead of all that has not been carried out. @param under_way  lines that are being answered.
-bool LiveHand::stops(int under_way) {
-  const std::optional<int> dropped = lines_.stopped();
+bool LiveHand::stops(int under_way, double now) {
+  const std::optional<int> dropped = lines_.stopped(now);
   if (!dropped) return false;
   put(LiveStop{});
   stop_.store(written_.load());
@@ -81,7 +81,7 @@ void LiveHand::take(const std::string& line, const Shown& now) {
   try {
     command = parse_live_command(line, scenario_);
     const std::string why = plan_ ? objection(command, now) : "";
-    if (stops(1)) return;
+    if (stops(1, shown().time)) return;
     if (!why.empty()) throw InvalidInput(text("'", line, "': ", why, "."));
     if (std::holds_alternative<LiveJog>(command)) jog_until_.store(now.time + options_.silence);
   } catch (const InvalidInput& error) {

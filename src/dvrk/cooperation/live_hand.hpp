@@ -71,7 +71,7 @@ class LiveHand {
   };
 
   void pump();
-  bool stops(int under_way);
+  bool stops(int under_way, double now);
   void take(const std::string& line, const Shown& now);
   void put(const LiveCommand& command);
   void plan_jog(const Shown& now);
