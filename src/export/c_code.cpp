@@ -29,7 +29,7 @@ std::string identifier(const std::string& name) {
   return out;
 }
 
-// Removes characters that a C comment or string must not contain: three of them with ?? are another in C99.
+// Removes characters that a C comment or string must not contain; two question marks begin a trigraph in C99.
 std::string plain(std::string words) {
   for (char& c : words) {
     if (c == '*' || c == '\\' || c == '"' || c == '?' || (c >= 0 && c < ' ')) c = ' ';

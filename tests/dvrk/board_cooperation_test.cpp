@@ -187,17 +187,23 @@ class Lines final : public LineSource {
   std::size_t next_ = 0;
 };
 
+// Boards by a stepped clock that are driven by lines, as fast as this machine computes.
+BoardCooperationOptions by_lines(LineSource& lines) {
+  BoardCooperationOptions options;
+  options.emulate = emulate_boards;
+  options.stepped = true;
+  options.hold = options.release = 0.5;
+  options.lines = &lines;
+  options.live.pace = 0.0;
+  return options;
+}
+
 TEST(BoardCooperation, CommandsByLineMoveTheArmsAndTheirLossLetsGo) {
   const Scenario scenario = board_example("two-psm-spring");
   for (const bool quits : {true, false}) {
     Lines lines({"force spring 2 0.8", "wait 1", "leap 1", "move 0.005 0 0 0.5", "wait 0.8",
                  quits ? "quit" : "alive"});
-    BoardCooperationOptions options;
-    options.emulate = emulate_boards;
-    options.stepped = true;
-    options.hold = options.release = 0.5;
-    options.lines = &lines;
-    options.live.pace = 0.0;
+    BoardCooperationOptions options = by_lines(lines);
     std::vector<std::string> states, refusals;
     options.live_report.state = [&](const std::string& line) { states.push_back(line); };
     options.live_report.refused = [&](const std::string& line) { refusals.push_back(line); };
@@ -239,12 +245,7 @@ TEST(BoardCooperation, AStopWaitsForNothing) {
    private:
     int next_ = 0, cycle_ = 0;
   } lines;
-  BoardCooperationOptions options;
-  options.emulate = emulate_boards;
-  options.stepped = true;
-  options.hold = options.release = 0.5;
-  options.lines = &lines;
-  options.live.pace = 0.0;
+  BoardCooperationOptions options = by_lines(lines);
   std::vector<double> x;
   std::vector<std::string> refusals;
   options.live_report.state = [&](const std::string& line) { x.push_back(std::atof(line.c_str() + line.find("master=") + 7)); };

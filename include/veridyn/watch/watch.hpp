@@ -34,8 +34,8 @@ enum class WatchStage {
   kPresent,    ///< there when the watch began: learned, and no reason for an alarm
   kWithdrawn,  ///< the name was wrong: another one explains more, and follows with the same id
   /// Nothing can be watched since: no rows, no finite numbers, times that do not rise, rows or a torque that
-  /// stand still while the arm moves; or the clock was set back, by which later events have their times. No change and no cause; the id is that of a change that was suspected
-  /// since then, or 0.
+  /// stand still while the arm moves. Or the rows' clock was set back: later events have its new times. No
+  /// change and no cause; the id is that of a change that was suspected since then, or 0.
   kBlind,
 };
 const char* name_of(WatchStage stage);

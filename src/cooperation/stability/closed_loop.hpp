@@ -56,8 +56,8 @@ class ClosedLoop {
 
   /// First cycle of the pattern, late enough for every delayed sample to have a number that is not below zero.
   long first_cycle() const { return 1000L * hyperperiod_; }
-  /// (hyperperiod) for every cycle from the first on; cycles of one kind have the same map. Kinds are numbered
-  /// from 0 as they appear.
+  /// (hyperperiod) the kind of each cycle, beginning with first_cycle(): cycles of one kind have the same map.
+  /// Kinds count from 0, in the order in which they first occur.
   const std::vector<int>& kinds() const { return kinds_; }
   /// The hyperperiod in rows of equal cycles; short rows are given cycle by cycle.
   std::vector<CycleRow> rows() const;

@@ -45,8 +45,8 @@ double radius_with_deadbands(const RestPoint& point, const Scenario& scenario) {
   return linear;
 }
 
-// From the scenario's own stiffness by equal ratios to the first one with a stable loop, downwards and, where
-// none is there, upwards.
+// The first stiffness with a stable loop, in steps of 12 % from the scenario's own: downwards, and upwards where
+// all below are unstable.
 std::optional<double> first_stable(const std::function<double(double)>& radius, double own) {
   if (radius(own) <= kUnstable) return own;
   const double step = std::pow(10.0, 0.05);
