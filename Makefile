@@ -94,7 +94,8 @@ demo: tool
 # What fails beside other tests runs a second time alone: a wrong result fails twice, a machine that is too busy does not.
 test: build
 	@ctest --test-dir $(BUILD) --output-on-failure -j $(JOBS) || \
-	  { echo "Again, one at a time:"; ctest --test-dir $(BUILD) --output-on-failure --rerun-failed; }
+	  { tests/summary.sh $(BUILD); echo "Again, one at a time:"; ctest --test-dir $(BUILD) --output-on-failure --rerun-failed; }
+	@tests/summary.sh $(BUILD)
 
 # Blocks of the README and of the pages below, made anew by the commands in them; tests compare them.
 PAGES ?= README.md docs/own-robot.md docs/tour.md
