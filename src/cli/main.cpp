@@ -7,10 +7,10 @@
 #include <string>
 
 #include "cli/commands.hpp"
-#include "cli/help/manual.hpp"
-#include "cli/help/usage.hpp"
-#include "cli/options/messages.hpp"
-#include "cli/options/sound_arguments.hpp"
+#include "tool/manual.hpp"
+#include "tool/usage.hpp"
+#include "veridyn/tool/messages.hpp"
+#include "veridyn/tool/sound_arguments.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::cli {

@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "cli/help/manual.hpp"
-#include "cli/options/common_options.hpp"
-#include "cli/options/sound_arguments.hpp"
+#include "tool/manual.hpp"
+#include "veridyn/tool/common_options.hpp"
+#include "veridyn/tool/sound_arguments.hpp"
 #include "math/output_file.hpp"
 #include "model/suggestion.hpp"
 

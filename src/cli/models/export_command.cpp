@@ -4,12 +4,12 @@
 #include <vector>
 
 #include "cli/commands.hpp"
-#include "cli/options/common_options.hpp"
+#include "veridyn/tool/common_options.hpp"
 #include "cli/models/export_dvrk.hpp"
 #include "cli/models/simulation_output.hpp"
-#include "cli/options/messages.hpp"
-#include "cli/options/option_checks.hpp"
-#include "cli/options/sound_arguments.hpp"
+#include "veridyn/tool/messages.hpp"
+#include "veridyn/tool/option_checks.hpp"
+#include "veridyn/tool/sound_arguments.hpp"
 #include "model/robot_format.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/export/c_code.hpp"

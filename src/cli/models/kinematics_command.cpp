@@ -5,12 +5,12 @@
 #include <sstream>
 
 #include "math/words.hpp"
-#include "cli/options/column_file.hpp"
+#include "veridyn/tool/column_file.hpp"
 #include "cli/commands.hpp"
-#include "cli/options/common_options.hpp"
-#include "cli/options/messages.hpp"
-#include "cli/options/option_checks.hpp"
-#include "cli/options/sound_arguments.hpp"
+#include "veridyn/tool/common_options.hpp"
+#include "veridyn/tool/messages.hpp"
+#include "veridyn/tool/option_checks.hpp"
+#include "veridyn/tool/sound_arguments.hpp"
 #include "control/kinematics_table.hpp"
 #include "dvrk/arms/arm_facts.hpp"
 #include "dvrk/arms/arm_kinematics.hpp"
