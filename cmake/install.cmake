@@ -5,18 +5,24 @@ set(PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/veridyn)
 # Each component of the library has an export and a .pc file of its own. Who links a static one needs what stands behind
 # it; a shared one knows that itself.
 foreach(ROW fmt::fmt|fmt|-lfmt yaml-cpp|yaml-cpp|-lyaml-cpp muparser::muparser|muparser|-lmuparser pugixml::pugixml|pugixml|-lpugixml
-        "urdfdom::urdfdom_model|urdfdom|-lurdfdom_model -lconsole_bridge" "Ceres::ceres|Ceres|-lceres -lglog" Threads::Threads|Threads|-pthread)
+        "urdfdom::urdfdom_model|urdfdom|-lurdfdom_model -lconsole_bridge" "Ceres::ceres|Ceres|-lceres -lglog" Threads::Threads|Threads|-pthread CLI11::CLI11|CLI11| )
   string(REPLACE "|" ";" ROW "${ROW}")
   list(GET ROW 0 LINK)
   list(GET ROW 1 VERIDYN_PACKAGE_${LINK})
   list(GET ROW 2 VERIDYN_PC_${LINK})
 endforeach()
+get_property(ADDED GLOBAL PROPERTY VERIDYN_PACKAGES)
+foreach(component IN LISTS ADDED)
+  get_property(veridyn_needs_${component} GLOBAL PROPERTY VERIDYN_NEEDS_${component})
+endforeach()
+list(APPEND VERIDYN_COMPONENTS ${ADDED})
 set(VERIDYN_NEEDS "")
 set(VERIDYN_PACKAGES "")
 list(JOIN VERIDYN_COMPONENTS ", veridyn-" PC_ALL)
 file(RELATIVE_PATH PC_TO_PREFIX /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
 foreach(component IN LISTS VERIDYN_COMPONENTS)
-  install(TARGETS veridyn_${component} EXPORT veridyn_${component}
+  get_target_property(target veridyn::${component} ALIASED_TARGET)
+  install(TARGETS ${target} EXPORT veridyn_${component}
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev
     LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library NAMELINK_COMPONENT dev)
   install(EXPORT veridyn_${component} NAMESPACE veridyn:: FILE veridyn_${component}.cmake DESTINATION ${PACKAGE_DIR} COMPONENT dev)
@@ -28,9 +34,9 @@ foreach(component IN LISTS VERIDYN_COMPONENTS)
     string(APPEND PC_NEEDS ", veridyn-${needed}")
   endforeach()
   if(NOT BUILD_SHARED_LIBS)
-    get_target_property(LINKS veridyn_${component} LINK_LIBRARIES)
+    get_target_property(LINKS ${target} LINK_LIBRARIES)
     foreach(LINK IN LISTS LINKS)
-      if(LINK MATCHES "^veridyn_|^Eigen3::|BUILD_INTERFACE")
+      if(LINK MATCHES "^veridyn|^Eigen3::|BUILD_INTERFACE")
         continue()
       elseif(LINK MATCHES "^/")  # by its name where the linker looks for it by itself
         string(REGEX REPLACE "^/usr/lib(/[^/]*-linux-gnu)?/lib([^/]+)\\.(so|a)$" "-l\\2" LINK "${LINK}")
@@ -39,7 +45,7 @@ foreach(component IN LISTS VERIDYN_COMPONENTS)
         string(APPEND PC_LIBS " ${VERIDYN_PC_${LINK}}")
         list(APPEND PACKAGES ${VERIDYN_PACKAGE_${LINK}})
       else()
-        message(FATAL_ERROR "cmake/install.cmake: found ${LINK} behind veridyn_${component}, expected it in the table above")
+        message(FATAL_ERROR "cmake/install.cmake: found ${LINK} behind veridyn::${component}, expected it in the table above")
       endif()
     endforeach()
     list(REMOVE_DUPLICATES PACKAGES)
@@ -52,7 +58,7 @@ Description: @PROJECT_DESCRIPTION@: @component@
 Version: @PROJECT_VERSION@
 Requires: @PC_NEEDS@
 Cflags: -I${prefix}/include
-Libs: -L${prefix}/@CMAKE_INSTALL_LIBDIR@ -lveridyn_@component@@PC_LIBS@
+Libs: -L${prefix}/@CMAKE_INSTALL_LIBDIR@ -l@target@@PC_LIBS@
 ]=])
   install(FILES ${CMAKE_CURRENT_BINARY_DIR}/veridyn-${component}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT dev)
 endforeach()
@@ -77,7 +83,7 @@ if(TARGET veridyn_tool)
   install(FILES ${CMAKE_CURRENT_BINARY_DIR}/veridyn.bash DESTINATION share/bash-completion/completions RENAME veridyn COMPONENT tool)
 endif()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/veridyn DESTINATION include COMPONENT dev)
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/data/robots ${PROJECT_SOURCE_DIR}/data/dvrk DESTINATION share/veridyn COMPONENT tool)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/data/robots DESTINATION share/veridyn COMPONENT tool)
 
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/veridynConfig.cmake.in
   ${CMAKE_CURRENT_BINARY_DIR}/veridynConfig.cmake INSTALL_DESTINATION ${PACKAGE_DIR})

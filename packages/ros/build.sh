@@ -1,5 +1,5 @@
 #!/bin/sh
-# Builds the ROS packages against the library that BUILD holds: ros/build.sh BUILD [JOBS]
+# Builds the ROS packages against the library that BUILD holds: packages/ros/build.sh BUILD [JOBS]
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 build=$(cd "$1" && pwd)

@@ -2,12 +2,15 @@
 
 #include <map>
 
+#include "veridyn/tool/program.hpp"
+
 namespace veridyn::cli {
+namespace {
 
 // tests/cli/manual_test.cpp runs these in their order, each in the folder that the earlier ones
 // filled, except those that need boards, a sensor or recordings of a camera.
-std::vector<ManualPage::Entry> examples_of(const std::string& command) {
-  static const std::map<std::string, std::vector<ManualPage::Entry>> kExamples = {
+std::map<std::string, std::vector<ManualPage::Entry>>& examples() {
+  static std::map<std::string, std::vector<ManualPage::Entry>> all = {
       {"veridyn", {{"veridyn help identify", "Show the options and examples of one command"}}},
       {"veridyn help",
        {{"veridyn help dvrk run", "Show the options and examples of a command within another"},
@@ -85,55 +88,21 @@ std::vector<ManualPage::Entry> examples_of(const std::string& command) {
       {"veridyn page",
        {{"veridyn page . -o index.html", "Gather the models and pages of this folder"},
         {"veridyn page . -o index.html --json index.json", "The same, with its numbers"}}},
-      {"veridyn cooperate",
-       {{"veridyn cooperate examples/cooperate/two-arms-spring.yaml -o rows.csv",
-         "Simulate two arms that hold one object"},
-        {"veridyn cooperate examples/dvrk/two-psm-spring.yaml --boards PSM1 PSM2 --emulate "
-         "--stepped",
-         "Run a scenario on emulated dVRK boards"}}},
-      {"veridyn stability",
-       {{"veridyn stability examples/cooperate/two-arms-spring.yaml",
-         "Eigenvalues and margins of a scenario's force loop"},
-        {"veridyn stability examples/cooperate/two-arms-spring.yaml --recommend 45",
-         "Gains with a phase margin of 45 degrees"}}},
-      {"veridyn calibrate axis",
-       {{"veridyn calibrate axis markers.csv",
-         "Axes of rotation between all bodies with markers"}}},
-      {"veridyn calibrate rcm",
-       {{"veridyn calibrate rcm poses.csv --unit mm",
-         "Remote centre of motion from poses of the instrument"}}},
-      {"veridyn calibrate links",
-       {{"veridyn calibrate links psm-3dof poses.csv --frame counterweight --robot-out "
-         "calibrated.yaml",
-         "Correct the constants of a robot file with measured poses"}}},
-      {"veridyn calibrate handeye",
-       {{"veridyn calibrate handeye arm.csv camera.csv",
-         "Pose between two arms, or between an arm and a camera"}}},
-      {"veridyn loadcell calibrate",
-       {{"veridyn loadcell calibrate readings.csv -o cell.yaml",
-         "Offset and scale from known weights"}}},
-      {"veridyn loadcell read",
-       {{"veridyn loadcell read udp:5000 --calibration cell.yaml --seconds 10",
-         "Show forces and whether the sensor is alive"}}},
-      {"veridyn dvrk emulate",
-       {{"veridyn dvrk emulate --arm PSM1 --model examples/dvrk/light-psm.yaml --config-out io.xml",
-         "Emulate the boards of one arm with simulated dynamics until Ctrl-C"}}},
-      {"veridyn dvrk monitor",
-       {{"veridyn dvrk monitor --config io.xml --seconds 2", "Show joints, currents and faults"}}},
-      {"veridyn dvrk read",
-       {{"veridyn dvrk read --config io.xml --seconds 30 -o rec.csv",
-         "Record an arm that another program drives"}}},
-      {"veridyn dvrk run",
-       {{"veridyn dvrk run --arm PSM1 --model examples/dvrk/light-psm.yaml --controller "
-         "computed-torque --trajectory traj.csv -o rec.csv --emulate",
-         "Follow a trajectory on emulated boards; without --emulate, on the boards of a real "
-         "arm"}}},
-      {"veridyn dvrk config",
-       {{"veridyn dvrk config --arm PSM1 -o io.json",
-         "Write the nominal configuration of an arm"}}},
   };
-  const auto found = kExamples.find(command);
-  return found == kExamples.end() ? std::vector<ManualPage::Entry>{} : found->second;
+  return all;
+}
+
+}  // namespace
+
+void add_examples(const std::string& command, const std::vector<Example>& added) {
+  std::vector<ManualPage::Entry>& all = examples()[command];
+  all.clear();
+  for (const Example& one : added) all.push_back({one.command_line, one.purpose});
+}
+
+std::vector<ManualPage::Entry> examples_of(const std::string& command) {
+  const auto found = examples().find(command);
+  return found == examples().end() ? std::vector<ManualPage::Entry>{} : found->second;
 }
 
 }  // namespace veridyn::cli

@@ -11,6 +11,7 @@
 #include "tool/examples.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
+#include "veridyn/report/json/json_value.hpp"
 
 namespace veridyn::cli {
 namespace {
@@ -136,6 +137,18 @@ std::string markdown_text(const ManualPage& page) {
   return out;
 }
 
+Json entries_json(const std::vector<ManualPage::Entry>& entries) {
+  Json out = Json::array();
+  for (const ManualPage::Entry& entry : entries) out.push_back({entry.names, entry.text});
+  return out;
+}
+
+std::vector<ManualPage::Entry> entries_of(const Json& entries) {
+  std::vector<ManualPage::Entry> out;
+  for (const Json& entry : entries) out.push_back({entry.at(0), entry.at(1)});
+  return out;
+}
+
 class ManualFormatter : public CLI::FormatterBase {
  public:
   std::string make_help(const CLI::App* command, std::string name,
@@ -209,42 +222,83 @@ void show_manual_as_help(CLI::App& tool) {
   tool.option_defaults()->always_capture_default();
 }
 
-void write_man_pages(const CLI::App& tool, const std::string& folder) {
+std::vector<CommandHelp> help_of(const CLI::App& tool) {
+  std::vector<CommandHelp> out;
+  for_each_command(tool, "veridyn", [&](const CLI::App& command, const std::string& name) {
+    CommandHelp one{manual_page(command, name), {}, {}};
+    const CLI::App& listed = command.get_name() == "help" ? tool : command;
+    for (const CLI::App* below : subcommands_of(listed)) one.commands.push_back(below->get_name());
+    for (const CLI::Option* option : command.get_options()) {
+      for (const std::string& option_name : option->get_lnames()) one.options.push_back("--" + option_name);
+    }
+    out.push_back(std::move(one));
+  });
+  return out;
+}
+
+std::string to_json(const std::vector<CommandHelp>& help) {
+  Json out = Json::array();
+  for (const CommandHelp& one : help) {
+    Json sections = Json::array();
+    for (const ManualPage::Section& section : one.page.sections)
+      sections.push_back({{"title", section.title}, {"entries", entries_json(section.entries)}});
+    out.push_back({{"name", one.page.name}, {"summary", one.page.summary}, {"usage", one.page.usage},
+                   {"sections", sections}, {"notes", one.page.notes}, {"examples", entries_json(one.page.examples)},
+                   {"commands", one.commands}, {"options", one.options}});
+  }
+  return written(out);
+}
+
+std::vector<CommandHelp> help_from_json(const std::string& json, const std::string& program) {
+  try {
+    const Json all = Json::parse(json);
+    std::vector<CommandHelp> out;
+    for (std::size_t k = 1; k < all.size(); ++k) {
+      const Json& one = all[k];
+      CommandHelp help{{one.at("name"), one.at("summary"), one.at("usage"), {}, one.at("notes"), entries_of(one.at("examples"))},
+                       one.at("commands"), one.at("options")};
+      for (const Json& section : one.at("sections"))
+        help.page.sections.push_back({section.at("title"), entries_of(section.at("entries"))});
+      out.push_back(std::move(help));
+    }
+    return out;
+  } catch (const Json::exception& error) {
+    throw InvalidInput(program + " --describe: found no help of commands, expected that of a package of this version: " + error.what());
+  }
+}
+
+void write_man_pages(const std::vector<CommandHelp>& help, const std::string& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   require(!error, folder, ": cannot be made: ", error.message(), ".");
-  for_each_command(tool, "veridyn", [&](const CLI::App& command, const std::string& name) {
-    std::string file = name;
+  for (const CommandHelp& one : help) {
+    std::string file = one.page.name;
     std::replace(file.begin(), file.end(), ' ', '-');
-    write_file(folder + "/" + file + ".1", man_text(manual_page(command, name)));
-  });
+    write_file(folder + "/" + file + ".1", man_text(one.page));
+  }
 }
 
-std::string markdown_manual(const CLI::App& tool) {
+std::string markdown_manual(const std::vector<CommandHelp>& help) {
   std::string out =
       "# Commands\n\nEvery command with its options, as `veridyn help COMMAND` prints them. "
       "Default values stand in parentheses.\n"
       "Most commands take `--json FILE`, `--report FILE` (an HTML page), `--threads N`, `--quiet` "
       "and `--version`, which are left out here.\n";
-  for_each_command(tool, "veridyn", [&](const CLI::App& command, const std::string& name) {
-    if (&command != &tool) out += markdown_text(manual_page(command, name));
-  });
+  for (std::size_t k = 1; k < help.size(); ++k) out += markdown_text(help[k].page);
   return out;
 }
 
-std::string bash_completion(const CLI::App& tool) {
+std::string bash_completion(const std::vector<CommandHelp>& help) {
   std::string cases, with_commands;
-  for_each_command(tool, "veridyn", [&](const CLI::App& command, const std::string& name) {
+  for (const CommandHelp& one : help) {
+    const std::string& name = one.page.name;
     std::string words;
-    const CLI::App& listed = command.get_name() == "help" ? tool : command;
-    for (const CLI::App* below : subcommands_of(listed)) words += below->get_name() + " ";
-    if (&command != &tool && !subcommands_of(command).empty())
-      with_commands += (with_commands.empty() ? "" : " | ") + command.get_name();
-    for (const CLI::Option* option : command.get_options()) {
-      for (const std::string& option_name : option->get_lnames()) words += "--" + option_name + " ";
-    }
+    for (const std::string& word : one.commands) words += word + " ";
+    for (const std::string& word : one.options) words += word + " ";
     cases += "    '" + name + "') words='" + words + "' ;;\n";
-  });
+    if (!one.commands.empty() && name != "veridyn" && name != "veridyn help")
+      with_commands += (with_commands.empty() ? "" : " | ") + name.substr(name.rfind(' ') + 1);
+  }
   return "# Completion of veridyn for bash: commands, options and file names.\n"
          "_veridyn() {\n"
          "  local command=veridyn words='' current=${COMP_WORDS[COMP_CWORD]}\n"

@@ -35,15 +35,29 @@ std::string terminal_text(const ManualPage& page);
 /// Call it before subcommands are added: these inherit it.
 void show_manual_as_help(CLI::App& tool);
 
+/// A page with the words that follow the command on a command line.
+struct CommandHelp {
+  ManualPage page;
+  std::vector<std::string> commands, options;
+};
+
+/// Help of the tool and of all its commands, each before those below it.
+std::vector<CommandHelp> help_of(const CLI::App& tool);
+
+/// Help as programs of packages print it with --describe.
+std::string to_json(const std::vector<CommandHelp>& help);
+/// The same read again, without the first entry, that of the tool. @param program  for messages.
+std::vector<CommandHelp> help_from_json(const std::string& json, const std::string& program);
+
 /// Writes a man page for the tool and for every command, as veridyn-dvrk-run.1.
 /// @throws InvalidInput  the folder or a file cannot be written.
-void write_man_pages(const CLI::App& tool, const std::string& folder);
+void write_man_pages(const std::vector<CommandHelp>& help, const std::string& folder);
 
 /// All pages as Markdown: docs/commands.md.
-std::string markdown_manual(const CLI::App& tool);
+std::string markdown_manual(const std::vector<CommandHelp>& help);
 
 /// Script for bash that completes commands, options and file names.
-std::string bash_completion(const CLI::App& tool);
+std::string bash_completion(const std::vector<CommandHelp>& help);
 
 /// Adds `help [COMMAND...]`, which prints a manual page or writes all of them.
 void add_help_command(CLI::App& tool);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "veridyn/report/json/json_value.hpp"
 
@@ -12,7 +13,8 @@ namespace veridyn {
 /// @param result  JSON: every number that the page's text shows.
 /// @param series  data of the figures, see page_series.hpp; a page with arms includes three.js.
 /// @param report  plain text for a reader without scripts.
+/// @param script  adds the sections of a command that is not the library's.
 std::string html_page(const std::string& title, const std::string& result, const Json& series,
-                      const std::string& report);
+                      const std::string& report, std::string_view script = {});
 
 }  // namespace veridyn

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "math/dense.hpp"
+#include "veridyn/math/dense.hpp"
 
 namespace veridyn::internal {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "math/median.hpp"
-#include "math/student_t.hpp"
+#include "veridyn/math/median.hpp"
+#include "veridyn/math/student_t.hpp"
 
 namespace veridyn::internal {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "deviations.hpp"
 #include "veridyn/math/require.hpp"
-#include "model/suggestion.hpp"
+#include "veridyn/model/suggestion.hpp"
 
 namespace veridyn::internal {
 namespace {

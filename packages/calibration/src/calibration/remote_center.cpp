@@ -9,7 +9,7 @@
 #include "closed_forms.hpp"
 #include "contradiction.hpp"
 #include "deviations.hpp"
-#include "math/dense.hpp"
+#include "veridyn/math/dense.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {

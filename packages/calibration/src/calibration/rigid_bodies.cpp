@@ -9,8 +9,8 @@
 #include <numeric>
 
 #include "deviations.hpp"
-#include "math/median.hpp"
-#include "math/numbers.hpp"
+#include "veridyn/math/median.hpp"
+#include "veridyn/math/numbers.hpp"
 
 namespace veridyn::internal {
 namespace {

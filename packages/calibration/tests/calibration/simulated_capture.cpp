@@ -6,7 +6,7 @@
 
 #include "calibration/closed_forms.hpp"
 #include "veridyn/kinematics/kinematics.hpp"
-#include "kinematics/motion_limits.hpp"
+#include "veridyn/kinematics/motion_limits.hpp"
 
 namespace veridyn {
 namespace {

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "math/random_numbers.hpp"
+#include "veridyn/math/random_numbers.hpp"
 #include "veridyn/calibration/axes.hpp"
 #include "veridyn/calibration/capture.hpp"
 #include "veridyn/model/model.hpp"

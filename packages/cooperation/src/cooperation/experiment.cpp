@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "math/eigen_pose.hpp"
+#include "veridyn/math/eigen_pose.hpp"
 #include "end_stops.hpp"
 #include "loop_gains.hpp"
 #include "phase_commands.hpp"

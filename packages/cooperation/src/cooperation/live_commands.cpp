@@ -8,10 +8,10 @@
 #include <sstream>
 #include <utility>
 
-#include "math/words.hpp"
-#include "math/excerpt.hpp"
-#include "control/sensors/udp_port.hpp"
-#include "model/suggestion.hpp"
+#include "veridyn/math/words.hpp"
+#include "veridyn/math/excerpt.hpp"
+#include "dvrk/protocol/udp_port.hpp"
+#include "veridyn/model/suggestion.hpp"
 #include "veridyn/cooperation/live.hpp"
 #include "veridyn/math/require.hpp"
 

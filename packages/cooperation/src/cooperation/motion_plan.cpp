@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "control/safety/position_limit.hpp"
+#include "veridyn/control/safety/position_limit.hpp"
 #include "loop_gains.hpp"
 #include "phase_commands.hpp"
 #include "veridyn/control/safety_supervisor.hpp"

@@ -7,7 +7,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "math/parallel.hpp"
+#include "veridyn/math/parallel.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {

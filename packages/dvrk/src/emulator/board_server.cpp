@@ -14,7 +14,7 @@
 #include <ctime>
 
 #include "dvrk/protocol/datagram_link.hpp"
-#include "control/sensors/udp_port.hpp"
+#include "dvrk/protocol/udp_port.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {

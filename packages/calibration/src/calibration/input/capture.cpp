@@ -7,7 +7,7 @@
 #include "calibration/rigid_bodies.hpp"
 #include "capture_table.hpp"
 #include "veridyn/math/require.hpp"
-#include "model/suggestion.hpp"
+#include "veridyn/model/suggestion.hpp"
 
 namespace veridyn {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "recordings/csv/csv_layout.hpp"
+#include "veridyn/recordings/csv/csv_layout.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::internal {

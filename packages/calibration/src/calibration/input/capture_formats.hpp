@@ -1,7 +1,7 @@
 #pragma once
 
 #include "capture_table.hpp"
-#include "recordings/csv/csv_lines.hpp"
+#include "veridyn/recordings/csv/csv_lines.hpp"
 
 namespace veridyn::internal {
 

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <map>
 
-#include "math/excerpt.hpp"
+#include "veridyn/math/excerpt.hpp"
 #include "capture_formats.hpp"
-#include "math/numbers.hpp"
-#include "recordings/csv/csv_layout.hpp"
+#include "veridyn/math/numbers.hpp"
+#include "veridyn/recordings/csv/csv_layout.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::internal {

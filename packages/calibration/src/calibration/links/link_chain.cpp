@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "math/eigen_pose.hpp"
-#include "model/joint_placement.hpp"
+#include "veridyn/math/eigen_pose.hpp"
+#include "veridyn/model/joint_placement.hpp"
 
 namespace veridyn::internal {
 namespace {

@@ -5,8 +5,8 @@
 #include <map>
 #include <set>
 
-#include "effects/kinematic_error.hpp"
-#include "model/expression.hpp"
+#include "veridyn/effects/kinematic_error.hpp"
+#include "veridyn/model/expression.hpp"
 
 namespace veridyn::internal {
 namespace {

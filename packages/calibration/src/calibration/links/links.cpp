@@ -8,7 +8,7 @@
 #include <limits>
 #include <memory>
 
-#include "math/median.hpp"
+#include "veridyn/math/median.hpp"
 #include "calibration/contradiction.hpp"
 #include "calibration/deviations.hpp"
 #include "calibration/links/link_selection.hpp"

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "math/number_table.hpp"
+#include "veridyn/math/number_table.hpp"
 #include "veridyn/calibration/links.hpp"
 
 namespace veridyn {

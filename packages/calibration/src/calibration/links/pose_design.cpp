@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kinematics/motion_limits.hpp"
+#include "veridyn/kinematics/motion_limits.hpp"
 #include "calibration/links/link_selection.hpp"
-#include "math/random_numbers.hpp"
+#include "veridyn/math/random_numbers.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {

@@ -1,9 +1,9 @@
 #include <iostream>
 
 #include "cli/calibration/calibrate_options.hpp"
-#include "cli/commands.hpp"
+#include "veridyn/tool/program.hpp"
 #include "veridyn/tool/messages.hpp"
-#include "math/output_file.hpp"
+#include "veridyn/math/output_file.hpp"
 
 namespace veridyn::cli {
 

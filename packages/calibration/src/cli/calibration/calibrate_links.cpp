@@ -1,7 +1,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "math/input_file.hpp"
+#include "veridyn/math/input_file.hpp"
 #include "cli/calibration/calibrate_options.hpp"
 #include "veridyn/tool/option_checks.hpp"
 #include "veridyn/tool/sound_arguments.hpp"

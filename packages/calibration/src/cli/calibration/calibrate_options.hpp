@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
-#include "cli/commands.hpp"
+#include "veridyn/tool/program.hpp"
 #include "veridyn/tool/common_options.hpp"
 #include "veridyn/calibration/capture.hpp"
 
@@ -20,6 +20,8 @@ void add_body_option(CLI::App& command, CaptureOptions& options);
 ExitStatus finish_calibration(bool done, const std::string& reason, const std::string& report,
                               const CommonOptions& common, const std::string& json,
                               const std::string& page);
+
+void add_calibrate_command(CLI::App& tool, Outcome& outcome);
 
 // The parts of `calibrate`.
 void add_calibrate_axis(CLI::App& calibrate, Outcome& outcome);

@@ -3,8 +3,9 @@
 #include <fmt/format.h>
 
 #include <iostream>
+#include <memory>
 
-#include "math/output_file.hpp"
+#include "veridyn/math/output_file.hpp"
 #include "veridyn/tool/messages.hpp"
 #include "veridyn/tool/option_checks.hpp"
 #include "veridyn/calibration/pose_design.hpp"
@@ -13,6 +14,12 @@
 
 namespace veridyn::cli {
 namespace {
+
+struct PosesRequest {
+  std::string purpose = "identification";
+  std::string frame;
+  int poses = 30;
+};
 
 std::string csv(const PoseDesign& design) {
   std::string out = "t";
@@ -25,8 +32,6 @@ std::string csv(const PoseDesign& design) {
   }
   return out;
 }
-
-}  // namespace
 
 void add_poses_options(CLI::App& command, PosesRequest& request) {
   const char* const group = "Poses (--for calibration)";
@@ -52,26 +57,40 @@ void expect_no_motion_options(const CLI::App& command) {
   }
 }
 
-ExitStatus excite_poses(const std::string& robot, const std::string& output,
-                        const PosesRequest& request, unsigned seed, double limit_share,
-                        const CommonOptions& common) {
-  const Model arm = read_model(robot);
+ExitStatus run(const ExciteExtension::Request& call, const PosesRequest& request) {
+  const CommonOptions& common = call.common;
+  const Model arm = read_model(call.robot);
   if (!request.frame.empty()) expect_one_of("--frame", request.frame, frame_names(arm));
   PoseDesignOptions options;
   options.frame = request.frame;
   options.poses = request.poses;
-  options.limit_share = limit_share;
-  options.seed = seed;
+  options.limit_share = call.limit_share.value_or(0.95);
+  options.seed = call.seed;
   const PoseDesign design =
       while_busy(common, "choosing poses", [&] { return design_poses(arm, options); });
   if (design.status != CalibrationStatus::kDone) {
     say(design.reason + ".");
     return kDataCannotAnswer;
   }
-  write_file(output, csv(design));
+  write_file(call.output, csv(design));
   if (!common.json.empty()) write_file(common.json, to_json(design));
   std::cout << design.report();
   return kDone;
+}
+
+}  // namespace
+
+ExciteExtension excite_poses() {
+  const auto request = std::make_shared<PosesRequest>();
+  const auto run_poses = [request](const ExciteExtension::Request& call) -> std::optional<ExitStatus> {
+    if (request->purpose == "calibration") {
+      expect_no_motion_options(*call.command);
+      return run(call, *request);
+    }
+    expect_needs(*call.command, {{"--poses", false, "--for calibration"}, {"--frame", false, "--for calibration"}});
+    return std::nullopt;
+  };
+  return {[request](CLI::App& command) { add_poses_options(command, *request); }, run_poses};
 }
 
 }  // namespace veridyn::cli

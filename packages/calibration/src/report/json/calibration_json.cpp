@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "report/json/json_value.hpp"
+#include "veridyn/report/json/json_value.hpp"
 
 namespace veridyn {
 namespace {
@@ -213,20 +213,6 @@ std::string to_json(const PoseDesign& design) {
   out["predictions"] = Json::array();
   for (const PoseDesign::Prediction& p : design.predictions)
     out["predictions"].push_back({{"name", p.name}, {"unit", p.unit}, {"std", p.deviation}});
-  return written(out);
-}
-
-std::string to_json(const LoadCellCalibration& c) {
-  Json out = json_head("loadcell");
-  out["offset"] = {{"value", c.offset},
-                   {"interval", {c.offset - c.offset_interval, c.offset + c.offset_interval}}};
-  out["scale"] = {{"value", c.scale},
-                  {"interval", {c.scale - c.scale_interval, c.scale + c.scale_interval}},
-                  {"unit", "N per count"}};
-  out["weights"] = c.weights;
-  out["residual"] = c.residual;
-  out["nonlinearity"] = c.nonlinearity;
-  out["noise"] = c.noise;
   return written(out);
 }
 

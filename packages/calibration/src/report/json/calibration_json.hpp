@@ -7,7 +7,6 @@
 #include "veridyn/calibration/links.hpp"
 #include "veridyn/calibration/pose_design.hpp"
 #include "veridyn/calibration/remote_center.hpp"
-#include "veridyn/control/load_cell.hpp"
 
 namespace veridyn {
 
@@ -30,8 +29,5 @@ std::string to_json(const HandEye& pose);
 
 /// `excite --for calibration`: poses, predictions, gain.
 std::string to_json(const PoseDesign& design);
-
-/// `loadcell calibrate`: offset and scale.
-std::string to_json(const LoadCellCalibration& calibration);
 
 }  // namespace veridyn

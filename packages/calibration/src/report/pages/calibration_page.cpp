@@ -6,10 +6,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "report/json/json_value.hpp"
+#include "report/pages/calibration_files.hpp"
+#include "veridyn/report/json/json_value.hpp"
 #include "report/json/calibration_json.hpp"
-#include "report/pages/page.hpp"
-#include "report/pages/page_series.hpp"
+#include "veridyn/report/pages/page.hpp"
+#include "veridyn/report/pages/page_series.hpp"
 
 namespace veridyn {
 namespace {
@@ -71,7 +72,7 @@ void add_histogram(Json& series, const std::string& name, const std::string& uni
 }
 
 std::string page(const Json& series, const std::string& result, const std::string& report) {
-  return html_page(series["title"].get<std::string>(), result, series, report);
+  return html_page(series["title"].get<std::string>(), result, series, report, calibration_file("script.js"));
 }
 
 }  // namespace

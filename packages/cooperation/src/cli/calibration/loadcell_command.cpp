@@ -11,15 +11,15 @@
 #include <thread>
 
 #include "veridyn/tool/column_file.hpp"
-#include "cli/commands.hpp"
+#include "cli/cooperation/commands.hpp"
 #include "veridyn/tool/common_options.hpp"
-#include "math/output_file.hpp"
+#include "veridyn/math/output_file.hpp"
 #include "veridyn/tool/messages.hpp"
 #include "veridyn/tool/option_checks.hpp"
 #include "veridyn/tool/sound_arguments.hpp"
 #include "veridyn/control/load_cell.hpp"
 #include "veridyn/math/require.hpp"
-#include "report/json/calibration_json.hpp"
+#include "report/json/load_cell_json.hpp"
 
 namespace veridyn::cli {
 namespace {

@@ -6,17 +6,17 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
-#include "cli/boards/dvrk_request.hpp"
-#include "math/output_file.hpp"
+#include "veridyn/math/output_file.hpp"
 #include "veridyn/tool/messages.hpp"
 #include "veridyn/tool/option_checks.hpp"
+#include "veridyn/tool/stop_signals.hpp"
 #include "cooperation/scenario/scenario_models.hpp"
 #include "emulator/joined_arms.hpp"
 #include "dvrk/arms/arm_facts.hpp"
 #include "dvrk/cooperation/board_cooperation.hpp"
 #include "dvrk/cooperation/board_teleoperation.hpp"
 #include "report/json/cooperation_json.hpp"
-#include "report/json/json_value.hpp"
+#include "veridyn/report/json/json_value.hpp"
 
 namespace veridyn::cli {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/commands.hpp"
+#include "veridyn/tool/program.hpp"
 #include "veridyn/tool/common_options.hpp"
 #include "veridyn/cooperation/live.hpp"
 

@@ -1,7 +1,7 @@
 #include <iostream>
 #include <memory>
 
-#include "cli/commands.hpp"
+#include "cli/cooperation/commands.hpp"
 #include "veridyn/tool/common_options.hpp"
 #include "cli/cooperation/cooperate_boards.hpp"
 #include "veridyn/tool/kept_results.hpp"
@@ -14,9 +14,9 @@
 #include "veridyn/cooperation/scenario_sweep.hpp"
 #include "veridyn/cooperation/teleoperation_scenario.hpp"
 #include "veridyn/math/require.hpp"
-#include "math/file_hash.hpp"
-#include "math/output_file.hpp"
-#include "model/suggestion.hpp"
+#include "veridyn/math/file_hash.hpp"
+#include "veridyn/math/output_file.hpp"
+#include "veridyn/model/suggestion.hpp"
 #include "report/json/cooperation_json.hpp"
 #include "veridyn/simulation/engine.hpp"
 

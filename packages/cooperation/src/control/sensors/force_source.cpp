@@ -2,9 +2,9 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "math/words.hpp"
+#include "veridyn/math/words.hpp"
 #include "control/sensors/terminal_line.hpp"
-#include "control/sensors/udp_port.hpp"
+#include "dvrk/protocol/udp_port.hpp"
 #include "veridyn/control/load_cell.hpp"
 #include "veridyn/math/require.hpp"
 #ifdef VERIDYN_WITH_SERIALPORT

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "cooperation/scenario/scenario_parts.hpp"
-#include "math/random_numbers.hpp"
+#include "veridyn/math/random_numbers.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/regressor/base_parameters.hpp"

@@ -4,10 +4,10 @@
 #include <utility>
 #include <vector>
 
-#include "model/yaml/yaml_node.hpp"
+#include "veridyn/model/yaml/yaml_node.hpp"
 #include "veridyn/cooperation/scenario.hpp"
 #include "veridyn/model/model.hpp"
-#include "model/suggestion.hpp"
+#include "veridyn/model/suggestion.hpp"
 #include "veridyn/simulation/object.hpp"
 
 // Parts of the scenario reader; those that take nodes fail with "file:line:column: found ...,

@@ -2,16 +2,16 @@
 #include <cmath>
 #include <filesystem>
 
-#include "math/input_file.hpp"
-#include "math/random_numbers.hpp"
-#include "model/yaml/yaml_node.hpp"
+#include "veridyn/math/input_file.hpp"
+#include "veridyn/math/random_numbers.hpp"
+#include "veridyn/model/yaml/yaml_node.hpp"
 #include "cooperation/scenario/scenario_objects.hpp"
 #include "cooperation/scenario/scenario_parts.hpp"
 #include "veridyn/cooperation/scenario.hpp"
-#include "math/most_rows.hpp"
+#include "veridyn/math/most_rows.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
-#include "model/suggestion.hpp"
+#include "veridyn/model/suggestion.hpp"
 #include "veridyn/simulation/sensor_noise.hpp"
 
 namespace veridyn {

@@ -1,7 +1,7 @@
 #include <algorithm>
 
 #include "loop_search.hpp"
-#include "math/parallel.hpp"
+#include "veridyn/math/parallel.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {

@@ -3,7 +3,7 @@
 
 #include "cooperation/scenario/scenario_parts.hpp"
 #include "veridyn/cooperation/stability.hpp"
-#include "kinematics/motion_limits.hpp"
+#include "veridyn/kinematics/motion_limits.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 

@@ -1,5 +1,5 @@
 #include "loop_search.hpp"
-#include "math/numbers.hpp"
+#include "veridyn/math/numbers.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "math/words.hpp"
+#include "veridyn/math/words.hpp"
 #include "veridyn/cooperation/stability.hpp"
 #include "veridyn/math/require.hpp"
-#include "model/suggestion.hpp"
+#include "veridyn/model/suggestion.hpp"
 
 namespace veridyn {
 namespace {

@@ -10,7 +10,7 @@
 #include "loop_search.hpp"
 #include "sample_pattern.hpp"
 #include "veridyn/cooperation/scenario_run.hpp"
-#include "math/parallel.hpp"
+#include "veridyn/math/parallel.hpp"
 
 namespace veridyn {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "model/suggestion.hpp"
+#include "veridyn/model/suggestion.hpp"
 #include "dvrk/cooperation/board_cooperation.hpp"
 #include "veridyn/math/require.hpp"
 

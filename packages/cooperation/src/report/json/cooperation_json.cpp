@@ -1,6 +1,6 @@
 #include "report/json/cooperation_json.hpp"
 
-#include "report/json/json_value.hpp"
+#include "veridyn/report/json/json_value.hpp"
 
 namespace veridyn {
 namespace {

@@ -1,6 +1,7 @@
 #include "report/json/cooperation_json.hpp"
-#include "report/pages/page.hpp"
-#include "report/pages/page_series.hpp"
+#include "report/pages/cooperation_files.hpp"
+#include "veridyn/report/pages/page.hpp"
+#include "veridyn/report/pages/page_series.hpp"
 #include "veridyn/model/model_file.hpp"
 
 namespace veridyn {
@@ -114,13 +115,14 @@ std::string to_page(const ScenarioRun& run, const Scenario& scenario, const std:
                     {"plots", plots},            {"q", Json::array()}, {"tips", Json::array()}};
   add_arms(run, scenario, step, series, recording);
   series["recordings"].push_back(recording);
-  return html_page(run.name + ": cooperation", to_json(run, scenario), series, run.report());
+  return html_page(run.name + ": cooperation", to_json(run, scenario), series, run.report(),
+                   cooperation_file("script.js"));
 }
 
 std::string to_page(const ScenarioSweepResult& sweep, const Scenario& scenario,
                     const std::string& command) {
   return html_page(sweep.name + ": stable region", to_json(sweep, scenario), series_of(command),
-                   sweep.report());
+                   sweep.report(), cooperation_file("script.js"));
 }
 
 }  // namespace veridyn

@@ -4,9 +4,10 @@
 
 #include <cmath>
 
-#include "report/json/json_value.hpp"
-#include "report/pages/page.hpp"
-#include "report/pages/page_series.hpp"
+#include "report/pages/cooperation_files.hpp"
+#include "veridyn/report/json/json_value.hpp"
+#include "veridyn/report/pages/page.hpp"
+#include "veridyn/report/pages/page_series.hpp"
 
 namespace veridyn {
 namespace {
@@ -150,7 +151,8 @@ std::string to_page(const StabilityStudy& study, const std::string& command) {
       forces.push_back({{"member", study.steps->members[k]}, {"force", study.steps->force[k]}});
     series["steps"] = {{"time", study.steps->time}, {"forces", forces}};
   }
-  return html_page(study.analysis.name + ": stability", to_json(study), series, study.report());
+  return html_page(study.analysis.name + ": stability", to_json(study), series, study.report(),
+                   cooperation_file("script.js"));
 }
 
 }  // namespace veridyn

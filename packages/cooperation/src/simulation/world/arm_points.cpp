@@ -1,6 +1,6 @@
 #include "simulation/world/arm_points.hpp"
 
-#include "math/eigen_pose.hpp"
+#include "veridyn/math/eigen_pose.hpp"
 
 namespace veridyn {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "math/random_numbers.hpp"
+#include "veridyn/math/random_numbers.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <csignal>
 #include <memory>
 #include <sstream>
 
@@ -12,13 +11,6 @@
 
 namespace veridyn::cli {
 namespace {
-
-std::atomic<bool> stop_flag{false};
-static_assert(std::atomic<bool>::is_always_lock_free, "set by a signal handler");
-
-extern "C" void ask_to_stop(int) {
-  stop_flag.store(true, std::memory_order_relaxed);
-}
 
 void add_config_options(CLI::App& command, DvrkRequest& request) {
   add_value(command, "--config FILE", request.config,
@@ -190,19 +182,6 @@ void add_run(CLI::App& dvrk, Outcome& outcome) {
 }
 
 }  // namespace
-
-const std::atomic<bool>& stop_asked() {
-  return stop_flag;
-}
-
-void catch_signals() {
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE}) {
-    struct sigaction action {};
-    action.sa_handler = ask_to_stop;
-    ::sigemptyset(&action.sa_mask);
-    ::sigaction(signal, &action, nullptr);
-  }
-}
 
 DvrkArm dvrk_arm(const DvrkRequest& request) {
   if (request.config.empty() && request.arm.empty())

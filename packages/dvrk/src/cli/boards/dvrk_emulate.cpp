@@ -7,10 +7,10 @@
 #include <optional>
 #include <set>
 
-#include "math/input_file.hpp"
+#include "veridyn/math/input_file.hpp"
 #include "emulator/board_events.hpp"
 #include "cli/boards/dvrk_request.hpp"
-#include "math/output_file.hpp"
+#include "veridyn/math/output_file.hpp"
 #include "veridyn/tool/messages.hpp"
 #include "veridyn/tool/option_checks.hpp"
 #include "emulator/board_server.hpp"

@@ -1,14 +1,14 @@
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "cli/commands.hpp"
+#include "veridyn/tool/program.hpp"
 #include "veridyn/tool/common_options.hpp"
+#include "veridyn/tool/stop_signals.hpp"
 #include "dvrk/run/arm_run.hpp"
 #include "dvrk/run/arm_session.hpp"
 #include "dvrk/config/io_config.hpp"
@@ -55,11 +55,6 @@ struct DvrkRequest {
   CommonOptions common;
 };
 
-/// Set by every signal that requests an end (INT, TERM, HUP, QUIT, PIPE), from the first call of
-/// catch_signals() on.
-const std::atomic<bool>& stop_asked();
-void catch_signals();
-
 /// The arm's configuration: a file, or the nominal one of a known arm.
 struct DvrkArm {
   dvrk::IoConfig config;
@@ -90,6 +85,9 @@ void say_kept(const DvrkRequest& request, const dvrk::RunResult& done);
 /// Prints timing and faults and writes the JSON file of a client's command.
 void finish_dvrk(const DvrkRequest& request, const char* command, const dvrk::RunResult& done,
                  const dvrk::ArmSession& session);
+
+/// `veridyn dvrk`.
+void add_dvrk_command(CLI::App& tool, Outcome& outcome);
 
 /// `veridyn dvrk config`.
 void add_dvrk_config(CLI::App& dvrk);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <memory>
 #include <optional>
 
 #include "veridyn/tool/common_options.hpp"
@@ -12,10 +13,18 @@
 #include "dvrk/arms/effort_scales.hpp"
 #include "dvrk/arms/gravity_chain.hpp"
 #include "veridyn/math/require.hpp"
-#include "model/suggestion.hpp"
+#include "veridyn/model/suggestion.hpp"
 
 namespace veridyn::cli {
 namespace {
+
+struct DvrkExport {
+  std::string gravity;  // file for the rows of gravity compensation
+  std::string scales;   // file for current per effort
+  std::string arm;      // "PSM1"; empty: from the model's name
+  std::string config;   // configuration to correct by the scales; empty: the arm's nominal one
+  std::string torques;  // static torques to compare the rows with
+};
 
 // The arm of a model, from the first letters of its name.
 dvrk::ArmFacts find_arm(const Model& model, const std::string& name) {
@@ -92,8 +101,6 @@ void print_scales(const std::string& arm, const std::vector<dvrk::EffortScale>& 
   }
 }
 
-}  // namespace
-
 void add_dvrk_export_options(CLI::App& command, DvrkExport& request) {
   add_output_option(command, "--dvrk-gravity", request.gravity,
                   "Write gravity as rows of a PSM or ECM for the dVRK's compensation (JSON)");
@@ -134,6 +141,17 @@ void add_dvrk_files(const Model& model, const DvrkExport& request, std::vector<F
     const std::vector<dvrk::EffortScale> scales = dvrk::corrected_scales(model, arm, config.robot(arm.name));
     files.push_back({request.scales, dvrk::to_scales_json(arm.name, scales), [name = arm.name, scales] { print_scales(name, scales); }});
   }
+}
+
+}  // namespace
+
+ExportExtension export_dvrk() {
+  const auto request = std::make_shared<DvrkExport>();
+  return {"--dvrk-gravity or --dvrk-scales",
+          [request](CLI::App& command) { add_dvrk_export_options(command, *request); },
+          [request] { check_dvrk_export(*request); },
+          [request] { return std::vector<std::string>{request->gravity, request->scales}; },
+          [request](const Model& model, std::vector<FileToWrite>& files) { add_dvrk_files(model, *request, files); }};
 }
 
 }  // namespace veridyn::cli

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <limits>
 
-#include "math/eigen_pose.hpp"
-#include "model/suggestion.hpp"
+#include "veridyn/math/eigen_pose.hpp"
+#include "veridyn/model/suggestion.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {

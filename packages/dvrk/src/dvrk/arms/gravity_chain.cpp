@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "math/random_numbers.hpp"
-#include "model/suggestion.hpp"
+#include "veridyn/math/random_numbers.hpp"
+#include "veridyn/model/suggestion.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/math/require.hpp"

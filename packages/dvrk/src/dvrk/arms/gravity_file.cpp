@@ -3,10 +3,10 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "math/excerpt.hpp"
-#include "model/suggestion.hpp"
-#include "recordings/csv/csv_layout.hpp"
-#include "recordings/csv/csv_lines.hpp"
+#include "veridyn/math/excerpt.hpp"
+#include "veridyn/model/suggestion.hpp"
+#include "veridyn/recordings/csv/csv_layout.hpp"
+#include "veridyn/recordings/csv/csv_lines.hpp"
 #include "dvrk/arms/gravity_chain.hpp"
 #include "veridyn/math/require.hpp"
 

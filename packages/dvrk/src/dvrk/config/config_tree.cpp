@@ -6,8 +6,8 @@
 #include <cmath>
 #include <optional>
 
-#include "math/words.hpp"
-#include "model/suggestion.hpp"
+#include "veridyn/math/words.hpp"
+#include "veridyn/model/suggestion.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {

@@ -4,7 +4,7 @@
 #include <set>
 #include <utility>
 
-#include "model/suggestion.hpp"
+#include "veridyn/model/suggestion.hpp"
 #include "dvrk/config/io_config.hpp"
 #include "veridyn/math/require.hpp"
 

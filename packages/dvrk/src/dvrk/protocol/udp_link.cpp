@@ -12,7 +12,7 @@
 #include <cstring>
 #include <ctime>
 
-#include "control/sensors/udp_port.hpp"
+#include "dvrk/protocol/udp_port.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {

@@ -1,4 +1,4 @@
-#include "control/sensors/udp_port.hpp"
+#include "dvrk/protocol/udp_port.hpp"
 
 #include <arpa/inet.h>
 #include <sys/socket.h>

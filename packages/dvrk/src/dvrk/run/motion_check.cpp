@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "math/numbers.hpp"
+#include "veridyn/math/numbers.hpp"
 #include "set_points.hpp"
 #include "veridyn/math/require.hpp"
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "veridyn/control/computed_torque.hpp"
-#include "control/safety/position_limit.hpp"
+#include "veridyn/control/safety/position_limit.hpp"
 #include "dvrk/run/arm_session.hpp"
 #include "dvrk/run/controllers/motion_controller.hpp"
 #include "veridyn/math/motion_samples.hpp"

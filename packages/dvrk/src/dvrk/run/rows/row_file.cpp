@@ -15,8 +15,8 @@
 #include <fstream>
 #include <utility>
 
-#include "math/output_file.hpp"
-#include "recordings/remark.hpp"
+#include "veridyn/math/output_file.hpp"
+#include "veridyn/recordings/remark.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {

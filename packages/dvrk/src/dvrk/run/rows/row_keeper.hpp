@@ -4,7 +4,7 @@
 #include <atomic>
 #include <cmath>
 
-#include "math/most_rows.hpp"
+#include "veridyn/math/most_rows.hpp"
 #include "dvrk/arms/arm_units.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/recordings/recording.hpp"

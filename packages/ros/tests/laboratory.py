@@ -60,7 +60,7 @@ def start(node, **parameters):
 def start_script(name, stdin, parameters):
     for key, value in parameters.items():
         rospy.set_param("/veridyn_%s/%s" % (name, key), value)
-    script = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../ros/veridyn_ros/scripts/veridyn_" + name)
+    script = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../veridyn_ros/scripts/veridyn_" + name)
     return subprocess.Popen([sys.executable, "-W", "ignore", script], stdin=stdin, stderr=subprocess.PIPE,
                             stdout=subprocess.DEVNULL, text=True)
 
@@ -264,7 +264,7 @@ class Laboratory(unittest.TestCase):
 
     def test_boards_have_power_under_a_controller_alone(self):
         port = free_port()
-        model = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../examples/dvrk/light-psm.yaml")
+        model = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../../examples/dvrk/light-psm.yaml")
         self.processes.append(subprocess.Popen([TOOL, "dvrk", "emulate", "--arm", "PSM1", "--model", model, "--port", str(port)],
                                                stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True))
         self.processes[0].stdout.readline()  # it listens
@@ -396,7 +396,7 @@ class Laboratory(unittest.TestCase):
         keys.stdin.close()
 
     def test_two_arms_are_led_with_an_object(self):
-        root = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../..")
+        root = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../..")
         self.run_node("cooperate", scenario=os.path.join(root, "examples/cooperate/two-arms-spring.yaml"), space="psm")
         force, tip = [], []
         listeners = [rospy.Subscriber("/spring/force", Float64, lambda m: force.append(m.data)),

@@ -2,7 +2,7 @@
 """How the nodes keep their time: three simulated arms, plant and controller in processes of their own, at 1 kHz.
 
     loop_figures.py BIN MINUTES [PREFIX...]     BIN: folder with the nodes; after `make ros`, with ROS in PYTHONPATH as
-                                                ros/test.sh has it. PREFIX: before each node, as chrt -f 40
+                                                packages/ros/test.sh has it. PREFIX: before each node, as chrt -f 40
 
 All three arms follow streams of 100 Hz meanwhile, and a subscriber that sleeps half a second per message hangs on. Both
 nodes tell their figures when they end.

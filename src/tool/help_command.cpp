@@ -1,9 +1,11 @@
+#include <algorithm>
 #include <iostream>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "tool/manual.hpp"
+#include "tool/packages.hpp"
 #include "veridyn/tool/common_options.hpp"
 #include "veridyn/tool/sound_arguments.hpp"
 #include "math/output_file.hpp"
@@ -38,15 +40,36 @@ const CLI::App& named(const CLI::App& tool, const std::vector<std::string>& word
   return *command;
 }
 
+// All commands, with those of the packages that are installed in their places.
+std::vector<CommandHelp> complete_help(const CLI::App& tool) {
+  std::vector<CommandHelp> out;
+  for (CommandHelp& own : help_of(tool)) {
+    const std::vector<PackageCommand>& rows = package_commands();
+    const auto row = std::find_if(rows.begin(), rows.end(), [&](const PackageCommand& one) { return "veridyn " + one.command == own.page.name; });
+    const std::size_t before = out.size();
+    if (row != rows.end()) {
+      for (CommandHelp& theirs : help_of_program(row->program)) {
+        if ((theirs.page.name + " ").rfind(own.page.name + " ", 0) == 0) out.push_back(std::move(theirs));
+      }
+    }
+    const bool absent = row != rows.end() && !row->summary.empty();
+    if (out.size() == before && !absent) out.push_back(std::move(own));
+  }
+  return out;
+}
+
 void run(const CLI::App& tool, const HelpRequest& request) {
   std::string name = "veridyn";
   for (const std::string& word : request.command) name += " " + word;
   const CLI::App& command = named(tool, request.command);
-  if (!request.man.empty()) write_man_pages(tool, request.man);
-  if (!request.markdown.empty()) write_file(request.markdown, markdown_manual(tool));
-  if (!request.bash.empty()) write_file(request.bash, bash_completion(tool));
-  if (request.man.empty() && request.markdown.empty() && request.bash.empty())
+  if (request.man.empty() && request.markdown.empty() && request.bash.empty()) {
     std::cout << terminal_text(manual_page(command, name));
+    return;
+  }
+  const std::vector<CommandHelp> help = complete_help(tool);
+  if (!request.man.empty()) write_man_pages(help, request.man);
+  if (!request.markdown.empty()) write_file(request.markdown, markdown_manual(help));
+  if (!request.bash.empty()) write_file(request.bash, bash_completion(help));
 }
 
 }  // namespace
