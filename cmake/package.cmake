@@ -18,10 +18,8 @@ function(veridyn_package name)
   add_library(veridyn::${name} ALIAS ${target})
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON DEFINE_SYMBOL ""
     VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR} INSTALL_RPATH $ORIGIN)
-  set(folders "")
-  foreach(folder ${name} ${PART_NEEDS_PACKAGES})
-    list(APPEND folders ${VERIDYN_CMAKE_DIR}/../packages/${folder}/src)
-  endforeach()
+  # A public header is "dvrk/run/arm_session.hpp" to the package itself.
+  set(folders ${CMAKE_CURRENT_SOURCE_DIR}/src ${CMAKE_CURRENT_SOURCE_DIR}/include/veridyn)
   target_include_directories(${target}
     PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include> PRIVATE ${folders})
   target_compile_features(${target} PUBLIC cxx_std_17)

@@ -102,14 +102,12 @@ TEST(IncludeOrder, IncludesPointDownTheHouse) {
 const std::map<std::string, std::set<std::string>> kPackages = {
     {"dvrk", {}}, {"calibration", {}}, {"cooperation", {"dvrk"}}};
 
-// Every include of a package's file that is neither a public header of the library nor a file of the package or of one below it.
+// Every include of a package's file that is neither a public header of the library or of a package below nor a file of the package.
 std::string foreign_includes(const fs::path& file, const std::string& package) {
   const fs::path root = VERIDYN_SOURCE_DIR;
   std::vector<fs::path> places = {root / "include", file.parent_path()};
-  std::set<std::string> packages = kPackages.at(package);
-  packages.insert(package);
-  for (const std::string& one : packages)
-    for (const char* folder : {"include", "src"}) places.push_back(root / "packages" / one / folder);
+  for (const char* folder : {"include", "include/veridyn", "src"}) places.push_back(root / "packages" / package / folder);
+  for (const std::string& below : kPackages.at(package)) places.push_back(root / "packages" / below / "include");
   std::ifstream stream(file);
   std::ostringstream wrong;
   for (std::string line; std::getline(stream, line);) {
@@ -142,9 +140,11 @@ TEST(IncludeOrder, AForeignIncludeOfAPackageIsNoticed) {
   const fs::path file = fs::temp_directory_path() / ("veridyn_package_" + std::to_string(::getpid()) + ".hpp");
   std::ofstream(file) << "#include \"veridyn/math/words.hpp\"\n"
                          "#include \"math/digits.hpp\"\n"
+                         "#include \"dvrk/protocol/udp_port.hpp\"\n"
                          "#include \"cooperation/experiment.hpp\"\n";
-  const std::string wrong = foreign_includes(file, "dvrk");
+  const std::string above = foreign_includes(file, "calibration"), wrong = foreign_includes(file, "dvrk");
   fs::remove(file);
+  EXPECT_NE(above.find("dvrk/protocol/udp_port.hpp"), std::string::npos) << above;
   EXPECT_NE(wrong.find("math/digits.hpp"), std::string::npos) << wrong;
   EXPECT_NE(wrong.find("cooperation/experiment.hpp"), std::string::npos) << wrong;
   EXPECT_EQ(wrong.find("math/words.hpp"), std::string::npos) << wrong;

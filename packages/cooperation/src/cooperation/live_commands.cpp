@@ -10,7 +10,7 @@
 
 #include "veridyn/math/words.hpp"
 #include "veridyn/math/excerpt.hpp"
-#include "dvrk/protocol/udp_port.hpp"
+#include "veridyn/dvrk/protocol/udp_port.hpp"
 #include "veridyn/model/suggestion.hpp"
 #include "veridyn/cooperation/live.hpp"
 #include "veridyn/math/require.hpp"

@@ -6,7 +6,7 @@
 
 #include "cooperation/end_stops.hpp"
 #include "cooperation/scenario/scenario_models.hpp"
-#include "dvrk/run/arm_session.hpp"
+#include "veridyn/dvrk/run/arm_session.hpp"
 
 namespace veridyn::dvrk {
 namespace {

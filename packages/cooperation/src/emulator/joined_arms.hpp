@@ -8,13 +8,13 @@
 #include <vector>
 
 #include "cooperation/experiment.hpp"
-#include "emulator/stepped_link.hpp"
+#include "veridyn/emulator/stepped_link.hpp"
 #include "veridyn/control/arm_state.hpp"
-#include "dvrk/run/arm_session.hpp"
+#include "veridyn/dvrk/run/arm_session.hpp"
 #include "dvrk/cooperation/joined_boards.hpp"
-#include "emulator/board_emulator.hpp"
-#include "emulator/board_server.hpp"
-#include "emulator/simulated_arm.hpp"
+#include "veridyn/emulator/board_emulator.hpp"
+#include "veridyn/emulator/board_server.hpp"
+#include "veridyn/emulator/simulated_arm.hpp"
 
 namespace veridyn::dvrk {
 

@@ -6,7 +6,7 @@
 
 #include "veridyn/cooperation/scenario.hpp"
 #include "emulator/joined_arms.hpp"
-#include "dvrk/arms/arm_facts.hpp"
+#include "veridyn/dvrk/arms/arm_facts.hpp"
 #include "dvrk/cooperation/board_cooperation.hpp"
 
 namespace veridyn::dvrk {

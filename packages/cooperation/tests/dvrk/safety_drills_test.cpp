@@ -48,7 +48,7 @@ struct Drill {
 void PrintTo(const Drill& drill, std::ostream* out) { *out << "line " << drill.line << ": " << drill.words; }
 
 std::vector<Drill> drills() {
-  std::ifstream file(std::string(VERIDYN_SOURCE_DIR) + "/tests/dvrk/safety_drills.txt");
+  std::ifstream file(std::string(VERIDYN_SOURCE_DIR) + "/packages/cooperation/tests/dvrk/safety_drills.txt");
   std::vector<Drill> out;
   int number = 0;
   for (std::string line; std::getline(file, line);) {

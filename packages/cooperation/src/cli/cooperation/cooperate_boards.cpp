@@ -12,7 +12,7 @@
 #include "veridyn/tool/stop_signals.hpp"
 #include "cooperation/scenario/scenario_models.hpp"
 #include "emulator/joined_arms.hpp"
-#include "dvrk/arms/arm_facts.hpp"
+#include "veridyn/dvrk/arms/arm_facts.hpp"
 #include "dvrk/cooperation/board_cooperation.hpp"
 #include "dvrk/cooperation/board_teleoperation.hpp"
 #include "report/json/cooperation_json.hpp"

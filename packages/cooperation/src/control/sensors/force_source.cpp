@@ -4,7 +4,7 @@
 
 #include "veridyn/math/words.hpp"
 #include "control/sensors/terminal_line.hpp"
-#include "dvrk/protocol/udp_port.hpp"
+#include "veridyn/dvrk/protocol/udp_port.hpp"
 #include "veridyn/control/load_cell.hpp"
 #include "veridyn/math/require.hpp"
 #ifdef VERIDYN_WITH_SERIALPORT

@@ -13,8 +13,8 @@
 #include "veridyn/control/safety_supervisor.hpp"
 #include "veridyn/cooperation/live.hpp"
 #include "veridyn/cooperation/scenario_run.hpp"
-#include "dvrk/boards/board_session.hpp"
-#include "dvrk/config/io_config.hpp"
+#include "veridyn/dvrk/boards/board_session.hpp"
+#include "veridyn/dvrk/config/io_config.hpp"
 
 namespace veridyn::dvrk {
 

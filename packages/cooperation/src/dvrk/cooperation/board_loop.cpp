@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "dvrk/protocol/udp_link.hpp"
+#include "veridyn/dvrk/protocol/udp_link.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {

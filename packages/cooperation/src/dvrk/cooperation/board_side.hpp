@@ -8,7 +8,7 @@
 #include "veridyn/control/momentum_observer.hpp"
 #include "veridyn/control/safety_supervisor.hpp"
 #include "veridyn/model/joint_sensors.hpp"
-#include "dvrk/run/arm_session.hpp"
+#include "veridyn/dvrk/run/arm_session.hpp"
 #include "dvrk/cooperation/board_cooperation.hpp"
 
 namespace veridyn::dvrk {

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "dvrk/cooperation/board_cooperation.hpp"
-#include "dvrk/protocol/datagram_link.hpp"
+#include "veridyn/dvrk/protocol/datagram_link.hpp"
 
 namespace veridyn::dvrk {
 

@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
-#include "emulator/board_load.hpp"
-#include "dvrk/protocol/encoder_words.hpp"
+#include "veridyn/emulator/board_load.hpp"
+#include "veridyn/dvrk/protocol/encoder_words.hpp"
 
 namespace veridyn::dvrk {
 

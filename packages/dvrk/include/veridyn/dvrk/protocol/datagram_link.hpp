@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "dvrk/protocol/bytes.hpp"
+#include "veridyn/dvrk/protocol/bytes.hpp"
 
 namespace veridyn::dvrk {
 

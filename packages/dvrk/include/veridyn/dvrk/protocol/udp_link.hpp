@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <string>
 
-#include "dvrk/protocol/datagram_link.hpp"
-#include "dvrk/protocol/protocol.hpp"
+#include "veridyn/dvrk/protocol/datagram_link.hpp"
+#include "veridyn/dvrk/protocol/protocol.hpp"
 
 namespace veridyn::dvrk {
 

@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "dvrk/arms/arm_units.hpp"
-#include "dvrk/boards/board_session.hpp"
-#include "dvrk/run/brake_driver.hpp"
+#include "veridyn/dvrk/arms/arm_units.hpp"
+#include "veridyn/dvrk/boards/board_session.hpp"
+#include "veridyn/dvrk/run/brake_driver.hpp"
 
 namespace veridyn::dvrk {
 

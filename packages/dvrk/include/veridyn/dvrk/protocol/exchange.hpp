@@ -5,12 +5,12 @@
 #include <cstdint>
 #include <optional>
 
-#include "dvrk/protocol/bytes.hpp"
-#include "dvrk/protocol/datagram_link.hpp"
-#include "dvrk/protocol/fault_log.hpp"
-#include "dvrk/protocol/protocol.hpp"
-#include "dvrk/protocol/reply.hpp"
-#include "dvrk/protocol/request.hpp"
+#include "veridyn/dvrk/protocol/bytes.hpp"
+#include "veridyn/dvrk/protocol/datagram_link.hpp"
+#include "veridyn/dvrk/protocol/fault_log.hpp"
+#include "veridyn/dvrk/protocol/protocol.hpp"
+#include "veridyn/dvrk/protocol/reply.hpp"
+#include "veridyn/dvrk/protocol/request.hpp"
 
 namespace veridyn::dvrk {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "dvrk/protocol/analog.hpp"
+#include "veridyn/dvrk/protocol/analog.hpp"
 #include "veridyn/math/types.hpp"
 
 namespace veridyn::dvrk {

@@ -3,10 +3,10 @@
 #include <array>
 #include <cstdint>
 
-#include "dvrk/protocol/bytes.hpp"
-#include "dvrk/protocol/encoder_words.hpp"
-#include "dvrk/protocol/protocol.hpp"
-#include "dvrk/protocol/status.hpp"
+#include "veridyn/dvrk/protocol/bytes.hpp"
+#include "veridyn/dvrk/protocol/encoder_words.hpp"
+#include "veridyn/dvrk/protocol/protocol.hpp"
+#include "veridyn/dvrk/protocol/status.hpp"
 
 namespace veridyn::dvrk {
 

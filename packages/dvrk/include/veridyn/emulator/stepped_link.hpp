@@ -1,6 +1,6 @@
 #pragma once
 
-#include "dvrk/protocol/udp_link.hpp"
+#include "veridyn/dvrk/protocol/udp_link.hpp"
 
 namespace veridyn::dvrk {
 

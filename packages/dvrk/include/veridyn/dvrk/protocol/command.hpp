@@ -3,8 +3,8 @@
 #include <array>
 #include <cstdint>
 
-#include "dvrk/protocol/bytes.hpp"
-#include "dvrk/protocol/protocol.hpp"
+#include "veridyn/dvrk/protocol/bytes.hpp"
+#include "veridyn/dvrk/protocol/protocol.hpp"
 
 namespace veridyn::dvrk {
 

@@ -5,12 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "emulator/board_load.hpp"
-#include "dvrk/protocol/bytes.hpp"
-#include "dvrk/protocol/command.hpp"
-#include "emulator/emulated_encoder.hpp"
-#include "dvrk/protocol/feedback.hpp"
-#include "dvrk/protocol/protocol.hpp"
+#include "veridyn/emulator/board_load.hpp"
+#include "veridyn/dvrk/protocol/bytes.hpp"
+#include "veridyn/dvrk/protocol/command.hpp"
+#include "veridyn/emulator/emulated_encoder.hpp"
+#include "veridyn/dvrk/protocol/feedback.hpp"
+#include "veridyn/dvrk/protocol/protocol.hpp"
 
 namespace veridyn::dvrk {
 

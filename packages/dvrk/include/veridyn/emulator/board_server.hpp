@@ -3,7 +3,7 @@
 #include <atomic>
 #include <cstdint>
 
-#include "emulator/board_emulator.hpp"
+#include "veridyn/emulator/board_emulator.hpp"
 
 namespace veridyn::dvrk {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "dvrk/config/io_config.hpp"
+#include "veridyn/dvrk/config/io_config.hpp"
 
 namespace veridyn::dvrk {
 

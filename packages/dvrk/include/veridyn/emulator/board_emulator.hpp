@@ -5,11 +5,11 @@
 #include <memory>
 #include <vector>
 
-#include "emulator/board_load.hpp"
-#include "dvrk/protocol/bytes.hpp"
-#include "emulator/emulated_board.hpp"
-#include "dvrk/protocol/reply.hpp"
-#include "dvrk/protocol/request.hpp"
+#include "veridyn/emulator/board_load.hpp"
+#include "veridyn/dvrk/protocol/bytes.hpp"
+#include "veridyn/emulator/emulated_board.hpp"
+#include "veridyn/dvrk/protocol/reply.hpp"
+#include "veridyn/dvrk/protocol/request.hpp"
 
 namespace veridyn::dvrk {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "dvrk/config/io_config.hpp"
+#include "veridyn/dvrk/config/io_config.hpp"
 #include "veridyn/math/types.hpp"
 #include "veridyn/model/model.hpp"
 

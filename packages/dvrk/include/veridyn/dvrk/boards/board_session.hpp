@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "dvrk/protocol/analog.hpp"
-#include "dvrk/boards/board_bus.hpp"
+#include "veridyn/dvrk/protocol/analog.hpp"
+#include "veridyn/dvrk/boards/board_bus.hpp"
 
 namespace veridyn::dvrk {
 

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "dvrk/protocol/encoder_words.hpp"
-#include "dvrk/config/io_config.hpp"
+#include "veridyn/dvrk/protocol/encoder_words.hpp"
+#include "veridyn/dvrk/config/io_config.hpp"
 #include "veridyn/math/types.hpp"
 
 namespace veridyn::dvrk {

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "dvrk/protocol/command.hpp"
-#include "dvrk/protocol/exchange.hpp"
-#include "dvrk/protocol/fault_log.hpp"
-#include "dvrk/protocol/feedback.hpp"
+#include "veridyn/dvrk/protocol/command.hpp"
+#include "veridyn/dvrk/protocol/exchange.hpp"
+#include "veridyn/dvrk/protocol/fault_log.hpp"
+#include "veridyn/dvrk/protocol/feedback.hpp"
 
 namespace veridyn::dvrk {
 

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "dvrk/protocol/protocol.hpp"
+#include "veridyn/dvrk/protocol/protocol.hpp"
 
 namespace veridyn::dvrk {
 

@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "dvrk/protocol/bytes.hpp"
-#include "dvrk/protocol/request.hpp"
+#include "veridyn/dvrk/protocol/bytes.hpp"
+#include "veridyn/dvrk/protocol/request.hpp"
 
 namespace veridyn::dvrk {
 

@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "emulator/board_load.hpp"
-#include "dvrk/config/io_config.hpp"
+#include "veridyn/emulator/board_load.hpp"
+#include "veridyn/dvrk/config/io_config.hpp"
 #include "veridyn/math/types.hpp"
 #include "veridyn/model/joint_sensors.hpp"
 #include "veridyn/simulation/engine.hpp"
