@@ -58,7 +58,7 @@ Description: @PROJECT_DESCRIPTION@: @component@
 Version: @PROJECT_VERSION@
 Requires: @PC_NEEDS@
 Cflags: -I${prefix}/include
-Libs: -L${prefix}/@CMAKE_INSTALL_LIBDIR@ -l@target@@PC_LIBS@
+Libs: -L${prefix}/@CMAKE_INSTALL_LIBDIR@ -lveridyn_@component@@PC_LIBS@
 ]=])
   install(FILES ${CMAKE_CURRENT_BINARY_DIR}/veridyn-${component}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT dev)
 endforeach()

@@ -55,6 +55,10 @@ function(veridyn_package name)
   endforeach()
 
   install(DIRECTORY include/veridyn DESTINATION include COMPONENT dev)
+  if(COMMAND veridyn_unity_groups)
+    veridyn_unity_groups(${target} SIZE 12 ALONE ${VERIDYN_ALONE})
+    veridyn_unity_groups(${target}_commands SIZE 7 ALONE ${VERIDYN_ALONE} OVERLOADED run)
+  endif()
   if(TARGET veridyn_core)  # within the library's build
     target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:veridyn_warnings>)
     target_link_libraries(${target}_commands PRIVATE veridyn_warnings)
@@ -64,7 +68,6 @@ function(veridyn_package name)
     target_link_libraries(veridyn INTERFACE ${target})
     add_dependencies(veridyn_libraries ${target})
     add_dependencies(veridyn_programs veridyn_${first}_program)
-    veridyn_unity_groups(${target} SIZE 12 ALONE ${VERIDYN_ALONE})
     # The library's list of components, for the installed package.
     set_property(GLOBAL APPEND PROPERTY VERIDYN_PACKAGES ${name})
     set_property(GLOBAL PROPERTY VERIDYN_NEEDS_${name} ${PART_NEEDS} ${PART_NEEDS_PACKAGES})
