@@ -71,9 +71,6 @@ SweptRoom comparison_room(unsigned seed, const std::string& folder);
 /// The numbers of `fleet`: arms of one type, one of them odd.
 SweptRoom fleet_room(unsigned seed);
 
-/// The numbers of `calibrate links`: poses of arms whose file is wrong, or right.
-SweptRoom links_room(unsigned seed);
-
 /// The numbers of `identify`: recordings, poses and known masses with a known right answer.
 SweptRoom identification_room(unsigned seed, const std::string& folder);
 

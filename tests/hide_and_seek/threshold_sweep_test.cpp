@@ -10,7 +10,6 @@
 #include <map>
 #include <set>
 
-#include "calibration/links/links_numbers.hpp"
 #include "comparison/comparison_numbers.hpp"
 #include "estimation/estimation_numbers.hpp"
 #include "hide_and_seek/sweep_board.hpp"
@@ -68,8 +67,7 @@ const std::map<std::string, std::string>& sweep_files() {
                                                           {"watch", "watch/watch_sweeps.csv"},
                                                           {"compare", "comparison/comparison_sweeps.csv"},
                                                           {"fleet", "identification/fleet/fleet_sweeps.csv"},
-                                                          {"identification", "identification/identification_sweeps.csv"},
-                                                          {"links", "calibration/links/links_sweeps.csv"}};
+                                                          {"identification", "identification/identification_sweeps.csv"}};
   return kAll;
 }
 
@@ -105,7 +103,6 @@ TEST(ThresholdSweep, EveryRoomsNumbersAreSwept) {
   expect_all_swept(comparison_numbers(), "compare");
   expect_all_swept(fleet_numbers(), "fleet");
   expect_all_swept(identification_numbers(), "identification");
-  expect_all_swept(links_numbers(), "links");
   for (const std::string& room : swept_rooms()) EXPECT_EQ(sweep_files().count(room), 1U) << room;
 }
 

@@ -4,17 +4,17 @@
 #include <memory>
 #include <optional>
 
-#include "cli/options/choice.hpp"
+#include "veridyn/tool/choice.hpp"
 #include "cli/commands.hpp"
-#include "cli/options/common_options.hpp"
-#include "cli/options/messages.hpp"
-#include "cli/options/option_checks.hpp"
+#include "veridyn/tool/common_options.hpp"
+#include "veridyn/tool/messages.hpp"
+#include "veridyn/tool/option_checks.hpp"
 #include "math/output_file.hpp"
 #include "cli/identification/ranks.hpp"
-#include "cli/options/recording_options.hpp"
+#include "tool/recording_options.hpp"
 #include "cli/options/rest_options.hpp"
 #include "cli/models/simulation_output.hpp"
-#include "cli/options/sound_arguments.hpp"
+#include "veridyn/tool/sound_arguments.hpp"
 #include "identification/many_recordings.hpp"
 #include "veridyn/identification/factor_set.hpp"
 #include "veridyn/math/require.hpp"

@@ -2,10 +2,10 @@
 #include <memory>
 
 #include "cli/commands.hpp"
-#include "cli/options/common_options.hpp"
-#include "cli/options/messages.hpp"
-#include "cli/options/option_checks.hpp"
-#include "cli/options/recording_options.hpp"
+#include "veridyn/tool/common_options.hpp"
+#include "veridyn/tool/messages.hpp"
+#include "veridyn/tool/option_checks.hpp"
+#include "tool/recording_options.hpp"
 #include "veridyn/diagnosis/payload.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/report/pages.hpp"

@@ -11,15 +11,14 @@
 #include <set>
 #include <utility>
 
-#include "cli/commands.hpp"
-#include "cli/options/common_options.hpp"
+#include "veridyn/tool/common_options.hpp"
 #include "cli/motions/excite_options.hpp"
-#include "cli/motions/excite_poses.hpp"
-#include "cli/options/kept_results.hpp"
-#include "cli/options/messages.hpp"
-#include "cli/options/option_checks.hpp"
-#include "cli/options/recording_options.hpp"
-#include "cli/options/sound_arguments.hpp"
+#include "veridyn/tool/kept_results.hpp"
+#include "veridyn/tool/messages.hpp"
+#include "veridyn/tool/open_commands.hpp"
+#include "veridyn/tool/option_checks.hpp"
+#include "tool/recording_options.hpp"
+#include "veridyn/tool/sound_arguments.hpp"
 #include "veridyn/excitation/excitation.hpp"
 #include "veridyn/identification/identification.hpp"
 #include "recordings/recorded_motion.hpp"
@@ -53,7 +52,7 @@ struct ExciteRequest {
   std::vector<std::string> keep_out;
   std::optional<double> link_radius, floor;
   std::optional<double> torque_noise;
-  PosesRequest poses;
+  std::optional<ExciteExtension> extension;
   ExcitationOptions options;
   CommonOptions common;
 };
@@ -227,13 +226,12 @@ ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
        {&request.common.json, &request.common.report, &request.coefficients})
     require_writable(*path);
   require_writable(request.output);
-  if (request.poses.purpose == "calibration") {
-    expect_no_motion_options(*request.command);
-    return excite_poses(request.robot, request.output, request.poses, request.options.seed,
-                        request.options.limit_share.value_or(0.95), request.common);
+  if (request.extension) {
+    const std::optional<ExitStatus> done =
+        request.extension->run({request.command, request.robot, request.output, request.options.seed,
+                                request.options.limit_share, request.common});
+    if (done) return *done;
   }
-  expect_needs(*request.command, {{"--poses", false, "--for calibration"},
-                                  {"--frame", false, "--for calibration"}});
   const bool discriminates = request.options.criterion == ExcitationCriterion::kDiscriminate;
   expect_needs(*request.command,
                {{"--between", discriminates || request.command->count("--criterion") == 0,
@@ -334,8 +332,9 @@ void add_limit_options(CLI::App& command, ExciteRequest& r) {
 
 }  // namespace
 
-void add_excite_command(CLI::App& tool, Outcome& outcome) {
+void add_excite_command(CLI::App& tool, Outcome& outcome, const std::optional<ExciteExtension>& extension) {
   const auto request = std::make_shared<ExciteRequest>();
+  request->extension = extension;
   CLI::App& command = *tool.add_subcommand("excite", "Design an excitation trajectory");
   add_robot_argument(command, request->robot);
   add_output_option(command, "-o,--output", request->output, "Write the motion as CSV: t, q, dq, ddq", {".csv"})->required();
@@ -369,7 +368,7 @@ void add_excite_command(CLI::App& tool, Outcome& outcome) {
                   request->reading.row_count = rows.count;
                 });
   add_robot_options(command, request->common);
-  add_poses_options(command, request->poses);
+  if (extension) extension->add_options(command);
   add_report_option(command, request->common);
   add_common_options(command, request->common);
   request->command = &command;

@@ -4,8 +4,8 @@
 #include <cstdlib>
 
 #include "math/words.hpp"
-#include "cli/options/choice.hpp"
-#include "cli/options/common_options.hpp"
+#include "veridyn/tool/choice.hpp"
+#include "veridyn/tool/common_options.hpp"
 
 namespace veridyn::cli {
 namespace {
