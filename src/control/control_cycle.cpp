@@ -115,6 +115,7 @@ void ControlCycle::give_way() noexcept {
   y_ = -kGiveWayDamping * state_.dq();
   tau_ = state_.bias();
   tau_.noalias() += state_.mass_matrix().lazyProduct(y_);
+  input_.q_wanted.setConstant(kUnknown);
   observed_ = false;
 }
 
@@ -135,6 +136,10 @@ const VectorXd& ControlCycle::send() noexcept {
     }
   }
   error_.sent(tau_, sent_);
+  // Where the law's torque is not sent, its acceleration does not come.
+  for (Eigen::Index i = 0; i < y_.size(); ++i) {
+    if (sent_[i] != tau_[i]) y_[i] = 0.0;
+  }
   drive_ = sent_;
   sensors_.show_torques(drive_);
   return drive_;

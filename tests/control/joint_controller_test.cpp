@@ -125,14 +125,14 @@ TEST(JointController, HoldsGivesWayAndGoesOn) {
   const VectorXd held = rig.q();
   wanted.q[0] += 0.5;  // does not count
   run(controller, wanted, 0.5, rig);
-  EXPECT_LT((rig.q() - held).cwiseAbs().maxCoeff(), 1e-3);
+  EXPECT_LT((rig.q() - held).cwiseAbs().maxCoeff(), 5e-3);
   // Limp: the arm does not fall, but a push moves it, which it would not while it follows.
   controller.limp();
   run(controller, wanted, 0.5, rig);
   EXPECT_LT((rig.q() - held).cwiseAbs().maxCoeff(), 0.02);
-  rig.set_world([](const Eigen::Vector3d&, const Eigen::Vector3d&) { return Eigen::Vector3d(-4, 0, 0); });
+  rig.set_world([](const Eigen::Vector3d&, const Eigen::Vector3d&) { return Eigen::Vector3d(-8, 0, 0); });
   const Eigen::Vector3d before = rig.tip().position();
-  run(controller, wanted, 0.3, rig);
+  run(controller, wanted, 0.6, rig);
   EXPECT_GT(rig.tip().position().x() - before.x(), 0.01);
   rig.set_world({});
   run(controller, wanted, 0.5, rig);
@@ -143,8 +143,8 @@ TEST(JointController, HoldsGivesWayAndGoesOn) {
   EXPECT_FALSE(controller.fault()) << *controller.fault();
 }
 
-// Drives that give half of what they are asked for: where the controller is told so, its observer
-// does not take the difference for an error of the model.
+// Drives that give no more than what carries the arm: where the controller is told so, its observer
+// does not take the rest for an error of the model.
 TEST(JointController, TorqueThatWasNotSentIsNoErrorOfTheModel) {
   const Model arm = psm_like();
   double observed[2];
@@ -157,8 +157,8 @@ TEST(JointController, TorqueThatWasNotSentIsNoErrorOfTheModel) {
     measured.q = wanted.q = Eigen::Vector3d(0.1, 0.05, 0.12);
     wanted.q[0] += 0.01;  // the arm stays where it is
     for (int k = 0; k < 200; ++k) {
-      const VectorXd tau = controller.update(measured, wanted, kPeriod);
-      if (tells) controller.sent(VectorXd::Zero(3));
+      controller.update(measured, wanted, kPeriod);
+      if (tells) controller.sent(controller.state().bias());
     }
     observed[tells ? 1 : 0] = controller.cycle().error().torque().norm();
   }
@@ -241,18 +241,22 @@ TEST(Controllers, NoUpdateTakesMemory) {
   JointReference wanted(n);
   for (const JointLaw law : {JointLaw::kComputedTorque, JointLaw::kGravity, JointLaw::kPid}) {
     JointController controller(arm, {400, 40, 1, law, cycle});
+    int faults = 0;
     const long before = malloc_count();
     for (int k = 0; k < 200; ++k) {
       measured.q.setConstant(0.1 + 1e-4 * k);
+      wanted.q = measured.q;
       if (k == 150) measured.q[2] = NAN;
       if (k == 50) controller.hold();
       if (k == 80) controller.limp();
       if (k == 120) controller.resume();
       controller.sent(controller.update(measured, wanted, kPeriod));
-      if (k == 180) controller.reset();
+      if (k < 190) continue;
+      faults += controller.fault().has_value();
+      controller.reset();
     }
     EXPECT_EQ(malloc_count(), before) << static_cast<int>(law);
-    EXPECT_TRUE(controller.fault());
+    EXPECT_EQ(faults, 1);
   }
   TipController controller(arm, {2, 80, 800, {"yaw1"}, {}, cycle});
   TaskReference task;
