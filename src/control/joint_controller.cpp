@@ -22,6 +22,8 @@ JointController::JointController(const Model& arm, const JointControllerOptions&
       pid_.emplace(PidGains{p, i, d}, PidLimits{cycle_.limits().torque, cycle_.limits().torque});
       break;
   }
+  update(Measured(n), JointReference(n), 0.0);  // touches all memory, so that the first cycle waits for none
+  reset();
 }
 
 const VectorXd& JointController::act(const JointReference& reference) noexcept {

@@ -22,7 +22,10 @@ TipController::TipController(const Model& arm, const TipControllerOptions& optio
     : TipController(arm, tip_of(arm, options.tip), options) {}
 
 TipController::TipController(const Model& arm, const Tip& tip, const TipControllerOptions& options)
-    : cycle_(arm, tip, options.cycle), impedance_(arm, tip, gains_of(options), options.impedance) {}
+    : cycle_(arm, tip, options.cycle), impedance_(arm, tip, gains_of(options), options.impedance) {
+  update(Measured(arm.joints()), TaskReference(), 0.0);  // touches all memory, so that the first cycle waits for none
+  reset();
+}
 
 const VectorXd& TipController::act(const TaskReference& reference) noexcept {
   cycle_.command(impedance_.update(cycle_.state(), reference, cycle_.wrench()));
