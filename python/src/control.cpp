@@ -334,7 +334,7 @@ void bind_controllers(py::module_& m) {
 }
 
 void bind_engine(py::module_& m) {
-  py::class_<Engine, std::shared_ptr<Engine>>(m, "Engine", "Forward dynamics, step by step.")
+  py::class_<Engine, std::shared_ptr<Engine>>(m, "Plant", "Forward dynamics, step by step.")
       .def(py::init([](const Model& arm, const std::string& name) {
              return std::shared_ptr<Engine>(make_engine(name, arm));
            }),
@@ -358,6 +358,7 @@ void bind_engine(py::module_& m) {
       .def_property_readonly("q", [](const Engine& engine) { return engine.q(); })
       .def_property_readonly("dq", [](const Engine& engine) { return engine.dq(); })
       .def_property_readonly("left_out", &Engine::left_out);
+  m.attr("Engine") = m.attr("Plant");  // the name that it had
 }
 
 }  // namespace

@@ -34,6 +34,7 @@ from ._veridyn import (  # noqa: E402
     Model,
     ModelErrorObserver,
     MomentumObserver,
+    Plant,
     TipController,
     __version__,
 )
@@ -112,6 +113,7 @@ __all__ = [
     "ModelErrorObserver",
     "MomentumObserver",
     "Payload",
+    "Plant",
     "Quality",
     "Recording",
     "Result",

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <ostream>
+#include <vector>
 
 #include "veridyn/math/require.hpp"
 
@@ -52,7 +53,9 @@ std::ostream& operator<<(std::ostream& out, const ControllerFault& fault) {
 }
 
 ControlCycle::ControlCycle(const Model& arm, const Tip& tip, const CycleOptions& options)
-    : sensors_(arm),
+    : sensors_(options.signals == Signals::kOfSensors
+                   ? JointSensors(arm)
+                   : JointSensors(std::vector<RecordedChannel>(static_cast<std::size_t>(arm.joints())))),
       velocity_(arm.joints(), options.velocity_bandwidth),
       state_(arm, tip),
       error_(arm.joints(), observer_of(arm, options)),
@@ -132,7 +135,7 @@ const VectorXd& ControlCycle::send() noexcept {
   } else {
     for (Eigen::Index i = 0; i < tau_.size(); ++i) {
       const double most = limits_.torque[i];
-      sent_[i] = std::isfinite(tau_[i]) ? std::clamp(tau_[i], -most, most) : 0.0;
+      sent_[i] = std::isfinite(tau_[i]) && !off_ ? std::clamp(tau_[i], -most, most) : 0.0;
     }
   }
   error_.sent(tau_, sent_);
@@ -173,7 +176,7 @@ void ControlCycle::forget() noexcept {
   error_.reset();
   y_.setZero();
   until_limit_ = 0;
-  if (!safety_) return;
+  if (!safety_ || off_) return;
   safety_->disable();  // a fault remains
   safety_->enable();
   safety_->activate();
@@ -183,8 +186,14 @@ void ControlCycle::reset() noexcept {
   if (safety_) safety_->reset();
   known_ = SafetyFault::kNone;
   time_ = fault_time_ = 0.0;
-  limp_ = false;
+  limp_ = off_ = false;
   forget();
+}
+
+void ControlCycle::disable() noexcept {
+  reset();
+  if (safety_) safety_->disable();
+  off_ = true;
 }
 
 std::optional<ControllerFault> ControlCycle::fault() const noexcept {

@@ -61,13 +61,6 @@ class Log {
   EngineRun run_;
 };
 
-// The engine shows true positions and takes true torques.
-Model without_sensor_errors(const Model& arm) {
-  ModelDescription d = arm.description();
-  for (Coordinate& c : d.coordinates) c.recorded = {};
-  return Model(std::move(d));
-}
-
 JointControllerOptions settings(const LoopOptions& options, const VectorXd& limit) {
   JointControllerOptions out{options.gains.p, options.gains.d};
   out.cycle.friction.share = options.friction;
@@ -75,6 +68,7 @@ JointControllerOptions settings(const LoopOptions& options, const VectorXd& limi
   out.cycle.limits = SafetyLimits();
   out.cycle.limits->torque = limit;
   out.cycle.supervision = Supervision::kLimits;
+  out.cycle.signals = Signals::kTrue;
   return out;
 }
 
@@ -90,7 +84,7 @@ class Loop {
     }
     velocity_ = motors_ = whole_ = VectorXd::Zero(n_);
     if (options.model) {
-      controller_.emplace(without_sensor_errors(*options.model), settings(options, limit_));
+      controller_.emplace(*options.model, settings(options, limit_));
     } else {
       pid_.emplace(options.gains, PidLimits{{}, limit_});
     }

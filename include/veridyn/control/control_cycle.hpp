@@ -32,6 +32,12 @@ enum class Supervision {
   kLimits       ///< torques are limited, and nothing else is checked: for simulation
 };
 
+/// Positions and torques at either end of a cycle.
+enum class Signals {
+  kOfSensors,  ///< as the model's sensors and drives count them, see JointSensors
+  kTrue        ///< true ones: the caller undoes the errors of sensors, or there are none
+};
+
 /// Settings of what surrounds a control law.
 struct CycleOptions {
   double velocity_bandwidth = 300.0;  ///< [1/s] of VelocityObserver
@@ -46,6 +52,7 @@ struct CycleOptions {
   /// file is refused.
   double torque = 0.0;
   Supervision supervision = Supervision::kSupervisor;
+  Signals signals = Signals::kOfSensors;
 };
 
 /// A fault: what, where and when.
@@ -113,6 +120,8 @@ class ControlCycle {
   void forget() noexcept;
   /// Clears a fault as well, and the time of faults begins anew.
   void reset() noexcept;
+  /// Motors off: zero torques, and nothing is checked, until reset(). A fault is cleared.
+  void disable() noexcept;
 
   /// The first fault, or the worse one that came after it; nothing: none since reset().
   std::optional<ControllerFault> fault() const noexcept;
@@ -143,7 +152,7 @@ class ControlCycle {
   double dt_ = 0.0, time_ = 0.0, fault_time_ = 0.0;  // [s]
   bool observes_ = false;  // ModelErrorObserver is on
   bool observed_ = false;  // it was used in this cycle
-  bool limp_ = false;
+  bool limp_ = false, off_ = false;
   Vector6d wrench_{Vector6d::Zero()};
   int until_limit_ = 0;    // cycles until the observer's limit is evaluated again
   VectorXd q_, dq_, y_, tau_, sent_, drive_;
