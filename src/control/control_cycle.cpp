@@ -52,6 +52,11 @@ std::ostream& operator<<(std::ostream& out, const ControllerFault& fault) {
   return out << " at " << fault.time << " s";
 }
 
+Tip chosen_tip(const Model& arm, const Tip& tip) {
+  require(arm.joints() > 0, "controller: found no arm, expected a MODEL with values, as identify() or diagnose() made it.");
+  return tip.frame.empty() ? Tip{default_tip(arm), tip.offset_frame} : tip;
+}
+
 ControlCycle::ControlCycle(const Model& arm, const Tip& tip, const CycleOptions& options)
     : sensors_(options.signals == Signals::kOfSensors
                    ? JointSensors(arm)

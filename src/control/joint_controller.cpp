@@ -5,7 +5,7 @@
 namespace veridyn {
 
 JointController::JointController(const Model& arm, const JointControllerOptions& options)
-    : cycle_(arm, {default_tip(arm)}, options.cycle),
+    : cycle_(arm, chosen_tip(arm), options.cycle),
       law_(options.law),
       error_(VectorXd::Zero(arm.joints())),
       tau_(error_) {

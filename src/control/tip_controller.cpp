@@ -3,11 +3,6 @@
 namespace veridyn {
 namespace {
 
-Tip tip_of(const Model& arm, Tip tip) {
-  if (tip.frame.empty()) tip.frame = default_tip(arm);
-  return tip;
-}
-
 ImpedanceGains gains_of(const TipControllerOptions& options) {
   ImpedanceGains gains;
   gains.mass = options.mass.of(6, "mass");
@@ -19,7 +14,7 @@ ImpedanceGains gains_of(const TipControllerOptions& options) {
 }  // namespace
 
 TipController::TipController(const Model& arm, const TipControllerOptions& options)
-    : TipController(arm, tip_of(arm, options.tip), options) {}
+    : TipController(arm, chosen_tip(arm, options.tip), options) {}
 
 TipController::TipController(const Model& arm, const Tip& tip, const TipControllerOptions& options)
     : cycle_(arm, tip, options.cycle), impedance_(arm, tip, gains_of(options), options.impedance) {

@@ -211,6 +211,11 @@ TEST(JointController, RefusesWhatCannotBe) {
   EXPECT_EQ(message({400, 40, 0, {}, with_limits()}), "");
 }
 
+TEST(JointController, RefusesNoArm) {
+  EXPECT_THROW(JointController{Model()}, InvalidInput);
+  EXPECT_THROW(TipController{Model()}, InvalidInput);
+}
+
 TEST(TipController, PullsASpringWithTheForceOfItsLaw) {
   const Model real = psm_like();
   ArmRig rig(real, kTip);

@@ -64,6 +64,9 @@ struct ControllerFault {
 /// "position limit of joint 2 at 1.204 s"; joints count from 1.
 std::ostream& operator<<(std::ostream& out, const ControllerFault& fault);
 
+/// The tip; without a frame that of default_tip(). @throws InvalidInput  the arm has no joints.
+Tip chosen_tip(const Model& arm, const Tip& tip = {});
+
 /// One cycle of control around a law, in the one right order: sensor errors are undone, velocities
 /// observed, the state evaluated; then the law's torque gets friction compensation and the torque
 /// that the model lacks, is supervised and limited, and becomes that of the drives. What the limits

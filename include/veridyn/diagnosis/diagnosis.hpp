@@ -230,7 +230,7 @@ struct Diagnosis {
   std::vector<JointNumber> friction;
   std::string friction_remark;     ///< text on the friction that was added; empty: none was
   /// The arm with the findings, or as the baseline has it; without joints if nothing could be fitted.
-  Model model{ModelDescription{}};
+  Model model;
   int hypotheses = 0;              ///< number of candidates tested
   double seconds = 0.0;
 
