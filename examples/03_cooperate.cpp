@@ -7,21 +7,25 @@
 
 #include "simulated_pair.hpp"
 #include "veridyn/control.hpp"
-#include "veridyn/control/cooperative_controller.hpp"
+
+using namespace veridyn;
 
 int main(int argc, char** argv) {
-  using namespace veridyn;
   const Model model = read_model(argc > 1 ? argv[1] : "psm_identified.yaml");
   SimulatedPair robots({"payload:tool:mass=0.1"});
-  const TipControllerOptions stiff{.mass = 1, .damping = 40, .stiffness = 400, .tip = {"tool"},
-                                   .cycle = {.error_limit = 2.0, .torque = 40}};
-  std::vector<TipController> arms = {TipController(model, stiff), TipController(model, stiff)};
-  std::vector<Measured> measured(2, Measured(model.joints()));
+  std::vector<TipController> arms(2, TipController(model, {.mass = 1, .damping = 40, .stiffness = 400, .tip = {"tool"},
+                                                           .cycle = {.error_limit = 2.0, .torque = 40}}));
+  Measured measured(model.joints());
   CooperativeInput input(2, 1);
-  for (int a : {0, 1}) {
-    robots.read(a, measured[a].q);
-    input.position[a] = robots.base(a) + arms[a].here(measured[a]).x.head<3>();
-  }
+  const auto look = [&] {
+    for (int a : {0, 1}) {
+      robots.read(a, measured.q);
+      const TipKinematics& tip = arms[a].measure(measured, SimulatedPair::kCycle).tip();
+      input.position[a] = robots.base(a) + tip.position();
+      input.velocity[a] = tip.twist().head<3>();
+    }
+  };
+  look();
   CooperativeOptions options;
   options.R_world_arm.assign(2, Eigen::Matrix3d::Identity());
   options.members = {{0, 1, {.gain = 0.004, .stiffness = SimulatedPair::kStiffness}, 1.0}};
@@ -29,18 +33,12 @@ int main(int argc, char** argv) {
   control.set_force(0, 5.0, 1.0);                      // newtons, within a second
   control.move(Eigen::Vector3d(0.0, 0.05, 0.0), 3.0);  // metres
   for (int k = 0; k < 5000; ++k) {
-    for (int a : {0, 1}) {
-      robots.read(a, measured[a].q);
-      const TipKinematics& tip = arms[a].measure(measured[a], SimulatedPair::kCycle).tip();
-      input.position[a] = robots.base(a) + tip.position();
-      input.velocity[a] = tip.twist().head<3>();
-    }
+    look();
     input.force[0] = {robots.force(), 0.0, k, robots.force()};
     const std::vector<TipTarget>& targets = control.update(input);
     for (int a : {0, 1}) robots.write(a, arms[a].act(in_base(targets[a], robots.base(a))));
-    if (!robots.step()) return 1;
+    robots.step();
   }
-  std::cout << "force " << robots.force() << " N, leader at y = " << input.position[0].y()
-            << " m\nthe controller " << describe(control.state()) << "\n";
+  std::cout << "force " << robots.force() << " N, the controller " << describe(control.state()) << "\n";
   return std::abs(robots.force() - 5.0) < 0.25 ? 0 : 1;
 }

@@ -11,7 +11,7 @@
 using namespace veridyn;
 
 // The log holds what the robot shows: identification undoes what a model knows about its sensors.
-Recording follow(const Model& arm, double frequency) {
+Recording record(const Model& arm, double frequency) {
   SimulatedRobot robot({"payload:tool:mass=0.2"});
   JointController controller(arm, {.kp = 400, .kd = 40, .cycle = {.torque = 40}});
   Measured measured(arm.joints());
@@ -24,24 +24,21 @@ Recording follow(const Model& arm, double frequency) {
   Recording log{"the log", motion.time, motion.q, motion.dq, {}, motion.q, {}};
   for (int k = 0; k < log.rows(); ++k) {
     robot.read(measured.q);
-    wanted.q = motion.q.row(k);
-    wanted.dq = motion.dq.row(k);
-    wanted.ddq = motion.ddq.row(k);
+    follow(motion, k, wanted);
     log.q.row(k) = measured.q;
     log.tau.row(k) = controller.update(measured, wanted, SimulatedRobot::kCycle);
     log.dq.row(k) = controller.state().dq();
-    if (!robot.write(log.tau.row(k))) throw InvalidInput("the arm cannot go on");
+    robot.write(log.tau.row(k));
   }
   return log;
 }
 
 int main(int argc, char** argv) {
   const Model arm = read_model(argc > 1 ? argv[1] : "psm_identified.yaml");
-  const Identification better = identify(read_model("psm-3dof"), follow(arm, 0.3));
+  const Identification better = identify(read_model("psm-3dof"), record(arm, 0.3));
   save(better, "psm_with_load.yaml");
-  // Judged by another motion, on which the new model leads the arm.
-  const Recording other = follow(*better.model, 0.23);
-  for (const JointScore& joint : validate(arm, other)) std::cout << "old model: " << joint << '\n';
-  for (const JointScore& joint : validate(better, other)) std::cout << "new model: " << joint << '\n';
-  return mean_error(validate(better, other)) < 0.5 * mean_error(validate(arm, other)) ? 0 : 1;
+  const Recording other = record(*better.model, 0.23);  // another motion judges
+  const JointScore before = validate(arm, other)[1], after = validate(better, other)[1];
+  std::cout << "old model: " << before << "\nnew model: " << after << '\n';
+  return after.error < 0.5 * before.error ? 0 : 1;
 }

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/simulation/hidden_effect.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
@@ -29,8 +30,10 @@ class SimulatedPair {
   double force() const { return world_.member(0).tension; }
   /// Torques of its drives [N m], [N] for the next cycle.
   void write(int arm, const veridyn::VectorXd& tau) { tau_[arm] = tau; }
-  /// One cycle. @returns false: an arm can't go on.
-  bool step() { return world_.step(tau_, kCycle) == veridyn::StepStatus::kOk; }
+  /// One cycle. @throws InvalidInput  the simulation cannot go on.
+  void step() {
+    veridyn::require(world_.step(tau_, kCycle) == veridyn::StepStatus::kOk, "the simulated arms cannot go on");
+  }
 
  private:
   static veridyn::World make(const std::vector<std::string>& unknown) {

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <sstream>
 
-#include "recordings/kept_recordings.hpp"
 #include "support/simulated.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 #include "veridyn/effects/effect.hpp"
@@ -44,12 +43,12 @@ std::vector<std::string> recorded(int count) {
   return out;
 }
 
-TEST(OfIdentification, FromFilesToASavedModelEachFileIsReadOnce) {
+TEST(OfIdentification, FromFilesToASavedModelNothingIsReadAgain) {
   const std::vector<std::string> files = recorded(3);
-  const long before = files_parsed();
   const Model robot = unknown_arm();
   const Recordings train = read_recordings(robot, {files[0], files[1]});
   const Recordings test = read_recordings(robot, {files[2]});
+  for (const std::string& file : files) std::filesystem::remove(file);
   const Identification fit = identify(robot, train);
   ASSERT_TRUE(fit.model) << fit.reason;
   EXPECT_NE(fit.verdict(), "");
@@ -62,7 +61,6 @@ TEST(OfIdentification, FromFilesToASavedModelEachFileIsReadOnce) {
   DiagnosisOptions options;
   options.effects = {"joint_spring", "quadratic_drag"};
   const Diagnosis why = diagnose(fit, test, options);
-  EXPECT_EQ(files_parsed() - before, 3);
   ASSERT_EQ(why.findings.size(), 1U);
   std::ostringstream words;
   words << why.findings[0];

@@ -7,6 +7,7 @@
 #include "veridyn/control/gravity_compensation.hpp"
 #include "veridyn/control/joint_pid.hpp"
 #include "veridyn/control/quintic_interpolator.hpp"
+#include "veridyn/math/motion_samples.hpp"
 
 namespace veridyn {
 
@@ -15,6 +16,13 @@ inline void follow(const QuinticInterpolator& path, JointReference& reference) n
   reference.q = path.x();
   reference.dq = path.dx();
   reference.ddq = path.ddx();
+}
+
+/// A row of a motion with velocities and accelerations as a reference.
+inline void follow(const MotionSamples& motion, Eigen::Index row, JointReference& reference) noexcept {
+  reference.q = motion.q.row(row).transpose();
+  reference.dq = motion.dq.row(row).transpose();
+  reference.ddq = motion.ddq.row(row).transpose();
 }
 
 enum class JointLaw {
