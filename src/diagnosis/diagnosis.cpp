@@ -6,7 +6,10 @@
 #include <string>
 #include <utility>
 
+#include "diagnosis/of_identification.hpp"
 #include "diagnosis/stages/diagnosis_state.hpp"
+#include "identification/identification_numbers.hpp"
+#include "identification/many_recordings.hpp"
 #include "recordings/named_recordings.hpp"
 
 namespace veridyn {
@@ -100,6 +103,11 @@ class Halving {
 
 Diagnosis diagnose(const Model& arm, const Recordings& train, const Recordings& test,
                    const DiagnosisOptions& options) {
+  return diagnose(arm, train, test, options, nullptr);
+}
+
+Diagnosis diagnose(const Model& arm, const Recordings& train, const Recordings& test,
+                   const DiagnosisOptions& options, const Identification* fitted) {
   const auto begin = std::chrono::steady_clock::now();
   const NamedRecordings<IdentificationOptions> named(train, test, options.identification);
   DiagnosisState x{robot_of(arm, options), named.train, named.test, options, {}, {}, 0, {}, {}, {}};
@@ -107,6 +115,10 @@ Diagnosis diagnose(const Model& arm, const Recordings& train, const Recordings& 
   keep_recordings(x.options.identification, KeptRecordings::kManyQuestions);
   for (std::string& one : x.options.effects) one = normalized_cause(arm, one);
   x.d.changes = are_facts(x.arm);
+  // The caller's fit with the joints weighted as here: nothing is compressed again.
+  if (fitted != nullptr) {
+    x.d.baseline = identify_compressed(x.arm, fitted->factors, {}, x.test, x.options.identification, IdentificationNumbers());
+  }
   x.d.provisional = named.train.size() == 1;
   Thresholds& limits = x.options.thresholds;
   if (x.d.changes) limits.smallest_gain = std::max(limits.smallest_gain, limits.smallest_change);
@@ -114,6 +126,9 @@ Diagnosis diagnose(const Model& arm, const Recordings& train, const Recordings& 
   x.options.testing = [&progress](int tested, int of) { progress.test(tested, of); };
   run_stages(x, [&progress](const char* stage) { progress.begin(stage); });
   progress.end();
+  const Identification& found = x.d.extended.model ? x.d.extended : x.d.baseline;
+  if (found.model) x.d.model = *found.model;
+  for (Finding& finding : x.d.findings) finding.text = x.d.sentence(finding);
   forget_recordings(x.d.baseline);
   forget_recordings(x.d.extended);
   x.d.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

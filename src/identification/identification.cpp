@@ -366,7 +366,10 @@ Identification identify_compressed(const Model& file, std::vector<CompressedReco
 
 Identification identify(const Model& arm, const Recordings& train, const Recordings& test,
                         const IdentificationOptions& options) {
-  return identify(arm, train, test, options, IdentificationNumbers());
+  Identification id = identify(arm, train, test, options, IdentificationNumbers());
+  id.preprocessing.in_memory = options.preprocessing.in_memory;  // shared with the caller
+  train.placed_in(id.preprocessing.in_memory);
+  return id;
 }
 
 Identification identify(const Model& arm, const Recordings& train, const Recordings& test,
@@ -417,6 +420,8 @@ const std::vector<TableNumber<IdentificationNumbers>>& identification_numbers() 
       number_of<&T::untied>("untied")};
   return kAll;
 }
+
+void save(const Model& arm, const std::string& path) { save_model(arm, path); }
 
 void save(const Identification& id, const std::string& path, const std::string& command,
           const std::string& robot) {

@@ -185,6 +185,14 @@ std::vector<WantedJoint> joints_of(const Model& arm) {
   return joints;
 }
 
+Recordings read_recordings(const Model& arm, const std::vector<std::string>& paths,
+                           const PreprocessingOptions& options) {
+  const RecordingOptions how = reading_of(arm, options);
+  Recordings out;
+  for (const std::string& path : paths) out.add(read_recording(path, how));
+  return out;
+}
+
 RecordingOptions reading_of(const Model& arm, const PreprocessingOptions& options) {
   RecordingOptions reading;
   reading.columns = options.columns;

@@ -46,6 +46,7 @@ const std::map<std::string, std::set<std::string>>& below() {
       all[folder] = sofar;
       all[folder].insert("identification");
     }
+    all["c"] = {"control", "model"};
     sofar.insert({"identification", "diagnosis", "comparison", "export", "excitation", "simulation",
                   "control", "watch"});
     for (const char* folder : {"report", "tool", "cli"}) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ostream>
 
 #include "identification/identification_numbers.hpp"
 #include "math/numbers.hpp"
@@ -94,6 +95,10 @@ const char* name_of(IdentifiedState state) {
   }
   return "";
 }
+
+std::string Identification::verdict() const { return model ? verdict_of(*this).sentence : reason; }
+
+std::ostream& operator<<(std::ostream& out, const Identification& id) { return out << id.report(); }
 
 IdentificationVerdict verdict_of(const Identification& id) { return verdict_of(id, IdentificationNumbers()); }
 

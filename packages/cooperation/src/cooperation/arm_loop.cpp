@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "loop_gains.hpp"
+#include "veridyn/control/tip_controller.hpp"
 
 namespace veridyn {
 namespace {
@@ -34,17 +35,16 @@ ImpedanceGains yielding_gains() {
   return g;
 }
 
-ModelErrorOptions observer(const ScenarioControl& control, Eigen::Index joints) {
-  ModelErrorOptions o;
-  o.bandwidth = 2.0 * M_PI * std::max(control.observer, 1e-3);
-  o.limit = VectorXd::Constant(joints, control.observer > 0.0 ? kObserverLimit : 0.0);
-  return o;
-}
-
-FrictionOptions friction(const ScenarioControl& control) {
-  FrictionOptions o;
-  o.rule = control.friction_rule;
-  o.share = control.friction;
+CycleOptions cycle_options(const ArmLoopSetup& setup) {
+  const ScenarioControl& control = setup.control;
+  CycleOptions o;
+  o.velocity_bandwidth = 2.0 * M_PI * control.velocity_cutoff;
+  o.friction.rule = control.friction_rule;
+  o.friction.share = control.friction;
+  o.error_bandwidth = 2.0 * M_PI * std::max(control.observer, 1e-3);
+  o.error_limit = control.observer > 0.0 ? kObserverLimit : 0.0;
+  o.supervision = Supervision::kLimits;
+  o.signals = Signals::kTrue;
   return o;
 }
 
@@ -53,26 +53,21 @@ FrictionOptions friction(const ScenarioControl& control) {
 ArmLoop::ArmLoop(const ArmLoopSetup& setup)
     : setup_(setup),
       period_(1.0 / setup.control.rate),
-      state_(setup.model, setup.tip),
+      cycle_(setup.model, setup.tip, cycle_options(setup)),
       impedance_(setup.model, setup.tip,
                  impedance_gains(setup.control), options(setup.start)),
       position_loop_(setup.model, setup.tip, position_gains(setup.control),
                      options(setup.start)),
       yielding_loop_(setup.model, setup.tip, yielding_gains(), options(setup.start)),
       inverse_(setup.model, setup.tip, TaskRows::kPosition),
-      velocity_observer_(setup.model.joints(), 2.0 * M_PI * setup.control.velocity_cutoff),
-      model_error_(setup.model.joints(), observer(setup.control, setup.start.size())),
-      q_(setup.start),
+      measured_(setup.model.joints()),
       rest_(VectorXd::Zero(setup.start.size())),
-      tau_(rest_),
-      asked_(rest_),
       joint_error_(rest_),
       wanted_dq_(rest_) {
-  if (setup.control.friction > 0.0) friction_.emplace(setup.model, friction(setup.control));
-  if (friction_ && setup.control.adaptive_friction) {
+  if (cycle_.friction() != nullptr && setup.control.adaptive_friction) {
     AdaptiveFrictionOptions options;
     options.enabled = true;
-    adaptive_.emplace(*friction_, options);
+    adaptive_.emplace(*cycle_.friction(), options);
   }
   measure(setup.start);
 }
@@ -80,11 +75,11 @@ ArmLoop::ArmLoop(const ArmLoopSetup& setup)
 void ArmLoop::measure(const VectorXd& q) noexcept {
   for (Eigen::Index i = 0; i < q.size(); ++i) {
     const double step = setup_.encoder_step[i];
-    q_[i] = step > 0.0 ? std::round(q[i] / step) * step : q[i];
+    measured_.q[i] = step > 0.0 ? std::round(q[i] / step) * step : q[i];
   }
-  state_.update(q_, velocity_observer_.update(q_, acting().acceleration(), period_));
-  position_ = setup_.p_world_base + setup_.R_world_base * state_.tip().position();
-  velocity_ = setup_.R_world_base * state_.tip().twist().head<3>();
+  const TipKinematics& tip = cycle_.measure(measured_, period_).tip();
+  position_ = setup_.p_world_base + setup_.R_world_base * tip.position();
+  velocity_ = setup_.R_world_base * tip.twist().head<3>();
 }
 
 void ArmLoop::freeze() noexcept {
@@ -107,18 +102,12 @@ void ArmLoop::hold_within(double bound, const Eigen::Vector3d& force) noexcept {
 }
 
 TaskReference ArmLoop::reference(const TipTarget& target) const noexcept {
-  TaskReference wanted;
-  const auto in_base = setup_.R_world_base.transpose();
-  if (frozen_) {
-    wanted.x.head<3>() = in_base * (frozen_at_ + target.relief.position - setup_.p_world_base);
-    wanted.dx.head<3>() = in_base * target.relief.velocity;
-    wanted.ddx.head<3>() = in_base * target.relief.acceleration;
-    return wanted;
-  }
-  wanted.x.head<3>() = in_base * (target.position - setup_.p_world_base);
-  wanted.dx.head<3>() = in_base * target.velocity;
-  wanted.ddx.head<3>() = in_base * target.acceleration;
-  return wanted;
+  if (!frozen_) return in_base(target, setup_.p_world_base, setup_.R_world_base);
+  TipTarget held;
+  held.position = frozen_at_ + target.relief.position;
+  held.velocity = target.relief.velocity;
+  held.acceleration = target.relief.acceleration;
+  return in_base(held, setup_.p_world_base, setup_.R_world_base);
 }
 
 const VectorXd& ArmLoop::torque(const TipTarget& target, const Eigen::Vector3d& force) noexcept {
@@ -138,27 +127,23 @@ const VectorXd& ArmLoop::torque(const TipTarget& target, const Eigen::Vector3d& 
     wanted.dx.head<3>() = setup_.R_world_base.transpose() * target.relief.velocity;
     wanted.ddx.head<3>() += setup_.R_world_base.transpose() * target.relief.acceleration;
   }
-  tau_ = loop.update(state_, wanted, wrench);
-  if (friction_ && !yielding_ && (!frozen_ || goes_along)) compensate_friction(wanted);
-  tau_ += model_error_.update(state_, loop.acceleration(), period_);
+  cycle_.command(loop.update(cycle_.state(), wanted, wrench));
+  if (!yielding_ && (!frozen_ || goes_along)) compensate_friction(wanted);
+  cycle_.add_model_error(loop.acceleration());
   if (adaptive_ && !yielding_ && !frozen_)
-    adaptive_->update(state_, model_error_.missing(), period_, *friction_);
-  asked_ = tau_;
-  for (Eigen::Index i = 0; i < tau_.size(); ++i) {
-    const double limit = setup_.model.coordinates()[i].limits.effort;
-    if (std::isfinite(limit)) tau_[i] = std::clamp(tau_[i], -limit, limit);
-  }
-  sent(tau_);
-  return tau_;
+    adaptive_->update(cycle_.state(), cycle_.error().missing(), period_, *cycle_.friction());
+  return cycle_.send();
 }
 
 void ArmLoop::compensate_friction(const TaskReference& wanted) noexcept {
-  inverse_.update(state_.tip().jacobian());
+  if (cycle_.friction() == nullptr) return;
+  const TipKinematics& tip = cycle_.state().tip();
+  inverse_.update(tip.jacobian());
   inverse_.solve(wanted.dx, rest_, wanted_dq_);
   Vector6d error = Vector6d::Zero();
-  error.head<3>() = wanted.x.head<3>() - state_.tip().position();
+  error.head<3>() = wanted.x.head<3>() - tip.position();
   inverse_.solve(error, rest_, joint_error_);
-  tau_ += friction_->update(state_, wanted_dq_, joint_error_, period_);
+  cycle_.add_friction(wanted_dq_, joint_error_);
 }
 
 }  // namespace veridyn

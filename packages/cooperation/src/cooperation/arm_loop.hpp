@@ -3,12 +3,9 @@
 #include <optional>
 
 #include "veridyn/control/adaptive_friction.hpp"
-#include "veridyn/control/arm_state.hpp"
+#include "veridyn/control/control_cycle.hpp"
 #include "veridyn/control/cooperative_controller.hpp"
-#include "veridyn/control/friction_compensation.hpp"
 #include "veridyn/control/impedance.hpp"
-#include "veridyn/control/model_error_observer.hpp"
-#include "veridyn/control/velocity_observer.hpp"
 #include "veridyn/cooperation/scenario.hpp"
 
 namespace veridyn {
@@ -32,19 +29,19 @@ class ArmLoop {
  public:
   explicit ArmLoop(const ArmLoopSetup& setup);
 
-  /// Reads the encoders.
+  /// Reads the encoders: true positions but for their steps.
   void measure(const VectorXd& q) noexcept;
 
   const Eigen::Vector3d& position() const { return position_; }  ///< Position of the tip in the world
   const Eigen::Vector3d& velocity() const { return velocity_; }
   /// Axes of the tip in the world.
-  Eigen::Matrix3d rotation() const { return setup_.R_world_base * state_.tip().rotation(); }
+  Eigen::Matrix3d rotation() const { return setup_.R_world_base * cycle_.state().tip().rotation(); }
 
   /// @param force  of the tip on the object as measured, in the world [N].
   const VectorXd& torque(const TipTarget& target, const Eigen::Vector3d& force) noexcept;
 
   /// Torques that the motors received after torque(), (n), if they differ from its result.
-  void sent(const VectorXd& tau) noexcept { model_error_.sent(asked_, tau); }
+  void sent(const VectorXd& tau) noexcept { cycle_.sent(tau); }
 
   /// Switches to a position loop at the present position, plus TipTarget::relief.
   void freeze() noexcept;
@@ -57,7 +54,7 @@ class ArmLoop {
   /// True while the arm yields: it is then not expected to stand still.
   bool yields() const { return yielding_; }
   /// Torque of the observer of model errors, (n) [N m], [N].
-  const VectorXd& extra_torque() const { return model_error_.torque(); }
+  const VectorXd& extra_torque() const { return cycle_.error().torque(); }
 
  private:
   void compensate_friction(const TaskReference& wanted) noexcept;
@@ -67,14 +64,12 @@ class ArmLoop {
 
   ArmLoopSetup setup_;
   double period_;
-  ArmState state_;
+  ControlCycle cycle_;
   Impedance impedance_, position_loop_, yielding_loop_;
   TaskInverse inverse_;
-  VelocityObserver velocity_observer_;
-  ModelErrorObserver model_error_;
-  std::optional<FrictionCompensation> friction_;
   std::optional<AdaptiveFriction> adaptive_;
-  VectorXd q_, rest_, tau_, asked_, joint_error_, wanted_dq_;
+  Measured measured_;
+  VectorXd rest_, joint_error_, wanted_dq_;
   bool frozen_ = false, yielding_ = false;
   double bound_ = 0.0;  // [N] of the force while yielding
   Eigen::Vector3d position_{Eigen::Vector3d::Zero()}, velocity_{Eigen::Vector3d::Zero()};

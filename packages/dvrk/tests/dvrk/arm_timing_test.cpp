@@ -6,7 +6,7 @@
 #include "dvrk/planar_run.hpp"
 #include "dvrk/rig.hpp"
 #include "dvrk/run/arm_run.hpp"
-#include "dvrk/run/controllers/joint_pid.hpp"
+#include "veridyn/control/joint_pid.hpp"
 #include "dvrk/run/controllers/model_controller.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -21,7 +21,7 @@ class ArmTiming : public PlanarRun {};
 TEST_F(ArmTiming, ACycleDoesNotAllocate) {
   if (dvrk_malloc_count() < 0) GTEST_SKIP() << "the sanitizer has a malloc of its own";
   ArmSession arm(link_, planar_config());
-  JointPid pid(sensible_gains(model_), Eigen::Vector2d(10.0, 10.0));
+  JointPid pid(sensible_gains(model_), {Eigen::Vector2d(10.0, 10.0), {}});
   arm.start();
   const VectorXd wanted = Eigen::Vector2d(0.4, -0.7);
   const VectorXd still = VectorXd::Zero(2);

@@ -14,7 +14,6 @@ using Kind = Command::Kind;
 constexpr double kTwoPi = 6.283185307179586;
 constexpr double kServoSpeed = 0.8;      // of the velocity limits, at most, in streams of positions
 constexpr double kStop = 0.1;            // [s] in which a move stops
-constexpr double kReleaseDamping = 5.0;  // [1/s]: of an arm that gives way
 constexpr double kSliding = 0.2;         // metres for radians where a file gives no velocity limit
 
 Tip tip_of(const Model& arm, const std::string& name) {
@@ -45,6 +44,15 @@ SafetyLimits limits_of(const Model& arm, const CrtkOptions& o) {
   return limits;
 }
 
+CycleOptions cycle_of(const Model& arm, const CrtkOptions& o) {
+  CycleOptions out;
+  out.friction.share = 0.0;
+  out.error_bandwidth = o.observer;
+  out.error_limit = 0.25 * safety_limits(arm, o.effort).torque;
+  out.limits = limits_of(arm, o);
+  return out;
+}
+
 InverseKinematicsOptions inverse_of(const Model& arm) {
   InverseKinematicsOptions o;
   o.rows = rows_of(arm);
@@ -65,20 +73,19 @@ void put(const Eigen::Matrix3d& R, double (&out)[4]) {
 
 CrtkArm::CrtkArm(const Model& model, const CrtkOptions& options)
     : model_(model), options_(options), n_(model.joints()), tip_(tip_of(model, options.tip)),
-      arm_(model, tip_), control_(n_, gains_of(model, options.frequency)),
-      error_(n_, {options.observer, 0.25 * safety_limits(model, options.effort).torque}),
+      cycle_(model, tip_, cycle_of(model, options)), control_(n_, gains_of(model, options.frequency)),
       inverse_(model, tip_, inverse_of(model)), task_(model, tip_, rows_of(model)),
-      setpoint_(model, tip_), safety_(model, limits_of(model, options)), input_(n_),
-      way_(VectorXd::Zero(n_)), wanted_(n_), limits_(limits_of(model, options)),
-      sensors_(model), q_(VectorXd::Zero(n_)), goal_(q_), effort_(q_), tau_(q_), out_(q_), drive_(q_), zero_(q_),
-      speed_(goal_), led_(goal_), smoothed_(goal_) {
+      setpoint_(model, tip_), way_(VectorXd::Zero(n_)), wanted_(n_), limits_(cycle_.limits()), measured_(n_),
+      goal_(VectorXd::Zero(n_)), effort_(goal_), tau_(goal_), zero_(goal_), speed_(goal_), led_(goal_),
+      smoothed_(goal_) {
   require(n_ <= kMostJoints, "veridyn_ros: found ", n_, " joints, expected at most ", kMostJoints, ".");
   require(options.oldest_positions > 0.0 && options.longest_cycle > 0.0,
           "veridyn_ros: expected oldest_positions and longest_cycle above zero.");
   require(options.hold_after > 0.0 && options.release_after > options.hold_after,
           "veridyn_ros: expected 0 < hold_after < release_after.");
   feedback_.joints = n_;
-  input_.force_expected.setConstant(NAN);
+  measured_.dq = zero_;
+  cycle_.disable();
 }
 
 // From here on: the measured position is held if the arm was led by efforts, else the setpoint.
@@ -89,10 +96,9 @@ void CrtkArm::hold() noexcept {
   } else if (mode_ == Mode::kMove) {
     way_.stop(kStop);
   } else if (mode_ != Mode::kHold) {
-    goal_ = arm_.q().cwiseMax(limits_.lower).cwiseMin(limits_.upper);
+    goal_ = cycle_.state().q().cwiseMax(limits_.lower).cwiseMin(limits_.upper);
     way_.reset(goal_);
     stand();
-    error_.reset();
   }
   mode_ = Mode::kHold;
   silent_ = 0.0;
@@ -153,12 +159,13 @@ void CrtkArm::smooth(double dt) noexcept {
 
 const VectorXd& CrtkArm::update(const VectorXd& shown_q, const VectorXd& dq, double age,
                                 double dt, bool powered) noexcept {
-  q_ = shown_q;
-  sensors_.correct_positions(q_);
-  const VectorXd& q = q_;
+  measured_.q = shown_q;
+  measured_.dq = dq;
+  measured_.age = age;
+  const ArmState& arm = cycle_.measure(measured_, dt);
+  const VectorXd& q = arm.q();
   now_ += dt;
   powered_ = powered;
-  arm_.update(q, dq);
   if (!seen_ && q.allFinite()) {
     way_.reset(q);
     goal_ = q;
@@ -170,7 +177,6 @@ const VectorXd& CrtkArm::update(const VectorXd& shown_q, const VectorXd& dq, dou
     goal_ = q;
     way_.reset(goal_);
     stand();
-    error_.reset();
     if (mode_ != Mode::kOff) mode_ = Mode::kHold;
     stream_ = Kind::kHold;
   }
@@ -180,26 +186,17 @@ const VectorXd& CrtkArm::update(const VectorXd& shown_q, const VectorXd& dq, dou
   const bool by_effort =
       mode_ == Mode::kServo && (stream_ == Kind::kServoJf || stream_ == Kind::kServoCf);
   if (by_effort) {
-    tau_ = arm_.bias() + effort_;
-    error_.reset();
+    tau_ = arm.bias() + effort_;
+    cycle_.command(tau_);
   } else if (mode_ == Mode::kReleased) {
-    out_ = -kReleaseDamping * dq;
-    tau_ = arm_.bias();
-    tau_.noalias() += arm_.mass_matrix() * out_;
-    error_.reset();
+    cycle_.give_way();
   } else {
     smooth(dt);
-    tau_ = control_.update(arm_, wanted_);
-    tau_ += error_.update(arm_, control_.acceleration(), dt);
+    cycle_.command(control_.update(arm, wanted_));
+    if (powered_) cycle_.add_model_error(control_.acceleration());
   }
-  input_.q_wanted.setConstant(NAN);
-  input_.dt = dt;
-  input_.sensor_age = age;
-  safety_.set_holding_torque(error_.torque());
-  out_ = safety_.update(arm_, input_, tau_);
-  error_.sent(tau_, out_);
-  if (safety_.fault() != SafetyFault::kNone && state_ != OperatingState::kFault &&
-      state_ != OperatingState::kDisabled) {
+  const VectorXd& drive = cycle_.send();
+  if (cycle_.fault() && state_ != OperatingState::kFault && state_ != OperatingState::kDisabled) {
     state_ = OperatingState::kFault;
     mode_ = Mode::kHold;
   }
@@ -207,28 +204,26 @@ const VectorXd& CrtkArm::update(const VectorXd& shown_q, const VectorXd& dq, dou
     goal_ = q.allFinite() ? q : goal_;
     way_.reset(goal_);
     stand();
-    if (state_ == OperatingState::kDisabled) out_.setZero();
   }
   tell();
-  drive_ = out_;
-  sensors_.show_torques(drive_);
-  return drive_;
+  return drive;
 }
 
 void CrtkArm::tell() noexcept {
   Feedback& f = feedback_;
   f.time = now_;
   setpoint_.update(way_.x(), way_.dx());
-  const TipKinematics& tip = arm_.tip();
-  tau_ = out_ - arm_.bias();  // torque beyond gravity
+  const ArmState& arm = cycle_.state();
+  const TipKinematics& tip = arm.tip();
+  tau_ = cycle_.torque() - arm.bias();  // torque beyond gravity
   if (state_ == OperatingState::kDisabled || !powered_) tau_.setZero();  // brakes carry it
   Vector6d wrench = Vector6d::Zero();
   task_.update(tip.jacobian());
   task_.solve_wrench(tau_, wrench);
   for (int i = 0; i < n_; ++i) {
-    f.q[i] = arm_.q()[i];
-    f.dq[i] = arm_.dq()[i];
-    f.tau[i] = out_[i];
+    f.q[i] = arm.q()[i];
+    f.dq[i] = arm.dq()[i];
+    f.tau[i] = cycle_.torque()[i];
     f.setpoint[i] = way_.x()[i];
   }
   for (int i = 0; i < 3; ++i) {
@@ -245,7 +240,8 @@ void CrtkArm::tell() noexcept {
   f.mode = mode_;
   f.homed = homed_;
   f.busy = mode_ == Mode::kMove || (!powered_ && state_ == OperatingState::kEnabled);
-  f.fault = safety_.fault();
+  const std::optional<ControllerFault> fault = cycle_.fault();
+  f.fault = fault ? fault->what : SafetyFault::kNone;
 }
 
 }  // namespace veridyn_ros

@@ -4,12 +4,10 @@
 #include <cstdint>
 
 #include "veridyn/control/computed_torque.hpp"
+#include "veridyn/control/control_cycle.hpp"
 #include "veridyn/control/inverse_kinematics.hpp"
-#include "veridyn/control/model_error_observer.hpp"
 #include "veridyn/control/quintic_interpolator.hpp"
-#include "veridyn/control/safety_supervisor.hpp"
 #include "veridyn/control/task_inverse.hpp"
-#include "veridyn/model/joint_sensors.hpp"
 
 namespace veridyn_ros {
 
@@ -142,19 +140,16 @@ class CrtkArm {
   CrtkOptions options_;
   int n_;
   veridyn::Tip tip_;
-  veridyn::ArmState arm_;
+  veridyn::ControlCycle cycle_;
   veridyn::ComputedTorque control_;
-  veridyn::ModelErrorObserver error_;
   veridyn::InverseKinematics inverse_;
   veridyn::TaskInverse task_;
   veridyn::TipKinematics setpoint_;
-  veridyn::SafetySupervisor safety_;
-  veridyn::SafetyInput input_;
   veridyn::QuinticInterpolator way_;
   veridyn::JointReference wanted_;
   veridyn::SafetyLimits limits_;
-  veridyn::JointSensors sensors_;
-  VectorXd q_, goal_, effort_, tau_, out_, drive_, zero_, speed_, led_, smoothed_;
+  veridyn::Measured measured_;
+  VectorXd goal_, effort_, tau_, zero_, speed_, led_, smoothed_;
   Vector6d twist_{Vector6d::Zero()};
   OperatingState state_ = OperatingState::kDisabled;
   Mode mode_ = Mode::kOff;

@@ -135,15 +135,11 @@ Refusal CrtkArm::transition(Kind kind) noexcept {
     case Kind::kEnable:
       if (now == OperatingState::kPaused || !seen_) return Refusal::kInvalidTransition;
       if (now == OperatingState::kEnabled) return Refusal::kNone;
-      safety_.reset();
-      safety_.disable();
-      if (!safety_.enable() || !safety_.activate()) return Refusal::kInvalidTransition;
-      error_.reset();
+      cycle_.reset();
       hold();
       return to(OperatingState::kEnabled);
     case Kind::kDisable:
-      safety_.reset();
-      safety_.disable();
+      cycle_.disable();
       mode_ = Mode::kOff;
       return to(OperatingState::kDisabled);
     case Kind::kPause:
@@ -209,7 +205,7 @@ Refusal CrtkArm::take_effort(const Command& c) noexcept {
   for (int i = 0; i < n_; ++i) tau_[i] = c.joints[i];
   if (c.kind == Kind::kServoCf) {
     const Eigen::Map<const Vector6d> wrench(c.six);
-    tau_.noalias() = arm_.tip().jacobian().transpose() * wrench;
+    tau_.noalias() = cycle_.state().tip().jacobian().transpose() * wrench;
   }
   for (int i = 0; i < n_; ++i)
     if (std::abs(tau_[i]) > limits_.torque[i]) return Refusal::kBeyondLimits;

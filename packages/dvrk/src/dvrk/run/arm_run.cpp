@@ -7,7 +7,7 @@
 #include "cycle_clock.hpp"
 #include "motion_check.hpp"
 #include "motion_run.hpp"
-#include "dvrk/run/controllers/joint_pid.hpp"
+#include "veridyn/control/joint_pid.hpp"
 #include "dvrk/run/controllers/motion_controller.hpp"
 #include "dvrk/run/rows/row_file.hpp"
 #include "dvrk/run/rows/row_keeper.hpp"
@@ -21,7 +21,7 @@ namespace {
 class PidController final : public MotionController {
  public:
   PidController(const PidGains& gains, const VectorXd& integral_limit, double dt)
-      : pid_(gains, integral_limit), dt_(dt) {}
+      : pid_(gains, {integral_limit, {}}), dt_(dt) {}
 
   void reset() noexcept override { pid_.reset(); }
   bool torques(const BoardArmState& state, const JointReference& wanted, const CycleTimes&,

@@ -3,7 +3,6 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "veridyn/math/require.hpp"
 
@@ -29,12 +28,17 @@ const ModelControlOptions& checked(const ModelControlOptions& options, const Mod
   return options;
 }
 
-SafetyLimits limits_of(const Model& model, const VectorXd& largest, double longest_gap) {
+CycleOptions cycle_of(const Model& model, const VectorXd& largest, const ModelControlOptions& options) {
   const VectorXd most = JointSensors(model).largest_true_torques(largest.head(model.joints()));
   SafetyLimits limits = safety_limits(model, most.maxCoeff());
   limits.torque = limits.torque.cwiseMin(most);
-  limits.sensor_age = limits.overrun = longest_gap;
-  return limits;
+  limits.sensor_age = limits.overrun = options.longest_gap;
+  CycleOptions out;
+  out.friction = options.friction;
+  out.error_bandwidth = 0.5 * options.frequency;
+  out.error_limit = options.model_error * limits.torque;
+  out.limits = limits;
+  return out;
 }
 
 JointGains joint_gains(int joints, const ModelControlOptions& options) {
@@ -70,108 +74,87 @@ ModelController::ModelController(const Model& model, const PidGains& rest, const
                                  const ModelControlOptions& options)
     : options_(checked(options, model, rest, largest)),
       model_(model),
-      sensors_(model),
-      limits_(limits_of(model, largest, options.longest_gap)),
-      state_(model, tip_of(options, model)),
+      cycle_(model, tip_of(options, model), cycle_of(model, largest, options)),
       computed_torque_(model.joints(), joint_gains(model.joints(), options)),
       path_(model, tip_of(options, model)),
       impedance_(model, tip_of(options, model), tip_gains(options)),
       gravity_(model),
-      friction_(model, options.friction),
-      error_(model.joints(), {0.5 * options.frequency, options.model_error * limits_.torque}),
-      safety_(model, limits_),
-      rest_(without_first(rest, model.joints()), kIntegralShare * largest),
+      rest_(without_first(rest, model.joints()), {kIntegralShare * largest, {}}),
+      measured_(model.joints()),
       wanted_(model.joints()),
-      input_(model.joints()),
-      q_(VectorXd::Zero(model.joints())),
-      dq_(q_),
-      off_(q_),
-      tau_(q_),
-      sent_(q_) {
-  input_.q_wanted.setConstant(std::numeric_limits<double>::quiet_NaN());  // the run's to judge
-  input_.force_expected.setConstant(std::numeric_limits<double>::quiet_NaN());
+      off_(VectorXd::Zero(model.joints())),
+      sent_(off_) {
+  measured_.dq = off_;
 }
 
 void ModelController::reset() noexcept {
-  safety_.disable();  // a fault stays
-  safety_.enable();
-  safety_.activate();
-  friction_.reset();
-  error_.reset();
+  cycle_.forget();
   rest_.reset();
   moves_ = false;
 }
 
-void ModelController::computed_torque(double dt) noexcept {
-  off_ = wanted_.q - q_;
-  tau_ = computed_torque_.update(state_, wanted_);
-  tau_ += friction_.update(state_, wanted_.dq, off_, dt);
-  tau_ += error_.update(state_, computed_torque_.acceleration(), dt);
+void ModelController::computed_torque() noexcept {
+  off_ = wanted_.q - cycle_.state().q();
+  cycle_.command(computed_torque_.update(cycle_.state(), wanted_));
+  cycle_.add_friction(wanted_.dq, off_);
+  cycle_.add_model_error(computed_torque_.acceleration());
 }
 
-void ModelController::impedance(double dt) noexcept {
+void ModelController::impedance() noexcept {
   path_.update(wanted_.q, wanted_.dq);
   task_.x.head<3>() = path_.position();
   task_.dx.head<3>() = path_.twist().head<3>();
   task_.ddx.noalias() = path_.jacobian().lazyProduct(wanted_.ddq);
   task_.ddx.noalias() += path_.jacobian_rate().lazyProduct(wanted_.dq);
-  tau_ = impedance_.update(state_, task_, Vector6d::Zero());
-  tau_ += friction_.update(state_, impedance_.joint_velocity(), impedance_.joint_error(), dt);
-  tau_ += error_.update(state_, impedance_.acceleration(), dt);
+  cycle_.command(impedance_.update(cycle_.state(), task_, Vector6d::Zero()));
+  cycle_.add_friction(impedance_.joint_velocity(), impedance_.joint_error());
+  cycle_.add_model_error(impedance_.acceleration());
 }
 
 bool ModelController::torques(const BoardArmState& state, const JointReference& wanted,
                               const CycleTimes& times, VectorXd& tau) noexcept {
-  const auto n = q_.size();
-  q_ = state.q.head(n);
-  dq_ = state.dq.head(n);
+  const auto n = off_.size();
+  measured_.q = state.q.head(n);
+  measured_.dq = state.dq.head(n);
+  measured_.age = times.age;
   wanted_.q = wanted.q.head(n);
-  sensors_.correct_positions(q_);
-  sensors_.correct_positions(wanted_.q);
+  cycle_.sensors().correct_positions(wanted_.q);
   wanted_.dq = wanted.dq.head(n);
   wanted_.ddq = wanted.ddq.head(n);
-  state_.update(q_, dq_);
+  cycle_.measure(measured_, times.dt);  // whether the arm follows is the run's to judge
   switch (options_.law) {
     case ControlLaw::kComputedTorque:
-      computed_torque(times.dt);
+      computed_torque();
       break;
     case ControlLaw::kImpedance:
-      moves_ ? impedance(times.dt) : computed_torque(times.dt);
+      moves_ ? impedance() : computed_torque();
       break;
     case ControlLaw::kGravity:
-      tau_ = gravity_.update(q_);
+      cycle_.command(gravity_.update(cycle_.state().q()));
       break;
   }
-  input_.dt = times.dt;
-  input_.sensor_age = times.age;
-  const VectorXd& safe = safety_.update(state_, input_, tau_);
-  if (safety_.fault() != SafetyFault::kNone) return false;
+  const VectorXd& safe = cycle_.send();
+  if (cycle_.fault()) return false;
   rest_.torques(state.q, state.dq, wanted.q, wanted.dq, times.dt, tau);
   tau.head(n) = safe;
-  sensors_.show_torques(tau.head(n));
   return true;
 }
 
 void ModelController::sent(const VectorXd& tau) noexcept {
-  sent_ = tau.head(sent_.size());  // as the drives count
-  sensors_.correct_torques(sent_);
-  error_.sent(tau_, sent_);
+  sent_ = tau.head(sent_.size());
+  cycle_.sent(sent_);
 }
 
 std::string ModelController::why() const {
-  if (safety_.fault() == SafetyFault::kNone) return "";
-  const std::optional<int> joint = safety_.joint();
-  return text("safety supervisor: ", describe(safety_.fault()),
-              joint ? " (joint " + name_of(*joint) + ")" : "");
-}
-
-const std::string& ModelController::name_of(Eigen::Index joint) const {
-  return model_.coordinates()[joint].name;
+  const std::optional<ControllerFault> fault = cycle_.fault();
+  if (!fault) return "";
+  return text("safety supervisor: ", describe(fault->what),
+              fault->joint ? " (joint " + model_.coordinates()[fault->joint->value].name + ")" : "");
 }
 
 // Singular values are those of TaskInverse: metres count in characteristic lengths.
 void ModelController::require_tip_led(const MotionSamples& motion) const {
-  const Eigen::Index n = q_.size(), directions = std::min<Eigen::Index>(3, n);
+  const Eigen::Index n = off_.size(), directions = std::min<Eigen::Index>(3, n);
   VectorXd unit = VectorXd::Constant(n, 1.0 / impedance_.inverse().length());
   for (Eigen::Index j = 0; j < n; ++j) {
     if (model_.coordinates()[j].prismatic) unit[j] = 1.0;
@@ -181,7 +164,7 @@ void ModelController::require_tip_led(const MotionSamples& motion) const {
   MatrixXd values(motion.rows(), directions);
   for (Eigen::Index row = 0; row < motion.rows(); ++row) {
     q = motion.q.row(row).head(n).transpose();
-    path.update(q, dq_);
+    path.update(q, VectorXd::Zero(n));
     const MatrixXd J = path.jacobian().topRows(3) * unit.asDiagonal();
     values.row(row) = Eigen::JacobiSVD<MatrixXd>(J).singularValues().transpose();
   }
@@ -198,23 +181,24 @@ void ModelController::require_tip_led(const MotionSamples& motion) const {
 
 MotionLimits ModelController::limits() const {
   MotionLimits out;
-  out.lower = limits_.lower;
-  out.upper = limits_.upper;
-  sensors_.show_positions(out.lower);
-  sensors_.show_positions(out.upper);
-  out.velocity = limits_.velocity;
-  out.braking = limits_.braking;
+  const SafetyLimits& limits = cycle_.limits();
+  out.lower = limits.lower;
+  out.upper = limits.upper;
+  sensors().show_positions(out.lower);
+  sensors().show_positions(out.upper);
+  out.velocity = limits.velocity;
+  out.braking = limits.braking;
   for (const Coordinate& c : model_.coordinates()) out.names.push_back(c.name);
   return out;
 }
 
 MotionSamples ModelController::as_shown(const MotionSamples& motion) const {
   MotionSamples out = motion;
-  VectorXd at = VectorXd::Zero(q_.size());
-  const Eigen::Index n = std::min(q_.size(), motion.joints());
+  VectorXd at = VectorXd::Zero(off_.size());
+  const Eigen::Index n = std::min(off_.size(), motion.joints());
   for (Eigen::Index row = 0; row < motion.rows(); ++row) {
     at.head(n) = motion.q.row(row).head(n).transpose();
-    sensors_.show_positions(at);
+    sensors().show_positions(at);
     out.q.row(row).head(n) = at.head(n).transpose();
   }
   return out;
@@ -222,8 +206,8 @@ MotionSamples ModelController::as_shown(const MotionSamples& motion) const {
 
 void ModelController::require_possible(const MotionSamples& motion) const {
   if (options_.law != ControlLaw::kImpedance) return;
-  require(motion.joints() >= q_.size(), "motion: found ", motion.joints(), " joints, expected ",
-          q_.size(), " of the model, which move the tip.");
+  require(motion.joints() >= off_.size(), "motion: found ", motion.joints(), " joints, expected ",
+          off_.size(), " of the model, which move the tip.");
   require_tip_led(motion);
 }
 

@@ -4,12 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "veridyn/control/friction_compensation.hpp"
+#include "veridyn/control/computed_torque.hpp"
+#include "veridyn/control/control_cycle.hpp"
 #include "veridyn/control/impedance.hpp"
-#include "veridyn/control/model_error_observer.hpp"
-#include "veridyn/control/safety_supervisor.hpp"
-#include "veridyn/model/joint_sensors.hpp"
-#include "dvrk/run/controllers/joint_pid.hpp"
+#include "veridyn/control/joint_pid.hpp"
 #include "dvrk/run/controllers/motion_controller.hpp"
 
 namespace veridyn::dvrk {
@@ -65,42 +63,36 @@ class ModelController final : public MotionController {
   void motion_begins() noexcept override { moves_ = true; }
   bool torques(const BoardArmState& state, const JointReference& wanted, const CycleTimes& times,
                VectorXd& tau) noexcept override;
-  void sent(const VectorXd& tau) noexcept override;
+  void sent(const VectorXd& tau) noexcept override;  ///< as the drives count
   std::string why() const override;
   bool follows() const override { return options_.law != ControlLaw::kGravity; }
   MotionLimits limits() const override;
   void require_possible(const MotionSamples& motion) const override;
   MotionSamples as_shown(const MotionSamples& motion) const override;
 
-  int joints() const { return state_.joints(); }  ///< Joints of the model
+  int joints() const { return cycle_.joints(); }  ///< Joints of the model
   /// Effects of the model that these laws leave out, in words.
-  const std::vector<std::string>& left_out() const { return state_.left_out(); }
-  const SafetySupervisor& safety() const { return safety_; }
-  const JointSensors& sensors() const { return sensors_; }
+  const std::vector<std::string>& left_out() const { return cycle_.state().left_out(); }
+  const SafetySupervisor& safety() const { return *cycle_.supervisor(); }
+  const JointSensors& sensors() const { return cycle_.sensors(); }
 
  private:
-  const std::string& name_of(Eigen::Index joint) const;
   void require_tip_led(const MotionSamples& motion) const;
-  void computed_torque(double dt) noexcept;
-  void impedance(double dt) noexcept;
+  void computed_torque() noexcept;
+  void impedance() noexcept;
 
   ModelControlOptions options_;
   Model model_;
-  JointSensors sensors_;
-  SafetyLimits limits_;
-  veridyn::ArmState state_;
+  ControlCycle cycle_;
   ComputedTorque computed_torque_;
   TipKinematics path_;
   Impedance impedance_;
   GravityCompensation gravity_;
-  FrictionCompensation friction_;
-  ModelErrorObserver error_;
-  SafetySupervisor safety_;
   JointPid rest_;
-  JointReference wanted_;  // of the model's joints
+  Measured measured_;      // of the model's joints
+  JointReference wanted_;  // likewise
   TaskReference task_;
-  SafetyInput input_;
-  VectorXd q_, dq_, off_, tau_, sent_;
+  VectorXd off_, sent_;
   bool moves_ = false;  // during the motion, not during the approach
 };
 
