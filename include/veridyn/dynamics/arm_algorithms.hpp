@@ -29,8 +29,6 @@ struct ArmAlgorithms {
   static constexpr int lanes() { return World::lanes(); }
   static constexpr int groups(int count) { return World::groups(count); }
 
-  /// Groups of right sides that are solved for side by side: each step waits for the one before.
-  static constexpr int kBlock = kWide ? 4 : 1;
   /// Fewer links are quicker with M itself: M^-1 of a column takes n^2 products instead of 24 n.
   static constexpr int kArticulatedLinks = 24;
 
@@ -41,8 +39,9 @@ struct ArmAlgorithms {
   struct Memory {
     LinkState<S>* state;
     World world;
-    Screw<L>* column;  ///< kBlock per link
-    Screw<S>* single;  ///< one per link
+    Screw<L>* column;   ///< one per link
+    Screw<S>* single;   ///< one per link
+    typename World::Response* response;  ///< one per link
     InertiaOf<S>* carried;  ///< inertia of each link with all links that it carries
     L* angle;    ///< all angles, then sines, then cosines
     L* rows;     ///< rows of 2 n columns
@@ -274,7 +273,7 @@ struct ArmAlgorithms {
     at.world.inertias(tree, arm.inertia);
     if (!at.world.articulate(tree)) return false;
     for (int k = 0; k < n; ++k) at.vector[k] = ddq[coordinate(tree, k)];
-    at.world.template solve<1>(tree, n - 1, 1, at.vector, at.single);
+    at.world.solve(tree, at.vector, at.single);
     for (int k = 0; k < n; ++k) ddq[coordinate(tree, k)] = at.vector[k];
     return true;
   }
@@ -285,31 +284,45 @@ struct ArmAlgorithms {
     const Links& tree = arm.tree;
     const int n = tree.joints;
     if (!forward_dynamics(arm, q, dq, tau, ddq, at.matrix, at)) return false;
-    if (!tree.independent) {  // the joint variables' own accelerations
-      for (int k = 0; k < tree.count; ++k)
-        at.state[k].dds = along_joint(arm.tree, arm.tree.link[k], ddq);
-    }
-    changes(arm, dq, ddq, at);
     const int wide = 2 * groups(n);
     const int narrow = groups(n);
-    rows(tree, kPositionUpper, kPositionLower, 0, at);
-    rows(tree, kVelocityUpper, kVelocityLower, narrow, at);
-    for (int e = 0; e < n * narrow; ++e) at.inverse[e] = L(0.0);
-    for (int i = 0; i < n; ++i) {
-      L& unit = at.inverse[i * narrow + i / lanes()];
-      if constexpr (kWide) unit.v[i % lanes()] = 1.0;
-      if constexpr (!kWide) unit = S(1.0);
-    }
     if (articulated(tree)) {
-      solve_along_tree(tree, wide, false, at.rows, at);
-      solve_along_tree(tree, narrow, true, at.inverse, at);
+      at.world.inertias(tree, arm.inertia);
+      at.world.velocities(tree, dq);
+      at.world.accelerations(tree, dq, ddq);
+      at.world.carry(tree, World::kWrench, World::kAxis);
+      at.world.articulated_changes(tree);
+      for (int g = 0; g < narrow; ++g) {
+        at.world.template respond<false>(tree, World::kPosition, g, wide, at.rows + g, at.response);
+        at.world.template respond<false>(tree, World::kRate, g, wide, at.rows + narrow + g,
+                                         at.response);
+        at.world.template respond<true>(tree, World::kRate, g, narrow, at.inverse + g, at.response);
+      }
+      S* const inverse = reinterpret_cast<S*>(at.inverse);
+      const int ld = narrow * lanes();
+      for (int i = 0; i < n; ++i) {
+        for (int j = 0; j < i; ++j) inverse[i * ld + j] = inverse[j * ld + i];
+      }
     } else {
+      if (!tree.independent) {  // the joint variables' own accelerations
+        for (int k = 0; k < tree.count; ++k)
+          at.state[k].dds = along_joint(arm.tree, arm.tree.link[k], ddq);
+      }
+      changes(arm, dq, ddq, at);
+      rows(tree, kPositionUpper, kPositionLower, 0, at);
+      rows(tree, kVelocityUpper, kVelocityLower, narrow, at);
+      for (int e = 0; e < n * narrow; ++e) at.inverse[e] = L(0.0);
+      for (int i = 0; i < n; ++i) {
+        L& unit = at.inverse[i * narrow + i / lanes()];
+        if constexpr (kWide) unit.v[i % lanes()] = 1.0;
+        if constexpr (!kWide) unit = S(1.0);
+      }
       solve(n, at.matrix, wide, at.rows);
       solve(n, at.matrix, narrow, at.inverse);
     }
-    columns(tree, wide, 0, -1.0, at.rows, by_q);
-    columns(tree, wide, narrow, -1.0, at.rows, by_dq);
-    columns(tree, narrow, 0, 1.0, at.inverse, by_tau);
+    columns(tree, wide, 0, -2.0, at.rows, by_q, at);
+    columns(tree, wide, narrow, -2.0, at.rows, by_dq, at);
+    columns(tree, narrow, 0, 1.0, at.inverse, by_tau, at);
     return true;
   }
 
@@ -420,7 +433,8 @@ struct ArmAlgorithms {
     at.world.data = parts.template take<S>(World::kArrays * padded);
     at.world.pose = parts.template take<Pose<S>>(tree.count);
     at.world.articulated = parts.template take<ArticulatedInertia<S>>(tree.count);
-    at.column = parts.template take<Screw<L>>(kBlock * tree.count);
+    at.column = parts.template take<Screw<L>>(tree.count);
+    at.response = parts.template take<typename World::Response>(tree.count);
     at.single = parts.template take<Screw<S>>(tree.count);
     at.carried = parts.template take<InertiaOf<S>>(tree.count);
     at.angle = parts.template take<L>(3 * groups(tree.count));
@@ -478,17 +492,12 @@ struct ArmAlgorithms {
     put<false, kVectors>(tree, upper, lower, by, to, tree.joints, at);
   }
 
-  /// Computes a derivative of the torques in rows of 2 groups(n), from group `first`.
+  /// Computes half of a derivative of the torques in rows of 2 groups(n), from group `first`.
   static void rows(const Links& tree, const typename World::Products& upper,
                    const typename World::Products& lower, int first, const Memory& at) {
     const int groups_of_row = 2 * groups(tree.joints);
     S* const to = reinterpret_cast<S*>(at.rows + first);
-    const S twice(static_cast<typename ConstantOf<S>::type>(2.0));
-    if (articulated(tree)) {  // by links
-      at.world.template pairs<true, true>(tree, upper, lower, twice, to, groups_of_row * lanes());
-    } else {
-      put<true, true>(tree, upper, lower, twice, to, groups_of_row * lanes(), at);
-    }
+    put<true, true>(tree, upper, lower, S(1.0), to, groups_of_row * lanes(), at);
   }
 
   template <bool kTransposed, bool kVectors>
@@ -527,31 +536,33 @@ struct ArmAlgorithms {
     return tree.coefficient[tree.link[k].first_coefficient].coordinate;
   }
 
-  /// Solves with the articulated inertias; unit: row k is zero in the columns before k's group.
-  static void solve_along_tree(const Links& tree, int width, bool unit, L* x, const Memory& at) {
-    const int last = tree.count - 1;
-    int g = 0;
-    for (; g + kBlock <= width; g += kBlock) {
-      const int end = (g + kBlock) * lanes() - 1;
-      at.world.template solve<kBlock>(tree, unit && end < last ? end : last, width, x + g,
-                                      at.column);
-    }
-    for (; g < width; ++g) at.world.template solve<1>(tree, last, width, x + g, at.column);
-  }
-
   /// Writes n columns of a matrix that is given by rows, times a factor.
-  static void columns(const Links& tree, int width, int first, double by, const L* rows, S* to) {
+  static void columns(const Links& tree, int width, int first, double by, L* rows, S* to,
+                      const Memory& at) {
     const int n = tree.joints;
-    const bool by_links = articulated(tree);
     const S factor(static_cast<typename ConstantOf<S>::type>(by));
-    for (int d = 0; d < n; ++d) {
-      S* const column = to + long{n} * (by_links ? coordinate(tree, d) : d);
-      for (int i = 0; i < n; ++i) {
-        const L& from = rows[i * width + first + d / lanes()];
-        S& entry = column[by_links ? coordinate(tree, i) : i];
-        if constexpr (kWide) entry = factor * S(from.v[d % lanes()]);
-        if constexpr (!kWide) entry = factor * from;
+    const S* const from = reinterpret_cast<const S*>(rows + first);
+    const int ld = width * lanes();
+    const bool by_links = articulated(tree) && !tree.in_order;
+    S* const direct = by_links ? at.matrix : to;
+    int i = 0;
+    for (; i + 4 <= n; i += 4) {
+      const S* row = from + long{i} * ld;
+      S* column = direct + i;
+      for (int d = 0; d < n; ++d, ++row, column += n) {
+        column[0] = factor * row[0];
+        column[1] = factor * row[ld];
+        column[2] = factor * row[2 * ld];
+        column[3] = factor * row[3 * ld];
       }
+    }
+    for (; i < n; ++i) {
+      for (int d = 0; d < n; ++d) direct[long{d} * n + i] = factor * from[long{i} * ld + d];
+    }
+    if (!by_links) return;
+    for (int d = 0; d < n; ++d) {
+      S* const column = to + long{n} * coordinate(tree, d);
+      for (int k = 0; k < n; ++k) column[coordinate(tree, k)] = direct[long{d} * n + k];
     }
   }
 

@@ -47,6 +47,11 @@ inline Screw<S> operator+(const Screw<S>& a, const Screw<S>& b) {
   return {a.w + b.w, a.v + b.v};
 }
 
+template <typename S>
+inline Screw<S> operator-(const Screw<S>& a, const Screw<S>& b) {
+  return {a.w - b.w, a.v - b.v};
+}
+
 /// Rate of a motion b that moves with a.
 template <typename S>
 inline Screw<S> cross(const Screw<S>& a, const Screw<S>& b) {
@@ -131,6 +136,7 @@ struct ArticulatedInertia {
   Symmetric3<S> J;
   Mat3<S> H;
   Symmetric3<S> M;
+  Mat3<S> spin_moment, spin_force;  ///< of a rotation w: those of the accelerations w x xdot
 };
 
 /// Arrays of one number per link each; the lanes of L are neighbouring links. Links are numbered
@@ -161,7 +167,9 @@ struct WorldRecursion {
     kByVelocity = 73,    ///< and by its velocity
     kReduced = 79,       ///< articulated inertia times axis, over its product with the axis
     kInverse = 85,       ///< 1 / that product
-    kArrays = 86
+    kTorqueByPosition = 86,  ///< see articulated_changes()
+    kTorqueByVelocity = 87,
+    kArrays = 88
   };
 
   S* data;
@@ -423,18 +431,12 @@ struct WorldRecursion {
       };
       const int own = fixed / lanes();
       S* const column = to + long{fixed} * ld;
-      // A whole pack may be stored where its surplus lanes fall into what is computed later.
-      const bool last = fixed + 1 == count && ld % lanes() != 0;
-      const auto put = [&](int g, const L& x) {
-        store(x, last && g + 1 == width ? count - g * lanes() : lanes(), column + g * lanes());
-      };
-      for (int g = 0; g < own; ++g) put(g, at_before(g));
-      if constexpr (kWide) {
-        put(own, first_lanes(fixed % lanes(), at_before(own), at_behind(own)));
-      } else {
-        put(own, at_before(own));
-      }
-      for (int g = own + 1; g < width; ++g) put(g, at_behind(g));
+      // Whole packs are stored where their surplus lanes fall into what is computed later.
+      const int left = fixed + 1 == count && ld % lanes() != 0 ? count - own * lanes() : lanes();
+      for (int g = 0; g < own; ++g) store(at_before(g), lanes(), column + g * lanes());
+      store(first_lanes(fixed % lanes(), at_before(own), at_behind(own)), left,
+            column + own * lanes());
+      for (int g = own + 1; g < width; ++g) store(at_behind(g), lanes(), column + g * lanes());
     }
     for (int e = 0; e < tree.strangers; ++e) {
       const LinkPair& pair = tree.stranger[e];
@@ -445,12 +447,15 @@ struct WorldRecursion {
   /// Lanes 0 .. last of a, the others of b.
   static L first_lanes(int last, const L& a, const L& b) {
     if constexpr (kWide) {
-      typename L::Mask index;
-      for (int l = 0; l < lanes(); ++l) index[l] = l;
-      return L(index <= static_cast<long long>(last) ? a.v : b.v);
+      return L(lane_index() <= static_cast<long long>(last) ? a.v : b.v);
     } else {
       return last >= 0 ? a : b;
     }
+  }
+  static auto lane_index() {  // no array: lanes that are set one by one go through memory
+    typename L::Mask index;
+    for (int l = 0; l < lanes(); ++l) index[l] = l;
+    return index;
   }
 
   // ---- articulated bodies ------------------------------------------------------------------------
@@ -492,41 +497,157 @@ struct WorldRecursion {
     return true;
   }
 
-  /// Solves for the accelerations of the joints from rest, in place, for kBlock groups of right
-  /// sides at once; needs articulate().
-  ///
-  /// @param x  one row per link, `width` entries apart. @param last  rows behind are zero.
-  template <int kBlock, typename X>
-  void solve(const Links& tree, int last, int width, X* x, Screw<X>* memory) const {
-    const Screw<X> none{recursion_detail::zero3<X>(), recursion_detail::zero3<X>()};
-    for (int k = 0; k <= last; ++k) {
-      for (int b = 0; b < kBlock; ++b) memory[k * kBlock + b] = none;
-    }
-    for (int k = last; k >= 0; --k) {
-      const Screw<S> axis = screw(kAxis, k);
-      const Screw<S> reduced = screw(kReduced, k);
+  /// Solves for the accelerations of the joints from rest, in place; needs articulate().
+  void solve(const Links& tree, S* x, Screw<S>* memory) const {
+    for (int k = 0; k < tree.count; ++k) memory[k] = none<S>();
+    for (int k = tree.count - 1; k >= 0; --k) {
+      x[k] = x[k] + dot(screw(kAxis, k), memory[k]);
       const int parent = tree.link[k].parent;
-      for (int b = 0; b < kBlock; ++b) {
-        const Screw<X>& p = memory[k * kBlock + b];
-        X& u = x[k * width + b];
-        u -= dot(axis, p);
-        if (parent < 0) continue;
-        Screw<X>& to = memory[parent * kBlock + b];
-        to = to + (p + Screw<X>{u * reduced.w, u * reduced.v});
-      }
+      if (parent >= 0)
+        memory[parent] = memory[parent] + memory[k] - x[k] * screw(kReduced, k);
     }
     for (int k = 0; k < tree.count; ++k) {
+      const int parent = tree.link[k].parent;
+      const Screw<S> a = parent < 0 ? none<S>() : memory[parent];
+      x[k] = array(kInverse)[k] * x[k] - dot(screw(kReduced, k), a);
+      memory[k] = a + x[k] * screw(kAxis, k);
+    }
+  }
+
+  /// Prepares respond(): a motion of joint k acts on the joints above it like one wrench on its
+  /// link, on those that it carries like an acceleration of the link and a rotation at a velocity.
+  /// Needs articulate(), own momenta, and kWrench summed up.
+  void articulated_changes(const Links& tree) const {
+    using C = typename ConstantOf<S>::type;
+    const S half(static_cast<C>(0.5));
+    for (int k = 0; k < tree.count; ++k) {
+      const S* c = array(kMomentum) + k;
+      const S &px = c[0], &py = c[stride], &pz = c[2 * stride];
+      const auto W = [&](int e) -> const S& { return c[(3 + e) * stride]; };
+      const S zero(0.0);
+      articulated[k].spin_moment = {{W(4) + W(8), -W(3), -W(6)},
+                                    {-W(1), W(0) + W(8), -W(7)},
+                                    {-W(2), -W(5), W(0) + W(4)}};
+      articulated[k].spin_force = {{zero, pz, -py}, {-pz, zero, px}, {py, -px, zero}};
+    }
+    for (int k = tree.count - 1; k >= 0; --k) {
+      const ArticulatedInertia<S>& A = articulated[k];
       const Screw<S> axis = screw(kAxis, k);
       const Screw<S> reduced = screw(kReduced, k);
-      const S inverse = array(kInverse)[k];
+      const Vec3<S> spin =
+          rotate_back(A.spin_moment, axis.w) + rotate_back(A.spin_force, axis.v);
+      set(kSpin, k, spin);
+      const auto begin = [&](const Screw<S>& f, int wrench, int torque) {
+        const S effort = dot(axis, f);
+        array(torque)[k] = effort;
+        set(wrench, k, f - effort * reduced);
+      };
+      const auto resistance = [&](const Screw<S>& a, const Vec3<S>& w) {
+        return Screw<S>{rotate(A.J, a.w) + rotate(A.H, a.v) + rotate(A.spin_moment, w),
+                        rotate_back(A.H, a.w) + rotate(A.M, a.v) + rotate(A.spin_force, w)};
+      };
+      begin(resistance(screw(kTurn, k), vector(kDrift, k)) +
+                half * cross_wrench(axis, screw(kWrench, k)),
+            kByPosition, kTorqueByPosition);
+      begin(resistance(screw(kDrift, k), axis.w), kByVelocity, kTorqueByVelocity);
       const int parent = tree.link[k].parent;
-      for (int b = 0; b < kBlock; ++b) {
-        X& u = x[k * width + b];
-        const Screw<X> a = parent < 0 ? none : memory[parent * kBlock + b];
-        u = inverse * u - dot(reduced, a);
-        memory[k * kBlock + b] = a + Screw<X>{u * axis.w, u * axis.v};
-      }
+      if (parent < 0) continue;
+      const auto carry_up = [&](const Vec3<S>& by, const Mat3<S>& from, Mat3<S>& to) {
+        to.row0 = to.row0 + from.row0 - by.x * spin;
+        to.row1 = to.row1 + from.row1 - by.y * spin;
+        to.row2 = to.row2 + from.row2 - by.z * spin;
+      };
+      carry_up(reduced.w, A.spin_moment, articulated[parent].spin_moment);
+      carry_up(reduced.v, A.spin_force, articulated[parent].spin_force);
     }
+  }
+
+  /// What is passed on from link to link.
+  struct Response {
+    Screw<L> at;
+    Vec3<L> spin;
+  };
+
+  /// What the joints of a group change, seen from the links above and from those that they carry.
+  struct Cause {
+    int torque, wrench;       ///< of the joint itself, and on its parent
+    int acceleration, spin;  ///< of what it carries; negative: none
+  };
+  static constexpr Cause kPosition{kTorqueByPosition, kByPosition, kTurn, kDrift};
+  static constexpr Cause kRate{kTorqueByVelocity, kByVelocity, kDrift, kAxis};
+
+  /// Computes half of the accelerations of all joints by a motion of each joint of group g; needs
+  /// articulated_changes(). kTorques: all of those by torques, of the joints up to the last of the
+  /// group; needs articulate().
+  ///
+  /// @param x  one entry per link, `width` apart.
+  template <bool kTorques>
+  void respond(const Links& tree, const Cause& of, int g, int width, L* x,
+               Response* memory) const {
+    const Response nothing{none<L>(), recursion_detail::zero3<L>()};
+    const int first = g * lanes();
+    const int end = first + lanes() < tree.count ? first + lanes() : tree.count;
+    for (int k = 0; k < end; ++k) {
+      if (tree.link[k].forks) memory[k] = nothing;
+    }
+    Screw<L> f = none<L>();
+    for (int k = end - 1; k >= 0; --k) {
+      const Link& link = tree.link[k];
+      const Screw<S> reduced = screw(kReduced, k);
+      if (link.forks) f = f + memory[k].at;
+      L u = dot(screw(kAxis, k), f);
+      f = {f.w - u * reduced.w, f.v - u * reduced.v};
+      if (k >= first) {
+        put_lane(k - first, kTorques ? S(1.0) : array(of.torque)[k], u);
+        put_lane(k - first, kTorques ? none<S>() - reduced : screw(of.wrench, k), f);
+      }
+      x[long{k} * width] = u;
+      if (link.parent == k - 1) continue;
+      if (link.parent >= 0) memory[link.parent].at = memory[link.parent].at + f;
+      f = none<L>();
+    }
+    Response r = nothing;
+    for (int k = 0; k < (kTorques ? end : tree.count); ++k) {
+      const Link& link = tree.link[k];
+      const Screw<S> axis = screw(kAxis, k);
+      const Screw<S> reduced = screw(kReduced, k);
+      if (link.parent != k - 1) r = link.parent < 0 ? nothing : memory[link.parent];
+      L u(0.0);
+      if (k < end) u = x[long{k} * width];
+      if constexpr (!kTorques) u += dot(vector(kSpin, k), r.spin);
+      u = array(kInverse)[k] * u - dot(reduced.w, r.at.w) - dot(reduced.v, r.at.v);
+      x[long{k} * width] = u;
+      r.at = {r.at.w + u * axis.w, r.at.v + u * axis.v};
+      if (!kTorques && k >= first && k < end) {
+        Screw<L> moved = none<L>();
+        put_lane(k - first, screw(of.acceleration, k), moved);
+        r.at = r.at - moved;
+        put_lane(k - first, vector(of.spin, k), r.spin);
+      }
+      if (link.forks) memory[k] = r;
+    }
+  }
+
+ private:
+  template <typename X>
+  static Screw<X> none() {
+    return {recursion_detail::zero3<X>(), recursion_detail::zero3<X>()};
+  }
+  static void put_lane(int lane, const S& from, L& to) {
+    if constexpr (kWide) {
+      to = L(lane_index() == static_cast<long long>(lane) ? L(from).v : to.v);
+    } else {
+      to = from;
+    }
+  }
+  static void put_lane(int lane, const Vec3<S>& from, Vec3<L>& to) {
+    put_lane(lane, from.x, to.x);
+    put_lane(lane, from.y, to.y);
+    put_lane(lane, from.z, to.z);
+  }
+  static void put_lane(int lane, const Screw<S>& from, Screw<L>& to) {
+    put_lane(lane, from.w, to.w);
+    put_lane(lane, from.v, to.v);
   }
 };
 

@@ -119,6 +119,7 @@ inline int Tree::add_link(int parent, JointType type, const std::vector<JointCoe
   link.end_coefficient = static_cast<int>(coefficients.size());
   link.end_support = static_cast<int>(supports.size());
   independent = independent && link.end_coefficient == link.first_coefficient + 1;
+  if (parent >= 0 && parent != k - 1) links[parent].forks = true;
   int above = parent;
   for (int j = k - 1; j >= 0; --j) {
     if (j == above) {
