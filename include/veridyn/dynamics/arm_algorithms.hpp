@@ -57,6 +57,13 @@ struct ArmAlgorithms {
     divide(tree, parts);
     return parts.used;
   }
+  /// Size of the first parts, which suffice for regressor().
+  static std::size_t regressor_workspace(const Links& tree) {
+    Parts parts{nullptr};
+    Memory at;
+    first_parts(tree, parts, at);
+    return parts.used;
+  }
   static Memory divide(const Links& tree, void* memory) {
     Parts parts{static_cast<char*>(memory)};
     return divide(tree, parts);
@@ -423,21 +430,25 @@ struct ArmAlgorithms {
     }
   };
 
+  static void first_parts(const Links& tree, Parts& parts, Memory& at) {
+    at.state = parts.template take<LinkState<S>>(tree.count);
+    at.column = parts.template take<Screw<L>>(tree.count);
+    at.angle = parts.template take<L>(3 * groups(tree.count));
+  }
+
   static Memory divide(const Links& tree, Parts& parts) {
     const int n = tree.joints;
     const int most = n > tree.count ? n : tree.count;
     const int padded = groups(tree.count) * lanes();
     Memory at;
-    at.state = parts.template take<LinkState<S>>(tree.count);
+    first_parts(tree, parts, at);
     at.world.stride = padded;
     at.world.data = parts.template take<S>(World::kArrays * padded);
     at.world.pose = parts.template take<Pose<S>>(tree.count);
     at.world.articulated = parts.template take<ArticulatedInertia<S>>(tree.count);
-    at.column = parts.template take<Screw<L>>(tree.count);
     at.response = parts.template take<typename World::Response>(tree.count);
     at.single = parts.template take<Screw<S>>(tree.count);
     at.carried = parts.template take<InertiaOf<S>>(tree.count);
-    at.angle = parts.template take<L>(3 * groups(tree.count));
     at.rows = parts.template take<L>(n * 2 * groups(n));
     at.inverse = parts.template take<L>(n * groups(n));
     at.pairs = parts.template take<S>(tree.count * padded);
