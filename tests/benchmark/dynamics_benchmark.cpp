@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "support/sample_arms.hpp"
-#include "veridyn/dynamics/regressor_batch.hpp"
+#include "veridyn/dynamics/torque_regressor.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 
 // Rigid-body dynamics of a seven-joint arm (modified DH, ten parameters on every link), nanoseconds
@@ -107,7 +107,7 @@ BENCHMARK(torque_regressor_with_its_tree);
 struct Block {
   Model arm = seven_joints();
   VectorXd phi = *arm.inertial_values();
-  RegressorBatch batch{arm};
+  TorqueRegressor batch{arm};
   MatrixXd q, dq, ddq;
 
   explicit Block(int rows) : q(rows, kJoints), dq(rows, kJoints), ddq(rows, kJoints) {

@@ -1,6 +1,8 @@
-#include "veridyn/dynamics/regressor_batch.hpp"
+#include "veridyn/dynamics/torque_regressor.hpp"
 
 #include <algorithm>
+#include <cassert>
+#include <utility>
 #include <vector>
 
 #include "arm_kernels.hpp"
@@ -29,8 +31,9 @@ BatchInput input(const char* where, int joints, const MatrixRef& q, const Matrix
 
 }  // namespace
 
-RegressorBatch::RegressorBatch(const Model& arm)
+TorqueRegressor::TorqueRegressor(const Model& arm)
     : tree_(arm, Tree::Keep::kMovingLinks),
+      memory_(arm_kernels().regressor_workspace(tree_)),
       columns_(static_cast<size_t>(arm.joints())),
       first_column_(tree_.bodies.size() * static_cast<size_t>(arm.joints()), -1) {
   for (size_t b = 0; b < tree_.bodies.size(); ++b) {
@@ -45,15 +48,23 @@ RegressorBatch::RegressorBatch(const Model& arm)
   }
 }
 
-void RegressorBatch::evaluate(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
+void TorqueRegressor::evaluate(const VectorRef& q, const VectorRef& dq, const VectorRef& ddq,
+                               MatrixXd& Y) {
+  const Links tree = tree_;
+  assert(q.size() == tree.joints && dq.size() == tree.joints && ddq.size() == tree.joints &&
+         Y.rows() == tree.joints && Y.cols() == kBodyParameters * tree.bodies);
+  arm_kernels().regressor(tree, q.data(), dq.data(), ddq.data(), Y.data(), memory_.get());
+}
+
+void TorqueRegressor::evaluate(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
                               std::vector<MatrixXd>& Y) const {
   evaluate(q, dq, ddq, 0, joints(), Y);
 }
 
-void RegressorBatch::evaluate(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
+void TorqueRegressor::evaluate(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
                               int first, int end, std::vector<MatrixXd>& Y) const {
-  const BatchInput in = input("RegressorBatch", joints(), q, dq, ddq);
-  require(0 <= first && first <= end && end <= joints(), "RegressorBatch: joints ", first, " to ",
+  const BatchInput in = input("TorqueRegressor", joints(), q, dq, ddq);
+  require(0 <= first && first <= end && end <= joints(), "TorqueRegressor: joints ", first, " to ",
           end, " of ", joints(), ".");
   Y.resize(joints());
   for (int i = first; i < end; ++i) {
@@ -97,9 +108,9 @@ void RegressorBatch::evaluate(const MatrixRef& q, const MatrixRef& dq, const Mat
   }
 }
 
-void RegressorBatch::torques(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
+void TorqueRegressor::torques(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
                              const VectorRef& phi, MatrixXd& tau) const {
-  const BatchInput in = input("RegressorBatch", joints(), q, dq, ddq);
+  const BatchInput in = input("TorqueRegressor", joints(), q, dq, ddq);
   tau.resize(in.rows, joints());
   const Links tree = tree_;
   AlignedDoubles own;
@@ -108,16 +119,16 @@ void RegressorBatch::torques(const MatrixRef& q, const MatrixRef& dq, const Matr
   arm_kernels().batch_torques({tree, inertia.data()}, in, tau.data(), workspace);
 }
 
-void RegressorBatch::gradient(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
+void TorqueRegressor::gradient(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
                               const std::vector<MatrixXd>& weights, MatrixXd& slopes) const {
-  const BatchInput in = input("RegressorBatch", joints(), q, dq, ddq);
-  require(weights.size() == columns_.size(), "RegressorBatch: found weights for ", weights.size(),
+  const BatchInput in = input("TorqueRegressor", joints(), q, dq, ddq);
+  require(weights.size() == columns_.size(), "TorqueRegressor: found weights for ", weights.size(),
           " joints, expected ", columns_.size(), ".");
   std::vector<const double*> data;
   for (int i = 0; i < joints(); ++i) {
     const MatrixXd& w = weights[i];
     const auto expected = static_cast<Eigen::Index>(columns(i).size());
-    require(w.rows() == in.rows && w.cols() == expected, "RegressorBatch: the weights of joint ",
+    require(w.rows() == in.rows && w.cols() == expected, "TorqueRegressor: the weights of joint ",
             i + 1, " are ", w.rows(), " x ", w.cols(), ", expected ", in.rows, " x ", expected,
             ".");
     data.push_back(w.data());
@@ -130,9 +141,9 @@ void RegressorBatch::gradient(const MatrixRef& q, const MatrixRef& dq, const Mat
                                workspace);
 }
 
-void RegressorBatch::torque_derivatives(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
+void TorqueRegressor::torque_derivatives(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
                                    const VectorRef& phi, MatrixXd& slopes) const {
-  const BatchInput in = input("RegressorBatch", joints(), q, dq, ddq);
+  const BatchInput in = input("TorqueRegressor", joints(), q, dq, ddq);
   slopes.resize(in.rows, Eigen::Index{3} * joints() * joints());
   const Links tree = tree_;
   AlignedDoubles own;
@@ -141,14 +152,25 @@ void RegressorBatch::torque_derivatives(const MatrixRef& q, const MatrixRef& dq,
   arm_kernels().batch_derivatives({tree, inertia.data()}, in, slopes.data(), workspace);
 }
 
-std::vector<LinkInertia> RegressorBatch::inertias(const VectorRef& phi) const {
+std::vector<LinkInertia> TorqueRegressor::inertias(const VectorRef& phi) const {
   const auto expected = static_cast<Eigen::Index>(kBodyParameters * tree_.bodies.size());
-  require(phi.size() == expected, "RegressorBatch: phi has ", phi.size(),
+  require(phi.size() == expected, "TorqueRegressor: phi has ", phi.size(),
           " entries, but the arm has ", tree_.bodies.size(), " bodies with ", kBodyParameters,
           " each.");
   std::vector<LinkInertia> out(tree_.links.size());
   link_inertias(tree_, phi.data(), out.data());
   return out;
+}
+
+MatrixXd torque_regressor(const Model& arm, const VectorRef& q, const VectorRef& dq,
+                          const VectorRef& ddq) {
+  const std::pair<const char*, const VectorRef*> all[] = {{"q", &q}, {"dq", &dq}, {"ddq", &ddq}};
+  for (const auto& [name, v] : all)
+    require(v->size() == arm.joints(), "torque_regressor: ", name, " has ", v->size(),
+            " entries, but arm '", arm.name(), "' has ", arm.joints(), " joints.");
+  MatrixXd Y(arm.joints(), static_cast<Eigen::Index>(kBodyParameters * arm.bodies().size()));
+  TorqueRegressor(arm).evaluate(q, dq, ddq, Y);
+  return Y;
 }
 
 }  // namespace veridyn

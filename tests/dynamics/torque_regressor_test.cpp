@@ -1,4 +1,4 @@
-#include "veridyn/dynamics/regressor_batch.hpp"
+#include "veridyn/dynamics/torque_regressor.hpp"
 
 #include <gtest/gtest.h>
 
@@ -33,7 +33,7 @@ Samples samples(int rows, int joints) {
 const std::vector<int> kRows = {1, 2, 3, 4, 5, 7, 8, 9, 15, 16, 17, 33};
 
 TEST_P(BatchOnEverySampleArm, ColumnsAreThoseOfTheBodiesThatTheJointMoves) {
-  const RegressorBatch batch(arm());
+  const TorqueRegressor batch(arm());
   for (int i = 0; i < joints(); ++i) {
     std::vector<int> expected;
     for (size_t b = 0; b < arm().bodies().size(); ++b) {
@@ -46,7 +46,7 @@ TEST_P(BatchOnEverySampleArm, ColumnsAreThoseOfTheBodiesThatTheJointMoves) {
 }
 
 TEST_P(BatchOnEverySampleArm, RegressorIsThatOfEachState) {
-  const RegressorBatch batch(arm());
+  const TorqueRegressor batch(arm());
   std::vector<MatrixXd> Y;
   for (const int rows : kRows) {
     const Samples s = samples(rows, joints());
@@ -67,7 +67,7 @@ TEST_P(BatchOnEverySampleArm, RegressorIsThatOfEachState) {
 }
 
 TEST_P(BatchOnEverySampleArm, TorquesAreThoseOfEachState) {
-  const RegressorBatch batch(arm());
+  const TorqueRegressor batch(arm());
   MatrixXd tau;
   for (const int rows : kRows) {
     const Samples s = samples(rows, joints());
@@ -86,7 +86,7 @@ constexpr double kStep = 6e-6;
 constexpr double kDifferenceError = 1e-7;
 
 TEST_P(BatchOnEverySampleArm, GradientIsThatOfTheWeightedRegressor) {
-  const RegressorBatch batch(arm());
+  const TorqueRegressor batch(arm());
   const int n = joints();
   for (const int rows : {3, 8, 11}) {
     const Samples s = samples(rows, n);
@@ -121,7 +121,7 @@ TEST_P(BatchOnEverySampleArm, GradientIsThatOfTheWeightedRegressor) {
 }
 
 TEST_P(BatchOnEverySampleArm, TorqueSlopesAreThoseOfTheTorques) {
-  const RegressorBatch batch(arm());
+  const TorqueRegressor batch(arm());
   const int n = joints();
   const Samples s = samples(9, n);
   MatrixXd slopes;
@@ -143,9 +143,9 @@ TEST_P(BatchOnEverySampleArm, TorqueSlopesAreThoseOfTheTorques) {
 }
 
 // A block of rows within longer recordings, as a view.
-TEST(RegressorBatch, ReadsBlocksOfLargerMatrices) {
+TEST(TorqueRegressor, ReadsBlocksOfLargerMatrices) {
   const Model arm = elbow_6r();
-  const RegressorBatch batch(arm);
+  const TorqueRegressor batch(arm);
   const Samples s = samples(100, 6);
   std::vector<MatrixXd> whole;
   std::vector<MatrixXd> block;
@@ -157,8 +157,8 @@ TEST(RegressorBatch, ReadsBlocksOfLargerMatrices) {
   }
 }
 
-TEST(RegressorBatch, ColumnsBehindItsOwnStay) {
-  const RegressorBatch batch(elbow_6r());
+TEST(TorqueRegressor, ColumnsBehindItsOwnStay) {
+  const TorqueRegressor batch(elbow_6r());
   for (const int rows : {20, 300}) {  // directly, and by blocks
     const Samples s = samples(rows, 6);
     std::vector<MatrixXd> expected;
@@ -173,8 +173,8 @@ TEST(RegressorBatch, ColumnsBehindItsOwnStay) {
   }
 }
 
-TEST(RegressorBatch, NoRowsAreNoRows) {
-  const RegressorBatch batch(elbow_6r());
+TEST(TorqueRegressor, NoRowsAreNoRows) {
+  const TorqueRegressor batch(elbow_6r());
   const MatrixXd none(0, 6);
   std::vector<MatrixXd> Y;
   MatrixXd tau;
@@ -185,8 +185,8 @@ TEST(RegressorBatch, NoRowsAreNoRows) {
   EXPECT_EQ(tau.rows(), 0);
 }
 
-TEST(RegressorBatch, WrongSizesAreNamed) {
-  const RegressorBatch batch(elbow_6r());
+TEST(TorqueRegressor, WrongSizesAreNamed) {
+  const TorqueRegressor batch(elbow_6r());
   const MatrixXd right = MatrixXd::Zero(4, 6);
   const MatrixXd narrow = MatrixXd::Zero(4, 5);
   const MatrixXd shorter = MatrixXd::Zero(3, 6);
