@@ -15,6 +15,9 @@ const ModelControlOptions& checked(const ModelControlOptions& options, const Mod
   require(model.joints() >= 1 && model.joints() <= largest.size(), "model '", model.name(),
           "': found ", model.joints(), " joints, expected 1 to ", largest.size(),
           ", which the arm has.");
+  require(options.position_steps.size() == 0 || options.position_steps.size() == largest.size(), "model '",
+          model.name(), "': found steps of ", options.position_steps.size(), " encoders, expected ",
+          largest.size(), ".");
   require(model.inertial_values().has_value(), "model '", model.name(),
           "' has no values; expected a MODEL that identify or diagnose wrote.");
   require(rest.p.size() == largest.size(), "model '", model.name(), "': found gains of ",
@@ -29,11 +32,12 @@ const ModelControlOptions& checked(const ModelControlOptions& options, const Mod
   return options;
 }
 
-SafetyLimits limits_of(const Model& model, const VectorXd& largest, double longest_gap) {
+SafetyLimits limits_of(const Model& model, const VectorXd& largest, const ModelControlOptions& options) {
   const VectorXd most = JointSensors(model).largest_true_torques(largest.head(model.joints()));
   SafetyLimits limits = safety_limits(model, most.maxCoeff());
   limits.torque = limits.torque.cwiseMin(most);
-  limits.sensor_age = limits.overrun = longest_gap;
+  limits.sensor_age = limits.overrun = options.longest_gap;
+  if (options.position_steps.size() > 0) limits.resolution = options.position_steps.head(model.joints());
   return limits;
 }
 
@@ -71,7 +75,7 @@ ModelController::ModelController(const Model& model, const PidGains& rest, const
     : options_(checked(options, model, rest, largest)),
       model_(model),
       sensors_(model),
-      limits_(limits_of(model, largest, options.longest_gap)),
+      limits_(limits_of(model, largest, options)),
       state_(model, tip_of(options, model)),
       computed_torque_(model.joints(), joint_gains(model.joints(), options)),
       path_(model, tip_of(options, model)),
@@ -144,6 +148,7 @@ bool ModelController::torques(const BoardArmState& state, const JointReference& 
   }
   input_.dt = times.dt;
   input_.sensor_age = times.age;
+  input_.sensor_age_range = times.age_range;
   const VectorXd& safe = safety_.update(state_, input_, tau_);
   if (safety_.fault() != SafetyFault::kNone) return false;
   rest_.torques(state.q, state.dq, wanted.q, wanted.dq, times.dt, tau);
