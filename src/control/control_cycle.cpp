@@ -96,6 +96,7 @@ const ArmState& ControlCycle::measure(const Measured& measured, double dt) noexc
   input_.q_wanted.setConstant(kUnknown);
   input_.dt = dt;
   input_.sensor_age = measured.age;
+  input_.sensor_age_range = measured.age_range;
   wrench_ = measured.wrench;
   input_.force = measured.wrench.head<3>();
   input_.force_age = measured.wrench_age;

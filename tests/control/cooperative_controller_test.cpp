@@ -229,6 +229,23 @@ TEST(CooperativeController, HoldsWhenAnArmIsLostAndSaysSo) {
   EXPECT_EQ(t.control->state(), CooperativeState::kTracking);
 }
 
+// A stop in the middle of a change of forces: they stay where they are, and another command goes on from there.
+TEST(CooperativeController, AStopEndsAChangeOfForcesToo) {
+  Tracking t;
+  ASSERT_TRUE(t.control->set_force(0, 9.0, 2.0));
+  t.run(1000);
+  t.control->stop();
+  t.run(static_cast<int>(std::lround(CooperativeOptions().stop_duration / kPeriod)) + 1);
+  const double stopped = t.control->wanted_force(0);
+  EXPECT_NEAR(stopped, 7.0, 0.5);
+  t.run(2000);
+  EXPECT_EQ(t.control->wanted_force(0), stopped);
+  EXPECT_EQ(t.control->state(), CooperativeState::kTracking);
+  ASSERT_TRUE(t.control->set_force(0, 5.0, 0.5));
+  t.run(600);
+  EXPECT_EQ(t.control->wanted_force(0), 5.0);
+}
+
 TEST(CooperativeController, HoldsOnOldSamplesAndOnOnesThatAreStuck) {
   Tracking stale;
   stale.input.force[0].age = 0.05;

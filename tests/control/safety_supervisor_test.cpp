@@ -205,9 +205,9 @@ TEST(SafetySupervisor, OldSamplesLeaveNoTraceInWhatIsHeld) {
 }
 
 // The position is repeated for ten cycles, then a new one arrives. At 0.9 of its largest velocity the arm can have moved
-// there meanwhile; at 5.5 times that velocity it cannot.
+// there meanwhile; at 2.2 times that velocity it cannot.
 TEST(SafetySupervisor, APositionAfterAPauseIsAJumpOnlyWhereTheArmCouldNotBe) {
-  for (const double factor : {0.9, 5.5}) {
+  for (const double factor : {0.9, 2.2}) {
     Supervised s;
     SafetyLimits limits = safety_limits(s.arm_, kTorque);
     limits.sensor_age = 0.02;
@@ -241,9 +241,64 @@ TEST(SafetySupervisor, PositionsOfAConstantLatencyAreNewOnes) {
       s.run();
     }
     EXPECT_EQ(s.safety_.fault(), SafetyFault::kNone) << cycles;
-    s.q_[0] += 5.5 * limits.velocity[0] * s.input_.dt;
+    s.q_[0] += 2.2 * limits.velocity[0] * s.input_.dt;
     s.run();
     EXPECT_EQ(s.safety_.fault(), SafetyFault::kEncoderJump) << cycles;
+  }
+}
+
+// A reply that came late, whenever its position was measured: the arm may have moved for as long as the
+// reply took, then or in the cycle after it. Without that range it has jumped.
+TEST(SafetySupervisor, APositionOfALateReplyHasNotJumped) {
+  for (const bool told : {true, false}) {
+    for (const bool early : {true, false}) {  // measured at the begin or at the end of the wait
+      Supervised s;
+      SafetyLimits limits = safety_limits(s.arm_, kTorque);
+      limits.sensor_age = limits.overrun = 0.02;
+      s.safety_ = SafetySupervisor(s.arm_, limits);
+      EXPECT_TRUE(s.safety_.enable());
+      s.run();
+      const double way = limits.velocity[0] * s.input_.dt, late = 9.0;
+      s.input_.dt *= 1.0 + late;
+      s.input_.sensor_age = late * 0.001;
+      s.input_.sensor_age_range = told ? s.input_.sensor_age : 0.0;
+      s.q_[0] += 0.9 * way * (early ? 1.0 : 1.0 + late);
+      s.run();
+      s.input_ = SafetyInput(3);
+      s.input_.q_wanted = s.q_;
+      s.q_[0] += 0.9 * way * (early ? 1.0 + late : 1.0);
+      s.input_.dt = 0.001;
+      s.run();
+      EXPECT_EQ(s.safety_.fault(), told || early ? SafetyFault::kNone : SafetyFault::kEncoderJump) << early;
+    }
+  }
+}
+
+// One step of a coarse encoder is no jump; two are.
+TEST(SafetySupervisor, AStepOfAnEncoderIsNoJump) {
+  for (const int steps : {1, 2}) {
+    Supervised s;
+    SafetyLimits limits = safety_limits(s.arm_, kTorque);
+    limits.resolution = VectorXd::Constant(3, 3.0 * limits.velocity[0] * s.input_.dt);
+    s.safety_ = SafetySupervisor(s.arm_, limits);
+    EXPECT_TRUE(s.safety_.enable());
+    s.run();
+    s.q_[0] += steps * limits.resolution[0];
+    s.run();
+    EXPECT_EQ(s.safety_.fault(), steps == 1 ? SafetyFault::kNone : SafetyFault::kEncoderJump);
+  }
+}
+
+// A motor that gives nearly all it has: while it moves that is work, at a standstill it presses.
+TEST(SafetySupervisor, AMotorNearItsLimitIsSaturatedAtAStandstill) {
+  for (const double share : {0.93, 0.97}) {
+    for (const double speed : {0.0, 0.1}) {  // of the velocity limit
+      Supervised s;
+      s.tau_[2] = share * kTorque;
+      s.dq_[2] = speed * safety_limits(s.arm_, kTorque).velocity[2];
+      for (int k = 0; k < 250; ++k) s.run();
+      EXPECT_EQ(s.safety_.fault(), share > 0.95 && speed == 0.0 ? SafetyFault::kTorque : SafetyFault::kNone);
+    }
   }
 }
 

@@ -14,13 +14,13 @@ import sys
 # (piece of the source, which occurs once; what takes its place)
 MUTANTS = [
     ("input.sensor_age > limits_.sensor_age", "input.sensor_age > 2.0 * limits_.sensor_age"),
-    ("std::abs(arm.q()[i] - q_sound_[i]) > kJumpShare * limits_.velocity[i] * time", "false"),
+    ("std::abs(arm.q()[i] - q_sound_[i]) > farthest", "false"),
     ("input.dt > limits_.overrun", "input.dt > 4.0 * limits_.overrun"),
     ("leaves_range(arm.q()[i], arm.dq()[i], range, limits_.braking)", "leaves_range(arm.q()[i], 0.0, range, limits_.braking)"),
     ("std::abs(arm.dq()[i]) > share * limits_.velocity[i]", "std::abs(arm.dq()[i]) > 2.0 * share * limits_.velocity[i]"),
     ("state_ == SafetyState::kHoming ? limits_.homing_share : 1.0", "1.0"),
     ("std::abs(input.q_wanted[i] - arm.q()[i]) > limits_.tracking[i]", "std::abs(input.q_wanted[i] - arm.q()[i]) > 2.0 * limits_.tracking[i]"),
-    ("const bool too_much = std::abs(tau[i]) > limits_.torque[i]", "const bool too_much = std::abs(tau[i]) > 2.0 * limits_.torque[i]"),
+    ("const bool too_much = share > 1.0 || (stands && share >= kNearLimit)", "const bool too_much = share > 2.0"),
     ("if (saturated_[i] > limits_.torque_seconds) return {SafetyFault::kTorque", "if (saturated_[i] > 2.0 * limits_.torque_seconds) return {SafetyFault::kTorque"),
     ("!(input.force_age <= limits_.force_age)", "!(input.force_age <= 4.0 * limits_.force_age)"),
     ("input.force.norm() > limits_.force)", "input.force.norm() > 2.0 * limits_.force)"),

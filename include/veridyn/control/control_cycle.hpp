@@ -20,7 +20,8 @@ struct Measured {
   explicit Measured(int joints) : q(VectorXd::Zero(joints)) {}
   VectorXd q;   ///< (n) as the encoders show them [rad], [m]
   VectorXd dq;  ///< (n) [rad/s], [m/s]; empty: the velocity observer's
-  double age = 0.0;  ///< [s] of the positions
+  double age = 0.0;        ///< [s] of the positions
+  double age_range = 0.0;  ///< [s] by which they may be younger, see SafetyInput::sensor_age_range
   /// [force; moment] that the tip exerts on the world, about the tip and in world axes [N, N m].
   Vector6d wrench{Vector6d::Zero()};
   double wrench_age = 0.0;  ///< [s]

@@ -138,7 +138,7 @@ class CooperativeController {
   bool set_force(int member, double force, double duration) noexcept;
   /// Switches the force control of a member on or off.
   bool track(int member, bool on) noexcept;
-  /// Ends the motion and holds the position that has been reached.
+  /// Ends the motion and the change of forces: holds the position and the forces that have been reached.
   void stop() noexcept;
 
   /// Clears the state that ended the task; targets start at the tips.

@@ -30,7 +30,8 @@ enum class SafetyFault {
   kPosition,     ///< beyond a limit, or too fast to stop before it
   kVelocity,
   kTracking,    ///< too far from where it should be
-  kTorque,      ///< the controller asks for more than the motor's limit, for too long
+  /// the controller asks for more than the motor's limit, or at a standstill for nearly as much, for too long
+  kTorque,
   kForce,       ///< more than allowed at the tip
   kForceSensor,  ///< the force is NaN or infinite, older than allowed, or disagrees with the
                  ///< joints' torques
@@ -64,6 +65,7 @@ struct SafetyLimits {
   VectorXd velocity;                  ///< (n)
   VectorXd torque;                    ///< (n) of the motors
   VectorXd tracking;                  ///< (n) wanted minus measured position
+  VectorXd resolution;                ///< (n) of positions: one step of an encoder; empty: zero
   double force = 15.0;                ///< [N] at the tip
   double force_disagreement = 6.0;    ///< [N] between the sensor and MomentumObserver
   double disagreement_seconds = 0.1;  ///< [s] for which it must persist
@@ -95,7 +97,9 @@ struct SafetyInput {
   explicit SafetyInput(int joints) : q_wanted(VectorXd::Zero(joints)) {}
   VectorXd q_wanted;  ///< (n); NaN in an entry: its tracking is not checked (impedance control)
   double dt = 0.001;               ///< [s] since the last update, as measured
-  double sensor_age = 0.0;         ///< [s] of the positions; where it has grown by dt they are repeated ones
+  /// [s] largest age of the positions, since they were asked for; where it has grown by dt they are repeated ones
+  double sensor_age = 0.0;
+  double sensor_age_range = 0.0;   ///< [s] by which they may be younger: until they arrived
   Eigen::Vector3d force{0, 0, 0};  ///< [N] measured at the tip, in the world
   double force_age = 0.0;          ///< [s] age of the force
   Eigen::Vector3d force_expected{0, 0, 0};  ///< MomentumObserver::force(); NaN: no comparison
@@ -158,7 +162,7 @@ class SafetySupervisor {
   Finding check(const ArmState& arm, const SafetyInput& input, const VectorXd& tau) noexcept;
   Finding check_sensors(const ArmState& arm, const SafetyInput& input) const noexcept;
   Finding check_motion(const ArmState& arm, const SafetyInput& input) const noexcept;
-  Finding check_motors(const SafetyInput& input, const VectorXd& tau) noexcept;
+  Finding check_motors(const ArmState& arm, const SafetyInput& input, const VectorXd& tau) noexcept;
   Finding check_force(const SafetyInput& input) noexcept;
   Finding check_held(const ArmState& arm, const SafetyInput& input) noexcept;
   bool rests(const ArmState& arm) const noexcept;

@@ -203,6 +203,7 @@ void CooperativeController::stop() noexcept {
   centre_.stop(options_.stop_duration);
   angle_.stop(options_.stop_duration);
   for (QuinticInterpolator& grip : grips_) grip.stop(options_.stop_duration);
+  wanted_.stop(options_.stop_duration);
 }
 
 // Computes x_d of every tip and its derivatives from the object's motion.

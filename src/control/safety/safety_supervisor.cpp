@@ -12,8 +12,12 @@ namespace {
 
 constexpr double kHoldStiffness = 100.0;  // [1/s^2] about the position where the arm stopped
 constexpr double kBlindBraking = 0.8;     // share of the momentum; friction takes the rest
-// Times the largest displacement in a cycle at the velocity limit.
-constexpr double kJumpShare = 5.0;
+// Times the largest displacement between two measurements at the velocity limit: an arm that runs away
+// is stopped at 1.5 times that limit (SafetyLimits::runaway).
+constexpr double kJumpShare = 2.0;
+
+// Of a motor's limit: one that stands still with so much presses on something.
+constexpr double kNearLimit = 0.95;
 
 // A position counts as newly measured if its time of measurement has advanced by this share of a cycle.
 constexpr double kNewer = 0.5;
@@ -68,15 +72,16 @@ SafetySupervisor::SafetySupervisor(const Model& arm, const SafetyLimits& limits)
       sound_(arm, {arm.frames().back().name}),
       saturated_(VectorXd::Zero(arm.joints())) {
   const auto n = static_cast<Eigen::Index>(arm.joints());
-  for (const VectorXd* v :
-       {&limits.lower, &limits.upper, &limits.velocity, &limits.torque, &limits.tracking})
+  if (limits_.resolution.size() == 0) limits_.resolution = VectorXd::Zero(n);
+  for (const VectorXd* v : {&limits_.lower, &limits_.upper, &limits_.velocity, &limits_.torque,
+                            &limits_.tracking, &limits_.resolution})
     require(v->size() == n, "SafetySupervisor: found limits of ", v->size(), " entries, but arm '",
             arm.name(), "' has ", n, " joints.");
   // minCoeff() may pass over a NaN.
   const auto above_zero = [](const VectorXd& v) { return (v.array() > 0.0).all(); };
   require(above_zero(limits.upper - limits.lower) && above_zero(limits.velocity) &&
               above_zero(limits.torque) && limits.torque.allFinite() && above_zero(limits.tracking) &&
-              std::isfinite(limits.braking),
+              (limits_.resolution.array() >= 0.0).all() && std::isfinite(limits.braking),
           "SafetySupervisor: found limits without room between them, or not above zero, or no "
           "finite torque or braking.");
   for (const double v : {limits.force, limits.force_disagreement, limits.disagreement_seconds,
@@ -149,13 +154,14 @@ SafetySupervisor::Finding SafetySupervisor::check_sensors(const ArmState& arm,
     const std::optional<int> joint = first_not_finite(*v);
     if (joint) return {SafetyFault::kNotFinite, joint};
   }
-  if (!std::isfinite(input.dt) || !std::isfinite(input.sensor_age))
+  if (!std::isfinite(input.dt) || !std::isfinite(input.sensor_age) || !std::isfinite(input.sensor_age_range))
     return {SafetyFault::kNotFinite, {}};
   if (input.sensor_age > limits_.sensor_age) return {SafetyFault::kSensorAge, {}};
   if (!seen_) return {};
-  const double time = std::max({since_sound_, input.dt, 0.0});
+  const double time = std::max(since_sound_ + input.sensor_age_range, 0.0);
   for (Eigen::Index i = 0; i < q_sound_.size(); ++i) {
-    if (std::abs(arm.q()[i] - q_sound_[i]) > kJumpShare * limits_.velocity[i] * time)
+    const double farthest = kJumpShare * limits_.velocity[i] * time + limits_.resolution[i];
+    if (std::abs(arm.q()[i] - q_sound_[i]) > farthest)
       return {SafetyFault::kEncoderJump, static_cast<int>(i)};
   }
   return {};
@@ -178,12 +184,14 @@ SafetySupervisor::Finding SafetySupervisor::check_motion(const ArmState& arm,
   return {};
 }
 
-SafetySupervisor::Finding SafetySupervisor::check_motors(const SafetyInput& input,
+SafetySupervisor::Finding SafetySupervisor::check_motors(const ArmState& arm, const SafetyInput& input,
                                                          const VectorXd& tau) noexcept {
   const std::optional<int> joint = first_not_finite(tau);
   if (joint) return {SafetyFault::kController, joint};
   for (Eigen::Index i = 0; i < tau.size(); ++i) {
-    const bool too_much = std::abs(tau[i]) > limits_.torque[i];
+    const double share = std::abs(tau[i]) / limits_.torque[i];
+    const bool stands = std::abs(arm.dq()[i]) <= limits_.rest_share * limits_.velocity[i];
+    const bool too_much = share > 1.0 || (stands && share >= kNearLimit);
     saturated_[i] = too_much ? saturated_[i] + input.dt : 0.0;
     if (saturated_[i] > limits_.torque_seconds) return {SafetyFault::kTorque, static_cast<int>(i)};
   }
@@ -236,7 +244,7 @@ SafetySupervisor::Finding SafetySupervisor::check(const ArmState& arm, const Saf
                                                   const VectorXd& tau) noexcept {
   const bool moves = state_ == SafetyState::kActive || state_ == SafetyState::kHoming;
   Finding found = check_sensors(arm, input);
-  if (found.fault == SafetyFault::kNone && moves) found = check_motors(input, tau);
+  if (found.fault == SafetyFault::kNone && moves) found = check_motors(arm, input, tau);
   if (found.fault == SafetyFault::kNone && moves) found = check_motion(arm, input);
   if (found.fault == SafetyFault::kNone) found = check_held(arm, input);
   if (found.fault == SafetyFault::kNone) found = check_force(input);

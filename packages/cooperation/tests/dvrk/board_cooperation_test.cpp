@@ -12,6 +12,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <optional>
 #include <thread>
@@ -267,23 +268,34 @@ TEST(BoardCooperation, AStopWaitsForNothing) {
 // A load cell that is polled once a cycle and speaks from one poll to another.
 class Cell final : public ForceSource {
  public:
+  enum class Line { kReading, kNothing, kUnusable, kSpike, kBeyond };
   struct Speech {
     int from = 0, until = 1 << 30;  // polls that find a reading
     bool stuck = false;
+    std::function<Line(int)> line = [](int) { return Line::kReading; };  // by poll
+    double spike = 8.0;  // [N]
   };
   Cell(const Speech& speech, int& polls) : speech_(speech), polls_(polls) {}
   int poll() noexcept override {
     fresh_ = !fresh_;  // the channel asks until nothing more is there
     if (!fresh_) return 0;
     ++polls_;
-    return polls_ >= speech_.from && polls_ < speech_.until ? 1 : 0;
+    line_ = polls_ >= speech_.from && polls_ < speech_.until ? speech_.line(polls_) : Line::kNothing;
+    if (line_ == Line::kUnusable) ++refused_;
+    return line_ == Line::kNothing || line_ == Line::kUnusable ? 0 : 1;
   }
-  double raw() const noexcept override { return speech_.stuck ? 0.25 : 1e-3 * (polls_ % 7); }
+  double raw() const noexcept override {
+    if (line_ == Line::kBeyond) return 1e300;
+    return (speech_.stuck ? 0.25 : 1e-3 * (polls_ % 7)) + (line_ == Line::kSpike ? speech_.spike : 0.0);
+  }
+  long refused() const noexcept override { return refused_; }
 
  private:
   Speech speech_;
   int& polls_;
   bool fresh_ = false;
+  Line line_ = Line::kNothing;
+  long refused_ = 0;
 };
 
 struct Heard {
@@ -334,13 +346,53 @@ TEST(BoardCooperation, NoPowerBeforeEverySensorHasSpokenForAWhile) {
   EXPECT_EQ(with_cell({150}).run.end, BoardEnd::kDone);
 }
 
-TEST(BoardCooperation, ASensorThatFallsSilentUnderPowerHoldsAll) {
+// A sensor that gives 25, 50 or 200 readings where the scenario counts on 500.
+TEST(BoardCooperation, ASlowSensorIsNamedBeforePower) {
+  for (const int every : {40, 20, 5}) {
+    Cell::Speech speech;
+    speech.line = [every](int poll) { return poll % every == 0 ? Cell::Line::kReading : Cell::Line::kNothing; };
+    const Heard heard = with_cell(speech);
+    EXPECT_NE(heard.refusal.find("no power"), std::string::npos) << heard.run.report();
+    EXPECT_NE(heard.refusal.find("readings per second"), std::string::npos) << heard.refusal;
+    EXPECT_NE(heard.refusal.find("the scenario counts on 500"), std::string::npos) << heard.refusal;
+    EXPECT_EQ(heard.refusal.find("is dead"), std::string::npos) << heard.refusal;
+  }
+}
+
+// Whatever `loadcell read` finds wrong with a line ends a run, in its words and within 20 ms of silence
+// or of the first readings of that kind.
+TEST(BoardCooperation, EveryStateOfASensorsLineHoldsAllUnderPower) {
+  using Line = Cell::Line;
+  struct Case {
+    const char* words;
+    std::function<Line(int)> line;  // from its first poll on
+    double within = 0.02;           // [s]
+    double spike = 8.0;
+  };
+  const std::vector<Case> cases = {
+      {"is dead", [](int) { return Line::kNothing; }},
+      {"comes over a damaged line", [](int k) { return k % 2 == 0 ? Line::kUnusable : Line::kReading; }},
+      {"comes over a damaged line", [](int k) { return k % 10 != 0 ? Line::kUnusable : Line::kReading; }},
+      {"is beyond its range", [](int) { return Line::kBeyond; }},
+      {"jumps from one reading to the next", [](int k) { return k == 0 ? Line::kSpike : Line::kReading; }},
+      {"reading jumps", [](int k) { return k == 0 ? Line::kSpike : Line::kReading; }, 0.02, 1.5},
+  };
+  const int at = with_cell({}).polls - 700;  // of the 500 cycles of the phase and 400 behind them
+  for (const Case& one : cases) {
+    Cell::Speech speech;
+    speech.spike = one.spike;
+    speech.line = [&](int poll) { return poll < at ? Line::kReading : one.line(poll - at); };
+    const Heard heard = with_cell(speech);
+    EXPECT_EQ(heard.refusal, "");
+    EXPECT_EQ(heard.run.end, BoardEnd::kFault) << one.words;
+    EXPECT_NE(heard.run.why.find(one.words), std::string::npos) << heard.run.why;
+    EXPECT_NEAR(heard.run.fault_at, 0.2 + 0.5 * one.within, 0.5 * one.within + 0.002) << one.words;
+    EXPECT_EQ(heard.run.power, OffState::kConfirmed);
+  }
+  // A lost byte now and then is none of these.
   Cell::Speech speech;
-  speech.until = with_cell({}).polls - 700;  // of the 500 cycles of the phase and 400 behind them
-  const Heard heard = with_cell(speech);
-  EXPECT_EQ(heard.refusal, "");
-  EXPECT_EQ(heard.run.run.state, CooperativeState::kSensorStale) << heard.run.report();
-  EXPECT_EQ(heard.run.power, OffState::kConfirmed);
+  speech.line = [](int poll) { return poll % 50 == 0 ? Line::kUnusable : Line::kReading; };
+  EXPECT_EQ(with_cell(speech).run.end, BoardEnd::kDone);
 }
 
 // Commands that no arm can carry out, and what must be said of each.

@@ -93,6 +93,7 @@ int BoardEmulator::place_of(int node) const noexcept {
 
 Answer BoardEmulator::handle(ByteView datagram, Ticks now, ByteSpan reply) noexcept {
   advance(now);
+  if (is_lost()) return {};
   ++counters_.requests;
   Request request;
   if (decode(datagram, request) != Malformed::kNone) {
@@ -100,7 +101,16 @@ Answer BoardEmulator::handle(ByteView datagram, Ticks now, ByteSpan reply) noexc
     return {};
   }
   if (!request.crc_right) ++counters_.wrong_crc;
-  return execute(request, reply);
+  const Answer answer = execute(request, reply);
+  return answer.size > 0 && is_lost() ? Answer() : answer;
+}
+
+bool BoardEmulator::is_lost() noexcept {
+  if (faults.loss <= 0.0) return false;
+  fate_ ^= fate_ << 13;
+  fate_ ^= fate_ >> 7;
+  fate_ ^= fate_ << 17;
+  return static_cast<double>(fate_ >> 11) * 0x1p-53 < faults.loss;
 }
 
 // Section 2.4.
@@ -251,7 +261,7 @@ Answer BoardEmulator::send(Reply& reply, int place, ByteSpan out) noexcept {
   return spoil(size, out);
 }
 
-Answer BoardEmulator::spoil(std::size_t size, ByteSpan out) const noexcept {
+Answer BoardEmulator::spoil(std::size_t size, ByteSpan out) noexcept {
   const auto change = [&](std::size_t byte, std::uint8_t bits) { out.data[byte] ^= bits; };
   switch (faults.reply) {
     case ReplyFault::kDrop:
@@ -280,6 +290,16 @@ Answer BoardEmulator::spoil(std::size_t size, ByteSpan out) const noexcept {
     case ReplyFault::kCrc:
       change(19, 0x55);
       break;
+    case ReplyFault::kOld: {
+      // Alone the hub's answers, which have no CRC that a label would break; and blocks of one kind.
+      constexpr std::size_t kWithLabel = 4, kHeaderCrc = 16;
+      const bool blocks = size > kHeaderCrc + 4 && (old_size_ == 0 || old_size_ == size) && (out.data[3] >> 4) == 7;
+      if (!blocks || load_quadlet(out.data + kHeaderCrc) != 0) break;
+      if (old_size_ == 0) std::copy_n(out.data, size, old_.data());
+      old_size_ = size;
+      std::copy(old_.data() + kWithLabel, old_.data() + size, out.data + kWithLabel);
+      break;
+    }
     case ReplyFault::kForeign:
       return {size, 0.0, true};
     case ReplyFault::kNone:

@@ -51,7 +51,8 @@ void repair(BoardEmulator& e) {
     e.board(b).faults = BoardFaults();
     e.board(b).temperatures = 0x3234;
     for (int c = 0; c < kChannels; ++c)
-      e.board(b).encoder(c).broken_lines = e.board(b).encoder(c).overflow_latched = false;
+      e.board(b).encoder(c).broken_lines = e.board(b).encoder(c).overflow_latched =
+          e.board(b).encoder(c).stuck = false;
   }
 }
 
@@ -73,6 +74,8 @@ std::vector<EventKind> world_kinds() {
        [](E& e, const T&) { e.faults.lose_writes = true; }},
       {"repair", Needs::kNothing, nullptr, "every fault is gone",
        [](E& e, const T&) { repair(e); }},
+      {"loss", Needs::kNothing, "PERCENT", "of all datagrams are lost from then on, each way",
+       [](E& e, const T& at) { e.faults.loss = 0.01 * at.value; }},
       {"late", Needs::kNothing, "SECONDS", "replies come so late",
        [](E& e, const T& at) {
          e.faults.reply = ReplyFault::kDelay;
@@ -80,6 +83,7 @@ std::vector<EventKind> world_kinds() {
          e.faults.delay = at.value;
        }},
       reply("silence", ReplyFault::kDrop, "replies are lost"),
+      reply("old", ReplyFault::kOld, "blocks of the hub repeat the first of them"),
       reply("short", ReplyFault::kTruncate, "replies lack four bytes"),
       reply("long", ReplyFault::kExtend, "replies have four bytes too many"),
       reply("wrong-label", ReplyFault::kLabel, "replies to another request"),
@@ -131,6 +135,10 @@ std::vector<EventKind> axis_kinds() {
        }},
       {"encoder-error", Needs::kAxis, nullptr, "its encoder makes illegal transitions",
        [](E& e, const T& at) { e.board(at.place).encoder(at.axis).broken_lines = true; }},
+      {"encoder-jump", Needs::kAxis, "COUNTS", "its counter jumps by so many",
+       [](E& e, const T& at) { e.board(at.place).encoder(at.axis).slip(std::llround(at.value)); }},
+      {"encoder-stuck", Needs::kAxis, nullptr, "its counter stands still, whatever its shaft does",
+       [](E& e, const T& at) { e.board(at.place).encoder(at.axis).stuck = true; }},
       {"encoder-overflow", Needs::kAxis, nullptr, "its counter has run over",
        [](E& e, const T& at) { e.board(at.place).encoder(at.axis).overflow_latched = true; }},
       {"pot-wire", Needs::kAxis, nullptr, "its pot reads zero",

@@ -168,6 +168,7 @@ const std::vector<Row>& rows() {
       {"NotEffective", Condition::kNotEffective, kAuto,
        on_board([](EmulatedBoard& b) { b.faults.ignores_writes = true; }), Asked::kStop, 0.012,
        clean},
+      {"OldReplies", Condition::kOldReplies, kAuto, reply(ReplyFault::kOld, -1), Asked::kStop, 0.012, clean},
       {"EthernetFlags", Condition::kEthernet, kAuto,
        [](Rig& rig) { rig.emulator.faults.flags = kFlagProtocolError; }, Asked::kGoOn, 0, clean},
       {"PacketErrors", Condition::kEthernet, kAuto,
@@ -262,11 +263,44 @@ TEST_P(ConditionOfSection17, IsNoticedAnsweredAndSurvived) {
 TEST(ConditionsOfSection17, AllAreTested) {
   std::vector<bool> tested(kConditions + 1, false);
   for (const Row& row : rows()) tested[static_cast<size_t>(row.condition)] = true;
-  for (const int refusal : {10, 11, 12, 16, static_cast<int>(Condition::kPot)})
+  for (const int refusal : {10, 11, 12, 16, static_cast<int>(Condition::kPot), static_cast<int>(Condition::kLostReplies),
+                            static_cast<int>(Condition::kStalled)})
     tested[static_cast<size_t>(refusal)] = true;
   for (int k = 1; k <= kConditions; ++k) {
     EXPECT_TRUE(tested[static_cast<size_t>(k)]) << k;
     EXPECT_STRNE(describe(static_cast<Condition>(k)), "");
+  }
+}
+
+// Whatever drives it: a motor that stands still with nearly its largest current, not one that moves
+// with it, nor one that has less.
+TEST(StallCheck, AMotorThatPressesLosesItsPower) {
+  struct Case {
+    double share, counts;  // of the largest current; per cycle
+    bool stalls;
+  };
+  for (const Case& one : {Case{0.97, 0.0, true}, Case{-0.97, 0.0, true}, Case{0.93, 0.0, false}, Case{0.97, 1.0, false}}) {
+    SessionOptions options = Rig::options();
+    for (auto& board : options.channels)
+      for (ChannelSafety& c : board) c.rest_counts = 100.0;
+    Rig rig(options);
+    ASSERT_TRUE(rig.bring_up());
+    double moved = 0.0;
+    int cycles = 0;
+    for (; cycles < 1000 && rig.session.state() == PowerState::kOn; ++cycles) {
+      moved += one.counts;
+      if (moved >= 1.0) {
+        for (int b = 0; b < 2; ++b)
+          for (int c = 0; c < kChannels; ++c) rig.emulator.board(b).encoder(c).slip(1);
+        moved -= 1.0;
+      }
+      rig.cycle(one.share * Rig::kLargest);
+    }
+    EXPECT_EQ(rig.session.state() == PowerState::kFault, one.stalls) << one.share;
+    if (!one.stalls) continue;
+    EXPECT_NEAR(cycles * Rig::kCycle, options.stall, 0.01);
+    EXPECT_EQ(rig.session.cause(), Condition::kStalled);
+    EXPECT_FALSE(rig.currents_flow());
   }
 }
 

@@ -27,7 +27,6 @@ using Eigen::Vector3d;
 constexpr double kSettled = 0.2;     // [s] at rest after the last phase
 constexpr double kLeastForce = 0.3;  // [N] pretension below which power may be switched off
 constexpr double kStands = 1e-3;     // [m/s] of a target
-constexpr double kNever = 1e3;       // [s] age of a reading that is not to be believed
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();  // nothing measures it
 
 class BoardRun : private BoardLoop {
@@ -55,7 +54,7 @@ class BoardRun : private BoardLoop {
     look();
     hear(channels_);
     if (stopped()) fail("stopped by a signal", {}, BoardEnd::kStopped);
-    if (why_ == nullptr && power_up()) {
+    if (why_ == nullptr && power_up(channels_)) {
       begin();
       options_.lines != nullptr ? play_by_line() : play();
       wind_down();
@@ -87,7 +86,9 @@ class BoardRun : private BoardLoop {
       channel.cutoff = scenario_.control.force_cutoff;
       const std::string of = k < members ? "member '" + scenario_.members[k].name + "'"
                                          : "wall " + std::to_string(of_wall(k).wall + 1);
-      channels_.push_back(open_sensor(options_.force_sources[k], of, channel));
+      const double rate = k < members ? scenario_.members[k].sensor.rate
+                                      : scenario_.walls[of_wall(k).wall].sensor.rate;
+      channels_.push_back(open_sensor(options_.force_sources[k], of, rate, channel));
     }
     readings_.resize(members + wall_channels_.size());
     wall_channel_values_.assign(scenario_.walls.size(), Vector3d::Zero());
@@ -146,8 +147,7 @@ class BoardRun : private BoardLoop {
         const ForceSample sample = simulated_[k].read(time_, true_force(k));
         readings_[k] = {sample.force, time_ - sample.time, sample.number, sample.force};
       } else {
-        readings_[k] = channels_[k].channel->update(now_);
-        if (channels_[k].channel->state() == ForceState::kStuck) readings_[k].age = kNever;
+        readings_[k] = read_sensor(channels_[k]);
       }
       if (k >= scenario_.members.size()) {
         const WallChannel of = of_wall(k);

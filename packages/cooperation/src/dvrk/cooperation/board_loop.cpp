@@ -12,6 +12,9 @@ namespace {
 constexpr double kLooking = 0.1;  // [s] of reading before power-up
 constexpr double kAfter = 0.02;   // [s] of reading after power went
 constexpr double kJumpShare = 0.5;  // of the largest force: more between two readings is no force
+constexpr double kLeastRate = 0.5;  // of a sensor's readings: the text below says half
+constexpr double kGaps = 3.0;       // of a sensor's period, at least: less is no silence
+constexpr const char* kJumps = "jumps from one reading to the next by more than a force can";
 constexpr double kAtRest = 0.05;  // SafetyLimits::rest_share: of the velocity limits
 constexpr double kExplained = 0.5;  // of FaultChecks::force_disagreement
 constexpr const char* kNoTorque =
@@ -146,6 +149,7 @@ std::string BoardLoop::words(const char* what, int arm, std::optional<int> joint
 
 std::string BoardLoop::cause() const {
   if (why_ == nullptr) return "";
+  if (faulty_sensor_ != nullptr) return "the force sensor " + faulty_sensor_->name + " " + why_;
   if (faulty_arm_) return words(why_, *faulty_arm_, faulty_joint_);
   return (end_ == BoardEnd::kStopped ? "" : "the controller ") + std::string(why_);
 }
@@ -185,33 +189,70 @@ void BoardLoop::require_feasible(std::size_t p, double begins, const std::string
           begins, " s): ", why, ". Nothing was switched on.");
 }
 
-BoardLoop::Sensor BoardLoop::open_sensor(const std::string& source, const std::string& of,
+BoardLoop::Sensor BoardLoop::open_sensor(const std::string& source, const std::string& of, double rate,
                                          ForceChannelOptions options) const {
   options.largest_jump = kJumpShare * scenario_.control.largest_force;
-  return {source + " of " + of, std::make_unique<ForceChannel>(options_.open_source(source), options)};
+  options.largest_silence = std::max(options.largest_silence, kGaps / rate);
+  return {source + " of " + of, std::make_unique<ForceChannel>(options_.open_source(source), options), rate};
 }
 
-void BoardLoop::hear(const std::vector<Sensor>& sensors) {
+ForceReading BoardLoop::read_sensor(Sensor& sensor) noexcept {
+  ForceReading reading = sensor.channel->update(now_);
+  const bool jumps = sensor.channel->jumps() != sensor.jumps;
+  sensor.jumps = sensor.channel->jumps();
+  if (sensor.channel->state() == ForceState::kGood && !jumps) return reading;
+  if (why_ == nullptr) {
+    faulty_sensor_ = &sensor;
+    fail(jumps ? kJumps : describe(sensor.channel->state()), {});
+  }
+  reading.age = kNever;
+  return reading;
+}
+
+void BoardLoop::hear(std::vector<Sensor>& sensors) {
   const std::size_t count = sensors.size();
   std::vector<double> good_since(count, -1.0);
+  std::vector<long> before(count, 0), readings(count, 0);  // at good_since, and since then
+  std::vector<long> numbers(count, 0);
+  std::vector<double> last(count, -1.0);  // [s] of the last reading
+  const double begun = time_;
   const auto heard = [&](std::size_t k) { return good_since[k] >= 0.0 && now_ - good_since[k] >= kHeard; };
   for (const double until = time_ + options_.sensor_patience; !stopped();) {
     cycle([&] {
       for (std::size_t k = 0; k < count; ++k) {
-        sensors[k].channel->update(now_);
-        const bool good = sensors[k].channel->state() == ForceState::kGood;
-        if (!good || good_since[k] < 0.0) good_since[k] = good ? now_ : -1.0;
+        Sensor& sensor = sensors[k];
+        const long number = sensor.channel->update(now_).number.value_or(0);
+        const bool good = sensor.channel->state() == ForceState::kGood && sensor.channel->jumps() == sensor.jumps;
+        sensor.jumps = sensor.channel->jumps();
+        if (!good || good_since[k] < 0.0) {
+          good_since[k] = good ? now_ : -1.0;
+          before[k] = number;
+        }
+        readings[k] = number - before[k];
+        if (number != numbers[k]) last[k] = now_;
+        numbers[k] = number;
       }
     });
     std::size_t k = 0;
     while (k < count && heard(k)) ++k;
-    if (k == count) return;
+    if (k == count) {
+      for (k = 0; k < count; ++k) {
+        const double rate = static_cast<double>(readings[k]) / (now_ - good_since[k]);
+        require(rate >= kLeastRate * sensors[k].rate, "no power: the force sensor ", sensors[k].name, " gives ",
+                std::round(rate), " readings per second; the scenario counts on ", sensors[k].rate,
+                " (sensor: rate), expected half of them or more.");
+      }
+      return;
+    }
     const ForceChannel& silent = *sensors[k].channel;
+    const bool comes = last[k] >= 0.0 && now_ - last[k] < kHeard;
+    const bool gaps = silent.state() == ForceState::kGood || (silent.state() == ForceState::kDead && comes);
     require(time_ < until, "no power: the force sensor ", sensors[k].name, " ",
-            silent.state() == ForceState::kGood ? "does not stay good" : describe(silent.state()), " (",
+            gaps ? "does not stay good" : describe(silent.state()), " (",
             silent.source().refused() + silent.beyond_range() + silent.jumps(),
-            " lines refused); expected good readings for ", kHeard, " s within ",
-            options_.sensor_patience, " s.");
+            " lines refused, ", std::round(static_cast<double>(numbers[k]) / (time_ - begun)),
+            " readings per second where the scenario counts on ", sensors[k].rate, "); expected good readings for ",
+            kHeard, " s within ", options_.sensor_patience, " s.");
     // Lines keep the machine's time, whatever the boards' clock does.
     if (options_.stepped) std::this_thread::sleep_for(std::chrono::duration<double>(period_));
   }
@@ -221,7 +262,7 @@ void BoardLoop::look() {
   repeat(kLooking, [] {});
 }
 
-bool BoardLoop::power_up() {
+bool BoardLoop::power_up(std::vector<Sensor>& sensors) {
   for (size_t k = 0; k < sides_.size(); ++k) {
     if (const char* refused = sides_[k]->session().power_on())
       return fail(refused, static_cast<int>(k));
@@ -229,7 +270,11 @@ bool BoardLoop::power_up() {
   for (size_t k = 0; k < sides_.size(); ++k) sides_[k]->begin(scenario_, k);
   const double until = time_ + options_.power_timeout;
   while (time_ < until) {
-    cycle([this] {
+    cycle([&] {
+      for (Sensor& sensor : sensors) {
+        sensor.channel->update(now_);
+        sensor.jumps = sensor.channel->jumps();
+      }
       for (auto& side : sides_) {  // initial positions, before the scenario begins
         side->loop().freeze();
         side->act(TipTarget{}, Eigen::Vector3d::Zero(), 0.0, dt_);

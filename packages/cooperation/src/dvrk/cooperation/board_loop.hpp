@@ -33,14 +33,20 @@ class BoardLoop {
   struct Sensor {
     std::string name;
     std::unique_ptr<ForceChannel> channel;
+    double rate = 0.0;  ///< [Hz] of readings that the scenario counts on
+    long jumps = 0;     ///< ForceChannel::jumps() until now
   };
   /// Opens a source; its readings are refused where they jump by more than forces can.
-  Sensor open_sensor(const std::string& source, const std::string& of,
+  Sensor open_sensor(const std::string& source, const std::string& of, double rate,
                      ForceChannelOptions options = {}) const;
+  /// The reading of a sensor under power. Whatever its channel finds wrong with it ends the run: the
+  /// reading is then older than anything.
+  ForceReading read_sensor(Sensor& sensor) noexcept;
   /// Cycles without power until every sensor has given good readings for kHeard; age counts from
   /// the start. @throws InvalidInput  one has not after BoardCooperationOptions::sensor_patience.
-  void hear(const std::vector<Sensor>& sensors);
+  void hear(std::vector<Sensor>& sensors);
   static constexpr double kHeard = 0.2;  ///< [s]
+  static constexpr double kNever = 1e3;  ///< [s] age of a reading that is not to be believed
 
   /// The arms and their joints as the boards have them, for a plan made before power.
   std::vector<PlannedArm> planned_arms() const;
@@ -51,8 +57,8 @@ class BoardLoop {
 
   /// Reads the boards for a while before power-up.
   void look();
-  /// After look().
-  bool power_up();
+  /// After look(). Sensors are read meanwhile, and not judged.
+  bool power_up(std::vector<Sensor>& sensors);
   /// Switches power off everywhere, and returns the boards' confirmation.
   OffState power_down();
   void end_serving();
@@ -117,6 +123,7 @@ class BoardLoop {
   BoardEnd end_ = BoardEnd::kDone;
   const char* why_ = nullptr;
   std::optional<int> faulty_arm_ = {}, faulty_joint_ = {};
+  const Sensor* faulty_sensor_ = nullptr;
   double fault_at_ = 0.0;
   double now_ = 0.0, dt_ = 0.0, time_ = 0.0;
   bool gives_up_ = false;  // The pretension is being released: arms may move.

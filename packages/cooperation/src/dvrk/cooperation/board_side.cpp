@@ -14,6 +14,7 @@ constexpr double kAgeFactor = 10.0;       // the controller stops first
 constexpr double kOverrun = 0.05;         // [s]
 constexpr double kSensorAge = 0.02;       // [s] of positions
 constexpr double kSaturatedSeconds = 0.5;
+constexpr double kStall = 0.6;            // [s] later: the supervisor holds the arm, its boards switch it off
 constexpr int kStarts = 20;
 
 ArmSessionOptions options_of(const Scenario& scenario, const CooperatingArm& arm,
@@ -24,6 +25,7 @@ ArmSessionOptions options_of(const Scenario& scenario, const CooperatingArm& arm
   o.watchdog = options.watchdog;
   o.reply_timeout = options.reply_timeout;
   o.follow = options.checks.follow;
+  o.stall = kStall;
   return o;
 }
 
@@ -78,6 +80,7 @@ void BoardSide::begin(const Scenario& scenario, std::size_t index) {
   limits.force_age = kAgeFactor * scenario.control.largest_age;
   limits.overrun = kOverrun;
   limits.sensor_age = kSensorAge;
+  limits.resolution = session_.units().joint_steps().head(joints_);
   limits.torque_seconds = kSaturatedSeconds;
   limits.force_disagreement = checks_.force_disagreement;
   limits.disagreement_seconds = checks_.disagreement_seconds;
@@ -86,6 +89,7 @@ void BoardSide::begin(const Scenario& scenario, std::size_t index) {
   supervisor_->enable();
   supervisor_->activate();
   told_ = 0;
+  acted_.reset();
   input_.q_wanted.setConstant(std::numeric_limits<double>::quiet_NaN());
   input_.force_expected.setConstant(std::numeric_limits<double>::quiet_NaN());
 }
@@ -129,8 +133,12 @@ void BoardSide::drive(const VectorXd& wanted, const Eigen::Vector3d& exerted, do
                       double dt) noexcept {
   if (!valid_ || !session_.ready()) return;
   state_.update(q_, dq_);
-  input_.dt = dt;
-  input_.sensor_age = now_ - heard_;
+  const double now = link_->now();
+  input_.dt = acted_ ? now - *acted_ : dt;
+  const BoardBus::Interval measured = session_.boards().bus().measured();
+  input_.sensor_age = now - measured.from;
+  input_.sensor_age_range = measured.to - measured.from;
+  acted_ = now;
   input_.force.noalias() = models_.R_world_base_known.transpose() * exerted;
   input_.force_age = age;
   tau_ = supervisor_->update(state_, input_, wanted);

@@ -61,7 +61,7 @@ class TeleoperationLoop : private BoardLoop {
       if (options_.emulate) {
         sensor_.emplace(wall.sensor, 0.1);
       } else {
-        line_.push_back(open_sensor(options_.force_sources.front(), "the wall"));
+        line_.push_back(open_sensor(options_.force_sources.front(), "the wall", wall.sensor.rate));
       }
     }
   }
@@ -73,7 +73,7 @@ class TeleoperationLoop : private BoardLoop {
     look();
     hear(line_);
     if (stopped()) fail("stopped by a signal", {}, BoardEnd::kStopped);
-    if (why_ == nullptr && power_up()) {
+    if (why_ == nullptr && power_up(line_)) {
       begin();
       play();
       holds_ = true;
@@ -160,9 +160,7 @@ class TeleoperationLoop : private BoardLoop {
       const ForceSample sample = sensor_->read(time_, joined_->push(0));
       force_ = {sample.force, time_ - sample.time, sample.number, sample.force};
     } else {
-      force_ = line_.front().channel->update(now_);
-      if (line_.front().channel->state() == ForceState::kStuck)
-        fail("holds: a force sensor repeats one value", {});
+      force_ = read_sensor(line_.front());
     }
     if (!(force_.age <= scenario_.control.largest_age))
       fail("holds: a force sensor's samples are too old", {});

@@ -26,6 +26,7 @@ enum class ReplyFault {
   kLength,    ///< the length field is wrong, the datagram is not
   kBus,       ///< source bus is not 0x3FF
   kCrc,       ///< not zero and wrong
+  kOld,       ///< a block of the hub that repeats the first of them, with its own label
   kForeign    ///< from an unknown address
 };
 
@@ -38,6 +39,7 @@ struct EmulatorFaults {
   std::uint8_t packet_errors = 0;     ///< the count in every trailer
   std::uint8_t generation_ahead = 0;  ///< added to the generation in every trailer
   bool lose_writes = false;           ///< writes never arrive
+  double loss = 0.0;                  ///< share of datagrams that are lost, each way
 };
 
 /// One reply of the emulator; size 0: none.
@@ -122,7 +124,8 @@ class BoardEmulator {
   Trailer trailer(std::uint8_t flags) const noexcept;
   Answer send(Reply& reply, int place, ByteSpan out) noexcept;
   bool takes_fault(int node) noexcept;
-  Answer spoil(std::size_t size, ByteSpan out) const noexcept;
+  Answer spoil(std::size_t size, ByteSpan out) noexcept;
+  bool is_lost() noexcept;
 
   std::vector<EmulatedBoard> boards_;
   std::vector<int> nodes_;
@@ -142,7 +145,9 @@ class BoardEmulator {
   std::uint32_t query_ = 0;
   std::uint8_t generation_;
   Counters counters_;
-  std::array<std::uint8_t, kMaxDatagram> block_{};
+  std::uint64_t fate_ = 3;  ///< of lost datagrams: the same in every run
+  std::array<std::uint8_t, kMaxDatagram> block_{}, old_{};
+  std::size_t old_size_ = 0;
 };
 
 }  // namespace veridyn::dvrk

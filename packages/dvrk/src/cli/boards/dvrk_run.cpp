@@ -87,6 +87,7 @@ std::unique_ptr<dvrk::ModelController> controller_of(const DvrkRequest& request,
                                                     : dvrk::ControlLaw::kComputedTorque;
   options.tip = request.tip;
   options.stiffness = request.stiffness;
+  options.position_steps = arm.units().joint_steps();
   options.longest_gap = request.watchdog;  // any longer gap lets the boards switch off
   const Model model = read_model(request.model);
   if (!request.gains.empty() && options.law == dvrk::ControlLaw::kComputedTorque)

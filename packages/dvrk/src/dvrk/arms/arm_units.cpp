@@ -66,6 +66,12 @@ ArmUnits::ArmUnits(const RobotConfig& robot, const MatrixXd& actuator_to_joint)
           " x ", robot_.pots_to_actuators.cols(), ", expected ", size(), " x ", size(), ".");
 }
 
+VectorXd ArmUnits::joint_steps() const {
+  VectorXd step(size());
+  for (int i = 0; i < size(); ++i) step[i] = std::abs(actuators_[i].bits_to_position);
+  return actuator_to_joint_.cwiseAbs() * step;
+}
+
 void ArmUnits::read(const RawActuator* raw, BoardArmState& state) noexcept {
   for (int i = 0; i < size(); ++i) {
     const auto k = static_cast<std::size_t>(i);

@@ -107,6 +107,8 @@ bool BoardBus::read() noexcept {
   } else {
     read_sequential();
   }
+  for (Board& b : boards_)
+    if (b.valid && b.hidden) look_at_command(b, *b.hidden);
   if (options_.access == Access::kDrive && boards_.front().info.firmware < 8 &&
       cycles_ % kRegisterEvery == 0)
     look_for_lost_writes();
@@ -118,14 +120,15 @@ void BoardBus::read_sequential() noexcept {
   const double start = link_.now();
   link_lost_ = false;
   for (Board& b : boards_) {
-    const double left = options_.reply_timeout - (link_.now() - start);
+    const double asked = link_.now();
+    const double left = options_.reply_timeout - (asked - start);
     QuadletView block;
     const ReadResult result =
         exchange_.read_block(route(b), address::kRealTime, read_quadlets(b.info.firmware),
                              std::max(left, kShortestWait), block);
     link_lost_ = link_lost_ || result == ReadResult::kNotSent;
     if (result == ReadResult::kOk) {
-      accept(b, block);
+      accept(b, block, asked);
     } else {
       lose(b, condition_of(result));
     }
@@ -147,6 +150,7 @@ void BoardBus::read_broadcast() noexcept {
     quadlets += hub_quadlets(b.info.firmware);
   }
   sequence_ = next_sequence(sequence_);
+  const double asked = link_.now();
   link_lost_ = !exchange_.write(everyone(), address::kHubQuery, query_word(sequence_, mask));
   link_.wait(kQueryLatency + kQueryPerBoard * static_cast<double>(boards_.size() - 1));
   QuadletView data;
@@ -174,12 +178,21 @@ void BoardBus::read_broadcast() noexcept {
     } else if (!answers(header, sequence_, firmware)) {
       lose_noted(b, Condition::kStaleSequence, word);
     } else {
-      accept(b, block);
+      accept(b, block, asked);
     }
   }
 }
 
-void BoardBus::accept(Board& b, QuadletView block) noexcept {
+BoardBus::Interval BoardBus::measured() const noexcept {
+  Interval all{boards_.front().asked_at, 0.0};
+  for (const Board& b : boards_) {
+    all.from = std::min(all.from, b.asked_at);
+    all.to = std::max(all.to, b.read_at.value_or(b.asked_at));
+  }
+  return all;
+}
+
+void BoardBus::accept(Board& b, QuadletView block, double asked) noexcept {
   const Status status{block[1]};
   if (status.board() != b.info.id) {
     lose_noted(b, Condition::kWrongBoard, status.word);
@@ -195,6 +208,7 @@ void BoardBus::accept(Board& b, QuadletView block) noexcept {
   if (((b.feedback.status.word & ~status.word) & kRequests) != 0) b.suspect = true;
   b.feedback = decode_feedback(block, b.info.firmware);
   b.valid = true;
+  b.asked_at = asked;
   b.lost_reads = 0;
   check_timestamp(b);
   check_commands(b);
@@ -220,11 +234,11 @@ void BoardBus::check_commands(Board& b) noexcept {
     const std::uint16_t shown = b.feedback.channel[c].motor.command();
     // The last write may still be in transmission: a network may let a read overtake it.
     if (!b.has_sent[c] || shown == b.sent[c] || shown == b.before[c]) continue;
-    note(Condition::kNotEffective, b.info.id, static_cast<int>(c),
-         b.feedback.channel[c].motor.word);
+    b.hidden = c;
     ++b.lost_writes;
     return;
   }
+  b.hidden.reset();
   b.lost_writes = 0;
 }
 

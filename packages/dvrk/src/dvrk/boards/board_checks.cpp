@@ -11,6 +11,7 @@ namespace {
 // Section 14.6: currents without an amplifier, in bits of the nominal 5242.88 per ampere.
 constexpr double kDisabledLimit = 524.0;    // 100 mA
 constexpr double kUnpoweredLimit = 1049.0;  // 200 mA
+constexpr double kNearLargest = 0.95;  // of the largest current
 constexpr double kRelayGrace = 0.050;  // [s] for the contacts
 
 }  // namespace
@@ -23,12 +24,13 @@ void BoardSession::note(Condition condition, Reaction reaction, int b, std::opti
 
 void BoardSession::check_bus() noexcept {
   if (bus_.link_lost()) react(Reaction::kPowerOff, Condition::kNotSent);
+  if (bus_.reply_loss().too_many()) react(Reaction::kPowerOff, Condition::kLostReplies);
   if (bus_.state() != BusState::kRunning) react(Reaction::kAmpsOff, bus_.unrest());
   for (int b = 0; b < bus_.boards(); ++b) {
     const int id = bus_.info(b).id;
     if (bus_.lost_reads(b) >= options_.lost_reads) react(Reaction::kPowerOff, bus_.loss(b), id);
     if (bus_.lost_writes(b) >= options_.lost_writes)
-      react(Reaction::kAmpsOff, Condition::kNotEffective, id);
+      react(Reaction::kAmpsOff, bus_.unshown(b), id);
     if (bus_.rebooted(b)) react(Reaction::kPowerOff, Condition::kRebooted, id);
   }
 }
@@ -82,6 +84,7 @@ void BoardSession::check_channel(int b, int c, const BoardFeedback& f) noexcept 
     note(Condition::kCurrentTrip, Reaction::kAmpsOff, b, c, f.status.word);
   check_amp(b, c, f);
   check_current(b, c, f);
+  check_stall(b, c, f);
   check_encoder(b, c, f);
   check_pot(b, c, one);
 }
@@ -125,6 +128,24 @@ void BoardSession::check_current(int b, int c, const BoardFeedback& f) noexcept 
   if (state.excess_cycles > (driven ? options_.follow.cycles : options_.current_cycles))
     note(Condition::kOutOfBounds, Reaction::kPowerOff, b, c,
          f.channel[c].current);
+}
+
+// A motor that presses with all that it may have: whatever controls it, and whatever it believes.
+void BoardSession::check_stall(int b, int c, const BoardFeedback& f) noexcept {
+  ChannelState& state = channel(b, c);
+  const ChannelSafety& s = safety(b, c);
+  if (s.rest_counts <= 0.0) return;
+  const std::int32_t at = encoder_counts(f.channel[c].encoder.position);
+  const bool near = std::abs(state.held - static_cast<double>(s.zero_command)) >= kNearLargest * s.max_current;
+  const bool moves = std::abs(static_cast<double>(at) - state.stalled_at) > s.rest_counts;
+  if (checked_ != PowerState::kOn || moves || (!near && state.stalled <= 0.0)) {
+    state.stalled = 0.0;
+    state.stalled_at = at;
+    return;
+  }
+  state.stalled += near ? since_check_ : -since_check_;
+  if (state.stalled > options_.stall)
+    note(Condition::kStalled, Reaction::kPowerOff, b, c, f.channel[c].current);
 }
 
 // #24

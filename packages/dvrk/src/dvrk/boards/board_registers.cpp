@@ -44,6 +44,19 @@ void BoardBus::look_for_lost_writes() noexcept {
   asked_channel_ = lost ? turn : turn + 1;
 }
 
+// A block that does not show a command may be an old one: the channel's register has the command then.
+void BoardBus::look_at_command(Board& b, std::size_t c) noexcept {
+  std::uint32_t value = 0;
+  const auto channel = static_cast<int>(c);
+  if (!listens() && exchange_.read(route(b), address::of_channel(channel, address::kDac), options_.rescan_timeout,
+                                   value) == ReadResult::kOk) {
+    const auto there = static_cast<std::uint16_t>(value & 0xFFFF);
+    const bool arrived = there == b.sent[c] || there == b.before[c];
+    b.unshown = arrived ? Condition::kOldReplies : Condition::kNotEffective;
+  }
+  note(b.unshown, b.info.id, channel, b.feedback.channel[c].motor.word);
+}
+
 // Sections 17 #25 and #28.
 void BoardBus::look_at(Board& b) noexcept {
   std::uint32_t value = 0;
@@ -91,8 +104,9 @@ void BoardBus::read_by_register() noexcept {
       lose(b, Condition::kDropped);
       continue;
     }
+    const double asked = link_.now();
     const QuadletSpan words({block_.data(), 4 * read_quadlets(b.info.firmware)});
-    if (read_words(b, words)) accept(b, QuadletView(words));
+    if (read_words(b, words)) accept(b, QuadletView(words), asked);
   }
 }
 

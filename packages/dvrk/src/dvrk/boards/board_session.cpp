@@ -93,6 +93,9 @@ void BoardSession::react(Reaction reaction, Condition condition, std::optional<i
 
 std::string BoardSession::cause_words() const {
   std::string out = describe(cause_);
+  if (cause_ == Condition::kLostReplies)
+    out += text(": ", bus_.reply_loss().lost, " of ", ReplyLoss::kRequests,
+                " requests had no reply at first, expected ", ReplyLoss::kMost, " at most: the network loses datagrams");
   if (cause_board_) out += text(" (board ", *cause_board_);
   if (cause_channel_) out += text(", channel ", *cause_channel_ + 1);
   return cause_board_ ? out + ")" : out;
@@ -101,6 +104,9 @@ std::string BoardSession::cause_words() const {
 bool BoardSession::update() noexcept {
   all_valid_ = bus_.read();
   checked_ = state_;
+  const double now = link_.now();
+  since_check_ = now - checked_at_;
+  checked_at_ = now;
   check_bus();
   // A relay that opens takes the supply from all boards: it is the cause, wherever it is.
   for (int b = 0; b < bus_.boards(); ++b) {

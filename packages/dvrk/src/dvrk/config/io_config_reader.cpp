@@ -14,6 +14,12 @@ namespace veridyn::dvrk {
 namespace {
 
 constexpr int kBoards = 16;
+// No joint of these arms travels farther: a master's roll makes 2.6 turns, an endoscope goes 0.25 m.
+constexpr double kMostTurns = 3.0;
+constexpr double kMostSlide = 1.0;  // [m]
+// A pot covers 0.9 to 1.1 times the travel of the soft limits; who narrows these leaves some per cent.
+// Radians read as degrees make 1/57 of it.
+constexpr double kLeastOfPot = 0.025, kMostOfPot = 8.0;
 
 // Factor to rad or m. A joint that turns has no millimetres. Only JSON, which is in SI, may leave
 // the unit away.
@@ -23,6 +29,28 @@ double unit_factor(const ConfigNode& node, bool prismatic, bool has_default) {
   if (!prismatic) return node.choice("Unit", {"rad", "deg"}, 0) == 0 ? 1.0 : M_PI / 180.0;
   constexpr double kFactors[] = {1e-3, 1e-2, 1.0};
   return kFactors[node.choice("Unit", {"mm", "cm", "m"}, 0)];
+}
+
+std::string distance_words(double distance, bool prismatic) {
+  return prismatic ? text(1e3 * distance, " mm") : text(180.0 / M_PI * distance, " deg");
+}
+
+// Units that contradict each other, or any arm.
+void require_plausible(const ConfigNode& actuator, const ActuatorConfig& it, bool pots_scaled) {
+  if (!actuator.has("Encoder")) return;
+  const ConfigNode limits = actuator.at("Encoder").at("PositionLimitsSoft");
+  const double travel = it.upper - it.lower;
+  const double most = it.prismatic ? kMostSlide : kMostTurns * 2.0 * M_PI;
+  if (!(travel <= most))
+    limits.fail(text("a travel of ", distance_words(travel, it.prismatic)),
+                text("at most ", distance_words(most, it.prismatic),
+                     ", which no joint exceeds: its Unit is that of other numbers"));
+  const double pot = std::abs(it.volts_to_position.scale * it.bits_to_volts.scale) * 65536.0;
+  const double share = travel / pot;
+  if (pots_scaled && !(share >= kLeastOfPot && share <= kMostOfPot))
+    limits.fail(text("a travel of ", distance_words(travel, it.prismatic), ", where VoltsToPosSI covers ",
+                     distance_words(pot, it.prismatic)),
+                text("a share of ", kLeastOfPot, " to ", kMostOfPot, " of it: the Unit of one of them is that of other numbers"));
 }
 
 LinearScale read_scale(const ConfigNode& node) {
@@ -71,6 +99,9 @@ class Reader {
     node.number("NumOfJoint", 0.0);
     read_actuators(node, robot);
     if (node.has("Potentiometers")) read_potentiometers(node.at("Potentiometers"), robot);
+    const std::vector<ConfigNode> actuators = node.items("Actuator");
+    for (std::size_t k = 0; k < actuators.size(); ++k)
+      require_plausible(actuators[k], robot.actuators[k], robot.pot_lookup_table.empty());
     return robot;
   }
 
@@ -185,6 +216,10 @@ class Reader {
       const bool prismatic = robot.actuators[k].prismatic;
       tolerance.distance = unit_factor(item, prismatic, json_) * item.not_negative("Distance", 0.0);
       tolerance.latency = item.not_negative("Latency", 0.0);
+      const double travel = robot.actuators[k].upper - robot.actuators[k].lower;
+      if (!robot.io_only && !(tolerance.distance < travel))
+        item.fail(text("a distance of ", distance_words(tolerance.distance, prismatic)),
+                  text("less than the travel of ", distance_words(travel, prismatic), " between the soft limits"));
       robot.pot_tolerances.push_back(tolerance);
     }
     if (!robot.pot_tolerances.empty() && node.count("Tolerance") != robot.size())

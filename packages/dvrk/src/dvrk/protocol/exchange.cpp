@@ -146,6 +146,12 @@ ReadResult Exchange::await(const Request& request, double until, Reply& reply) n
   }
 }
 
+void Exchange::count_request() noexcept {
+  if (silence_expected_ || ++requests_ < ReplyLoss::kRequests) return;
+  loss_.lost = lost_;
+  requests_ = lost_ = 0;
+}
+
 ReadResult Exchange::read(const Request& request, const Route& route, double timeout,
                           Reply& reply) noexcept {
   drain();
@@ -155,10 +161,15 @@ ReadResult Exchange::read(const Request& request, const Route& route, double tim
   const double first = link_.now() < wary_until_ ? repeat_after_ : std::max(repeat_after_, kLongerThanTick);
   double pause = repeat_after_;
   double next = repeats ? link_.now() + first : until;
-  while (true) {
+  count_request();
+  for (bool lost = false;; lost = true) {
     const ReadResult result = await(request, std::min(next, until), reply);
     if (result != ReadResult::kNoReply) return result;
     if (!silence_expected_) wary_until_ = link_.now() + kWary;
+    if (!silence_expected_ && !lost) {
+      ++lost_;
+      log_.note(Condition::kLostReplies, link_.now(), {}, {}, request.address);
+    }
     if (!(next < until) || link_.now() >= until) break;
     repeated_ = request.label;
     if (!link_.send({out_.data(), sent_}, route.to)) break;

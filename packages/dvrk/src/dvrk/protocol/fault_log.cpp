@@ -75,13 +75,29 @@ const char* describe(Condition condition) {
       return "a board is too warm, or its temperature is not known";
     case Condition::kPot:
       return "a pot disagrees with its encoder";
+    case Condition::kLostReplies:
+      return "lost or late replies";
+    case Condition::kOldReplies:
+      return "old replies in the place of new ones";
+    case Condition::kStalled:
+      return "a motor at its largest current that does not move: an end stop, an obstacle or a brake";
   }
   return "";
 }
 
 int number_in_section_17(Condition condition) {
-  const bool more = condition == Condition::kTemperature || condition == Condition::kPot;
-  return static_cast<int>(more ? Condition::kOutOfBounds : condition);
+  switch (condition) {
+    case Condition::kLostReplies:
+      return static_cast<int>(Condition::kNoReply);
+    case Condition::kOldReplies:
+      return static_cast<int>(Condition::kStaleReply);
+    case Condition::kTemperature:
+    case Condition::kPot:
+    case Condition::kStalled:
+      return static_cast<int>(Condition::kOutOfBounds);
+    default:
+      return static_cast<int>(condition);
+  }
 }
 
 std::string describe_found(Condition condition, std::uint32_t value) {
@@ -97,6 +113,7 @@ std::string describe_found(Condition condition, std::uint32_t value) {
       out << std::setprecision(3) << value * 4.5 / 65536 << " V of 4.5 V";
       break;
     case Condition::kOutOfBounds:
+    case Condition::kStalled:
       out << std::setprecision(3) << kNominalBitsToAmps(value) << " A before calibration";
       break;
     case Condition::kTimestamp:

@@ -77,6 +77,7 @@ SessionOptions session_options(const RobotConfig& robot, const ArmSessionOptions
   options.bus.reply_timeout = how.reply_timeout;
   options.bus.repeat_after = how.repeat_after;
   options.follow = how.follow;
+  options.stall = how.stall;
   // Whoever lets the boards wait longer for a word also waits longer for theirs.
   const double reply = std::max(how.reply_timeout, BusOptions().reply_timeout);
   options.lost_reads = std::max(options.lost_reads, static_cast<int>(how.watchdog / reply));
@@ -89,6 +90,8 @@ SessionOptions session_options(const RobotConfig& robot, const ArmSessionOptions
     ChannelSafety& safety = options.channels[sockets[k].place]
                                             [sockets[k].channel];
     guard_current(actuator.amps_to_bits, actuator.bits_to_amps, actuator.max_current, safety);
+    safety.rest_counts = std::max(
+        1.0, how.standstill * (actuator.upper - actuator.lower) / std::abs(actuator.bits_to_position));
     safety.counts_to_position = {actuator.bits_to_position, 0.0};
     const LinearScale& volts = actuator.bits_to_volts;
     const LinearScale& position = actuator.volts_to_position;

@@ -78,12 +78,13 @@ bool MotionRun::cycle(Make&& make) {
   bool sound = true;
   if (valid && ready) {
     make(now);
-    sound = control(now);
+    sound = control();
   }
   if (!ready) forget();
   arm_.commit();  // without torques: without currents
   clock_.end();
-  if (!sound) return end(controller_.why());
+  if (!sound) return end(blind_since_ ? blind_words(now) : controller_.why());
+  note_blindness(now, valid);
   if (stop_.load(std::memory_order_relaxed)) return end("stopped by a signal");
   if (state == PowerState::kFault) return end(arm_.boards().cause_words());
   if (clock_.persistently_late() && !looks_) return end(late_words(clock_));
@@ -91,13 +92,32 @@ bool MotionRun::cycle(Make&& make) {
   return !valid || !ready || (stays_inside() && follows());
 }
 
-bool MotionRun::control(double now) noexcept {
-  const CycleTimes times{before_ ? now - *before_ : 1.0 / options_.rate, link_.now() - now};
+bool MotionRun::control() noexcept {
+  const double now = link_.now();
+  const BoardBus::Interval measured = arm_.boards().bus().measured();
+  const CycleTimes times{before_ ? now - *before_ : 1.0 / options_.rate,
+                         now - measured.from, measured.to - measured.from};
   before_ = now;
   if (!controller_.torques(arm_.state(), wanted_, times, tau_)) return false;
   arm_.set_torques(tau_);
   controller_.sent(arm_.command().tau);
   return true;
+}
+
+void MotionRun::note_blindness(double now, bool valid) noexcept {
+  if (valid) {
+    blind_since_.reset();
+    return;
+  }
+  if (!blind_since_) blind_since_ = now;
+  const BoardBus& bus = arm_.boards().bus();
+  for (int b = 0; b < bus.boards(); ++b)
+    if (!bus.valid(b)) blindness_ = bus.loss(b);
+}
+
+// What a controller finds after a gap in the reads is its consequence.
+std::string MotionRun::blind_words(double now) const {
+  return text(describe(blindness_), " for ", 1e3 * (now - *blind_since_), " ms, then ", controller_.why());
 }
 
 void MotionRun::forget() noexcept {

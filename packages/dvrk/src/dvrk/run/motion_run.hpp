@@ -29,8 +29,10 @@ class MotionRun {
  private:
   template <typename Make>
   bool cycle(Make&& make);
-  bool control(double now) noexcept;
+  bool control() noexcept;
   void forget() noexcept;
+  void note_blindness(double now, bool valid) noexcept;
+  std::string blind_words(double now) const;
   bool stays_inside();
   bool follows();
   bool end(const std::string& why);
@@ -58,6 +60,8 @@ class MotionRun {
   JointReference wanted_;
   VectorXd tau_;
   std::optional<double> before_;  // [s] of the last call for torques
+  std::optional<double> blind_since_;  // [s] begin of the first cycle in a row without a valid read,
+  Condition blindness_ = Condition::kNoReply;  // and why
   std::string why_, busy_;
   bool looks_ = false;  // before power
 };

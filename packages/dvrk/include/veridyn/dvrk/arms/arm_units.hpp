@@ -56,6 +56,9 @@ class ArmUnits {
   const MatrixXd& actuator_to_joint() const { return actuator_to_joint_; }
   const MatrixXd& joint_to_actuator() const { return joint_to_actuator_; }
 
+  /// (n) Positions of the joints change by up to this much with one count of every encoder [rad, m].
+  VectorXd joint_steps() const;
+
   /// @param raw    size() entries, in the order of the configuration.
   /// @param state  of size().
   void read(const RawActuator* raw, BoardArmState& state) noexcept;

@@ -105,6 +105,8 @@ class BoardBus {
   /// Cycles in a row in which a command was not found in the motor status; on Rev 7 in the
   /// registers of its channels, one of them every few cycles.
   int lost_writes(int b) const { return boards_[b].lost_writes; }
+  /// What such a command says: kNotEffective, or kOldReplies where a register shows it after all.
+  Condition unshown(int b) const { return boards_[b].unshown; }
   /// Looks at the registers of every board in the next cycles, one board in each, whether it has restarted.
   void suspect_all() noexcept {
     for (Board& b : boards_) b.suspect = true;
@@ -112,6 +114,12 @@ class BoardBus {
   /// The board has restarted: watchdog and preloads are those of power-up.
   bool rebooted(int b) const { return boards_[b].rebooted; }
   bool link_lost() const { return link_lost_; }
+  /// The present feedback was measured between its first request and its last reply, which may have
+  /// come late [s of the link's clock].
+  struct Interval {
+    double from = 0.0, to = 0.0;
+  };
+  Interval measured() const noexcept;
   /// Why the boards are looked for again, while they are.
   Condition unrest() const { return unrest_; }
 
@@ -140,6 +148,7 @@ class BoardBus {
   /// Sets all watchdogs and verifies them; forgets that boards were rebooted.
   bool set_watchdog(double seconds) noexcept;
 
+  const ReplyLoss& reply_loss() const { return exchange_.loss(); }
   /// [s] of the last read() in which replies had come, but this program did not run.
   double lay_seconds() const { return exchange_.lay(); }
 
@@ -153,12 +162,15 @@ class BoardBus {
     std::array<std::uint16_t, kChannels> before{};  ///< the one before it
     std::array<bool, kChannels> has_sent{};
     std::optional<double> read_at;
+    double asked_at = 0.0;
     bool valid = false;
     bool rebooted = false;
     bool suspect = false;  ///< look at its registers soon
     int lost_reads = 0;
     Condition loss = Condition::kNoReply;
     int lost_writes = 0;
+    std::optional<std::size_t> hidden;  ///< channel whose last command the block does not show
+    Condition unshown = Condition::kNotEffective;
   };
 
   /// Result of a bus scan.
@@ -195,7 +207,7 @@ class BoardBus {
   void read_by_register() noexcept;
   bool read_words(Board& b, QuadletSpan words) noexcept;
   void read_broadcast() noexcept;
-  void accept(Board& b, QuadletView block) noexcept;
+  void accept(Board& b, QuadletView block, double asked) noexcept;
   void check_timestamp(Board& b) noexcept;
   void check_commands(Board& b) noexcept;
   void lose(Board& b, Condition why) noexcept;
@@ -203,6 +215,7 @@ class BoardBus {
   void keep_house() noexcept;
   void look_at(Board& b) noexcept;
   void look_for_lost_writes() noexcept;
+  void look_at_command(Board& b, std::size_t channel) noexcept;
 
   bool nodes_known() const noexcept;
   void write_blocks() noexcept;

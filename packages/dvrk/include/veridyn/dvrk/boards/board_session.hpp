@@ -25,6 +25,7 @@ struct ChannelSafety {
   double pot_tolerance = 0.0;
   double pot_latency = 0.010;   ///< [s]
   bool watch_pot_rail = false;  ///< a pot at an end of its converter refuses power
+  double rest_counts = 0.0;     ///< a motor that moves by less in SessionOptions::stall stands still; 0: not watched
 };
 
 /// True if a pot's reading [bits] is at an end of the converter: it is then invalid, or its wire is
@@ -50,6 +51,7 @@ struct SessionOptions {
   int lost_writes = 3;             ///< in a row, then amplifiers off
   int current_cycles = 100;        ///< section 14.6, of channels whose amplifier is off
   CurrentFollowing follow;
+  double stall = 0.25;             ///< [s] near its largest current at a standstill, then power off
   double relay_timeout = 0.2;      ///< [s]
   double supply_timeout = 3.0;     ///< [s]
   double amp_grace = 0.0455;       ///< [s] 40 ms, 2.5 ms and 3 for the transmission: section 14.2
@@ -148,6 +150,8 @@ class BoardSession {
     std::array<std::uint16_t, 4> sent{};  ///< last commands, of which lost writes leave older ones
     std::optional<double> amp_missing_since;
     std::optional<double> pot_off_since;
+    double stalled = 0.0;            // [s] near its largest current, less those below it
+    std::int32_t stalled_at = 0;     // [counts]
   };
 
   const ChannelSafety& safety(int b, int c) const {
@@ -171,6 +175,7 @@ class BoardSession {
   void check_channel(int b, int c, const BoardFeedback& f) noexcept;
   void check_amp(int b, int c, const BoardFeedback& f) noexcept;
   void check_current(int b, int c, const BoardFeedback& f) noexcept;
+  void check_stall(int b, int c, const BoardFeedback& f) noexcept;
   void check_encoder(int b, int c, const BoardFeedback& f) noexcept;
   void check_pot(int b, int c, const ChannelFeedback& f) noexcept;
   void move_on() noexcept;
@@ -185,6 +190,7 @@ class BoardSession {
   std::vector<std::array<ChannelSafety, kChannels>> channels_;
   std::vector<std::array<ChannelState, kChannels>> states_;
   PowerState state_ = PowerState::kOff;
+  double checked_at_ = 0.0, since_check_ = 0.0;  // [s] of the last valid checks, and between them
   PowerState checked_ = PowerState::kOff;  ///< state_ when the cycle's checks began
   Condition cause_ = Condition::kNoReply;
   std::optional<int> cause_board_ = {}, cause_channel_ = {};  ///< id, and channel from 0

@@ -41,10 +41,14 @@ enum class Condition : std::uint8_t {
   kForeignSender = 30,
   // Section 17 counts these as 23 as well; number_in_section_17() says so.
   kTemperature = 31,
-  kPot = 32
+  kPot = 32,
+  // These it does not have: they count as 1, 7 and 23.
+  kLostReplies = 33,
+  kOldReplies = 34,
+  kStalled = 35
 };
 
-constexpr int kConditions = 32;
+constexpr int kConditions = 35;
 
 /// The number under which section 17 lists a condition.
 int number_in_section_17(Condition condition);

@@ -14,6 +14,9 @@ const ModelControlOptions& checked(const ModelControlOptions& options, const Mod
   require(model.joints() >= 1 && model.joints() <= largest.size(), "model '", model.name(),
           "': found ", model.joints(), " joints, expected 1 to ", largest.size(),
           ", which the arm has.");
+  require(options.position_steps.size() == 0 || options.position_steps.size() == largest.size(), "model '",
+          model.name(), "': found steps of ", options.position_steps.size(), " encoders, expected ",
+          largest.size(), ".");
   require(model.inertial_values().has_value(), "model '", model.name(),
           "' has no values; expected a MODEL that identify or diagnose wrote.");
   require(rest.p.size() == largest.size(), "model '", model.name(), "': found gains of ",
@@ -33,6 +36,7 @@ CycleOptions cycle_of(const Model& model, const VectorXd& largest, const ModelCo
   SafetyLimits limits = safety_limits(model, most.maxCoeff());
   limits.torque = limits.torque.cwiseMin(most);
   limits.sensor_age = limits.overrun = options.longest_gap;
+  if (options.position_steps.size() > 0) limits.resolution = options.position_steps.head(model.joints());
   CycleOptions out;
   out.friction = options.friction;
   out.error_bandwidth = 0.5 * options.frequency;
@@ -117,6 +121,7 @@ bool ModelController::torques(const BoardArmState& state, const JointReference& 
   measured_.q = state.q.head(n);
   measured_.dq = state.dq.head(n);
   measured_.age = times.age;
+  measured_.age_range = times.age_range;
   wanted_.q = wanted.q.head(n);
   cycle_.sensors().correct_positions(wanted_.q);
   wanted_.dq = wanted.dq.head(n);

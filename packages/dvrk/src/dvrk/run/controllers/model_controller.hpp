@@ -37,6 +37,7 @@ struct ModelControlOptions {
   FrictionOptions friction;
   /// [s] between two cycles, and of positions: beyond, the run ends.
   double longest_gap = 0.03;
+  VectorXd position_steps;  ///< (n of the arm) ArmUnits::joint_steps(); empty: encoders without steps
 };
 
 /// Errors of encoders and currents that the model knows are undone (JointSensors): a motion is led in

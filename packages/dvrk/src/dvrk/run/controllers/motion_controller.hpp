@@ -13,7 +13,8 @@ namespace veridyn::dvrk {
 /// Times of a cycle [s].
 struct CycleTimes {
   double dt = 0.0;   ///< since the previous cycle with torques
-  double age = 0.0;  ///< Largest age of the positions
+  double age = 0.0;  ///< Largest age of the positions: since the boards were asked for them
+  double age_range = 0.0;  ///< by which they may be younger: until the replies came
 };
 
 /// Limits of a controller's joints; (m) of its first joints, empty: none.
