@@ -291,7 +291,7 @@ bool fit_factors(AskedArm& arm, std::vector<CompressedRecording>& recordings,
   if (std::string remark = arm.remark(); !remark.empty())
     id.remarks.insert(id.remarks.begin(), std::move(remark));
   for (const std::string& fault : physical_faults(arm.used()))
-    id.remarks.push_back("The robot file has what no arm has: " + fault + ".");
+    id.remarks.push_back("The robot file has what no arm has, and its values are no prior: " + fault + ".");
   return done;
 }
 

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "diagnosis/evidence/silent_joints.hpp"
+#include "identification/silent_joints.hpp"
 #include "diagnosis/stages/diagnosis_state.hpp"
 #include "math/correlated_columns.hpp"
 #include "veridyn/effects/effect.hpp"

@@ -1,4 +1,4 @@
-#include "diagnosis/evidence/silent_joints.hpp"
+#include "identification/silent_joints.hpp"
 
 #include <algorithm>
 
