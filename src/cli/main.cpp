@@ -1,6 +1,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <exception>
 #include <iostream>
 #include <new>
@@ -83,10 +84,22 @@ void hold_places_of_closed_streams() {
   }
 }
 
+// A large recording is mapped into memory: pages that another program cuts from it are a fault on access.
+void refuse_cut_files() {
+  struct sigaction action {};
+  action.sa_handler = [](int) {
+    static constexpr char kWords[] = "veridyn: found a recording that another program cut while it was read, expected one that stays.\n";
+    const ssize_t written = ::write(STDERR_FILENO, kWords, sizeof kWords - 1);
+    ::_exit(written < 0 ? kProgramFault : kBadInput);
+  };
+  ::sigaction(SIGBUS, &action, nullptr);
+}
+
 }  // namespace
 }  // namespace veridyn::cli
 
 int main(int argc, char** argv) {
   veridyn::cli::hold_places_of_closed_streams();
+  veridyn::cli::refuse_cut_files();
   return veridyn::cli::run_and_explain(argc, argv);
 }

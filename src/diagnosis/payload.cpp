@@ -469,16 +469,28 @@ PayloadReport find_payload_at_rest(const Model& given, const std::vector<RestPos
 
 namespace {
 
-bool excludes_zero(double low, double high) { return low > 0.0 || high < 0.0; }
+constexpr double kAtEnd = 0.999;  // of the heaviest load: the search ended there
+
+bool at_end(const PayloadEstimate& load) { return load.at_bound || std::abs(load.mass) >= kAtEnd * kHeaviestLoad; }
+
+// An interval of masses in words.
+std::string range_of(const PayloadEstimate& load) {
+  const auto bound = [](double mass) {
+    return fmt::format("{:.4g}{}", mass, std::abs(mass) >= kAtEnd * kHeaviestLoad ? " or beyond" : "");
+  };
+  if (load.mass_low == 0.0 && load.mass_high > 0.0) return "below " + bound(load.mass_high);
+  if (load.mass_high == 0.0 && load.mass_low < 0.0) return "above " + bound(load.mass_low);
+  return bound(load.mass_low) + " to " + bound(load.mass_high);
+}
 
 }  // namespace
 
-bool PayloadEstimate::has_mass() const { return excludes_zero(mass_low, mass_high) && !at_bound; }
+bool PayloadEstimate::has_mass() const { return (mass_low > 0.0 || mass_high < 0.0) && !at_end(*this); }
 
 bool PayloadReport::found() const {
   if (links.empty() || links.front().gain < smallest_gain) return false;
   const PayloadEstimate& best = links.front();
-  if (best.at_bound || !best.unexplained.empty()) return false;
+  if (at_end(best) || !best.unexplained.empty()) return false;
   const bool has_moment = (best.moment.cwiseAbs() - best.moment_half_width).maxCoeff() > 0.0;
   return best.has_mass() || has_moment;
 }
@@ -494,7 +506,7 @@ std::string PayloadReport::headline() const {
   if (best.gain >= smallest_gain && !best.unexplained.empty()) {
     why = fmt::format(": with the best one, on {}, {} explained; `diagnose` asks for other causes", best.frame,
                       listed(best.unexplained) + (best.unexplained.size() == 1 ? " is not" : " are not"));
-  } else if (best.gain >= smallest_gain && best.at_bound) {
+  } else if (best.gain >= smallest_gain && at_end(best)) {
     why = ": the best one, on " + best.frame + ", lies at the end of what was searched";
   }
   return robot + ": no load that these recordings could be sure of" + why;
@@ -507,14 +519,11 @@ std::string PayloadReport::report() const {
   out += fmt::format("  {:<22}{:>14}  {:<21}{:>8}{:>8}{:>8}  {:>9}{:>10}\n", "if it is on", "mass kg", "  95 %", "x m", "y m", "z m", "explains", "held out");
   for (const PayloadEstimate& link : links) {
     const bool told = link.has_mass();
-    const auto bound = [](double mass) {
-      return std::abs(mass) >= 0.999 * kHeaviestLoad ? fmt::format("{:.4g} or beyond", mass) : fmt::format("{:.4g}", mass);
-    };
     std::string centre;
     for (size_t c = 0; c < link.seen.size(); ++c)
       centre += told && link.seen[c] ? fmt::format("{:>8.3f}", link.com[static_cast<Eigen::Index>(c)]) : fmt::format("{:>8}", "-");
     out += fmt::format("  {:<22}{:>14}  {:<21}{}  {:>7.1f} %{:>10.3f}\n", link.frame, told ? fmt::format("{:.4g}", link.mass) : "not determined",
-                       bound(link.mass_low) + " to " + bound(link.mass_high), centre, 100.0 * std::max(0.0, link.explained),
+                       range_of(link), centre, 100.0 * std::max(0.0, link.explained),
                        link.gain == 0.0 ? 0.0 : link.gain);
     for (const std::string& other : link.others)
       out += fmt::format("    or on {}: it moves so alike that the torques cannot tell\n", other);

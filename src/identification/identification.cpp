@@ -16,6 +16,7 @@
 #include "identification/base_solution.hpp"
 #include "identification/feasible/feasible_fit.hpp"
 #include "identification/instrumental.hpp"
+#include "identification/silent_joints.hpp"
 #include "identification/velocity_choice.hpp"
 #include "math/dense.hpp"
 #include "math/output_file.hpp"
@@ -354,7 +355,22 @@ Identification identify_compressed(const Model& file, std::vector<CompressedReco
     merge_blocks(r, blocks_of_each(static_cast<int>(trained.size()), numbers));
   id.seconds.compress = seconds_since(begin);
   say("solving", identifying::kSolving);
-  if (!fit_factors(arm, trained, options, numbers, id)) return id;
+  // Zeros that nobody measured are no torques; with all joints silent there is nothing to identify.
+  std::set<int> silent = silent_joints(trained);
+  if (static_cast<int>(silent.size()) == file.joints()) silent.clear();
+  std::string names;
+  for (const int j : silent) names += (names.empty() ? "" : ", ") + file.coordinates()[static_cast<size_t>(j)].name;
+  if (!silent.empty()) {
+    id.remarks.push_back("The torque of " + names + " is zero throughout: it was not recorded, or nothing drove the joint. Its rows are "
+                         "left out, and what it alone shows, as its friction, is not identified.");
+    if (std::string friction = arm.remark(); !friction.empty()) id.remarks.push_back(std::move(friction));
+    arm = AskedArm(without_effects_of(silent, arm.used()), JointFriction::kFile);
+    leave_joints_out(silent, trained);
+  }
+  if (!fit_factors(arm, trained, options, numbers, id)) {
+    if (!silent.empty()) id.reason += "; the torque of " + names + " is zero throughout, and the other joints alone do not determine the arm";
+    return id;
+  }
   refit_with_instruments(arm.used(), trained, options, id);
   say("validating", identifying::kValidating);
   id.factors = std::move(trained);

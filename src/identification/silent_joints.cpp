@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "identification/identification_numbers.hpp"
+#include "veridyn/effects/effect.hpp"
 
 namespace veridyn {
 
@@ -24,6 +25,31 @@ std::vector<ExcludedInterval> silent_rows(const std::vector<CompressedRecording>
     for (const int j : silent_joints({r})) out.push_back({r.source, j, 0.0, r.facts.duration + r.facts.dt, "no torque"});
   }
   return out;
+}
+
+Model without_effects_of(const std::set<int>& joints, const Model& arm) {
+  ModelDescription d = arm.description();
+  const auto is_theirs = [&](const EffectTerm& term) {
+    if (!has_axis_effect(term.effect) || term.fixed) return false;
+    for (int j = 0; j < arm.joints(); ++j) {
+      if (term.axis.coefficients[j] != 0.0 && joints.count(j) == 0) return false;
+    }
+    return true;
+  };
+  d.effects.erase(std::remove_if(d.effects.begin(), d.effects.end(), is_theirs), d.effects.end());
+  return Model(std::move(d));
+}
+
+void leave_joints_out(const std::set<int>& joints, std::vector<CompressedRecording>& recordings) {
+  for (CompressedRecording& r : recordings) {
+    for (auto& block : r.blocks) {
+      for (const int j : joints) {
+        SquareRootInformation& factor = block[static_cast<size_t>(j)];
+        r.rows -= factor.rows();
+        factor = SquareRootInformation(factor.columns());
+      }
+    }
+  }
 }
 
 }  // namespace veridyn

@@ -169,7 +169,8 @@ ExcitationOptions options_of(const ExciteRequest& request, const Model& arm,
   }
   if (!request.between.empty())
     o.between = value_of("--between", [&] { return rivals(o.powered.value_or(arm), request.between); });
-  if (!o.powered && !arm.inertial_values()) o.valued = plausible_model(moved, 1).arm;
+  // What has no value gets a plausible one: deviations relative to a friction of zero would say nothing.
+  if (!o.powered && !has_all_values(moved)) o.valued = plausible_model(moved, 1).arm;
   if (request.torque_noise)
     o.noise = noise_of_efforts(o.powered ? *o.powered : o.valued ? *o.valued : moved,
                                *request.torque_noise);
@@ -279,6 +280,8 @@ ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
   const bool known = arm.inertial_values() || !request.model.empty();
   if (found.prediction && !known)
     found.prediction->values = "of a plausible arm (" + request.robot + " has none)";
+  else if (found.prediction && request.model.empty() && !has_all_values(with_friction(arm, options.friction)))
+    found.prediction->values = "of " + arm.name() + " with plausible friction (" + request.robot + " has none)";
   const std::string problem = why_not(found);
   if (!problem.empty()) {
     say(problem);

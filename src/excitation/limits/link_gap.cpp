@@ -206,7 +206,6 @@ CollisionLimits collision_limits(const Model& arm, const std::vector<Capsule>& s
       out.touching.push_back(name);
       continue;
     }
-    if (still && touches[p] == 0) continue;
     if (asked[p].obstacle && touches[p] == kPostures) out.impossible.push_back(name);
     out.pairs.push_back(std::move(asked[p]));
   }
