@@ -258,7 +258,8 @@ Design::Candidate Design::widened(Candidate best, Found& found) const {
   if (!wanted || options_.solver == ExcitationSolver::kRandom || best.x.size() == 0) return best;
   std::vector<int> order;
   for (int i = 0; i < space_.joints(); ++i) {
-    if (share_of_range(best.x, i) < kLittleUse) order.push_back(i);
+    const double most = (space_.limits().upper[i] - space_.limits().lower[i]) / (limits_.upper[i] - limits_.lower[i]);
+    if (share_of_range(best.x, i) < kLittleUse && most > kLittleUse) order.push_back(i);
   }
   std::sort(order.begin(), order.end(), [&, from = best.x](int a, int b) { return share_of_range(from, a) < share_of_range(from, b); });
   const MotionSearch searcher(space_, signals_, best.asked->question, options_, solver_, progress_);
