@@ -1,5 +1,6 @@
 #include "veridyn/identification/identification.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <map>
@@ -338,6 +339,26 @@ Identification identify_named(const Model& arm, const std::vector<std::string>& 
 
 }  // namespace
 
+namespace {
+
+constexpr double kHardlyTorque = 1e-4;  // [N m], [N] below what any arm's drives show
+
+// Torques so small that no body is as light: the model leaves more of a joint than there is.
+bool torques_are_none(Identification& id) {
+  double largest = 0.0;
+  for (const CompressedRecording& r : id.factors) {
+    for (const TorqueFacts& joint : r.joints) largest = std::max({largest, joint.maximum, -joint.minimum});
+  }
+  if (largest > kHardlyTorque || !(id.train_error.relative.array() > 1.0).any()) return false;
+  id.model.reset();
+  id.status = IdentificationStatus::kNotConverged;
+  id.reason = text("the largest torque is ", largest, ", and the lightest possible arm leaves up to ", 100.0 * id.train_error.relative.maxCoeff(),
+                   " % of a joint's: expected torques in N m and N (--units tau=...)");
+  return true;
+}
+
+}  // namespace
+
 Identification identify_compressed(const Model& file, std::vector<CompressedRecording> trained,
                                    const std::vector<std::string>& train,
                                    const std::vector<std::string>& test,
@@ -375,6 +396,7 @@ Identification identify_compressed(const Model& file, std::vector<CompressedReco
   say("validating", identifying::kValidating);
   id.factors = std::move(trained);
   validate(arm.used(), test, options, numbers, id);
+  if (torques_are_none(id)) return id;
   keep_training_error(id);
   say("done", 1.0);
   return id;
