@@ -1,5 +1,6 @@
 #include "veridyn/identification/identification.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <map>
@@ -16,6 +17,7 @@
 #include "identification/base_solution.hpp"
 #include "identification/feasible/feasible_fit.hpp"
 #include "identification/instrumental.hpp"
+#include "identification/silent_joints.hpp"
 #include "identification/velocity_choice.hpp"
 #include "math/dense.hpp"
 #include "math/output_file.hpp"
@@ -291,7 +293,7 @@ bool fit_factors(AskedArm& arm, std::vector<CompressedRecording>& recordings,
   if (std::string remark = arm.remark(); !remark.empty())
     id.remarks.insert(id.remarks.begin(), std::move(remark));
   for (const std::string& fault : physical_faults(arm.used()))
-    id.remarks.push_back("The robot file has what no arm has: " + fault + ".");
+    id.remarks.push_back("The robot file has what no arm has, and its values are no prior: " + fault + ".");
   return done;
 }
 
@@ -337,6 +339,26 @@ Identification identify_named(const Model& arm, const std::vector<std::string>& 
 
 }  // namespace
 
+namespace {
+
+constexpr double kHardlyTorque = 1e-4;  // [N m], [N] below what any arm's drives show
+
+// Torques so small that no body is as light: the model leaves more of a joint than there is.
+bool torques_are_none(Identification& id) {
+  double largest = 0.0;
+  for (const CompressedRecording& r : id.factors) {
+    for (const TorqueFacts& joint : r.joints) largest = std::max({largest, joint.maximum, -joint.minimum});
+  }
+  if (largest > kHardlyTorque || !(id.train_error.relative.array() > 1.0).any()) return false;
+  id.model.reset();
+  id.status = IdentificationStatus::kNotConverged;
+  id.reason = text("the largest torque is ", largest, ", and the lightest possible arm leaves up to ", 100.0 * id.train_error.relative.maxCoeff(),
+                   " % of a joint's: expected torques in N m and N (--units tau=...)");
+  return true;
+}
+
+}  // namespace
+
 Identification identify_compressed(const Model& file, std::vector<CompressedRecording> trained,
                                    const std::vector<std::string>& train,
                                    const std::vector<std::string>& test,
@@ -354,11 +376,27 @@ Identification identify_compressed(const Model& file, std::vector<CompressedReco
     merge_blocks(r, blocks_of_each(static_cast<int>(trained.size()), numbers));
   id.seconds.compress = seconds_since(begin);
   say("solving", identifying::kSolving);
-  if (!fit_factors(arm, trained, options, numbers, id)) return id;
+  // Zeros that nobody measured are no torques; with all joints silent there is nothing to identify.
+  std::set<int> silent = silent_joints(trained);
+  if (static_cast<int>(silent.size()) == file.joints()) silent.clear();
+  std::string names;
+  for (const int j : silent) names += (names.empty() ? "" : ", ") + file.coordinates()[static_cast<size_t>(j)].name;
+  if (!silent.empty()) {
+    id.remarks.push_back("The torque of " + names + " is zero throughout: it was not recorded, or nothing drove the joint. Its rows are "
+                         "left out, and what it alone shows, as its friction, is not identified.");
+    if (std::string friction = arm.remark(); !friction.empty()) id.remarks.push_back(std::move(friction));
+    arm = AskedArm(without_effects_of(silent, arm.used()), JointFriction::kFile);
+    leave_joints_out(silent, trained);
+  }
+  if (!fit_factors(arm, trained, options, numbers, id)) {
+    if (!silent.empty()) id.reason += "; the torque of " + names + " is zero throughout, and the other joints alone do not determine the arm";
+    return id;
+  }
   refit_with_instruments(arm.used(), trained, options, id);
   say("validating", identifying::kValidating);
   id.factors = std::move(trained);
   validate(arm.used(), test, options, numbers, id);
+  if (torques_are_none(id)) return id;
   keep_training_error(id);
   say("done", 1.0);
   return id;

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <csignal>
 #include <exception>
 #include <iostream>
 #include <new>
@@ -72,6 +73,17 @@ void hold_places_of_closed_streams() {
   }
 }
 
+// A large recording is mapped into memory: pages that another program cuts from it are a fault on access.
+void refuse_cut_files() {
+  struct sigaction action {};
+  action.sa_handler = [](int) {
+    static constexpr char kWords[] = "veridyn: found a recording that another program cut while it was read, expected one that stays.\n";
+    const ssize_t written = ::write(STDERR_FILENO, kWords, sizeof kWords - 1);
+    ::_exit(written < 0 ? kProgramFault : kBadInput);
+  };
+  ::sigaction(SIGBUS, &action, nullptr);
+}
+
 // The command that a program's name stands for: "cooperate" of ".../veridyn-cooperate".
 std::string command_of(const std::string& program) {
   const std::string name = program.substr(program.rfind('/') + 1);
@@ -97,6 +109,7 @@ AddCommand of_package(const std::string& command) {
 
 int run_tool(const std::vector<AddCommand>& commands, int argc, char** argv) {
   hold_places_of_closed_streams();
+  refuse_cut_files();
   return explained([&] {
     const Words words(argv + std::min(argc, 1), argv + argc);
     if (const std::optional<int> status = pass_to_package(words)) return *status;
@@ -108,6 +121,7 @@ int run_tool(const std::vector<AddCommand>& commands, int argc, char** argv) {
 
 int run_package(const std::vector<AddCommand>& commands, int argc, char** argv) {
   hold_places_of_closed_streams();
+  refuse_cut_files();
   return explained([&] {
     Words words(argv + std::min(argc, 1), argv + argc);
     if (words == Words{"--describe"}) return describe(commands);

@@ -12,6 +12,7 @@
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/fixed_coordinates.hpp"
 #include "veridyn/model/model_file.hpp"
+#include "veridyn/model/physical_faults.hpp"
 
 namespace veridyn::cli {
 namespace {
@@ -89,6 +90,10 @@ void add_robot_options(CLI::App& command, CommonOptions& options) {
                  throw CLI::ValidationError("--fix", "found '" + value + "', expected a number");
              }
            });
+}
+
+void say_impossible(const std::string& robot, const Model& arm) {
+  for (const std::string& fault : physical_faults(arm)) say("warning: " + robot + ": impossible: " + fault + ".");
 }
 
 Model read_robot(const std::string& robot, const CommonOptions& options, SignalChoice* signals) {

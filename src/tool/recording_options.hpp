@@ -26,6 +26,9 @@ void add_robot_options(CLI::App& command, CommonOptions& options);
 /// @throws InvalidInput  the file is bad. @throws CLI::ValidationError  --fix names no joint of it,
 /// or the number of drive gains differs from that of the joints.
 /// @param signals  gets the joints that --fix holds: recordings may have them all the same.
+/// Says which bodies of the robot file cannot be; for commands whose results do not.
+void say_impossible(const std::string& robot, const Model& arm);
+
 Model read_robot(const std::string& robot, const CommonOptions& options, SignalChoice* signals = nullptr);
 
 /// The options for `excite --given` that correspond to `how`: columns, rate, topics, names, units,

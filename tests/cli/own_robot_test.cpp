@@ -114,7 +114,7 @@ TEST_F(OwnRobot, BodiesStayNearThoseOfTheMaker) {
   for (const int k : maker.bodies()) {
     const Frame& drawn = maker.frames()[k];
     const Frame& out = exported.frames()[exported.find_frame(drawn.name)];
-    EXPECT_LT((*out.body->phi)[0], 3.0 * (*drawn.body->phi)[0]) << drawn.name;
+    EXPECT_NEAR((*out.body->phi)[0], (*drawn.body->phi)[0], 0.2 * (*drawn.body->phi)[0]) << drawn.name;
   }
 }
 

@@ -17,6 +17,7 @@
 #include "veridyn/tool/sound_arguments.hpp"
 #include "identification/many_recordings.hpp"
 #include "veridyn/identification/factor_set.hpp"
+#include "veridyn/identification/parameters_text.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/report/pages.hpp"
@@ -36,6 +37,7 @@ struct IdentifyRequest {
   std::string prior;
   std::vector<std::string> known_masses;
   std::string model_out;
+  bool parameters = false;
   RestRequest rest;
   IdentificationOptions options;
   CommonOptions common;
@@ -169,6 +171,7 @@ void write_results(const IdentifyRequest& request, const Identification& id,
     write_file(request.common.report, to_page(id, command_line, &robot));
   }
   std::cout << id.report();
+  if (request.parameters) std::cout << parameters_text(id);
 }
 
 // Name of a file for the factors of one rank, beside the requested one.
@@ -300,6 +303,7 @@ void add_identify_command(CLI::App& tool, Outcome& outcome) {
   add_output_option(command, "--model-out", request->model_out,
                     "Write the identified model as YAML, or into a copy of an MJCF or SDF robot (.xml, .sdf)",
                     {".yaml", ".yml", ".xml", ".mjcf", ".sdf"});
+  command.add_flag("--parameters", request->parameters, "Print the base parameters with their deviations, too");
   add_rest_options(command, request->rest, "identify gravity, offsets and forces of position from them");
   add_preprocessing_options(command, request->options.preprocessing);
   add_robot_options(command, request->common);

@@ -10,6 +10,7 @@
 #include "veridyn/tool/open_commands.hpp"
 #include "veridyn/tool/option_checks.hpp"
 #include "veridyn/tool/sound_arguments.hpp"
+#include "tool/recording_options.hpp"
 #include "model/robot_format.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/export/c_code.hpp"
@@ -35,10 +36,10 @@ struct ExportRequest {
   std::optional<ExportExtension> extension;
 };
 
-ExportedModel exported(const ExportRequest& request, const Model& model) {
+ExportedModel exported(const ExportRequest& request, const Model& model, RotorPlace rotors) {
   std::optional<Model> prior;
   if (!request.prior.empty()) prior = read_model(request.prior);
-  return exported_model(model, prior, request.meshes_from);
+  return exported_model(model, prior, request.meshes_from, rotors);
 }
 
 // Prints notes after the files are written, so that a refusal has one line.
@@ -68,12 +69,16 @@ std::string simulation_of(const ExportRequest& request, const Model& model, Robo
 }
 
 // URDF, MJCF and SDF.
-void add_xml(const ExportRequest& request, const ExportedModel& out, std::vector<FileToWrite>& files) {
+void add_xml(const ExportRequest& request, const Model& model, const ExportedModel& out, std::vector<FileToWrite>& files) {
   if (!request.urdf.empty()) files.push_back(simulation_xml(request.urdf, "URDF", to_urdf(out.arm, out.extras)));
   if (!request.mjcf.empty()) {
     const std::string from = simulation_of(request, out.arm, RobotFormat::kMjcf);
-    files.push_back(from.empty() ? simulation_xml(request.mjcf, "MJCF", to_mjcf(out.arm, out.extras.remarks))
-                                 : updated_simulation(out.arm, from, request.mjcf));
+    if (from.empty()) {
+      const ExportedModel own = exported(request, model, RotorPlace::kArmatures);
+      files.push_back(simulation_xml(request.mjcf, "MJCF", to_mjcf(own.arm, own.extras.remarks)));
+    } else {
+      files.push_back(updated_simulation(out.arm, from, request.mjcf));
+    }
   }
   if (!request.sdf.empty()) {
     const std::string from = simulation_of(request, out.arm, RobotFormat::kSdf);
@@ -95,6 +100,7 @@ void run(const ExportRequest& request, const std::string& command_line) {
   if (request.extension) request.extension->check();
   for (const std::string& path : paths) require_writable(path);
   const Model model = read_model(request.model);
+  say_impossible(request.model, model);
   if (!request.into.empty()) {
     const std::optional<RobotFormat> format = robot_format(request.into);
     expect_value(format == RobotFormat::kMjcf ? !request.mjcf.empty() : format == RobotFormat::kSdf && !request.sdf.empty(), "--into",
@@ -103,8 +109,8 @@ void run(const ExportRequest& request, const std::string& command_line) {
   }
   std::vector<FileToWrite> files;
   if (!(request.urdf + request.mjcf + request.sdf + request.report).empty()) {
-    const ExportedModel out = exported(request, model);
-    add_xml(request, out, files);
+    const ExportedModel out = exported(request, model, RotorPlace::kBodies);
+    add_xml(request, model, out, files);
     if (request.quiet) {
       for (FileToWrite& file : files) file.tell = {};
     }

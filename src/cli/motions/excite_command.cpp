@@ -168,7 +168,8 @@ ExcitationOptions options_of(const ExciteRequest& request, const Model& arm,
   }
   if (!request.between.empty())
     o.between = value_of("--between", [&] { return rivals(o.powered.value_or(arm), request.between); });
-  if (!o.powered && !arm.inertial_values()) o.valued = plausible_model(moved, 1).arm;
+  // What has no value gets a plausible one: deviations relative to a friction of zero would say nothing.
+  if (!o.powered && !has_all_values(moved)) o.valued = plausible_model(moved, 1).arm;
   if (request.torque_noise)
     o.noise = noise_of_efforts(o.powered ? *o.powered : o.valued ? *o.valued : moved,
                                *request.torque_noise);
@@ -210,7 +211,7 @@ void expect_solver(const ExciteRequest& request) {
 
 // Everything that the searches depend on: the given options and the files that they name.
 std::string search_words(const CLI::App& command) {
-  static const std::set<std::string> kOfTheResult = {"--output", "--coefficients", "--json", "--report", "--resume", "--threads", "--quiet"};
+  static const std::set<std::string> kOfTheResult = {"--output", "--coefficients", "--json", "--report", "--resume", "--speed", "--threads", "--quiet"};
   std::string out = VERIDYN_VERSION;
   for (const CLI::Option* option : command.get_options()) {
     if (option->count() == 0 || kOfTheResult.count(option->get_name()) > 0) continue;
@@ -245,6 +246,7 @@ ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
   expect_value(!discriminates || !request.between.empty(), "--criterion",
                "discriminate needs --between");
   const Model arm = read_robot(request.robot, request.common);
+  say_impossible(request.robot, arm);
   require(arm.joints() > 0, request.robot, ": found no coordinates, expected some to move.");
   std::string made_up_words;
   ExcitationOptions options = options_of(request, arm, made_up_words);
@@ -263,12 +265,21 @@ ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
   expect_needs(*request.command,
                {{"--clearance", !request.spheres.empty() || !options.workspace.collisions.pairs.empty(),
                  "--sphere, or an arm with collision shapes"}});
+  const std::vector<std::string>& impossible = options.workspace.collisions.impossible;
+  if (!impossible.empty()) {
+    say("the limits cannot be met: " + impossible.front() + " touch at every posture" +
+        (impossible.size() > 1 ? text(" (and ", impossible.size() - 1, " more)") : "") +
+        "; move the obstacle, or give links another --link-radius or --shapes; nothing is written.");
+    return kDataCannotAnswer;
+  }
   const Interruptible until_interrupted;
   // Its exceptions are caused by option values for this arm.
   Excitation found = value_of("excite", [&] { return optimise_excitation(arm, options); });
   const bool known = arm.inertial_values() || !request.model.empty();
   if (found.prediction && !known)
     found.prediction->values = "of a plausible arm (" + request.robot + " has none)";
+  else if (found.prediction && request.model.empty() && !has_all_values(with_friction(arm, options.friction)))
+    found.prediction->values = "of " + arm.name() + " with plausible friction (" + request.robot + " has none)";
   const std::string problem = why_not(found);
   if (!problem.empty()) {
     say(problem);

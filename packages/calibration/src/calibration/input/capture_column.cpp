@@ -21,7 +21,7 @@ std::string without_unit(const std::string& name, std::string& unit) {
 }
 
 int component_index(const std::string& word) {
-  static const std::array<const char*, 7> kComponents = {"x", "y", "z", "qw", "qx", "qy", "qz"};
+  static const std::array<const char*, 10> kComponents = {"x", "y", "z", "qw", "qx", "qy", "qz", "rx", "ry", "rz"};
   const auto* const found = std::find(kComponents.begin(), kComponents.end(), lower(word));
   return found == kComponents.end() ? -1 : static_cast<int>(found - kComponents.begin());
 }

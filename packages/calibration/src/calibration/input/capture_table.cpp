@@ -18,7 +18,9 @@ using Kind = CaptureColumn::Kind;
 
 constexpr double kQuaternionNorm = 0.02;  // tolerance of a recorded quaternion's norm
 constexpr double kLargest = 50.0;  // [m] beyond the range of cameras: the unit must be another one
+constexpr double kLargestAngle = 2.0 * M_PI + 1e-6;  // [rad] of a rotation vector
 constexpr int kComponents = 7;
+constexpr int kRead = 10;  // with a rotation vector, which becomes the quaternion
 
 // Assembles rows into frames; a frame is one row (wide), or the rows of one time (long).
 class Reader {
@@ -154,12 +156,13 @@ class Reader {
       if (c.index < 3) value *= metres_[k];
       const std::string& name = is_long_ ? of_row : c.object;
       const auto [found, is_new] = index_.try_emplace(name, objects_.size());
-      if (is_new) objects_.push_back({name, {}, false});
+      if (is_new) objects_.push_back({name, {}, false, false});
       Object& object = objects_[found->second];
-      const std::size_t size = kComponents * times_.size();
+      const std::size_t size = kRead * times_.size();
       if (object.values.size() < size) object.values.resize(size, kNaN);
-      object.values[size - kComponents + static_cast<std::size_t>(c.index)] = value;
+      object.values[size - kRead + static_cast<std::size_t>(c.index)] = value;
       object.has_orientation = object.has_orientation || c.index >= 3;
+      object.has_quaternion = object.has_quaternion || (c.index >= 3 && c.index < kComponents);
     }
   }
 
@@ -176,13 +179,26 @@ class Reader {
         out.q(k, i) = q_[k][i];
     }
     for (Object& o : objects_) {
-      o.values.resize(kComponents * times_.size(), kNaN);
-      out.objects.push_back(
-          {o.name, Eigen::Map<const MatrixXd>(o.values.data(), kComponents, frames),
-           o.has_orientation});
+      o.values.resize(kRead * times_.size(), kNaN);
+      MatrixXd values = Eigen::Map<const MatrixXd>(o.values.data(), kRead, frames);
+      if (o.has_orientation && !o.has_quaternion) set_quaternions(values);
+      out.objects.push_back({o.name, values.topRows(kComponents), o.has_orientation});
     }
     check_values(out);
     return out;
+  }
+
+  // From axis times angle, as Universal Robots writes it.
+  void set_quaternions(MatrixXd& values) const {
+    for (Eigen::Index k = 0; k < values.cols(); ++k) {
+      const Eigen::Vector3d r = values.col(k).tail<3>();
+      if (!r.allFinite()) continue;
+      require(r.norm() <= kLargestAngle, path_, ":", lines_of_[static_cast<std::size_t>(k)], ": found a rotation vector (rx, ry, rz) of norm ",
+              r.norm(), ", expected axis times angle in rad, at most 2 pi; degrees and Euler angles are not read, quaternions (qw, qx, qy, qz) are.");
+      const double half = 0.5 * r.norm();
+      values(3, k) = std::cos(half);
+      values.block<3, 1>(4, k) = (half > 0.0 ? std::sin(half) / (2.0 * half) : 0.5) * r;
+    }
   }
 
   void check_values(CaptureTable& table) const {
@@ -208,6 +224,7 @@ class Reader {
     std::string name;
     std::vector<double> values;
     bool has_orientation;
+    bool has_quaternion;
   };
   const std::string& path_;
   const CaptureOptions& options_;

@@ -12,7 +12,7 @@ namespace veridyn::internal {
 struct CaptureColumn {
   enum class Kind { kIgnored, kTime, kJoint, kBodyName, kObjectName, kComponent };
   Kind kind = Kind::kIgnored;
-  int index = 0;            ///< joint from 0; component: x y z qw qx qy qz
+  int index = 0;            ///< joint from 0; component: x y z qw qx qy qz, rx ry rz of a rotation vector
   std::string object;       ///< "BODY/MARKER", "BODY" or ""
   std::string unit;         ///< as the column states it; "": none
   std::string name;         ///< as in the file

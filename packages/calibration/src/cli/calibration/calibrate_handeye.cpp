@@ -35,7 +35,7 @@ void add_calibrate_handeye(CLI::App& calibrate, Outcome& outcome) {
   const auto request = std::make_shared<CalibrateHandeyeRequest>();
   CLI::App& command =
       *calibrate.add_subcommand("handeye", "Pose between two arms, or between an arm and a camera");
-  add_value(command, "A", request->a, "t,x,y,z,qw,qx,qy,qz")->required();
+  add_value(command, "A", request->a, "t,x,y,z,qw,qx,qy,qz, or rx,ry,rz in place of the quaternion: axis times angle [rad]")->required();
   add_value(command, "B", request->b, "The same, each row paired with that of A")->required();
   CLI::Option* form = add_choice(
       command, "--form", request->form,

@@ -51,7 +51,7 @@ void expect_no_motion_options(const CLI::App& command) {
        {"--frequency", "--harmonics", "--duration", "--slow-passes", "--rate", "--criterion",
         "--between", "--given", "--coefficients", "--solver", "--model", "--box", "--sphere",
         "--obstacle", "--insertion", "--report", "--torque-noise", "--noise-of", "--resume",
-        "--columns", "--given-rate", "--topic", "--map", "--units", "--rows", "--fix"}) {
+        "--columns", "--given-rate", "--topic", "--map", "--units", "--rows", "--fix", "--speed"}) {
     if (command.count(option) > 0)
       throw CLI::ValidationError(option, "shapes a motion, and --for calibration asks for poses");
   }
