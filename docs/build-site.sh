@@ -1,7 +1,7 @@
 #!/bin/sh
 # Makes the book of docs/ a site in FOLDER/html that can be read and searched without a network, with the reference of
 # the C++ headers in api/ where doxygen is installed. A dead link between pages is an error.
-#   [NO_DOXYGEN=1] docs/build-site.sh FOLDER
+#   [NO_DOXYGEN=1] [VERIDYN=TOOL] docs/build-site.sh FOLDER      TOOL writes the page of all commands
 set -eu
 top=$(cd "$(dirname "$0")/.." && pwd)
 mkdir -p "$1"
@@ -9,10 +9,16 @@ out=$(cd "$1" && pwd)
 pages=$out/pages
 rm -rf "$pages" "$out/html"
 mkdir -p "$pages"
-cp "$top"/docs/*.md "$top"/docs/*.png "$top"/docs/*.svg "$pages"
-sed 's#](docs/#](#g' "$top/README.md" >"$pages/README.md"
-sed 's#](docs/#](#g' "$top/CHANGELOG.md" >"$pages/CHANGELOG.md"
-sed -i 's#](\.\./\(README\|CHANGELOG\)\.md#](\1.md#g' "$pages"/*.md
+# All pages side by side, those of packages too.
+cp "$top"/README.md "$top"/CHANGELOG.md "$top"/docs/*.md "$top"/docs/*.png "$top"/docs/*.svg "$top"/packages/*/docs/* "$pages"
+cp -r "$top"/docs/causes "$pages"
+sed -i -E 's#\]\((\.\./)*(docs/|packages/[a-z]+/docs/)?([A-Za-z0-9-]+\.(md|png|svg))#](\3#g' "$pages"/*.md
+tool=${VERIDYN:-$top/build/bin/veridyn}
+if [ -x "$tool" ]; then
+  "$tool" help --markdown "$pages/commands.md"
+else
+  printf '# Commands\n\n`make tool` before `make docs` makes this page.\n' >"$pages/commands.md"
+fi
 cat >>"$pages/index.md" <<'END'
 
 ```{toctree}
@@ -21,7 +27,13 @@ cat >>"$pages/index.md" <<'END'
 
 README
 own-robot
-tour
+start-dvrk
+python
+coming-from
+identification
+diagnosis
+causes
+limits
 [a-z]*
 CHANGELOG
 ```

@@ -39,6 +39,7 @@ ExitStatus run(int argc, char** argv) {
   add_cooperate_command(tool, outcome);
   add_kinematics_command(tool, outcome);
   add_page_command(tool, outcome);
+  add_numbers_command(tool);
   add_loadcell_command(tool, outcome);
   add_stability_command(tool, outcome);
   add_dvrk_command(tool, outcome);

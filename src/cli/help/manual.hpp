@@ -6,7 +6,7 @@
 
 namespace veridyn::cli {
 
-/// Help of one command. The terminal, the man pages and docs/commands.md show the same text.
+/// Help of one command. The terminal, the man pages and the reference of `make docs` show the same text.
 struct ManualPage {
   struct Entry {
     std::string names;  ///< with the value, as `--rate HZ`
@@ -39,7 +39,7 @@ void show_manual_as_help(CLI::App& tool);
 /// @throws InvalidInput  the folder or a file cannot be written.
 void write_man_pages(const CLI::App& tool, const std::string& folder);
 
-/// All pages as Markdown: docs/commands.md.
+/// All pages as Markdown: the reference of `make docs`.
 std::string markdown_manual(const CLI::App& tool);
 
 /// Script for bash that completes commands, options and file names.
