@@ -49,7 +49,7 @@ TEST(EffectRegistry, HasTheNamesOfTheContractAndOfThePageOfCauses) {
 
   std::ifstream page(std::string(VERIDYN_SOURCE_DIR) + "/docs/causes.md");
   const std::string causes((std::istreambuf_iterator<char>(page)), std::istreambuf_iterator<char>());
-  const std::regex row("\\| `([a-z_]+)` \\| !\\[");
+  const std::regex row("\\| `([a-z_]+)`<br>!\\[");
   std::set<std::string> explained{"none"};
   for (std::sregex_iterator it(causes.begin(), causes.end(), row), end; it != end; ++it) explained.insert((*it)[1]);
   EXPECT_EQ(explained, known);
