@@ -7,7 +7,6 @@
 #include "cli/options/option_checks.hpp"
 #include "comparison/comparison_numbers.hpp"
 #include "estimation/estimation_numbers.hpp"
-#include "identification/check/check_thresholds.hpp"
 #include "identification/fleet/fleet_numbers.hpp"
 #include "identification/identification_numbers.hpp"
 #include "recordings/quality/quality_numbers.hpp"
@@ -32,7 +31,6 @@ NumberTable number_table(const char* name, const char* file, const std::vector<T
 
 std::vector<NumberTable> number_tables() {
   return {number_table("quality", "src/recordings/quality/quality_numbers.hpp", quality_numbers()),
-          number_table("check", "src/identification/check/check_thresholds.hpp", check_numbers()),
           number_table("identify", "src/identification/identification_numbers.hpp", identification_numbers()),
           number_table("estimation", "src/estimation/estimation_numbers.hpp", estimation_numbers()),
           number_table("fleet", "src/identification/fleet/fleet_numbers.hpp", fleet_numbers()),
@@ -65,7 +63,7 @@ void print_numbers(const std::string& wanted) {
 void add_numbers_command(CLI::App& tool) {
   const auto wanted = std::make_shared<std::string>();
   CLI::App& command = *tool.add_subcommand("numbers", "Numbers that decide what the other commands answer");
-  add_value(command, "TABLE", *wanted, "One table: diagnose, check, watch, ... (all)");
+  add_value(command, "TABLE", *wanted, "One table: diagnose, watch, fleet, ... (all)");
   command.callback([wanted] { print_numbers(*wanted); });
 }
 
