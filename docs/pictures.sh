@@ -32,7 +32,9 @@ veridyn cooperate examples/cooperate/two-arms-spring.yaml --report cooperation.h
 veridyn excite psm-3dof --for calibration --frame counterweight --poses 30 -o postures.csv --quiet >/dev/null
 veridyn kinematics psm-3dof --forward postures.csv --frame counterweight -o poses.csv --quiet >/dev/null
 veridyn calibrate links psm-3dof-printed poses.csv --frame counterweight --report calibration.html --quiet >/dev/null
+VERIDYN_DEMO=0 "$top/examples/demo.sh" "$(command -v veridyn)" demo >/dev/null
+veridyn diagnose psm-3dof --train demo/changed-1.csv demo/changed-2.csv demo/changed-3.csv --test demo/changed-test.csv --report diagnosis.html --quiet >/dev/null
 veridyn page . -o pages.html --quiet >/dev/null
-for page in excitation recordings identification watch robot-files stability cooperation calibration pages; do
+for page in excitation recordings identification diagnosis watch robot-files stability cooperation calibration pages; do
   picture $page $page.html
 done
