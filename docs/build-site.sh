@@ -43,7 +43,7 @@ html_theme = "alabaster"
 html_static_path = ["_static"]
 html_css_files = ["book.css"]
 html_theme_options = {
-    "page_width": "84em",
+    "page_width": "min(84em, 96vw)",
     "body_max_width": "none",
     "description": "Measured dynamics of robot arms",
     "extra_nav_links": {"C++ classes": "api/annotated.html"},
