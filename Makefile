@@ -3,7 +3,7 @@ BUILD := build
 JOBS  ?= $(shell nproc)
 CMAKE_FLAGS ?= --preset dev
 
-.PHONY: all tool build demo test python notebooks wheel ros ros-test mpi growth deb build-times readme docs thesis bare sanitize coverage races fuzz memcheck mutants symbols bill tidy packages packages-all packages-tests clean
+.PHONY: all tool build demo test python notebooks wheel ros ros-test mpi growth deb build-times readme docs causes thesis bare sanitize coverage races fuzz memcheck mutants symbols bill tidy packages packages-all packages-tests clean
 
 # The tool and the programs of packages/dvrk, packages/cooperation and packages/calibration.
 all: packages-all
@@ -47,7 +47,7 @@ wheel: python
 	@VERIDYN_BUILD_DIR=$(abspath $(BUILD)) /usr/bin/python3 -m pip wheel --quiet --no-build-isolation --no-deps --no-index -w $(BUILD)/wheel .
 	@ls $(BUILD)/wheel/*.whl
 
-# The ROS 1 packages, in $(BUILD)/ros; see docs/ros.md. The library never needs them.
+# The ROS 1 packages, in $(BUILD)/ros; see packages/ros/docs/ros.md. The library never needs them.
 ros: all
 	@cmake/install-packages.sh cmake/debian-packages-ros.txt
 	@cmake --build $(BUILD) -j $(JOBS) --target veridyn_libraries
@@ -82,7 +82,11 @@ deb: packages-all
 # The book as a site with search and the reference of the C++ headers: $(BUILD)/site/html/index.html. Dead links are errors.
 docs:
 	@cmake/install-packages.sh cmake/debian-packages-docs.txt
-	@docs/build-site.sh $(BUILD)/site
+	@VERIDYN=$(BUILD)/bin/veridyn docs/build-site.sh $(BUILD)/site
+
+# The pictures of docs/causes.md: what each cause adds to a torque, by `veridyn simulate`.
+causes: tool
+	@docs/causes.py $(BUILD)/bin/veridyn
 
 # The thesis's tables and figures beside ours: docs/thesis-figures.md, made anew.
 thesis:
@@ -107,7 +111,7 @@ test: build
 	@tests/summary.sh $(BUILD)
 
 # Blocks of the README and of the pages below, made anew by the commands in them; tests compare them.
-PAGES ?= README.md docs/own-robot.md docs/tour.md
+PAGES ?= README.md docs/own-robot.md
 readme: all python
 	@for page in $(PAGES); do PATH="$(CURDIR)/$(BUILD)/bin:/usr/bin:$$PATH" VERIDYN_SOURCE="$(CURDIR)" \
 	  /usr/bin/python3 tests/readme/blocks.py write $$page out/readme || exit 1; done

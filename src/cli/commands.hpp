@@ -15,6 +15,7 @@ void add_identify_command(CLI::App& tool, Outcome& outcome);
 void add_fleet_command(CLI::App& tool, Outcome& outcome);
 void add_diagnose_command(CLI::App& tool, Outcome& outcome);
 void add_friction_command(CLI::App& tool, Outcome& outcome);
+void add_numbers_command(CLI::App& tool);
 void add_page_command(CLI::App& tool, Outcome& outcome);
 void add_payload_command(CLI::App& tool, Outcome& outcome);
 void add_simulate_command(CLI::App& tool, Outcome& outcome);

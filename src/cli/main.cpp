@@ -6,11 +6,12 @@ int main(int argc, char** argv) {
   const auto add_export = [](CLI::App& tool, Outcome& outcome) { add_export_command(tool, outcome, {}); };
   const auto add_excite = [](CLI::App& tool, Outcome& outcome) { add_excite_command(tool, outcome, {}); };
   const auto add_kinematics = [](CLI::App& tool, Outcome& outcome) { add_kinematics_command(tool, outcome, {}); };
+  const auto add_numbers = [](CLI::App& tool, Outcome&) { add_numbers_command(tool); };
   // In the order of the manual.
   return run_tool({add_info_command, add_check_command, add_identify_command, add_diagnose_command,
                    add_friction_command, add_fleet_command, add_payload_command, of_package("calibrate"),
                    add_compare_command, add_export, add_excite, add_simulate_command, of_package("cooperate"),
-                   add_kinematics, add_page_command, of_package("loadcell"), of_package("stability"),
+                   add_kinematics, add_page_command, add_numbers, of_package("loadcell"), of_package("stability"),
                    of_package("dvrk"), add_watch_command},
                   argc, argv);
 }

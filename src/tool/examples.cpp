@@ -88,6 +88,9 @@ std::map<std::string, std::vector<ManualPage::Entry>>& examples() {
       {"veridyn page",
        {{"veridyn page . -o index.html", "Gather the models and pages of this folder"},
         {"veridyn page . -o index.html --json index.json", "The same, with its numbers"}}},
+      {"veridyn numbers",
+       {{"veridyn numbers diagnose", "Numbers that decide a diagnosis, with their reasons"},
+        {"veridyn numbers", "All tables"}}},
   };
   return all;
 }

@@ -6,7 +6,7 @@
 
 namespace veridyn::cli {
 
-/// Help of one command. The terminal, the man pages and docs/commands.md show the same text.
+/// Help of one command. The terminal, the man pages and the reference of `make docs` show the same text.
 struct ManualPage {
   struct Entry {
     std::string names;  ///< with the value, as `--rate HZ`
@@ -53,7 +53,7 @@ std::vector<CommandHelp> help_from_json(const std::string& json, const std::stri
 /// @throws InvalidInput  the folder or a file cannot be written.
 void write_man_pages(const std::vector<CommandHelp>& help, const std::string& folder);
 
-/// All pages as Markdown: docs/commands.md.
+/// All pages as Markdown: the reference of `make docs`.
 std::string markdown_manual(const std::vector<CommandHelp>& help);
 
 /// Script for bash that completes commands, options and file names.

@@ -106,24 +106,6 @@ TEST(ThresholdSweep, EveryRoomsNumbersAreSwept) {
   for (const std::string& room : swept_rooms()) EXPECT_EQ(sweep_files().count(room), 1U) << room;
 }
 
-std::string printed(const std::function<void()>& print) {
-  testing::internal::CaptureStdout();
-  print();
-  return testing::internal::GetCapturedStdout();
-}
-
-TEST(ThresholdSweep, TheTablesOfTheDocsAreThoseOfTheFiles) {
-  std::ifstream file(std::string(VERIDYN_SOURCE_DIR) + "/docs/numbers.md");
-  ASSERT_TRUE(file.good());
-  const std::string docs((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  const std::string of_diagnosis = printed([] { print_thresholds(in_source("diagnosis/threshold_sweeps.csv")); });
-  EXPECT_NE(docs.find(of_diagnosis), std::string::npos);
-  for (const auto& [room, sweeps] : sweep_files()) {
-    const std::string table = printed([&name = room, &from = sweeps] { print_numbers(name, in_source(from)); });
-    EXPECT_NE(docs.find(table), std::string::npos) << room;
-  }
-}
-
 // A factor of 1 is the check itself, and another number gives another answer.
 TEST(ThresholdSweep, TheBoardOfTheCheckMovesWithItsNumbers) {
   const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "veridyn-check-board";

@@ -71,8 +71,10 @@ TEST(References, LinksOfThePagesResolve) {
   const fs::path root = VERIDYN_SOURCE_DIR;
   static const std::regex kLink(R"(\]\(([^)#:]+)(#[^)]*)?\))");
   std::vector<fs::path> pages = {root / "README.md"};
-  for (const fs::directory_entry& entry : fs::directory_iterator(root / "docs"))
-    if (entry.path().extension() == ".md") pages.push_back(entry.path());
+  for (const char* top : {"docs", "packages"}) {
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / top))
+      if (entry.path().extension() == ".md") pages.push_back(entry.path());
+  }
   EXPECT_GT(pages.size(), 5U);
   for (const fs::path& page : pages) {
     const std::string text = content_of(page);

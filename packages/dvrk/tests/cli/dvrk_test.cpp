@@ -307,12 +307,12 @@ TEST_F(Dvrk, SeveralArmsAreEmulatedOnOneBus) {
   }
 }
 
-// What the tour tells a newcomer to type, word by word, on a port of its own.
-Words readme_words(const std::string& begin) {
-  std::istringstream readme(content_of(VERIDYN_SOURCE_DIR "/docs/tour.md"));
+// Commands that the page of a first dVRK run prints, word by word, on a port of its own.
+Words words_of_the_page(const std::string& begin) {
+  std::istringstream page(content_of(VERIDYN_SOURCE_DIR "/docs/start-dvrk.md"));
   bool here = false;
-  for (std::string line; std::getline(readme, line);) {
-    if (line.rfind("## ", 0) == 0) here = line.find("da Vinci") != std::string::npos;
+  for (std::string line; std::getline(page, line);) {
+    if (line.rfind("## ", 0) == 0) here = line.find("emulated boards") != std::string::npos;
     const auto at = line.find("veridyn " + begin);
     if (!here || at == std::string::npos || line.rfind("    ", 0) != 0) continue;
     std::istringstream rest(line.substr(at, line.find_first_of("&#", at) - at));
@@ -325,7 +325,7 @@ Words readme_words(const std::string& begin) {
   return {};
 }
 
-TEST_F(Dvrk, TheReadmesBlockWorks) {
+TEST_F(Dvrk, TheFirstRunOfThePageWorks) {
   const auto in_folder = [&](Words words) {
     for (std::string& word : words) {
       const bool file =
@@ -336,10 +336,10 @@ TEST_F(Dvrk, TheReadmesBlockWorks) {
     }
     return words;
   };
-  const Words emulate = in_folder(readme_words("dvrk emulate"));
-  const Words excite = in_folder(readme_words("excite"));
-  const Words monitor = in_folder(readme_words("dvrk monitor"));
-  const Words drive = in_folder(readme_words("dvrk run"));
+  const Words emulate = in_folder(words_of_the_page("dvrk emulate"));
+  const Words excite = in_folder(words_of_the_page("excite"));
+  const Words monitor = in_folder(words_of_the_page("dvrk monitor"));
+  const Words drive = in_folder(words_of_the_page("dvrk run"));
   ASSERT_GT(emulate.size(), 4U);
   ASSERT_GT(excite.size(), 4U);
   ASSERT_GT(monitor.size(), 3U);

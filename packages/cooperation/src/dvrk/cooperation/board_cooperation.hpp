@@ -61,8 +61,8 @@ struct EmulatedInstant {
 /// @throws InvalidInput  another form, an arm that is not there, a time that is not above zero.
 EmulatedFault parse_emulated_fault(const std::string& text, const Scenario& scenario);
 
-/// Bounds of the checks that find motors, sensors and encoders that fail; docs/cooperation.md has a
-/// sweep of each. ScenarioControl::drift_force is one more.
+/// Bounds of the checks that find motors, sensors and encoders that fail. `veridyn-fault-checks` varies each;
+/// ScenarioControl::drift_force is one more.
 struct FaultChecks {
   CurrentFollowing follow;
   double force_disagreement = SafetyLimits().force_disagreement;      ///< [N]

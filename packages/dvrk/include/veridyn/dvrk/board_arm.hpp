@@ -27,7 +27,7 @@ struct BoardArmOptions {
 ///   arm.power_on();
 ///   every cycle: arm.read();  arm.set_torques(control(arm.q(), arm.dq()));  arm.write();
 ///
-/// The boards' safety functions are active (docs/boards.md): watchdogs, currents, temperatures,
+/// The boards' safety functions are active (packages/dvrk/docs/boards.md): watchdogs, currents, temperatures,
 /// supplies, encoders and pots are checked with every read, and any fault switches off until
 /// power_on() is called again. A cycle without set_torques() has zero current. Joints beyond those
 /// that torques are given for are held at their position at power-on, with the laboratory's gains

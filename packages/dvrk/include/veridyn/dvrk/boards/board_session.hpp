@@ -35,7 +35,7 @@ constexpr bool at_rail(double pot_bits) {
 }
 
 /// An amplifier that is on must give one of the last commands: within `margin` [bits] and `share` of
-/// that command, or its power goes after so many cycles. Sweep: docs/cooperation.md.
+/// that command, or its power goes after so many cycles.
 struct CurrentFollowing {
   int cycles = 10;
   double margin = 262.0;  ///< 50 mA: section 14.6
