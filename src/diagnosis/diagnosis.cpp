@@ -41,7 +41,9 @@ void run_stages(DiagnosisState& x, const Tell& tell) {
   tell("checking the recordings");
   check_quality(x);
   tell("fitting the model as it is");
-  if (!fit_baseline(x) || columns_are_exchanged(x) || !leave_silent_joints_out(x)) return;
+  if (!fit_baseline(x)) return;
+  ask_questions(x);
+  if (!leave_silent_joints_out(x)) return;
   exclude_rests(x);
   check_torque_signs(x);
   check_errors_in_variables(x);

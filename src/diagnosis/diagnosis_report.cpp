@@ -6,6 +6,8 @@
 #include "diagnosis/evidence/numerics.hpp"
 #include "math/correlated_columns.hpp"
 #include "math/digits.hpp"
+#include "veridyn/identification/robot_check.hpp"
+#include "veridyn/identification/verdict.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 
 namespace veridyn {
@@ -180,6 +182,13 @@ const char* name_of(FloorSource source) {
 }
 
 std::string Diagnosis::verdict() const {
+  std::string asked;  // what the signals or the robot file have wrong comes first
+  for (const RecordingQuality& q : data_quality) {
+    for (const QualityFinding& f : q.findings) {
+      if (answers_question(f) && asked.find(f.sentence) == std::string::npos) asked += f.sentence + " ";
+    }
+  }
+  if (!asked.empty()) asked += "As recorded: ";
   if (findings.empty()) {
     std::string left, unknown;
     for (const JointVerdict& v : joints) {
@@ -188,15 +197,10 @@ std::string Diagnosis::verdict() const {
       list += (list.empty() ? "" : ", ") + std::to_string(v.joint.value + 1);
     }
     if (left.empty() && unknown.empty()) return "none";
-    for (const RecordingQuality& q : data_quality) {
-      for (const QualityFinding& f : q.findings) {
-        if (f.finding == "swapped_joints" && f.severity == Severity::kFault) return f.sentence + " No cause was asked about.";
-      }
-    }
-    return "no cause was found" + (left.empty() ? "" : "; joints above their floor: " + left) +
+    return asked + "no cause was found" + (left.empty() ? "" : "; joints above their floor: " + left) +
            (unknown.empty() ? "" : "; joints without a held-out error: " + unknown);
   }
-  std::string out = sentence(findings.front());
+  std::string out = asked + sentence(findings.front());
   if (findings.front().status == FindingStatus::kNotConfirmed)
     out += " The training recordings do not confirm it.";
   if (findings.front().held_out() == Agreement::kContradicts)
@@ -275,7 +279,7 @@ std::string Diagnosis::report(const std::string& next_command) const {
   line("  without excluded rows", extended.test_without_excluded.relative);
   line("training, baseline", baseline.train_error.relative);
   line("training, extended", extended.train_error.relative);
-  line("noise floor", baseline.noise_floor);
+  line(floor_name(baseline), baseline.noise_floor);
   out += "\nwhat the held-out error of each joint is made of, % of its torque\n";
   for (const JointVerdict& v : joints) out += joint_text(*this, v);
   if (!friction.empty()) out += friction_table(*this);

@@ -78,7 +78,9 @@ bool rank_deficient(const Model& arm, const BaseParameters& arm_base,
   if (rest > 0) open += text(told > 0 ? " and " : "", rest, told > 0 ? " more" : rest > 1 ? " sums of parameters" : " sum of parameters");
   id.reason = shortfall(arm_base, data_base, id.still_joints);
   // If the gap concerns nearly all of them, listing their names does not help.
-  if (!id.still_joints.empty() || static_cast<int>(id.undetermined.size()) <= arm_base.size() / 2) {
+  if (!id.still_joints.empty() && static_cast<int>(id.still_joints.size()) == arm.joints()) {
+    id.reason += "; gravity, offsets and forces of position of an arm at rest are identified with --at-rest";
+  } else if (!id.still_joints.empty() || static_cast<int>(id.undetermined.size()) <= arm_base.size() / 2) {
     id.reason += "; undetermined: " + open;
   } else {
     id.reason += text("; the ", arm_base.size() - data_base.size(),
@@ -256,7 +258,7 @@ bool fit_arm(const Model& arm, const std::vector<CompressedRecording>& recording
   for (const CompressedRecording& r : recordings) {
     id.rows += r.rows;
     if (r.rows == 0.0) {
-      id.reason = r.source + ": no usable samples are left after gaps, edges and row limits";
+      id.reason = no_sample_left(r, options.preprocessing);
       return false;
     }
   }

@@ -64,7 +64,7 @@ void add_signal_options(CLI::App& command, SignalChoice& signals) {
                signals.map[key] = source;
            });
   add_list(command, "--units", "SIGNAL=UNIT",
-           "Units other than SI, as q=deg,t=ms; tau=A: efforts are motor currents",
+           "Units other than SI, as q=deg,t=ms; tau=A: motor currents; q=4096/rev: counts; tau=%: of the limit; q=0.01: a factor",
            [&signals](const std::string& words) {
              for (const auto& [key, unit] : pairs_in("--units", words, "q=deg,t=ms"))
                signals.units[key] = unit;
@@ -74,9 +74,15 @@ void add_signal_options(CLI::App& command, SignalChoice& signals) {
                throw CLI::ValidationError(error.what());
              }
            });
+  command.add_flag("--as-recorded", signals.as_recorded, "Keep rows that are plainly wrong: dropouts, wrapped angles, bursts, a clock that steps back")
+      ->group(kRecordings);
 }
 
 void add_robot_options(CLI::App& command, CommonOptions& options) {
+  add_value(command, "--gravity X,Y,Z", options.gravity,
+            "Direction of gravity in the robot file's base [m/s^2], as on another mount; 0,0,0: the torques hold none")
+      ->delimiter(',')
+      ->expected(3);
   add_value(command, "--drive-gains K,K,...", options.drive_gains,
             "Torque per ampere of each joint [N m/A], for recordings of motor currents")
       ->delimiter(',');
@@ -105,8 +111,11 @@ Model read_robot(const std::string& robot, const CommonOptions& options, SignalC
     if (fixed != options.fixed.end())
       signals->held.push_back({i + 1, {c.name, c.prismatic}, fixed->second});
   }
-  if (options.drive_gains.empty()) return arm;
-  return value_of("--drive-gains", [&] { return with_drive_gains(arm, options.drive_gains); });
+  ModelDescription d = arm.description();
+  if (!options.gravity.empty()) d.gravity = Eigen::Map<const Eigen::Vector3d>(options.gravity.data());
+  const Model turned(std::move(d));
+  if (options.drive_gains.empty()) return turned;
+  return value_of("--drive-gains", [&] { return with_drive_gains(turned, options.drive_gains); });
 }
 
 std::vector<std::string> words_for_given(const PreprocessingOptions& how,
@@ -124,6 +133,7 @@ std::vector<std::string> words_for_given(const PreprocessingOptions& how,
     add("--rows", text(how.first_row, ":",
                        how.row_count ? std::to_string(how.first_row + *how.row_count) : ""));
   }
+  if (how.signals.as_recorded) words.push_back("--as-recorded");
   for (const auto& [joint, value] : fixed) add("--fix", joint + "=" + fmt::format("{}", value));
   return words;
 }
@@ -145,7 +155,8 @@ void look_at_recordings(const Model& arm, const std::vector<std::string>& record
     for (const QualityFinding& f : quality.findings) {
       // A recording with hardly any usable row is reported by the reader.
       const bool dead_joint = f.finding == "zero_signal" && f.joint != 0;  // one of several: rows of zeros alone are refused
-      if (f.finding == "degrees" || dead_joint || (f.severity == Severity::kFault && f.finding != "gaps"))
+      const bool no_number = f.joint != 0 && f.share == 1.0;
+      if (f.finding == "degrees" || dead_joint || (f.severity == Severity::kFault && (f.finding != "gaps" || no_number)))
         say("warning: " + quality.file + ": " + f.sentence);
     }
   }

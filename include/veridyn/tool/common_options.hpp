@@ -21,6 +21,7 @@ struct CommonOptions {
   int threads = 0;     ///< 0: one per core
   bool quiet = false;
   std::map<std::string, double> fixed;  ///< coordinates that are not recorded, with their positions
+  std::vector<double> gravity;  ///< [m/s^2] of the robot file's base; empty: that of the file
   std::vector<double> drive_gains;  ///< torque per ampere of each joint; empty: those of the file
 };
 

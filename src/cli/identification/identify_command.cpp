@@ -16,6 +16,7 @@
 #include "cli/models/simulation_output.hpp"
 #include "veridyn/tool/sound_arguments.hpp"
 #include "identification/many_recordings.hpp"
+#include "veridyn/identification/robot_check.hpp"
 #include "veridyn/identification/factor_set.hpp"
 #include "veridyn/identification/parameters_text.hpp"
 #include "veridyn/math/require.hpp"
@@ -249,14 +250,17 @@ ExitStatus run(IdentifyRequest& request, const std::string& command_line) {
   const bool poses = request.rest.at_rest || !request.rest.approach.empty() ||
                      (request.factors.empty() && are_poses(request.rest, arm, request.train, options.preprocessing));
   if (!poses) look_at_recordings(arm, recordings, options.preprocessing, options.threads);
-  const Identification id =
-      poses ? identified_at_rest(request, arm, options) : identified(request, arm, options);
+  Identification id = poses ? identified_at_rest(request, arm, options) : identified(request, arm, options);
   if (!id.model) {
     if (id.drive_gains && id.drive_gains->problem.empty()) std::cout << id.drive_gains->report();
     if (id.drive_gains && !request.common.json.empty())
       write_file(request.common.json, to_json(id));
     say(id.reason);
     return kDataCannotAnswer;
+  }
+  if (!poses) {
+    for (const QualityFinding& f : questions_answered(arm, request.train, options.preprocessing, id.train_error.relative))
+      id.remarks.push_back(f.file + ": " + f.sentence);
   }
   write_results(request, id, command_line);
   return kDone;

@@ -5,7 +5,10 @@
 #include <unordered_map>
 
 #include "effects/plain_friction.hpp"
+#include "estimation/least_squares.hpp"
 #include "identification/base_solution.hpp"
+#include "math/dense.hpp"
+#include "math/median.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/identification/compressed_recording.hpp"
 #include "veridyn/regressor/base_parameters.hpp"
@@ -13,12 +16,17 @@
 namespace veridyn {
 namespace {
 
-constexpr int kHalves = 2;
+/// Folds of contiguous blocks; each is predicted from the others.
+constexpr int kFolds = 4;
+/// [Hz] grid on which recordings are compared; their torques are low-passed at a tenth of it.
+constexpr double kGrid = 50.0;
+/// Square of the second difference of white noise = kSecondDifference * its variance.
+constexpr double kSecondDifference = 6.0;
 
 // The arm with plain friction on every coordinate and all parameters free: facts of the file do not
 // hold for wrongly recorded signals.
 Model with_everything_open(const Model& arm) {
-  ModelDescription d = with_plain_friction(arm).description();
+  ModelDescription d = with_effect_of_all_joints(with_plain_friction(arm), kRotorInertia).description();
   for (EffectTerm& term : d.effects) term.fixed = false;
   for (Frame& frame : d.frames) {
     if (frame.body) frame.body->fixed = false;
@@ -37,22 +45,12 @@ VectorXd values_of(const SquareRootInformation& factor, const std::unordered_map
   return out;
 }
 
-// Share of a joint's squared torques that the values leave unexplained in each half of the blocks.
-VectorXd shares_of_halves(const CompressedRecording& c, int joint, const VectorXd& values) {
-  VectorXd left = VectorXd::Zero(kHalves);
-  VectorXd all = left;
+// The blocks of a joint, merged into folds.
+std::vector<std::vector<SquareRootInformation>> folds_of(const CompressedRecording& c, int joints) {
+  std::vector<std::vector<SquareRootInformation>> out(kFolds, std::vector<SquareRootInformation>(static_cast<std::size_t>(joints)));
   for (std::size_t k = 0; k < c.blocks.size(); ++k) {
-    const auto half = static_cast<Eigen::Index>(kHalves * k / c.blocks.size());
-    left[half] += c.blocks[k][joint].residual2(values);
-    all[half] += c.blocks[k][joint].rhs_norm2();
+    for (std::size_t i = 0; i < c.blocks[k].size(); ++i) out[kFolds * k / c.blocks.size()][i].merge(c.blocks[k][i]);
   }
-  return left.cwiseQuotient(all.cwiseMax(1e-300));
-}
-
-// All rows of a joint, over the parameters that its torque depends on.
-SquareRootInformation all_blocks(const CompressedRecording& c, int joint) {
-  SquareRootInformation out;
-  for (const auto& block : c.blocks) out.merge(block[joint]);
   return out;
 }
 
@@ -67,11 +65,12 @@ struct QuickFitter::Friction {
 
 QuickFitter::QuickFitter(const Model& arm, const PreprocessingOptions& options,
                          const CheckThresholds& limits)
-    : arm_(with_everything_open(arm)), options_(options), smallest_share_(limits.smallest_share) {
+    : arm_(with_everything_open(arm)), options_(options), limits_(limits), has_values_(arm.inertial_values().has_value()) {
   options_.excluded_intervals.clear();
   options_.first_row = 0;
   options_.row_count.reset();
   options_.min_speed = 0.0;
+  if (options_.cutoff <= kGrid / 10.0) options_.rate = kGrid;
   parameters_ = standard_parameters(arm_);
   names_ = parameter_names(parameters_);
   const BaseParameters base = base_parameters(arm_);
@@ -87,40 +86,103 @@ std::pair<int, double> QuickFitter::determined(const Recording& recording) const
   return {found.size(), solve_base(c, weights, found, names_).condition_number_scaled};
 }
 
-QuickFit QuickFitter::fit(const Recording& recording, std::vector<SquareRootInformation>* factors) const {
+QuickFit QuickFitter::fit(const Recording& recording) const {
   const std::vector<CompressedRecording> compressed = {compress(arm_, recording, options_)};
   const CompressedRecording& c = compressed.front();
+  const int n = arm_.joints();
   QuickFit out;
+  out.shares = VectorXd::Ones(n);
+  out.folds = MatrixXd::Ones(n, kFolds);
+  out.friction = out.friction_significance = out.ratios = VectorXd::Zero(n);
+  if (c.blocks.size() < kFolds) return out;
   const VectorXd weights = range_weights(compressed);
-  SquareRootInformation total(names_);
-  std::vector<SquareRootInformation> joints;
-  for (int i = 0; i < arm_.joints(); ++i) {
-    joints.push_back(all_blocks(c, i));
-    total.merge(joints.back(), weights[i]);
-    if (factors == nullptr) continue;
-    factors->emplace_back(names_);
-    factors->back().merge(joints.back());
+  const auto folds = folds_of(c, n);
+  std::vector<SquareRootInformation> base;  // of every fold
+  for (const auto& fold : folds) base.push_back(weighted_total(fold, weights, names_).restricted(base_columns_));
+  const MatrixXd without = solutions_without(base);
+  SquareRootInformation total(base_columns_);
+  for (const SquareRootInformation& one : base) total.merge(one);
+  const VectorXd beta = least_squares(total);
+  VectorXd left = VectorXd::Zero(n), all = left;
+  for (int f = 0; f < kFolds; ++f) {
+    std::unordered_map<std::string, double> values;
+    for (int j = 0; j < base_size(); ++j) values[base_columns_[static_cast<std::size_t>(j)]] = without(j, f);
+    for (int i = 0; i < n; ++i) {
+      const SquareRootInformation& rows = folds[static_cast<std::size_t>(f)][static_cast<std::size_t>(i)];
+      const double residual2 = rows.residual2(values_of(rows, values));
+      out.folds(i, f) = residual2 / std::max(rows.rhs_norm2(), 1e-300);
+      left[i] += residual2;
+      all[i] += rows.rhs_norm2();
+    }
   }
-  const SquareRootInformation base = total.restricted(base_columns_);
-  const VectorXd beta = base.R().triangularView<Eigen::Upper>().solve(base.z());
-  std::unordered_map<std::string, double> values;
-  for (int j = 0; j < base_size(); ++j) values[base_columns_[j]] = beta[j];
-  out.unexplained = base.rho2() / std::max(base.rhs_norm2(), 1e-300);
-  out.halves.resize(arm_.joints(), kHalves);
-  for (int i = 0; i < arm_.joints(); ++i) {
-    const VectorXd own = values_of(joints[i], values);
-    const double share = joints[i].residual2(own) / std::max(joints[i].rhs_norm2(), 1e-300);
-    out.halves.row(i) = shares_of_halves(c, i, own).transpose();
-    out.misfit += std::log(std::max(share, smallest_share_));
-    out.shares.push_back(share);
+  out.shares = left.cwiseQuotient(all.cwiseMax(1e-300)).cwiseMin(1.0);
+  for (int i = 0; i < n; ++i) {
+    SquareRootInformation rows(names_);
+    for (const auto& fold : folds) rows.merge(fold[static_cast<std::size_t>(i)]);
+    if (has_values_) out.ratios[i] = ratio(rows);
   }
   const MatrixXd power = friction_power(recording);
   out.friction = power * beta;
-  const MatrixXd spread = base.R().triangularView<Eigen::Upper>().transpose().solve(power.transpose());
-  for (int i = 0; i < arm_.joints(); ++i)
-    out.friction_significance.push_back(std::abs(out.friction[i]) /
-                       std::max(spread.col(i).norm() * std::sqrt(base.rho2()), 1e-300));
+  const MatrixXd spread = total.R().triangularView<Eigen::Upper>().transpose().solve(power.transpose());
+  for (int i = 0; i < n; ++i)
+    out.friction_significance[i] = std::abs(out.friction[i]) / std::max(spread.col(i).norm() * std::sqrt(total.rho2()), 1e-300);
+  out.misfit = out.shares.cwiseMax(limits_.smallest_share * limits_.smallest_share).array().log().sum();
+  out.contradictions = contradictions(out);
+  out.misfit += out.contradictions;
   return out;
+}
+
+double QuickFitter::contradictions(const QuickFit& fit) const {
+  double out = 0.0;
+  for (Eigen::Index i = 0; i < fit.shares.size(); ++i) {
+    const double rest = limits_.friction_above_rest * std::sqrt(fit.shares[i]);
+    const bool gives = -fit.friction[i] > std::max(limits_.friction_share, rest) && fit.friction_significance[i] > limits_.friction_significance;
+    out += gives ? limits_.gives_energy : 0.0;
+    if (fit.ratios[i] == 0.0) continue;
+    const double off = fit.ratios[i] < 0.0 ? limits_.most_off : std::abs(std::log(fit.ratios[i])) / std::log(limits_.torque_factor) - 1.0;
+    out += std::clamp(off, 0.0, limits_.most_off);
+  }
+  return out;
+}
+
+double QuickFitter::noise(const Recording& recording) const {
+  const double rate = std::min(kGrid, 1.0 / std::max(median_step(recording.time), 1e-6));
+  double sum = 0.0;
+  for (Eigen::Index j = 0; j < recording.tau.cols(); ++j) {
+    double second2 = 0.0, torque2 = 0.0;
+    for (Eigen::Index k = 2; k < recording.time.size(); ++k) {
+      const double second = recording.tau(k, j) - 2.0 * recording.tau(k - 1, j) + recording.tau(k - 2, j);
+      if (!std::isfinite(second)) continue;
+      second2 += second * second / kSecondDifference;
+      torque2 += recording.tau(k, j) * recording.tau(k, j);
+    }
+    const double passed = options_.cutoff > 0.0 ? std::min(1.0, 2.0 * options_.cutoff / rate) : 1.0;
+    if (torque2 > 0.0) sum += passed * second2 / torque2;
+  }
+  return std::sqrt(sum / static_cast<double>(std::max<Eigen::Index>(1, recording.tau.cols())));
+}
+
+// Factor between the torques of the file's values and the recorded ones, beside friction and rotor inertia, which
+// files lack.
+double QuickFitter::ratio(const SquareRootInformation& joint) const {
+  std::vector<Eigen::Index> open;
+  VectorXd phi = VectorXd::Zero(joint.size());
+  for (std::size_t j = 0; j < parameters_.size(); ++j) {
+    if (parameters_[j].effect) open.push_back(static_cast<Eigen::Index>(j));
+    else if (std::isfinite(parameters_[j].value)) phi[static_cast<Eigen::Index>(j)] = parameters_[j].value;
+  }
+  const MatrixXd R = joint.R();
+  MatrixXd columns(R.rows(), 1 + static_cast<Eigen::Index>(open.size()));
+  columns.col(0) = R * phi;
+  for (std::size_t k = 0; k < open.size(); ++k) columns.col(1 + static_cast<Eigen::Index>(k)) = R.col(open[k]);
+  const VectorXd norms = columns.colwise().norm().transpose().cwiseMax(1e-300);
+  if (columns.col(0).norm() < 1e-300) return 0.0;
+  const MatrixXd scaled = columns * norms.cwiseInverse().asDiagonal();
+  const MatrixXd others = scaled.rightCols(scaled.cols() - 1);
+  const VectorXd x = least_norm(scaled, joint.z());
+  const double with = (scaled * x - joint.z()).squaredNorm() + joint.rho2();
+  const double without = (others * least_norm(others, joint.z()) - joint.z()).squaredNorm() + joint.rho2();
+  return with < limits_.telling * without ? x[0] / norms[0] : 0.0;
 }
 
 std::vector<QuickFitter::Friction> QuickFitter::frictions() const {

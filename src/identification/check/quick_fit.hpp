@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,44 +13,52 @@
 
 namespace veridyn {
 
-/// Result of one short identification.
+/// Result of one short identification; errors are those of rows that were held out.
 struct QuickFit {
-  double unexplained = 1.0;    ///< share of the weighted squares of the torques
-  double misfit = 0.0;         ///< sum over the joints of log(share); a share below
-                               ///< CheckThresholds::smallest_share counts as that
-  std::vector<double> shares;  ///< by joint: unexplained share of its squared torque
-  MatrixXd halves;             ///< joints x 2: the same over the first and the second half
-  VectorXd friction;  ///< by joint: power lost to friction, relative to rms torque times rms speed
-  /// By joint: relative rise of the rms misfit without friction, its significance.
-  std::vector<double> friction_significance;
+  VectorXd shares;  ///< by joint: unexplained share of its squared torque
+  MatrixXd folds;   ///< (joints x folds) the same in each fold
+  /// Sum over the joints of log(share), and what contradicts physics or the values of the file; the smaller the better.
+  double misfit = 0.0;
+  double contradictions = 0.0;  ///< of these, the latter
+  VectorXd friction;               ///< by joint: power lost to friction, relative to rms torque times rms speed
+  VectorXd friction_significance;  ///< by joint: relative rise of the rms misfit without friction
+  /// By joint: recorded torque per torque of the file's values; 0 where they explain too little of it to tell.
+  VectorXd ratios;
+
+  /// Relative error of the torque, root mean square over the joints.
+  double left() const { return std::sqrt(shares.mean()); }
 };
 
-/// Fits an arm with plain friction and all parameters free to one short recording after the other.
+/// Fits an arm with plain friction, rotor inertia and all parameters free to one short recording after the other.
 class QuickFitter {
  public:
   QuickFitter(const Model& arm, const PreprocessingOptions& options, const CheckThresholds& limits);
 
-  const std::vector<StandardParameter>& parameters() const { return parameters_; }
   int base_size() const { return static_cast<int>(base_columns_.size()); }
 
   /// Number of base parameters that the recording determines, and their condition number.
   std::pair<int, double> determined(const Recording& recording) const;
 
-  /// @param factors  if not null, the factor of each joint's torques over parameters() is appended.
-  QuickFit fit(const Recording& recording, std::vector<SquareRootInformation>* factors = nullptr) const;
+  QuickFit fit(const Recording& recording) const;
+
+  /// Relative error that white noise of the torques causes in fit(), root mean square over the joints.
+  double noise(const Recording& recording) const;
 
  private:
   struct Friction;
 
   std::vector<Friction> frictions() const;
   MatrixXd friction_power(const Recording& recording) const;
+  double ratio(const SquareRootInformation& joint) const;
+  double contradictions(const QuickFit& fit) const;
 
   Model arm_;
   PreprocessingOptions options_;
-  double smallest_share_;
+  CheckThresholds limits_;
   std::vector<StandardParameter> parameters_;
   std::vector<std::string> names_;
   std::vector<std::string> base_columns_;
+  bool has_values_ = false;
 };
 
 }  // namespace veridyn

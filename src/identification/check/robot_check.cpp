@@ -1,5 +1,5 @@
-#include "veridyn/identification/verdict.hpp"
 #include "veridyn/identification/robot_check.hpp"
+#include "veridyn/identification/verdict.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -7,29 +7,45 @@
 #include <optional>
 #include <utility>
 
-#include "effects/plain_friction.hpp"
 #include "identification/check/check_thresholds.hpp"
 #include "identification/check/quick_fit.hpp"
-#include "identification/check/signal_hypotheses.hpp"
-#include "math/dense.hpp"
+#include "identification/check/questions.hpp"
+#include "math/median.hpp"
 #include "math/numbers.hpp"
 #include "math/parallel.hpp"
 #include "recordings/kept_recordings.hpp"
+#include "recordings/recorded_motion.hpp"
 #include "recordings/quality/quality_checks.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {
 
+/// travel < kWeakly * range and < kNearlyStraight [rad]: gravity along it is nearly a straight line, as a spring is.
+constexpr double kWeakly = 0.3, kNearlyStraight = 1.3;
+/// relative error of some joint > kAskedAbove: questions are asked of recordings that were identified.
+constexpr double kAskedAbove = 0.08;
+/// largest gain > kEqualGains * smallest gain: currents are no torques in another unit.
+constexpr double kEqualGains = 1.05;
+/// drive gain < kLeastGain [N m/A] of some joint: small efforts say nothing about their unit.
+constexpr double kLeastGain = 2.0;
+/// recorded torque < kBehindGear * that of the file's values, on all joints: in front of gears.
+constexpr double kBehindGear = 0.2;
+
 std::string percent(double share) {
   return text(quality::number(100.0 * share), " %");
 }
 
+// A set of questions that are answered by yes, and the fit that follows.
+struct Answer {
+  std::vector<Question> set;
+  QuickFit fit;
+};
+
 class RobotCheck {
  public:
-  RobotCheck(const Model& arm, Recording recording, const PreprocessingOptions& options,
-             const CheckThresholds& limits)
-      : given_(arm), limits_(limits), recording_(std::move(recording)), fitter_(arm, options, limits) {
+  RobotCheck(const Model& arm, Recording recording, const PreprocessingOptions& options, const CheckThresholds& limits)
+      : given_(arm), options_(options), limits_(limits), recording_(std::move(recording)), fitter_(arm, options, limits) {
     for (const Coordinate& c : arm.coordinates()) names_.push_back(c.name);
     moves_ = quality::Head(recording_, QualityNumbers()).moves;
   }
@@ -37,15 +53,14 @@ class RobotCheck {
   std::vector<QualityFinding> run() {
     tell_what_hardly_moves();
     if (!is_identifiable()) return std::move(findings_);
-    fit_now();
-    turned_.assign(static_cast<size_t>(joints()), 0);
-    // Accepts the best hypothesis, then the best further one.
-    while (static_cast<int>(findings_.size()) < joints() && accept_best(hypotheses(), limits_.better)) {
+    noise_ = fitter_.noise(recording_);
+    best_.fit = fitter_.fit(recording_);
+    const double before = best_.fit.left();
+    while (static_cast<int>(best_.set.size()) < limits_.most_together && !is_explained(best_.fit) && add_best()) {
     }
-    check_that_friction_dissipates();
-    check_signs_by_dissipation();
-    take_currents();
-    compare_with_values();
+    take_gears();
+    report(before);
+    if (!given_.inertial_values() && best_.set.empty()) warn_of_small_efforts();
     return std::move(findings_);
   }
 
@@ -78,25 +93,25 @@ class RobotCheck {
         highest = std::max(highest, q);
       }
       const double share = (highest - lowest) / (limits.upper - limits.lower);
-      if (!moves(i) || !std::isfinite(limits.upper - limits.lower) || !(share < kHardlyMoves)) continue;
-      add("hardly_moves", i + 1, share,
-          text("In its first ", quality::number(recording_.time[recording_.rows() - 1] - recording_.time[0]), " s ", joint(i),
-               " moves over ", percent(share), " of its range: little of its friction and inertia can be identified."));
+      if (!moves(i) || !std::isfinite(limits.upper - limits.lower)) continue;
+      const std::string seconds = quality::number(recording_.time[recording_.rows() - 1] - recording_.time[0]);
+      const bool hardly = share < kHardlyMoves;
+      if (!hardly && (given_.coordinates()[static_cast<size_t>(i)].prismatic || !(share < kWeakly) || !(highest - lowest < kNearlyStraight))) continue;
+      add(hardly ? "hardly_moves" : "weak_motion", i + 1, share,
+          text("In its first ", seconds, " s ", joint(i), " moves over ", percent(share), " of its range: ",
+               hardly ? "little of its friction and inertia can be identified."
+                      : "a spring and a load cannot be told apart there, and torques at other angles are extrapolated."));
       findings_.back().severity = Severity::kWarning;
     }
   }
 
   int joints() const { return given_.joints(); }
-  bool moves(int i) const { return moves_[i]; }
-  std::string joint(int i) const { return text("joint ", i + 1, " (", names_[i], ")"); }
+  bool moves(int i) const { return moves_[static_cast<size_t>(i)]; }
+  std::string joint(int i) const { return text("joint ", i + 1, " (", names_[static_cast<size_t>(i)], ")"); }
 
   // Torques may be recorded as currents, to which the options then apply.
   bool amperes() const { return recording_.current.size() > 0; }
   std::string torque_name() const { return amperes() ? "i" : "tau"; }
-  std::string torque_unit(int i) const {
-    if (amperes()) return "A";
-    return given_.coordinates()[i].prismatic ? "N" : "Nm";
-  }
 
   void add(const std::string& finding, int joint, double value, const std::string& sentence) {
     QualityFinding f;
@@ -110,75 +125,112 @@ class RobotCheck {
     findings_.push_back(std::move(f));
   }
 
-  void fit_now() {
-    factors_.clear();
-    now_ = fitter_.fit(recording_, &factors_);
-  }
+  double near() const { return std::max(limits_.near_noise * noise_, limits_.exact); }
+  bool is_explained(const QuickFit& fit) const { return fit.left() <= near() && fit.contradictions == 0.0; }
 
-  QuickFit tried(const SignalHypothesis& hypothesis) const {
-    Recording changed = recording_;
-    hypothesis.mend(&changed);
-    return fitter_.fit(changed);
-  }
-
-  void accept(const SignalHypothesis& hypothesis, const QuickFit& fit) {
-    if (hypothesis.finding == "torque_sign") {  // reported at the end, after the check of friction
-      turned_[hypothesis.joint - 1] ^= 1;
-    } else {
-      add(hypothesis.finding, hypothesis.joint, fit.unexplained,
-          text(hypothesis.what, ": so the arm leaves ", percent(fit.unexplained),
-               " of the torques' squares unexplained instead of ", percent(now_.unexplained), "; ",
-               hypothesis.option, " mends it."));
+  // The recording and the arm after all transformations of a set. Columns are exchanged before they are scaled, as the
+  // reader does.
+  Recording changed(const std::vector<Question>& set) const {
+    Recording out = recording_;
+    for (const bool exchanges : {true, false}) {
+      for (const Question& q : set) {
+        if (q.recording && q.map.empty() != exchanges) q.recording(out);
+      }
     }
-    hypothesis.mend(&recording_);
-    now_ = fit;
-    factors_.clear();
+    return out;
   }
 
-  // Accepts the best hypothesis if it is much better than the recording as it is and than every other
-  // one that excludes it. Hypotheses that come close to each other are what joints that move alike make
-  // of a torque that the arm does not explain.
-  bool accept_best(const std::vector<SignalHypothesis>& hypotheses, double better) {
-    std::vector<QuickFit> fits(hypotheses.size());
-    std::vector<char> possible(hypotheses.size());
-    parallel_for(static_cast<int>(hypotheses.size()), 0, [&](int k) {
-      const auto at = static_cast<size_t>(k);
-      fits[at] = tried(hypotheses[at]);
-      possible[at] = is_possible(hypotheses[at]) ? 1 : 0;
+  QuickFit fit_of(const std::vector<Question>& set) const {
+    const Recording recording = changed(set);
+    if (std::none_of(set.begin(), set.end(), [](const Question& q) { return static_cast<bool>(q.robot); })) return fitter_.fit(recording);
+    ModelDescription d = given_.description();
+    for (const Question& q : set) {
+      if (q.robot) q.robot(d);
+    }
+    return QuickFitter(Model(std::move(d)), options_, limits_).fit(recording);
+  }
+
+  std::vector<Answer> tried(const std::vector<Question>& questions) const {
+    std::vector<Answer> out(questions.size());
+    parallel_for(static_cast<int>(questions.size()), 0, [&](int k) {
+      Answer& one = out[static_cast<size_t>(k)];
+      one.set = best_.set;
+      one.set.push_back(questions[static_cast<size_t>(k)]);
+      one.fit = fit_of(one.set);
     });
-    const auto gains = [&](size_t k) {
-      return fits[k].misfit <= now_.misfit - better && fits[k].unexplained < now_.unexplained;
+    return out;
+  }
+
+  // Questions that the answers so far leave open. What only contradicts the file's values or friction's sign is asked of
+  // torques and gravity.
+  std::vector<Question> open_questions() const {
+    std::vector<bool> badly;
+    for (int i = 0; i < joints(); ++i) badly.push_back(std::sqrt(best_.fit.shares[i]) > near());
+    std::vector<Question> all = questions_of(given_, recording_, torque_name(), moves_, badly);
+    const bool fits = best_.fit.left() <= near();
+    const auto closed = [&](const Question& q) {
+      if (fits && q.finding != "gravity" && q.finding != "current" && q.finding.rfind("torque", 0) != 0) return true;
+      if (q.finding == "current" && !currents_are_asked()) return true;
+      return std::any_of(best_.set.begin(), best_.set.end(), [&](const Question& chosen) {
+        return chosen.excludes(q) || (chosen.finding == q.finding && chosen.joint == q.joint && chosen.second == q.second);
+      });
     };
+    all.erase(std::remove_if(all.begin(), all.end(), closed), all.end());
+    return all;
+  }
+
+  // Adds the best question if it is much better than what there is and than every other one that excludes it. Questions
+  // that come close to each other are what joints that move alike make of a torque that the arm does not explain.
+  bool add_best() {
+    const std::vector<Question> questions = open_questions();
+    const std::vector<Answer> all = tried(questions);
+    std::vector<char> possible;
+    for (const Question& q : questions) possible.push_back(is_possible(q) ? 1 : 0);
+    const auto gain = [&](size_t k) { return best_.fit.misfit - all[k].fit.misfit; };
+    const auto passes = [&](size_t k) { return gain(k) > (questions[k].finding == "current" ? limits_.gains_better : limits_.better); };
     std::optional<size_t> best;
-    for (size_t k = 0; k < hypotheses.size(); ++k) {
+    for (size_t k = 0; k < all.size(); ++k) {
       const bool first = !best || possible[k] > possible[*best];
-      if (gains(k) && (first || (possible[k] == possible[*best] && fits[k].misfit < fits[*best].misfit))) best = k;
+      if (passes(k) && (first || (possible[k] == possible[*best] && gain(k) > gain(*best)))) best = k;
     }
     if (!best) return false;
-    if (possible[*best] == 0) {
-      say_perhaps(hypotheses[*best], fits[*best], "as recorded, all positions lie within the limits of the joints");
-      return false;
+    const Question& q = questions[*best];
+    if (possible[*best] == 0) return say_perhaps(all[*best], "as recorded, all positions lie within the limits of the joints");
+    const bool common = q.finding == "torque_sign" || q.neighbours;  // signs are the commonest mistake; directions are polished
+    for (size_t k = 0; !common && k < all.size(); ++k) {
+      if (k == *best || possible[k] == 0 || !q.excludes(questions[k]) || gain(k) < gain(*best) - limits_.better) continue;
+      if (questions[k].finding == q.finding && q.finding != "swapped_joints" && all[k].fit.left() > near()) continue;
+      return say_perhaps(all[*best], "another exchange does nearly as well, so that none of them is sure");
     }
-    const bool sign = hypotheses[*best].finding == "torque_sign";  // the commonest mistake, for which its gain is enough
-    for (size_t k = 0; !sign && k < hypotheses.size(); ++k) {
-      if (k == *best || possible[k] == 0 || !hypotheses[*best].excludes(hypotheses[k])) continue;
-      if (fits[k].misfit > fits[*best].misfit + better) continue;
-      say_perhaps(hypotheses[*best], fits[*best], "another exchange does nearly as well, so that none of them is sure");
-      return false;
-    }
-    if (!sign && !holds_throughout(hypotheses[*best], fits[*best])) {
-      say_perhaps(hypotheses[*best], fits[*best], "a joint that it concerns is explained no better in a half of the recording");
-      return false;
-    }
-    accept(hypotheses[*best], fits[*best]);
+    if (!common && !holds_throughout(q, all[*best].fit))
+      return say_perhaps(all[*best], "a joint that it concerns is explained no better in a part of the recording");
+    best_ = polished(all[*best]);
     return true;
   }
 
-  // True if either half of the recording explains every joint concerned better than before.
-  bool holds_throughout(const SignalHypothesis& hypothesis, const QuickFit& fit) const {
-    for (const int k : {hypothesis.joint, hypothesis.second}) {
-      if (k == 0) continue;
-      if ((fit.halves.row(k - 1).array() > now_.halves.row(k - 1).array()).any()) return false;
+  // Moves the last question of a set to its better neighbours, by steps that halve.
+  Answer polished(Answer answer) const {
+    const std::vector<Question> before(answer.set.begin(), answer.set.end() - 1);
+    for (double step = 0.5 * answer.set.back().first_distance; answer.set.back().neighbours && step > limits_.finest * answer.set.back().first_distance;) {
+      const std::vector<Question> near = answer.set.back().neighbours(step);
+      std::vector<Answer> all(near.size());
+      parallel_for(static_cast<int>(near.size()), 0, [&](int k) {
+        Answer& one = all[static_cast<size_t>(k)];
+        one.set = before;
+        one.set.push_back(near[static_cast<size_t>(k)]);
+        one.fit = fit_of(one.set);
+      });
+      const auto least = std::min_element(all.begin(), all.end(), [](const Answer& a, const Answer& b) { return a.fit.misfit < b.fit.misfit; });
+      if (least->fit.misfit < answer.fit.misfit) answer = *least;
+      else step *= 0.5;
+    }
+    return answer;
+  }
+
+  // True if every part of the recording explains every joint concerned better than before.
+  bool holds_throughout(const Question& q, const QuickFit& fit) const {
+    for (const int k : {q.joint, q.second}) {
+      if (k > 0 && (fit.folds.row(k - 1).array() > best_.fit.folds.row(k - 1).array()).any()) return false;
     }
     return true;
   }
@@ -197,14 +249,14 @@ class RobotCheck {
     return out;
   }
 
-  // The limits of the joints admit the positions that follow, no worse than those recorded; degrees also
+  // The limits of the joints admit the positions that follow, no worse than those recorded; other units also
   // need positions that are none in radians.
-  bool is_possible(const SignalHypothesis& hypothesis) const {
-    const int as_recorded = beyond_limits(recording_);
-    if (hypothesis.finding == "degrees") return as_recorded > 0 || !has_limits();
-    Recording changed = recording_;
-    hypothesis.mend(&changed);
-    return beyond_limits(changed) <= as_recorded;
+  bool is_possible(const Question& q) const {
+    const int as_recorded = beyond_limits(changed(best_.set));
+    if (q.finding == "degrees" && q.units.rfind("q=", 0) == 0) return as_recorded > 0 || !has_limits();
+    std::vector<Question> with = best_.set;
+    with.push_back(q);
+    return beyond_limits(changed(with)) <= as_recorded;
   }
 
   bool has_limits() const {
@@ -213,75 +265,58 @@ class RobotCheck {
     });
   }
 
-  void say_perhaps(const SignalHypothesis& hypothesis, const QuickFit& fit, const std::string& but) {
-    if (hypothesis.what.empty()) return;  // a sign: friction is asked next
-    std::string what = hypothesis.what;
+  bool say_perhaps(const Answer& answer, const std::string& but) {
+    const Question& q = answer.set.back();
+    std::string what = q.what;
     what.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(what.front())));
-    add(hypothesis.finding, hypothesis.joint, fit.unexplained,
-        text("Perhaps ", what, ": so the arm leaves ", percent(fit.unexplained), " of the torques' squares unexplained instead of ",
-             percent(now_.unexplained), ", but ", but, "."));
+    add(q.finding, q.joint, answer.fit.left(),
+        text("Perhaps ", what, ": so the arm leaves ", percent(answer.fit.left()), " of the torque on held-out rows instead of ",
+             percent(best_.fit.left()), ", but ", but, "."));
     findings_.back().severity = Severity::kInfo;
+    return false;
   }
 
-  // Two joints are exchanged only where the recording as it is leaves at least one of them badly explained.
-  std::vector<SignalHypothesis> hypotheses() const {
-    std::vector<SignalHypothesis> all = angles_in_degrees(given_, recording_);
-    for (int i = 0; i < joints(); ++i)
-      if (moves(i)) all.push_back(turned_torque(i));
+  // Torques that are a few times too small or too large, joint by joint, for every unit: those of the motors.
+  void take_gears() {
+    const VectorXd& ratios = best_.fit.ratios;
+    std::vector<double> known;
+    for (const double ratio : ratios) {
+      if (ratio != 0.0) known.push_back(ratio);
+    }
+    if (amperes() || known.empty() || *std::max_element(known.begin(), known.end()) > kBehindGear || *std::min_element(known.begin(), known.end()) <= 0.0) return;
+    Question q;
+    q.finding = "torque_unit";
+    VectorXd gears(joints());
+    std::string list;
     for (int i = 0; i < joints(); ++i) {
-      for (int j = i + 1; j < joints(); ++j) {
-        if (!moves(i) || !moves(j) || std::max(now_.shares[i], now_.shares[j]) <= limits_.well_fitted) continue;
-        for (SignalHypothesis& swap : exchanges(i, j, joint(i) + " and " + joint(j), recording_.dq.size() > 0, torque_name()))
-          all.push_back(std::move(swap));
+      gears[i] = std::round(1.0 / (ratios[i] != 0.0 ? ratios[i] : median(known)));
+      q.units += text(i > 0 ? "," : "", "tau", i + 1, "=", gears[i]);
+      list += text(i > 0 ? ", " : "", gears[i]);
+    }
+    q.what = text("Torques are those of the motors in front of gears of about ", list);
+    q.recording = [gears](Recording& r) { r.tau = (r.tau * gears.asDiagonal()).eval(); };
+    Answer with = best_;
+    with.set.push_back(q);
+    with.fit = fit_of(with.set);
+    if (best_.fit.misfit - with.fit.misfit > limits_.better) best_ = std::move(with);
+  }
+
+  // One line for each answer, with what the arm leaves without it and all options together.
+  void report(double before) {
+    const std::string options = options_of(best_.set);
+    for (const Question& q : best_.set) {
+      std::vector<Question> others;
+      for (const Question& other : best_.set) {
+        if (&other != &q) others.push_back(other);
       }
-    }
-    return all;
-  }
-
-  bool friction_shows(int i, int sign) const {
-    const auto joint = static_cast<size_t>(i);
-    const double rest = limits_.friction_above_rest * std::sqrt(now_.shares[joint]);
-    return moves(i) && sign * now_.friction[i] > std::max(limits_.friction_share, rest) &&
-           now_.friction_significance[joint] > limits_.friction_significance;
-  }
-
-  void check_that_friction_dissipates() {
-    // Checks the sign of all torques, or of joints without coupling, by dissipation: friction takes
-    // energy. A joint without visible friction follows the others if these agree.
-    int taking = 0;
-    int giving = 0;
-    for (int i = 0; i < joints(); ++i) {
-      taking += friction_shows(i, 1) ? 1 : 0;
-      giving += friction_shows(i, -1) ? 1 : 0;
-    }
-    const bool all = taking == 0 && 2 * giving > joints();
-    bool again = false;
-    std::vector<char> wrong;
-    for (int i = 0; i < joints(); ++i) wrong.push_back(friction_shows(i, -1) ? 1 : 0);
-    for (int i = 0; i < joints(); ++i) {
-      if (!moves(i) || (!all && wrong[i] == 0)) continue;
-      turned_[i] ^= 1;
-      recording_.tau.col(i) *= -1.0;
-      again = true;
-    }
-    if (again) fit_now();
-  }
-
-  void check_signs_by_dissipation() {
-    for (int i = 0; i < joints(); ++i) {
-      if (turned_[i] == 0) continue;
-      Recording back = recording_;  // with all but this joint corrected
-      back.tau.col(i) *= -1.0;
-      const QuickFit without = fitter_.fit(back);
-      const bool fits =
-          now_.misfit < without.misfit - limits_.better && now_.unexplained < without.unexplained;
-      add("torque_sign", i + 1, now_.shares[i],
-          text("Torques of ", joint(i), " have the wrong sign: ",
-               fits ? text("turned round, the arm leaves ", percent(now_.unexplained),
-                           " of the torques' squares unexplained instead of ",
-                           percent(without.unexplained))
-                    : "its friction would give energy instead of taking it",
-               "; --units ", torque_name(), i + 1, "=-", torque_unit(i), " mends it."));
+      const double without = others.empty() ? before : fit_of(others).left();
+      const double left = best_.fit.left();
+      std::string sentence = q.what + ": ";
+      if (left < without) sentence += text("so the arm leaves ", percent(left), " of the torque on held-out rows instead of ", percent(without), "; ");
+      else sentence += "its friction or the values of the robot file say so; ";
+      if (is_explained(best_.fit)) sentence += options + " mends it.";
+      else sentence += text(options, " makes it better, but the noise is at ", percent(noise_), ": not the whole truth.");
+      add(q.finding, q.joint, left, sentence);
     }
   }
 
@@ -290,30 +325,27 @@ class RobotCheck {
                        [](const Coordinate& c) { return c.drive_gain > 0.0; });
   }
 
-  bool may_be_currents() const { return has_gains() && !amperes() && joints() > 1; }
+  // Equal gains would fit torques as well.
+  bool currents_are_asked() const {
+    if (!has_gains() || amperes() || joints() < 2) return false;
+    if (given_.inertial_values()) return true;
+    const VectorXd gains = this->gains();
+    return gains.maxCoeff() > kEqualGains * gains.minCoeff();
+  }
 
   VectorXd gains() const {
     VectorXd out(joints());
-    for (int i = 0; i < joints(); ++i) out[i] = given_.coordinates()[i].drive_gain;
+    for (int i = 0; i < joints(); ++i) out[i] = given_.coordinates()[static_cast<size_t>(i)].drive_gain;
     return out;
   }
 
-  bool warn_of_small_efforts() {
-    if (!may_be_currents() || !look_like_currents(gains())) return false;
+  void warn_of_small_efforts() {
+    if (!has_gains() || amperes() || !look_like_currents(gains())) return;
     add("current", 0, quality::kNone,
         text("All efforts are so small beside the limits of ", given_.name(),
              " that they may be motor currents, as the drivers of Universal Robots publish them: "
              "if they are, --units tau=A mends it."));
     findings_.back().severity = Severity::kWarning;
-    return true;
-  }
-
-  void take_currents() {
-    if (!may_be_currents() || warn_of_small_efforts()) return;
-    const VectorXd gains = this->gains();
-    // Equal gains would fit torques as well.
-    if (gains.maxCoeff() < limits_.equal_gains * gains.minCoeff()) return;
-    accept_best({currents(gains)}, limits_.gains_better);
   }
 
   // True if every joint's largest effort is below the current at its torque limit.
@@ -321,7 +353,7 @@ class RobotCheck {
     double nearest = 0.0;
     for (int i = 0; i < joints(); ++i) {
       const double limit = given_.coordinates()[i].limits.effort;
-      if (!std::isfinite(limit) || gains[i] < limits_.least_gain) return false;
+      if (!std::isfinite(limit) || gains[i] < kLeastGain) return false;
       double largest = 0.0;
       for (const double tau : recording_.tau.col(i)) {
         if (std::isfinite(tau)) largest = std::max(largest, std::abs(tau));
@@ -331,70 +363,15 @@ class RobotCheck {
     return nearest < 1.0;
   }
 
-  // Factor between the torques of an arm's values and the recorded ones, for arms without friction
-  // of their own beside fitted friction: at low gravity most of a joint's torque is friction.
-  double factor_beside_friction(const SquareRootInformation& f, const VectorXd& phi) const {
-    std::vector<Eigen::Index> open;
-    if (has_no_friction(given_)) {
-      for (size_t j = 0; j < fitter_.parameters().size(); ++j)
-        if (fitter_.parameters()[j].effect) open.push_back(static_cast<Eigen::Index>(j));
-    }
-    const MatrixXd R = f.R();
-    MatrixXd columns(R.rows(), 1 + static_cast<Eigen::Index>(open.size()));
-    columns.col(0) = R * phi;
-    if (columns.col(0).norm() < 1e-300) return 1.0;
-    for (size_t k = 0; k < open.size(); ++k)
-      columns.col(1 + static_cast<Eigen::Index>(k)) = R.col(open[k]);
-    const VectorXd norms = columns.colwise().norm().transpose().cwiseMax(1e-300);
-    const MatrixXd scaled = columns * norms.cwiseInverse().asDiagonal();
-    return least_norm(scaled, f.z())[0] / norms[0];
-  }
-
-  // Compares torques with those of an arm with values, by one factor per joint.
-  void compare_with_values() {
-    const bool told = std::any_of(findings_.begin(), findings_.end(),
-                                  [](const QualityFinding& f) { return f.finding == "current"; });
-    if (told || !given_.inertial_values()) return;
-    VectorXd phi(fitter_.parameters().size());
-    for (Eigen::Index j = 0; j < phi.size(); ++j) {
-      const double value = fitter_.parameters()[j].value;
-      phi[j] = std::isfinite(value) ? value : 0.0;
-    }
-    if (factors_.empty()) fit_now();
-    std::vector<double> ratios;
-    bool as_currents = true;
-    bool alien = false;
-    for (int i = 0; i < joints(); ++i) {
-      const double ratio = factor_beside_friction(factors_[i], phi);
-      const double gain = given_.coordinates()[i].drive_gain;
-      ratios.push_back(ratio);
-      as_currents = as_currents && gain > 0.0 && ratio > 0.0 && std::abs(std::log(ratio * gain)) < std::log(limits_.current_factor) &&
-                    std::abs(std::log(gain)) > std::log(limits_.torque_factor);
-      alien = alien || ratio * limits_.torque_factor < 1.0 || ratio > limits_.torque_factor;
-    }
-    if (!alien) return;
-    std::string list;
-    for (const double ratio : ratios) list += (list.empty() ? "" : ", ") + quality::number(ratio);
-    if (as_currents) {
-      add("current", 0, quality::kNone,
-          text("Efforts are ", list, " times the torques of ", given_.name(),
-               ", as motor currents are; --units tau=A mends it."));
-    } else {
-      add("torque_scale", 0, quality::kNone,
-          text("Efforts are ", list, " times the torques of ", given_.name(), ", joint by joint; --units tells if they are in other units (tau=mNm, tau=A)."));
-      findings_.back().severity = Severity::kWarning;
-    }
-  }
-
   const Model& given_;
+  const PreprocessingOptions& options_;
   const CheckThresholds& limits_;
   Recording recording_;
   QuickFitter fitter_;
   std::vector<std::string> names_;
-  QuickFit now_;
-  std::vector<SquareRootInformation> factors_;  // of the fit now_, one a joint; empty until fit_now()
-  std::vector<bool> moves_;   // joints that can be checked
-  std::vector<char> turned_;  // joints whose torques were reversed
+  std::vector<bool> moves_;  // joints that can be checked
+  double noise_ = 0.0;       // relative, see QuickFitter::noise()
+  Answer best_;
   std::vector<QualityFinding> findings_;
 };
 
@@ -408,16 +385,19 @@ const std::vector<TableNumber<CheckThresholds>>& check_numbers() {
       number_of<&T::worst_condition>("worst_condition"),
       number_of<&T::better>("better"),
       number_of<&T::gains_better>("gains_better"),
-      number_of<&T::equal_gains>("equal_gains"),
-      number_of<&T::well_fitted>("well_fitted"),
+      number_of<&T::near_noise>("near_noise"),
+      number_of<&T::exact>("exact"),
       number_of<&T::smallest_share>("smallest_share"),
       number_of<&T::friction_share>("friction_share"),
       number_of<&T::friction_above_rest>("friction_above_rest"),
       number_of<&T::friction_significance>("friction_significance"),
-      number_of<&T::beyond_limits>("beyond_limits"),
-      number_of<&T::least_gain>("least_gain"),
+      number_of<&T::gives_energy>("gives_energy"),
+      number_of<&T::telling>("telling"),
       number_of<&T::torque_factor>("torque_factor"),
-      number_of<&T::current_factor>("current_factor")};
+      number_of<&T::most_off>("most_off"),
+      number_of<&T::beyond_limits>("beyond_limits"),
+      number_of<&T::most_together>("most_together"),
+      number_of<&T::finest>("finest")};
   return kAll;
 }
 
@@ -442,15 +422,14 @@ std::vector<QualityFinding> check_against(const Model& arm, Recording recording,
 
 std::vector<QualityFinding> check_against(const Model& arm, Recording recording, const PreprocessingOptions& options,
                                           const CheckThresholds& limits) {
-  require(recording.joints() == arm.joints(), recording.source, ": found ", recording.joints(),
-          " joints, but '", arm.name(), "' has ", arm.joints(),
-          recording.joints() < arm.joints() ? " (files with a part of the joints each are one recording: a.csv+b.csv)." : ".");
+  require_joints_of(arm, recording.joints(), recording.source);
   const long first = std::min<long>(options.first_row, recording.rows());
   const long wanted = std::min<long>(options.row_count.value_or(limits.most_rows), limits.most_rows);
   const long count = std::min(wanted, recording.rows() - first);
   if (first > 0 || count < recording.rows())
     recording = rows_of(recording, static_cast<int>(first), static_cast<int>(count));
   if (recording.rows() < limits.fewest_rows) return {};
+  if (options.cutoff > 0.0 && median_step(recording.time) * options.cutoff >= 0.5) return {};  // the filter needs two rows a wave
   if (recording.tau.size() == 0 && recording.current.size() > 0) {
     // Signs, exchanged joints and angles of currents are checked through their gains.
     recording.tau = recording.current;
@@ -461,6 +440,30 @@ std::vector<QualityFinding> check_against(const Model& arm, Recording recording,
   }
   if (recording.tau.size() == 0) return {};
   return RobotCheck(arm, std::move(recording), options, limits).run();
+}
+
+bool answers_question(const QualityFinding& finding) {
+  static const char* const kNames[] = {"torque_sign", "position_sign", "swapped_joints", "degrees", "millimetres", "counts", "share_of_range",
+                                       "motor_side", "torque_unit", "current", "gravity", "dh_convention"};
+  // Degrees that velocities alone show belong to a joint.
+  return finding.severity == Severity::kFault && (finding.finding != "degrees" || finding.joint == 0) &&
+         std::find(std::begin(kNames), std::end(kNames), finding.finding) != std::end(kNames);
+}
+
+std::vector<QualityFinding> questions_answered(const Model& arm, const std::vector<std::string>& recordings, const PreprocessingOptions& options,
+                                               const VectorRef& errors) {
+  std::vector<QualityFinding> out;
+  if (errors.size() == 0 || !(errors.maxCoeff() > kAskedAbove)) return out;
+  for (const std::string& name : recordings) {
+    const Recording* there = find_in_memory(options.in_memory, name);
+    for (QualityFinding& f : there != nullptr ? check_against(arm, *there, options) : check_against(arm, name, options)) {
+      if (f.severity != Severity::kFault) continue;
+      f.file = name;
+      out.push_back(std::move(f));
+    }
+    if (out.empty()) break;  // mistakes of a set-up are in the first recording too
+  }
+  return out;
 }
 
 }  // namespace veridyn

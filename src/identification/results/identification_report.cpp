@@ -56,7 +56,7 @@ std::string Identification::report() const {
   line("held out, repaired", test_repaired.relative);
   line("without excluded rows", test_without_excluded.relative);
   line("held out, moving", test_error.moving_relative);
-  line("noise floor", noise_floor);
+  line(floor_name(*this), noise_floor);
   if (!endogeneity.empty()) {
     out += "\nDurbin-Wu-Hausman: a small p says that noise in the motion biases least squares\n";
     for (size_t i = 0; i < endogeneity.size(); ++i) {

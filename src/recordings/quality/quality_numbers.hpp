@@ -38,6 +38,8 @@ struct QualityNumbers {
   double few_stale = 0.001, many_stale = 0.02, frozen = 0.5;
   /// share of missing values > few_gaps: a warning; > many_gaps: a fault.
   double few_gaps = 0.001, many_gaps = 0.5;
+  /// |torque| or |current| < no_load [N m, A] in every row: it was not recorded.
+  double no_load = 1e-8;
   /// signals with gaps > many_signals: one finding for the file.
   int many_signals = 3;
   /// |q| > two turns in a share of the rows >= beyond_turns: degrees, or millimetres.
@@ -50,6 +52,12 @@ struct QualityNumbers {
   int fewest_fine = 200;
   /// share of repeats >= repeating: refreshed too slowly.
   double repeating = 0.1;
+
+  // Duration.
+  /// seconds that an identification does not cut < least_seconds: a fault; enough_seconds are what is advised.
+  double least_seconds = 2.0, enough_seconds = 10.0;
+  /// median step >= slow_clock [s] in one motion: times in another unit.
+  double slow_clock = 0.5;
 
   // Start-up.
   /// ringing = rms change over `ringing` [s] in windows of `window` = [s] and shortest_window rows.

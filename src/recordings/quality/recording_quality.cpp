@@ -122,7 +122,9 @@ const char* name_of(Severity severity) {
 }
 
 Severity RecordingQuality::severity() const {
-  return findings.empty() ? Severity::kInfo : findings.front().severity;
+  Severity worst = Severity::kInfo;
+  for (const QualityFinding& finding : findings) worst = std::max(worst, finding.severity);
+  return worst;
 }
 
 const QualityFinding* RecordingQuality::find(const std::string& finding, int joint) const {
