@@ -41,7 +41,7 @@ struct ArmAlgorithms {
     World world;
     Screw<L>* column;   ///< one per link
     Screw<S>* single;   ///< one per link
-    typename World::Response* response;  ///< one per link
+    typename World::Response* response;  ///< two per link
     InertiaOf<S>* carried;  ///< inertia of each link with all links that it carries
     L* angle;    ///< all angles, then sines, then cosines
     L* rows;     ///< rows of 2 n columns
@@ -294,16 +294,13 @@ struct ArmAlgorithms {
     const int wide = 2 * groups(n);
     const int narrow = groups(n);
     if (articulated(tree)) {
-      at.world.inertias(tree, arm.inertia);
       at.world.velocities(tree, dq);
       at.world.accelerations(tree, dq, ddq);
       at.world.carry(tree, World::kWrench, World::kAxis);
       at.world.articulated_changes(tree);
       for (int g = 0; g < narrow; ++g) {
-        at.world.template respond<false>(tree, World::kPosition, g, wide, at.rows + g, at.response);
-        at.world.template respond<false>(tree, World::kRate, g, wide, at.rows + narrow + g,
-                                         at.response);
-        at.world.template respond<true>(tree, World::kRate, g, narrow, at.inverse + g, at.response);
+        at.world.respond_to_motion(tree, g, wide, at.rows + g, at.response);
+        at.world.respond_to_torque(tree, g, narrow, at.inverse + g, at.response);
       }
       S* const inverse = reinterpret_cast<S*>(at.inverse);
       const int ld = narrow * lanes();
@@ -446,7 +443,8 @@ struct ArmAlgorithms {
     at.world.data = parts.template take<S>(World::kArrays * padded);
     at.world.pose = parts.template take<Pose<S>>(tree.count);
     at.world.articulated = parts.template take<ArticulatedInertia<S>>(tree.count);
-    at.response = parts.template take<typename World::Response>(tree.count);
+    at.world.joint = parts.template take<ArticulatedJoint<S>>(tree.count);
+    at.response = parts.template take<typename World::Response>(2 * tree.count);
     at.single = parts.template take<Screw<S>>(tree.count);
     at.carried = parts.template take<InertiaOf<S>>(tree.count);
     at.rows = parts.template take<L>(n * 2 * groups(n));
@@ -492,6 +490,11 @@ struct ArmAlgorithms {
   static void mass_pairs(const Links& tree, S* M, const Memory& at) {
     at.world.forces(tree);
     matrix<false>(tree, kMassUpper, kMassLower, 1.0, M, at);
+    if (tree.in_order) return;  // else both halves are sums, each in an order of its own
+    const int n = tree.joints;
+    for (int i = 0; i < n; ++i) {
+      for (int j = 0; j < i; ++j) M[j * n + i] = M[i * n + j];
+    }
   }
 
   /// Computes one matrix by coordinates.

@@ -139,6 +139,15 @@ struct ArticulatedInertia {
   Mat3<S> spin_moment, spin_force;  ///< of a rotation w: those of the accelerations w x xdot
 };
 
+/// What the passes along articulated bodies read of a joint.
+template <typename S>
+struct ArticulatedJoint {
+  Screw<S> axis;     ///< as kAxis
+  Screw<S> reduced;  ///< articulated inertia times axis, over their product with the axis
+  Vec3<S> spin;      ///< effort per unit of a rotation w by the accelerations w x xdot
+  S inverse;         ///< 1 / that product
+};
+
 /// Arrays of one number per link each; the lanes of L are neighbouring links. Links are numbered
 /// from 0 to count - 1, parents before children.
 template <typename S, typename L>
@@ -165,17 +174,16 @@ struct WorldRecursion {
     kTurn = 61,          ///< half of the change of acceleration by the joint's position
     kByPosition = 67,    ///< half of the change of what kWrench sums up, by the joint's position
     kByVelocity = 73,    ///< and by its velocity
-    kReduced = 79,       ///< articulated inertia times axis, over its product with the axis
-    kInverse = 85,       ///< 1 / that product
-    kTorqueByPosition = 86,  ///< see articulated_changes()
-    kTorqueByVelocity = 87,
-    kArrays = 88
+    kTorqueByPosition = 79,  ///< see articulated_changes()
+    kTorqueByVelocity = 80,
+    kArrays = 81
   };
 
   S* data;
   int stride;  ///< entries of an array: a whole number of groups
   Pose<S>* pose;
   ArticulatedInertia<S>* articulated;
+  ArticulatedJoint<S>* joint;
 
   S* array(int quantity) const { return data + quantity * stride; }
   Vec3<S> vector(int quantity, int k) const {
@@ -483,8 +491,7 @@ struct WorldRecursion {
       if (!is_positive(pivot)) return false;
       const S inverse = S(1.0) / pivot;
       const Screw<S> u = inverse * U;
-      array(kInverse)[k] = inverse;
-      set(kReduced, k, u);
+      joint[k] = {axis, u, recursion_detail::zero3<S>(), inverse};
       const int parent = tree.link[k].parent;
       if (parent < 0) continue;
       ArticulatedInertia<S>& to = articulated[parent];
@@ -501,20 +508,19 @@ struct WorldRecursion {
   void solve(const Links& tree, S* x, Screw<S>* memory) const {
     for (int k = 0; k < tree.count; ++k) memory[k] = none<S>();
     for (int k = tree.count - 1; k >= 0; --k) {
-      x[k] = x[k] + dot(screw(kAxis, k), memory[k]);
+      x[k] = x[k] + dot(joint[k].axis, memory[k]);
       const int parent = tree.link[k].parent;
-      if (parent >= 0)
-        memory[parent] = memory[parent] + memory[k] - x[k] * screw(kReduced, k);
+      if (parent >= 0) memory[parent] = memory[parent] + memory[k] - x[k] * joint[k].reduced;
     }
     for (int k = 0; k < tree.count; ++k) {
       const int parent = tree.link[k].parent;
       const Screw<S> a = parent < 0 ? none<S>() : memory[parent];
-      x[k] = array(kInverse)[k] * x[k] - dot(screw(kReduced, k), a);
-      memory[k] = a + x[k] * screw(kAxis, k);
+      x[k] = joint[k].inverse * x[k] - dot(joint[k].reduced, a);
+      memory[k] = a + x[k] * joint[k].axis;
     }
   }
 
-  /// Prepares respond(): a motion of joint k acts on the joints above it like one wrench on its
+  /// Prepares respond_to_motion(): a motion of joint k acts on the joints above it like one wrench on its
   /// link, on those that it carries like an acceleration of the link and a rotation at a velocity.
   /// Needs articulate(), own momenta, and kWrench summed up.
   void articulated_changes(const Links& tree) const {
@@ -532,11 +538,11 @@ struct WorldRecursion {
     }
     for (int k = tree.count - 1; k >= 0; --k) {
       const ArticulatedInertia<S>& A = articulated[k];
-      const Screw<S> axis = screw(kAxis, k);
-      const Screw<S> reduced = screw(kReduced, k);
+      const Screw<S>& axis = joint[k].axis;
+      const Screw<S>& reduced = joint[k].reduced;
       const Vec3<S> spin =
           rotate_back(A.spin_moment, axis.w) + rotate_back(A.spin_force, axis.v);
-      set(kSpin, k, spin);
+      joint[k].spin = spin;
       const auto begin = [&](const Screw<S>& f, int wrench, int torque) {
         const S effort = dot(axis, f);
         array(torque)[k] = effort;
@@ -568,67 +574,121 @@ struct WorldRecursion {
     Vec3<L> spin;
   };
 
-  /// What the joints of a group change, seen from the links above and from those that they carry.
-  struct Cause {
-    int torque, wrench;       ///< of the joint itself, and on its parent
-    int acceleration, spin;  ///< of what it carries; negative: none
-  };
-  static constexpr Cause kPosition{kTorqueByPosition, kByPosition, kTurn, kDrift};
-  static constexpr Cause kRate{kTorqueByVelocity, kByVelocity, kDrift, kAxis};
-
-  /// Computes half of the accelerations of all joints by a motion of each joint of group g; needs
-  /// articulated_changes(). kTorques: all of those by torques, of the joints up to the last of the
-  /// group; needs articulate().
+  /// Computes half of the accelerations of all joints by position and by velocity of each joint of
+  /// group g, side by side, since each step waits for the one before; needs articulated_changes().
   ///
-  /// @param x  one entry per link, `width` apart.
-  template <bool kTorques>
-  void respond(const Links& tree, const Cause& of, int g, int width, L* x,
-               Response* memory) const {
-    const Response nothing{none<L>(), recursion_detail::zero3<L>()};
+  /// @param x  one entry per link, `width` apart; those by velocity groups(links) behind.
+  void respond_to_motion(const Links& tree, int g, int width, L* x, Response* memory) const {
     const int first = g * lanes();
     const int end = first + lanes() < tree.count ? first + lanes() : tree.count;
-    for (int k = 0; k < end; ++k) {
-      if (tree.link[k].forks) memory[k] = nothing;
-    }
+    Response* const other = memory + tree.count;
+    L* const y = x + groups(tree.count);
+    clear_forks(tree, end, memory);
+    clear_forks(tree, end, other);
     Screw<L> f = none<L>();
+    Screw<L> h = none<L>();
     for (int k = end - 1; k >= 0; --k) {
-      const Link& link = tree.link[k];
-      const Screw<S> reduced = screw(kReduced, k);
-      if (link.forks) f = f + memory[k].at;
-      L u = dot(screw(kAxis, k), f);
-      f = {f.w - u * reduced.w, f.v - u * reduced.v};
-      if (k >= first) {
-        put_lane(k - first, kTorques ? S(1.0) : array(of.torque)[k], u);
-        put_lane(k - first, kTorques ? none<S>() - reduced : screw(of.wrench, k), f);
-      }
-      x[long{k} * width] = u;
-      if (link.parent == k - 1) continue;
-      if (link.parent >= 0) memory[link.parent].at = memory[link.parent].at + f;
-      f = none<L>();
+      const int lane = k - first;
+      x[long{k} * width] = step_up(tree, k, lane, kPosition, f, memory);
+      y[long{k} * width] = step_up(tree, k, lane, kRate, h, other);
     }
-    Response r = nothing;
-    for (int k = 0; k < (kTorques ? end : tree.count); ++k) {
-      const Link& link = tree.link[k];
-      const Screw<S> axis = screw(kAxis, k);
-      const Screw<S> reduced = screw(kReduced, k);
-      if (link.parent != k - 1) r = link.parent < 0 ? nothing : memory[link.parent];
-      L u(0.0);
-      if (k < end) u = x[long{k} * width];
-      if constexpr (!kTorques) u += dot(vector(kSpin, k), r.spin);
-      u = array(kInverse)[k] * u - dot(reduced.w, r.at.w) - dot(reduced.v, r.at.v);
-      x[long{k} * width] = u;
-      r.at = {r.at.w + u * axis.w, r.at.v + u * axis.v};
-      if (!kTorques && k >= first && k < end) {
-        Screw<L> moved = none<L>();
-        put_lane(k - first, screw(of.acceleration, k), moved);
-        r.at = r.at - moved;
-        put_lane(k - first, vector(of.spin, k), r.spin);
-      }
-      if (link.forks) memory[k] = r;
+    Response r = nothing();
+    Response s = nothing();
+    for (int k = 0; k < tree.count; ++k) {
+      step_out(tree, k, first, end, kPosition, x[long{k} * width], r, memory);
+      step_out(tree, k, first, end, kRate, y[long{k} * width], s, other);
     }
   }
 
+  /// Computes the accelerations by the torques of group g, of the joints up to its last; needs
+  /// articulate().
+  void respond_to_torque(const Links& tree, int g, int width, L* x, Response* memory) const {
+    const int first = g * lanes();
+    const int end = first + lanes() < tree.count ? first + lanes() : tree.count;
+    clear_forks(tree, end, memory);
+    Screw<L> f = none<L>();
+    for (int k = end - 1; k >= 0; --k)
+      x[long{k} * width] = step_up(tree, k, k - first, kTorque, f, memory);
+    Response r = nothing();
+    for (int k = 0; k < end; ++k)
+      step_out(tree, k, first, end, kTorque, x[long{k} * width], r, memory);
+  }
+
  private:
+  /// What a joint changes, seen from the links above and from those that it carries.
+  struct Position {
+    static constexpr int torque = kTorqueByPosition, wrench = kByPosition, acceleration = kTurn,
+                         spin = kDrift;
+  };
+  struct Rate {
+    static constexpr int torque = kTorqueByVelocity, wrench = kByVelocity, acceleration = kDrift,
+                         spin = kAxis;
+  };
+  struct Torque {};
+  static constexpr Position kPosition{};
+  static constexpr Rate kRate{};
+  static constexpr Torque kTorque{};
+
+  static Response nothing() { return {none<L>(), recursion_detail::zero3<L>()}; }
+  static void clear_forks(const Links& tree, int end, Response* memory) {
+    for (int k = 0; k < end; ++k) {
+      if (tree.link[k].forks) memory[k] = nothing();
+    }
+  }
+
+  /// Passes the wrench f of the links that link k carries on to its parent. @returns the effort of
+  /// its joint. @param lane  of this joint, if it is not negative.
+  template <typename Cause>
+  L step_up(const Links& tree, int k, int lane, const Cause&, Screw<L>& f,
+            Response* memory) const {
+    const Link& link = tree.link[k];
+    const Screw<S>& axis = joint[k].axis;
+    const Screw<S>& reduced = joint[k].reduced;
+    if (link.forks) f = f + memory[k].at;
+    L u = dot(axis.w, f.w) + dot(axis.v, f.v);
+    f = {f.w - u * reduced.w, f.v - u * reduced.v};
+    if (lane >= 0) {
+      if constexpr (std::is_same<Cause, Torque>::value) {
+        put_lane(lane, S(1.0), u);
+        put_lane(lane, none<S>() - reduced, f);
+      } else {
+        put_lane(lane, array(Cause::torque)[k], u);
+        put_lane(lane, screw(Cause::wrench, k), f);
+      }
+    }
+    if (link.parent == k - 1) return u;
+    if (link.parent >= 0) memory[link.parent].at = memory[link.parent].at + f;
+    f = none<L>();
+    return u;
+  }
+
+  /// Computes the acceleration u of joint k, from its effort, and what link k passes on.
+  template <typename Cause>
+  void step_out(const Links& tree, int k, int first, int end, const Cause&, L& u, Response& r,
+                Response* memory) const {
+    const Link& link = tree.link[k];
+    const Screw<S>& axis = joint[k].axis;
+    const Screw<S>& reduced = joint[k].reduced;
+    if (link.parent != k - 1) r = link.parent < 0 ? nothing() : memory[link.parent];
+    L effort(0.0);
+    if (k < end) effort = u;
+    if constexpr (!std::is_same<Cause, Torque>::value) effort += dot(joint[k].spin, r.spin);
+    const L acceleration = joint[k].inverse * effort - reduced.w.x * r.at.w.x -
+                           reduced.w.y * r.at.w.y - reduced.w.z * r.at.w.z -
+                           dot(reduced.v, r.at.v);
+    u = acceleration;
+    r.at = {r.at.w + acceleration * axis.w, r.at.v + acceleration * axis.v};
+    if constexpr (!std::is_same<Cause, Torque>::value) {
+      if (k >= first && k < end) {
+        Screw<L> moved = none<L>();
+        put_lane(k - first, screw(Cause::acceleration, k), moved);
+        r.at = r.at - moved;
+        put_lane(k - first, vector(Cause::spin, k), r.spin);
+      }
+    }
+    if (link.forks) memory[k] = r;
+  }
+
   template <typename X>
   static Screw<X> none() {
     return {recursion_detail::zero3<X>(), recursion_detail::zero3<X>()};
