@@ -38,7 +38,8 @@ int main(int argc, char** argv) {
   const Identification better = identify(read_model("psm-3dof"), record(arm, 0.3));
   save(better, "psm_with_load.yaml");
   const Recording other = record(*better.model, 0.23);  // another motion judges
-  const JointScore before = validate(arm, other)[1], after = validate(better, other)[1];
-  std::cout << "old model: " << before << "\nnew model: " << after << '\n';
-  return after.error < 0.5 * before.error ? 0 : 1;
+  double before = 0.0, after = 0.0;
+  for (const JointScore& joint : validate(arm, other)) std::cout << "old, " << joint << '\n', before += joint.error;
+  for (const JointScore& joint : validate(better, other)) std::cout << "new, " << joint << '\n', after += joint.error;
+  return after < 0.5 * before ? 0 : 1;
 }

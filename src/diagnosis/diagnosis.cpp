@@ -6,11 +6,11 @@
 #include <string>
 #include <utility>
 
-#include "diagnosis/of_identification.hpp"
 #include "diagnosis/stages/diagnosis_state.hpp"
+#include "recordings/named_recordings.hpp"
+#include "diagnosis/of_identification.hpp"
 #include "identification/identification_numbers.hpp"
 #include "identification/many_recordings.hpp"
-#include "recordings/named_recordings.hpp"
 
 namespace veridyn {
 namespace {

@@ -9,7 +9,7 @@ namespace veridyn {
 namespace {
 
 // The identified arm with its parameters free again; a maker's values are those of the file.
-Model robot_of(const Model& identified) {
+Model with_free_parameters(const Model& identified) {
   ModelDescription d = identified.description();
   d.identified.reset();
   for (Frame& frame : d.frames) {
@@ -45,7 +45,7 @@ Diagnosis diagnose(const Identification& fit, const Recordings& test, const Diag
   how.identification.preprocessing.interrupted = options.identification.preprocessing.interrupted;
   how.identification.test_preprocessing = fit.test_preprocessing;
   how.identification.friction = JointFriction::kFile;  // the fit added what is needed
-  return diagnose(robot_of(*fit.model), train, test, how, &fit);
+  return diagnose(with_free_parameters(*fit.model), train, test, how, &fit);
 }
 
 std::ostream& operator<<(std::ostream& out, const Finding& finding) { return out << finding.text; }
