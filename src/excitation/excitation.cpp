@@ -186,6 +186,12 @@ class Design {
   Candidate search(const std::shared_ptr<const Asked>& asked, int start, Found& found) const;
   Candidate widened(Candidate best, Found& found) const;
   double share_of_range(const VectorXd& x, int joint) const;
+  bool all_wide(const VectorXd& x) const {
+    for (int i = 0; i < space_.joints(); ++i) {
+      if (share_of_range(x, i) < kLittleUse) return false;
+    }
+    return true;
+  }
   VectorXd numbers_of(const Candidate& end, const Found& found) const;
   std::optional<Candidate> from_numbers(const std::shared_ptr<const Asked>& asked, const VectorXd& numbers, Found& found) const;
   void describe(const Candidate& best, const VectorXd& random, Excitation& out) const;
@@ -406,7 +412,12 @@ Excitation Design::run() {
       std::min_element(ends.begin(), ends.end(),
                        [&](const Candidate& a, const Candidate& b) { return rank(a) < rank(b); });
   Found& of_last = found[first - ends.begin()];
-  const Candidate last = widened(*first, of_last);
+  Candidate last = widened(*first, of_last);
+  // Another start may have found a better motion of wide ranges.
+  for (const Candidate& other : ends) {
+    const bool wide = other.x.size() > 0 && all_wide(other.x);
+    if (wide && last.x.size() > 0 && !all_wide(first->x) && (!all_wide(last.x) || other.cost < last.cost)) last = other;
+  }
   const bool within = last.x.size() > 0;
   Excitation out{within ? ExcitationStatus::kDone : ExcitationStatus::kLimitsNotMet, arm_.name(),
                  options_.criterion, options_.solver,
