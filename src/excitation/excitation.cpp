@@ -186,6 +186,11 @@ class Design {
   Candidate search(const std::shared_ptr<const Asked>& asked, int start, Found& found) const;
   Candidate widened(Candidate best, Found& found) const;
   double share_of_range(const VectorXd& x, int joint) const;
+  // Other criteria than these ask for one thing alone.
+  bool widens() const {
+    return options_.solver != ExcitationSolver::kRandom &&
+           (options_.criterion == ExcitationCriterion::kDOptimal || options_.criterion == ExcitationCriterion::kAOptimal);
+  }
   bool all_wide(const VectorXd& x) const {
     for (int i = 0; i < space_.joints(); ++i) {
       if (share_of_range(x, i) < kLittleUse) return false;
@@ -260,8 +265,7 @@ double Design::share_of_range(const VectorXd& x, int joint) const {
 // The best motion in which joints of little use have a larger range, one after the other, the least used
 // first; a joint that the limits hold stays where it is.
 Design::Candidate Design::widened(Candidate best, Found& found) const {
-  const bool wanted = options_.criterion == ExcitationCriterion::kDOptimal || options_.criterion == ExcitationCriterion::kAOptimal;
-  if (!wanted || options_.solver == ExcitationSolver::kRandom || best.x.size() == 0) return best;
+  if (!widens() || best.x.size() == 0) return best;
   std::vector<int> order;
   for (int i = 0; i < space_.joints(); ++i) {
     const double most = (space_.limits().upper[i] - space_.limits().lower[i]) / (limits_.upper[i] - limits_.lower[i]);
@@ -415,7 +419,7 @@ Excitation Design::run() {
   Candidate last = widened(*first, of_last);
   // Another start may have found a better motion of wide ranges.
   for (const Candidate& other : ends) {
-    const bool wide = other.x.size() > 0 && all_wide(other.x);
+    const bool wide = widens() && other.x.size() > 0 && all_wide(other.x);
     if (wide && last.x.size() > 0 && !all_wide(first->x) && (!all_wide(last.x) || other.cost < last.cost)) last = other;
   }
   const bool within = last.x.size() > 0;
