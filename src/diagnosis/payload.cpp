@@ -329,6 +329,19 @@ std::vector<std::string> unexplained(const Model& model, const PayloadEstimate& 
   return out;
 }
 
+// [kg] of the bodies of one link: of the drawing where there is one, since torques alone tell no masses.
+double mass_on(const Model& model, const std::string& frame) {
+  const std::optional<FrameIndex> own = mover(model, FrameIndex{model.find_frame(frame)});
+  double drawn = 0.0, valued = 0.0;
+  for (const int k : model.bodies()) {
+    if (mover(model, FrameIndex{k}) != own) continue;
+    const Body& body = *model.frames()[k].body;
+    valued += body.phi ? (*body.phi)[0] : 0.0;
+    drawn += body.prior ? (*body.prior)[0] : 0.0;
+  }
+  return drawn > 0.0 ? drawn : valued;
+}
+
 struct Question {
   const Model& model;
   const std::string& link;
@@ -354,6 +367,7 @@ void fit_loads(const Question& q, const Asked& asked, const std::vector<int>& pl
     out.links.push_back(fit.estimate());
   }
   out.links.erase(std::remove_if(out.links.begin(), out.links.end(), [](const PayloadEstimate& l) { return l.mass == 0.0; }), out.links.end());
+  for (PayloadEstimate& link : out.links) link.most_off = mass_on(q.model, link.frame);
   for (PayloadEstimate& link : out.links) link.unexplained = unexplained(q.model, link, out.error_before, floor);
   put_best_first(q.model, q.limits.tie, out.links);
   if (out.links.empty()) {
@@ -470,6 +484,7 @@ PayloadReport find_payload_at_rest(const Model& given, const std::vector<RestPos
 namespace {
 
 constexpr double kAtEnd = 0.999;  // of the heaviest load: the search ended there
+constexpr double kWidestMass = 1.5;  // of a mass: an interval wider than from half to twice of it tells none
 
 bool at_end(const PayloadEstimate& load) { return load.at_bound || std::abs(load.mass) >= kAtEnd * kHeaviestLoad; }
 
@@ -485,12 +500,15 @@ std::string range_of(const PayloadEstimate& load) {
 
 }  // namespace
 
-bool PayloadEstimate::has_mass() const { return (mass_low > 0.0 || mass_high < 0.0) && !at_end(*this); }
+bool PayloadEstimate::has_mass() const {
+  const bool excludes_zero = mass_low > 0.0 || mass_high < 0.0;
+  return excludes_zero && !at_end(*this) && mass_high - mass_low <= kWidestMass * std::abs(mass);
+}
 
 bool PayloadReport::found() const {
   if (links.empty() || links.front().gain < smallest_gain) return false;
   const PayloadEstimate& best = links.front();
-  if (at_end(best) || !best.unexplained.empty()) return false;
+  if (at_end(best) || !best.unexplained.empty() || best.mass_high < -best.most_off) return false;
   const bool has_moment = (best.moment.cwiseAbs() - best.moment_half_width).maxCoeff() > 0.0;
   return best.has_mass() || has_moment;
 }
@@ -506,6 +524,8 @@ std::string PayloadReport::headline() const {
   if (best.gain >= smallest_gain && !best.unexplained.empty()) {
     why = fmt::format(": with the best one, on {}, {} explained; `diagnose` asks for other causes", best.frame,
                       listed(best.unexplained) + (best.unexplained.size() == 1 ? " is not" : " are not"));
+  } else if (best.gain >= smallest_gain && best.mass_high < -best.most_off) {
+    why = fmt::format(": the best one would take {:.3g} kg off {}, which has {:.3g} kg; `diagnose` asks for other causes", -best.mass, best.frame, best.most_off);
   } else if (best.gain >= smallest_gain && at_end(best)) {
     why = ": the best one, on " + best.frame + ", lies at the end of what was searched";
   }

@@ -186,6 +186,17 @@ class Design {
   Candidate search(const std::shared_ptr<const Asked>& asked, int start, Found& found) const;
   Candidate widened(Candidate best, Found& found) const;
   double share_of_range(const VectorXd& x, int joint) const;
+  // Other criteria than these ask for one thing alone.
+  bool widens() const {
+    return options_.solver != ExcitationSolver::kRandom &&
+           (options_.criterion == ExcitationCriterion::kDOptimal || options_.criterion == ExcitationCriterion::kAOptimal);
+  }
+  bool all_wide(const VectorXd& x) const {
+    for (int i = 0; i < space_.joints(); ++i) {
+      if (share_of_range(x, i) < kLittleUse) return false;
+    }
+    return true;
+  }
   VectorXd numbers_of(const Candidate& end, const Found& found) const;
   std::optional<Candidate> from_numbers(const std::shared_ptr<const Asked>& asked, const VectorXd& numbers, Found& found) const;
   void describe(const Candidate& best, const VectorXd& random, Excitation& out) const;
@@ -254,8 +265,7 @@ double Design::share_of_range(const VectorXd& x, int joint) const {
 // The best motion in which joints of little use have a larger range, one after the other, the least used
 // first; a joint that the limits hold stays where it is.
 Design::Candidate Design::widened(Candidate best, Found& found) const {
-  const bool wanted = options_.criterion == ExcitationCriterion::kDOptimal || options_.criterion == ExcitationCriterion::kAOptimal;
-  if (!wanted || options_.solver == ExcitationSolver::kRandom || best.x.size() == 0) return best;
+  if (!widens() || best.x.size() == 0) return best;
   std::vector<int> order;
   for (int i = 0; i < space_.joints(); ++i) {
     const double most = (space_.limits().upper[i] - space_.limits().lower[i]) / (limits_.upper[i] - limits_.lower[i]);
@@ -406,7 +416,12 @@ Excitation Design::run() {
       std::min_element(ends.begin(), ends.end(),
                        [&](const Candidate& a, const Candidate& b) { return rank(a) < rank(b); });
   Found& of_last = found[first - ends.begin()];
-  const Candidate last = widened(*first, of_last);
+  Candidate last = widened(*first, of_last);
+  // Another start may have found a better motion of wide ranges.
+  for (const Candidate& other : ends) {
+    const bool wide = widens() && other.x.size() > 0 && all_wide(other.x);
+    if (wide && last.x.size() > 0 && !all_wide(first->x) && (!all_wide(last.x) || other.cost < last.cost)) last = other;
+  }
   const bool within = last.x.size() > 0;
   Excitation out{within ? ExcitationStatus::kDone : ExcitationStatus::kLimitsNotMet, arm_.name(),
                  options_.criterion, options_.solver,

@@ -35,6 +35,7 @@ struct PayloadEstimate {
   InertialParameters phi = InertialParameters::Zero();  ///< parameters of the point mass
   double gain = 0.0;       ///< decrease of the sum over joints of ln(held-out mean square residual)
   double explained = 0.0;  ///< share of the model's residual that it explains, over all joints
+  double most_off = kHeaviestLoad;  ///< [kg] that the link has: no more can be taken off it
   bool at_bound = false;   ///< mass or centre lies at the end of what was searched: no finding
   std::vector<std::string> unexplained{};  ///< joints that the load acts on and that it leaves far above the model's own error
   /// True if the interval of the mass excludes zero.

@@ -250,16 +250,24 @@ VectorXd MotionSearch::widened(const VectorXd& from, const std::vector<int>& joi
     samples.q.col(i).minCoeff(&span.low);
     descent.spans.push_back(span);
   }
-  Bounds inside = allowed();
-  x = fitted_to_joints(space_, x);
-  for (int round = 0; round <= kNarrowings; ++round) {
-    const VectorXd next = descend(x, inside, descent, 0, found);
-    if (next.size() == 0) break;
-    x = fitted_to_joints(space_, next);
-    if (keeps(x, allowed())) return x;
-    narrow(x, inside);
+  // From the motion as it is, and from the widened one, which lies nearer to another optimum.
+  VectorXd best;
+  for (const VectorXd& start : {from, fitted_to_joints(space_, x)}) {
+    Bounds inside = allowed();
+    VectorXd at = start;
+    for (int round = 0; round <= kNarrowings; ++round) {
+      const VectorXd next = descend(at, inside, descent, 0, found);
+      if (next.size() == 0) break;
+      at = fitted_to_joints(space_, next);
+      if (!keeps(at, allowed())) {
+        narrow(at, inside);
+        continue;
+      }
+      if (best.size() == 0 || smooth_cost(at, kSharpness[0]) < smooth_cost(best, kSharpness[0])) best = at;
+      break;
+    }
   }
-  return {};
+  return best;
 }
 
 VectorXd fitted_to_joints(const MotionSpace& space, const VectorXd& x) {
