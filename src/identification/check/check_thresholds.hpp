@@ -20,7 +20,7 @@ constexpr double kBetter = 0.9;
 constexpr double kGainsBetter = 0.3;
 /// what is left <= kNearNoise * the torque's white noise, or the rounding of its digits: nothing is to be asked, and
 /// what led there mends it. Friction near rest leaves a few times the noise on perfect recordings.
-constexpr double kNearNoise = 8.0;
+constexpr double kNearNoise = 3.0;
 /// error left <= kExact, and a joint's <= twice that: nothing is to be asked. Friction near rest leaves 0.2 to 0.6 % of the torque on perfect recordings.
 constexpr double kExact = 6e-3;
 /// relative error < kSmallestShare: counts as this; less is noise.
@@ -66,7 +66,10 @@ constexpr double kGrid = 50.0, kRowsAWave = 10.0;
 /// Square of the second difference of white noise = kSecondDifference * its variance.
 constexpr double kSecondDifference = 6.0;
 /// share of a spring's torque that gravity cannot take over < kSpringApart: a spring and a load cannot be told apart.
-constexpr double kSpringApart = 0.03;
+/// and the joint moves over a share < kWeakly of its range, so that other angles are to be expected.
+constexpr double kSpringApart = 0.03, kWeakly = 0.25;
+/// error left < kLess * that without: the fit says so.
+constexpr double kLess = 0.98;
 /// sets of answers that are followed <= kBeam.
 constexpr int kBeam = 3;
 /// A question with a number of its own costs kOfNumber more than one without.

@@ -5,6 +5,7 @@
 #include <cctype>
 #include <cmath>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "identification/check/check_thresholds.hpp"
@@ -64,6 +65,8 @@ class RobotCheck {
     }
     const auto [determined, all, condition] = fitter_.determined(recording_);
     if (determined >= all && condition < checking::kWorstCondition) return true;
+    // Signals in another unit have other columns: units alone are asked.
+    if (determined >= all && find_unit()) return true;
     add("not_compared", 0, determined,
         text("Signs, order and units of the joints are not compared with ", given_.name(),
              ": the recording ", determined < all ? "determines " : "hardly tells apart ",
@@ -71,6 +74,17 @@ class RobotCheck {
     findings_.back().severity = Severity::kInfo;
     warn_of_small_efforts();
     return false;
+  }
+
+  // True if a unit of all joints explains the torques.
+  bool find_unit() {
+    noise_ = fitter_.noise(recording_);
+    Answer as_recorded;
+    as_recorded.fit = fitter_.fit(recording_);
+    std::vector<Question> units = open_questions(as_recorded);
+    units.erase(std::remove_if(units.begin(), units.end(), [](const Question& q) { return q.joint != 0 || q.units.empty(); }), units.end());
+    const std::vector<Answer> all = tried({}, units);
+    return std::any_of(all.begin(), all.end(), [&](const Answer& one) { return is_explained(one.fit) && !is_explained(as_recorded.fit); });
   }
 
   void tell_what_hardly_moves() {
@@ -95,7 +109,9 @@ class RobotCheck {
   void tell_weak_motions() {
     const VectorXd apart = fitter_.springs_apart(changed(best_.set));
     for (int i = 0; i < joints(); ++i) {
-      if (!moves(i) || given_.coordinates()[static_cast<size_t>(i)].prismatic || !(apart[i] < checking::kSpringApart)) continue;
+      const Coordinate& c = given_.coordinates()[static_cast<size_t>(i)];
+      const double travel = quality::between_quantiles({recording_.q.col(i).begin(), recording_.q.col(i).end()}, 0.0, 1.0);
+      if (!moves(i) || c.prismatic || !(apart[i] < checking::kSpringApart) || travel > checking::kWeakly * (c.limits.upper - c.limits.lower)) continue;
       add("weak_motion", i + 1, apart[i],
           text("The motion of ", joint(i), " is too small for its torque at other angles: a spring and a load cannot be told apart (",
                percent(1.0 - apart[i]), " of a spring's torque could be gravity's)."));
@@ -272,7 +288,7 @@ class RobotCheck {
   bool is_possible(const Answer& answer) const {
     const Question& q = answer.set.back();
     const int as_recorded = beyond_limits(recording_);
-    if (q.finding == "degrees" && q.units.rfind("q=", 0) == 0) return as_recorded > 0 || !has_limits();
+    if (q.units.rfind("q=", 0) == 0) return as_recorded > 0 || !has_limits();
     return beyond_limits(changed(answer.set)) <= as_recorded;
   }
 
@@ -317,6 +333,7 @@ class RobotCheck {
 
   // One line for each answer, with what the arm leaves without it and all options together.
   void report(double before) {
+    std::sort(best_.set.begin(), best_.set.end(), [](const Question& a, const Question& b) { return std::tie(a.finding, a.joint) < std::tie(b.finding, b.joint); });
     const std::string options = options_of(best_.set);
     for (const Question& q : best_.set) {
       std::vector<Question> others;
@@ -326,7 +343,7 @@ class RobotCheck {
       const double without = others.empty() ? before : fit_of(others).left();
       const double left = best_.fit.left();
       std::string sentence = q.what + ": ";
-      if (left < without) sentence += text("so the arm leaves ", percent(left), " of the torque on held-out rows instead of ", percent(without), "; ");
+      if (left < checking::kLess * without) sentence += text("so the arm leaves ", percent(left), " of the torque on held-out rows instead of ", percent(without), "; ");
       else sentence += q.finding == "torque_sign" ? "so say its friction and the values of the robot file; " : "so say the values of the robot file; ";
       if (is_explained(best_.fit)) sentence += options + " mends it.";
       else sentence += text(options, " makes it better, but the noise is at ", percent(noise_), ": not the whole truth.");

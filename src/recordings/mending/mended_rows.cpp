@@ -180,7 +180,7 @@ void MendedRows::look_at_first_rows() {
   double last = held_.time[0];
   for (int k = 1; k < n; ++k) {
     const bool inside = held_.time[k] - held_.time[k - 1] < kWithin * step_;
-    within += inside ? 1 : 0;
+    within += inside && held_.time[k] > held_.time[k - 1] ? 1 : 0;
     if (!inside) between.push_back(held_.time[k] - std::exchange(last, held_.time[k]));
   }
   bursts_ = static_cast<double>(within) >= kBurstShare * (n - 1) && between.size() > kFewRows;
