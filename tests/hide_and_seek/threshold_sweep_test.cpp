@@ -13,7 +13,6 @@
 #include "comparison/comparison_numbers.hpp"
 #include "estimation/estimation_numbers.hpp"
 #include "hide_and_seek/sweep_board.hpp"
-#include "identification/check/check_thresholds.hpp"
 #include "identification/fleet/fleet_numbers.hpp"
 #include "identification/identification_numbers.hpp"
 #include "recordings/quality/quality_numbers.hpp"
@@ -63,7 +62,6 @@ TEST(ThresholdSweep, TheTableShowsWhatMultiplesChanged) {
 const std::map<std::string, std::string>& sweep_files() {
   static const std::map<std::string, std::string> kAll = {{"quality", "recordings/quality/quality_sweeps.csv"},
                                                           {"estimation", "estimation/estimation_sweeps.csv"},
-                                                          {"check", "identification/check/check_sweeps.csv"},
                                                           {"watch", "watch/watch_sweeps.csv"},
                                                           {"compare", "comparison/comparison_sweeps.csv"},
                                                           {"fleet", "identification/fleet/fleet_sweeps.csv"},
@@ -98,7 +96,6 @@ void expect_all_swept(const std::vector<TableNumber<Numbers>>& table, const std:
 TEST(ThresholdSweep, EveryRoomsNumbersAreSwept) {
   expect_all_swept(quality_numbers(), "quality");
   expect_all_swept(estimation_numbers(), "estimation");
-  expect_all_swept(check_numbers(), "check");
   expect_all_swept(watch_numbers(), "watch");
   expect_all_swept(comparison_numbers(), "compare");
   expect_all_swept(fleet_numbers(), "fleet");
@@ -106,19 +103,6 @@ TEST(ThresholdSweep, EveryRoomsNumbersAreSwept) {
   for (const std::string& room : swept_rooms()) EXPECT_EQ(sweep_files().count(room), 1U) << room;
 }
 
-// A factor of 1 is the check itself, and another number gives another answer.
-TEST(ThresholdSweep, TheBoardOfTheCheckMovesWithItsNumbers) {
-  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "veridyn-check-board";
-  const SweptRoom room = check_room(811, folder.string());
-  const auto swapped = std::find_if(room.cases.begin(), room.cases.end(),
-                                    [](const RoomCase& one) { return one.name == "swapped torques psm-3dof"; });
-  ASSERT_NE(swapped, room.cases.end());
-  EXPECT_TRUE(swapped->ask("better", 1.0).right) << swapped->ask("better", 1.0).said;
-  EXPECT_FALSE(swapped->ask("better", 100.0).right);
-  EXPECT_FALSE(swapped->ask("fewest_rows", 100.0).right);
-  EXPECT_EQ(room.value("better"), CheckThresholds().better);
-  EXPECT_THROW(room.value("beter"), InvalidInput);
-  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

@@ -89,18 +89,42 @@ TEST_F(AWrongRow, IsNotSeenInASoundRecording) {
 }
 
 // Encoders that read zero for some rows, also one row behind the other, and rows of another publisher in between.
-TEST_F(AWrongRow, OfADropoutThereAndBackIsAGap) {
+TEST_F(AWrongRow, OfADropoutThereAndBackIsFilledInOrAGap) {
   Recording r = smooth();
   for (const int at : {100, 103, 400, 700, 705, 1100}) r.q.row(at).setZero();
   r.q.block(800, 1, 7, 1).setZero();
+  const Recording sound = smooth();
+  EXPECT_LT((read(r).q - sound.q).cwiseAbs().maxCoeff(), 1e-6);
+  EXPECT_NE(remarks_.find("come back 7 times: 13 rows are filled in"), std::string::npos) << remarks_;
+  r.dq.resize(0, 0);
   const Recording mended = read(r);
   for (int k = 0; k < kRows; ++k) {
     const bool gap = k == 100 || k == 103 || k == 400 || k == 700 || k == 705 || k == 1100 || (k >= 800 && k < 807);
     EXPECT_EQ(std::isnan(mended.q(k, 1)), gap) << k;
   }
-  EXPECT_NE(remarks_.find("come back 7 times: these 13 rows are gaps"), std::string::npos) << remarks_;
+  EXPECT_NE(remarks_.find("13 rows are left out"), std::string::npos) << remarks_;
   EXPECT_EQ(read(r, as_recorded()).q.row(400).norm(), 0.0);
   EXPECT_EQ(remarks_, "");
+}
+
+TEST_F(AWrongRow, OfZerosAloneIsOfAnotherPublisher) {
+  const Recording r = smooth();
+  Recording both;
+  both.time.resize(kRows + kRows / 3);
+  for (MatrixXd* values : {&both.q, &both.dq, &both.tau}) *values = MatrixXd::Zero(both.time.size(), 2);
+  int row = 0;
+  for (int k = 0; k < kRows; ++k) {
+    both.time[row] = r.time[k];
+    both.q.row(row) = r.q.row(k);
+    both.dq.row(row) = r.dq.row(k);
+    both.tau.row(row++) = r.tau.row(k);
+    if (k % 3 == 2) both.time[row++] = r.time[k] + 0.4 * kStep;
+  }
+  const Recording mended = read(both);
+  ASSERT_EQ(mended.rows(), kRows) << remarks_;
+  EXPECT_LT((mended.q - r.q).cwiseAbs().maxCoeff(), 1e-8);
+  EXPECT_NE(remarks_.find("400 rows of zeros alone amid the motion"), std::string::npos) << remarks_;
+  EXPECT_EQ(read(both, as_recorded()).rows(), kRows + 400);
 }
 
 // A step to another place for good is no dropout: the check of jumps names it.
@@ -117,7 +141,7 @@ TEST_F(AWrongRow, OfTorquesThatDropToZeroIsAGap) {
   const Recording mended = read(r);
   EXPECT_TRUE(std::isnan(mended.tau(301, 0)));
   EXPECT_TRUE(std::isfinite(mended.tau(303, 0)));
-  EXPECT_NE(remarks_.find("6 values of velocity or torque dropped to zero"), std::string::npos) << remarks_;
+  EXPECT_NE(remarks_.find("all torques drop to zero amid the motion in 3 rows, which are gaps"), std::string::npos) << remarks_;
 }
 
 TEST_F(AWrongRow, OfAWrappedAngleGoesOnOverWholeTurns) {

@@ -40,6 +40,9 @@ std::vector<QualityFinding> check_against(const Model& arm, Recording recording,
 /// True if the finding is a question of check_against() that is answered by yes.
 bool answers_question(const QualityFinding& finding);
 
+/// Both lists, worst first, without findings of the quality that an answered question explains.
+std::vector<QualityFinding> with_answers(std::vector<QualityFinding> answers, const std::vector<QualityFinding>& quality);
+
 /// The faults of recordings that an identification explains badly; none where no error is large, which costs nothing.
 /// @param errors  (n) relative errors of the identification.
 std::vector<QualityFinding> questions_answered(const Model& arm, const std::vector<std::string>& recordings, const PreprocessingOptions& options,

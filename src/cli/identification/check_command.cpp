@@ -72,10 +72,7 @@ void run(CheckRequest& request, Outcome& outcome) {
     if (arm && !how.row_count) how.kept = std::make_shared<KeptRecordings>(KeptRecordings::kFewPasses);
     checked[at] = check_rows(recordings[at], open_rows(recordings[at], reading, how.kept.get()));
     if (!arm) return;
-    std::vector<QualityFinding> findings = check_against(*arm, recordings[at], how);
-    findings.insert(findings.end(), checked[at].findings.begin(), checked[at].findings.end());
-    std::stable_sort(findings.begin(), findings.end(), [](const auto& a, const auto& b) { return a.severity > b.severity; });
-    checked[at].findings = std::move(findings);
+    checked[at].findings = with_answers(check_against(*arm, recordings[at], how), checked[at].findings);
   });
   write_results(request.common, checked, outcome.command_line);
   busy.reset();

@@ -6,28 +6,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identification/check/check_thresholds.hpp"
 #include "recordings/signals/units.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/recordings/preprocessing.hpp"
 
 namespace veridyn {
 namespace {
-
-const double kDegree = std::acos(-1.0) / 180.0;
-
-/// Counts of one turn of usual encoders.
-constexpr int kCounts[] = {512, 1000, 1024, 2000, 2048, 4000, 4096, 8192, 10000, 16384, 20000, 32768, 65536, 131072, 262144, 524288, 1048576};
-/// Units of torque that differ from N m by more than the values of a file may.
-constexpr const char* kTorqueUnits[] = {"mNm", "Ncm", "kNm", "kgcm", "ozin", "%", "permille", "share"};
-/// Angles of all joints span >= kLeastTravel and <= kMostTravel [rad] where counts are turned into them.
-constexpr double kLeastTravel = 0.05, kMostTravel = 13.0;
-/// Tilts of gravity that are asked beside the axes, their edges and corners; polished afterwards.
-const double kTilt = 20.0 * kDegree;
-/// Gears of kLeastRatio to kMostRatio are tried in relative steps of kRatioStep, where positions leave the limits; a ratio
-/// that is whole up to kWholeRatio is.
-constexpr double kLeastRatio = 5.0, kMostRatio = 320.0, kRatioStep = 0.04, kWholeRatio = 2e-3;
-/// Components of a direction below it are rounding.
-constexpr double kTiny = 1e-9;
 
 void swap_columns(MatrixXd& values, int i, int j) {
   if (values.cols() > 0) values.col(i).swap(values.col(j));
@@ -55,7 +40,7 @@ Question before_the_gear(double ratio, bool velocity) {
   Question q;
   q.finding = "motor_side";
   const double whole = std::round(ratio);
-  const std::string words = fmt::format("{:.4g}", std::abs(ratio / whole - 1.0) < kWholeRatio ? whole : ratio);
+  const std::string words = fmt::format("{:.4g}", std::abs(ratio / whole - 1.0) < checking::kWholeRatio ? whole : ratio);
   q.what = text("Positions are those of the motors, in front of gears of about ", words);
   const std::string unit = fmt::format("{:.5g}", 1.0 / std::stod(words));
   q.units = "q=" + unit + (velocity ? ",dq=" + unit : "");
@@ -64,7 +49,8 @@ Question before_the_gear(double ratio, bool velocity) {
     r.q *= factor;
     if (velocity && r.dq.size() > 0) r.dq *= factor;
   };
-  q.first_distance = kRatioStep;
+  q.price = checking::kOfNumber;
+  q.first_distance = checking::kRatioStep;
   q.neighbours = [ratio, velocity](double distance) {
     return std::vector<Question>{before_the_gear(ratio * (1.0 + distance), velocity), before_the_gear(ratio / (1.0 + distance), velocity)};
   };
@@ -134,7 +120,7 @@ class List {
     change(after);
     for (int i = 0; i < after.joints(); ++i) {
       const double travel = after.q.col(i).maxCoeff<Eigen::PropagateNumbers>() - after.q.col(i).minCoeff<Eigen::PropagateNumbers>();
-      if (moves_[i] && finding != "degrees" && (travel < kLeastTravel || travel > kMostTravel)) return;
+      if (moves_[i] && finding != "degrees" && (travel < checking::kLeastTravel || travel > checking::kMostTravel)) return;
     }
     add(finding, 0, what, change).units = joined("q=" + q, dq.empty() || !has_velocity() ? "" : "dq=" + dq);
   }
@@ -156,13 +142,16 @@ class List {
     }
     positions_in("degrees", "Positions are degrees", "deg", "");
     const double largest = r_.q.cwiseAbs().maxCoeff<Eigen::PropagateNumbers>();
-    for (double ratio = kLeastRatio; largest > kMostTravel && !sliding_ && ratio < kMostRatio; ratio *= 1.0 + kRatioStep) {
-      if (largest / ratio < kMostTravel && largest / ratio > kLeastTravel) out_.push_back(before_the_gear(ratio, has_velocity()));
+    for (double ratio = checking::kLeastRatio; largest > checking::kMostTravel && !sliding_ && ratio < checking::kMostRatio; ratio *= 1.0 + checking::kRatioStep) {
+      if (largest / ratio < checking::kMostTravel && largest / ratio > checking::kLeastTravel) out_.push_back(before_the_gear(ratio, has_velocity()));
     }
     const bool limited = std::all_of(joints_.begin(), joints_.end(), [](const WantedJoint& j) { return std::isfinite(j.upper - j.lower); });
-    if (limited && largest > kMostTravel && largest < 110.0) positions_in("share_of_range", "Positions are shares of the range, -100 to 100", "%", has_velocity() ? "%" : "");
-    if (sliding_ || largest < 2.0 * kMostTravel) return;
-    for (const int counts : kCounts) {
+    if (limited && largest > checking::kMostTravel && largest < checking::kMostShare) {
+      positions_in("share_of_range", "Positions are shares of the range, -100 to 100", "%", "");
+      if (has_velocity()) positions_in("share_of_range", "Positions and velocities are shares of the range, -100 to 100", "%", "%");
+    }
+    if (sliding_ || largest < 2.0 * checking::kMostTravel) return;
+    for (const int counts : checking::kCounts) {
       for (const int zero : {0, counts / 2}) {
         for (const bool both : {false, true}) {
           if (both && !has_velocity()) continue;
@@ -182,7 +171,7 @@ class List {
     };
     if (is_load_register()) in("load", "Torques are load registers with a direction bit");
     const bool limited = std::all_of(joints_.begin(), joints_.end(), [](const WantedJoint& j) { return std::isfinite(j.effort) && j.effort > 0.0; });
-    for (const std::string unit : kTorqueUnits) {
+    for (const std::string unit : checking::kTorqueUnits) {
       const bool share = unit == "%" || unit == "permille" || unit == "share";
       if (share && !limited) continue;
       in(unit, unit == "%" ? "Torques are percent of the largest effort" : unit == "permille" ? "Torques are thousandths of the largest effort"
@@ -200,10 +189,10 @@ class List {
     long high = 0, low = 0;
     for (const double v : r_.tau.reshaped()) {
       if (!std::isfinite(v)) continue;
-      if (v < 0.0 || v > 2047.0 || v != std::floor(v)) return false;
-      ++(v > 1024.0 ? high : low);
+      if (v < 0.0 || v >= 2.0 * checking::kDirectionBit || v != std::floor(v)) return false;
+      ++(v > checking::kDirectionBit ? high : low);
     }
-    return 20 * std::min(high, low) > high + low;
+    return checking::kBothDirections * static_cast<double>(std::min(high, low)) > static_cast<double>(high + low);
   }
 
   void exchanges() {
@@ -235,14 +224,14 @@ class List {
 
   void gravity() {
     const Eigen::Vector3d g = arm_.gravity();
-    const double size = g.norm() > 0.0 ? g.norm() : 9.81;
+    const double size = g.norm() > 0.0 ? g.norm() : checking::kGravity;
     for (int k = 0; k < 27; ++k) {
       const Eigen::Vector3d direction(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
       const Eigen::Vector3d vector = direction.isZero() ? direction : Eigen::Vector3d(size * direction.normalized());
-      if ((vector - g).norm() > kTilt * kTilt) out_.push_back(gravity_along(vector));
+      if ((vector - g).norm() > checking::kTilt * checking::kTilt) out_.push_back(gravity_along(vector));
     }
     if (g.isZero()) return;
-    for (Question& near : gravity_along(g).neighbours(kTilt)) out_.push_back(std::move(near));
+    for (Question& near : gravity_along(g).neighbours(checking::kTilt)) out_.push_back(std::move(near));
   }
 
   void convention() {
@@ -276,9 +265,16 @@ class List {
   std::vector<Question> out_;
 };
 
+// Positions have one unit.
+bool is_position_unit(const Question& q) {
+  return q.recording && (q.finding == "degrees" || q.finding == "counts" || q.finding == "share_of_range" || q.finding == "motor_side");
+}
+
 }  // namespace
 
 bool Question::excludes(const Question& o) const {
+  if (is_position_unit(*this) && is_position_unit(o)) return true;
+  if (finding == "torque_unit" && o.finding == "current") return true;
   if (robot || o.robot) return finding == o.finding;
   // That torques of two joints are exchanged and that their motions are is one mistake, seen from either side.
   if (second != 0 && joint == o.joint && second == o.second && !whole && !o.whole) return false;
@@ -297,20 +293,20 @@ std::vector<Question> questions_of(const Model& arm, const Recording& recording,
 Question gravity_along(const Eigen::Vector3d& gravity) {
   Question q;
   q.finding = "gravity";
-  const Eigen::Vector3d g = (gravity.array().abs() < kTiny).select(0.0, gravity);
+  const Eigen::Vector3d g = (gravity.array().abs() < checking::kTiny).select(0.0, gravity);
   const std::string words = fmt::format("{:.4g},{:.4g},{:.4g}", g[0], g[1], g[2]);
   q.what = g.isZero() ? "The torques hold no gravity, as the commands of a controller that compensates it"
                       : text("Gravity points along (", words, ") m/s^2 of the robot file's base, as on another mount");
   q.other = "--gravity " + words;
   q.robot = [g](ModelDescription& d) { d.gravity = g; };
   if (g.isZero()) return q;
-  q.first_distance = 2.0 * kTilt;
+  q.first_distance = 2.0 * checking::kTilt;
   q.neighbours = [g](double distance) {
     const Eigen::Vector3d across = g.unitOrthogonal();
     const Eigen::Vector3d third = g.normalized().cross(across);
     std::vector<Question> out;
-    for (int k = 0; k < 8; ++k) {
-      const double turn = std::acos(-1.0) * k / 4.0;
+    for (int k = 0; k < checking::kTiltDirections; ++k) {
+      const double turn = M_PI * k / (0.5 * checking::kTiltDirections);
       const Eigen::Vector3d axis = std::cos(turn) * across + std::sin(turn) * third;
       out.push_back(gravity_along(Eigen::AngleAxisd(distance, axis) * g));
     }

@@ -24,6 +24,7 @@ struct Question {
   /// Questions next to this one at a distance, as directions of gravity [rad] and gear ratios (relative) have; null: none.
   std::function<std::vector<Question>(double)> neighbours;
   double first_distance = 0.0;  ///< between questions of the list
+  double price = 0.0;           ///< of a number of its own, beside what every question costs
 
   /// True if at most one of both can hold.
   bool excludes(const Question& other_one) const;

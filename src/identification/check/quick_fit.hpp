@@ -2,7 +2,7 @@
 
 #include <cmath>
 #include <string>
-#include <utility>
+#include <tuple>
 #include <vector>
 
 #include "identification/check/check_thresholds.hpp"
@@ -32,14 +32,18 @@ struct QuickFit {
 /// Fits an arm with plain friction, rotor inertia and all parameters free to one short recording after the other.
 class QuickFitter {
  public:
-  QuickFitter(const Model& arm, const PreprocessingOptions& options, const CheckThresholds& limits);
+  QuickFitter(const Model& arm, const PreprocessingOptions& options);
 
   int base_size() const { return static_cast<int>(base_columns_.size()); }
 
-  /// Number of base parameters that the recording determines, and their condition number.
-  std::pair<int, double> determined(const Recording& recording) const;
+  /// Number of base parameters that the recording determines, of how many, and their condition number.
+  std::tuple<int, int, double> determined(const Recording& recording) const;
 
   QuickFit fit(const Recording& recording) const;
+
+  /// By joint: share of a spring's torque that neither gravity nor anything else of the arm can take over, its offset
+  /// left aside.
+  VectorXd springs_apart(const Recording& recording) const;
 
   /// Relative error that white noise of the torques causes in fit(), root mean square over the joints.
   double noise(const Recording& recording) const;
@@ -52,9 +56,8 @@ class QuickFitter {
   double ratio(const SquareRootInformation& joint) const;
   double contradictions(const QuickFit& fit) const;
 
-  Model arm_;
+  Model given_, arm_;
   PreprocessingOptions options_;
-  CheckThresholds limits_;
   std::vector<StandardParameter> parameters_;
   std::vector<std::string> names_;
   std::vector<std::string> base_columns_;

@@ -5,6 +5,7 @@
 #include <cctype>
 #include <cmath>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "identification/check/check_thresholds.hpp"
@@ -21,17 +22,6 @@
 namespace veridyn {
 namespace {
 
-/// travel < kWeakly * range and < kNearlyStraight [rad]: gravity along it is nearly a straight line, as a spring is.
-constexpr double kWeakly = 0.3, kNearlyStraight = 1.3;
-/// relative error of some joint > kAskedAbove: questions are asked of recordings that were identified.
-constexpr double kAskedAbove = 0.08;
-/// largest gain > kEqualGains * smallest gain: currents are no torques in another unit.
-constexpr double kEqualGains = 1.05;
-/// drive gain < kLeastGain [N m/A] of some joint: small efforts say nothing about their unit.
-constexpr double kLeastGain = 2.0;
-/// recorded torque < kBehindGear * that of the file's values, on all joints: in front of gears.
-constexpr double kBehindGear = 0.2;
-
 std::string percent(double share) {
   return text(quality::number(100.0 * share), " %");
 }
@@ -40,12 +30,14 @@ std::string percent(double share) {
 struct Answer {
   std::vector<Question> set;
   QuickFit fit;
+  double score = 0.0;  // misfit and what the questions cost, against the recording as it is
+  MatrixXd before;     // folds without the last question
 };
 
 class RobotCheck {
  public:
-  RobotCheck(const Model& arm, Recording recording, const PreprocessingOptions& options, const CheckThresholds& limits)
-      : given_(arm), options_(options), limits_(limits), recording_(std::move(recording)), fitter_(arm, options, limits) {
+  RobotCheck(const Model& arm, Recording recording, const PreprocessingOptions& options)
+      : given_(arm), options_(options), recording_(std::move(recording)), fitter_(arm, options) {
     for (const Coordinate& c : arm.coordinates()) names_.push_back(c.name);
     moves_ = quality::Head(recording_, QualityNumbers()).moves;
   }
@@ -56,10 +48,9 @@ class RobotCheck {
     noise_ = fitter_.noise(recording_);
     best_.fit = fitter_.fit(recording_);
     const double before = best_.fit.left();
-    while (static_cast<int>(best_.set.size()) < limits_.most_together && !is_explained(best_.fit) && add_best()) {
-    }
-    take_gears();
+    search();
     report(before);
+    tell_weak_motions();
     if (!given_.inertial_values() && best_.set.empty()) warn_of_small_efforts();
     return std::move(findings_);
   }
@@ -72,15 +63,28 @@ class RobotCheck {
       warn_of_small_efforts();
       return false;
     }
-    const auto [determined, condition] = fitter_.determined(recording_);
-    if (determined >= fitter_.base_size() && condition < limits_.worst_condition) return true;
+    const auto [determined, all, condition] = fitter_.determined(recording_);
+    if (determined >= all && condition < checking::kWorstCondition) return true;
+    // Signals in another unit have other columns: units alone are asked.
+    if (determined >= all && find_unit()) return true;
     add("not_compared", 0, determined,
         text("Signs, order and units of the joints are not compared with ", given_.name(),
-             ": the recording ", determined < fitter_.base_size() ? "determines " : "hardly tells apart ",
-             determined, " of its ", fitter_.base_size(), " base parameters."));
+             ": the recording ", determined < all ? "determines " : "hardly tells apart ",
+             determined, " of its ", all, " base parameters."));
     findings_.back().severity = Severity::kInfo;
     warn_of_small_efforts();
     return false;
+  }
+
+  // True if a unit of all joints explains the torques.
+  bool find_unit() {
+    noise_ = fitter_.noise(recording_);
+    Answer as_recorded;
+    as_recorded.fit = fitter_.fit(recording_);
+    std::vector<Question> units = open_questions(as_recorded);
+    units.erase(std::remove_if(units.begin(), units.end(), [](const Question& q) { return q.joint != 0 || q.units.empty(); }), units.end());
+    const std::vector<Answer> all = tried({}, units);
+    return std::any_of(all.begin(), all.end(), [&](const Answer& one) { return is_explained(one.fit) && !is_explained(as_recorded.fit); });
   }
 
   void tell_what_hardly_moves() {
@@ -93,14 +97,24 @@ class RobotCheck {
         highest = std::max(highest, q);
       }
       const double share = (highest - lowest) / (limits.upper - limits.lower);
-      if (!moves(i) || !std::isfinite(limits.upper - limits.lower)) continue;
-      const std::string seconds = quality::number(recording_.time[recording_.rows() - 1] - recording_.time[0]);
-      const bool hardly = share < kHardlyMoves;
-      if (!hardly && (given_.coordinates()[static_cast<size_t>(i)].prismatic || !(share < kWeakly) || !(highest - lowest < kNearlyStraight))) continue;
-      add(hardly ? "hardly_moves" : "weak_motion", i + 1, share,
-          text("In its first ", seconds, " s ", joint(i), " moves over ", percent(share), " of its range: ",
-               hardly ? "little of its friction and inertia can be identified."
-                      : "a spring and a load cannot be told apart there, and torques at other angles are extrapolated."));
+      if (!moves(i) || !std::isfinite(limits.upper - limits.lower) || !(share < kHardlyMoves)) continue;
+      add("hardly_moves", i + 1, share,
+          text("In its first ", quality::number(recording_.time[recording_.rows() - 1] - recording_.time[0]), " s ", joint(i),
+               " moves over ", percent(share), " of its range: little of its friction and inertia can be identified."));
+      findings_.back().severity = Severity::kWarning;
+    }
+  }
+
+  // Over a small range gravity is nearly a straight line, as a spring is.
+  void tell_weak_motions() {
+    const VectorXd apart = fitter_.springs_apart(changed(best_.set));
+    for (int i = 0; i < joints(); ++i) {
+      const Coordinate& c = given_.coordinates()[static_cast<size_t>(i)];
+      const double travel = quality::between_quantiles({recording_.q.col(i).begin(), recording_.q.col(i).end()}, 0.0, 1.0);
+      if (!moves(i) || c.prismatic || !(apart[i] < checking::kSpringApart) || travel > checking::kWeakly * (c.limits.upper - c.limits.lower)) continue;
+      add("weak_motion", i + 1, apart[i],
+          text("The motion of ", joint(i), " is too small for its torque at other angles: a spring and a load cannot be told apart (",
+               percent(1.0 - apart[i]), " of a spring's torque could be gravity's)."));
       findings_.back().severity = Severity::kWarning;
     }
   }
@@ -125,7 +139,7 @@ class RobotCheck {
     findings_.push_back(std::move(f));
   }
 
-  double near() const { return std::max(limits_.near_noise * noise_, limits_.exact); }
+  double near() const { return std::max(checking::kNearNoise * noise_, checking::kExact); }
   bool is_explained(const QuickFit& fit) const { return fit.left() <= near() && fit.contradictions == 0.0; }
 
   // The recording and the arm after all transformations of a set. Columns are exchanged before they are scaled, as the
@@ -147,14 +161,14 @@ class RobotCheck {
     for (const Question& q : set) {
       if (q.robot) q.robot(d);
     }
-    return QuickFitter(Model(std::move(d)), options_, limits_).fit(recording);
+    return QuickFitter(Model(std::move(d)), options_).fit(recording);
   }
 
-  std::vector<Answer> tried(const std::vector<Question>& questions) const {
+  std::vector<Answer> tried(const std::vector<Question>& before, const std::vector<Question>& questions) const {
     std::vector<Answer> out(questions.size());
     parallel_for(static_cast<int>(questions.size()), 0, [&](int k) {
       Answer& one = out[static_cast<size_t>(k)];
-      one.set = best_.set;
+      one.set = before;
       one.set.push_back(questions[static_cast<size_t>(k)]);
       one.fit = fit_of(one.set);
     });
@@ -163,15 +177,16 @@ class RobotCheck {
 
   // Questions that the answers so far leave open. What only contradicts the file's values or friction's sign is asked of
   // torques and gravity.
-  std::vector<Question> open_questions() const {
+  std::vector<Question> open_questions(const Answer& so_far) const {
     std::vector<bool> badly;
-    for (int i = 0; i < joints(); ++i) badly.push_back(std::sqrt(best_.fit.shares[i]) > near());
+    for (int i = 0; i < joints(); ++i) badly.push_back(std::sqrt(so_far.fit.shares[i]) > near());
     std::vector<Question> all = questions_of(given_, recording_, torque_name(), moves_, badly);
-    const bool fits = best_.fit.left() <= near();
+    if (so_far.set.empty() && !amperes()) add_gears(so_far.fit, all);
+    const bool fits = so_far.fit.left() <= near();
     const auto closed = [&](const Question& q) {
       if (fits && q.finding != "gravity" && q.finding != "current" && q.finding.rfind("torque", 0) != 0) return true;
       if (q.finding == "current" && !currents_are_asked()) return true;
-      return std::any_of(best_.set.begin(), best_.set.end(), [&](const Question& chosen) {
+      return std::any_of(so_far.set.begin(), so_far.set.end(), [&](const Question& chosen) {
         return chosen.excludes(q) || (chosen.finding == q.finding && chosen.joint == q.joint && chosen.second == q.second);
       });
     };
@@ -179,39 +194,61 @@ class RobotCheck {
     return all;
   }
 
-  // Adds the best question if it is much better than what there is and than every other one that excludes it. Questions
-  // that come close to each other are what joints that move alike make of a torque that the arm does not explain.
-  bool add_best() {
-    const std::vector<Question> questions = open_questions();
-    const std::vector<Answer> all = tried(questions);
-    std::vector<char> possible;
-    for (const Question& q : questions) possible.push_back(is_possible(q) ? 1 : 0);
-    const auto gain = [&](size_t k) { return best_.fit.misfit - all[k].fit.misfit; };
-    const auto passes = [&](size_t k) { return gain(k) > (questions[k].finding == "current" ? limits_.gains_better : limits_.better); };
-    std::optional<size_t> best;
-    for (size_t k = 0; k < all.size(); ++k) {
-      const bool first = !best || possible[k] > possible[*best];
-      if (passes(k) && (first || (possible[k] == possible[*best] && gain(k) > gain(*best)))) best = k;
+  static double cost(const Question& q) {
+    return (q.finding == "current" ? checking::kGainsBetter : checking::kBetter) + q.price;
+  }
+
+  // The best few sets are followed: each is extended by every open question that makes it much better.
+  void search() {
+    std::vector<Answer> beam = {best_};
+    for (int level = 0; level < checking::kMostTogether && !beam.empty() && !is_explained(best_.fit); ++level) {
+      std::vector<Answer> next, impossible;
+      for (const Answer& parent : beam) {
+        for (Answer& one : tried(parent.set, open_questions(parent))) {
+          one.score = parent.score + one.fit.misfit - parent.fit.misfit + cost(one.set.back());
+          one.before = parent.fit.folds;
+          if (one.score < parent.score) (is_possible(one) ? next : impossible).push_back(std::move(one));
+        }
+      }
+      const auto better = [](const Answer& a, const Answer& b) { return a.score < b.score; };
+      std::sort(next.begin(), next.end(), better);
+      if (next.empty()) {
+        if (best_.set.empty() && !impossible.empty())
+          say_perhaps(*std::min_element(impossible.begin(), impossible.end(), better), "as recorded, all positions lie within the limits of the joints");
+        return;
+      }
+      const std::vector<Answer> all = next;
+      next.resize(std::min<size_t>(next.size(), checking::kBeam));
+      for (Answer& one : next) one = polished(one);
+      std::sort(next.begin(), next.end(), better);
+      if (!is_sure(next.front(), all)) return;
+      if (next.front().score < best_.score) best_ = next.front();
+      beam = std::move(next);
     }
-    if (!best) return false;
-    const Question& q = questions[*best];
-    if (possible[*best] == 0) return say_perhaps(all[*best], "as recorded, all positions lie within the limits of the joints");
-    const bool common = q.finding == "torque_sign" || q.neighbours;  // signs are the commonest mistake; directions are polished
-    for (size_t k = 0; !common && k < all.size(); ++k) {
-      if (k == *best || possible[k] == 0 || !q.excludes(questions[k]) || gain(k) < gain(*best) - limits_.better) continue;
-      if (questions[k].finding == q.finding && q.finding != "swapped_joints" && all[k].fit.left() > near()) continue;
-      return say_perhaps(all[*best], "another exchange does nearly as well, so that none of them is sure");
+  }
+
+  // Answers that come close to each other, of which only one can hold, are what joints that move alike make of a torque
+  // that the arm does not explain; so is one that helps in a part of the recording only.
+  bool is_sure(const Answer& answer, const std::vector<Answer>& others) {
+    const Question& q = answer.set.back();
+    if (is_explained(answer.fit) || q.finding == "torque_sign" || q.neighbours) return true;
+    for (const Answer& other : others) {
+      const Question& rival = other.set.back();
+      const bool same = rival.what == q.what || other.set.size() != answer.set.size();
+      if (!same && q.excludes(rival) && other.score < answer.score + checking::kBetter)
+        return say_perhaps(answer, "another exchange does nearly as well, so that none of them is sure");
     }
-    if (!common && !holds_throughout(q, all[*best].fit))
-      return say_perhaps(all[*best], "a joint that it concerns is explained no better in a part of the recording");
-    best_ = polished(all[*best]);
+    for (const int k : {q.joint, q.second}) {
+      if (k > 0 && (answer.fit.folds.row(k - 1).array() > answer.before.row(k - 1).array()).any())
+        return say_perhaps(answer, "a joint that it concerns is explained no better in a part of the recording");
+    }
     return true;
   }
 
   // Moves the last question of a set to its better neighbours, by steps that halve.
   Answer polished(Answer answer) const {
     const std::vector<Question> before(answer.set.begin(), answer.set.end() - 1);
-    for (double step = 0.5 * answer.set.back().first_distance; answer.set.back().neighbours && step > limits_.finest * answer.set.back().first_distance;) {
+    for (double step = 0.5 * answer.set.back().first_distance; answer.set.back().neighbours && step > checking::kFinest * answer.set.back().first_distance;) {
       const std::vector<Question> near = answer.set.back().neighbours(step);
       std::vector<Answer> all(near.size());
       parallel_for(static_cast<int>(near.size()), 0, [&](int k) {
@@ -221,18 +258,15 @@ class RobotCheck {
         one.fit = fit_of(one.set);
       });
       const auto least = std::min_element(all.begin(), all.end(), [](const Answer& a, const Answer& b) { return a.fit.misfit < b.fit.misfit; });
-      if (least->fit.misfit < answer.fit.misfit) answer = *least;
-      else step *= 0.5;
+      if (least->fit.misfit < answer.fit.misfit) {
+        answer.score += least->fit.misfit - answer.fit.misfit;
+        answer.set = least->set;
+        answer.fit = least->fit;
+      } else {
+        step *= 0.5;
+      }
     }
     return answer;
-  }
-
-  // True if every part of the recording explains every joint concerned better than before.
-  bool holds_throughout(const Question& q, const QuickFit& fit) const {
-    for (const int k : {q.joint, q.second}) {
-      if (k > 0 && (fit.folds.row(k - 1).array() > best_.fit.folds.row(k - 1).array()).any()) return false;
-    }
-    return true;
   }
 
   // Number of joints whose positions leave their limits.
@@ -242,7 +276,7 @@ class RobotCheck {
     for (size_t i = 0; i < coordinates.size(); ++i) {
       const Limits& limits = coordinates[i].limits;
       if (!std::isfinite(limits.upper - limits.lower)) continue;
-      const double margin = limits_.beyond_limits * (limits.upper - limits.lower);
+      const double margin = checking::kBeyondLimits * (limits.upper - limits.lower);
       const auto q = recording.q.col(i).array();
       out += (q < limits.lower - margin || q > limits.upper + margin).any() ? 1 : 0;
     }
@@ -251,12 +285,11 @@ class RobotCheck {
 
   // The limits of the joints admit the positions that follow, no worse than those recorded; other units also
   // need positions that are none in radians.
-  bool is_possible(const Question& q) const {
-    const int as_recorded = beyond_limits(changed(best_.set));
-    if (q.finding == "degrees" && q.units.rfind("q=", 0) == 0) return as_recorded > 0 || !has_limits();
-    std::vector<Question> with = best_.set;
-    with.push_back(q);
-    return beyond_limits(changed(with)) <= as_recorded;
+  bool is_possible(const Answer& answer) const {
+    const Question& q = answer.set.back();
+    const int as_recorded = beyond_limits(recording_);
+    if (q.units.rfind("q=", 0) == 0) return as_recorded > 0 || !has_limits();
+    return beyond_limits(changed(answer.set)) <= as_recorded;
   }
 
   bool has_limits() const {
@@ -276,33 +309,31 @@ class RobotCheck {
     return false;
   }
 
-  // Torques that are a few times too small or too large, joint by joint, for every unit: those of the motors.
-  void take_gears() {
-    const VectorXd& ratios = best_.fit.ratios;
+  // Torques that are many times too small on every joint may be those of the motors.
+  void add_gears(const QuickFit& fit, std::vector<Question>& list) const {
     std::vector<double> known;
-    for (const double ratio : ratios) {
+    for (const double ratio : fit.ratios) {
       if (ratio != 0.0) known.push_back(ratio);
     }
-    if (amperes() || known.empty() || *std::max_element(known.begin(), known.end()) > kBehindGear || *std::min_element(known.begin(), known.end()) <= 0.0) return;
+    if (known.empty() || *std::max_element(known.begin(), known.end()) > checking::kBehindGear || *std::min_element(known.begin(), known.end()) <= 0.0) return;
     Question q;
     q.finding = "torque_unit";
+    q.price = checking::kOfNumber * joints();
     VectorXd gears(joints());
-    std::string list;
+    std::string words;
     for (int i = 0; i < joints(); ++i) {
-      gears[i] = std::round(1.0 / (ratios[i] != 0.0 ? ratios[i] : median(known)));
+      gears[i] = std::round(1.0 / (fit.ratios[i] != 0.0 ? fit.ratios[i] : median(known)));
       q.units += text(i > 0 ? "," : "", "tau", i + 1, "=", gears[i]);
-      list += text(i > 0 ? ", " : "", gears[i]);
+      words += text(i > 0 ? ", " : "", gears[i]);
     }
-    q.what = text("Torques are those of the motors in front of gears of about ", list);
+    q.what = text("Torques are those of the motors, in front of gears of about ", words);
     q.recording = [gears](Recording& r) { r.tau = (r.tau * gears.asDiagonal()).eval(); };
-    Answer with = best_;
-    with.set.push_back(q);
-    with.fit = fit_of(with.set);
-    if (best_.fit.misfit - with.fit.misfit > limits_.better) best_ = std::move(with);
+    list.push_back(std::move(q));
   }
 
   // One line for each answer, with what the arm leaves without it and all options together.
   void report(double before) {
+    std::sort(best_.set.begin(), best_.set.end(), [](const Question& a, const Question& b) { return std::tie(a.finding, a.joint) < std::tie(b.finding, b.joint); });
     const std::string options = options_of(best_.set);
     for (const Question& q : best_.set) {
       std::vector<Question> others;
@@ -312,8 +343,8 @@ class RobotCheck {
       const double without = others.empty() ? before : fit_of(others).left();
       const double left = best_.fit.left();
       std::string sentence = q.what + ": ";
-      if (left < without) sentence += text("so the arm leaves ", percent(left), " of the torque on held-out rows instead of ", percent(without), "; ");
-      else sentence += "its friction or the values of the robot file say so; ";
+      if (left < checking::kLess * without) sentence += text("so the arm leaves ", percent(left), " of the torque on held-out rows instead of ", percent(without), "; ");
+      else sentence += q.finding == "torque_sign" ? "so say its friction and the values of the robot file; " : "so say the values of the robot file; ";
       if (is_explained(best_.fit)) sentence += options + " mends it.";
       else sentence += text(options, " makes it better, but the noise is at ", percent(noise_), ": not the whole truth.");
       add(q.finding, q.joint, left, sentence);
@@ -330,7 +361,7 @@ class RobotCheck {
     if (!has_gains() || amperes() || joints() < 2) return false;
     if (given_.inertial_values()) return true;
     const VectorXd gains = this->gains();
-    return gains.maxCoeff() > kEqualGains * gains.minCoeff();
+    return gains.maxCoeff() > checking::kEqualGains * gains.minCoeff();
   }
 
   VectorXd gains() const {
@@ -353,7 +384,7 @@ class RobotCheck {
     double nearest = 0.0;
     for (int i = 0; i < joints(); ++i) {
       const double limit = given_.coordinates()[i].limits.effort;
-      if (!std::isfinite(limit) || gains[i] < kLeastGain) return false;
+      if (!std::isfinite(limit) || gains[i] < checking::kLeastGain) return false;
       double largest = 0.0;
       for (const double tau : recording_.tau.col(i)) {
         if (std::isfinite(tau)) largest = std::max(largest, std::abs(tau));
@@ -365,7 +396,6 @@ class RobotCheck {
 
   const Model& given_;
   const PreprocessingOptions& options_;
-  const CheckThresholds& limits_;
   Recording recording_;
   QuickFitter fitter_;
   std::vector<std::string> names_;
@@ -377,58 +407,27 @@ class RobotCheck {
 
 }  // namespace
 
-const std::vector<TableNumber<CheckThresholds>>& check_numbers() {
-  using T = CheckThresholds;
-  static const std::vector<TableNumber<T>> kAll = {
-      number_of<&T::most_rows>("most_rows"),
-      number_of<&T::fewest_rows>("fewest_rows"),
-      number_of<&T::worst_condition>("worst_condition"),
-      number_of<&T::better>("better"),
-      number_of<&T::gains_better>("gains_better"),
-      number_of<&T::near_noise>("near_noise"),
-      number_of<&T::exact>("exact"),
-      number_of<&T::smallest_share>("smallest_share"),
-      number_of<&T::friction_share>("friction_share"),
-      number_of<&T::friction_above_rest>("friction_above_rest"),
-      number_of<&T::friction_significance>("friction_significance"),
-      number_of<&T::gives_energy>("gives_energy"),
-      number_of<&T::telling>("telling"),
-      number_of<&T::torque_factor>("torque_factor"),
-      number_of<&T::most_off>("most_off"),
-      number_of<&T::beyond_limits>("beyond_limits"),
-      number_of<&T::most_together>("most_together"),
-      number_of<&T::finest>("finest")};
-  return kAll;
-}
-
 std::vector<QualityFinding> check_against(const Model& arm, const std::string& path,
                                           const PreprocessingOptions& options) {
-  const CheckThresholds limits;
   RecordingOptions reading = reading_of(arm, options);
   reading.first_row = std::max(0L, options.first_row);
-  reading.row_count = std::min<long>(options.row_count.value_or(limits.most_rows), limits.most_rows);
+  reading.row_count = std::min<long>(options.row_count.value_or(checking::kMostRows), checking::kMostRows);
   Recording recording = read_rows(path, reading, options.kept.get());
   recording.source = path;
   PreprocessingOptions rest = options;
   rest.first_row = 0;
   rest.row_count.reset();
-  return check_against(arm, std::move(recording), rest, limits);
+  return check_against(arm, std::move(recording), rest);
 }
 
-std::vector<QualityFinding> check_against(const Model& arm, Recording recording,
-                                          const PreprocessingOptions& options) {
-  return check_against(arm, std::move(recording), options, CheckThresholds());
-}
-
-std::vector<QualityFinding> check_against(const Model& arm, Recording recording, const PreprocessingOptions& options,
-                                          const CheckThresholds& limits) {
+std::vector<QualityFinding> check_against(const Model& arm, Recording recording, const PreprocessingOptions& options) {
   require_joints_of(arm, recording.joints(), recording.source);
   const long first = std::min<long>(options.first_row, recording.rows());
-  const long wanted = std::min<long>(options.row_count.value_or(limits.most_rows), limits.most_rows);
+  const long wanted = std::min<long>(options.row_count.value_or(checking::kMostRows), checking::kMostRows);
   const long count = std::min(wanted, recording.rows() - first);
   if (first > 0 || count < recording.rows())
     recording = rows_of(recording, static_cast<int>(first), static_cast<int>(count));
-  if (recording.rows() < limits.fewest_rows) return {};
+  if (recording.rows() < checking::kFewestRows) return {};
   if (options.cutoff > 0.0 && median_step(recording.time) * options.cutoff >= 0.5) return {};  // the filter needs two rows a wave
   if (recording.tau.size() == 0 && recording.current.size() > 0) {
     // Signs, exchanged joints and angles of currents are checked through their gains.
@@ -439,7 +438,10 @@ std::vector<QualityFinding> check_against(const Model& arm, Recording recording,
     }
   }
   if (recording.tau.size() == 0) return {};
-  return RobotCheck(arm, std::move(recording), options, limits).run();
+  for (int i = 0; i < arm.joints(); ++i) {
+    if (recording.tau.col(i).array().isNaN().all() || recording.q.col(i).array().isNaN().all()) return {};  // the check of gaps names it
+  }
+  return RobotCheck(arm, std::move(recording), options).run();
 }
 
 bool answers_question(const QualityFinding& finding) {
@@ -450,10 +452,23 @@ bool answers_question(const QualityFinding& finding) {
          std::find(std::begin(kNames), std::end(kNames), finding.finding) != std::end(kNames);
 }
 
+std::vector<QualityFinding> with_answers(std::vector<QualityFinding> answers, const std::vector<QualityFinding>& quality) {
+  const auto of_motion = [](const QualityFinding& f) {
+    return answers_question(f) && f.finding.rfind("torque", 0) != 0 && f.finding != "current" && f.finding != "gravity" && f.finding != "dh_convention";
+  };
+  const bool explained = std::any_of(answers.begin(), answers.end(), of_motion);
+  for (const QualityFinding& f : quality) {
+    const bool same = f.finding == "degrees" || f.finding == "velocity_scale" || f.finding == "velocity_sign" || f.finding == "rate_contradiction";
+    if (!explained || !same) answers.push_back(f);
+  }
+  std::stable_sort(answers.begin(), answers.end(), [](const auto& a, const auto& b) { return a.severity > b.severity; });
+  return answers;
+}
+
 std::vector<QualityFinding> questions_answered(const Model& arm, const std::vector<std::string>& recordings, const PreprocessingOptions& options,
                                                const VectorRef& errors) {
   std::vector<QualityFinding> out;
-  if (errors.size() == 0 || !(errors.maxCoeff() > kAskedAbove)) return out;
+  if (errors.size() == 0 || !(errors.maxCoeff() > checking::kAskedAbove)) return out;
   for (const std::string& name : recordings) {
     const Recording* there = find_in_memory(options.in_memory, name);
     for (QualityFinding& f : there != nullptr ? check_against(arm, *there, options) : check_against(arm, name, options)) {

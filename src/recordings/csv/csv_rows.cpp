@@ -206,8 +206,8 @@ CsvLayout layout_from_names(const std::vector<std::string>& names, std::string_v
 
 // rows of one time and other values >= kMostEqual: the times have lost their digits.
 constexpr long kMostEqual = 200;
-// and in a file that ends before: > kFewEqual, and half of its rows.
-constexpr long kFewEqual = 10;
+// and in a file that ends before: > kFewEqual, and one time in more than kDistinct rows.
+constexpr long kFewEqual = 10, kDistinct = 20;
 // step of a position <= kSteady * the step before + kSmallStep [rad, m]: the arm moves on.
 constexpr double kSteady = 5.0, kSmallStep = 2e-3;
 constexpr int kFirstRows = 4096;  // room of a piece at first; it doubles, as files may end early
@@ -268,6 +268,7 @@ class CsvRows : public RowSource {
   long equal = 0, equal_run = 0, timed = 0;  // rows with the time before and other values; their last run; all
   double moved_on = 0.0;    // [s] added to times behind a clock that stepped back
   double first_time = kGap;
+  double counted_time = 0.0;         // [s] of the row before
   std::optional<long> counted_from;  // the row from which rows are counted, as --rate says
   std::vector<std::string> remarks;
 };
@@ -372,6 +373,7 @@ void CsvRows::refuse_time(double found, const std::string& why) const {
 
 void CsvRows::count_from_here() {
   counted_from = row_number;
+  counted_time = time;
   remarks.push_back(text("from row ", row_number, " on the times do not grow: the rows are counted at ", options.rate, " Hz, as --rate says."));
 }
 
@@ -395,7 +397,7 @@ bool CsvRows::accept_time() {
   double& t = row[CsvLayout::kTime];
   ++timed;
   if (counted_from) {
-    t = time += 1.0 / options.rate;
+    t = time = counted_time + static_cast<double>(row_number - *counted_from + 1) / options.rate;
     return true;
   }
   t += moved_on;
@@ -506,7 +508,7 @@ Recording CsvRows::next(int rows) {
     }
     ++count;
   }
-  if (count < rows && equal > kFewEqual && 2 * equal > timed)
+  if (count < rows && equal > kFewEqual && kDistinct * (timed - equal) < timed)
     refuse_time(time, text("so do ", equal, " of ", timed, " rows with other values: the times have lost their digits, and ", recordings::kCountRows));
   if (is_current_unit(unit_of(options.signals, "tau", 0)) && piece.tau.size() > 0) {
     piece.current = std::move(piece.tau);

@@ -20,6 +20,7 @@ namespace {
 
 constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
 constexpr int kPreamble = 30;        // largest number of lines before a header
+constexpr std::size_t kDistinct = 20;  // one time in more rows: the times have lost their digits
 constexpr std::size_t kProbe = 400;  // rows used to guess the unit of the time
 
 // Destination of a column: its stream, and its field in it; stream -1: dropped.
@@ -289,7 +290,7 @@ class Table {
     const std::int64_t unit = clock ? time_unit() : 0;
     std::size_t standing = 0;
     for (std::size_t k = 1; clock && k < times_.size(); ++k) standing += times_[k] == times_[k - 1] && fractions_[k] == fractions_[k - 1];
-    if (2 * standing > times_.size() && options_.rate <= 0.0)
+    if (kDistinct * (times_.size() - standing) < times_.size() && options_.rate <= 0.0)
       throw InvalidInput(text(lines_.path(), ":", header_line_ + 1, ": found ", standing, " rows of ", times_.size(), " with the time of the row before (",
                               times_.back(), "), expected times that grow; they have lost their digits: ", kCountRows));
     if (standing > 0 && options_.rate > 0.0) {

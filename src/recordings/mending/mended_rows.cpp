@@ -33,6 +33,8 @@ constexpr double kBeyond = 0.05;
 /// step > smallest, kNoise * usual second difference, kOfRange * range, and kAround * the steps around it: a jump.
 /// These are the numbers of the check of jumps (QualityNumbers).
 constexpr double kSmallestJump = 2e-3, kNoise = 5.0, kOfRange = 0.02, kAround = 4.0;
+/// |position| > kFar [rad, m] is far from zero.
+constexpr double kFar = 0.05;
 /// Quantile of what is usual, so that single wrong values do not count.
 constexpr double kUsual = 0.98;
 
@@ -68,12 +70,14 @@ class MendedRows : public RowSource {
 
   bool read_on();
   void look_at_first_rows();
-  void leave_repeats_out(Recording& piece);
+  void leave_out(Recording& piece);
+  bool is_foreign(const Recording& piece, int k, const Recording& before, int last) const;
   void spread_equal_times(int from, int to);
   void spread_bursts();
   void unwrap(int from);
   void start_within_limits();
   void find_dropouts(int until);
+  void fill(int before, int after);
   int way_back(int last, int away) const;
   bool is_jump(int last, int k, int joint) const;
   bool continues(int last, int k) const;
@@ -91,31 +95,46 @@ class MendedRows : public RowSource {
   double step_ = 0.0;         // [s] mean
   double burst_step_ = 0.0;   // [s] usual time between bursts
   double burst_before_ = kGap;
-  long in_bursts_ = 0, equal_ = 0, repeated_ = 0, dropouts_ = 0, dropped_ = 0, zeros_ = 0;
+  long in_bursts_ = 0, equal_ = 0, repeated_ = 0, dropouts_ = 0, dropped_ = 0, zeros_ = 0, foreign_ = 0;
 };
 
 bool MendedRows::read_on() {
   Recording piece = rows_->next(std::max(kFirstRows, ahead_));
   ended_ = piece.rows() == 0;
   if (ended_) return false;
-  if (choice_.as_recorded) leave_repeats_out(piece);
+  leave_out(piece);
   append(held_, std::move(piece));
   return true;
 }
 
-void MendedRows::leave_repeats_out(Recording& piece) {
+// A row of zeros alone, behind a position that is far from zero.
+bool MendedRows::is_foreign(const Recording& piece, int k, const Recording& before, int last) const {
+  if (choice_.as_recorded || last < 0 || !(before.q.row(last).cwiseAbs().maxCoeff() > kFar)) return false;
+  return std::all_of(std::begin(kRecordingSignals), std::end(kRecordingSignals), [&](const RecordingSignal& signal) {
+    return (piece.*signal.values).cols() == 0 || ((piece.*signal.values).row(k).array() == 0.0).all();
+  });
+}
+
+// Rows of another publisher; with as_recorded those that repeat a time.
+void MendedRows::leave_out(Recording& piece) {
   int kept = 0;
   for (int k = 0; k < piece.rows(); ++k) {
-    const double before = kept > 0 ? piece.time[kept - 1] : held_.rows() > 0 ? held_.time[held_.rows() - 1] : -HUGE_VAL;
-    if (piece.time[k] == before) continue;
-    piece.time[kept] = piece.time[k];
-    for (const RecordingSignal& signal : kRecordingSignals) {
-      MatrixXd& values = piece.*signal.values;
-      if (values.cols() > 0) values.row(kept) = values.row(k);
+    const Recording& before = kept > 0 ? piece : held_;
+    const int last = kept > 0 ? kept - 1 : held_.rows() - 1;
+    const bool repeats = choice_.as_recorded && last >= 0 && piece.time[k] == before.time[last];
+    const bool foreign = is_foreign(piece, k, before, last);
+    repeated_ += repeats ? 1 : 0;
+    foreign_ += foreign ? 1 : 0;
+    if (repeats || foreign) continue;
+    if (kept < k) {
+      piece.time[kept] = piece.time[k];
+      for (const RecordingSignal& signal : kRecordingSignals) {
+        MatrixXd& values = piece.*signal.values;
+        if (values.cols() > 0) values.row(kept) = values.row(k).eval();
+      }
     }
     ++kept;
   }
-  repeated_ += piece.rows() - kept;
   if (kept < piece.rows()) piece = rows_of(piece, 0, kept);
 }
 
@@ -161,7 +180,7 @@ void MendedRows::look_at_first_rows() {
   double last = held_.time[0];
   for (int k = 1; k < n; ++k) {
     const bool inside = held_.time[k] - held_.time[k - 1] < kWithin * step_;
-    within += inside ? 1 : 0;
+    within += inside && held_.time[k] > held_.time[k - 1] ? 1 : 0;
     if (!inside) between.push_back(held_.time[k] - std::exchange(last, held_.time[k]));
   }
   bursts_ = static_cast<double>(within) >= kBurstShare * (n - 1) && between.size() > kFewRows;
@@ -202,12 +221,13 @@ void MendedRows::unwrap(int from) {
   unwrapped_ = n;
 }
 
-// An angle that is wrapped may have been counted from another turn than the joint's limits.
+// Angles of a recording in which some are wrapped may have been counted from another turn than the joints' limits.
 void MendedRows::start_within_limits() {
+  const bool wrapped = std::any_of(joints_.begin(), joints_.end(), [](const Joint& joint) { return joint.wraps > 0; });
   for (std::size_t j = 0; j < joints_.size() && j < choice_.joints.size(); ++j) {
     const WantedJoint& wanted = choice_.joints[j];
     Joint& joint = joints_[j];
-    if (joint.wraps == 0 || !std::isfinite(wanted.upper - wanted.lower)) continue;
+    if (!wrapped || wanted.prismatic || !std::isfinite(wanted.upper - wanted.lower)) continue;
     auto q = held_.q.col(static_cast<Eigen::Index>(j));
     const double unit = joint.turn / (2.0 * kPi);
     const double margin = kBeyond * (wanted.upper - wanted.lower);
@@ -298,6 +318,20 @@ int MendedRows::way_back(int last, int away) const {
   return -1;
 }
 
+// Positions between two sound rows, on the cubic through both and their velocities; gaps where none is recorded.
+void MendedRows::fill(int before, int after) {
+  const double length = held_.time[after] - held_.time[before];
+  for (int k = before + 1; k < after; ++k) {
+    if (held_.dq.cols() == 0) {
+      held_.q.row(k).setConstant(kGap);
+      continue;
+    }
+    const double u = (held_.time[k] - held_.time[before]) / length, left = 1.0 - u;
+    held_.q.row(k) = left * left * ((1.0 + 2.0 * u) * held_.q.row(before) + u * length * held_.dq.row(before)) +
+                     u * u * ((3.0 - 2.0 * u) * held_.q.row(after) - left * length * held_.dq.row(after));
+  }
+}
+
 void MendedRows::find_dropouts(int until) {
   int k = std::max(sound_, 1);
   if (sound_ == 0 && held_.rows() > 2 && (held_.q.row(0).array() == 0.0).all() && !continues(0, 1)) {
@@ -309,7 +343,7 @@ void MendedRows::find_dropouts(int until) {
     if (continues(k - 1, k)) continue;
     const int back = way_back(k - 1, k);
     if (back < 0) continue;
-    held_.q.middleRows(k, back - k).setConstant(kGap);
+    fill(k - 1, back);
     dropped_ += back - k;
     ++dropouts_;
     // The row after continues from the last sound one; rows of a gap have no position to jump from.
@@ -318,21 +352,25 @@ void MendedRows::find_dropouts(int until) {
   sound_ = std::max(sound_, std::min(k, held_.rows()));
 }
 
-// Velocities and torques that are exactly zero for a while between values of one sign that are far from it.
+// Torques that are exactly zero on all joints for a while, between values of one sign of a joint that are far from it.
 void MendedRows::find_zeros(int until) {
-  for (MatrixXd* values : {&held_.dq, &held_.tau, &held_.current}) {
-    for (Eigen::Index j = 0; j < values->cols(); ++j) {
-      auto v = values->col(j);
-      for (int k = std::max(sound_, 2); k < until; ++k) {
-        if (v[k] != 0.0 || v[k - 1] == 0.0) continue;
-        int end = k + 1;
-        while (end < held_.rows() && end < k + ahead_ && v[end] == 0.0) ++end;
-        if (end + 1 >= held_.rows() || v[end] == 0.0) continue;
-        const double around = std::max(std::abs(v[k - 1] - v[k - 2]), std::abs(v[end + 1] - v[end]));
-        if (v[k - 1] * v[end] <= 0.0 || !(std::min(std::abs(v[k - 1]), std::abs(v[end])) > 2.0 * kAround * around)) continue;
-        v.segment(k, end - k).setConstant(kGap);
-        zeros_ += end - k;
+  for (MatrixXd* values : {&held_.tau, &held_.current}) {
+    if (values->cols() == 0) continue;
+    MatrixXd& v = *values;
+    const auto zero = [&v](int k) { return (v.row(k).array() == 0.0).all(); };
+    for (int k = std::max(sound_, 2); k < until; ++k) {
+      if (!zero(k) || zero(k - 1)) continue;
+      int end = k + 1;
+      while (end < held_.rows() && end < k + ahead_ && zero(end)) ++end;
+      if (end + 1 >= held_.rows() || zero(end)) continue;
+      bool far = false;
+      for (Eigen::Index j = 0; j < v.cols(); ++j) {
+        const double around = std::max(std::abs(v(k - 1, j) - v(k - 2, j)), std::abs(v(end + 1, j) - v(end, j)));
+        far = far || (v(k - 1, j) * v(end, j) > 0.0 && std::min(std::abs(v(k - 1, j)), std::abs(v(end, j))) > 2.0 * kAround * around);
       }
+      if (!far) continue;
+      v.middleRows(k, end - k).setConstant(kGap);
+      zeros_ += end - k;
     }
   }
 }
@@ -340,6 +378,8 @@ void MendedRows::find_zeros(int until) {
 RecordingFacts MendedRows::facts() const {
   RecordingFacts out = rows_->facts();
   const auto say = [&out](const std::string& remark) { out.remarks.push_back(remark); };
+  if (foreign_ > 0)
+    say(text(counted(foreign_, "row", "rows"), " of zeros alone amid the motion, as of another publisher, ", foreign_ == 1 ? "is" : "are", " left out (--as-recorded keeps them)."));
   if (repeated_ > 0)
     say(text(counted(repeated_, "row repeats", "rows repeat"), " the time stamp before and ", repeated_ == 1 ? "is" : "are", " left out."));
   if (equal_ > 0)
@@ -352,10 +392,10 @@ RecordingFacts MendedRows::facts() const {
              " and is continued over whole turns (--as-recorded keeps it)."));
   }
   if (dropouts_ > 0)
-    say(text("positions leave the motion and come back ", counted(dropouts_, "time", "times"), ": these ", counted(dropped_, "row is a gap", "rows are gaps"),
-             " (--as-recorded keeps them)."));
+    say(text("positions leave the motion and come back ", counted(dropouts_, "time", "times"), ": ", counted(dropped_, "row is", "rows are"),
+             held_.dq.cols() > 0 ? " filled in by the velocities before and behind" : " left out", " (--as-recorded keeps them)."));
   if (zeros_ > 0)
-    say(text(counted(zeros_, "value", "values"), " of velocity or torque dropped to zero amid the motion: these rows are gaps (--as-recorded keeps them)."));
+    say(text("all torques drop to zero amid the motion in ", counted(zeros_, "row, which is a gap", "rows, which are gaps"), " (--as-recorded keeps them)."));
   return out;
 }
 

@@ -40,15 +40,15 @@ void check_duration(const Head& head, Findings* findings) {
   const PreprocessingOptions usual;
   const double cut = usual.drop_start + usual.drop_end;
   const double seconds = head.rows.time[head.rows.rows() - 1] - head.rows.time[0];
-  if (!(seconds < cut + head.numbers.least_seconds)) return;
+  if (!(seconds < cut + kLeastSeconds)) return;
   findings->add(Severity::kFault, "short_recording", {}, {kNone, seconds, "s"},
                 text("The recording lasts ", number(seconds), " s, of which an identification cuts ", number(usual.drop_start), " s at the start and ",
-                     number(usual.drop_end), " s at the end (--drop-start and --drop-end change that): ", number(head.numbers.enough_seconds), " s and more are needed."));
+                     number(usual.drop_end), " s at the end (--drop-start and --drop-end change that): ", number(kEnoughSeconds), " s and more are needed."));
 }
 
 // A clock of whole seconds and more between rows of one motion counts in another unit.
 bool check_clock(const Head& head, Findings* findings) {
-  if (head.step < head.numbers.slow_clock) return false;
+  if (head.step < kSlowClock) return false;
   double onward = 0.0;
   for (int j = 0; j < head.rows.joints(); ++j) {
     for (int k = 2; k < head.rows.rows(); ++k) {

@@ -38,8 +38,6 @@ struct QualityNumbers {
   double few_stale = 0.001, many_stale = 0.02, frozen = 0.5;
   /// share of missing values > few_gaps: a warning; > many_gaps: a fault.
   double few_gaps = 0.001, many_gaps = 0.5;
-  /// |torque| or |current| < no_load [N m, A] in every row: it was not recorded.
-  double no_load = 1e-8;
   /// signals with gaps > many_signals: one finding for the file.
   int many_signals = 3;
   /// |q| > two turns in a share of the rows >= beyond_turns: degrees, or millimetres.
@@ -52,12 +50,6 @@ struct QualityNumbers {
   int fewest_fine = 200;
   /// share of repeats >= repeating: refreshed too slowly.
   double repeating = 0.1;
-
-  // Duration.
-  /// seconds that an identification does not cut < least_seconds: a fault; enough_seconds are what is advised.
-  double least_seconds = 2.0, enough_seconds = 10.0;
-  /// median step >= slow_clock [s] in one motion: times in another unit.
-  double slow_clock = 0.5;
 
   // Start-up.
   /// ringing = rms change over `ringing` [s] in windows of `window` = [s] and shortest_window rows.
@@ -157,6 +149,12 @@ constexpr int kHeadRows = 200000, kLagRows = 60000;
 constexpr int kPieceRows = 50000;
 /// rows of the piece before = kContext: jumps and motion look back so far.
 constexpr int kContext = 6;
+/// |torque| or |current| < kNoLoad [N m, A] in every row: it was not recorded.
+constexpr double kNoLoad = 1e-8;
+/// seconds that an identification does not cut < kLeastSeconds: a fault; kEnoughSeconds = what is advised.
+constexpr double kLeastSeconds = 1.0, kEnoughSeconds = 10.0;
+/// median step >= kSlowClock [s] in one motion: times in another unit.
+constexpr double kSlowClock = 0.5;
 /// a turn = kTurn [rad].
 constexpr double kTurn = 6.283185307179586;
 /// degrees = kDegrees * radians.

@@ -196,7 +196,7 @@ void RowTally::conclude_constant(Findings* findings) const {
     for (const Channel& channel : channels_) {
       if (channel.place.signal != signal.name) continue;
       ++all;
-      zero += (channel.constant && channel.first == 0.0) || (measured && channel.largest < numbers_.no_load && channel.gaps < rows_) ? 1 : 0;
+      zero += (channel.constant && channel.first == 0.0) || (measured && channel.largest < kNoLoad && channel.gaps < rows_) ? 1 : 0;
       largest = std::max(largest, channel.largest);
     }
     if (all == 0) continue;
