@@ -109,12 +109,6 @@ std::string quoted(const std::string& word) {
 
 }  // namespace
 
-std::string command_line(int argc, const char* const* argv) {
-  std::string out = "veridyn";  // independent of the path of the program
-  for (int k = 1; k < argc; ++k) out += " " + quoted(argv[k]);
-  return out;
-}
-
 std::string command_line(const std::vector<std::string>& words) {
   std::string out;
   for (const std::string& word : words) out += (out.empty() ? "" : " ") + quoted(word);

@@ -15,8 +15,6 @@ namespace veridyn::cli {
 void say(const std::string& line);
 
 /// The arguments as one line that a shell parses into the same arguments.
-std::string command_line(int argc, const char* const* argv);
-
 std::string command_line(const std::vector<std::string>& words);
 
 /// Called with the current activity and the share done, 0 to 1.
