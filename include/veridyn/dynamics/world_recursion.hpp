@@ -477,10 +477,9 @@ struct WorldRecursion {
       const S& m = I[0];
       const Vec3<S> h = vector(kInertia + 1, k);
       const S &xx = I[4 * stride], &yy = I[6 * stride], &zz = I[9 * stride];
-      articulated[k] = {
-          {yy + zz, -I[5 * stride], xx + zz, -I[7 * stride], -I[8 * stride], xx + yy},
-          {{none, -h.z, h.y}, {h.z, none, -h.x}, {-h.y, h.x, none}},
-          {m, none, m, none, none, m}};
+      articulated[k].J = {yy + zz, -I[5 * stride], xx + zz, -I[7 * stride], -I[8 * stride], xx + yy};
+      articulated[k].H = {{none, -h.z, h.y}, {h.z, none, -h.x}, {-h.y, h.x, none}};
+      articulated[k].M = {m, none, m, none, none, m};
     }
     for (int k = tree.count - 1; k >= 0; --k) {
       const ArticulatedInertia<S>& A = articulated[k];
