@@ -1,6 +1,7 @@
 #include "veridyn/control/control_cycle.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <ostream>
@@ -83,6 +84,7 @@ ControlCycle::ControlCycle(const Model& arm, const Tip& tip, const CycleOptions&
 }
 
 const ArmState& ControlCycle::measure(const Measured& measured, double dt) noexcept {
+  assert(measured.q.size() == q_.size() && (measured.dq.size() == 0 || measured.dq.size() == q_.size()));
   q_ = measured.q;
   sensors_.correct_positions(q_);
   if (measured.dq.size() == q_.size()) {
