@@ -206,10 +206,10 @@ struct Ending {
 TEST(PsmDrills, EveryEventIsNamedAndLeavesNoCurrent) {
   const std::vector<Ending> endings = {
       {"old", "old replies in the place of new ones (board 6)", 0.004},
-      {"ignore-writes:6", "a write had no effect (board 6)", 0.004},
+      {"ignore-writes:6", "a write had no effect (board 6)", 0.06},
       {"lose-writes", "a write had no effect", 0.04},
       {"silence", "no reply in time", 0.065},
-      {"encoder-stuck:6.1", "a pot disagrees with its encoder (board 6, channel 2)", 0.4},
+      {"encoder-stuck:6.1", "a pot disagrees with its encoder (board 6, channel 2)", 0.6},
       {"supply-off", "no motor supply: emergency stop, or the supply is off", 0.002},
       {"relay-open:7", "the safety relay is open (board 7)", 0.002},
       {"current:6.1=0.95", "a motor current out of bounds (board 6, channel 2)", 0.01},
