@@ -67,7 +67,7 @@ const Wrong kWrongs[] = {
     {SafetyFault::kPosition, 2, SafetyAction::kHold,
      [](Supervised& s) {
        // Still inside, but it could not stop before the limit at 0.24 m.
-       for (; s.q_[2] < 0.2355; s.q_[2] += 1e-3) {
+       for (; s.q_[2] < 0.2355; s.q_[2] += 5e-4) {
          s.input_.q_wanted = s.q_;
          s.run();
        }

@@ -111,8 +111,8 @@ std::vector<Mistake> mistakes() {
       {"Offset=\"32826\"", "Offset=\"5500\"", {"Actuator 0", "MaxCurrent 1.34 A", "at most 1.04", "end of the converter"}},
       {"Lower=\"-91.0\"", "Lower=\"91.0\"", {"PositionLimitsSoft", "lower limit below"}},
       // Units of other numbers: radians as degrees and the reverse, millimetres as metres, pots alike.
-      {"Lower=\"-53.0\" Upper=\"53.0\" Unit=\"deg\"", "Lower=\"-53.0\" Upper=\"53.0\" Unit=\"rad\"", {"io.xml:32: Robot PSM1/Actuator 1/Encoder/PositionLimitsSoft", "a travel of 6073", "at most 1080 deg", "Unit"}},
-      {"Lower=\"-53.0\" Upper=\"53.0\" Unit=\"deg\"", "Lower=\"-0.925\" Upper=\"0.925\" Unit=\"deg\"", {"io.xml:32: ", "PositionLimitsSoft", "a travel of 1.85 deg, where VoltsToPosSI covers 128", "Unit"}},
+      {"Lower=\"-53.0\" Upper=\"53.0\" Unit=\"deg\"", "Lower=\"-53.0\" Upper=\"53.0\" Unit=\"rad\"", {"io.xml:31: Robot PSM1/Actuator 1/Encoder/PositionLimitsSoft", "a travel of 6073", "at most 1080 deg", "Unit"}},
+      {"Lower=\"-53.0\" Upper=\"53.0\" Unit=\"deg\"", "Lower=\"-0.925\" Upper=\"0.925\" Unit=\"deg\"", {"io.xml:31: ", "PositionLimitsSoft", "a travel of 1.85 deg, where VoltsToPosSI covers 128", "Unit"}},
       {"Upper=\"240.0\" Unit=\"mm\"", "Upper=\"240.0\" Unit=\"m\"", {"Actuator 2/Encoder/PositionLimitsSoft", "at most 1000 mm"}},
       {"Upper=\"240.0\" Unit=\"mm\"", "Upper=\"0.24\" Unit=\"mm\"", {"Actuator 2/Encoder/PositionLimitsSoft", "a travel of 0.24 mm"}},
       {"<VoltsToPosSI Scale=\"-28.50\" Offset=\"63.611\" Unit=\"deg\"", "<VoltsToPosSI Scale=\"-28.50\" Offset=\"63.611\" Unit=\"rad\"", {"Actuator 1/Encoder/PositionLimitsSoft", "VoltsToPosSI covers 7348"}},

@@ -12,8 +12,8 @@ namespace {
 constexpr double kLooking = 0.1;  // [s] of reading before power-up
 constexpr double kAfter = 0.02;   // [s] of reading after power went
 constexpr double kJumpShare = 0.5;  // of the largest force: more between two readings is no force
-constexpr double kLeastRate = 0.5;  // of a sensor's readings: the text below says half
-constexpr double kGaps = 3.0;       // of a sensor's period, at least: less is no silence
+constexpr double kLeastShare = 0.5;  // of a sensor's readings: the text below says half
+constexpr double kLeastPeriods = 3.0;       // of a sensor's period, at least: less is no silence
 constexpr const char* kJumps = "jumps from one reading to the next by more than a force can";
 constexpr double kAtRest = 0.05;  // SafetyLimits::rest_share: of the velocity limits
 constexpr double kExplained = 0.5;  // of FaultChecks::force_disagreement
@@ -192,7 +192,7 @@ void BoardLoop::require_feasible(std::size_t p, double begins, const std::string
 BoardLoop::Sensor BoardLoop::open_sensor(const std::string& source, const std::string& of, double rate,
                                          ForceChannelOptions options) const {
   options.largest_jump = kJumpShare * scenario_.control.largest_force;
-  options.largest_silence = std::max(options.largest_silence, kGaps / rate);
+  options.largest_silence = std::max(options.largest_silence, kLeastPeriods / rate);
   return {source + " of " + of, std::make_unique<ForceChannel>(options_.open_source(source), options), rate};
 }
 
@@ -238,7 +238,7 @@ void BoardLoop::hear(std::vector<Sensor>& sensors) {
     if (k == count) {
       for (k = 0; k < count; ++k) {
         const double rate = static_cast<double>(readings[k]) / (now_ - good_since[k]);
-        require(rate >= kLeastRate * sensors[k].rate, "no power: the force sensor ", sensors[k].name, " gives ",
+        require(rate >= kLeastShare * sensors[k].rate, "no power: the force sensor ", sensors[k].name, " gives ",
                 std::round(rate), " readings per second; the scenario counts on ", sensors[k].rate,
                 " (sensor: rate), expected half of them or more.");
       }

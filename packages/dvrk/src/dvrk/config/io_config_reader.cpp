@@ -98,10 +98,12 @@ class Reader {
     robot.has_encoder_preload = node.flag("HasEncoderPreload", true);
     node.number("NumOfJoint", 0.0);
     read_actuators(node, robot);
-    if (node.has("Potentiometers")) read_potentiometers(node.at("Potentiometers"), robot);
+    const bool pots_scaled =
+        !node.has("Potentiometers") || node.at("Potentiometers").word("LookupTable", "").empty();
     const std::vector<ConfigNode> actuators = node.items("Actuator");
     for (std::size_t k = 0; k < actuators.size(); ++k)
-      require_plausible(actuators[k], robot.actuators[k], robot.pot_lookup_table.empty());
+      require_plausible(actuators[k], robot.actuators[k], pots_scaled);
+    if (node.has("Potentiometers")) read_potentiometers(node.at("Potentiometers"), robot);
     return robot;
   }
 
