@@ -38,6 +38,8 @@ constexpr int kMostClusters = 64;       // of all recordings together
 constexpr double kOfOwnError = 3.0;     // times the model's error in its own training, or the difference of repeats
 constexpr double kSmallError = 0.05;    // relative; below it every joint is
 constexpr double kErrorOfDrawing = 0.3; // where neither is known
+constexpr double kNoGravity = 1e-12;    // of the largest squared torque: rounding
+constexpr double kNothingToExplain = 1e6;  // relative, of such a joint
 constexpr size_t kNumberWidth = 8;
 
 // The frame that a link's frames are fixed to, itself if it moves; nothing: it is fixed to the world.
@@ -465,7 +467,13 @@ PayloadReport find_payload_at_rest(const Model& given, const std::vector<RestPos
   }
   out.error_before = (left2.array() / torque2.array().max(1e-300)).sqrt();
   const VectorXd band = approached ? VectorXd(VectorXd::Zero(model.joints())) : dry_friction(given);
-  fit_loads({model, link, limits}, asked, places, factors, 1.0, band, (band.array() / (torque2.array() / std::max(1.0, factors.front().rows / model.joints())).sqrt().max(1e-300)).matrix(), out);
+  // The friction band as a share of each joint's torque; a joint that gravity leaves alone has nothing to explain.
+  double poses = 0.0;
+  for (const RestPoses& one : loaded) poses += static_cast<double>(one.poses());
+  VectorXd floor(model.joints());
+  for (int i = 0; i < model.joints(); ++i)
+    floor[i] = torque2[i] > kNoGravity * torque2.maxCoeff() ? band[i] / std::sqrt(torque2[i] / std::max(1.0, poses)) : kNothingToExplain;
+  fit_loads({model, link, limits}, asked, places, factors, 1.0, band, floor, out);
   std::string bands;
   for (int i = 0; i < model.joints(); ++i) {
     if (band[i] > 0.0) bands += fmt::format("{}{} {:.2g} {}", bands.empty() ? "" : ", ", model.coordinates()[i].name, band[i], effort_unit(model.coordinates()[i]));

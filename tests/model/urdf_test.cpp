@@ -266,7 +266,7 @@ TEST_F(UrdfFile, MistakesNamePlaceFindingAndExpectation) {
     for (const std::string& word : words) EXPECT_NE(message.find(word), std::string::npos) << word << "\n" << message;
   };
   expect_words("<link name=\"tip\"/>", "<link/>", {"a link without a name"});
-  expect_words("xyz=\"0.1 0 0\"", "xyz=\"0.1 nan 0\"", {"joint '", "xyz=\"0.1 nan 0\"", "3 finite numbers"});
+  expect_words("xyz=\"0.1 0 0\"", "xyz=\"0.1 nan 0\"", {"link 'turret'", "xyz=\"0.1 nan 0\"", "3 finite numbers"});
   expect_words("xyz=\"0.1 0 0\"", "xyz=\"0,1 0 0\"", {"not a comma"});
   expect_words("xyz=\"0.1 0 0\"", "xyz=\"${l} 0 0\"", {"xacro that was not expanded, '${l} 0 0'", "xacro ", " > arm.urdf"});
   expect_words("<link name=\"tip\"/>", "<xacro:link name=\"tip\"/>", {"<xacro:link>"});

@@ -102,7 +102,7 @@ bool joined_by_one_joint(const Model& arm, std::optional<FrameIndex> a, std::opt
 bool stands_on(const CollisionPair& pair, double gap) {
   double thinnest = kInfinity;
   for (const Capsule& capsule : pair.capsules) thinnest = std::min(thinnest, capsule.radius);
-  return gap < pair.clearance && gap > -thinnest;
+  return gap < pair.clearance && gap > -thinnest - kStands;
 }
 
 VectorXd random_posture(const Model& arm, RandomNumbers& random) {
