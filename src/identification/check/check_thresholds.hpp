@@ -21,8 +21,8 @@ constexpr double kGainsBetter = 0.3;
 /// what is left <= kNearNoise * the torque's white noise, or the rounding of its digits: nothing is to be asked, and
 /// what led there mends it. Friction near rest leaves a few times the noise on perfect recordings.
 constexpr double kNearNoise = 3.0;
-/// error left <= kExact, and a joint's <= twice that: nothing is to be asked. Friction near rest leaves 0.2 to 0.6 % of the torque on perfect recordings.
-constexpr double kExact = 6e-3;
+/// error left of a joint <= kExact, or kNearNoise times its noise: it is explained. Friction near rest leaves up to 1 % of a joint's torque on perfect recordings.
+constexpr double kExact = 1.5e-2;
 /// relative error < kSmallestShare: counts as this; less is noise.
 constexpr double kSmallestShare = 1e-5;
 /// power lost to friction / (rms torque * rms speed) > kFrictionShare: it has a sign.
