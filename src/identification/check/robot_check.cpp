@@ -209,11 +209,12 @@ class RobotCheck {
       }
       const auto better = [](const Answer& a, const Answer& b) { return a.score < b.score; };
       std::sort(next.begin(), next.end(), better);
-      if (next.empty()) {
-        if (best_.set.empty() && !impossible.empty())
-          say_perhaps(*std::min_element(impossible.begin(), impossible.end(), better), "as recorded, all positions lie within the limits of the joints");
+      std::sort(impossible.begin(), impossible.end(), better);
+      if (best_.set.empty() && !impossible.empty() && (next.empty() || (is_explained(impossible.front().fit) && !is_explained(next.front().fit)))) {
+        say_perhaps(impossible.front(), "as recorded, all positions lie within the limits of the joints");
         return;
       }
+      if (next.empty()) return;
       const std::vector<Answer> all = next;
       next.resize(std::min<size_t>(next.size(), checking::kBeam));
       for (Answer& one : next) one = polished(one);
