@@ -21,8 +21,8 @@ constexpr double kGainsBetter = 0.3;
 /// what is left <= kNearNoise * the torque's white noise, or the rounding of its digits: nothing is to be asked, and
 /// what led there mends it. Friction near rest leaves a few times the noise on perfect recordings.
 constexpr double kNearNoise = 3.0;
-/// error left <= kExact, and a joint's <= twice that: nothing is to be asked. Friction near rest leaves 0.2 to 0.6 % of the torque on perfect recordings.
-constexpr double kExact = 6e-3;
+/// error left of a joint <= kExact, or kNearNoise times its noise: it is explained. Friction near rest leaves up to 1 % of a joint's torque on perfect recordings.
+constexpr double kExact = 1.5e-2;
 /// relative error < kSmallestShare: counts as this; less is noise.
 constexpr double kSmallestShare = 1e-5;
 /// power lost to friction / (rms torque * rms speed) > kFrictionShare: it has a sign.
@@ -52,14 +52,14 @@ inline constexpr int kCounts[] = {512, 1000, 1024, 2000, 2048, 4000, 4096, 8192,
 inline constexpr const char* kTorqueUnits[] = {"mNm", "Ncm", "kNm", "kgcm", "ozin", "%", "permille", "share"};
 /// Angles of all joints span >= kLeastTravel and <= kMostTravel [rad] where counts are turned into them.
 constexpr double kLeastTravel = 0.05, kMostTravel = 13.0;
-/// Tilts of gravity that are asked beside the axes, their edges and corners; polished afterwards.
+/// tilt = kTilt [rad]: directions of gravity beside that of the file, the axes, edges and corners; polished afterwards.
 constexpr double kTilt = 0.35;
-/// Gears of kLeastRatio to kMostRatio are tried in relative steps of kRatioStep, where positions leave the limits; a ratio
+/// Gears with kLeastRatio <= ratio < kMostRatio are tried in relative steps of kRatioStep, where positions leave the limits; a ratio
 /// that is whole up to kWholeRatio is.
 constexpr double kLeastRatio = 5.0, kMostRatio = 320.0, kRatioStep = 0.04, kWholeRatio = 2e-3;
-/// Components of a direction below it are rounding.
+/// |component of a direction| < kTiny: rounding.
 constexpr double kTiny = 1e-9;
-/// Folds of contiguous blocks; each is predicted from the others.
+/// folds of contiguous blocks = kFolds; each is predicted from the others.
 constexpr int kFolds = 4;
 /// [Hz] grid = kGrid, on which recordings are compared where it has kRowsAWave rows a wave of the cut-off.
 constexpr double kGrid = 50.0, kRowsAWave = 10.0;

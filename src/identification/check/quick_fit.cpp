@@ -90,6 +90,7 @@ QuickFit QuickFitter::fit(const Recording& recording) const {
   QuickFit out;
   out.shares = VectorXd::Ones(n);
   out.folds = MatrixXd::Ones(n, checking::kFolds);
+  out.noise2 = noise2(recording);
   out.friction = out.friction_significance = out.ratios = VectorXd::Zero(n);
   std::vector<CompressedRecording> compressed;
   try {
@@ -149,9 +150,9 @@ double QuickFitter::contradictions(const QuickFit& fit) const {
   return out;
 }
 
-double QuickFitter::noise(const Recording& recording) const {
+VectorXd QuickFitter::noise2(const Recording& recording) const {
   const double rate = std::min(checking::kGrid, 1.0 / std::max(median_step(recording.time), checking::kShortestStep));
-  double sum = 0.0;
+  VectorXd out = VectorXd::Zero(arm_.joints());
   for (Eigen::Index j = 0; j < recording.tau.cols(); ++j) {
     // The median of second differences: friction that reverses is no noise.
     std::vector<double> second;
@@ -165,9 +166,9 @@ double QuickFitter::noise(const Recording& recording) const {
     const double passed = options_.cutoff > 0.0 ? std::min(1.0, 2.0 * options_.cutoff / rate) : 1.0;
     const double deviation = kMadToDeviation * median(second);
     const double noise2 = deviation * deviation / checking::kSecondDifference * static_cast<double>(second.size());
-    if (torque2 > 0.0) sum += passed * noise2 / torque2;
+    if (torque2 > 0.0) out[j] = passed * noise2 / torque2;
   }
-  return std::sqrt(sum / static_cast<double>(std::max<Eigen::Index>(1, recording.tau.cols())));
+  return out;
 }
 
 VectorXd QuickFitter::springs_apart(const Recording& recording) const {

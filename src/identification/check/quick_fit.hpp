@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <tuple>
@@ -25,8 +26,21 @@ struct QuickFit {
   /// By joint: recorded torque per torque of the file's values; 0 where they explain too little of it to tell.
   VectorXd ratios;
 
-  /// Relative error of the torque, root mean square over the joints.
+  VectorXd noise2;  ///< by joint: share of its squared torque that white noise has
+
+  /// Relative error of the torque, root mean square over the joints; and that of white noise.
   double left() const { return std::sqrt(shares.mean()); }
+  double noise() const { return std::sqrt(noise2.mean()); }
+  /// True if what is left of a joint is near its noise.
+  bool is_near(Eigen::Index joint) const {
+    return std::sqrt(shares[joint]) <= std::max(checking::kNearNoise * std::sqrt(noise2[joint]), checking::kExact);
+  }
+  bool is_near() const {
+    for (Eigen::Index joint = 0; joint < shares.size(); ++joint) {
+      if (!is_near(joint)) return false;
+    }
+    return true;
+  }
 };
 
 /// Fits an arm with plain friction, rotor inertia and all parameters free to one short recording after the other.
@@ -45,15 +59,13 @@ class QuickFitter {
   /// left aside.
   VectorXd springs_apart(const Recording& recording) const;
 
-  /// Relative error that white noise of the torques causes in fit(), root mean square over the joints.
-  double noise(const Recording& recording) const;
-
  private:
   struct Friction;
 
   std::vector<Friction> frictions() const;
   MatrixXd friction_power(const Recording& recording) const;
   double ratio(const SquareRootInformation& joint) const;
+  VectorXd noise2(const Recording& recording) const;
   double contradictions(const QuickFit& fit) const;
 
   Model given_, arm_;

@@ -45,7 +45,6 @@ class RobotCheck {
   std::vector<QualityFinding> run() {
     tell_what_hardly_moves();
     if (!is_identifiable()) return std::move(findings_);
-    noise_ = fitter_.noise(recording_);
     best_.fit = fitter_.fit(recording_);
     const double before = best_.fit.left();
     search();
@@ -78,7 +77,6 @@ class RobotCheck {
 
   // True if a unit of all joints explains the torques.
   bool find_unit() {
-    noise_ = fitter_.noise(recording_);
     Answer as_recorded;
     as_recorded.fit = fitter_.fit(recording_);
     std::vector<Question> units = open_questions(as_recorded);
@@ -139,8 +137,7 @@ class RobotCheck {
     findings_.push_back(std::move(f));
   }
 
-  double near() const { return std::max(checking::kNearNoise * noise_, checking::kExact); }
-  bool is_explained(const QuickFit& fit) const { return fit.left() <= near() && fit.contradictions == 0.0; }
+  static bool is_explained(const QuickFit& fit) { return fit.is_near() && fit.contradictions == 0.0; }
 
   // The recording and the arm after all transformations of a set. Columns are exchanged before they are scaled, as the
   // reader does.
@@ -179,10 +176,10 @@ class RobotCheck {
   // torques and gravity.
   std::vector<Question> open_questions(const Answer& so_far) const {
     std::vector<bool> badly;
-    for (int i = 0; i < joints(); ++i) badly.push_back(std::sqrt(so_far.fit.shares[i]) > near());
+    for (int i = 0; i < joints(); ++i) badly.push_back(!so_far.fit.is_near(i));
     std::vector<Question> all = questions_of(given_, recording_, torque_name(), moves_, badly);
     if (so_far.set.empty() && !amperes()) add_gears(so_far.fit, all);
-    const bool fits = so_far.fit.left() <= near();
+    const bool fits = so_far.fit.is_near();
     const auto closed = [&](const Question& q) {
       if (fits && q.finding != "gravity" && q.finding != "current" && q.finding.rfind("torque", 0) != 0) return true;
       if (q.finding == "current" && !currents_are_asked()) return true;
@@ -212,11 +209,12 @@ class RobotCheck {
       }
       const auto better = [](const Answer& a, const Answer& b) { return a.score < b.score; };
       std::sort(next.begin(), next.end(), better);
-      if (next.empty()) {
-        if (best_.set.empty() && !impossible.empty())
-          say_perhaps(*std::min_element(impossible.begin(), impossible.end(), better), "as recorded, all positions lie within the limits of the joints");
+      std::sort(impossible.begin(), impossible.end(), better);
+      if (best_.set.empty() && !impossible.empty() && (next.empty() || (is_explained(impossible.front().fit) && !is_explained(next.front().fit)))) {
+        say_perhaps(impossible.front(), "as recorded, all positions lie within the limits of the joints");
         return;
       }
+      if (next.empty()) return;
       const std::vector<Answer> all = next;
       next.resize(std::min<size_t>(next.size(), checking::kBeam));
       for (Answer& one : next) one = polished(one);
@@ -346,7 +344,7 @@ class RobotCheck {
       if (left < checking::kLess * without) sentence += text("so the arm leaves ", percent(left), " of the torque on held-out rows instead of ", percent(without), "; ");
       else sentence += q.finding == "torque_sign" ? "so say its friction and the values of the robot file; " : "so say the values of the robot file; ";
       if (is_explained(best_.fit)) sentence += options + " mends it.";
-      else sentence += text(options, " makes it better, but the noise is at ", percent(noise_), ": not the whole truth.");
+      else sentence += text(options, " makes it better, but the noise is at ", percent(best_.fit.noise()), ": not the whole truth.");
       add(q.finding, q.joint, left, sentence);
     }
   }
@@ -400,7 +398,6 @@ class RobotCheck {
   QuickFitter fitter_;
   std::vector<std::string> names_;
   std::vector<bool> moves_;  // joints that can be checked
-  double noise_ = 0.0;       // relative, see QuickFitter::noise()
   Answer best_;
   std::vector<QualityFinding> findings_;
 };
