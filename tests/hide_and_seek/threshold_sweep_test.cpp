@@ -103,7 +103,5 @@ TEST(ThresholdSweep, EveryRoomsNumbersAreSwept) {
   for (const std::string& room : swept_rooms()) EXPECT_EQ(sweep_files().count(room), 1U) << room;
 }
 
-}
-
 }  // namespace
 }  // namespace veridyn::seek
