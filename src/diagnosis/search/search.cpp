@@ -1,0 +1,802 @@
+#include "diagnosis/search/search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <mutex>
+#include <numeric>
+
+#include "diagnosis/search/numbers.hpp"
+#include "math/parallel.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/effects/channel_effect.hpp"
+
+namespace veridyn::search {
+namespace {
+
+constexpr int kSteps = 6;          // of a linearised term
+constexpr double kSettled = 0.05;  // of its deviation: a smaller step is none
+constexpr double kMassOfArm = 30.0, kReach = 0.5;  // deviations of a load [kg], [m]: what no torque sees stays small
+
+bool is_tilt(const Term& t) {
+  return t.kind == TermKind::kChannel && dynamic_cast<const ArmEffect*>(&find_effect(t.effect.effect)) != nullptr &&
+         !dynamic_cast<const ArmEffect&>(find_effect(t.effect.effect)).far_values().empty();
+}
+
+bool scales(const Term& t) {
+  const auto* sensor = dynamic_cast<const SensorError*>(&find_effect(t.effect.effect));
+  return sensor != nullptr && sensor->scales_torque();
+}
+
+// A term in place of others, with what it reaches.
+struct Option {
+  Term term;
+  std::shared_ptr<Columns> columns;
+  VectorXd ridge;
+  Fitted fit;
+  double value = std::numeric_limits<double>::infinity();  // score with its price
+  std::optional<Eigen::Vector3d> gravity;
+};
+
+class Search {
+ public:
+  Search(const Model& arm, const SearchRequest& request) : arm_(arm), request_(request) {
+    rows_ = std::make_shared<Rows>(arm, request.recordings, request.preprocessing);
+    folds_ = folds_of(*rows_, request.periods, request.preprocessing.cutoff);
+    values_ = VectorXd(rows_->names().size());
+    const std::vector<StandardParameter> all = standard_parameters(arm);
+    for (Eigen::Index p = 0; p < values_.size(); ++p) values_[p] = all[p].value;
+    base_ = base_of(*rows_);
+    dictionary_ = dictionary(*rows_, request.scope);
+    for (Term& t : dictionary_) {
+      if (t.place.find(" other") == std::string::npos) places_.insert(t.place);
+    }
+  }
+
+  SearchResult run() {
+    if (folds_.count > 0 && rows_->rows() > 0) {
+      for (int round = 0; round < kRounds + request_.most && static_cast<int>(chosen_.size()) < request_.most; ++round) {
+        if (request_.progress) request_.progress(round, kRounds + request_.most);
+        if (!add()) break;
+        exchange();
+      }
+      clean();
+    }
+    return finish();
+  }
+
+ private:
+  Base base_of(const Rows& rows) const { return request_.scope.changes ? prior_base(rows, arm_) : fitted_base(rows); }
+
+  std::vector<const Columns*> columns() const {
+    std::vector<const Columns*> out;
+    for (const Chosen& c : chosen_) out.push_back(&c.columns);
+    return out;
+  }
+  std::vector<VectorXd> ridges() const {
+    std::vector<VectorXd> out;
+    for (const Chosen& c : chosen_) out.push_back(c.ridge);
+    return out;
+  }
+  Round round() { return Round(*rows_, folds_, base_, columns(), ridges(), weights_); }
+
+  static std::vector<int> all_but(size_t count, const std::set<size_t>& without) {
+    std::vector<int> out;
+    for (size_t k = 0; k < count; ++k) {
+      if (without.count(k) == 0) out.push_back(static_cast<int>(k));
+    }
+    return out;
+  }
+
+  double price_of(const std::vector<int>& some) const {
+    double sum = 0.0;
+    for (const int k : some) sum += chosen_[k].term.price;
+    return sum;
+  }
+
+  VectorXd ridge_of(const Term& t, Eigen::Index count, const VectorXd& scale) const {
+    VectorXd out = VectorXd::Zero(count);
+    if (t.kind == TermKind::kCurve) out.setConstant(1.0 / std::pow(3.0 * scale[t.joint->value], 2));
+    if (t.kind == TermKind::kLoad) {
+      out.setConstant(1.0 / std::pow(kMassOfArm * kReach, 2));
+      out[0] = 1.0 / std::pow(kMassOfArm, 2);
+    }
+    return out;
+  }
+
+  // A parameter with an impossible sign, or a factor that turns a torque round, is no answer.
+  static bool is_possible(const Term& t, const VectorXd& z) {
+    if (t.nonnegative && z[0] < 0.0) return false;
+    if (t.kind == TermKind::kChannel && scales(t) && z[0] <= -0.95) return false;
+    return true;
+  }
+
+  const Columns& columns_at(size_t k) {
+    if (cache_.size() != dictionary_.size()) cache_.resize(dictionary_.size());
+    if (!cache_[k]) cache_[k] = std::make_shared<Columns>(columns_of(dictionary_[k], *rows_));
+    return *cache_[k];
+  }
+
+  Option option(const Round& round, const Subset& s, const Term& term, std::shared_ptr<Columns> columns) const {
+    Option out;
+    out.term = term;
+    out.columns = columns ? std::move(columns) : std::make_shared<Columns>(columns_of(term, *rows_));
+    out.ridge = ridge_of(term, out.columns->count(), round.scale());
+    const Cross cross = round.cross(*out.columns, out.ridge);
+    out.fit = round.evaluate(s, &cross);
+    if (is_possible(term, out.fit.x.tail(out.columns->count()))) out.value = out.fit.score + term.price;
+    return out;
+  }
+
+  // The best shape near the present one: golden sections of each number between its neighbours in the grid.
+  void polish(const Round& round, const Subset& s, Option& best) const {
+    if (best.term.kind == TermKind::kLoad) return polish_load(round, s, best);
+    for (int turn = 0; turn < (best.term.shapes.size() > 1 ? 2 : 1); ++turn) {
+      for (size_t d = 0; d < best.term.shapes.size(); ++d) {
+        const TermShape shape = best.term.shapes[d];
+        if (shape.fixed) continue;
+        const double centre = best.term.effect.values.at(shape.name);
+        const double reach = turn == 0 ? 1.0 : 0.5;
+        const auto at = [&](double u) {
+          const double value = shape.logarithmic ? centre * std::pow(shape.step, u) : centre + shape.step * u;
+          Option out = best;
+          out.term.effect.values[shape.name] = std::clamp(value, shape.lower, shape.upper);
+          return option(round, s, out.term, nullptr);
+        };
+        double low = -reach, high = reach;
+        const double golden = 0.381966011250105;
+        Option a = at(low + golden * (high - low)), b = at(high - golden * (high - low));
+        for (int k = 0; k < kSections; ++k) {
+          if (a.value < b.value) {
+            high -= golden * (high - low);
+            b = std::move(a);
+            a = at(low + golden * (high - low));
+          } else {
+            low += golden * (high - low);
+            a = std::move(b);
+            b = at(high - golden * (high - low));
+          }
+        }
+        Option& better = a.value < b.value ? a : b;
+        if (better.value < best.value) best = std::move(better);
+      }
+    }
+  }
+
+  // The inertia of a load is that of a point at its centre, which its moments give.
+  void polish_load(const Round& round, const Subset& s, Option& best) const {
+    for (int k = 0; k < 3; ++k) {
+      const VectorXd z = best.fit.x.tail(4);
+      if (std::abs(z[0]) < 1e-6) return;
+      Term t = best.term;
+      t.centre = z.tail<3>() / z[0];
+      if (t.centre.norm() > 2.0 * kReach || (t.centre - best.term.centre).norm() < 1e-4) return;
+      Option next = option(round, s, t, nullptr);
+      if (next.value >= best.value) return;
+      best = std::move(next);
+    }
+  }
+
+  // The best terms in a place of the set, each cause once, with their shapes polished.
+  std::vector<Option> best_terms(const Round& round, const Subset& s, const std::map<size_t, Cross>& crosses,
+                                 const std::vector<Term>& more, const std::function<bool(const Term&)>& is_asked) {
+    struct Screened {
+      double value;
+      const Term* term;
+      std::shared_ptr<Columns> columns;
+    };
+    std::map<std::string, Screened> by_place;
+    const auto screen = [&](const Term& t, const Cross& c, const std::shared_ptr<Columns>& columns) {
+      if (!is_asked(t)) return;
+      const double gain = round.training_gain(s, c) - t.price - 0.5 * static_cast<double>(c.columns->count());
+      if (gain <= -t.price) return;
+      const auto at = by_place.find(t.place);
+      if (at == by_place.end()) by_place.emplace(t.place, Screened{gain, &t, columns});
+      else if (gain > at->second.value) at->second = {gain, &t, columns};
+    };
+    for (const auto& [k, cross] : crosses) screen(dictionary_[k], cross, cache_[k]);
+    for (const Term& t : more) {
+      const auto columns = std::make_shared<Columns>(columns_of(t, *rows_));
+      screen(t, round.cross(*columns, ridge_of(t, columns->count(), round.scale())), columns);
+    }
+    std::vector<Screened> order;
+    for (auto& [place, one] : by_place) order.push_back(one);
+    std::sort(order.begin(), order.end(), [](const Screened& a, const Screened& b) { return a.value > b.value; });
+    order.resize(std::min<size_t>(order.size(), 3 * kFinalists));
+    std::vector<Option> out(order.size());
+    parallel_for(static_cast<int>(order.size()), request_.threads, [&](int k) { out[k] = option(round, s, *order[k].term, order[k].columns); });
+    const auto better = [](const Option& a, const Option& b) { return a.value < b.value; };
+    std::sort(out.begin(), out.end(), better);
+    out.resize(std::min<size_t>(out.size(), kFinalists));
+    parallel_for(static_cast<int>(out.size()), request_.threads, [&](int k) {
+      if (std::isfinite(out[k].value)) polish(round, s, out[k]);
+    });
+    std::sort(out.begin(), out.end(), better);
+    return out;
+  }
+
+  std::map<size_t, Cross> crosses(const Round& round) {
+    if (cache_.size() != dictionary_.size()) cache_.resize(dictionary_.size());
+    std::vector<Cross> all(dictionary_.size());
+    parallel_for(static_cast<int>(dictionary_.size()), request_.threads, [&](int k) {
+      const Columns& columns = columns_at(k);
+      all[k] = round.cross(columns, ridge_of(dictionary_[k], columns.count(), round.scale()));
+    });
+    std::map<size_t, Cross> out;
+    for (size_t k = 0; k < all.size(); ++k) out.emplace(k, std::move(all[k]));
+    return out;
+  }
+
+  bool is_chosen(const Term& t, const std::set<size_t>& without = {}) const {
+    for (size_t k = 0; k < chosen_.size(); ++k) {
+      if (without.count(k) != 0 || !same_place(chosen_[k].term, t)) continue;
+      // Several memories or waves may act on one axis.
+      if (t.kind == TermKind::kEffect && !t.shapes.empty() && find_effect(t.effect.effect).traits().memory) continue;
+      return true;
+    }
+    return false;
+  }
+
+  bool makes_worse(const Round::Gain& g, const Term& t) const {
+    for (Eigen::Index i = 0; i < g.of_joint.size(); ++i) {
+      if (g.of_joint[i] < -kErrors * std::max(g.error_of_joint[i], 1e-9)) return true;
+    }
+    return t.joint && g.of_joint[t.joint->value] <= 0.0;
+  }
+
+  bool passes(const Round::Gain& g, const Term& t) const {
+    return g.sum > t.price && g.sum > g.limit && g.share >= kSmallest && !makes_worse(g, t);
+  }
+
+  Chosen chosen_of(const Option& o) const {
+    Chosen c;
+    c.term = o.term;
+    c.columns = *o.columns;
+    c.ridge = o.ridge;
+    if (c.term.is_linearised()) c.offset.assign(static_cast<size_t>(c.columns.count()), 0.0);
+    return c;
+  }
+
+  // Adds the term that lowers the score most; false if none passes.
+  bool add() {
+    const Round now = round();
+    const Subset s = now.subset(all_but(chosen_.size(), {}));
+    const Fitted fit = now.evaluate(s);
+    const std::map<size_t, Cross> all = crosses(now);
+    std::vector<Option> options = best_terms(now, s, all, ripple_terms(fit.residual), [&](const Term& t) { return !is_chosen(t) && aside_.count(t.place) == 0; });
+    add_far_gravities(now, fit, options);
+    for (Option& o : options) {
+      if (!(o.value < fit.score)) break;
+      if (!passes(now.gain(o.fit, fit), o.term)) continue;
+      const std::vector<Chosen> before = chosen_;
+      const State state = kept();
+      chosen_.push_back(chosen_of(o));
+      if (o.gravity) chosen_.back().gravity = o.gravity;
+      if (chosen_.back().term.is_linearised()) {
+        if (!linearise(chosen_.size() - 1)) {
+          chosen_ = before;
+          restore(state);
+          aside_.insert(o.term.place);
+          continue;
+        }
+      }
+      return true;
+    }
+    return false;
+  }
+
+  struct State {
+    std::shared_ptr<const Rows> rows;
+    Base base;
+    VectorXd values;
+    MatrixXd weights;
+    std::vector<std::shared_ptr<Columns>> cache;
+  };
+  State kept() const { return {rows_, base_, values_, weights_, cache_}; }
+  void restore(const State& s) {
+    rows_ = s.rows;
+    base_ = s.base;
+    values_ = s.values;
+    weights_ = s.weights;
+    cache_ = s.cache;
+  }
+
+  std::vector<Term> ripple_terms(const MatrixXd& residual) const {
+    std::vector<Term> out = ripples(*rows_, residual, dictionary_);
+    out.erase(std::remove_if(out.begin(), out.end(), [&](const Term& t) {
+                const std::vector<std::string>& some = request_.scope.wanted;
+                return (!some.empty() && std::none_of(some.begin(), some.end(), [&](const std::string& one) {
+                         return one == effect_of(t.cause) || one == to_text(arm_, t.cause);
+                       })) || request_.scope.silent.count(t.joint->value) != 0;
+              }),
+              out.end());
+    return out;
+  }
+
+  // The arm with values and the corrections of a set.
+  Model arm_of(const std::vector<Chosen>& some) const {
+    return corrected(request_.scope.changes ? arm_ : with_values(arm_, values_, VectorXd()), some);
+  }
+
+  // Rows, base and columns at another arm; false if they are not the same rows.
+  bool move_to(const Model& arm) {
+    std::shared_ptr<Rows> rows;
+    try {
+      rows = std::make_shared<Rows>(arm, request_.recordings, request_.preprocessing);
+    } catch (const InvalidInput&) {
+      return false;  // no arm
+    }
+    if (rows->rows() != static_cast<Eigen::Index>(folds_.of_row.size()) || !rows->residual.allFinite()) return false;
+    rows_ = std::move(rows);
+    base_ = base_of(*rows_);
+    cache_.clear();
+    for (Chosen& c : chosen_) c.columns = columns_of(c.term, *rows_);
+    return true;
+  }
+
+  // Steps of the k-th term, which is exact at the present arm only; false if even the first one makes it worse.
+  bool linearise(size_t k) {
+    bool moved = chosen_[k].gravity.has_value();
+    if (moved && !move_to(arm_of(chosen_))) return false;
+    for (int step = 0; step < kSteps; ++step) {
+      const Round now = round();
+      const Subset s = now.subset(all_but(chosen_.size(), {}));
+      const Fitted fit = now.evaluate(s);
+      const auto [first, count] = range(k);
+      const VectorXd z = fit.x.segment(first, count);
+      const MatrixXd covariance = now.covariance(s, fit).block(first, first, count, count);
+      bool small = true;
+      for (Eigen::Index c = 0; c < count; ++c) small = small && std::abs(z[c]) < kSettled * std::sqrt(std::max(covariance(c, c), 1e-300));
+      if (small) return true;
+      const std::vector<Chosen> before = chosen_;
+      const State state = kept();
+      bool better = false;
+      for (double scale = 1.0; scale > 0.2 && !better; scale *= 0.5) {
+        std::vector<double> trial(static_cast<size_t>(count));
+        for (Eigen::Index c = 0; c < count; ++c) trial[static_cast<size_t>(c)] = scale * z[c];
+        if (!take_step(k, trial)) {
+          chosen_ = before;
+          continue;
+        }
+        if (!request_.scope.changes) values_ = state.values + state.base.T * fit.x.head(state.base.T.cols());
+        better = move_to(arm_of(chosen_));
+        if (better) {
+          const Round then = round();
+          const Fitted after = then.evaluate(then.subset(all_but(chosen_.size(), {})));
+          const double gained = now.gain(after, fit).sum;
+          better = gained > (moved ? 0.0 : -0.5);
+          if (better && gained < 0.1 && step > 0) return true;
+        }
+        if (!better) {
+          chosen_ = before;
+          restore(state);
+        }
+      }
+      if (!better) return moved;
+      moved = true;
+    }
+    return true;
+  }
+
+  // Adds a step to the offset of a term.
+  bool take_step(size_t k, const std::vector<double>& step) {
+    Chosen& c = chosen_[k];
+    if (is_tilt(c.term)) {
+      const Model now = with_step(rows_->arm(), c.term, step);
+      c.gravity = now.gravity();
+      return true;
+    }
+    const auto& parameters = c.term.kind == TermKind::kChannel ? find_effect(c.term.effect.effect).parameters() : std::vector<EffectParameter>(1);
+    for (size_t p = 0; p < step.size(); ++p) {
+      double& offset = c.offset[p];
+      offset = c.term.kind == TermKind::kChannel && scales(c.term) ? (1.0 + offset) * (1.0 + step[p]) - 1.0 : offset + step[p];
+      if (parameters[p].sign == ParameterSign::kNonnegative && c.term.kind == TermKind::kChannel) offset = std::max(offset, 0.0);
+      if (c.term.kind == TermKind::kChannel && scales(c.term) && offset < -0.95) return false;
+      if (c.term.kind == TermKind::kConstant && std::abs(offset) > reach_of(*c.term.constant)) return false;
+    }
+    return true;
+  }
+
+  std::pair<Eigen::Index, Eigen::Index> range(size_t k) const {
+    Eigen::Index at = base_.T.cols();
+    for (size_t c = 0; c < k; ++c) at += chosen_[c].columns.count();
+    return {at, chosen_[k].columns.count()};
+  }
+
+  // Gravity that points elsewhere, or that the torques do not hold: far from the file's, where no derivative leads.
+  void add_far_gravities(const Round& now, const Fitted& fit, std::vector<Option>& options) {
+    const Term* tilt = nullptr;
+    for (const Term& t : dictionary_) {
+      if (is_tilt(t)) tilt = &t;
+    }
+    if (tilt == nullptr || far_asked_) return;
+    far_asked_ = true;
+    const double g = arm_.gravity().norm();
+    if (g == 0.0) return;
+    std::vector<Eigen::Vector3d> all = {Eigen::Vector3d::Zero()};
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const double sign : {1.0, -1.0}) all.push_back(sign * g * Eigen::Vector3d::Unit(axis));
+    }
+    const State state = kept();
+    for (const Eigen::Vector3d& gravity : all) {
+      if ((gravity - arm_.gravity()).norm() < 0.1 * g) continue;
+      ModelDescription d = rows_->arm().description();
+      d.gravity = gravity;
+      if (!move_to(Model(std::move(d)))) continue;
+      const Round then = round();
+      Option o;
+      o.term = *tilt;
+      o.term.price += std::log(static_cast<double>(all.size()));
+      o.fit = then.evaluate(then.subset(all_but(chosen_.size(), {})));
+      const Round::Gain gain = now.gain(o.fit, fit);
+      o.value = fit.score - gain.sum + o.term.price;
+      o.columns = std::make_shared<Columns>(columns_of(o.term, *rows_));
+      o.ridge = VectorXd::Constant(o.columns->count(), 1e-6);
+      o.gravity = gravity;
+      restore(state);
+      for (Chosen& c : chosen_) c.columns = columns_of(c.term, *rows_);
+      if (o.value < fit.score) options.push_back(std::move(o));
+    }
+    std::sort(options.begin(), options.end(), [](const Option& a, const Option& b) { return a.value < b.value; });
+  }
+
+  void replace(const std::set<size_t>& gone, const Option& o) {
+    std::vector<Chosen> kept;
+    for (size_t k = 0; k < chosen_.size(); ++k) {
+      if (gone.count(k) == 0) kept.push_back(std::move(chosen_[k]));
+    }
+    chosen_ = std::move(kept);
+    chosen_.push_back(chosen_of(o));
+    if (o.term.is_linearised()) linearise(chosen_.size() - 1);
+  }
+
+  // Each chosen term against nothing, against every other in its place, two against one.
+  void exchange() {
+    for (int turn = 0; turn < kTurns && !chosen_.empty(); ++turn) {
+      if (!exchange_once()) return;
+    }
+  }
+
+  bool exchange_once() {
+    const Round now = round();
+    const size_t count = chosen_.size();
+    const std::vector<int> all = all_but(count, {});
+    const Fitted full = now.evaluate(now.subset(all));
+    const double value = full.score + price_of(all);
+    const std::map<size_t, Cross> crossed = crosses(now);
+    std::vector<Term> more = ripple_terms(full.residual);
+    for (size_t k = 0; k < count; ++k) {
+      if (chosen_[k].term.is_linearised()) continue;
+      const std::vector<int> rest = all_but(count, {k});
+      const Subset s = now.subset(rest);
+      const Fitted without = now.evaluate(s);
+      if (without.score + price_of(rest) <= value) {
+        chosen_.erase(chosen_.begin() + static_cast<long>(k));
+        return true;
+      }
+      Term again = chosen_[k].term;
+      std::vector<Term> own = more;
+      own.push_back(again);
+      std::vector<Option> options = best_terms(now, s, crossed, own, [&](const Term& t) { return !is_chosen(t, {k}) && shares_joint(t, {k}); });
+      for (Option& o : options) {
+        if (o.value + price_of(rest) >= value - 0.5) break;
+        const Round::Gain g = now.gain(o.fit, full);
+        // A dearer term replaces a cheaper one only by the same margins as a term is added.
+        if (o.term.price > chosen_[k].term.price + 0.01 && g.sum < g.limit) continue;
+        if (!passes(now.gain(o.fit, without), o.term)) continue;
+        const bool same = same_place(o.term, chosen_[k].term);
+        if (same && o.value + price_of(rest) >= value - 1.0) break;
+        replace({k}, o);
+        return true;
+      }
+    }
+    for (size_t k = 0; k < count; ++k) {
+      for (size_t c = 0; c < k; ++c) {
+        if (chosen_[k].term.is_linearised() || chosen_[c].term.is_linearised()) continue;
+        const bool mates = !chosen_[k].term.joint || !chosen_[c].term.joint || chosen_[k].term.joint == chosen_[c].term.joint;
+        if (!mates) continue;
+        const std::vector<int> rest = all_but(count, {k, c});
+        const Subset s = now.subset(rest);
+        std::vector<Option> options = best_terms(now, s, crossed, more, [&](const Term& t) { return !is_chosen(t, {k, c}) && shares_joint(t, {k, c}); });
+        for (Option& o : options) {
+          if (o.value + price_of(rest) >= value) break;
+          if (!passes(now.gain(o.fit, now.evaluate(s)), o.term)) continue;
+          replace({k, c}, o);
+          return true;
+        }
+      }
+    }
+    return whole_arm();
+  }
+
+  bool shares_joint(const Term& t, const std::set<size_t>& with) const {
+    return !t.joint || std::any_of(with.begin(), with.end(), [&](size_t k) {
+      return !chosen_[k].term.joint || chosen_[k].term.joint == t.joint;
+    });
+  }
+
+  // All terms of several joints against one of several joints, linearised anew; what then is of no use goes.
+  bool whole_arm() {
+    const size_t own = std::count_if(chosen_.begin(), chosen_.end(), [](const Chosen& c) { return c.term.joint.has_value(); });
+    if (own < 2) return false;
+    const std::vector<Chosen> before = chosen_;
+    const State state = kept();
+    const Round now = round();
+    const Fitted full = now.evaluate(now.subset(all_but(before.size(), {})));
+    std::set<size_t> local;
+    for (size_t k = 0; k < before.size(); ++k) {
+      if (before[k].term.joint) local.insert(k);
+    }
+    const Subset s = now.subset(all_but(before.size(), local));
+    const std::map<size_t, Cross> crossed = crosses(now);
+    std::vector<Option> options = best_terms(now, s, crossed, {}, [&](const Term& t) {
+      return !t.joint && !is_chosen(t) && tried_.count(t.place + std::to_string(before.size())) == 0;
+    });
+    options.resize(std::min<size_t>(options.size(), 3));
+    for (const Option& o : options) {
+      tried_.insert(o.term.place + std::to_string(before.size()));
+      if (!std::isfinite(o.value)) continue;
+      chosen_.clear();
+      for (size_t k = 0; k < before.size(); ++k) {
+        if (local.count(k) == 0) chosen_.push_back(before[k]);
+      }
+      chosen_.push_back(chosen_of(o));
+      if (o.term.is_linearised()) linearise(chosen_.size() - 1);
+      for (const size_t k : local) {
+        chosen_.push_back(before[k]);
+        chosen_.back().columns = columns_of(before[k].term, *rows_);
+      }
+      drop_superfluous();
+      const Round then = round();
+      const Fitted after = then.evaluate(then.subset(all_but(chosen_.size(), {})));
+      double change = 0.0;
+      for (const Chosen& c : chosen_) change += c.term.price;
+      for (const Chosen& c : before) change -= c.term.price;
+      if (now.gain(after, full).sum > change + 0.5 && !same_set(before)) return true;
+      chosen_ = before;
+      restore(state);
+    }
+    return false;
+  }
+
+  bool same_set(const std::vector<Chosen>& other) const {
+    std::multiset<std::string> a, b;
+    for (const Chosen& c : chosen_) a.insert(c.term.place);
+    for (const Chosen& c : other) b.insert(c.term.place);
+    return a == b;
+  }
+
+  // Takes terms out, the one of least use first, as long as the score falls.
+  void drop_superfluous() {
+    while (!chosen_.empty()) {
+      const Round now = round();
+      const double all = now.evaluate(now.subset(all_but(chosen_.size(), {}))).score;
+      double best = 0.0;
+      std::optional<size_t> gone;
+      for (size_t k = 0; k < chosen_.size(); ++k) {
+        if (chosen_[k].term.is_linearised()) continue;
+        const double loss = now.evaluate(now.subset(all_but(chosen_.size(), {k}))).score - all - chosen_[k].term.price;
+        if (loss < best) {
+          best = loss;
+          gone = k;
+        }
+      }
+      if (!gone) return;
+      chosen_.erase(chosen_.begin() + static_cast<long>(*gone));
+    }
+  }
+
+  // The set without one term, at the arm without it.
+  struct Without {
+    Fitted fit;
+    Round::Gain gain;
+  };
+  Without without(size_t k, const Round& now, const Fitted& full) {
+    Without out;
+    if (!chosen_[k].term.is_linearised()) {
+      out.fit = now.evaluate(now.subset(all_but(chosen_.size(), {k})));
+    } else {
+      const std::vector<Chosen> before = chosen_;
+      const State state = kept();
+      chosen_.erase(chosen_.begin() + static_cast<long>(k));
+      if (move_to(arm_of(chosen_))) {
+        const Round then = round();
+        out.fit = then.evaluate(then.subset(all_but(chosen_.size(), {})));
+      } else {
+        out.fit = full;
+      }
+      chosen_ = before;
+      restore(state);
+    }
+    out.gain = now.gain(full, out.fit);
+    return out;
+  }
+
+  // What does not pass beside all others goes, the least first.
+  void clean() {
+    while (!chosen_.empty()) {
+      const Round now = round();
+      const Fitted full = now.evaluate(now.subset(all_but(chosen_.size(), {})));
+      std::optional<size_t> gone;
+      double least = 0.0;
+      for (size_t k = 0; k < chosen_.size(); ++k) {
+        const Round::Gain g = without(k, now, full).gain;
+        const double margin = g.sum / std::max(g.error, 1e-9);
+        if (!passes(g, chosen_[k].term) && (!gone || margin < least)) {
+          gone = k;
+          least = margin;
+        }
+      }
+      if (!gone) return;
+      const bool moved = chosen_[*gone].term.is_linearised();
+      chosen_.erase(chosen_.begin() + static_cast<long>(*gone));
+      if (moved) move_to(arm_of(chosen_));
+    }
+  }
+
+  SearchResult finish() {
+    SearchResult out;
+    out.folds = folds_;
+    out.asked = static_cast<int>(places_.size());
+    out.degrees_of_freedom = std::max(1, folds_.blocks - 1);
+    if (folds_.count == 0 || rows_->rows() == 0) {
+      out.rows = rows_;
+      return out;
+    }
+    const Round now = round();
+    const Subset s = now.subset(all_but(chosen_.size(), {}));
+    const Fitted full = now.evaluate(s);
+    const MatrixXd covariance = now.covariance(s, full);
+    const std::map<size_t, Cross> crossed = crosses(now);
+    const auto relative = [&](const Fitted& f) {
+      VectorXd e(rows_->joints());
+      for (Eigen::Index i = 0; i < e.size(); ++i) {
+        double error = 0.0, torque = 0.0;
+        for (Eigen::Index r = 0; r < rows_->rows(); ++r) {
+          if (folds_.of_row[r] < 0 || rows_->used(r, i) == 0.0) continue;
+          error += f.residual(r, i) * f.residual(r, i);
+          torque += rows_->measured(r, i) * rows_->measured(r, i);
+        }
+        e[i] = torque > 0.0 ? std::sqrt(error / torque) : 0.0;
+      }
+      return e;
+    };
+    const VectorXd after = relative(full);
+    for (size_t k = 0; k < chosen_.size(); ++k) {
+      Chosen& c = chosen_[k];
+      const auto [first, count] = range(k);
+      const Without w = without(k, now, full);
+      c.gain = w.gain.sum;
+      c.error = w.gain.error;
+      c.of_joint = w.gain.of_joint;
+      c.folds_before = relative(w.fit);
+      c.folds_after = after;
+      c.values = full.x.segment(first, count);
+      for (size_t p = 0; p < c.offset.size() && !c.gravity; ++p)
+        c.values[static_cast<Eigen::Index>(p)] = scales(c.term) && c.term.kind == TermKind::kChannel ? (1.0 + c.offset[p]) * (1.0 + c.values[static_cast<Eigen::Index>(p)]) - 1.0
+                                                                   : c.values[static_cast<Eigen::Index>(p)] + c.offset[p];
+      c.covariance = covariance.block(first, first, count, count);
+      c.deviations = c.covariance.diagonal().cwiseSqrt();
+      take_shape_deviations(now, k, c);
+      if (!c.term.is_linearised()) take_rivals(now, crossed, full, k, c);
+    }
+    std::stable_sort(chosen_.begin(), chosen_.end(), [](const Chosen& a, const Chosen& b) { return a.gain > b.gain; });
+    take_refused(now, s, full, crossed, out);
+    out.rows = rows_;
+    out.residual = full.residual;
+    out.scale = now.scale();
+    out.values = values_ + base_.T * full.x.head(base_.T.cols());
+    out.fitted = rows_->residual;
+    for (int i = 0; i < rows_->joints(); ++i) out.fitted.col(i) -= base_.X[i] * full.x.head(base_.T.cols());
+    for (Chosen& c : chosen_) {
+      VectorXd z = c.values;
+      if (c.term.is_linearised()) z.setZero();
+      for (size_t at = 0; at < c.columns.joints.size(); ++at) out.fitted.col(c.columns.joints[at]) -= c.columns.of[at] * z;
+    }
+    out.chosen = std::move(chosen_);
+    return out;
+  }
+
+  // The curvature of the score in each shape.
+  void take_shape_deviations(const Round& now, size_t k, Chosen& c) {
+    const Subset rest = now.subset(all_but(chosen_.size(), {k}));
+    for (const TermShape& shape : c.term.shapes) {
+      const double value = c.term.effect.values.at(shape.name);
+      double deviation = std::numeric_limits<double>::quiet_NaN();
+      const double centre = option(now, rest, c.term, nullptr).value;
+      for (double step = shape.logarithmic ? 0.02 : 0.05; step < 2.0; step *= 2.0) {
+        const auto at = [&](double side) {
+          Term t = c.term;
+          t.effect.values[shape.name] = shape.logarithmic ? value * std::exp(side * step) : value + side * step * shape.step;
+          return option(now, rest, t, nullptr).value;
+        };
+        const double rise = 0.5 * (at(1.0) + at(-1.0)) - centre;
+        if (rise < 0.5) continue;
+        // S rises by 1/2 at one standard deviation.
+        deviation = step * std::sqrt(0.5 / rise) * (shape.logarithmic ? value : shape.step);
+        break;
+      }
+      c.shape_deviations.push_back(deviation);
+    }
+  }
+
+  void take_rivals(const Round& now, const std::map<size_t, Cross>& crossed, const Fitted& full, size_t k, Chosen& c) {
+    const std::vector<int> rest = all_but(chosen_.size(), {k});
+    const Subset s = now.subset(rest);
+    const Fitted without = now.evaluate(s);
+    for (Option& o : best_terms(now, s, crossed, {}, [&](const Term& t) {
+           return !is_chosen(t) && t.kind != TermKind::kCurve && shares_joint(t, {k});
+         })) {
+      if (!std::isfinite(o.value)) break;
+      const Round::Gain g = now.gain(full, o.fit);
+      if (g.sum + o.term.price - c.term.price < 2.0 * g.error && without.score - o.fit.score > 0.0)
+        c.rivals.push_back({o.term, g.sum, without.score - o.fit.score});
+    }
+    c.rivals.resize(std::min<size_t>(c.rivals.size(), 4));
+  }
+
+  void take_refused(const Round& now, const Subset& s, const Fitted& full, const std::map<size_t, Cross>& crossed, SearchResult& out) {
+    std::map<std::string, Refused> best;
+    for (const auto& [k, cross] : crossed) {
+      const Term& t = dictionary_[k];
+      if (is_chosen(t) || t.kind == TermKind::kCurve) continue;
+      const double gain = now.training_gain(s, cross);
+      Refused one{t, gain, 0.0, false, gain < 0.0};
+      const auto at = best.find(t.place);
+      if (at == best.end() || at->second.gain < gain) best[t.place] = one;
+    }
+    std::vector<Refused> all;
+    for (auto& [place, one] : best) all.push_back(one);
+    std::sort(all.begin(), all.end(), [](const Refused& a, const Refused& b) { return a.gain > b.gain; });
+    std::vector<Refused> shown(all.begin(), all.begin() + static_cast<long>(std::min<size_t>(all.size(), 60)));
+    parallel_for(static_cast<int>(shown.size()), request_.threads, [&](int k) {
+      if (shown[k].collinear) return;
+      const Option o = option(now, s, shown[k].term, nullptr);
+      const Round::Gain g = now.gain(o.fit, full);
+      shown[k].impossible = !std::isfinite(o.value);
+      shown[k].gain = g.sum;
+      shown[k].error = g.error;
+    });
+    for (size_t k = shown.size(); k < all.size(); ++k) {
+      if (all[k].collinear) shown.push_back(all[k]);
+    }
+    out.refused = std::move(shown);
+  }
+
+  const Model& arm_;
+  const SearchRequest& request_;
+  std::shared_ptr<const Rows> rows_;
+  Folds folds_;
+  Base base_;
+  VectorXd values_;
+  MatrixXd weights_;
+  std::vector<Term> dictionary_;
+  std::set<std::string> places_, aside_, tried_;
+  std::vector<std::shared_ptr<Columns>> cache_;
+  std::vector<Chosen> chosen_;
+  bool far_asked_ = false;
+};
+
+}  // namespace
+
+Model corrected(const Model& arm, const std::vector<Chosen>& chosen) {
+  Model out = arm;
+  for (const Chosen& c : chosen) {
+    if (!c.term.is_linearised()) continue;
+    if (c.gravity) {
+      ModelDescription d = out.description();
+      d.gravity = *c.gravity;
+      out = Model(std::move(d));
+    } else if (std::any_of(c.offset.begin(), c.offset.end(), [](double x) { return x != 0.0; })) {
+      out = with_step(out, c.term, c.offset);
+    }
+  }
+  return out;
+}
+
+SearchResult search(const Model& arm, const SearchRequest& request) {
+  return Search(arm, request).run();
+}
+
+}  // namespace veridyn::search
