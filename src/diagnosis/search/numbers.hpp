@@ -28,9 +28,9 @@ constexpr double kUncorrelated = 0.05;    ///< autocorrelation at which it count
 constexpr int kMostLags = 200;            ///< rows over which it is summed
 constexpr double kDependent = 1e-10;      ///< smallest eigenvalue of scaled columns that count as independent
 constexpr double kLeastScale = 1e-4;      ///< smallest residual, as a share of the joint's rms torque
-constexpr int kFinalists = 8;             ///< terms of different kinds that are polished and compared exactly
+constexpr int kFinalists = 6;             ///< terms of different kinds that are polished and compared exactly
 constexpr int kRounds = 12;               ///< additions at most
 constexpr int kTurns = 3;                 ///< rounds of exchanges after each addition
-constexpr int kSections = 8;              ///< steps of the polish of one number
+constexpr int kSections = 5;              ///< steps of the polish of one number
 
 }  // namespace veridyn::search

@@ -44,13 +44,13 @@ double independent_samples(const VectorXd& r, const VectorXd& used) {
   return used.sum() / (1.0 + 2.0 * sum);
 }
 
+}  // namespace
+
 MatrixXd base_columns(const Rows& rows, int joint, const MatrixXd& T) {
   MatrixXd of_joint(static_cast<Eigen::Index>(rows.own_parameters[joint].size()), T.cols());
   for (Eigen::Index k = 0; k < of_joint.rows(); ++k) of_joint.row(k) = T.row(rows.own_parameters[joint][k]);
   return rows.own[joint] * of_joint;
 }
-
-}  // namespace
 
 Base fitted_base(const Rows& rows) {
   const auto all = static_cast<Eigen::Index>(rows.names().size());

@@ -19,6 +19,9 @@ struct Base {
   bool prior = false;
 };
 
+/// The columns of the directions T at other rows of the same arm.
+MatrixXd base_columns(const Rows& rows, int joint, const MatrixXd& T);
+
 /// Of an arm whose values are fitted.
 Base fitted_base(const Rows& rows);
 

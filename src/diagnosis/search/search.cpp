@@ -12,10 +12,15 @@
 #include "veridyn/math/require.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 
+#include <cstdio>
+#include <cstdlib>
 namespace veridyn::search {
 namespace {
+bool debug() { static const bool on = std::getenv("VDEBUG") != nullptr; return on; }
 
 constexpr int kSteps = 6;          // of a linearised term
+constexpr double kWorthPolish = 0.6;  // of the gain that is needed: a grid value below is not polished
+constexpr double kHalf = 0.5;
 constexpr double kSettled = 0.05;  // of its deviation: a smaller step is none
 constexpr double kMassOfArm = 30.0, kReach = 0.5;  // deviations of a load [kg], [m]: what no torque sees stays small
 
@@ -56,6 +61,7 @@ class Search {
 
   SearchResult run() {
     if (folds_.count > 0 && rows_->rows() > 0) {
+      begin_with_friction();
       for (int round = 0; round < kRounds + request_.most && static_cast<int>(chosen_.size()) < request_.most; ++round) {
         if (request_.progress) request_.progress(round, kRounds + request_.most);
         if (!add()) break;
@@ -178,9 +184,25 @@ class Search {
     }
   }
 
+  // Terms beside those of the dictionary, with their columns.
+  struct Further {
+    Term term;
+    std::shared_ptr<Columns> columns;
+    Cross cross;
+  };
+  Further further(const Round& round, const Term& t) const {
+    const auto columns = std::make_shared<Columns>(columns_of(t, *rows_));
+    return {t, columns, round.cross(*columns, ridge_of(t, columns->count(), round.scale()))};
+  }
+  std::vector<Further> further(const Round& round, const std::vector<Term>& some) const {
+    std::vector<Further> out;
+    for (const Term& t : some) out.push_back(further(round, t));
+    return out;
+  }
+
   // The best terms in a place of the set, each cause once, with their shapes polished.
   std::vector<Option> best_terms(const Round& round, const Subset& s, const std::map<size_t, Cross>& crosses,
-                                 const std::vector<Term>& more, const std::function<bool(const Term&)>& is_asked) {
+                                 const std::vector<Further>& more, double needed, const std::function<bool(const Term&)>& is_asked) {
     struct Screened {
       double value;
       const Term* term;
@@ -190,16 +212,13 @@ class Search {
     const auto screen = [&](const Term& t, const Cross& c, const std::shared_ptr<Columns>& columns) {
       if (!is_asked(t)) return;
       const double gain = round.training_gain(s, c) - t.price - 0.5 * static_cast<double>(c.columns->count());
-      if (gain <= -t.price) return;
+      if (gain + t.price <= kWorthPolish * needed) return;
       const auto at = by_place.find(t.place);
       if (at == by_place.end()) by_place.emplace(t.place, Screened{gain, &t, columns});
       else if (gain > at->second.value) at->second = {gain, &t, columns};
     };
     for (const auto& [k, cross] : crosses) screen(dictionary_[k], cross, cache_[k]);
-    for (const Term& t : more) {
-      const auto columns = std::make_shared<Columns>(columns_of(t, *rows_));
-      screen(t, round.cross(*columns, ridge_of(t, columns->count(), round.scale())), columns);
-    }
+    for (const Further& f : more) screen(f.term, f.cross, f.columns);
     std::vector<Screened> order;
     for (auto& [place, one] : by_place) order.push_back(one);
     std::sort(order.begin(), order.end(), [](const Screened& a, const Screened& b) { return a.value > b.value; });
@@ -209,6 +228,8 @@ class Search {
     const auto better = [](const Option& a, const Option& b) { return a.value < b.value; };
     std::sort(out.begin(), out.end(), better);
     out.resize(std::min<size_t>(out.size(), kFinalists));
+    const double without = round.evaluate(s).score;
+    while (!out.empty() && without - out.back().value + out.back().term.price < kWorthPolish * needed) out.pop_back();
     parallel_for(static_cast<int>(out.size()), request_.threads, [&](int k) {
       if (std::isfinite(out[k].value)) polish(round, s, out[k]);
     });
@@ -238,15 +259,15 @@ class Search {
     return false;
   }
 
-  bool makes_worse(const Round::Gain& g, const Term& t) const {
+  static bool makes_worse(const Round::Gain& g) {
     for (Eigen::Index i = 0; i < g.of_joint.size(); ++i) {
       if (g.of_joint[i] < -kErrors * std::max(g.error_of_joint[i], 1e-9)) return true;
     }
-    return t.joint && g.of_joint[t.joint->value] <= 0.0;
+    return false;
   }
 
   bool passes(const Round::Gain& g, const Term& t) const {
-    return g.sum > t.price && g.sum > g.limit && g.share >= kSmallest && !makes_worse(g, t);
+    return g.sum > t.price && g.sum > g.limit && g.share >= kSmallest && !(t.joint && g.of_joint[t.joint->value] <= 0.0);
   }
 
   Chosen chosen_of(const Option& o) const {
@@ -258,15 +279,31 @@ class Search {
     return c;
   }
 
-  // Adds the term that lowers the score most; false if none passes.
-  bool add() {
+  // Adds the term that lowers the score most; false if none passes. A curve can do what any name on its joint does, so
+  // that names are added first; exchange() asks then whether one curve does better than all names of a joint.
+  bool add() { return add(false) || add(true); }
+  bool add(bool curves) {
     const Round now = round();
     const Subset s = now.subset(all_but(chosen_.size(), {}));
     const Fitted fit = now.evaluate(s);
     const std::map<size_t, Cross> all = crosses(now);
-    std::vector<Option> options = best_terms(now, s, all, ripple_terms(fit.residual), [&](const Term& t) { return !is_chosen(t) && aside_.count(t.place) == 0; });
-    add_far_gravities(now, fit, options);
+    if (debug()) {
+      std::fprintf(stderr, "set of %zu: score %.1f; samples", chosen_.size(), fit.score);
+      for (const double x : now.samples()) std::fprintf(stderr, " %.0f", x);
+      std::fprintf(stderr, "\n");
+      for (const Chosen& c : chosen_) std::fprintf(stderr, "   %s\n", c.term.place.c_str());
+    }
+    std::vector<Option> options = best_terms(now, s, all, curves ? std::vector<Further>() : further(now, ripple_terms(fit.residual)), 1.0, [&](const Term& t) {
+      return !is_chosen(t) && aside_.count(t.place) == 0 && (t.kind == TermKind::kCurve) == curves;
+    });
+    if (!curves) add_far_gravities(now, fit, options);
     for (Option& o : options) {
+      if (debug()) {
+        const Round::Gain g = now.gain(o.fit, fit);
+        std::fprintf(stderr, "  add %s %.1f: gain %.1f +- %.1f limit %.1f price %.1f share %.3f worse %d |", o.term.place.c_str(), o.value - fit.score, g.sum, g.error, g.limit, o.term.price, g.share, makes_worse(g));
+        for (int i = 0; i < g.of_joint.size(); ++i) std::fprintf(stderr, " %.1f+-%.1f", g.of_joint[i], g.error_of_joint[i]);
+        std::fprintf(stderr, "\n");
+      }
       if (!(o.value < fit.score)) break;
       if (!passes(now.gain(o.fit, fit), o.term)) continue;
       const std::vector<Chosen> before = chosen_;
@@ -284,6 +321,23 @@ class Search {
       return true;
     }
     return false;
+  }
+
+  // Friction that a file does not have is asked about on all joints together: one at a time, the first one's would be
+  // fitted to what the others leave, and be mistaken for a power law.
+  void begin_with_friction() {
+    for (const Term& t : dictionary_) {
+      if (t.kind != TermKind::kEffect || !t.joint || request_.without_friction.count(t.joint->value) == 0) continue;
+      if (!find_effect(t.effect.effect).traits().elementary || is_chosen(t)) continue;
+      if (std::abs(t.effect.axis.coefficients[t.joint->value]) < 0.999 * t.effect.axis.coefficients.norm()) continue;
+      if (!t.effect.values.empty()) continue;
+      Option o;
+      o.term = t;
+      o.columns = std::make_shared<Columns>(columns_of(t, *rows_));
+      o.ridge = VectorXd::Zero(o.columns->count());
+      chosen_.push_back(chosen_of(o));
+    }
+    drop_superfluous();
   }
 
   struct State {
@@ -465,24 +519,25 @@ class Search {
     const Fitted full = now.evaluate(now.subset(all));
     const double value = full.score + price_of(all);
     const std::map<size_t, Cross> crossed = crosses(now);
-    std::vector<Term> more = ripple_terms(full.residual);
+    std::vector<Further> more = further(now, ripple_terms(full.residual));
     for (size_t k = 0; k < count; ++k) {
       if (chosen_[k].term.is_linearised()) continue;
       const std::vector<int> rest = all_but(count, {k});
       const Subset s = now.subset(rest);
       const Fitted without = now.evaluate(s);
-      if (without.score + price_of(rest) <= value) {
+      if (without.score + price_of(rest) <= value && !has_right(k, now, without)) {
         chosen_.erase(chosen_.begin() + static_cast<long>(k));
         return true;
       }
-      Term again = chosen_[k].term;
-      std::vector<Term> own = more;
-      own.push_back(again);
-      std::vector<Option> options = best_terms(now, s, crossed, own, [&](const Term& t) { return !is_chosen(t, {k}) && shares_joint(t, {k}); });
+      more.push_back(further(now, chosen_[k].term));
+      const double gained = without.score - full.score;
+      std::vector<Option> options = best_terms(now, s, crossed, more, gained, [&](const Term& t) { return !is_chosen(t, {k}) && shares_joint(t, {k}); });
       for (Option& o : options) {
         if (o.value + price_of(rest) >= value - 0.5) break;
         const Round::Gain g = now.gain(o.fit, full);
-        // A dearer term replaces a cheaper one only by the same margins as a term is added.
+        // A curve takes no name's place: it is added to it, and then the name may be of no use. A dearer name replaces a
+        // cheaper one only by the same margins as a term is added.
+        if (o.term.kind == TermKind::kCurve && chosen_[k].term.kind != TermKind::kCurve) continue;
         if (o.term.price > chosen_[k].term.price + 0.01 && g.sum < g.limit) continue;
         if (!passes(now.gain(o.fit, without), o.term)) continue;
         const bool same = same_place(o.term, chosen_[k].term);
@@ -490,24 +545,56 @@ class Search {
         replace({k}, o);
         return true;
       }
+      more.pop_back();
     }
-    for (size_t k = 0; k < count; ++k) {
-      for (size_t c = 0; c < k; ++c) {
-        if (chosen_[k].term.is_linearised() || chosen_[c].term.is_linearised()) continue;
-        const bool mates = !chosen_[k].term.joint || !chosen_[c].term.joint || chosen_[k].term.joint == chosen_[c].term.joint;
-        if (!mates) continue;
-        const std::vector<int> rest = all_but(count, {k, c});
-        const Subset s = now.subset(rest);
-        std::vector<Option> options = best_terms(now, s, crossed, more, [&](const Term& t) { return !is_chosen(t, {k, c}) && shares_joint(t, {k, c}); });
-        for (Option& o : options) {
-          if (o.value + price_of(rest) >= value) break;
-          if (!passes(now.gain(o.fit, now.evaluate(s)), o.term)) continue;
-          replace({k, c}, o);
-          return true;
-        }
+    for (const std::set<size_t>& some : groups()) {
+      const std::vector<int> rest = all_but(count, some);
+      const Subset s = now.subset(rest);
+      const Fitted without = now.evaluate(s);
+      std::vector<Option> options = best_terms(now, s, crossed, more, without.score - full.score, [&](const Term& t) { return !is_chosen(t, some) && shares_joint(t, some); });
+      for (Option& o : options) {
+        if (o.value + price_of(rest) >= value) break;
+        if (!passes(now.gain(o.fit, without), o.term)) continue;
+        const bool names = std::any_of(some.begin(), some.end(), [&](size_t k) { return chosen_[k].term.kind != TermKind::kCurve; });
+        if (o.term.kind == TermKind::kCurve && names) continue;
+        replace(some, o);
+        return true;
       }
     }
     return whole_arm();
+  }
+
+  // Terms that one other might stand for: two of a joint, and all of a joint.
+  std::vector<std::set<size_t>> groups() const {
+    std::set<std::set<size_t>> out;
+    std::map<int, std::set<size_t>> of_joint;
+    for (size_t k = 0; k < chosen_.size(); ++k) {
+      if (chosen_[k].term.is_linearised()) continue;
+      if (chosen_[k].term.joint) of_joint[chosen_[k].term.joint->value].insert(k);
+      for (size_t c = 0; c < k; ++c) {
+        if (chosen_[c].term.is_linearised()) continue;
+        if (!chosen_[k].term.joint || !chosen_[c].term.joint || chosen_[k].term.joint == chosen_[c].term.joint) out.insert({c, k});
+      }
+    }
+    for (const auto& [joint, all] : of_joint) {
+      if (all.size() > 2) out.insert(all);
+    }
+    return {out.begin(), out.end()};
+  }
+
+  // A curve that is added to a name can do what the name does. The name stays if it does half as much alone.
+  bool has_right(size_t k, const Round& now, const Fitted& without) const {
+    if (chosen_[k].term.kind == TermKind::kCurve) return false;
+    std::set<size_t> curves;
+    for (size_t c = 0; c < chosen_.size(); ++c) {
+      if (chosen_[c].term.kind == TermKind::kCurve && chosen_[c].term.joint == chosen_[k].term.joint) curves.insert(c);
+    }
+    if (curves.empty() || !chosen_[k].term.joint) return false;
+    std::set<size_t> both = curves;
+    both.insert(k);
+    const double none = now.evaluate(now.subset(all_but(chosen_.size(), both))).score;
+    const double name = now.evaluate(now.subset(all_but(chosen_.size(), curves))).score;
+    return none - name > kHalf * (none - without.score);
   }
 
   bool shares_joint(const Term& t, const std::set<size_t>& with) const {
@@ -530,7 +617,7 @@ class Search {
     }
     const Subset s = now.subset(all_but(before.size(), local));
     const std::map<size_t, Cross> crossed = crosses(now);
-    std::vector<Option> options = best_terms(now, s, crossed, {}, [&](const Term& t) {
+    std::vector<Option> options = best_terms(now, s, crossed, {}, 1.0, [&](const Term& t) {
       return !t.joint && !is_chosen(t) && tried_.count(t.place + std::to_string(before.size())) == 0;
     });
     options.resize(std::min<size_t>(options.size(), 3));
@@ -621,9 +708,11 @@ class Search {
       std::optional<size_t> gone;
       double least = 0.0;
       for (size_t k = 0; k < chosen_.size(); ++k) {
-        const Round::Gain g = without(k, now, full).gain;
+        const Without w = without(k, now, full);
+        const Round::Gain& g = w.gain;
+        if (!makes_worse(g) && has_right(k, now, w.fit)) continue;
         const double margin = g.sum / std::max(g.error, 1e-9);
-        if (!passes(g, chosen_[k].term) && (!gone || margin < least)) {
+        if ((!passes(g, chosen_[k].term) || makes_worse(g)) && (!gone || margin < least)) {
           gone = k;
           least = margin;
         }
@@ -681,7 +770,6 @@ class Search {
       take_shape_deviations(now, k, c);
       if (!c.term.is_linearised()) take_rivals(now, crossed, full, k, c);
     }
-    std::stable_sort(chosen_.begin(), chosen_.end(), [](const Chosen& a, const Chosen& b) { return a.gain > b.gain; });
     take_refused(now, s, full, crossed, out);
     out.rows = rows_;
     out.residual = full.residual;
@@ -694,8 +782,45 @@ class Search {
       if (c.term.is_linearised()) z.setZero();
       for (size_t at = 0; at < c.columns.joints.size(); ++at) out.fitted.col(c.columns.joints[at]) -= c.columns.of[at] * z;
     }
+    std::stable_sort(chosen_.begin(), chosen_.end(), [](const Chosen& a, const Chosen& b) {
+      const bool names[] = {a.term.kind != TermKind::kCurve, b.term.kind != TermKind::kCurve};
+      return names[0] != names[1] ? names[0] : a.gain > b.gain;
+    });
+    out.rows = rows_;
+    take_test_errors(out);
     out.chosen = std::move(chosen_);
     return out;
+  }
+
+  // The held-out recordings with the first terms of the set, fitted to all training rows.
+  void take_test_errors(SearchResult& out) {
+    if (request_.test.empty()) return;
+    out.test_error.resize(static_cast<Eigen::Index>(chosen_.size()) + 1, rows_->joints());
+    for (size_t m = chosen_.size() + 1; m-- > 0;) {
+      const std::vector<Chosen> first(chosen_.begin(), chosen_.begin() + static_cast<long>(m));
+      const bool again = m == chosen_.size() || chosen_[m].term.is_linearised();
+      if (again && m < chosen_.size() && !move_to(arm_of(first))) {
+        out.test_error.row(static_cast<Eigen::Index>(m)) = out.test_error.row(static_cast<Eigen::Index>(m) + 1);
+        continue;
+      }
+      if (again) test_ = std::make_shared<Rows>(rows_->arm(), request_.test, request_.test_preprocessing);
+      if (again) at_test_ = std::make_unique<Round>(round());
+      std::vector<int> some(m);
+      std::iota(some.begin(), some.end(), 0);
+      const VectorXd x = at_test_->subset(some).x;
+      MatrixXd residual = test_->residual;
+      for (int i = 0; i < rows_->joints(); ++i) residual.col(i) -= base_columns(*test_, i, base_.T) * x.head(base_.T.cols());
+      for (size_t k = 0; k < m; ++k) {
+        const auto [begin, count] = range(k);
+        const Columns columns = columns_of(chosen_[k].term, *test_);
+        for (size_t at = 0; at < columns.joints.size(); ++at)
+          residual.col(columns.joints[at]) -= columns.of[at] * x.segment(begin, count);
+      }
+      out.test_error.row(static_cast<Eigen::Index>(m)) = residual.colwise().norm() / std::sqrt(static_cast<double>(std::max<Eigen::Index>(1, residual.rows())));
+      if (m < chosen_.size()) continue;
+      out.test = test_;
+      out.test_residual = residual;
+    }
   }
 
   // The curvature of the score in each shape.
@@ -725,7 +850,7 @@ class Search {
     const std::vector<int> rest = all_but(chosen_.size(), {k});
     const Subset s = now.subset(rest);
     const Fitted without = now.evaluate(s);
-    for (Option& o : best_terms(now, s, crossed, {}, [&](const Term& t) {
+    for (Option& o : best_terms(now, s, crossed, {}, without.score - full.score, [&](const Term& t) {
            return !is_chosen(t) && t.kind != TermKind::kCurve && shares_joint(t, {k});
          })) {
       if (!std::isfinite(o.value)) break;
@@ -776,6 +901,8 @@ class Search {
   std::vector<std::shared_ptr<Columns>> cache_;
   std::vector<Chosen> chosen_;
   bool far_asked_ = false;
+  std::shared_ptr<const Rows> test_;
+  std::unique_ptr<Round> at_test_;
 };
 
 }  // namespace

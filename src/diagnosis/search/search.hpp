@@ -40,13 +40,17 @@ struct Refused {
 };
 
 struct SearchResult {
-  std::vector<Chosen> chosen;         ///< in the order of their gain
+  std::vector<Chosen> chosen;         ///< those with names first, in the order of their gain
   std::shared_ptr<const Rows> rows;   ///< at the arm with all corrections
   Folds folds;
   MatrixXd residual;                  ///< (rows x n) held out, with all terms
   MatrixXd fitted;                    ///< (rows x n) the same of the fit to all rows
   VectorXd scale;                     ///< (n) of the residual
   VectorXd values;                    ///< standard parameters of the arm beside the terms
+  /// (terms + 1) x n: rms of what the first so many terms, fitted to all training rows, leave of the held-out recordings.
+  MatrixXd test_error;
+  std::shared_ptr<const Rows> test;   ///< their rows, null without any
+  MatrixXd test_residual;             ///< (rows x n) with all terms
   std::vector<Refused> refused;
   int asked = 0;
   int degrees_of_freedom = 1;
@@ -57,6 +61,10 @@ struct SearchRequest {
   std::vector<std::string> recordings;
   std::vector<double> periods;  ///< [s] of the recordings; 0: no repetition
   PreprocessingOptions preprocessing;
+  std::vector<std::string> test;  ///< held-out recordings, on which errors are measured
+  PreprocessingOptions test_preprocessing;
+  /// Joints without friction in the robot file: plain friction is in the first set, and goes where it is of no use.
+  std::set<int> without_friction;
   int most = 20;
   int threads = 0;
   std::function<void(int, int)> progress{};
