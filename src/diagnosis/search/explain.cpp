@@ -23,14 +23,6 @@
 namespace veridyn::search {
 namespace {
 
-constexpr double kMomentSeconds = 0.5;  // of a moving mean: a push has one sign so long
-constexpr double kMomentSize = 2.2;     // of that mean in scales of the residual
-constexpr double kPeak = 4.0;           // of its largest value
-constexpr double kTorqueShare = 0.04;   // of a push in the largest torque of its joint
-constexpr double kShortest = 0.4;       // [s] of a push
-constexpr double kMostOfTime = 0.2;     // share of a recording in which pushes are a property of the arm
-constexpr double kAtFloor = 1.15;       // of the floor: an error below is at it
-
 // The fixed transform from a frame to the body that moves with it.
 std::optional<std::pair<int, Posed>> body_of(const Model& arm, FrameIndex frame) {
   const auto root = [&](int k) {
@@ -84,7 +76,7 @@ std::set<int> joints_without_friction(const Model& arm) {
   std::set<int> out;
   for (int i = 0; i < arm.joints(); ++i) {
     const bool has = std::any_of(arm.effects().begin(), arm.effects().end(), [&](const EffectTerm& term) {
-      return is_friction(term.effect) && std::abs(term.axis.coefficients[i]) > 0.999 * term.axis.coefficients.norm();
+      return is_friction(term.effect) && std::abs(term.axis.coefficients[i]) > kAlongJoint * term.axis.coefficients.norm();
     });
     if (!has) out.insert(i);
   }
@@ -403,7 +395,7 @@ class Explanation {
       const bool helps = c.of_joint.size() > j && c.of_joint[j] > 0.0;
       (c.term.kind == TermKind::kCurve ? unnamed : named) |= acts && (helps || c.term.joint);
     }
-    if (unnamed && left_.size() > j) v.left = std::min(v.left, v.extended * left_[j] / std::max(d_.extended.test_error.relative[j], 1e-300));
+    if (unnamed && left_.size() > j) v.left = std::min(v.left, v.extended * left_[j] / std::max(d_.extended.test_error.relative[j], numerics::kTiny));
     const bool repeats = d_.baseline.noise_floor.size() > j;
     v.source = repeats ? FloorSource::kRepeats : FloorSource::kRegression;
     const double other = std::min(v.left, v.held_out);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "diagnosis/evidence/numerics.hpp"
 #include "diagnosis/search/numbers.hpp"
 #include "math/zero_phase_filter.hpp"
 #include "regressor/effect_along.hpp"
@@ -113,7 +114,7 @@ Folds folds_of(const Rows& rows, const std::vector<double>& periods, double cuto
   out.count = parts == 1 ? std::min(static_cast<int>(recordings), kParts) : parts * static_cast<int>(recordings);
   const auto phase = [&](Eigen::Index k) {
     const size_t r = rows.recording()[k];
-    const double length = periods[r] > 0.0 ? periods[r] : last[r] - first[r] + 1e-9;
+    const double length = periods[r] > 0.0 ? periods[r] : last[r] - first[r] + numerics::kNoise;
     const double turns = (rows.time()[k] - (periods[r] > 0.0 ? 0.0 : first[r])) / length;
     return turns - std::floor(turns);
   };

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "diagnosis/evidence/numerics.hpp"
 #include "diagnosis/search/numbers.hpp"
 #include "math/student_t.hpp"
 #include "math/decompositions.hpp"
@@ -17,7 +18,7 @@ namespace {
 double student_scale(const VectorXd& r, const VectorXd& used, double floor) {
   const double count = std::max(1.0, used.sum());
   double s2 = std::max((r.array().square() * used.array()).sum() / count, floor * floor);
-  for (int k = 0; k < 15; ++k) {
+  for (int k = 0; k < kFixedPoints; ++k) {
     const double next = ((kFreedom + 1.0) * used.array() * r.array().square() / (kFreedom + r.array().square() / s2)).sum() / count;
     s2 = std::max(next, floor * floor);
   }
@@ -65,7 +66,7 @@ Base fitted_base(const Rows& rows) {
     }
   }
   const VectorXd norm = G.diagonal().cwiseSqrt();
-  const VectorXd inverse = (norm.array() > 1e-12 * norm.maxCoeff()).select(norm.array().max(1e-300).inverse(), 0.0);
+  const VectorXd inverse = (norm.array() > numerics::kNoise * norm.maxCoeff()).select(norm.array().max(numerics::kTiny).inverse(), 0.0);
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(MatrixXd(inverse.asDiagonal() * G * inverse.asDiagonal()));
   const VectorXd& size = eigen.eigenvalues();
   Eigen::Index kept = 0;
@@ -123,7 +124,7 @@ Base prior_base(const Rows& rows, const Model& model) {
   }
   for (const auto& [at, deviation] : days) C(at, at) += deviation * deviation;
   const VectorXd size = C.diagonal().cwiseSqrt();
-  const VectorXd inverse = (size.array() > 0.0).select(size.array().max(1e-300).inverse(), 0.0);
+  const VectorXd inverse = (size.array() > 0.0).select(size.array().max(numerics::kTiny).inverse(), 0.0);
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(MatrixXd(inverse.asDiagonal() * C * inverse.asDiagonal()));
   const MatrixXd L = size.asDiagonal() * eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
   Base out;
@@ -183,7 +184,7 @@ Round::Round(const Rows& rows, const Folds& folds, const Base& base, std::vector
   for (int i = 0; i < n; ++i) {
     double power = 0.0;
     for (Eigen::Index k = 0; k < count; ++k) power += used_(k, i) * std::pow(rows.measured(order_[k], i), 2);
-    floor_[i] = std::max(1e-12, kLeastScale * std::sqrt(power / std::max(1.0, rows_of_[i])));
+    floor_[i] = std::max(numerics::kNoise, kLeastScale * std::sqrt(power / std::max(1.0, rows_of_[i])));
     if (power == 0.0) used_.col(i).setZero();
   }
   rows_of_ = used_.colwise().sum().transpose();
@@ -194,7 +195,7 @@ Round::Round(const Rows& rows, const Folds& folds, const Base& base, std::vector
   a_ = used_.cwiseProduct(before.cwiseSqrt()) * scale_.cwiseInverse().asDiagonal();
   std::vector<int> all(chosen.size());
   std::iota(all.begin(), all.end(), 0);
-  for (int turn = 0; turn < 3; ++turn) {
+  for (int turn = 0; turn < kReweighted; ++turn) {
     gram();
     const Subset s = subset(all);
     for (int i = 0; i < n; ++i) residual.col(i) = y_.col(i) - X_[i] * s.x;
@@ -261,8 +262,8 @@ Subset Round::subset(const std::vector<int>& chosen) const {
   }
   const auto solve = [&](MatrixXd G, const VectorXd& g, Eigen::LLT<MatrixXd>& factor, VectorXd& x) {
     G.diagonal() += ridge_(s.columns);
-    G.diagonal().array() *= 1.0 + 1e-10;
-    G.diagonal().array() += 1e-300;
+    G.diagonal().array() *= 1.0 + kGramRidge;
+    G.diagonal().array() += numerics::kTiny;
     factor.compute(G);
     x = VectorXd::Zero(ridge_.size());
     const VectorXd own = factor.solve(g);
@@ -324,10 +325,10 @@ bool border(const Eigen::LLT<MatrixXd>& factor, const VectorXd& x, const MatrixX
   const MatrixXd half = factor.matrixL().solve(C);
   const VectorXd size = D.diagonal();
   D -= half.transpose() * half;
-  if ((D.diagonal().array() <= 1e-7 * size.array()).all()) return false;
+  if ((D.diagonal().array() <= kInSpan * size.array()).all()) return false;
   D.diagonal() += ridge;
-  D.diagonal() += 1e-9 * size;
-  D.diagonal().array() += 1e-300;
+  D.diagonal() += kColumnRidge * size;
+  D.diagonal().array() += numerics::kTiny;
   const VectorXd e = d - C.transpose() * x;
   z = Eigen::LDLT<MatrixXd>(D).solve(e);
   if (gain != nullptr) *gain = 0.5 * e.dot(z);
@@ -424,6 +425,7 @@ Round::Gain Round::gain(const Fitted& with, const Fitted& without) const {
   Gain out;
   const auto n = static_cast<Eigen::Index>(X_.size());
   MatrixXd blocks = MatrixXd::Zero(folds_.blocks, n);
+  out.rise = VectorXd::Zero(n);
   for (Eigen::Index i = 0; i < n; ++i) {
     if (rows_of_[i] == 0.0) continue;
     const Eigen::ArrayXd d = (losses_of(without.residual.col(i), without.scale[i]) - losses_of(with.residual.col(i), with.scale[i])) *
@@ -431,7 +433,8 @@ Round::Gain Round::gain(const Fitted& with, const Fitted& without) const {
     for (Eigen::Index r = 0; r < d.size(); ++r) {
       if (folds_.of_row[r] >= 0) blocks(folds_.block[r], i) += d[r];
     }
-    out.share = std::max(out.share, 1.0 - std::pow(with.scale[i] / without.scale[i], 2));
+    out.rise[i] = std::pow(with.scale[i] / without.scale[i], 2) - 1.0;
+    out.share = std::max(out.share, -out.rise[i]);
   }
   const auto scatter = [&](const VectorXd& x) {
     const double mean = x.mean();
@@ -440,9 +443,10 @@ Round::Gain Round::gain(const Fitted& with, const Fitted& without) const {
   out.of_joint = blocks.colwise().sum().transpose();
   out.error_of_joint.resize(n);
   for (Eigen::Index i = 0; i < n; ++i) out.error_of_joint[i] = scatter(blocks.col(i));
-  out.sum = out.of_joint.sum() + without.prior - with.prior;
+  out.prior = without.prior - with.prior;
+  out.sum = out.of_joint.sum() + out.prior;
   out.error = scatter(blocks.rowwise().sum());
-  const double errors = folds_.blocks < 30 ? student_t_quantile(2.0 * (1.0 - 0.99379), std::max(1.0, folds_.blocks - 1.0)) : kErrors;
+  const double errors = folds_.blocks < kManyBlocks ? student_t_quantile(2.0 * (1.0 - kPassed), std::max(1.0, folds_.blocks - 1.0)) : kErrors;
   out.limit = errors * out.error;
   return out;
 }

@@ -80,6 +80,8 @@ class Round {
     double sum = 0.0, error = 0.0, limit = 0.0;  ///< limit: errors * standard error
     VectorXd of_joint, error_of_joint;
     double share = 0.0;  ///< largest fall of a joint's mean square
+    VectorXd rise;       ///< (n) of every joint's mean square, as a share of it
+    double prior = 0.0;  ///< part of the sum that a MODEL's prior no longer pays
   };
   Gain gain(const Fitted& with, const Fitted& without) const;
 

@@ -7,22 +7,14 @@
 #include <mutex>
 #include <numeric>
 
+#include "diagnosis/evidence/numerics.hpp"
 #include "diagnosis/search/numbers.hpp"
 #include "math/parallel.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 
-#include <cstdio>
-#include <cstdlib>
 namespace veridyn::search {
 namespace {
-bool debug() { static const bool on = std::getenv("VDEBUG") != nullptr; return on; }
-
-constexpr int kSteps = 6;          // of a linearised term
-constexpr double kWorthPolish = 0.6;  // of the gain that is needed: a grid value below is not polished
-constexpr double kHalf = 0.5;
-constexpr double kSettled = 0.05;  // of its deviation: a smaller step is none
-constexpr double kMassOfArm = 30.0, kReach = 0.5;  // deviations of a load [kg], [m]: what no torque sees stays small
 
 bool is_tilt(const Term& t) {
   return t.kind == TermKind::kChannel && dynamic_cast<const ArmEffect*>(&find_effect(t.effect.effect)) != nullptr &&
@@ -30,6 +22,7 @@ bool is_tilt(const Term& t) {
 }
 
 bool scales(const Term& t) {
+  if (t.kind != TermKind::kChannel) return false;
   const auto* sensor = dynamic_cast<const SensorError*>(&find_effect(t.effect.effect));
   return sensor != nullptr && sensor->scales_torque();
 }
@@ -103,7 +96,7 @@ class Search {
 
   VectorXd ridge_of(const Term& t, Eigen::Index count, const VectorXd& scale) const {
     VectorXd out = VectorXd::Zero(count);
-    if (t.kind == TermKind::kCurve) out.setConstant(1.0 / std::pow(3.0 * scale[t.joint->value], 2));
+    if (t.kind == TermKind::kCurve) out.setConstant(1.0 / std::pow(kCurveSize * scale[t.joint->value], 2));
     if (t.kind == TermKind::kLoad) {
       out.setConstant(1.0 / std::pow(kMassOfArm * kReach, 2));
       out[0] = 1.0 / std::pow(kMassOfArm, 2);
@@ -114,7 +107,7 @@ class Search {
   // A parameter with an impossible sign, or a factor that turns a torque round, is no answer.
   static bool is_possible(const Term& t, const VectorXd& z) {
     if (t.nonnegative && z[0] < 0.0) return false;
-    if (t.kind == TermKind::kChannel && scales(t) && z[0] <= -0.95) return false;
+    if (scales(t) && z[0] <= kGainOfNothing) return false;
     return true;
   }
 
@@ -151,17 +144,16 @@ class Search {
           return option(round, s, out.term, nullptr);
         };
         double low = -reach, high = reach;
-        const double golden = 0.381966011250105;
-        Option a = at(low + golden * (high - low)), b = at(high - golden * (high - low));
+        Option a = at(low + kSearchGolden * (high - low)), b = at(high - kSearchGolden * (high - low));
         for (int k = 0; k < kSections; ++k) {
           if (a.value < b.value) {
-            high -= golden * (high - low);
+            high -= kSearchGolden * (high - low);
             b = std::move(a);
-            a = at(low + golden * (high - low));
+            a = at(low + kSearchGolden * (high - low));
           } else {
-            low += golden * (high - low);
+            low += kSearchGolden * (high - low);
             a = std::move(b);
-            b = at(high - golden * (high - low));
+            b = at(high - kSearchGolden * (high - low));
           }
         }
         Option& better = a.value < b.value ? a : b;
@@ -172,12 +164,12 @@ class Search {
 
   // The inertia of a load is that of a point at its centre, which its moments give.
   void polish_load(const Round& round, const Subset& s, Option& best) const {
-    for (int k = 0; k < 3; ++k) {
+    for (int k = 0; k < kTurns; ++k) {
       const VectorXd z = best.fit.x.tail(4);
-      if (std::abs(z[0]) < 1e-6) return;
+      if (std::abs(z[0]) < kNoMass) return;
       Term t = best.term;
       t.centre = z.tail<3>() / z[0];
-      if (t.centre.norm() > 2.0 * kReach || (t.centre - best.term.centre).norm() < 1e-4) return;
+      if (t.centre.norm() > 2.0 * kReach || (t.centre - best.term.centre).norm() < kSameCentre) return;
       Option next = option(round, s, t, nullptr);
       if (next.value >= best.value) return;
       best = std::move(next);
@@ -222,7 +214,7 @@ class Search {
     std::vector<Screened> order;
     for (auto& [place, one] : by_place) order.push_back(one);
     std::sort(order.begin(), order.end(), [](const Screened& a, const Screened& b) { return a.value > b.value; });
-    order.resize(std::min<size_t>(order.size(), 3 * kFinalists));
+    order.resize(std::min<size_t>(order.size(), kScreened));
     std::vector<Option> out(order.size());
     parallel_for(static_cast<int>(order.size()), request_.threads, [&](int k) { out[k] = option(round, s, *order[k].term, order[k].columns); });
     const auto better = [](const Option& a, const Option& b) { return a.value < b.value; };
@@ -261,13 +253,15 @@ class Search {
 
   static bool makes_worse(const Round::Gain& g) {
     for (Eigen::Index i = 0; i < g.of_joint.size(); ++i) {
-      if (g.of_joint[i] < -kErrors * std::max(g.error_of_joint[i], 1e-9)) return true;
+      if (g.rise[i] > kSmallest && g.of_joint[i] < -kErrors * g.error_of_joint[i]) return true;
     }
     return false;
   }
 
   bool passes(const Round::Gain& g, const Term& t) const {
-    return g.sum > t.price && g.sum > g.limit && g.share >= kSmallest && !(t.joint && g.of_joint[t.joint->value] <= 0.0);
+    // Against a MODEL its own levels may move a little: what these would have to pay counts as well as the error.
+    const bool matters = g.share >= kSmallest || g.prior > t.price + 0.5 * kErrors * kErrors;
+    return g.sum > t.price && g.sum > g.limit && matters && !(t.joint && g.of_joint[t.joint->value] <= 0.0);
   }
 
   Chosen chosen_of(const Option& o) const {
@@ -287,23 +281,11 @@ class Search {
     const Subset s = now.subset(all_but(chosen_.size(), {}));
     const Fitted fit = now.evaluate(s);
     const std::map<size_t, Cross> all = crosses(now);
-    if (debug()) {
-      std::fprintf(stderr, "set of %zu: score %.1f; samples", chosen_.size(), fit.score);
-      for (const double x : now.samples()) std::fprintf(stderr, " %.0f", x);
-      std::fprintf(stderr, "\n");
-      for (const Chosen& c : chosen_) std::fprintf(stderr, "   %s\n", c.term.place.c_str());
-    }
     std::vector<Option> options = best_terms(now, s, all, curves ? std::vector<Further>() : further(now, ripple_terms(fit.residual)), 1.0, [&](const Term& t) {
       return !is_chosen(t) && aside_.count(t.place) == 0 && (t.kind == TermKind::kCurve) == curves;
     });
     if (!curves) add_far_gravities(now, fit, options);
     for (Option& o : options) {
-      if (debug()) {
-        const Round::Gain g = now.gain(o.fit, fit);
-        std::fprintf(stderr, "  add %s %.1f: gain %.1f +- %.1f limit %.1f price %.1f share %.3f worse %d |", o.term.place.c_str(), o.value - fit.score, g.sum, g.error, g.limit, o.term.price, g.share, makes_worse(g));
-        for (int i = 0; i < g.of_joint.size(); ++i) std::fprintf(stderr, " %.1f+-%.1f", g.of_joint[i], g.error_of_joint[i]);
-        std::fprintf(stderr, "\n");
-      }
       if (!(o.value < fit.score)) break;
       if (!passes(now.gain(o.fit, fit), o.term)) continue;
       const std::vector<Chosen> before = chosen_;
@@ -329,7 +311,7 @@ class Search {
     for (const Term& t : dictionary_) {
       if (t.kind != TermKind::kEffect || !t.joint || request_.without_friction.count(t.joint->value) == 0) continue;
       if (!find_effect(t.effect.effect).traits().elementary || is_chosen(t)) continue;
-      if (std::abs(t.effect.axis.coefficients[t.joint->value]) < 0.999 * t.effect.axis.coefficients.norm()) continue;
+      if (std::abs(t.effect.axis.coefficients[t.joint->value]) < kAlongJoint * t.effect.axis.coefficients.norm()) continue;
       if (!t.effect.values.empty()) continue;
       Option o;
       o.term = t;
@@ -401,12 +383,12 @@ class Search {
       const VectorXd z = fit.x.segment(first, count);
       const MatrixXd covariance = now.covariance(s, fit).block(first, first, count, count);
       bool small = true;
-      for (Eigen::Index c = 0; c < count; ++c) small = small && std::abs(z[c]) < kSettled * std::sqrt(std::max(covariance(c, c), 1e-300));
+      for (Eigen::Index c = 0; c < count; ++c) small = small && std::abs(z[c]) < kSettled * std::sqrt(std::max(covariance(c, c), numerics::kTiny));
       if (small) return true;
       const std::vector<Chosen> before = chosen_;
       const State state = kept();
       bool better = false;
-      for (double scale = 1.0; scale > 0.2 && !better; scale *= 0.5) {
+      for (double scale = 1.0; scale > kShortestStep && !better; scale *= 0.5) {
         std::vector<double> trial(static_cast<size_t>(count));
         for (Eigen::Index c = 0; c < count; ++c) trial[static_cast<size_t>(c)] = scale * z[c];
         if (!take_step(k, trial)) {
@@ -419,8 +401,8 @@ class Search {
           const Round then = round();
           const Fitted after = then.evaluate(then.subset(all_but(chosen_.size(), {})));
           const double gained = now.gain(after, fit).sum;
-          better = gained > (moved ? 0.0 : -0.5);
-          if (better && gained < 0.1 && step > 0) return true;
+          better = gained > (moved ? 0.0 : -kBetter);
+          if (better && gained < kLittle && step > 0) return true;
         }
         if (!better) {
           chosen_ = before;
@@ -444,9 +426,9 @@ class Search {
     const auto& parameters = c.term.kind == TermKind::kChannel ? find_effect(c.term.effect.effect).parameters() : std::vector<EffectParameter>(1);
     for (size_t p = 0; p < step.size(); ++p) {
       double& offset = c.offset[p];
-      offset = c.term.kind == TermKind::kChannel && scales(c.term) ? (1.0 + offset) * (1.0 + step[p]) - 1.0 : offset + step[p];
+      offset = scales(c.term) ? (1.0 + offset) * (1.0 + step[p]) - 1.0 : offset + step[p];
       if (parameters[p].sign == ParameterSign::kNonnegative && c.term.kind == TermKind::kChannel) offset = std::max(offset, 0.0);
-      if (c.term.kind == TermKind::kChannel && scales(c.term) && offset < -0.95) return false;
+      if (scales(c.term) && offset < kGainOfNothing) return false;
       if (c.term.kind == TermKind::kConstant && std::abs(offset) > reach_of(*c.term.constant)) return false;
     }
     return true;
@@ -474,7 +456,7 @@ class Search {
     }
     const State state = kept();
     for (const Eigen::Vector3d& gravity : all) {
-      if ((gravity - arm_.gravity()).norm() < 0.1 * g) continue;
+      if ((gravity - arm_.gravity()).norm() < kFarGravity * g) continue;
       ModelDescription d = rows_->arm().description();
       d.gravity = gravity;
       if (!move_to(Model(std::move(d)))) continue;
@@ -486,7 +468,7 @@ class Search {
       const Round::Gain gain = now.gain(o.fit, fit);
       o.value = fit.score - gain.sum + o.term.price;
       o.columns = std::make_shared<Columns>(columns_of(o.term, *rows_));
-      o.ridge = VectorXd::Constant(o.columns->count(), 1e-6);
+      o.ridge = VectorXd::Constant(o.columns->count(), kNoMass);
       o.gravity = gravity;
       restore(state);
       for (Chosen& c : chosen_) c.columns = columns_of(c.term, *rows_);
@@ -533,12 +515,12 @@ class Search {
       const double gained = without.score - full.score;
       std::vector<Option> options = best_terms(now, s, crossed, more, gained, [&](const Term& t) { return !is_chosen(t, {k}) && shares_joint(t, {k}); });
       for (Option& o : options) {
-        if (o.value + price_of(rest) >= value - 0.5) break;
+        if (o.value + price_of(rest) >= value - kBetter) break;
         const Round::Gain g = now.gain(o.fit, full);
         // A curve takes no name's place: it is added to it, and then the name may be of no use. A dearer name replaces a
         // cheaper one only by the same margins as a term is added.
         if (o.term.kind == TermKind::kCurve && chosen_[k].term.kind != TermKind::kCurve) continue;
-        if (o.term.price > chosen_[k].term.price + 0.01 && g.sum < g.limit) continue;
+        if (o.term.price > chosen_[k].term.price + kGramRidge && g.sum < g.limit) continue;
         if (!passes(now.gain(o.fit, without), o.term)) continue;
         const bool same = same_place(o.term, chosen_[k].term);
         if (same && o.value + price_of(rest) >= value - 1.0) break;
@@ -620,7 +602,7 @@ class Search {
     std::vector<Option> options = best_terms(now, s, crossed, {}, 1.0, [&](const Term& t) {
       return !t.joint && !is_chosen(t) && tried_.count(t.place + std::to_string(before.size())) == 0;
     });
-    options.resize(std::min<size_t>(options.size(), 3));
+    options.resize(std::min(options.size(), kMostWholeArm));
     for (const Option& o : options) {
       tried_.insert(o.term.place + std::to_string(before.size()));
       if (!std::isfinite(o.value)) continue;
@@ -640,7 +622,7 @@ class Search {
       double change = 0.0;
       for (const Chosen& c : chosen_) change += c.term.price;
       for (const Chosen& c : before) change -= c.term.price;
-      if (now.gain(after, full).sum > change + 0.5 && !same_set(before)) return true;
+      if (now.gain(after, full).sum > change + kBetter && !same_set(before)) return true;
       chosen_ = before;
       restore(state);
     }
@@ -679,7 +661,7 @@ class Search {
     Fitted fit;
     Round::Gain gain;
   };
-  Without without(size_t k, const Round& now, const Fitted& full) {
+  Without without(size_t k, const Round& now, const Fitted& full, std::vector<Chosen::RivalTerm>* rivals = nullptr) {
     Without out;
     if (!chosen_[k].term.is_linearised()) {
       out.fit = now.evaluate(now.subset(all_but(chosen_.size(), {k})));
@@ -689,7 +671,9 @@ class Search {
       chosen_.erase(chosen_.begin() + static_cast<long>(k));
       if (move_to(arm_of(chosen_))) {
         const Round then = round();
-        out.fit = then.evaluate(then.subset(all_but(chosen_.size(), {})));
+        const Subset all = then.subset(all_but(chosen_.size(), {}));
+        out.fit = then.evaluate(all);
+        if (rivals != nullptr) take_rivals(then, all, out.fit, then.gain(full, out.fit).sum, before[k].term, *rivals);
       } else {
         out.fit = full;
       }
@@ -711,7 +695,7 @@ class Search {
         const Without w = without(k, now, full);
         const Round::Gain& g = w.gain;
         if (!makes_worse(g) && has_right(k, now, w.fit)) continue;
-        const double margin = g.sum / std::max(g.error, 1e-9);
+        const double margin = g.sum / std::max(g.error, numerics::kNoise);
         if ((!passes(g, chosen_[k].term) || makes_worse(g)) && (!gone || margin < least)) {
           gone = k;
           least = margin;
@@ -753,9 +737,11 @@ class Search {
     };
     const VectorXd after = relative(full);
     for (size_t k = 0; k < chosen_.size(); ++k) {
-      Chosen& c = chosen_[k];
       const auto [first, count] = range(k);
-      const Without w = without(k, now, full);
+      std::vector<Chosen::RivalTerm> rivals;
+      const Without w = without(k, now, full, &rivals);
+      Chosen& c = chosen_[k];
+      c.rivals = std::move(rivals);
       c.gain = w.gain.sum;
       c.error = w.gain.error;
       c.of_joint = w.gain.of_joint;
@@ -763,7 +749,7 @@ class Search {
       c.folds_after = after;
       c.values = full.x.segment(first, count);
       for (size_t p = 0; p < c.offset.size() && !c.gravity; ++p)
-        c.values[static_cast<Eigen::Index>(p)] = scales(c.term) && c.term.kind == TermKind::kChannel ? (1.0 + c.offset[p]) * (1.0 + c.values[static_cast<Eigen::Index>(p)]) - 1.0
+        c.values[static_cast<Eigen::Index>(p)] = scales(c.term) ? (1.0 + c.offset[p]) * (1.0 + c.values[static_cast<Eigen::Index>(p)]) - 1.0
                                                                    : c.values[static_cast<Eigen::Index>(p)] + c.offset[p];
       c.covariance = covariance.block(first, first, count, count);
       c.deviations = c.covariance.diagonal().cwiseSqrt();
@@ -830,7 +816,7 @@ class Search {
       const double value = c.term.effect.values.at(shape.name);
       double deviation = std::numeric_limits<double>::quiet_NaN();
       const double centre = option(now, rest, c.term, nullptr).value;
-      for (double step = shape.logarithmic ? 0.02 : 0.05; step < 2.0; step *= 2.0) {
+      for (double step = kFirstProfile; step < 2.0; step *= 2.0) {
         const auto at = [&](double side) {
           Term t = c.term;
           t.effect.values[shape.name] = shape.logarithmic ? value * std::exp(side * step) : value + side * step * shape.step;
@@ -846,6 +832,17 @@ class Search {
     }
   }
 
+  // Of a linearised term, at the arm without it: what gains nearly as much to first order.
+  void take_rivals(const Round& then, const Subset& all, const Fitted& fit, double gained, const Term& term, std::vector<Chosen::RivalTerm>& out) {
+    const std::map<size_t, Cross> crossed = crosses(then);
+    for (const Option& o : best_terms(then, all, crossed, {}, kHalf * gained, [&](const Term& t) { return !same_place(t, term) && t.kind != TermKind::kCurve; })) {
+      const Round::Gain g = then.gain(o.fit, fit);
+      if (!std::isfinite(o.value) || gained - g.sum + o.term.price - term.price > 2.0 * g.error) continue;
+      out.push_back({o.term, gained - g.sum, g.sum});
+    }
+    out.resize(std::min(out.size(), kMostRivals));
+  }
+
   void take_rivals(const Round& now, const std::map<size_t, Cross>& crossed, const Fitted& full, size_t k, Chosen& c) {
     const std::vector<int> rest = all_but(chosen_.size(), {k});
     const Subset s = now.subset(rest);
@@ -858,7 +855,7 @@ class Search {
       if (g.sum + o.term.price - c.term.price < 2.0 * g.error && without.score - o.fit.score > 0.0)
         c.rivals.push_back({o.term, g.sum, without.score - o.fit.score});
     }
-    c.rivals.resize(std::min<size_t>(c.rivals.size(), 4));
+    c.rivals.resize(std::min(c.rivals.size(), kMostRivals));
   }
 
   void take_refused(const Round& now, const Subset& s, const Fitted& full, const std::map<size_t, Cross>& crossed, SearchResult& out) {
@@ -874,7 +871,7 @@ class Search {
     std::vector<Refused> all;
     for (auto& [place, one] : best) all.push_back(one);
     std::sort(all.begin(), all.end(), [](const Refused& a, const Refused& b) { return a.gain > b.gain; });
-    std::vector<Refused> shown(all.begin(), all.begin() + static_cast<long>(std::min<size_t>(all.size(), 60)));
+    std::vector<Refused> shown(all.begin(), all.begin() + static_cast<long>(std::min(all.size(), kMostRefused)));
     parallel_for(static_cast<int>(shown.size()), request_.threads, [&](int k) {
       if (shown[k].collinear) return;
       const Option o = option(now, s, shown[k].term, nullptr);

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "causes/row_constants.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "diagnosis/search/numbers.hpp"
 #include "math/median.hpp"
 #include "math/spectral_lines.hpp"
@@ -15,19 +16,8 @@
 namespace veridyn::search {
 namespace {
 
-constexpr double kStill = 5e-3;           // travel of a joint that counts as at rest [rad], a tenth of it in m
-constexpr double kRestShare = 0.02;       // of the largest speed: slower is no reversal
-constexpr int kIntervals = 8;             // of a curve over one signal
-constexpr int kIntervalsOnSides = 5;      // for each direction
-constexpr int kIntervalsOfTwo = 3;        // along each of two signals
-constexpr double kFirstWave = 3.0, kLastWave = 600.0, kWaveStep = 0.5;  // waves per travel of a spectrum
-constexpr double kProminence = 4.0;       // of a spectral line over the median
-constexpr size_t kMostLines = 3;
-constexpr double kAngleReach = 0.6, kLengthReach = 0.15;  // [rad], also of a ratio, and [m]
-constexpr double kAngleStep = 1e-4;       // [rad] or [m] of derivatives by a constant
-
 struct Range {
-  double low = 1e300, high = -1e300, speed = 0.0;
+  double low = numerics::kHuge, high = -numerics::kHuge, speed = 0.0;
   double travel() const { return high - low; }
 };
 
@@ -97,7 +87,7 @@ class Builder {
   }
 
   bool moves(int joint) const {
-    return range_[joint].travel() > (arm_.coordinates()[joint].prismatic ? 0.1 * kStill : kStill);
+    return range_[joint].travel() > (arm_.coordinates()[joint].prismatic ? kStillLength : kStill);
   }
 
   AxisMotion motion_along(const Axis& axis) const {
@@ -188,7 +178,7 @@ class Builder {
       std::vector<double>& all = values[shape.name];
       std::sort(all.begin(), all.end());
       all.erase(std::unique(all.begin(), all.end()), all.end());
-      TermShape one{shape.name, shape.lower, shape.upper, shape.logarithmic, shape.logarithmic ? 2.0 : 0.25 * (shape.upper - shape.lower), false};
+      TermShape one{shape.name, shape.lower, shape.upper, shape.logarithmic, shape.logarithmic ? 2.0 : kQuarter * (shape.upper - shape.lower), false};
       const auto at = std::lower_bound(all.begin(), all.end(), value->second);
       const double next = at + 1 < all.end() ? *(at + 1) : at > all.begin() ? *(at - 1) : value->second;
       if (next != value->second && next != 0.0 && value->second != 0.0) {
@@ -208,7 +198,7 @@ class Builder {
       if (!is_wanted(t.cause)) continue;
       t.constant = c;
       t.place = to_text(arm_, t.cause);
-      t.price = kSeldom;
+      t.price = kConstant;
       out_.push_back(std::move(t));
     }
   }
@@ -217,7 +207,7 @@ class Builder {
     static const char* const kNames[] = {"q", "dq", "tau", "history", "t"};
     const bool slides = arm_.coordinates()[joint].prismatic;
     const std::string length = slides ? "m" : "rad";
-    Signal s{kind, joint, kNames[static_cast<int>(kind)], "", 1e300, -1e300};
+    Signal s{kind, joint, kNames[static_cast<int>(kind)], "", numerics::kHuge, -numerics::kHuge};
     s.unit = kind == SignalKind::kTime ? "s" : kind == SignalKind::kTorque ? (slides ? "N" : "N m") : kind == SignalKind::kVelocity ? length + "/s" : length;
     if (kind != SignalKind::kTime) s.name += std::to_string(joint + 1);
     for (const Stretch& stretch : rows_.stretches()) {
@@ -232,7 +222,7 @@ class Builder {
 
   SmoothBasis basis(const Signal& s, BasisKind kind, int intervals) const {
     const double size = std::max(std::abs(s.low), std::abs(s.high));
-    return {kind, s.low, s.high, intervals, std::max(kRestShare * size, 1e-9)};
+    return {kind, s.low, s.high, intervals, std::max(kRestShare * size, numerics::kNoise)};
   }
 
   void add_curve(int joint, std::vector<Signal> signals, std::vector<SmoothBasis> bases, double price) {
@@ -267,18 +257,18 @@ class Builder {
       const int j = moving[a];
       const Signal dq = signal(SignalKind::kVelocity, j), history = signal(SignalKind::kHistory, j);
       const auto smooth = [&](const Signal& s, int intervals) { return basis(s, BasisKind::kSmooth, intervals); };
-      add_curve(j, {dq}, {basis(dq, BasisKind::kSided, kIntervals)}, kCurve);
-      add_curve(j, {history}, {basis(history, BasisKind::kSided, kIntervals)}, kCurve);
-      add_curve(j, {t}, {smooth(t, kIntervals)}, kCurve);
+      add_curve(j, {dq}, {basis(dq, BasisKind::kSided, kCurveIntervals)}, kCurve);
+      add_curve(j, {history}, {basis(history, BasisKind::kSided, kCurveIntervals)}, kCurve);
+      add_curve(j, {t}, {smooth(t, kCurveIntervals)}, kCurve);
       const SmoothBasis sides = basis(dq, BasisKind::kSides, 1);
-      add_curve(j, {t, dq}, {smooth(t, kIntervalsOnSides), sides}, kCurveOfTwo);
-      add_curve(j, {torque[a], dq}, {smooth(torque[a], kIntervalsOnSides), sides}, kCurveOfTwo);
+      add_curve(j, {t, dq}, {smooth(t, kSideIntervals), sides}, kCurveOfTwo);
+      add_curve(j, {torque[a], dq}, {smooth(torque[a], kSideIntervals), sides}, kCurveOfTwo);
       for (size_t b = 0; b < moving.size(); ++b) {
-        add_curve(j, {q[b]}, {smooth(q[b], kIntervals)}, kCurve);
-        add_curve(j, {torque[b]}, {smooth(torque[b], kIntervals)}, kCurve);
-        add_curve(j, {q[b], dq}, {smooth(q[b], kIntervalsOnSides), sides}, kCurveOfTwo);
+        add_curve(j, {q[b]}, {smooth(q[b], kCurveIntervals)}, kCurve);
+        add_curve(j, {torque[b]}, {smooth(torque[b], kCurveIntervals)}, kCurve);
+        add_curve(j, {q[b], dq}, {smooth(q[b], kSideIntervals), sides}, kCurveOfTwo);
         if (b == a) continue;
-        add_curve(j, {q[a], q[b]}, {smooth(q[a], kIntervalsOfTwo), smooth(q[b], kIntervalsOfTwo)}, kCurveOfTwo);
+        add_curve(j, {q[a], q[b]}, {smooth(q[a], kProductIntervals), smooth(q[b], kProductIntervals)}, kCurveOfTwo);
       }
     }
   }
@@ -403,8 +393,8 @@ Columns channel_columns(const Term& term, const Rows& rows) {
 
 Columns constant_columns(const Term& term, const Rows& rows) {
   const double value = value_in(rows.arm(), *term.constant);
-  const Model more = with_constant(rows.arm(), *term.constant, value + kAngleStep);
-  const Model less = with_constant(rows.arm(), *term.constant, value - kAngleStep);
+  const Model more = with_constant(rows.arm(), *term.constant, value + kDifference);
+  const Model less = with_constant(rows.arm(), *term.constant, value - kDifference);
   const RegressorBatch above(more), below(less);
   std::vector<int> joints(rows.joints());
   std::iota(joints.begin(), joints.end(), 0);
@@ -412,7 +402,7 @@ Columns constant_columns(const Term& term, const Rows& rows) {
     MatrixXd up, down;
     above.torques(s.segment.q, s.segment.dq, s.segment.ddq, rows.phi(), up);
     below.torques(s.segment.q, s.segment.dq, s.segment.ddq, rows.phi(), down);
-    return std::vector<MatrixXd>{(up - down) / (2.0 * kAngleStep)};
+    return std::vector<MatrixXd>{(up - down) / (2.0 * kDifference)};
   });
 }
 
@@ -450,11 +440,11 @@ std::vector<Term> dictionary(const Rows& rows, const TermScope& scope) {
 std::vector<Term> ripples(const Rows& rows, const MatrixXd& residual, const std::vector<Term>& all) {
   std::vector<Term> out;
   const std::vector<Range> range = ranges_of(rows);
-  const auto count = static_cast<size_t>((kLastWave - kFirstWave) / kWaveStep);
+  const auto count = static_cast<size_t>((kLastWave - kFirstWave) / kWaveGrid);
   double price = 0.0;
   for (const Term& t : all) price = std::max(price, t.kind == TermKind::kEffect ? t.price : 0.0);
   for (int i = 0; i < rows.joints(); ++i) {
-    if (range[i].travel() <= kStill) continue;
+    if (range[i].travel() <= (rows.arm().coordinates()[i].prismatic ? kStillLength : kStill)) continue;
     std::vector<double> s, r;
     for (const Stretch& stretch : rows.stretches()) {
       for (size_t k = 0; k < stretch.kept.size(); ++k) {
@@ -463,12 +453,12 @@ std::vector<Term> ripples(const Rows& rows, const MatrixXd& residual, const std:
       }
     }
     const double unit = 2.0 * M_PI / range[i].travel();
-    const std::vector<double> sizes = line_amplitudes(s, r, kFirstWave * unit, kWaveStep * unit, count);
+    const std::vector<double> sizes = line_amplitudes(s, r, kFirstWave * unit, kWaveGrid * unit, count);
     std::vector<std::pair<double, double>> lines;
     const double floor = kProminence * median(sizes);
     for (size_t k = 1; k + 1 < sizes.size(); ++k) {
       if (sizes[k] >= floor && sizes[k] >= sizes[k - 1] && sizes[k] >= sizes[k + 1])
-        lines.emplace_back(sizes[k], (kFirstWave + kWaveStep * static_cast<double>(k)) * unit);
+        lines.emplace_back(sizes[k], (kFirstWave + kWaveGrid * static_cast<double>(k)) * unit);
     }
     std::sort(lines.rbegin(), lines.rend());
     lines.resize(std::min(lines.size(), kMostLines));
@@ -484,7 +474,7 @@ std::vector<Term> ripples(const Rows& rows, const MatrixXd& residual, const std:
           t.effect.effect = effect->name();
           t.effect.axis = t.candidate.axis;
           t.effect.values[shape.name] = std::clamp(order, shape.lower, shape.upper);
-          t.shapes = {{shape.name, shape.lower, shape.upper, false, kWaveStep * unit, false}};
+          t.shapes = {{shape.name, shape.lower, shape.upper, false, kWaveGrid * unit, false}};
           t.price = std::log(static_cast<double>(count)) + price;
           out.push_back(std::move(t));
         }

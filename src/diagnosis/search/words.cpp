@@ -98,7 +98,7 @@ void describe_effect(const Chosen& c, double t, const Model& before, Finding& f)
   f.phrase += fmt::format(", without load at {:.3g} {}", rest, slides ? "m" : "rad");
 }
 
-void describe_channel(const Chosen& c, double t, const SearchResult& found, const Model& before, Finding& f) {
+void describe_channel(const Chosen& c, double t, const Model& before, Finding& f) {
   const ChannelEffect& channel = *channel_effect(c.term.effect.effect);
   std::vector<double> values(c.values.data(), c.values.data() + c.values.size());
   if (c.gravity) {
@@ -122,7 +122,6 @@ void describe_channel(const Chosen& c, double t, const SearchResult& found, cons
   f.phrase = is_none ? "torques without gravity, as the command of a controller that compensates it" : channel_phrase(before, c.term.effect, values);
   const bool large = !is_none && std::any_of(values.begin(), values.end(), [&, p = 0](double v) mutable { return std::abs(v) > c.term.largest[p++]; });
   if (large) f.remark = "That is unusually large for an error of this kind.";
-  (void)found;
 }
 
 void describe_constant(const Chosen& c, double t, const Model& before, Finding& f) {
@@ -150,7 +149,7 @@ MotionSignal motion_signal(const Signal& s) {
 }
 
 // A curve at points of its signals, its mean over the rows taken away, with a band.
-void describe_curve(const Chosen& c, double t, const SearchResult& found, const Model& before, Finding& f) {
+void describe_curve(const Chosen& c, double t, const Model& before, Finding& f) {
   UnnamedShape shape;
   shape.effort = effort_unit(before.coordinates()[c.term.joint->value]);
   std::vector<std::vector<double>> grid;
@@ -188,11 +187,10 @@ void describe_curve(const Chosen& c, double t, const SearchResult& found, const 
   std::string signals;
   for (const std::string& name : shape.signals) signals += (signals.empty() ? "" : " and ") + name;
   const int j = c.term.joint->value;
-  const double share = 1.0 - std::pow(c.folds_after[j] / std::max(c.folds_before[j], 1e-300), 2);
+  const double share = 1.0 - std::pow(c.folds_after[j] / std::max(c.folds_before[j], numerics::kTiny), 2);
   shape.share = std::max(0.0, share);
   f.phrase = fmt::format("{:.0f} % of what the model leaves over can be predicted from {}: {}; nothing on the list has that shape", kPercent * shape.share, signals, shape.words);
   f.shape = std::move(shape);
-  (void)found;
 }
 
 }  // namespace
@@ -203,21 +201,21 @@ Finding finding_of(const Chosen& c, const SearchResult& found, const Model& befo
   f.joint = c.term.kind == TermKind::kCurve ? c.term.joint : acting_joint(before, c.term.cause);
   f.from = c.term.candidate.from;
   f.gain = c.gain;
-  f.p_value = std::max(1e-300, 0.5 * std::erfc(c.gain / std::max(c.error, 1e-12) / std::sqrt(2.0)));
+  f.p_value = std::max(numerics::kTiny, 0.5 * std::erfc(c.gain / std::max(c.error, numerics::kNoise) / std::sqrt(2.0)));
   f.folds_before = c.folds_before;
   f.folds_after = c.folds_after;
   const double t = student_t_quantile(numerics::kOutside, static_cast<double>(found.degrees_of_freedom));
   switch (c.term.kind) {
     case TermKind::kLoad: describe_load(c, t, f); break;
-    case TermKind::kChannel: describe_channel(c, t, found, before, f); break;
+    case TermKind::kChannel: describe_channel(c, t, before, f); break;
     case TermKind::kConstant: describe_constant(c, t, before, f); break;
-    case TermKind::kCurve: describe_curve(c, t, found, before, f); break;
+    case TermKind::kCurve: describe_curve(c, t, before, f); break;
     default: describe_effect(c, t, before, f);
   }
   if (f.unit.empty() && !f.parameters.empty()) f.unit = f.parameters.front().unit;
   for (const Chosen::RivalTerm& r : c.rivals) {
     if (std::any_of(f.rivals.begin(), f.rivals.end(), [&](const Rival& other) { return alike(other.cause, r.term.cause); })) continue;
-    f.rivals.push_back({r.term.cause, fmt::format("gains {:.0f} % as much on held-out data in its place", kPercent * std::clamp(r.gain / std::max(c.gain, 1e-9), 0.0, 1.0))});
+    f.rivals.push_back({r.term.cause, fmt::format("gains {:.0f} % as much on held-out data in its place", kPercent * std::clamp(r.gain / std::max(c.gain, numerics::kNoise), 0.0, 1.0))});
   }
   const bool constant = (c.term.kind == TermKind::kChannel) && find_effect(c.term.effect.effect).traits().same_as_wrong_constant;
   if (constant && joint_of(c.term.cause))
