@@ -19,6 +19,7 @@
 #include "math/eigen_pose.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/effects/effect_facts.hpp"
+#include "veridyn/identification/pseudo_inertia.hpp"
 
 namespace veridyn::search {
 namespace {
@@ -41,16 +42,18 @@ std::optional<std::pair<int, Posed>> body_of(const Model& arm, FrameIndex frame)
   return std::nullopt;
 }
 
+// Of a load, with what its inertia is beyond that of a point.
 InertialParameters load_of(const Chosen& c) {
   InertialParameters phi = InertialParameters::Zero();
   phi.head<4>() = c.values.head<4>();
+  phi.tail<6>() = c.values.tail<6>();
   const Eigen::Vector3d& p = c.term.centre;
   const Eigen::Vector3d h = c.values.segment<3>(1);
   static const int kRow[6] = {0, 0, 1, 0, 1, 2}, kColumn[6] = {0, 1, 1, 2, 2, 2};
   for (int e = 0; e < 6; ++e) {
     const int i = kRow[e], j = kColumn[e];
     const double same = i == j ? 1.0 : 0.0;
-    phi[4 + e] = -c.values[0] * (p.squaredNorm() * same - p[i] * p[j]) + 2.0 * p.dot(h) * same - h[i] * p[j] - h[j] * p[i];
+    phi[4 + e] += -c.values[0] * (p.squaredNorm() * same - p[i] * p[j]) + 2.0 * p.dot(h) * same - h[i] * p[j] - h[j] * p[i];
   }
   return phi;
 }
@@ -437,9 +440,13 @@ Model extended_arm(const Model& arm, const std::vector<Chosen>& chosen, bool cha
   if (changes && !chosen.empty()) d.identified.reset();  // the statistics belong to values that have changed
   for (const Chosen& c : chosen) {
     if (c.term.kind == TermKind::kLoad) {
-      const InertialParameters load = load_of(c);
+      // Inertia beyond that of a point is known less well than mass and moments: it goes where no body has the sum.
+      InertialParameters load = load_of(c);
       const FrameIndex frame = *frame_of(c.term.cause);
       const auto body = body_of(arm, frame);
+      const auto& known = body ? d.frames[body->first].body->phi : std::nullopt;
+      const InertialParameters sum = load[0] < 0.0 && known ? InertialParameters(*known + moved(load, body->second)) : load;
+      if (smallest_eigenvalue(pseudo_inertia(sum)) < 0.0) load.tail<6>() -= c.values.tail<6>();
       if (load[0] < 0.0 && body) {
         Body& own = *d.frames[body->first].body;
         if (own.phi) *own.phi += moved(load, body->second);

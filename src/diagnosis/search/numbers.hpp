@@ -18,6 +18,8 @@ constexpr double kSeldom = 2.0, kConstant = 4.0, kImitator = 3.5, kCurve = 5.0, 
 constexpr double kPolished = 1.0;
 /// deviation of friction levels and offsets from day to day, as a share of the level.
 constexpr double kDay = 0.1;
+/// part of a MODEL's covariance without its correlations.
+constexpr double kUncorrelatedPart = 0.05;
 /// gain of a name alone >= kHalf * that of curves on its joint: they do not take its place.
 constexpr double kHalf = 0.5;
 /// mean of half a second of what is left over >= kMomentSize scales, its peak >= kPeak scales and kTorqueShare of the
@@ -29,7 +31,7 @@ constexpr double kAtFloor = 1.15;
 // Numbers that set the resolution.
 constexpr double kFreedom = 4.0;             ///< degrees of freedom of the Student-t loss
 constexpr double kBlockSeconds = 2.5;        ///< [s] of a block: rows of one are not independent
-constexpr int kFewestBlocks = 8;             ///< of one recording
+constexpr int kFewestBlocks = 16;            ///< of all recordings together
 constexpr std::size_t kWholeRecordings = 3;  ///< from so many recordings on folds are whole ones
 constexpr int kParts = 6;                    ///< folds otherwise
 constexpr double kUncorrelated = 0.05;       ///< autocorrelation at which it counts as none
@@ -54,7 +56,8 @@ constexpr double kSettled = 0.05;            ///< of its deviation: a smaller st
 constexpr double kShortestStep = 0.2, kLittle = 0.1;  ///< of a step; [nats] that end the steps
 constexpr double kGainOfNothing = -0.95;     ///< error of a factor at which it turns a torque round
 constexpr double kFarGravity = 0.1;          ///< of gravity: nearer directions are reached by steps
-constexpr double kMassOfArm = 30.0, kReach = 0.5;  ///< prior deviations of a load [kg], [m]: what no torque sees stays small
+/// prior deviations of a load [kg], [m], and of its inertia beyond that of a point [kg m^2]: what no torque sees stays small
+constexpr double kMassOfArm = 30.0, kReach = 0.5, kInertia = 0.02;
 constexpr double kNoMass = 1e-6, kSameCentre = 1e-4;  ///< [kg], [m] of a load
 constexpr double kAlongJoint = 0.999;        ///< cosine of an axis that is a joint's own
 constexpr double kFirstProfile = 0.02;       ///< first step of the profile of a shape

@@ -118,9 +118,10 @@ Base prior_base(const Rows& rows, const Model& model) {
   const auto count = static_cast<Eigen::Index>(of.size());
   MatrixXd C = MatrixXd::Zero(count, count);
   if (F.size() > 0) {
-    // Few clusters leave most correlations open: half of what they say, half of none.
-    C.topLeftCorner(F.rows(), F.rows()) = 0.5 * F * F.transpose();
-    C.diagonal().head(F.rows()) += 0.5 * F.rowwise().squaredNorm();
+    // Clusters leave directions open in which they say nothing. A little of no correlation closes them; more of it would
+    // open the combinations that the torques determine best.
+    C.topLeftCorner(F.rows(), F.rows()) = (1.0 - kUncorrelatedPart) * F * F.transpose();
+    C.diagonal().head(F.rows()) += kUncorrelatedPart * F.rowwise().squaredNorm();
   }
   for (const auto& [at, deviation] : days) C(at, at) += deviation * deviation;
   const VectorXd size = C.diagonal().cwiseSqrt();

@@ -98,7 +98,8 @@ class Search {
     VectorXd out = VectorXd::Zero(count);
     if (t.kind == TermKind::kCurve) out.setConstant(1.0 / std::pow(kCurveSize * scale[t.joint->value], 2));
     if (t.kind == TermKind::kLoad) {
-      out.setConstant(1.0 / std::pow(kMassOfArm * kReach, 2));
+      out.setConstant(1.0 / std::pow(kInertia, 2));
+      out.segment<3>(1).setConstant(1.0 / std::pow(kMassOfArm * kReach, 2));
       out[0] = 1.0 / std::pow(kMassOfArm, 2);
     }
     return out;
@@ -165,7 +166,7 @@ class Search {
   // The inertia of a load is that of a point at its centre, which its moments give.
   void polish_load(const Round& round, const Subset& s, Option& best) const {
     for (int k = 0; k < kTurns; ++k) {
-      const VectorXd z = best.fit.x.tail(4);
+      const VectorXd z = best.fit.x.tail(kBodyParameters).head<4>();
       if (std::abs(z[0]) < kNoMass) return;
       Term t = best.term;
       t.centre = z.tail<3>() / z[0];
@@ -259,8 +260,10 @@ class Search {
   }
 
   bool passes(const Round::Gain& g, const Term& t) const {
-    // Against a MODEL its own levels may move a little: what these would have to pay counts as well as the error.
-    const bool matters = g.share >= kSmallest || g.prior > t.price + 0.5 * kErrors * kErrors;
+    // Against a MODEL its own numbers may move a little. Of what moves as they do, what they would have to pay counts as
+    // well as the error.
+    const bool moves_as_model = t.kind == TermKind::kChange || t.kind == TermKind::kLoad;
+    const bool matters = g.share >= kSmallest || (moves_as_model && g.prior > t.price + 0.5 * kErrors * kErrors);
     return g.sum > t.price && g.sum > g.limit && matters && !(t.joint && g.of_joint[t.joint->value] <= 0.0);
   }
 
@@ -463,7 +466,8 @@ class Search {
       const Round then = round();
       Option o;
       o.term = *tilt;
-      o.term.price += std::log(static_cast<double>(all.size()));
+      // Torques without gravity are as good as any direction that no joint feels.
+      if (gravity != Eigen::Vector3d::Zero()) o.term.price += std::log(static_cast<double>(all.size()));
       o.fit = then.evaluate(then.subset(all_but(chosen_.size(), {})));
       const Round::Gain gain = now.gain(o.fit, fit);
       o.value = fit.score - gain.sum + o.term.price;

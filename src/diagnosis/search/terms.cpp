@@ -313,12 +313,14 @@ Columns load_columns(const Term& term, const Rows& rows) {
   const Model arm = with_load(rows.arm(), *frame_of(term.cause));
   const RegressorBatch batch(arm);
   const int body = static_cast<int>(arm.bodies().size()) - 1;
-  const Eigen::Matrix<double, 10, 4> tangent = point_mass_tangent(term.centre);
+  // Mass and moments as those of a point, and what the inertia is beyond.
+  Eigen::Matrix<double, 10, 10> tangent = Eigen::Matrix<double, 10, 10>::Identity();
+  tangent.leftCols<4>() = point_mass_tangent(term.centre);
   Columns out;
   for (int i = 0; i < arm.joints(); ++i) {
     if (!arm.moves(arm.bodies()[body], i)) continue;
     out.joints.push_back(i);
-    out.of.emplace_back(rows.rows(), 4);
+    out.of.emplace_back(rows.rows(), kBodyParameters);
   }
   std::vector<MatrixXd> Y;
   for (const Stretch& s : rows.stretches()) {

@@ -109,18 +109,23 @@ void describe_channel(const Chosen& c, double t, const Model& before, Finding& f
   }
   const bool slides = !c.term.effect.axis.coefficients.isZero(0.0) && is_prismatic(before, c.term.effect.axis);
   const std::vector<EffectParameter> parameters = channel.parameters();
+  // Half a turn of a vertical gravity has no roll and pitch of its own.
+  const bool turned = c.gravity && std::all_of(values.begin(), values.end(), [](double v) { return v == 0.0; }) &&
+                      (*c.gravity - before.gravity()).norm() > 0.5 * before.gravity().norm();
   const bool is_none = c.gravity && c.gravity->norm() < 0.5 * before.gravity().norm();
-  for (size_t p = 0; p < values.size() && !is_none; ++p) {
+  for (size_t p = 0; p < values.size() && !is_none && !turned; ++p) {
     f.parameters.push_back(parameter(parameters[p].name, slides ? parameters[p].unit_prismatic : parameters[p].unit_revolute, values[p],
                                      t * c.deviations[static_cast<Eigen::Index>(p)]));
   }
   if (c.gravity) {
     const double turn = c.deviations.size() > 0 ? c.deviations.maxCoeff() : 0.0;
-    const double half = is_none ? 0.0 : t * std::min(turn, 1.0) * c.gravity->norm();
+    const double half = is_none ? 0.0 : std::min(t * turn, 1.0) * c.gravity->norm();
     for (int k = 0; k < 3; ++k) f.parameters.push_back(parameter(std::string("gravity_") + "xyz"[k], "m/s^2", (*c.gravity)[k], half));
   }
-  f.phrase = is_none ? "torques without gravity, as the command of a controller that compensates it" : channel_phrase(before, c.term.effect, values);
-  const bool large = !is_none && std::any_of(values.begin(), values.end(), [&, p = 0](double v) mutable { return std::abs(v) > c.term.largest[p++]; });
+  if (is_none) f.phrase = "torques without gravity, as the command of a controller that compensates it";
+  else if (turned) f.phrase = fmt::format("gravity along ({:.3g}, {:.3g}, {:.3g}) m/s^2, which its file has elsewhere", (*c.gravity)[0], (*c.gravity)[1], (*c.gravity)[2]);
+  else f.phrase = channel_phrase(before, c.term.effect, values);
+  const bool large = !is_none && !turned && std::any_of(values.begin(), values.end(), [&, p = 0](double v) mutable { return std::abs(v) > c.term.largest[p++]; });
   if (large) f.remark = "That is unusually large for an error of this kind.";
 }
 
