@@ -97,7 +97,7 @@ std::string small_text(const Diagnosis& d, const Finding& f) {
 
 // "3 small ones, 0.1 to 0.4 points each: --all-findings lists them", by the largest fall of a joint's held-out error.
 std::string small_line(const Diagnosis& d, size_t count) {
-  double least = 1e300, most = 0.0;
+  double least = numerics::kHuge, most = 0.0;
   for (const Finding& f : d.findings) {
     if (f.main || f.test_before.size() == 0 || f.test_after.size() != f.test_before.size()) continue;
     const double points = std::max(0.0, kPercent * (f.test_before - f.test_after).maxCoeff());
