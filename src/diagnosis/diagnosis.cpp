@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "diagnosis/search/explain.hpp"
 #include "diagnosis/stages/diagnosis_state.hpp"
 #include "recordings/named_recordings.hpp"
 #include "diagnosis/of_identification.hpp"
@@ -37,6 +38,11 @@ void test_all_candidates(DiagnosisState& x, const Tell& tell) {
   select_causes(x);
 }
 
+void conclude(DiagnosisState& x) {
+  summarize(x.d, x.options);
+  if (!x.d.friction_remark.empty()) x.d.friction = plain_friction_of(*x.d.extended.model);
+}
+
 void run_stages(DiagnosisState& x, const Tell& tell) {
   tell("checking the recordings");
   check_quality(x);
@@ -47,6 +53,12 @@ void run_stages(DiagnosisState& x, const Tell& tell) {
   exclude_rests(x);
   check_torque_signs(x);
   check_errors_in_variables(x);
+  if (x.options.method == DiagnosisMethod::kSearch) {
+    tell("searching");
+    search::explain(x);
+    x.d.small_apart = x.options.extended == ExtendedModel::kConfirmedOnly;
+    return conclude(x);
+  }
   exclude_snags(x.start, x);
   test_all_candidates(x, tell);
   // Contacts and small snags are visible once the model's own errors are corrected; then everything
@@ -61,8 +73,7 @@ void run_stages(DiagnosisState& x, const Tell& tell) {
   tell("accounting for what is left over");
   account_for_errors(x);
   test_names_together(x);
-  summarize(x.d, x.options);
-  if (!x.d.friction_remark.empty()) x.d.friction = plain_friction_of(*x.d.extended.model);
+  conclude(x);
 }
 
 // Progress of stages and rounds of tests whose number is not known before: each stage advances the

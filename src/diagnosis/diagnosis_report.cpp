@@ -97,6 +97,20 @@ std::string small_text(const Diagnosis& d, const Finding& f) {
   return fmt::format("{:>4}. {} p = {:.1e}, {}\n", f.rank, d.sentence(f), f.p_value, status_words(f));
 }
 
+// "3 small ones, 0.1 to 0.4 points each: --all-findings lists them", by the largest fall of a joint's held-out error.
+std::string small_line(const Diagnosis& d, size_t count) {
+  double least = numerics::kHuge, most = 0.0;
+  for (const Finding& f : d.findings) {
+    if (f.main || f.test_before.size() == 0 || f.test_after.size() != f.test_before.size()) continue;
+    const double points = std::max(0.0, kPercent * (f.test_before - f.test_after).maxCoeff());
+    least = std::min(least, points);
+    most = std::max(most, points);
+  }
+  return fmt::format("{} small {}{}: --all-findings lists {}\n", count, count == 1 ? "one" : "ones",
+                     most > 0.0 ? fmt::format(", {:.1f} to {:.1f} points of a joint's error each", std::min(least, most), most) : "",
+                     count == 1 ? "it" : "them");
+}
+
 // Splits a joint's error into floor and removable part, 12.3 % = 4.1 % floor + 8.2 %, and says how
 // much of the latter the findings explain.
 std::string joint_text(const Diagnosis& d, const JointVerdict& v) {
@@ -196,7 +210,7 @@ std::string Diagnosis::verdict() const {
       std::string& list = std::isfinite(v.held_out) ? left : unknown;
       list += (list.empty() ? "" : ", ") + std::to_string(v.joint.value + 1);
     }
-    if (left.empty() && unknown.empty()) return "none";
+    if (left.empty() && unknown.empty()) return changes && small_apart ? "nothing has changed" : "none";
     return asked + "no cause was found" + (left.empty() ? "" : "; joints above their floor: " + left) +
            (unknown.empty() ? "" : "; joints without a held-out error: " + unknown);
   }
@@ -246,14 +260,17 @@ std::string Diagnosis::report(const std::string& next_command) const {
   for (const Finding& f : findings) {
     if (f.main) out += finding_text(*this, f);
   }
-  if (static_cast<size_t>(summary.main) < findings.size()) {
+  const size_t small = findings.size() - static_cast<size_t>(summary.main);
+  if (small > 0 && small_apart) {
+    out += small_line(*this, small);
+  } else if (small > 0) {
     out += "small ones";
     if (errors_jump(*this))
       out += ", which came between those above: the error before one of these is then not that after the last";
     out += ":\n";
   }
   for (const Finding& f : findings) {
-    if (!f.main) out += small_text(*this, f);
+    if (!f.main && !small_apart) out += small_text(*this, f);
   }
   for (const std::string& remark : remarks) out += "remark: " + remark + "\n";
   out += summary_text(*this);

@@ -39,8 +39,9 @@ using Files = std::set<std::string>;
 TEST(SingleSites, EstimatingRoomsHaveOneSolver) {
   const std::regex solver("LDLT<|LLT<|HouseholderQR<|\\bldlt\\(\\)|\\bllt\\(\\)|[a-z]*[hH]ouseholderQr"
                           "\\(\\)|BDCSVD<|JacobiSVD<|fullPivLu|partialPivLu");
-  EXPECT_EQ(files_with("diagnosis", solver), (Files{"diagnosis/evidence/clustered_fit.cpp",
-                                                    "diagnosis/evidence/clustered_fit.hpp"}));
+  // The stages have one, the search has one.
+  EXPECT_EQ(files_with("diagnosis", solver), (Files{"diagnosis/evidence/clustered_fit.cpp", "diagnosis/evidence/clustered_fit.hpp",
+                                                    "diagnosis/search/score.cpp", "diagnosis/search/score.hpp"}));
   // Fleets and watches have none; the smoothing of rows is a filter.
   EXPECT_EQ(files_with("identification/fleet", solver), Files{});
   EXPECT_EQ(files_with("watch", solver), (Files{"watch/smoothed_rows.cpp"}));

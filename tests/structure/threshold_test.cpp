@@ -61,7 +61,7 @@ TEST(Thresholds, NoOtherNumbersStandInTheRoomsThatDecide) {
   units.insert(plain.begin(), plain.end());
   const std::set<std::string> spline = {"0.0", "0.5", "1.0", "2.0", "3.0", "4.0", "6.0"};  // of a cubic's polynomials
   const std::vector<Room> rooms = {
-      {"diagnosis", {"numerics.hpp", "thresholds.cpp"}, plain, 30},
+      {"diagnosis", {"numbers.hpp", "numerics.hpp", "thresholds.cpp"}, plain, 30},
       {"recordings/quality", {"quality_numbers.hpp"}, units, 10},
       {"identification",
        {"identification_numbers.hpp", "check_thresholds.hpp", "fleet_numbers.hpp"},

@@ -25,6 +25,14 @@ enum class UnnamedForces {
   kKept,      ///< those that can be a force become tables (tabulated_force) of the extended model
 };
 
+/// How causes are found.
+enum class DiagnosisMethod {
+  kStages,  ///< one test after another
+  /// One dictionary of terms with prices, one held-out score, one search: names, loads of either sign, the direction of
+  /// gravity, constants and curves compete, and a MODEL is a prior.
+  kSearch,
+};
+
 struct DiagnosisOptions {
   DiagnosisOptions() { identification.weights = JointWeights::kResidual; }
 
@@ -36,6 +44,7 @@ struct DiagnosisOptions {
   int max_effects = 20;  ///< findings at most; contacts and plain friction do not count
   ExtendedModel extended = ExtendedModel::kConfirmedOnly;
   UnnamedForces unnamed = UnnamedForces::kReported;
+  DiagnosisMethod method = DiagnosisMethod::kStages;
   /// Provenance of the robot's values; nullopt: as its file says.
   std::optional<RobotValues> values{};
   /// An effect is accepted when the sum over joints of ln(held-out mean square error) falls by more
@@ -208,6 +217,8 @@ struct DiagnosisSummary {
 /// Result of a diagnosis. Plain data: text, JSON and page show exactly this.
 struct Diagnosis {
   bool changes = false;  ///< the robot was a MODEL: findings are changes since its identification
+  /// Findings that are not main stand apart: a list of their own in JSON, one line in text.
+  bool small_apart = false;
   DiagnosisSummary summary;
   Identification baseline;  ///< the unmodified robot; the values of a MODEL are not fitted
   Identification extended;  ///< with the findings

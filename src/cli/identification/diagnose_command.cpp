@@ -139,6 +139,9 @@ void add_diagnose_command(CLI::App& tool, Outcome& outcome) {
       "--all-findings", [request] { request->options.extended = ExtendedModel::kAllFindings; },
       "Write every accepted finding into the extended model");
   command.add_flag_callback(
+      "--search", [request] { request->options.method = DiagnosisMethod::kSearch; },
+      "Find causes by one search over one dictionary: loads of either sign, any direction of gravity, a MODEL as a prior");
+  command.add_flag_callback(
       "--keep-unnamed", [request] { request->options.unnamed = UnnamedForces::kKept; },
       "Write unnamed findings into the extended model, as tabulated forces");
   add_value(command, "--values facts|prior", request->values,
