@@ -5,6 +5,7 @@
 
 #include "veridyn/identification/compressed_recording.hpp"
 #include "veridyn/identification/identification.hpp"
+#include "veridyn/dynamics/torque_regressor.hpp"
 #include "veridyn/identification/regressor_columns.hpp"
 
 namespace veridyn::search {
@@ -47,7 +48,7 @@ class Rows {
   const std::vector<Stretch>& stretches() const { return stretches_; }
   const std::vector<double>& time() const { return time_; }            ///< [s] since the recording began
   const std::vector<size_t>& recording() const { return recording_; }  ///< of every row
-  const RegressorBatch& bodies() const { return bodies_; }
+  const TorqueRegressor& bodies() const { return bodies_; }
   const VectorXd& phi() const { return phi_; }  ///< inertial parameters of all bodies
   const std::vector<std::string>& names() const { return names_; }
 
@@ -67,7 +68,7 @@ class Rows {
  private:
   Model arm_;
   PreprocessingOptions how_;
-  RegressorBatch bodies_;
+  TorqueRegressor bodies_;
   VectorXd phi_;
   std::vector<Stretch> stretches_;
   Eigen::Index rows_ = 0;

@@ -311,7 +311,7 @@ Eigen::Matrix<double, 10, 4> point_mass_tangent(const Eigen::Vector3d& c) {
 
 Columns load_columns(const Term& term, const Rows& rows) {
   const Model arm = with_load(rows.arm(), *frame_of(term.cause));
-  const RegressorBatch batch(arm);
+  const TorqueRegressor batch(arm);
   const int body = static_cast<int>(arm.bodies().size()) - 1;
   // Mass and moments as those of a point, and what the inertia is beyond.
   Eigen::Matrix<double, 10, 10> tangent = Eigen::Matrix<double, 10, 10>::Identity();
@@ -397,7 +397,7 @@ Columns constant_columns(const Term& term, const Rows& rows) {
   const double value = value_in(rows.arm(), *term.constant);
   const Model more = with_constant(rows.arm(), *term.constant, value + kDifference);
   const Model less = with_constant(rows.arm(), *term.constant, value - kDifference);
-  const RegressorBatch above(more), below(less);
+  const TorqueRegressor above(more), below(less);
   std::vector<int> joints(rows.joints());
   std::iota(joints.begin(), joints.end(), 0);
   return whole_columns(rows, joints, 1, [&](const Stretch& s) {
