@@ -92,7 +92,7 @@ class Boards {
 // then tells this apart from everything else that may end a run.
 bool ended_by_the_clock(const ToolRun& run) {
   if (run.status != 4) return false;
-  for (const char* words : {"too busy", "is late", "was late", "watchdog", "took too long", "no reply in time"}) {
+  for (const char* words : {"too busy", "is late", "was late", "watchdog", "took too long", "no reply in time", "lost or late"}) {
     if (run.err.find(words) != std::string::npos) return true;
   }
   return false;

@@ -15,11 +15,11 @@
 namespace veridyn::dvrk {
 namespace {
 
-class Bench {
+class EmulatorBench {
  public:
-  explicit Bench(int firmware = 8, std::uint8_t generation = 3)
-      : Bench({setup(6, firmware), setup(7, firmware)}, generation) {}
-  explicit Bench(const std::vector<BoardSetup>& boards, std::uint8_t generation = 3)
+  explicit EmulatorBench(int firmware = 8, std::uint8_t generation = 3)
+      : EmulatorBench({setup(6, firmware), setup(7, firmware)}, generation) {}
+  explicit EmulatorBench(const std::vector<BoardSetup>& boards, std::uint8_t generation = 3)
       : emulator(boards, generation) {
     generation_ = generation;
     emulator.advance(0);
@@ -122,7 +122,7 @@ class Bench {
 };
 
 TEST(BoardEmulator, ReplaysTheCapturedSessionStart) {
-  Bench bench;
+  EmulatorBench bench;
   bench.wait(0.05);  // the watchdog of a fresh board has run out
   const Vector* request = nullptr;
   int answers = 0;
@@ -153,7 +153,7 @@ TEST(BoardEmulator, ReplaysTheCapturedSessionStart) {
 }
 
 TEST(BoardEmulator, OnlyNodesThatExistAnswer) {
-  Bench bench;
+  EmulatorBench bench;
   EXPECT_EQ(bench.read(0, address::kHardware), kHardwareQla1);
   EXPECT_EQ(bench.reply.header_crc, 0U);  // of the hub
   EXPECT_EQ(bench.read(1, address::kFirmware), 8U);
@@ -168,7 +168,7 @@ TEST(BoardEmulator, OnlyNodesThatExistAnswer) {
 }
 
 TEST(BoardEmulator, AStaleGenerationDropsReadsAloudAndWritesSilently) {
-  Bench bench;
+  EmulatorBench bench;
   bench.emulator.bus_reset();
   BoardCommand c = bench.amps_on(0, 0x9000);
   bench.command(0, c);
@@ -188,7 +188,7 @@ TEST(BoardEmulator, AStaleGenerationDropsReadsAloudAndWritesSilently) {
 }
 
 TEST(BoardEmulator, WatchdogTripsByTimeAndStaysUntilEnabled) {
-  Bench bench;
+  EmulatorBench bench;
   bench.bring_up(0x8100);
   EXPECT_TRUE(bench.emulator.board(0).amp_on(0));
   bench.wait(0.029);
@@ -207,7 +207,7 @@ TEST(BoardEmulator, WatchdogTripsByTimeAndStaysUntilEnabled) {
 }
 
 TEST(BoardEmulator, AmplifiersIgnoreTheFirstPowerPacketAndWait40Milliseconds) {
-  Bench bench;
+  EmulatorBench bench;
   for (int node : {0, 1}) bench.write(node, 0, control::kRelayClose);
   BoardCommand both = bench.amps_on(0, kZeroCurrent);
   both.control = control::kPowerOn;
@@ -228,7 +228,7 @@ TEST(BoardEmulator, AmplifiersIgnoreTheFirstPowerPacketAndWait40Milliseconds) {
 }
 
 TEST(BoardEmulator, AnEmergencyStopTakesVoltageAndGivesItBackByItself) {
-  Bench bench;
+  EmulatorBench bench;
   bench.bring_up();
   bench.emulator.chain.emergency_stop = true;
   bench.keep_alive(0.001);
@@ -242,7 +242,7 @@ TEST(BoardEmulator, AnEmergencyStopTakesVoltageAndGivesItBackByItself) {
 }
 
 TEST(BoardEmulator, OneOpenRelayTakesTheVoltageOfAll) {
-  Bench bench;
+  EmulatorBench bench;
   bench.bring_up();
   bench.write(1, 0, control::kRelayOpen);
   bench.keep_alive(0.001);
@@ -251,7 +251,7 @@ TEST(BoardEmulator, OneOpenRelayTakesTheVoltageOfAll) {
 }
 
 TEST(BoardEmulator, AnExcessCurrentTripsAfter50Milliseconds) {
-  Bench bench;
+  EmulatorBench bench;
   bench.bring_up(0x8100);
   bench.emulator.board(0).faults.current[2] = 0x901;
   for (int k = 0; k < 4; ++k) bench.keep_alive(0.01);
@@ -267,7 +267,7 @@ INSTANTIATE_TEST_SUITE_P(Firmware, BoardEmulatorOfEveryFirmware, testing::Values
                          [](const auto& of) { return "Rev" + std::to_string(of.param); });
 
 TEST_P(BoardEmulatorOfEveryFirmware, CommandsArriveAndFeedbackTellsThem) {
-  Bench bench(GetParam());
+  EmulatorBench bench(GetParam());
   for (int node : {0, 1}) bench.write(node, 0, control::kRelayClose);
   for (int node : {0, 1}) bench.write(node, 0, control::kPowerOn);
   for (int k = 0; k < 10; ++k) bench.keep_alive(0.01);
@@ -290,7 +290,7 @@ TEST_P(BoardEmulatorOfEveryFirmware, CommandsArriveAndFeedbackTellsThem) {
 TEST_P(BoardEmulatorOfEveryFirmware, TheHubHasTheBlocksOfAllBoardsInAscendingOrder) {
   const int firmware = GetParam();
   if (firmware < 7) GTEST_SKIP() << "its broadcast has another layout";
-  Bench bench({Bench::setup(9, firmware), Bench::setup(4, firmware)});
+  EmulatorBench bench({EmulatorBench::setup(9, firmware), EmulatorBench::setup(4, firmware)});
   bench.write(kBroadcastNode, address::kHubQuery, query_word(0x1234, (1U << 4) | (1U << 9)));
   Request r = bench.request(Tcode::kBlockRead, 0, address::kHub);
   const std::size_t each = hub_quadlets(firmware);
@@ -314,7 +314,7 @@ TEST_P(BoardEmulatorOfEveryFirmware, TheHubHasTheBlocksOfAllBoardsInAscendingOrd
 }
 
 TEST(BoardEmulator, RegistersKeepWhatTheyAreTold) {
-  Bench bench;
+  EmulatorBench bench;
   bench.write(0, address::kWatchdog, 57600);
   EXPECT_EQ(bench.read(0, address::kWatchdog), 57600U);
   bench.write(1, address::of_channel(0, address::kPreload), preload_word(1000));
