@@ -16,14 +16,14 @@ namespace veridyn {
 namespace {
 
 constexpr double kStep = 0.01;
-constexpr int kRows = 1200;
+constexpr int kMendedRows = 1200;
 
 // Two joints that turn smoothly, with velocities and torques.
 Recording smooth() {
   Recording r;
-  r.time = VectorXd::LinSpaced(kRows, 0.0, kStep * (kRows - 1));
-  for (MatrixXd* values : {&r.q, &r.dq, &r.tau}) values->resize(kRows, 2);
-  for (int k = 0; k < kRows; ++k) {
+  r.time = VectorXd::LinSpaced(kMendedRows, 0.0, kStep * (kMendedRows - 1));
+  for (MatrixXd* values : {&r.q, &r.dq, &r.tau}) values->resize(kMendedRows, 2);
+  for (int k = 0; k < kMendedRows; ++k) {
     const double t = r.time[k];
     r.q.row(k) << 0.4 + 1.1 * std::sin(1.3 * t), -0.9 + 0.8 * std::cos(0.9 * t);
     r.dq.row(k) << 1.1 * 1.3 * std::cos(1.3 * t), -0.8 * 0.9 * std::sin(0.9 * t);
@@ -98,7 +98,7 @@ TEST_F(AWrongRow, OfADropoutThereAndBackIsFilledInOrAGap) {
   EXPECT_NE(remarks_.find("come back 7 times: 13 rows are filled in"), std::string::npos) << remarks_;
   r.dq.resize(0, 0);
   const Recording mended = read(r);
-  for (int k = 0; k < kRows; ++k) {
+  for (int k = 0; k < kMendedRows; ++k) {
     const bool gap = k == 100 || k == 103 || k == 400 || k == 700 || k == 705 || k == 1100 || (k >= 800 && k < 807);
     EXPECT_EQ(std::isnan(mended.q(k, 1)), gap) << k;
   }
@@ -110,10 +110,10 @@ TEST_F(AWrongRow, OfADropoutThereAndBackIsFilledInOrAGap) {
 TEST_F(AWrongRow, OfZerosAloneIsOfAnotherPublisher) {
   const Recording r = smooth();
   Recording both;
-  both.time.resize(kRows + kRows / 3);
+  both.time.resize(kMendedRows + kMendedRows / 3);
   for (MatrixXd* values : {&both.q, &both.dq, &both.tau}) *values = MatrixXd::Zero(both.time.size(), 2);
   int row = 0;
-  for (int k = 0; k < kRows; ++k) {
+  for (int k = 0; k < kMendedRows; ++k) {
     both.time[row] = r.time[k];
     both.q.row(row) = r.q.row(k);
     both.dq.row(row) = r.dq.row(k);
@@ -121,10 +121,10 @@ TEST_F(AWrongRow, OfZerosAloneIsOfAnotherPublisher) {
     if (k % 3 == 2) both.time[row++] = r.time[k] + 0.4 * kStep;
   }
   const Recording mended = read(both);
-  ASSERT_EQ(mended.rows(), kRows) << remarks_;
+  ASSERT_EQ(mended.rows(), kMendedRows) << remarks_;
   EXPECT_LT((mended.q - r.q).cwiseAbs().maxCoeff(), 1e-8);
   EXPECT_NE(remarks_.find("400 rows of zeros alone amid the motion"), std::string::npos) << remarks_;
-  EXPECT_EQ(read(both, as_recorded()).rows(), kRows + 400);
+  EXPECT_EQ(read(both, as_recorded()).rows(), kMendedRows + 400);
 }
 
 // A step to another place for good is no dropout: the check of jumps names it.
@@ -161,14 +161,14 @@ TEST_F(AWrongRow, OfAWrappedAngleGoesOnOverWholeTurns) {
   EXPECT_LT((read(degrees, options).q - whole.q).cwiseAbs().maxCoeff(), 1e-6);
   EXPECT_EQ(remarks_.find("jump"), std::string::npos);
   const Recording undeclared = read(degrees);
-  EXPECT_LT((undeclared.q.bottomRows(kRows - 1) - undeclared.q.topRows(kRows - 1)).cwiseAbs().maxCoeff(), 2.0);
+  EXPECT_LT((undeclared.q.bottomRows(kMendedRows - 1) - undeclared.q.topRows(kMendedRows - 1)).cwiseAbs().maxCoeff(), 2.0);
 }
 
 TEST_F(AWrongRow, OfABurstIsSpreadSinceTheBurstBefore) {
   const Recording r = smooth();
   write_times(r, [&](int k) { return std::to_string(r.time[k - k % 8 + 7] + 1e-4 * (k % 8 - 7)); });
   const Recording mended = read_again({});
-  ASSERT_EQ(mended.rows(), kRows);
+  ASSERT_EQ(mended.rows(), kMendedRows);
   EXPECT_LT((mended.time - r.time).cwiseAbs().maxCoeff(), 1e-5);
   EXPECT_NE(remarks_.find("1200 rows came in bursts"), std::string::npos) << remarks_;
   read_again(as_recorded());
@@ -206,13 +206,13 @@ TEST_F(AWrongRow, WhoseTimeLostItsDigitsIsCountedAtARate) {
     RecordingOptions counted;
     counted.rate = 100.0;
     const Recording mended = read_again(counted);
-    ASSERT_EQ(mended.rows(), kRows);
-    EXPECT_NEAR(mended.time[kRows - 1] - mended.time[0], r.time[kRows - 1], 1e-6);
+    ASSERT_EQ(mended.rows(), kMendedRows);
+    EXPECT_NEAR(mended.time[kMendedRows - 1] - mended.time[0], r.time[kMendedRows - 1], 1e-6);
   }
   // Hundredths of a second at 400 Hz.
   write_times(r, [&](int k) { return std::to_string(0.01 * std::floor(0.25 * k)); });
   const Recording spread = read_again({});
-  ASSERT_EQ(spread.rows(), kRows);
+  ASSERT_EQ(spread.rows(), kMendedRows);
   EXPECT_NEAR(spread.time[401], 1.0025, 1e-6);
 }
 
