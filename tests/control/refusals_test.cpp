@@ -216,7 +216,6 @@ TEST(Words, EveryStateHasItsOwn) {
   expect_words(CooperativeState::kNotFinite);
   expect_words(SafetyState::kFault);
   expect_words(SafetyFault::kNotHeld);
-  expect_words(ForceState::kNoisy);
 }
 
 }  // namespace

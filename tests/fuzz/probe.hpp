@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "fuzz/targets.hpp"
+#include "recordings/samples.hpp"
 #include "support/file_in_memory.hpp"
 #include "veridyn/math/require.hpp"
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <memory>
 #include <random>
+#include <set>
 #include <string>
 
 #include "veridyn/control/load_cell.hpp"
@@ -247,6 +248,14 @@ TEST(ForceChannel, ItsDelayIsTheOneThatItTells) {
     reading = channel.update(1e-3 * k);
   }
   EXPECT_NEAR(raw + options.latency - reading.force, channel.delay(), 6e-4);  // half a sample of a hold
+}
+
+TEST(ForceChannel, EveryStateHasItsOwnWords) {
+  std::set<std::string> words;
+  for (int k = 0; k <= static_cast<int>(ForceState::kNoisy); ++k) {
+    EXPECT_TRUE(words.insert(describe(static_cast<ForceState>(k))).second) << k;
+  }
+  EXPECT_EQ(words.count(""), 0U);
 }
 
 }  // namespace
