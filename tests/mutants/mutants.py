@@ -71,7 +71,7 @@ MUTANTS = [
     ("control/sensors/force_channel.cpp", "heard_ = !number_ ? at : std::max(heard_, at);", "heard_ = at;", ["control"]),
     ("control/cooperative/teleoperation.cpp", "(R.transpose() * filtered_)", "(R * filtered_)", ["control"]),
     ("control/cooperative/teleoperation.cpp", "std::min(1.0, since_ / options_.ramp)", "1.0", ["control"]),
-    ("control/safety/safety_supervisor.cpp", "std::max({since_sound_, input.dt, 0.0})", "std::max(input.dt, 0.0)", ["control"]),
+    ("control/safety/safety_supervisor.cpp", "std::max(since_sound_ + input.sensor_age_range, 0.0)", "std::max(input.dt, 0.0)", ["control"]),
     ("control/safety/safety_supervisor.cpp", "const double newer = input.dt + age_ - input.sensor_age;", "const double newer = input.sensor_age < input.dt ? input.dt : 0.0;", ["control"]),
     ("control/safety/safety_supervisor.cpp", "since_sound_ > kNewer * input.dt || !seen_", "true", ["control"]),
     ("control/sensors/load_cell_calibration.cpp", "slope_interval / (slope * slope)", "slope_interval / slope", ["control"]),

@@ -97,7 +97,7 @@ struct SafetyInput {
   explicit SafetyInput(int joints) : q_wanted(VectorXd::Zero(joints)) {}
   VectorXd q_wanted;  ///< (n); NaN in an entry: its tracking is not checked (impedance control)
   double dt = 0.001;               ///< [s] since the last update, as measured
-  /// [s] largest age of the positions, since they were asked for; where it has grown by dt they are repeated ones
+  /// [s] age of the positions, counted from the request for them; where it has grown by dt they are those of the last cycle
   double sensor_age = 0.0;
   double sensor_age_range = 0.0;   ///< [s] by which they may be younger: until they arrived
   Eigen::Vector3d force{0, 0, 0};  ///< [N] measured at the tip, in the world

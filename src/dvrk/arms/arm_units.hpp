@@ -56,7 +56,7 @@ class ArmUnits {
   const MatrixXd& actuator_to_joint() const { return actuator_to_joint_; }
   const MatrixXd& joint_to_actuator() const { return joint_to_actuator_; }
 
-  /// (n) Positions of the joints change by up to this much with one count of every encoder [rad, m].
+  /// (n) Largest change of each joint's position when every encoder moves by one count [rad, m].
   VectorXd joint_steps() const;
 
   /// @param raw    size() entries, in the order of the configuration.

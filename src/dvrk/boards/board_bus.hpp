@@ -105,7 +105,8 @@ class BoardBus {
   /// Cycles in a row in which a command was not found in the motor status; on Rev 7 in the
   /// registers of its channels, one of them every few cycles.
   int lost_writes(int b) const { return boards_[b].lost_writes; }
-  /// What such a command says: kNotEffective, or kOldReplies where a register shows it after all.
+  /// Why the block of board b does not show the last command: kNotEffective, or kOldReplies where the channel's
+  /// register holds the command.
   Condition unshown(int b) const { return boards_[b].unshown; }
   /// Looks at the registers of every board in the next cycles, one board in each, whether it has restarted.
   void suspect_all() noexcept {

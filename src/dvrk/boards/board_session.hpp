@@ -190,7 +190,7 @@ class BoardSession {
   std::vector<std::array<ChannelSafety, kChannels>> channels_;
   std::vector<std::array<ChannelState, kChannels>> states_;
   PowerState state_ = PowerState::kOff;
-  double checked_at_ = 0.0, since_check_ = 0.0;  // [s] of the last valid checks, and between them
+  double checked_at_ = 0.0, since_check_ = 0.0;  // [s] time of the last checks of valid feedback, and since those before
   PowerState checked_ = PowerState::kOff;  ///< state_ when the cycle's checks began
   Condition cause_ = Condition::kNoReply;
   std::optional<int> cause_board_ = {}, cause_channel_ = {};  ///< id, and channel from 0

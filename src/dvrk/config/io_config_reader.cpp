@@ -17,8 +17,8 @@ constexpr int kBoards = 16;
 // No joint of these arms travels farther: a master's roll makes 2.6 turns, an endoscope goes 0.25 m.
 constexpr double kMostTurns = 3.0;
 constexpr double kMostSlide = 1.0;  // [m]
-// A pot covers 0.9 to 1.1 times the travel of the soft limits; who narrows these leaves some per cent.
-// Radians read as degrees make 1/57 of it.
+// A pot covers 0.9 to 1.1 times the travel of the soft limits, which a laboratory may narrow to some per cent.
+// Limits in radians that are read as degrees are 1/57 of the travel.
 constexpr double kLeastOfPot = 0.025, kMostOfPot = 8.0;
 
 // Factor to rad or m. A joint that turns has no millimetres. Only JSON, which is in SI, may leave
@@ -35,7 +35,7 @@ std::string distance_words(double distance, bool prismatic) {
   return prismatic ? text(1e3 * distance, " mm") : text(180.0 / M_PI * distance, " deg");
 }
 
-// Units that contradict each other, or any arm.
+// Refuses limits whose unit contradicts the pot's, or that no joint can have.
 void require_plausible(const ConfigNode& actuator, const ActuatorConfig& it, bool pots_scaled) {
   if (!actuator.has("Encoder")) return;
   const ConfigNode limits = actuator.at("Encoder").at("PositionLimitsSoft");

@@ -35,7 +35,7 @@ enum class ReadResult {
 /// The condition of section 17 that a read without a result is.
 Condition condition_of(ReadResult result);
 
-/// Requests without a reply at first, among the last ones.
+/// Number of the last kRequests requests whose first reply was lost or late.
 struct ReplyLoss {
   static constexpr long kRequests = 3000;  ///< of which `lost` counts; 1 s of two boards at 1.5 kHz
   /// Of them: 1 % of loss each way makes 60 +- 8, 5 % of the replies alone 150 +- 12.
