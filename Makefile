@@ -3,29 +3,37 @@ BUILD := build
 JOBS  ?= $(shell nproc)
 CMAKE_FLAGS ?= --preset dev
 
-.PHONY: all tool build demo test python notebooks wheel ros ros-test mpi growth deb build-times readme docs thesis bare sanitize coverage races fuzz memcheck mutants symbols bill tidy packages packages-tests clean
+.PHONY: all tool build demo test python notebooks wheel ros ros-test mpi growth deb build-times readme docs causes thesis bare sanitize coverage races fuzz memcheck mutants symbols bill tidy packages packages-all packages-tests clean
 
-all: tool
+# The tool and the programs of packages/dvrk, packages/cooperation and packages/calibration.
+all: packages-all
+	@cmake $(CMAKE_FLAGS) -B $(BUILD) -DVERIDYN_TESTS=OFF -DVERIDYN_BENCHMARKS=OFF $(ALL_PACKAGES) >$(BUILD).log 2>&1 || { cat $(BUILD).log; exit 1; }
+	@cmake --build $(BUILD) -j $(JOBS) --target veridyn_programs
+
+ALL_PACKAGES := "-DVERIDYN_BUILD_PACKAGES=dvrk;cooperation;calibration"
 
 packages:
 	@cmake/install-packages.sh cmake/debian-packages.txt
 
-packages-tests:
-	@cmake/install-packages.sh cmake/debian-packages.txt cmake/debian-packages-tests.txt cmake/debian-packages-python.txt cmake/debian-packages-deb.txt
+packages-all:
+	@cmake/install-packages.sh cmake/debian-packages.txt cmake/debian-packages-packages.txt
 
-# The tool alone; what tests need is neither installed nor built.
+packages-tests:
+	@cmake/install-packages.sh cmake/debian-packages.txt cmake/debian-packages-packages.txt cmake/debian-packages-tests.txt cmake/debian-packages-python.txt cmake/debian-packages-deb.txt
+
+# The library's tool alone; what packages, tests and Python need is neither installed nor built.
 tool: packages
-	@cmake $(CMAKE_FLAGS) -B $(BUILD) -DVERIDYN_TESTS=OFF -DVERIDYN_BENCHMARKS=OFF >$(BUILD).log 2>&1 || { cat $(BUILD).log; exit 1; }
+	@cmake $(CMAKE_FLAGS) -B $(BUILD) -DVERIDYN_TESTS=OFF -DVERIDYN_BENCHMARKS=OFF -DVERIDYN_PYTHON=OFF -DVERIDYN_BUILD_PACKAGES=NONE >$(BUILD).log 2>&1 || { cat $(BUILD).log; exit 1; }
 	@cmake --build $(BUILD) -j $(JOBS) --target veridyn_tool
 
 build: packages-tests
-	@cmake $(CMAKE_FLAGS) -B $(BUILD) -DVERIDYN_TESTS=ON -DVERIDYN_BENCHMARKS=ON -DVERIDYN_PYTHON=ON >$(BUILD).log 2>&1 || { cat $(BUILD).log; exit 1; }
+	@cmake $(CMAKE_FLAGS) -B $(BUILD) -DVERIDYN_TESTS=ON -DVERIDYN_BENCHMARKS=ON -DVERIDYN_PYTHON=ON $(ALL_PACKAGES) >$(BUILD).log 2>&1 || { cat $(BUILD).log; exit 1; }
 	@cmake --build $(BUILD) -j $(JOBS)
 
 # The Python module, in $(BUILD)/python; see docs/python.md.
-python: packages
+python: packages-all
 	@cmake/install-packages.sh cmake/debian-packages-python.txt
-	@cmake $(CMAKE_FLAGS) -B $(BUILD) -DVERIDYN_PYTHON=ON >$(BUILD).log 2>&1 || { cat $(BUILD).log; exit 1; }
+	@cmake $(CMAKE_FLAGS) -B $(BUILD) -DVERIDYN_PYTHON=ON $(ALL_PACKAGES) >$(BUILD).log 2>&1 || { cat $(BUILD).log; exit 1; }
 	@cmake --build $(BUILD) -j $(JOBS) --target veridyn_python
 	@echo "import veridyn works with PYTHONPATH=$(BUILD)/python"
 
@@ -39,14 +47,15 @@ wheel: python
 	@VERIDYN_BUILD_DIR=$(abspath $(BUILD)) /usr/bin/python3 -m pip wheel --quiet --no-build-isolation --no-deps --no-index -w $(BUILD)/wheel .
 	@ls $(BUILD)/wheel/*.whl
 
-# The ROS 1 packages, in $(BUILD)/ros; see docs/ros.md. The library never needs them.
-ros: tool
+# The ROS 1 packages, in $(BUILD)/ros; see packages/ros/docs/ros.md. The library never needs them.
+ros: all
 	@cmake/install-packages.sh cmake/debian-packages-ros.txt
-	@ros/build.sh $(BUILD) $(JOBS)
+	@cmake --build $(BUILD) -j $(JOBS) --target veridyn_libraries
+	@packages/ros/build.sh $(BUILD) $(JOBS)
 
 # A laboratory's client against a master of its own; says so where ROS is absent.
 ros-test: ros
-	@ros/test.sh $(BUILD)
+	@packages/ros/test.sh $(BUILD)
 
 # The same tool for mpirun; see docs/scale.md. In a folder that is built already only one file is compiled anew.
 mpi: packages
@@ -62,10 +71,10 @@ growth: build
 
 # Debian packages veridyn, libveridyn0.1, libveridyn-dev and python3-veridyn in $(BUILD)/packages. The library becomes
 # shared: in a folder that is built already it is linked anew, and nothing is compiled.
-deb: packages
+deb: packages-all
 	@cmake/install-packages.sh cmake/debian-packages-python.txt cmake/debian-packages-deb.txt
-	@cmake $(CMAKE_FLAGS) -B $(BUILD) -DVERIDYN_PYTHON=ON -DBUILD_SHARED_LIBS=ON >$(BUILD).log 2>&1 || { cat $(BUILD).log; exit 1; }
-	@cmake --build $(BUILD) -j $(JOBS) --target veridyn_tool --target veridyn_python --target veridyn_libraries
+	@cmake $(CMAKE_FLAGS) -B $(BUILD) -DVERIDYN_PYTHON=ON -DBUILD_SHARED_LIBS=ON $(ALL_PACKAGES) >$(BUILD).log 2>&1 || { cat $(BUILD).log; exit 1; }
+	@cmake --build $(BUILD) -j $(JOBS) --target veridyn_programs --target veridyn_python --target veridyn_libraries
 	@cd $(BUILD) && cpack -B packages >cpack.log 2>&1 || { cat cpack.log; exit 1; }
 	@ls $(BUILD)/packages/*.deb
 	@if command -v lintian >/dev/null; then lintian --allow-root $(BUILD)/packages/*.deb; fi
@@ -73,7 +82,11 @@ deb: packages
 # The book as a site with search and the reference of the C++ headers: $(BUILD)/site/html/index.html. Dead links are errors.
 docs:
 	@cmake/install-packages.sh cmake/debian-packages-docs.txt
-	@docs/build-site.sh $(BUILD)/site
+	@VERIDYN=$(BUILD)/bin/veridyn docs/build-site.sh $(BUILD)/site
+
+# The pictures of docs/causes.md: what each cause adds to a torque, by `veridyn simulate`.
+causes: tool
+	@docs/causes.py $(BUILD)/bin/veridyn
 
 # The thesis's tables and figures beside ours: docs/thesis-figures.md, made anew.
 thesis:
@@ -94,11 +107,12 @@ demo: tool
 # What fails beside other tests runs a second time alone: a wrong result fails twice, a machine that is too busy does not.
 test: build
 	@ctest --test-dir $(BUILD) --output-on-failure -j $(JOBS) || \
-	  { echo "Again, one at a time:"; ctest --test-dir $(BUILD) --output-on-failure --rerun-failed; }
+	  { tests/summary.sh $(BUILD); echo "Again, one at a time:"; ctest --test-dir $(BUILD) --output-on-failure --rerun-failed; }
+	@tests/summary.sh $(BUILD)
 
 # Blocks of the README and of the pages below, made anew by the commands in them; tests compare them.
-PAGES ?= README.md docs/own-robot.md docs/tour.md
-readme: tool python
+PAGES ?= README.md docs/own-robot.md
+readme: all python
 	@for page in $(PAGES); do PATH="$(CURDIR)/$(BUILD)/bin:/usr/bin:$$PATH" VERIDYN_SOURCE="$(CURDIR)" \
 	  /usr/bin/python3 tests/readme/blocks.py write $$page out/readme || exit 1; done
 

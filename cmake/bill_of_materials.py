@@ -12,7 +12,7 @@ import re
 import subprocess
 import sys
 
-COMPILED_IN = ["libeigen3-dev", "libcli11-dev", "nlohmann-json3-dev", "libcpp-httplib-dev", "libceres-dev"]
+COMPILED_IN = ["libeigen3-dev", "libcli11-dev", "nlohmann-json3-dev", "libcpp-httplib-dev"]
 IN_PAGES = ["libjs-dygraphs", "libjs-three"]
 
 

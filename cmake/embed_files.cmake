@@ -2,8 +2,11 @@
 #
 #   cmake -DOUT=page_files.cpp "-DFILES=name|path;name|path|path" -P embed_files.cmake
 #
-# Files under one name are joined in their order.
+# Files under one name are joined in their order. -DFUNCTION=name: the function that returns them [page_file].
 # Comments that point a browser to a source map are left out: a page that holds the file has none beside it.
+if(NOT FUNCTION)
+  set(FUNCTION page_file)
+endif()
 set(arrays "")
 set(cases "")
 set(number 0)
@@ -24,9 +27,12 @@ foreach(file IN LISTS FILES)
   math(EXPR number "${number} + 1")
 endforeach()
 file(WRITE "${OUT}" "// Made by cmake/embed_files.cmake.
-#include \"report/pages/page_files.hpp\"
+#include <string_view>
 
 namespace veridyn {
+
+std::string_view ${FUNCTION}(std::string_view name);
+
 namespace {
 
 ${arrays}
@@ -36,7 +42,7 @@ std::string_view text_of(const unsigned char* bytes, std::size_t size) {
 
 }  // namespace
 
-std::string_view page_file(std::string_view name) {
+std::string_view ${FUNCTION}(std::string_view name) {
 ${cases}  return {};
 }
 

@@ -1,7 +1,7 @@
 #!/bin/sh
 # Makes the book of docs/ a site in FOLDER/html that can be read and searched without a network, with the reference of
 # the C++ headers in api/ where doxygen is installed. A dead link between pages is an error.
-#   [NO_DOXYGEN=1] docs/build-site.sh FOLDER
+#   [NO_DOXYGEN=1] [VERIDYN=TOOL] docs/build-site.sh FOLDER      TOOL writes the page of all commands
 set -eu
 top=$(cd "$(dirname "$0")/.." && pwd)
 mkdir -p "$1"
@@ -9,30 +9,42 @@ out=$(cd "$1" && pwd)
 pages=$out/pages
 rm -rf "$pages" "$out/html"
 mkdir -p "$pages"
-cp "$top"/docs/*.md "$top"/docs/*.png "$top"/docs/*.svg "$pages"
-sed 's#](docs/#](#g' "$top/README.md" >"$pages/README.md"
-sed 's#](docs/#](#g' "$top/CHANGELOG.md" >"$pages/CHANGELOG.md"
-sed -i 's#](\.\./\(README\|CHANGELOG\)\.md#](\1.md#g' "$pages"/*.md
-cat >>"$pages/index.md" <<'END'
-
-```{toctree}
-:hidden:
-:glob:
-
-README
-own-robot
-tour
-[a-z]*
-CHANGELOG
-```
-END
+# All pages side by side, those of packages too.
+cp "$top"/README.md "$top"/CHANGELOG.md "$top"/docs/*.md "$top"/docs/*.png "$top"/docs/*.svg "$top"/packages/*/docs/* "$pages"
+cp -r "$top"/docs/causes "$pages"
+sed -i -E 's#\]\((\.\./)*(docs/|(packages/)?[a-z]+/docs/)?([A-Za-z0-9-]+\.(md|png|svg))#](\4#g' "$pages"/*.md
+tool=${VERIDYN:-$top/build/bin/veridyn}
+if [ -x "$tool" ]; then
+  "$tool" help --markdown "$pages/commands.md"
+else
+  printf '# Commands\n\n`make tool` before `make docs` makes this page.\n' >"$pages/commands.md"
+fi
+# The parts of the book, in the order of index.md, beside every page.
+part() {
+  printf '\n```{toctree}\n:hidden:\n:caption: %s\n\n' "$1"
+  shift
+  printf '%s\n' "$@" '```'
+}
+{
+  part Start README own-robot start-dvrk python coming-from
+  part Understand identification diagnosis causes limits
+  part Do excitation recordings robot-files control simulate-export watch scale pages
+  part Packages boards board-protocol cooperation stability calibration ros
+  part 'Look up' commands contract glossary thesis thesis-figures CHANGELOG
+  part 'Carry on' design style adding-an-effect developing measure
+} >>"$pages/index.md"
+mkdir "$pages/_static"
+printf 'td img { max-width: none !important; }\npre { white-space: pre-wrap; }\n' >"$pages/_static/book.css"
 cat >"$pages/conf.py" <<'END'
 project = "veridyn"
 extensions = ["myst_parser"]
 myst_heading_anchors = 4
 html_theme = "alabaster"
+html_static_path = ["_static"]
+html_css_files = ["book.css"]
 html_theme_options = {
-    "page_width": "84em",
+    "page_width": "min(84em, 96vw)",
+    "body_max_width": "none",
     "description": "Measured dynamics of robot arms",
     "extra_nav_links": {"C++ classes": "api/annotated.html"},
 }

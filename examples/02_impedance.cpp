@@ -13,51 +13,22 @@ int main(int argc, char** argv) {
   using namespace veridyn;
   const Model arm = read_model(argc > 1 ? argv[1] : "psm_identified.yaml");
   SimulatedRobot robot({"payload:tool:mass=0.05", "coulomb_friction:pitch:level=0.1"});
-  const Tip tip{"tool"};
-  const double dt = SimulatedRobot::kCycle;
-
-  JointSensors sensors(arm);
-  VelocityObserver velocity(3);
-  ArmState state(arm, tip);
-  ImpedanceGains gains;
-  gains.mass.setConstant(2.0);         // [kg]
-  gains.damping.setConstant(100.0);    // [N s/m]
-  gains.stiffness.setConstant(100.0);  // [N/m]
-  Impedance control(arm, tip, gains);
-  FrictionCompensation friction(arm);
-  ModelErrorObserver error(3, {10.0, VectorXd::Constant(3, 1.0)});
-  SafetySupervisor safety(arm, safety_limits(arm, 40.0));
-  safety.enable();
-  safety.activate();
-
-  VectorXd q(3), dq(3), tau(3);
-  SafetyInput input(3);
-  input.q_wanted.setConstant(NAN);  // the arm may leave its path
-  input.force_expected.setConstant(NAN);
-  TaskReference wanted;
-  Eigen::Vector3d anchor;
-  Vector6d wrench = Vector6d::Zero();
+  TipController controller(arm, {.mass = 2, .damping = 100, .stiffness = 100, .tip = {"tool"},
+                                 .cycle = {.error_limit = 1.0, .torque = 40}});
+  Measured measured(arm.joints());
+  robot.read(measured.q);
+  TaskReference wanted = controller.here(measured);
+  const Eigen::Vector3d anchor = wanted.x.head<3>();
   for (int k = 0; k < 3000; ++k) {
-    robot.read(q);
-    sensors.correct_positions(q);
-    dq = velocity.update(q, control.acceleration(), dt);
-    state.update(q, dq);
-    if (k == 0) anchor = wanted.x.head<3>() = state.tip().position();
+    robot.read(measured.q);
     wanted.x.x() = anchor.x() + 0.055 * std::min(1.0, 0.001 * k);  // pulls with about 5 N
-    wrench.head<3>() = 1000.0 * (state.tip().position() - anchor);  // what a force sensor says
-    tau = control.update(state, wanted, wrench);
-    tau += friction.update(state, control.joint_velocity(), control.joint_error(), dt);
-    tau += error.update(state, control.acceleration(), dt);
-    input.force = wrench.head<3>();
-    const VectorXd& sent = safety.update(state, input, tau);
-    error.sent(tau, sent);
-    tau = sent;
-    sensors.show_torques(tau);
-    robot.push(-(state.tip().jacobian().transpose() * wrench));  // the spring on the arm
-    if (!robot.write(tau)) return 1;
+    const TipKinematics& tip = controller.measure(measured, SimulatedRobot::kCycle).tip();
+    robot.push(-(tip.jacobian().transpose() * measured.wrench));  // the spring on the arm
+    robot.write(controller.act(wanted));
+    measured.wrench.head<3>() = 1000.0 * (tip.position() - anchor);  // what a force sensor says
   }
-  const double force = wrench.head<3>().norm();
-  std::cout << "force " << force << " N, safety: " << describe(safety.state()) << " ("
-            << describe(safety.fault()) << ")\n";
-  return std::abs(force - 5.0) < 0.5 ? 0 : 1;
+  const double force = measured.wrench.head<3>().norm();
+  std::cout << "force " << force << " N\n";
+  if (controller.fault()) std::cout << *controller.fault() << "\n";
+  return std::abs(force - 5.0) < 0.5 && !controller.fault() ? 0 : 1;
 }

@@ -5,35 +5,29 @@
 
 #include <iostream>
 
-#include "veridyn/diagnosis/diagnosis.hpp"
-#include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/veridyn.hpp"
 
-int main(int argc, char** argv) {
-  std::vector<std::string> recordings;
-  veridyn::DiagnosisOptions how;
-  for (int k = 2; k < argc; ++k) {
-    const std::string word = argv[k];
+using namespace veridyn;
+
+int main(int argc, char** argv) try {
+  std::vector<std::string> train;
+  PreprocessingOptions how;
+  for (const std::string& word : std::vector<std::string>(argv + std::min(argc, 2), argv + argc)) {
     const std::size_t equals = word.find('=');
-    if (equals == std::string::npos) {
-      recordings.push_back(word);
-    } else {
-      how.identification.preprocessing.signals.units[word.substr(0, equals)] = word.substr(equals + 1);
-    }
+    if (equals == std::string::npos) train.push_back(word);
+    else how.signals.units[word.substr(0, equals)] = word.substr(equals + 1);
   }
-  if (recordings.size() < 2) {
-    std::cerr << "found " << recordings.size() << " recordings, expected ROBOT TRAIN... TEST\n";
+  if (train.size() < 2) {
+    std::cerr << "found " << train.size() << " recordings, expected ROBOT TRAIN... TEST\n";
     return 2;
   }
-  const std::string held_out = recordings.back();
-  recordings.pop_back();
-  try {
-    const veridyn::Model arm = veridyn::read_model(argv[1]);
-    const veridyn::Diagnosis lacks = veridyn::diagnose(arm, recordings, {held_out}, how);
-    for (const veridyn::Finding& cause : lacks.findings) std::cout << lacks.sentence(cause) << "\n";
-    if (lacks.findings.empty()) std::cout << "The model explains what was recorded.\n";
-  } catch (const veridyn::InvalidInput& bad) {
-    std::cerr << bad.what() << "\n";
-    return 3;
-  }
+  const Model arm = read_model(argv[1]);
+  const Recordings test = read_recordings(arm, {train.back()}, how);
+  train.pop_back();
+  const Diagnosis lacks = diagnose(identify(arm, read_recordings(arm, train, how)), test);
+  for (const Finding& cause : lacks.findings) std::cout << cause << "\n";
+  if (lacks.findings.empty()) std::cout << "The model explains what was recorded.\n";
+} catch (const InvalidInput& bad) {
+  std::cerr << bad.what() << "\n";
+  return 3;
 }

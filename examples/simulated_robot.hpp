@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "veridyn/math/require.hpp"
 #include "veridyn/model/joint_sensors.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/simulation/hidden_effect.hpp"
@@ -29,12 +30,12 @@ class SimulatedRobot {
     q = (q / kEncoderStep).array().round() * kEncoderStep;
   }
 
-  /// Torques of the drives [N m], [N], for a cycle. @returns false: it can't go on.
-  bool write(const veridyn::VectorXd& tau) {
+  /// Torques of the drives [N m], [N], for a cycle. @throws InvalidInput  the simulation cannot go on.
+  void write(const veridyn::VectorXd& tau) {
     tau_ = tau;
     real_.sensors.correct_torques(tau_);
     tau_ += push_;
-    return plant_.step(tau_, kCycle) == veridyn::StepStatus::kOk;
+    veridyn::require(plant_.step(tau_, kCycle) == veridyn::StepStatus::kOk, "the simulated arm cannot go on");
   }
 
   /// Torques that the world exerts on the joints from now on.

@@ -1,5 +1,5 @@
-// The torques of one cycle of computed torque, for the arm of a MODEL at rest; a loop around them
-// makes a controller (docs/control.md).
+// The torques of the first cycle of computed torque, for the arm of a MODEL at rest; a loop around
+// the last line makes a controller (docs/control.md).
 
 #include <iostream>
 
@@ -11,19 +11,13 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
+    veridyn::JointControllerOptions options{400, 40};  // K_p [1/s^2], K_d [1/s]
+    options.cycle.torque = 40;                          // [N m], [N] where the MODEL says nothing
     const veridyn::Model arm = veridyn::read_model(argv[1]);
-    const int n = arm.joints();
-    veridyn::JointSensors sensors(arm);
-    veridyn::ArmState state(arm);
-    veridyn::ComputedTorque control(
-        n, {veridyn::VectorXd::Constant(n, 400.0), veridyn::VectorXd::Constant(n, 40.0)});
-    veridyn::JointReference wanted(n);
-    veridyn::VectorXd q = veridyn::VectorXd::Zero(n), dq = q;  // as the encoders show them
-    sensors.correct_positions(q);
-    state.update(q, dq);
-    veridyn::VectorXd tau = control.update(state, wanted);
-    sensors.show_torques(tau);
-    std::cout << tau.transpose() << "\n";
+    veridyn::JointController controller(arm, options);
+    veridyn::Measured measured(arm.joints());  // positions as the encoders show them
+    const veridyn::JointReference wanted(arm.joints());
+    std::cout << controller.update(measured, wanted, 1e-3).transpose() << "\n";
   } catch (const veridyn::InvalidInput& bad) {
     std::cerr << bad.what() << "\n";
     return 3;

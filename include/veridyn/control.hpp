@@ -1,8 +1,8 @@
 #pragma once
 
-/// Header for controllers: reading a MODEL, correcting sensors by it, control laws, observers,
-/// limits. Each class documents its equations, its units and what a cycle must call;
-/// docs/control.md gives an overview.
+/// Header for controllers: reading a MODEL, JointController and TipController, which are the whole
+/// loop, and their parts for other loops: correction of sensors, laws, observers, limits. Each class
+/// documents its equations and its units; docs/control.md gives an overview.
 ///
 /// All vectors have an entry for each joint: [rad], [rad/s], [N m], or [m], [m/s], [N] where the
 /// joint is prismatic. update() functions are noexcept and allocate nothing; their vectors must
@@ -15,11 +15,13 @@
 #include "veridyn/control/gravity_compensation.hpp"
 #include "veridyn/control/impedance.hpp"
 #include "veridyn/control/inverse_kinematics.hpp"
+#include "veridyn/control/joint_controller.hpp"
 #include "veridyn/control/model_error_observer.hpp"
 #include "veridyn/control/momentum_observer.hpp"
 #include "veridyn/control/quintic_interpolator.hpp"
 #include "veridyn/control/real_time.hpp"
 #include "veridyn/control/safety_supervisor.hpp"
+#include "veridyn/control/tip_controller.hpp"
 #include "veridyn/control/tip_kinematics.hpp"
 #include "veridyn/control/torque_uncertainty.hpp"
 #include "veridyn/control/velocity_observer.hpp"

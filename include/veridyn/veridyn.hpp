@@ -1,23 +1,30 @@
 #pragma once
 
-/// Main header of the library: reading robots and recordings, identification, diagnosis,
-/// comparison, design of motions, simulation, control, export. Boards and cooperation have headers
-/// of their own in veridyn/dvrk and veridyn/cooperation.
+/// The whole of the library: from a robot and its recordings to a model that can be trusted, what it
+/// still gets wrong and why, and a controller made of it:
+///
+///   const Model robot = read_model("arm.urdf");
+///   const Recordings train = read_recordings(robot, {"a.csv", "b.csv"}), test = read_recordings(robot, {"c.csv"});
+///   const Identification fit = identify(robot, train);
+///   for (const JointScore& joint : validate(fit, test)) std::cout << joint << '\n';
+///   const Diagnosis why = diagnose(fit, test);
+///   for (const Finding& finding : why.findings) std::cout << finding << '\n';
+///   save(why.model, "arm.yaml");
+///   JointController controller(why.model, {400, 40});
+///
+/// Also comparison, design of motions, simulation, export. Packages (boards, cooperation, calibration)
+/// have headers of their own.
 
 #include "veridyn/comparison/model_comparison.hpp"
-#include "veridyn/control/arm_state.hpp"
-#include "veridyn/control/computed_torque.hpp"
-#include "veridyn/control/friction_compensation.hpp"
-#include "veridyn/control/gravity_compensation.hpp"
-#include "veridyn/control/impedance.hpp"
-#include "veridyn/control/model_error_observer.hpp"
-#include "veridyn/control/momentum_observer.hpp"
+#include "veridyn/control.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 #include "veridyn/diagnosis/payload.hpp"
-#include "veridyn/dynamics/regressor_batch.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
+#include "veridyn/dynamics/torque_regressor.hpp"
 #include "veridyn/excitation/excitation.hpp"
+#include "veridyn/excitation/fourier_trajectory.hpp"
 #include "veridyn/identification/identification.hpp"
+#include "veridyn/identification/joint_score.hpp"
 #include "veridyn/kinematics/kinematics.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/model/simulator_files.hpp"

@@ -1,6 +1,9 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
+#include <sstream>
+#include <variant>
+
 #include "bindings.hpp"
 #include "model_handle.hpp"
 #include "options.hpp"
@@ -8,8 +11,10 @@
 #include "veridyn/control/friction_compensation.hpp"
 #include "veridyn/control/gravity_compensation.hpp"
 #include "veridyn/control/impedance.hpp"
+#include "veridyn/control/joint_controller.hpp"
 #include "veridyn/control/model_error_observer.hpp"
 #include "veridyn/control/momentum_observer.hpp"
+#include "veridyn/control/tip_controller.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/simulation/engine.hpp"
 
@@ -213,8 +218,123 @@ void bind_compensation(py::module_& m) {
       .def_property_readonly("threshold", [](const MomentumObserver& o) { return o.threshold(); });
 }
 
+using GivenGain = std::variant<double, VectorXd>;
+
+Gain gain(const GivenGain& given) {
+  const VectorXd* each = std::get_if<VectorXd>(&given);
+  return each != nullptr ? Gain(*each) : Gain(std::get<double>(given));
+}
+
+CycleOptions cycle_options(double torque, double friction, double error_bandwidth,
+                           const std::optional<GivenGain>& error_limit) {
+  CycleOptions out;
+  out.torque = torque;
+  out.friction.share = friction;
+  out.error_bandwidth = error_bandwidth;
+  if (error_limit) out.error_limit = gain(*error_limit);
+  return out;
+}
+
+Measured measured_of(int joints, const VectorXd& q, const std::optional<VectorXd>& dq, const char* where) {
+  Measured out(joints);
+  expect(q, joints, where, "q");
+  out.q = q;
+  if (dq) {
+    expect(*dq, joints, where, "dq");
+    out.dq = *dq;
+  }
+  return out;
+}
+
+// What both controllers have beside update().
+template <typename Controller>
+void bind_controller(py::class_<Controller>& type) {
+  type.def("hold", &Controller::hold, "Brakes and holds the arm; False in a fault.")
+      .def("limp", &Controller::limp, "Gravity compensation and a little damping alone.")
+      .def("resume", &Controller::resume, "Ends hold() and limp().")
+      .def("reset", &Controller::reset, "Clears a fault and all that was observed.")
+      .def_property_readonly("fault",
+                             [](const Controller& c) -> std::optional<std::string> {
+                               if (!c.fault()) return std::nullopt;
+                               std::ostringstream out;
+                               out << *c.fault();
+                               return out.str();
+                             },
+                             "What, where and when; None without a fault.")
+      .def_property_readonly("q", [](const Controller& c) { return c.state().q(); }, "(n) true positions")
+      .def_property_readonly("dq", [](const Controller& c) { return c.state().dq(); });
+}
+
+void bind_controllers(py::module_& m) {
+  py::class_<JointController> joints(m, "JointController", "From encoder positions to torques of the drives, every cycle.");
+  joints
+      .def(py::init([](const Model& arm, const GivenGain& kp, const GivenGain& kd, const GivenGain& ki,
+                       const std::string& law, double torque, double friction, double error_bandwidth,
+                       const std::optional<GivenGain>& error_limit) {
+             const std::map<std::string, JointLaw> laws = {{"computed-torque", JointLaw::kComputedTorque},
+                                                           {"gravity", JointLaw::kGravity},
+                                                           {"pid", JointLaw::kPid}};
+             require(laws.count(law) == 1, "JointController: law is '", law,
+                     "', expected computed-torque, gravity or pid.");
+             return std::make_unique<JointController>(
+                 arm, JointControllerOptions{gain(kp), gain(kd), gain(ki), laws.at(law),
+                                             cycle_options(torque, friction, error_bandwidth, error_limit)});
+           }),
+           py::arg("model"), py::arg("kp") = 400.0, py::arg("kd") = 40.0, py::arg("ki") = 0.0,
+           py::arg("law") = "computed-torque", py::arg("torque") = 0.0, py::arg("friction") = 0.8,
+           py::arg("error_bandwidth") = 10.0, py::arg("error_limit") = py::none(),
+           "Gains: a number, or one for each joint; torque: limit of drives for which the model gives none.")
+      .def("update",
+           [](JointController& c, const VectorXd& q, const VectorXd& q_wanted, double dt,
+              const std::optional<VectorXd>& dq_wanted, const std::optional<VectorXd>& ddq_wanted,
+              const std::optional<VectorXd>& dq) {
+             const char* const where = "JointController.update";
+             JointReference wanted(c.joints());
+             expect(q_wanted, c.joints(), where, "q_wanted");
+             wanted.q = q_wanted;
+             wanted.dq = or_zero(dq_wanted, c.joints(), where, "dq_wanted");
+             wanted.ddq = or_zero(ddq_wanted, c.joints(), where, "ddq_wanted");
+             return VectorXd(c.update(measured_of(c.joints(), q, dq, where), wanted, dt));
+           },
+           py::arg("q"), py::arg("q_wanted"), py::arg("dt"), py::arg("dq_wanted") = py::none(),
+           py::arg("ddq_wanted") = py::none(), py::arg("dq") = py::none(),
+           "Torques (n) of the drives; q (n) as the encoders show it, dq (n) where it is measured.");
+  bind_controller(joints);
+  py::class_<TipController> tip(m, "TipController", "Impedance of the tip, from encoder positions to torques of the drives.");
+  tip.def(py::init([](const Model& arm, const std::string& frame, const Eigen::Vector3d& offset, const GivenGain& mass,
+                      const GivenGain& damping, const GivenGain& stiffness, bool pose, double torque, double friction,
+                      double error_bandwidth, const std::optional<GivenGain>& error_limit) {
+            TipControllerOptions options{gain(mass), gain(damping), gain(stiffness), {frame, offset}};
+            if (pose) options.impedance.rows = TaskRows::kPose;
+            options.cycle = cycle_options(torque, friction, error_bandwidth, error_limit);
+            return std::make_unique<TipController>(arm, options);
+          }),
+          py::arg("model"), py::arg("frame") = "", py::arg("offset") = Eigen::Vector3d(0, 0, 0), py::arg("mass") = 2.0,
+          py::arg("damping") = 80.0, py::arg("stiffness") = 800.0, py::arg("pose") = false, py::arg("torque") = 0.0,
+          py::arg("friction") = 0.8, py::arg("error_bandwidth") = 10.0, py::arg("error_limit") = py::none(),
+          "mass [kg], damping [N s/m], stiffness [N/m]: a number, or six; pose: orientation counts, too.")
+      .def("update",
+           [](TipController& c, const VectorXd& q, const VectorXd& x, double dt, const std::optional<VectorXd>& dx,
+              const std::optional<VectorXd>& ddx, const std::optional<VectorXd>& wrench,
+              const std::optional<VectorXd>& dq) {
+             const char* const where = "TipController.update";
+             Measured measured = measured_of(c.joints(), q, dq, where);
+             measured.wrench = six_or_zero(wrench, where, "wrench");
+             const TaskReference wanted{six(x, 0.0, where, "x"), six_or_zero(dx, where, "dx"),
+                                        six_or_zero(ddx, where, "ddx")};
+             return VectorXd(c.update(measured, wanted, dt));
+           },
+           py::arg("q"), py::arg("x"), py::arg("dt"), py::arg("dx") = py::none(), py::arg("ddx") = py::none(),
+           py::arg("wrench") = py::none(), py::arg("dq") = py::none(),
+           "Torques (n) of the drives; x (3) or (6) wanted [m, rad]; wrench that the tip exerts [N, N m].")
+      .def("here", [](const TipController& c, const VectorXd& q) {
+             return Vector6d(c.here(measured_of(c.joints(), q, std::nullopt, "TipController.here")).x);
+           }, py::arg("q"), "(6) where the tip is at these positions.");
+  bind_controller(tip);
+}
+
 void bind_engine(py::module_& m) {
-  py::class_<Engine, std::shared_ptr<Engine>>(m, "Engine", "Forward dynamics, step by step.")
+  py::class_<Engine, std::shared_ptr<Engine>>(m, "Plant", "Forward dynamics, step by step.")
       .def(py::init([](const Model& arm, const std::string& name) {
              return std::shared_ptr<Engine>(make_engine(name, arm));
            }),
@@ -238,6 +358,7 @@ void bind_engine(py::module_& m) {
       .def_property_readonly("q", [](const Engine& engine) { return engine.q(); })
       .def_property_readonly("dq", [](const Engine& engine) { return engine.dq(); })
       .def_property_readonly("left_out", &Engine::left_out);
+  m.attr("Engine") = m.attr("Plant");  // the name that it had
 }
 
 }  // namespace
@@ -246,6 +367,7 @@ void bind_control(py::module_& m) {
   bind_state(m);
   bind_laws(m);
   bind_compensation(m);
+  bind_controllers(m);
   bind_engine(m);
 }
 

@@ -39,7 +39,8 @@ void bind_exports(py::module_& m) {
            py::arg("prior") = py::none(), py::arg("meshes_from") = "", kExport)
       .def("to_mjcf",
            [](const Model& arm, const py::object& prior, const std::string& into) {
-             const ExportedModel out = exported_model(arm, model_or_nothing(prior));
+             const ExportedModel out = exported_model(arm, model_or_nothing(prior), {},
+                                                      into.empty() ? RotorPlace::kArmatures : RotorPlace::kBodies);
              return into.empty() ? to_mjcf(out.arm, out.extras.remarks) : updated_mjcf(out.arm, into).xml;
            },
            py::arg("prior") = py::none(), py::arg("into") = "", kExport)

@@ -1,12 +1,15 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
+#include <sstream>
+
 #include "bindings.hpp"
 #include "model_handle.hpp"
 #include "options.hpp"
 #include "veridyn/comparison/model_comparison.hpp"
 #include "veridyn/diagnosis/payload.hpp"
 #include "model/effect_names.hpp"
+#include "veridyn/identification/joint_score.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/report/comparison_json.hpp"
 #include "veridyn/report/diagnosis_json.hpp"
@@ -101,21 +104,35 @@ std::shared_ptr<Identification> evaluate_call(const py::object& model, const py:
   });
 }
 
+DiagnosisOptions read_diagnosis(Keywords& keywords, const Progress& progress) {
+  DiagnosisOptions options;
+  keywords.read("effects", options.effects);
+  keywords.read("max_effects", options.max_effects);
+  RobotValues values = RobotValues::kPrior;
+  if (keywords.given("values")) {
+    keywords.read_choice("values", values, {RobotValues::kFacts, RobotValues::kPrior},
+                         [](RobotValues v) { return name_of(v); });
+    options.values = values;
+  }
+  options.identification = read_identification(keywords, progress, options.identification);
+  keywords.expect_all_taken();
+  return options;
+}
+
+std::shared_ptr<Diagnosis> diagnose_fit_call(const std::shared_ptr<Identification>& fit, const py::object& test,
+                                             const py::dict& words) {
+  Keywords keywords("diagnose", words);
+  const Progress progress(Call::callback(keywords));
+  const DiagnosisOptions options = read_diagnosis(keywords, progress);
+  return interruptible(progress, [fit, test = recordings_of(test), options] {
+    return std::make_shared<Diagnosis>(diagnose(*fit, test, options));
+  });
+}
+
 std::shared_ptr<Diagnosis> diagnose_call(const py::object& model, const py::object& train,
                                          const py::object& test, const py::dict& words) {
   Call call("diagnose", model, train, test, words);
-  DiagnosisOptions options;
-  call.keywords.read("effects", options.effects);
-  call.keywords.read("max_effects", options.max_effects);
-  RobotValues values = RobotValues::kPrior;
-  if (call.keywords.given("values")) {
-    call.keywords.read_choice("values", values, {RobotValues::kFacts, RobotValues::kPrior},
-                              [](RobotValues v) { return name_of(v); });
-    options.values = values;
-  }
-  options.identification =
-      read_identification(call.keywords, call.progress, options.identification);
-  call.keywords.expect_all_taken();
+  const DiagnosisOptions options = read_diagnosis(call.keywords, call.progress);
   return interruptible(call.progress, [arm = call.arm, train = call.train, test = call.test,
                                        options] {
     return std::make_shared<Diagnosis>(diagnose(arm, train, test, options));
@@ -151,7 +168,7 @@ void bind_identification(py::module_& m) {
   bind_page(diagnosis);
   diagnosis.def("save",
                 [](const Diagnosis& d, const std::string& path, const std::string& command) {
-                  save(d.extended, path, command);
+                  save(d, path, command);
                 },
                 py::arg("path"), py::arg("command"));
   diagnosis.def_property_readonly(
@@ -164,6 +181,24 @@ void bind_identification(py::module_& m) {
   m.def("identify", &identify_call);
   m.def("evaluate", &evaluate_call);
   m.def("diagnose", &diagnose_call);
+  m.def("diagnose_fit", &diagnose_fit_call);
+  py::class_<JointScore>(m, "JointScore", "Errors of a model on the torque of one joint, relative to it.")
+      .def_property_readonly("joint", [](const JointScore& s) { return s.joint.value + 1; }, "from 1")
+      .def_readonly("name", &JointScore::name)
+      .def_readonly("error", &JointScore::error)
+      .def_readonly("maximum", &JointScore::maximum)
+      .def_readonly("moving", &JointScore::moving)
+      .def_readonly("floor", &JointScore::floor, "between repeats of the motion; nan where nothing repeats")
+      .def("__repr__", [](const JointScore& score) {
+        std::ostringstream out;
+        out << score;
+        return out.str();
+      });
+  m.def("validate", [](const std::shared_ptr<Identification>& fit, const py::object& recordings) {
+    const Recordings list = recordings_of(recordings);
+    const py::gil_scoped_release free;
+    return validate(*fit, list);
+  });
   m.def("find_payload", &payload_call);
   m.def("compare",
         [](const py::object& before, const py::object& after, double significance) {

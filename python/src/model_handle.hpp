@@ -3,7 +3,7 @@
 #include <memory>
 #include <mutex>
 
-#include "veridyn/dynamics/regressor_batch.hpp"
+#include "veridyn/dynamics/torque_regressor.hpp"
 #include "veridyn/model/model.hpp"
 
 namespace veridyn::python {
@@ -11,7 +11,7 @@ namespace veridyn::python {
 /// What batch calls keep of a model from one call to the next. Models never change.
 struct BatchOf {
   explicit BatchOf(const Model& arm) : regressor(arm), phi(arm.inertial_values()) {}
-  RegressorBatch regressor;
+  TorqueRegressor regressor;
   std::optional<VectorXd> phi;
 };
 

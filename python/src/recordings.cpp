@@ -158,8 +158,7 @@ void bind_recordings(py::module_& m) {
         std::vector<QualityFinding> findings =
             there != nullptr ? check_against(*robot, *there)
                              : check_against(*robot, read_recording(name, options));
-        findings.insert(findings.end(), seen.back().findings.begin(), seen.back().findings.end());
-        seen.back().findings = std::move(findings);
+        seen.back().findings = with_answers(std::move(findings), seen.back().findings);
       }
       std::string report;
       for (const RecordingQuality& quality : seen) report += quality.report();

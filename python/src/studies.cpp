@@ -6,11 +6,8 @@
 #include "control/kinematics_table.hpp"
 #include "model_handle.hpp"
 #include "options.hpp"
-#include "report/json/calibration_json.hpp"
+#include "study.hpp"
 #include "report/json/kinematics_json.hpp"
-#include "report/json/stability_json.hpp"
-#include "report/pages/calibration_page.hpp"
-#include "veridyn/cooperation/stability.hpp"
 #include "veridyn/diagnosis/friction_study.hpp"
 #include "veridyn/identification/fleet.hpp"
 #include "veridyn/math/require.hpp"
@@ -22,93 +19,9 @@
 namespace veridyn::python {
 namespace {
 
-// A result of calibrate, fleet, stability, kinematics or friction: what is shown of it.
-struct Study {
-  std::string json, report;
-  std::function<std::string(const std::string& call)> page;
-  std::optional<Model> model{};
-};
-
-using SharedStudy = std::shared_ptr<Study>;
-
 Progress progress_of(Keywords& keywords) {
   const py::object callback = keywords.take("progress");
   return Progress(callback ? callback : py::none());
-}
-
-// ---- calibration ----
-
-CaptureOptions read_capture(Keywords& keywords) {
-  CaptureOptions o;
-  keywords.read("unit", o.unit);
-  keywords.read("body", o.body);
-  keywords.read("rate", o.rate);
-  return o;
-}
-
-template <typename Found>
-SharedStudy calibrated(const Found& found) {
-  const bool done = found.status == CalibrationStatus::kDone;
-  return std::make_shared<Study>(Study{to_json(found), done ? found.report() : found.reason,
-                                       [found](const std::string& call) { return to_page(found, call); }});
-}
-
-SharedStudy calibrate_links_call(const py::object& model, const std::string& poses, const py::dict& words) {
-  Keywords keywords("calibrate_links", words);
-  const Model arm = model_of(model);
-  const CaptureOptions capture = read_capture(keywords);
-  LinksOptions o;
-  keywords.read("frame", o.frame);
-  keywords.read("threads", o.threads);
-  const auto attached = [&](const char* name, AttachedPose& pose) {
-    keywords.read_choice(name, pose, {AttachedPose::kAutomatic, AttachedPose::kKnown, AttachedPose::kFree}, [](AttachedPose p) {
-      return std::string(p == AttachedPose::kAutomatic ? "auto" : p == AttachedPose::kKnown ? "known" : "free");
-    });
-  };
-  attached("base", o.base);
-  attached("tool", o.tool);
-  keywords.expect_all_taken();
-  return interruptible(Progress(py::none()), [=] {
-    const LinksCalibration found = calibrate_links(arm, read_poses(poses, capture), o);
-    SharedStudy out = calibrated(found);
-    out->model = found.model;
-    return out;
-  });
-}
-
-SharedStudy calibrate_axis_call(const std::string& markers, const py::dict& words) {
-  Keywords keywords("calibrate_axis", words);
-  const CaptureOptions capture = read_capture(keywords);
-  AxesOptions o;
-  keywords.read("between", o.between);
-  keywords.read("frames", o.most_frames);
-  keywords.read("threads", o.threads);
-  keywords.expect_all_taken();
-  return interruptible(Progress(py::none()), [=] { return calibrated(calibrate_axes(read_markers(markers, capture), o)); });
-}
-
-SharedStudy calibrate_rcm_call(const std::string& poses, const py::dict& words) {
-  Keywords keywords("calibrate_rcm", words);
-  const CaptureOptions capture = read_capture(keywords);
-  keywords.expect_all_taken();
-  return interruptible(Progress(py::none()), [=] { return calibrated(calibrate_remote_center(read_poses(poses, capture))); });
-}
-
-SharedStudy calibrate_handeye_call(const std::string& a, const std::string& b, const py::dict& words) {
-  Keywords keywords("calibrate_handeye", words);
-  const CaptureOptions capture = read_capture(keywords);
-  HandEyeOptions o;
-  HandEyeForm form = HandEyeForm::kTwoBases;
-  if (keywords.given("form")) {
-    keywords.read_choice("form", form,
-                         {HandEyeForm::kCommonPoses, HandEyeForm::kCommonPoints, HandEyeForm::kHandEye,
-                          HandEyeForm::kEyeInHand, HandEyeForm::kTwoBases},
-                         [](HandEyeForm f) { return name_of(f); });
-    o.form = form;
-  }
-  keywords.expect_all_taken();
-  return interruptible(Progress(py::none()),
-                       [=] { return calibrated(calibrate_hand_eye(read_poses(a, capture), read_poses(b, capture), o)); });
 }
 
 // ---- fleet ----
@@ -160,45 +73,6 @@ SharedStudy friction_call(const py::object& model, const py::object& recordings,
     return std::make_shared<Study>(
         Study{to_json(*found), found->reason.empty() ? found->report() : found->reason,
               [found, arm](const std::string& call) { return to_page(*found, call, &arm); }, found->fitted.model});
-  });
-}
-
-// ---- stability ----
-
-SharedStudy stability_call(const std::string& path, const py::dict& words) {
-  Keywords keywords("stability", words);
-  StabilityModelOptions of_model;
-  std::map<std::string, double> changes;
-  std::vector<std::string> map;
-  std::string locus;
-  double recommend = 0.0;
-  int bounds = 0, threads = 0;
-  keywords.read("frame", of_model.frame);
-  keywords.read("pose", of_model.pose);
-  keywords.read("set", changes);
-  keywords.read("map", map);
-  keywords.read("locus", locus);
-  keywords.read("recommend", recommend);
-  keywords.read("bounds", bounds);
-  keywords.read("threads", threads);
-  keywords.expect_all_taken();
-  require(map.empty() || map.size() == 2, "stability: found a map over ", map.size(),
-          " parameters, expected two, each as \"NAME=FROM:TO:COUNT\".");
-  return interruptible(Progress(py::none()), [=] {
-    auto study = std::make_shared<StabilityStudy>();
-    study->scenario = read_scenario_or_model(path, of_model);
-    for (const auto& [name, value] : changes) study->scenario = with_parameter(study->scenario, name, value);
-    const Scenario& s = study->scenario;
-    study->analysis = analyse_stability(s);
-    if (!map.empty()) study->map = map_stability(s, parse_range(map[0]), parse_range(map[1]), threads);
-    if (!locus.empty()) study->locus = root_locus(s, parse_range(locus));
-    if (recommend > 0.0) study->recommendation = recommend_gains(s, recommend);
-    if (bounds > 0) study->bounds = bound_stability(s, bounds, threads);
-    return std::make_shared<Study>(Study{to_json(*study), study->report(), [study](const std::string& call) {
-                                           StabilityStudy whole = *study;
-                                           if (!whole.steps) whole.steps = step_responses(whole.scenario);
-                                           return to_page(whole, call);
-                                         }});
   });
 }
 
@@ -265,6 +139,13 @@ SharedStudy kinematics_call(const py::object& model, const py::dict& words) {
   });
 }
 
+// A function of a package that the module was built without.
+[[maybe_unused]] void bind_absent(py::module_& m, const char* name, const std::string& package) {
+  m.def(name, [name, package](const py::args&, const py::kwargs&) {
+    throw py::import_error(std::string(name) + " needs the package " + package + ", which this module was built without.");
+  });
+}
+
 }  // namespace
 
 void bind_studies(py::module_& m) {
@@ -283,13 +164,18 @@ void bind_studies(py::module_& m) {
         if (!s.model) return py::none();
         return py::cast(std::make_shared<SharedModel>(*s.model));
       });
-  m.def("calibrate_links", &calibrate_links_call);
-  m.def("calibrate_axis", &calibrate_axis_call);
-  m.def("calibrate_rcm", &calibrate_rcm_call);
-  m.def("calibrate_handeye", &calibrate_handeye_call);
+#ifdef VERIDYN_WITH_CALIBRATION
+  bind_calibration(m);
+#else
+  for (const char* name : {"calibrate_links", "calibrate_axis", "calibrate_rcm", "calibrate_handeye"}) bind_absent(m, name, "calibration");
+#endif
+#ifdef VERIDYN_WITH_COOPERATION
+  bind_stability(m);
+#else
+  bind_absent(m, "stability", "cooperation");
+#endif
   m.def("fleet", &fleet_call);
   m.def("friction", &friction_call);
-  m.def("stability", &stability_call);
   m.def("kinematics", &kinematics_call);
 }
 

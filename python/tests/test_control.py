@@ -33,6 +33,38 @@ def test_computed_torque_leads_the_plant(smooth):
     np.testing.assert_allclose(plant.q, wanted, atol=1e-4)
 
 
+def test_joint_controller_is_the_whole_loop(smooth):
+    controller = veridyn.JointController(smooth, kp=400, kd=[40, 40, 40], torque=40)
+    plant = veridyn.Plant(smooth)
+    start = np.array([0.1, -0.1, 0.1])
+    plant.set_state(start, np.zeros(3))
+    wanted = start + np.array([0.05, 0.05, 0.005])
+    for _ in range(1500):
+        plant.step(controller.update(plant.q, wanted, 0.001), 0.001)
+    np.testing.assert_allclose(plant.q, wanted, atol=1e-3)
+    assert controller.fault is None
+    assert np.isfinite(controller.update([np.nan, 0.0, 0.1], wanted, 0.001)).all()
+    assert "joint 1" in controller.fault
+    controller.reset()
+    assert controller.fault is None
+    with pytest.raises(veridyn.InvalidInput, match="3"):
+        controller.update([0.0, 0.0], wanted, 0.001)
+    with pytest.raises(veridyn.InvalidInput, match="yaw"):
+        veridyn.JointController(smooth)  # its file gives no torque limit
+
+
+def test_tip_controller_rests_where_it_is(smooth):
+    controller = veridyn.TipController(smooth, stiffness=400, torque=40)
+    plant = veridyn.Plant(smooth)
+    q = np.array([0.1, 0.2, 0.12])
+    plant.set_state(q, np.zeros(3))
+    x = controller.here(q)
+    for _ in range(300):
+        plant.step(controller.update(plant.q, x, 0.001), 0.001)
+    np.testing.assert_allclose(plant.q, q, atol=1e-3)
+    assert controller.fault is None and controller.hold()
+
+
 def test_impedance_is_a_spring_at_rest(smooth):
     frame = smooth.frames[-1]
     state = veridyn.ArmState(smooth, frame)

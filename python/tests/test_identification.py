@@ -77,7 +77,7 @@ def test_results_show_themselves(identified, tmp_path):
     assert json.loads(json.dumps(identified))["command"] == "identify"
     page = identified._repr_html_()
     assert page.startswith("<iframe") and "Content-Security-Policy" in page
-    assert "condition" in repr(identified).lower()
+    assert "physically possible" in repr(identified)
     identified.save(tmp_path / "model.yaml")
     again = veridyn.read_model(tmp_path / "model.yaml")
     np.testing.assert_allclose(again.phi, identified.model.phi, rtol=1e-12)
@@ -126,6 +126,24 @@ def test_diagnose_names_what_was_hidden(arm, motion):
     assert all(f["effect"] != "stribeck_friction" or f["joint"] == 2 for f in elsewhere.findings)
     with pytest.raises(veridyn.InvalidInput, match="did you mean 'stribeck_friction'"):
         veridyn.diagnose(bare(arm), train, test, effects=["stribek_friction:pitch"])
+
+
+def test_a_fit_is_validated_and_explained(arm, motion, tmp_path):
+    train, test = (
+        veridyn.simulate(arm, motion, effects=["joint_spring:pitch:stiffness=3"], noise="low", seed=seed).recording
+        for seed in (1, 2)
+    )
+    fit = veridyn.identify(bare(arm), train)
+    scores = veridyn.validate(fit, test)
+    assert [score.joint for score in scores] == [1, 2, 3]
+    assert "pitch" in repr(scores[1])
+    why = veridyn.diagnose(fit, test, effects=["joint_spring"])
+    assert why.findings[0]["effect"] == "joint_spring"
+    veridyn.save(why, tmp_path / "why.yaml")
+    saved = veridyn.read_model(tmp_path / "why.yaml")
+    assert [e["effect"] for e in saved.effects] == [e["effect"] for e in why.model.effects]
+    with pytest.raises(TypeError):
+        veridyn.diagnose(fit, train, test)
 
 
 def test_wrong_arguments_are_refused(arm, recording):

@@ -2,10 +2,13 @@
 
 >>> import veridyn
 >>> arm = veridyn.read_model("psm-3dof")
->>> result = veridyn.identify(arm, ["one.csv", "two.csv"], test="three.csv")
->>> result["test"]["relative_error"]         # the keys of `veridyn identify --json`
->>> result.model.save("identified.yaml")
->>> veridyn.diagnose(arm, ["one.csv", "two.csv"], test="three.csv")   # a page in a notebook
+>>> train = veridyn.read_recordings(arm, ["one.csv", "two.csv"])
+>>> test = veridyn.read_recordings(arm, ["three.csv"])
+>>> fit = veridyn.identify(arm, train)       # fit["train"]: the keys of `veridyn identify --json`
+>>> veridyn.validate(fit, test)              # the error of every joint
+>>> why = veridyn.diagnose(fit, test)        # a page in a notebook; nothing is read or fitted twice
+>>> veridyn.save(why, "identified.yaml")
+>>> controller = veridyn.JointController(why.model, kp=400, kd=40)
 
 Units everywhere: rad, m, kg, N, N m, s. Arrays over time are (N, n): N rows, n joints. Recordings
 are paths, Recording objects, pandas frames, or lists of these. Long calls release the interpreter
@@ -26,9 +29,13 @@ from ._veridyn import (  # noqa: E402
     GravityCompensation,
     Impedance,
     InvalidInput,
+    JointController,
+    JointScore,
     Model,
     ModelErrorObserver,
     MomentumObserver,
+    Plant,
+    TipController,
     __version__,
 )
 from ._calls import (  # noqa: E402
@@ -55,10 +62,13 @@ from ._calls import (  # noqa: E402
     merge,
     read_model,
     read_recording,
+    read_recordings,
     regressor,
     robot_names,
+    save,
     simulate,
     stability,
+    validate,
     watch,
 )
 from ._recording import Recording  # noqa: E402
@@ -96,16 +106,20 @@ __all__ = [
     "Identification",
     "Impedance",
     "InvalidInput",
+    "JointController",
+    "JointScore",
     "Kinematics",
     "Model",
     "ModelErrorObserver",
     "MomentumObserver",
     "Payload",
+    "Plant",
     "Quality",
     "Recording",
     "Result",
     "Simulation",
     "Stability",
+    "TipController",
     "__version__",
     "calibrate_axis",
     "calibrate_handeye",
@@ -130,9 +144,12 @@ __all__ = [
     "merge",
     "read_model",
     "read_recording",
+    "read_recordings",
     "regressor",
     "robot_names",
+    "save",
     "simulate",
     "stability",
+    "validate",
     "watch",
 ]

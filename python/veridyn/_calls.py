@@ -123,6 +123,15 @@ def read_recording(path: Any, **options: Unpack[RecordingOptions]) -> Recording:
     return Recording(os.fspath(path), **options)
 
 
+def read_recordings(model: Any, paths: Sequence[Any], **options: Unpack[RecordingOptions]) -> List[Recording]:
+    """Recordings of an arm in memory, each file read once; joints are found by their names.
+
+    model : Model, or the name of its file;  paths : list of files;  options : as read_recording()
+    """
+    options["robot"] = model
+    return [read_recording(path, **options) for path in paths]
+
+
 @_documented
 def check(recordings: Any, **options: Unpack[RecordingOptions]) -> Quality:
     """Quality of recordings: rate, stale rows, gaps, jumps, saturation, units.
@@ -191,11 +200,23 @@ def evaluate(model: Any, train: Any, test: Any = None, **options: Unpack[FitOpti
     return Identification(_veridyn.evaluate(model, train, test, options), "veridyn.evaluate(...)")
 
 
+def validate(identification: Identification, recordings: Any) -> List[_veridyn.JointScore]:
+    """Errors of an identified model on recordings that took no part in its fit, one score a joint."""
+    return _veridyn.validate(identification._native, recordings)
+
+
+def save(result: Any, path: Any) -> None:
+    """Writes the model of an Identification or a Diagnosis, or a Model, as YAML."""
+    result.save(path)
+
+
 @_documented
-def diagnose(model: Any, train: Any, test: Any, **options: Unpack[DiagnosisOptions]) -> Diagnosis:
+def diagnose(model: Any, train: Any, test: Any = None, **options: Unpack[DiagnosisOptions]) -> Diagnosis:
     """Names the physical causes that the recordings accept beyond the robot's own model.
 
-    An arm without values is identified first; of a MODEL the findings say what changed since.
+    diagnose(model, train, test): an arm without values is identified first; of a MODEL the findings
+    say what changed since. diagnose(identification, test): what that fit leaves unexplained, on its
+    recordings and with its preparation of them; nothing is read again.
 
     effects : list of names to ask about, "EFFECT" or "EFFECT:PLACE"; all where it is not given
     max_effects : int, findings at most (20)
@@ -205,7 +226,13 @@ def diagnose(model: Any, train: Any, test: Any, **options: Unpack[DiagnosisOptio
 
     Returns a dictionary with the keys of `veridyn diagnose --json`; `.model` has the findings in it.
     """
-    return Diagnosis(_veridyn.diagnose(model, train, test, options), "veridyn.diagnose(...)")
+    if isinstance(model, Identification):
+        if test is not None:
+            raise TypeError("diagnose() of an identification takes test recordings alone.")
+        native = _veridyn.diagnose_fit(model._native, train, options)
+    else:
+        native = _veridyn.diagnose(model, train, test, options)
+    return Diagnosis(native, "veridyn.diagnose(...)")
 
 
 @_documented

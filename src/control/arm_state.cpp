@@ -39,7 +39,7 @@ void ArmState::update(const VectorXd& q, const VectorXd& dq) noexcept {
   q_ = q;
   dq_ = dq;
   tip_.update(q_, dq_);
-  rigid_.evaluate(q_, dq_, M_, h_);
+  rigid_.equation_of_motion(q_, dq_, M_, h_);
   M_ += rotors_;
   bias_ = h_;
   add_forces(forces_, q_, dq_, rest_, bias_);

@@ -6,8 +6,12 @@
 #include <string>
 #include <utility>
 
+#include "diagnosis/search/explain.hpp"
 #include "diagnosis/stages/diagnosis_state.hpp"
 #include "recordings/named_recordings.hpp"
+#include "diagnosis/of_identification.hpp"
+#include "identification/identification_numbers.hpp"
+#include "identification/many_recordings.hpp"
 
 namespace veridyn {
 namespace {
@@ -34,14 +38,27 @@ void test_all_candidates(DiagnosisState& x, const Tell& tell) {
   select_causes(x);
 }
 
+void conclude(DiagnosisState& x) {
+  summarize(x.d, x.options);
+  if (!x.d.friction_remark.empty()) x.d.friction = plain_friction_of(*x.d.extended.model);
+}
+
 void run_stages(DiagnosisState& x, const Tell& tell) {
   tell("checking the recordings");
   check_quality(x);
   tell("fitting the model as it is");
-  if (!fit_baseline(x) || columns_are_exchanged(x) || !leave_silent_joints_out(x)) return;
+  if (!fit_baseline(x)) return;
+  ask_questions(x);
+  if (!leave_silent_joints_out(x)) return;
   exclude_rests(x);
   check_torque_signs(x);
   check_errors_in_variables(x);
+  if (x.options.method == DiagnosisMethod::kSearch) {
+    tell("searching");
+    search::explain(x);
+    x.d.small_apart = x.options.extended == ExtendedModel::kConfirmedOnly;
+    return conclude(x);
+  }
   exclude_snags(x.start, x);
   test_all_candidates(x, tell);
   // Contacts and small snags are visible once the model's own errors are corrected; then everything
@@ -56,8 +73,7 @@ void run_stages(DiagnosisState& x, const Tell& tell) {
   tell("accounting for what is left over");
   account_for_errors(x);
   test_names_together(x);
-  summarize(x.d, x.options);
-  if (!x.d.friction_remark.empty()) x.d.friction = plain_friction_of(*x.d.extended.model);
+  conclude(x);
 }
 
 // Progress of stages and rounds of tests whose number is not known before: each stage advances the
@@ -100,6 +116,11 @@ class Halving {
 
 Diagnosis diagnose(const Model& arm, const Recordings& train, const Recordings& test,
                    const DiagnosisOptions& options) {
+  return diagnose(arm, train, test, options, nullptr);
+}
+
+Diagnosis diagnose(const Model& arm, const Recordings& train, const Recordings& test,
+                   const DiagnosisOptions& options, const Identification* fitted) {
   const auto begin = std::chrono::steady_clock::now();
   const NamedRecordings<IdentificationOptions> named(train, test, options.identification);
   DiagnosisState x{robot_of(arm, options), named.train, named.test, options, {}, {}, 0, {}, {}, {}};
@@ -107,6 +128,10 @@ Diagnosis diagnose(const Model& arm, const Recordings& train, const Recordings& 
   keep_recordings(x.options.identification, KeptRecordings::kManyQuestions);
   for (std::string& one : x.options.effects) one = normalized_cause(arm, one);
   x.d.changes = are_facts(x.arm);
+  // The caller's fit with the joints weighted as here: nothing is compressed again.
+  if (fitted != nullptr) {
+    x.d.baseline = identify_compressed(x.arm, fitted->factors, {}, x.test, x.options.identification, IdentificationNumbers());
+  }
   x.d.provisional = named.train.size() == 1;
   Thresholds& limits = x.options.thresholds;
   if (x.d.changes) limits.smallest_gain = std::max(limits.smallest_gain, limits.smallest_change);
@@ -114,6 +139,9 @@ Diagnosis diagnose(const Model& arm, const Recordings& train, const Recordings& 
   x.options.testing = [&progress](int tested, int of) { progress.test(tested, of); };
   run_stages(x, [&progress](const char* stage) { progress.begin(stage); });
   progress.end();
+  const Identification& found = x.d.extended.model ? x.d.extended : x.d.baseline;
+  if (found.model) x.d.model = *found.model;
+  for (Finding& finding : x.d.findings) finding.text = x.d.sentence(finding);
   forget_recordings(x.d.baseline);
   forget_recordings(x.d.extended);
   x.d.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

@@ -6,6 +6,8 @@
 #include "diagnosis/evidence/numerics.hpp"
 #include "math/correlated_columns.hpp"
 #include "math/digits.hpp"
+#include "veridyn/identification/robot_check.hpp"
+#include "veridyn/identification/verdict.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 
 namespace veridyn {
@@ -95,6 +97,20 @@ std::string small_text(const Diagnosis& d, const Finding& f) {
   return fmt::format("{:>4}. {} p = {:.1e}, {}\n", f.rank, d.sentence(f), f.p_value, status_words(f));
 }
 
+// "3 small ones, 0.1 to 0.4 points each: --all-findings lists them", by the largest fall of a joint's held-out error.
+std::string small_line(const Diagnosis& d, size_t count) {
+  double least = numerics::kHuge, most = 0.0;
+  for (const Finding& f : d.findings) {
+    if (f.main || f.test_before.size() == 0 || f.test_after.size() != f.test_before.size()) continue;
+    const double points = std::max(0.0, kPercent * (f.test_before - f.test_after).maxCoeff());
+    least = std::min(least, points);
+    most = std::max(most, points);
+  }
+  return fmt::format("{} small {}{}: --all-findings lists {}\n", count, count == 1 ? "one" : "ones",
+                     most > 0.0 ? fmt::format(", {:.1f} to {:.1f} points of a joint's error each", std::min(least, most), most) : "",
+                     count == 1 ? "it" : "them");
+}
+
 // Splits a joint's error into floor and removable part, 12.3 % = 4.1 % floor + 8.2 %, and says how
 // much of the latter the findings explain.
 std::string joint_text(const Diagnosis& d, const JointVerdict& v) {
@@ -180,6 +196,13 @@ const char* name_of(FloorSource source) {
 }
 
 std::string Diagnosis::verdict() const {
+  std::string asked;  // what the signals or the robot file have wrong comes first
+  for (const RecordingQuality& q : data_quality) {
+    for (const QualityFinding& f : q.findings) {
+      if (answers_question(f) && asked.find(f.sentence) == std::string::npos) asked += f.sentence + " ";
+    }
+  }
+  if (!asked.empty()) asked += "As recorded: ";
   if (findings.empty()) {
     std::string left, unknown;
     for (const JointVerdict& v : joints) {
@@ -187,16 +210,11 @@ std::string Diagnosis::verdict() const {
       std::string& list = std::isfinite(v.held_out) ? left : unknown;
       list += (list.empty() ? "" : ", ") + std::to_string(v.joint.value + 1);
     }
-    if (left.empty() && unknown.empty()) return "none";
-    for (const RecordingQuality& q : data_quality) {
-      for (const QualityFinding& f : q.findings) {
-        if (f.finding == "swapped_joints" && f.severity == Severity::kFault) return f.sentence + " No cause was asked about.";
-      }
-    }
-    return "no cause was found" + (left.empty() ? "" : "; joints above their floor: " + left) +
+    if (left.empty() && unknown.empty()) return changes && small_apart ? "nothing has changed" : "none";
+    return asked + "no cause was found" + (left.empty() ? "" : "; joints above their floor: " + left) +
            (unknown.empty() ? "" : "; joints without a held-out error: " + unknown);
   }
-  std::string out = sentence(findings.front());
+  std::string out = asked + sentence(findings.front());
   if (findings.front().status == FindingStatus::kNotConfirmed)
     out += " The training recordings do not confirm it.";
   if (findings.front().held_out() == Agreement::kContradicts)
@@ -242,14 +260,17 @@ std::string Diagnosis::report(const std::string& next_command) const {
   for (const Finding& f : findings) {
     if (f.main) out += finding_text(*this, f);
   }
-  if (static_cast<size_t>(summary.main) < findings.size()) {
+  const size_t small = findings.size() - static_cast<size_t>(summary.main);
+  if (small > 0 && small_apart) {
+    out += small_line(*this, small);
+  } else if (small > 0) {
     out += "small ones";
     if (errors_jump(*this))
       out += ", which came between those above: the error before one of these is then not that after the last";
     out += ":\n";
   }
   for (const Finding& f : findings) {
-    if (!f.main) out += small_text(*this, f);
+    if (!f.main && !small_apart) out += small_text(*this, f);
   }
   for (const std::string& remark : remarks) out += "remark: " + remark + "\n";
   out += summary_text(*this);
@@ -275,7 +296,7 @@ std::string Diagnosis::report(const std::string& next_command) const {
   line("  without excluded rows", extended.test_without_excluded.relative);
   line("training, baseline", baseline.train_error.relative);
   line("training, extended", extended.train_error.relative);
-  line("noise floor", baseline.noise_floor);
+  line(floor_name(baseline), baseline.noise_floor);
   out += "\nwhat the held-out error of each joint is made of, % of its torque\n";
   for (const JointVerdict& v : joints) out += joint_text(*this, v);
   if (!friction.empty()) out += friction_table(*this);

@@ -6,69 +6,53 @@
 #include <chrono>
 #include <cmath>
 
-#include "diagnosis/shapes/candidate_data.hpp"
-#include "diagnosis/evidence/payload_fit.hpp"
-#include "diagnosis/evidence/silent_joints.hpp"
+#include "diagnosis/load_fit.hpp"
 #include "diagnosis/evidence/numerics.hpp"
-#include "math/digits.hpp"
-#include "veridyn/effects/cause.hpp"
-#include "veridyn/math/require.hpp"
-#include "model/suggestion.hpp"
+#include "diagnosis/load_numbers.hpp"
+#include "effects/plain_friction.hpp"
+#include "identification/many_recordings.hpp"
+#include "identification/silent_joints.hpp"
 #include "identification/velocity_choice.hpp"
+#include "math/digits.hpp"
+#include "math/numbers.hpp"
+#include "math/student_t.hpp"
+#include "model/suggestion.hpp"
 #include "recordings/named_recordings.hpp"
+#include "veridyn/effects/cause.hpp"
 #include "veridyn/effects/effect_facts.hpp"
+#include "veridyn/identification/pseudo_inertia.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/regressor/standard_parameters.hpp"
 
 namespace veridyn {
 namespace {
 
-// The link that carries the frame, named after that frame.
-void keep_only(const Model& arm, const std::string& link, AugmentedModel& augmented) {
-  std::vector<std::string> names;
-  for (const Frame& frame : arm.frames()) names.push_back(frame.name);
-  const int wanted = arm.find_frame(link);
-  require(wanted >= 0, "--link: found '", link, "', expected the name of a frame",
-          did_you_mean(link, names), ".");
-  auto& all = augmented.hypotheses;
-  all.erase(std::remove_if(all.begin(), all.end(),
-                           [&](const Hypothesis& h) {
-                             return is_load(h) &&
-                                    !same_link(arm, *frame_of(h.cause), {wanted});
-                           }),
-            all.end());
+using namespace loads;
+
+// The frame that a link's frames are fixed to, itself if it moves; nothing: it is fixed to the world.
+std::optional<FrameIndex> mover(const Model& arm, std::optional<FrameIndex> frame) {
+  while (frame && arm.frames()[frame->value].type == JointType::kFixed) frame = arm.frames()[frame->value].parent;
+  return frame;
 }
 
-// Fall of the held-out error (phases of the motion, or recordings) for every hypothesis, beside
-// changes of friction and offset: what more parameters explain in sample counts for nothing.
-std::vector<double> held_out_gains(const CandidateData& q, const NormalBlocks& data,
-                                   const Thresholds& limits) {
-  ColumnSet base;
-  for (const Hypothesis& h : q.augmented.hypotheses) {
-    if (is_load(h)) continue;
-    const ColumnSet own = columns_of(data, h);
-    base.insert(base.end(), own.begin(), own.end());
+// The last frame of every link that moves; or of the one that carries a frame, named after that frame.
+std::vector<int> places_of(const Model& arm, const std::string& link) {
+  if (!link.empty()) {
+    std::vector<std::string> names;
+    for (const Frame& frame : arm.frames()) names.push_back(frame.name);
+    const int wanted = arm.find_frame(link);
+    require(wanted >= 0, "--link: found '", link, "', expected the name of a frame", did_you_mean(link, names), ".");
+    return {wanted};
   }
-  DiagnosisOptions none;
-  none.max_effects = 0;
-  none.thresholds = limits;
-  const Selection asked = select_effects(data, base, q.augmented.hypotheses, none);
-  std::vector<double> out;
-  for (const Evidence& e : asked.last_evaluated) out.push_back(e.collinear ? 0.0 : e.gain);
+  std::vector<int> out;
+  for (int k = 0; k < static_cast<int>(arm.frames().size()); ++k) {
+    const std::optional<FrameIndex> own = mover(arm, FrameIndex{k});
+    if (!own) continue;
+    const auto same = std::find_if(out.begin(), out.end(), [&](int other) { return mover(arm, FrameIndex{other}) == own; });
+    if (same == out.end()) out.push_back(k);
+    else *same = k;
+  }
   return out;
-}
-
-// Best first; of links whose gains are a tie, as in a diagnosis, the outermost comes first: what
-// hangs on the axis of a joint can be held by either of the links that it connects.
-void put_best_first(const Model& model, const Thresholds& limits, std::vector<PayloadEstimate>& links) {
-  std::stable_sort(links.begin(), links.end(),
-                   [](const auto& a, const auto& b) { return a.gain > b.gain; });
-  if (links.empty()) return;
-  const double least = limits.tie * links.front().gain;
-  const auto tied = std::find_if(links.begin(), links.end(),
-                                 [&](const PayloadEstimate& l) { return !(l.gain > least); });
-  const auto outermost = std::max_element(links.begin(), tied, [&](const auto& a, const auto& b) {
-    return model.find_frame(a.frame) < model.find_frame(b.frame);
-  });
-  if (tied != links.begin()) std::rotate(links.begin(), outermost, std::next(outermost));
 }
 
 // Effects without values, such as friction of a CAD model, get them from these recordings; bodies and
@@ -108,15 +92,290 @@ Model with_effects_of(const Model& arm, const Model& fitted) {
   return Model(std::move(d));
 }
 
+// An arm whose values are facts, with a load on every place and what may have changed with it.
+struct Asked {
+  Model arm;
+  std::vector<std::string> columns;  // ten of each place, then the friction of joints
+  // Columns of a joint: offset, Coulomb and viscous friction.
+  std::vector<std::vector<int>> friction;
+};
+
+Asked asked_arm(const Model& model, const std::vector<int>& places) {
+  ModelDescription d = with_fixed_parameters(model).description();
+  const size_t bodies = model.bodies().size(), effects = d.effects.size();
+  for (const int place : places) {
+    Frame load;
+    load.name = std::string(AddedLoad::kName) + "@" + model.frames()[place].name;
+    load.parent = FrameIndex{place};
+    load.variable.coefficients = VectorXd::Zero(model.joints());
+    load.body = Body{};
+    load.body->phi = InertialParameters::Zero();
+    d.frames.push_back(std::move(load));
+  }
+  for (int i = 0; i < model.joints(); ++i) {
+    for (const char* effect : {kPlainOffset, kPlainCoulomb, kPlainViscous}) {
+      EffectTerm term;
+      term.effect = effect;
+      term.axis = {VectorXd::Unit(model.joints(), i), 0.0};
+      // The step of an effect that the model has stays as smooth as it is.
+      for (const EffectTerm& own : model.effects())
+        if (own.effect == effect && own.axis.coefficients == term.axis.coefficients) term.values = own.values;
+      for (const EffectParameter& p : find_effect(effect).parameters()) term.values.erase(p.name);
+      d.effects.push_back(std::move(term));
+    }
+  }
+  Asked out{Model(std::move(d)), {}, std::vector<std::vector<int>>(static_cast<size_t>(model.joints()))};
+  for (const StandardParameter& p : standard_parameters(out.arm)) {
+    const bool load = p.body && *p.body >= static_cast<int>(bodies);
+    if (p.effect && *p.effect >= static_cast<int>(effects))
+      out.friction[static_cast<size_t>((*p.effect - static_cast<int>(effects)) / 3)].push_back(static_cast<int>(out.columns.size()));
+    else if (!load)
+      continue;
+    out.columns.push_back(p.name);
+  }
+  return out;
+}
+
+// The fit of one load beside friction.
+class LoadFit {
+ public:
+  // @param sample  rows for each independent one. @param band  (n) of dry friction that nobody knows the side of.
+  LoadFit(const Model& model, const LoadRows& rows, const Asked& asked, int place, int first, double sample, VectorXd band)
+      : model_(model), rows_(rows), place_(place), first_(first), reach_(model.description().box.com_reach) {
+    if (!(reach_ > 0.0)) reach_ = kReach;
+    sets_.emplace_back();
+    for (size_t kind = 0; kind < asked.friction.front().size(); ++kind) {
+      std::vector<int> next = sets_.back();
+      for (int i = 0; i < model.joints(); ++i)
+        if (model.moves(place, i)) next.push_back(asked.friction[static_cast<size_t>(i)][kind]);
+      sets_.push_back(std::move(next));
+    }
+    weights_ = weights(sample, band);
+  }
+
+  bool felt() const {
+    double load = 0.0, all = 0.0;
+    for (const RowSquares& joint : rows_.total()) {
+      load += joint.AA.diagonal().segment(first_, kBodyParameters).sum();
+      all += joint.AA.diagonal().sum();
+    }
+    return load > kFelt * all;
+  }
+
+  PayloadEstimate estimate() const {
+    PayloadEstimate out;
+    out.frame = model_.frames()[place_].name;
+    const MassCost whole = cost(sets_.back(), nullptr);
+    const PlacedMass best = whole.fit();
+    if (best.mass == 0.0) return out;
+    out.phi = best.phi();
+    out.mass = best.mass;
+    out.com = best.com;
+    out.moment = best.mass * best.com;
+    out.seen = whole.seen(best);
+    out.at_bound = whole.at_bound(best);
+    intervals(whole, best, out);
+    held_out(best, out);
+    const InertialParameters none = InertialParameters::Zero();
+    const VectorXd drift = left(rows_.total(), nullptr, none), with = left(rows_.total(), nullptr, best.phi());
+    VectorXd before(model_.joints());
+    for (int i = 0; i < model_.joints(); ++i) before[i] = std::max(rows_.total()[static_cast<size_t>(i)].bb, numerics::kTiny);
+    out.explained = weights_.dot(drift) > 0.0 ? 1.0 - weights_.dot(with) / weights_.dot(drift) : 0.0;
+    out.error_with_drift = (drift.array() / before.array()).sqrt();
+    out.error_with_load = (with.array() / before.array()).sqrt();
+    return out;
+  }
+
+ private:
+  MassCost cost(const std::vector<int>& beside, const std::vector<RowSquares>* without) const {
+    return load_cost(rows_.total(), without, weights_, first_, beside, reach_);
+  }
+
+  // Squares left on `rows` by a load and the friction that all rows but `without` give beside it.
+  VectorXd left(const std::vector<RowSquares>& rows, const std::vector<RowSquares>* without, const InertialParameters& phi) const {
+    const VectorXd beside = beside_load(rows_.total(), without, weights_, first_, sets_.back(), phi);
+    return squares_left(rows, first_, phi, sets_.back(), beside);
+  }
+
+  // 1 / variance of each joint's rows, per independent sample.
+  VectorXd weights(double sample, const VectorXd& band) const {
+    std::vector<int> all = sets_.back();
+    for (int c = 0; c < kBodyParameters; ++c) all.push_back(first_ + c);
+    VectorXd out = VectorXd::Zero(model_.joints());
+    for (int i = 0; i < model_.joints(); ++i) {
+      const RowSquares& joint = rows_.total()[static_cast<size_t>(i)];
+      if (!(joint.bb > 0.0) || !(joint.rows > 0.0)) continue;
+      const VectorXd b = joint.Ab(all);
+      const double unexplained = std::max(joint.bb - b.dot(VectorXd(solve_scaled(joint.AA(all, all), b))), numerics::kNoise * joint.bb);
+      out[i] = 1.0 / (sample * (unexplained / joint.rows + band[i] * band[i] / kUniform));
+    }
+    return out;
+  }
+
+  void intervals(const MassCost& whole, const PlacedMass& best, PayloadEstimate& out) const {
+    using Numbers = Eigen::Matrix<double, 13, 1>;
+    const auto numbers = [](const MassCost& f, const PlacedMass& s) {
+      Numbers v;
+      v << s.mass, s.com, s.mass * s.com, f.extent(s);
+      return v;
+    };
+    const Numbers centre = numbers(whole, best);
+    out.inertia = centre.tail<6>();
+    // Scatter between phases (jackknife), and between what else may have changed with the load.
+    const int clusters = rows_.clusters();
+    Numbers sum = Numbers::Zero(), squares = Numbers::Zero();
+    for (int k = 0; k < clusters; ++k) {
+      const MassCost f = cost(sets_.back(), &rows_.cluster(k));
+      const Numbers one = numbers(f, f.fit(best)) - centre;
+      sum += one;
+      squares += one.cwiseAbs2();
+    }
+    const double count = std::max(1, clusters);
+    Numbers variance = (count - 1.0) / count * (squares - sum.cwiseAbs2() / count).cwiseMax(0.0);
+    Numbers drift = Numbers::Zero();
+    for (size_t k = 0; k + 1 < sets_.size(); ++k) {
+      const MassCost f = cost(sets_[k], nullptr);
+      drift = drift.cwiseMax((numbers(f, f.fit(best)) - centre).cwiseAbs());
+    }
+    // Never narrower than independent samples allow.
+    const Eigen::Matrix4d least = whole.covariance(best);
+    variance.head<4>() = variance.head<4>().cwiseMax(least.diagonal());
+    const double t = student_t_quantile(kOutside, std::max(1, clusters - 1));
+    const Numbers half = (t * t * variance + drift.cwiseAbs2()).cwiseSqrt();
+    // Mass and lever exchange: the interval follows the valley, at the height that its width at the bottom gives.
+    const double height = half[0] * half[0] / std::max(least(0, 0), numerics::kTiny);
+    std::tie(out.mass_low, out.mass_high) = whole.masses_below(best.cost + height, best);
+    out.mass_low = std::min(out.mass_low, out.mass - half[0] < 0.0 && out.mass > 0.0 ? 0.0 : out.mass_low);
+    out.com_half_width = half.segment<3>(1);
+    out.moment_half_width = half.segment<3>(4);
+    out.inertia_half_width = half.tail<6>();
+    for (int k = 0; k < 3; ++k) {
+      if (out.seen[static_cast<size_t>(k)]) continue;
+      out.com_half_width[k] = reach_;
+      out.moment_half_width[k] = std::max(std::abs(out.mass_low), std::abs(out.mass_high)) * reach_;
+    }
+  }
+
+  // Fall of the error on rows that the load was not fitted to, beside changes of friction that were fitted to the
+  // same others.
+  void held_out(const PlacedMass& best, PayloadEstimate& out) const {
+    const InertialParameters none = InertialParameters::Zero();
+    VectorXd with = VectorXd::Zero(model_.joints()), before = with;
+    for (int k = 0; k < rows_.clusters(); ++k) {
+      const std::vector<RowSquares>& part = rows_.cluster(k);
+      with += left(part, &part, cost(sets_.back(), &part).fit(best).phi());
+      before += left(part, &part, none);
+    }
+    for (int i = 0; i < model_.joints(); ++i)
+      if (weights_[i] > 0.0 && with[i] > 0.0 && before[i] > 0.0 && model_.moves(place_, i)) out.gain += std::log(before[i] / with[i]);
+  }
+
+  const Model& model_;
+  const LoadRows& rows_;
+  int place_, first_;
+  double reach_;
+  std::vector<std::vector<int>> sets_;  // growing; the first is empty
+  VectorXd weights_;
+};
+
+// True if the columns of two loads span the same torques.
+bool same_torques(const LoadRows& rows, int a, int b) {
+  MatrixXd AA = MatrixXd::Zero(kBodyParameters, kBodyParameters), AB = AA, BB = AA;
+  for (const RowSquares& joint : rows.total()) {
+    AA += joint.AA.block(a, a, kBodyParameters, kBodyParameters);
+    AB += joint.AA.block(a, b, kBodyParameters, kBodyParameters);
+    BB += joint.AA.block(b, b, kBodyParameters, kBodyParameters);
+  }
+  const VectorXd spanned = (AB.transpose() * solve_scaled(AA, AB)).diagonal();
+  return ((BB.diagonal() - spanned).array() <= kSameSpan * BB.diagonal().array() + numerics::kTiny).all();
+}
+
+// Best first; of links whose gains are a tie, as in a diagnosis, the outermost comes first: what
+// hangs on the axis of a joint can be held by either of the links that it connects.
+void put_best_first(const Model& model, double tie, std::vector<PayloadEstimate>& links) {
+  std::stable_sort(links.begin(), links.end(), [](const auto& a, const auto& b) { return a.gain > b.gain; });
+  if (links.empty()) return;
+  const double least = tie * links.front().gain;
+  const auto tied = std::find_if(links.begin(), links.end(), [&](const PayloadEstimate& l) { return !(l.gain > least); });
+  const auto outermost = std::max_element(links.begin(), tied, [&](const auto& a, const auto& b) {
+    return model.find_frame(a.frame) < model.find_frame(b.frame);
+  });
+  if (tied != links.begin()) std::rotate(links.begin(), outermost, std::next(outermost));
+}
+
+// Joints that the load acts on and that it leaves unexplained.
+std::vector<std::string> unexplained(const Model& model, const PayloadEstimate& load, const VectorXd& before, const VectorXd& floor) {
+  std::vector<std::string> out;
+  const auto& own = model.description().identified;
+  for (int i = 0; i < model.joints(); ++i) {
+    if (!model.moves(model.find_frame(load.frame), i)) continue;
+    const double left = before[i] * load.error_with_load[i];
+    double most = kErrorOfDrawing;
+    if (own && own->error.size() == model.joints()) most = std::max(kSmallError, kOfOwnError * own->error[i]);
+    if (floor.size() == model.joints() && std::isfinite(floor[i])) most = std::max(own ? most : kSmallError, kOfOwnError * floor[i]);
+    if (left > most) out.push_back(model.coordinates()[i].name);
+  }
+  return out;
+}
+
+// [kg] of the bodies of one link: of the drawing where there is one, since torques alone tell no masses.
+double mass_on(const Model& model, const std::string& frame) {
+  const std::optional<FrameIndex> own = mover(model, FrameIndex{model.find_frame(frame)});
+  double drawn = 0.0, valued = 0.0;
+  for (const int k : model.bodies()) {
+    if (mover(model, FrameIndex{k}) != own) continue;
+    const Body& body = *model.frames()[k].body;
+    valued += body.phi ? (*body.phi)[0] : 0.0;
+    drawn += body.prior ? (*body.prior)[0] : 0.0;
+  }
+  return drawn > 0.0 ? drawn : valued;
+}
+
+struct Question {
+  const Model& model;
+  const std::string& link;
+  const Thresholds& limits;
+};
+
+// Fits a load on every link to rows of the arm of asked_arm().
+void fit_loads(const Question& q, const Asked& asked, const std::vector<int>& places, const std::vector<CompressedRecording>& recordings,
+               double sample, const VectorXd& band, const VectorXd& floor, PayloadReport& out) {
+  const LoadRows rows(recordings, asked.columns, q.model.joints());
+  std::vector<int> firsts;
+  for (size_t k = 0; k < places.size(); ++k) {
+    const int first = static_cast<int>(kBodyParameters * k);
+    const std::string& name = q.model.frames()[places[k]].name;
+    const LoadFit fit(q.model, rows, asked, places[k], first, sample, band);
+    if (!fit.felt()) continue;
+    const auto twin = std::find_if(firsts.begin(), firsts.end(), [&](int other) { return same_torques(rows, other, first); });
+    if (twin != firsts.end()) {
+      out.links[static_cast<size_t>(twin - firsts.begin())].others.push_back(name);
+      continue;
+    }
+    firsts.push_back(first);
+    out.links.push_back(fit.estimate());
+  }
+  out.links.erase(std::remove_if(out.links.begin(), out.links.end(), [](const PayloadEstimate& l) { return l.mass == 0.0; }), out.links.end());
+  for (PayloadEstimate& link : out.links) link.most_off = mass_on(q.model, link.frame);
+  for (PayloadEstimate& link : out.links) link.unexplained = unexplained(q.model, link, out.error_before, floor);
+  put_best_first(q.model, q.limits.tie, out.links);
+  if (out.links.empty()) {
+    out.reason = "no link moves enough in these recordings to feel a load";
+    return;
+  }
+  out.error_with_drift = out.error_before.cwiseProduct(out.links.front().error_with_drift);
+  out.error_after = out.error_before.cwiseProduct(out.links.front().error_with_load);
+}
+
 // The report of an arm all of whose values are known.
-PayloadReport find_on(const Model& model, const std::string& robot, const std::vector<std::string>& recordings,
-                      IdentificationOptions options, const std::string& link, const Thresholds& limits) {
+PayloadReport find_on(const Question& q, const std::string& robot, const std::vector<std::string>& recordings,
+                      IdentificationOptions options) {
   PayloadReport out;
-  out.smallest_gain = limits.smallest_change;
+  out.smallest_gain = q.limits.smallest_change;
   out.robot = robot;
-  leave_wrong_velocities_out(model, recordings, {}, options);
+  leave_wrong_velocities_out(q.model, recordings, {}, options);
   options.choose_velocities = false;
-  Identification start = evaluate(model, recordings, {}, options);
+  Identification start = evaluate(q.model, recordings, {}, options);
   if (!start.model) {
     out.reason = start.reason;
     return out;
@@ -125,42 +384,22 @@ PayloadReport find_on(const Model& model, const std::string& robot, const std::v
   if (!rows.empty()) {
     std::vector<ExcludedInterval>& left_out = options.preprocessing.excluded_intervals;
     left_out.insert(left_out.end(), rows.begin(), rows.end());
-    start = evaluate(model, recordings, {}, options);
+    start = evaluate(q.model, recordings, {}, options);
   }
-  CandidateList list;
-  list.wanted = {AddedLoad::kName};
-  for (const std::string& effect : elementary_effects()) list.wanted.push_back(effect);
-  list.changes = true;
-  list.limits = limits;
-  AugmentedModel augmented = augmented_model(with_fixed_parameters(model), start.factors, list);
-  if (!link.empty()) keep_only(model, link, augmented);
-  const CandidateData q = prepare(start, std::move(augmented), true, recordings, {}, options);
-  const NormalBlocks data(q.train, q.columns);
-  const std::vector<double> gains = held_out_gains(q, data, limits);
-  std::vector<const Hypothesis*> asked;
-  for (const Hypothesis& h : q.augmented.hypotheses) {
-    if (!is_load(h) || columns_of(data, h).empty()) continue;
-    const auto twin = std::find_if(asked.begin(), asked.end(), [&](const Hypothesis* other) {
-      return same_torques(data, *other, h);
-    });
-    const std::string name = words_of(model, h.cause).frame;
-    if (twin != asked.end()) {
-      out.links[twin - asked.begin()].others.push_back(name);
-      continue;
-    }
-    asked.push_back(&h);
-    out.links.push_back(fit_payload(q.augmented, data, h));
-    out.links.back().gain = gains[&h - q.augmented.hypotheses.data()];
-  }
-  put_best_first(model, limits, out.links);
   out.error_before = start.train_error.relative;
-  if (out.links.empty()) {
-    out.reason = "no link moves enough in these recordings to feel a load";
-  } else {
-    out.error_with_drift = out.error_before.cwiseProduct(out.links.front().error_with_drift);
-    out.error_after = out.error_before.cwiseProduct(out.links.front().error_with_load);
-  }
+  const std::vector<int> places = places_of(q.model, q.link);
+  const Asked asked = asked_arm(q.model, places);
+  std::vector<CompressedRecording> factors = compress_all(asked.arm, recordings, options.preprocessing, options.threads);
+  for (CompressedRecording& one : factors) merge_blocks(one, std::max(1, kMostClusters / static_cast<int>(factors.size())));
+  fit_loads(q, asked, places, factors, kRowsPerSample, VectorXd::Zero(q.model.joints()), start.noise_floor, out);
   return out;
+}
+
+// Values that nobody measured explain a load as well as what hangs on the arm.
+void say_what_values_are(const Model& model, PayloadReport& out) {
+  if (model.description().values == RobotValues::kPrior && !model.description().identified)
+    out.remarks.push_back("The values of '" + model.name() + "' are those of its drawing, not measured on this arm: what they lack "
+                          "counts as load. `identify` on recordings without the load gives a MODEL to compare with");
 }
 
 }  // namespace
@@ -176,53 +415,129 @@ PayloadReport find_payload(const Model& given_model, const Recordings& loaded,
   const std::vector<std::string>& recordings = named.train;
   PayloadReport out;
   if (has_all_values(given_model)) {
-    out = find_on(given_model, given_model.name(), recordings, named.how, link, limits);
+    out = find_on({given_model, link, limits}, given_model.name(), recordings, named.how);
   } else {
     // Friction and load in turns: what is fitted without the load has a part of it.
     Model cad = with_fitted_effects(given_model, recordings, named.how);
-    for (int turn = 0; turn < numerics::kPayloadTurns; ++turn) {
-      out = find_on(cad, given_model.name(), recordings, named.how, link, limits);
-      if (out.links.empty() || turn + 1 == numerics::kPayloadTurns) break;
+    for (int turn = 0; turn < kTurns; ++turn) {
+      out = find_on({cad, link, limits}, given_model.name(), recordings, named.how);
+      if (out.links.empty() || turn + 1 == kTurns) break;
       const Model loaded_arm = with_fitted_effects(with_load(given_model, out.links.front()), recordings, named.how);
       cad = with_effects_of(cad, loaded_arm);
     }
   }
+  say_what_values_are(given_model, out);
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return out;
+}
+
+PayloadReport find_payload_at_rest(const Model& given, const std::vector<RestPoses>& loaded, const std::string& link,
+                                   const Thresholds& limits) {
+  const auto begin = std::chrono::steady_clock::now();
+  require(given.inertial_values().has_value(), "payload: robot '", given.name(),
+          "' has no values; expected a MODEL that identify or diagnose wrote, or bodies of a CAD model.");
+  const bool approached = std::any_of(loaded.begin(), loaded.end(), [](const RestPoses& p) { return (p.approach.array() != 0.0).any(); });
+  const Model model = with_effects_at_rest(given, approached);
+  PayloadReport out;
+  out.smallest_gain = limits.smallest_change;
+  out.robot = given.name();
+  const std::vector<int> places = places_of(model, link);
+  const Asked asked = asked_arm(model, places);
+  std::vector<CompressedRecording> factors;
+  VectorXd torque2 = VectorXd::Zero(model.joints()), left2 = torque2;
+  for (const RestPoses& poses : loaded) {
+    factors.push_back(compress(asked.arm, poses));
+    torque2 += poses.tau.cwiseAbs2().colwise().sum().transpose();
+    for (const auto& block : factors.back().blocks) {
+      for (int i = 0; i < model.joints(); ++i) left2[i] += block[static_cast<size_t>(i)].rhs_norm2();
+    }
+  }
+  out.error_before = (left2.array() / torque2.array().max(numerics::kTiny)).sqrt();
+  const VectorXd band = approached ? VectorXd(VectorXd::Zero(model.joints())) : dry_friction(given);
+  // The friction band as a share of each joint's torque; a joint that gravity leaves alone has nothing to explain.
+  double poses = 0.0;
+  for (const RestPoses& one : loaded) poses += static_cast<double>(one.poses());
+  VectorXd floor(model.joints());
+  for (int i = 0; i < model.joints(); ++i)
+    floor[i] = torque2[i] > kNoGravity * torque2.maxCoeff() ? band[i] / std::sqrt(torque2[i] / std::max(1.0, poses)) : kNothingToExplain;
+  fit_loads({model, link, limits}, asked, places, factors, 1.0, band, floor, out);
+  std::string bands;
+  for (int i = 0; i < model.joints(); ++i) {
+    if (band[i] > 0.0) bands += fmt::format("{}{} {:.2g} {}", bands.empty() ? "" : ", ", model.coordinates()[i].name, band[i], effort_unit(model.coordinates()[i]));
+  }
+  if (!bands.empty())
+    out.remarks.push_back("Dry friction holds a resting joint anywhere within a band, and the intervals count it: " + bands +
+                          " on either side. --approach, or columns dq1.. of -1, 0 and 1, tell the side");
+  else if (!approached)
+    out.remarks.push_back("The model has no dry friction, which holds a resting joint anywhere within a band: the intervals know of it "
+                          "only by the scatter of the poses");
+  say_what_values_are(given, out);
+  out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return out;
+}
+
+namespace {
+
+
+bool at_end(const PayloadEstimate& load) { return load.at_bound || std::abs(load.mass) >= kAtEnd * kHeaviestLoad; }
+
+// An interval of masses in words.
+std::string range_of(const PayloadEstimate& load) {
+  const auto bound = [](double mass) {
+    return fmt::format("{:.4g}{}", mass, std::abs(mass) >= kAtEnd * kHeaviestLoad ? " or beyond" : "");
+  };
+  if (load.mass_low == 0.0 && load.mass_high > 0.0) return "below " + bound(load.mass_high);
+  if (load.mass_high == 0.0 && load.mass_low < 0.0) return "above " + bound(load.mass_low);
+  return bound(load.mass_low) + " to " + bound(load.mass_high);
+}
+
+}  // namespace
+
+bool PayloadEstimate::has_mass() const {
+  const bool excludes_zero = mass_low > 0.0 || mass_high < 0.0;
+  return excludes_zero && !at_end(*this) && mass_high - mass_low <= kWidestMass * std::abs(mass);
 }
 
 bool PayloadReport::found() const {
   if (links.empty() || links.front().gain < smallest_gain) return false;
   const PayloadEstimate& best = links.front();
-  if (best.mass >= numerics::kHeaviest) return false;
+  if (at_end(best) || !best.unexplained.empty() || best.mass_high < -best.most_off) return false;
   const bool has_moment = (best.moment.cwiseAbs() - best.moment_half_width).maxCoeff() > 0.0;
-  return best.mass_low > 0.0 || has_moment;
+  return best.has_mass() || has_moment;
+}
+
+std::string PayloadReport::headline() const {
+  if (links.empty()) return robot + ": no payload: " + reason;
+  const PayloadEstimate& best = links.front();
+  if (found() && best.has_mass())
+    return fmt::format("{}: a load of {:.3g} kg on {} (95 %: {:.3g} to {:.3g} kg)", robot, best.mass, best.frame, best.mass_low, best.mass_high);
+  if (found())
+    return fmt::format("{}: a load with a moment of {:.3g} kg m on {}, whose mass these recordings do not tell", robot, best.moment.norm(), best.frame);
+  std::string why;
+  if (best.gain >= smallest_gain && !best.unexplained.empty()) {
+    why = fmt::format(": with the best one, on {}, {} explained; `diagnose` asks for other causes", best.frame,
+                      listed(best.unexplained) + (best.unexplained.size() == 1 ? " is not" : " are not"));
+  } else if (best.gain >= smallest_gain && best.mass_high < -best.most_off) {
+    why = fmt::format(": the best one would take {:.3g} kg off {}, which has {:.3g} kg; `diagnose` asks for other causes", -best.mass, best.frame, best.most_off);
+  } else if (best.gain >= smallest_gain && at_end(best)) {
+    why = ": the best one, on " + best.frame + ", lies at the end of what was searched";
+  }
+  return robot + ": no load that these recordings could be sure of" + why;
 }
 
 std::string PayloadReport::report() const {
-  if (links.empty()) return robot + ": no payload: " + reason + "\n";
-  std::string out = found()
-                        ? fmt::format("{}: a load of {:.3g} kg on {} (95 %: {:.3g} to {:.3g} kg)\n",
-                                      robot, links.front().mass, links.front().frame,
-                                      links.front().mass_low, links.front().mass_high)
-                        : robot + ": no load that these recordings could be sure of\n";
-  out += fmt::format("  {:<22}{:>14}  {:<19}{:>8}{:>8}{:>8}  {:>9}{:>10}\n", "if it is on", "mass kg",
-                     "  95 %", "x m", "y m", "z m", "explains", "held out");
+  std::string out = headline() + "\n";
+  if (links.empty()) return out;
+  for (const std::string& remark : remarks) out += "  " + remark + ".\n";
+  out += fmt::format("  {:<22}{:>14}  {:<21}{:>8}{:>8}{:>8}  {:>9}{:>10}\n", "if it is on", "mass kg", "  95 %", "x m", "y m", "z m", "explains", "held out");
   for (const PayloadEstimate& link : links) {
-    // A mass that may be zero has no centre.
-    const bool told = link.mass_low > 0.0;
-    const std::string mass = told ? fmt::format("{:.4g}", link.mass) : "not determined";
-    const std::string range =
-        link.mass >= numerics::kHeaviest ? fmt::format("{:.4g} or beyond", numerics::kHeaviest)
-        : told ? fmt::format("{:.4g} to {:.4g}", link.mass_low, link.mass_high)
-             : fmt::format("below {:.4g}", link.mass_high);
+    const bool told = link.has_mass();
     std::string centre;
     for (size_t c = 0; c < link.seen.size(); ++c)
-      centre += told && link.seen[c] ? fmt::format("{:>8.3f}", link.com[static_cast<Eigen::Index>(c)])
-                                     : fmt::format("{:>8}", "-");
-    const double explained = numerics::kPercent * std::max(0.0, link.explained);
-    out += fmt::format("  {:<22}{:>14}  {:<19}{}  {:>7.1f} %{:>10.3f}\n", link.frame, mass, range, centre,
-                       explained, link.gain == 0.0 ? 0.0 : link.gain);
+      centre += told && link.seen[c] ? fmt::format("{:>8.3f}", link.com[static_cast<Eigen::Index>(c)]) : fmt::format("{:>8}", "-");
+    out += fmt::format("  {:<22}{:>14}  {:<21}{}  {:>7.1f} %{:>10.3f}\n", link.frame, told ? fmt::format("{:.4g}", link.mass) : "not determined",
+                       range_of(link), centre, numerics::kPercent * std::max(0.0, link.explained),
+                       link.gain == 0.0 ? 0.0 : link.gain);
     for (const std::string& other : link.others)
       out += fmt::format("    or on {}: it moves so alike that the torques cannot tell\n", other);
   }
@@ -230,7 +545,7 @@ std::string PayloadReport::report() const {
          "joints, on rows that the load was not fitted to; of a tie the outermost link comes first\n";
   const auto line = [&out](const char* name, const VectorXd& v) {
     out += fmt::format("  {:<22}", name);
-    for (Eigen::Index i = 0; i < v.size(); ++i) out += in_percent(v[i], numerics::kNumberWidth);
+    for (Eigen::Index i = 0; i < v.size(); ++i) out += in_percent(v[i], kNumberWidth);
     out += "\n";
   };
   out += "errors, % of the torque, per joint\n";

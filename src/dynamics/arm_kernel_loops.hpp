@@ -198,6 +198,7 @@ struct ArmKernelLoops {
   static ArmKernels kernels() {
     ArmKernels out;
     out.workspace = &State::workspace;
+    out.regressor_workspace = &State::regressor_workspace;
     set<&State::inverse_dynamics>(out.inverse_dynamics);
     set<&State::gravity_torques>(out.gravity_torques);
     set<&State::mass_matrix>(out.mass_matrix);

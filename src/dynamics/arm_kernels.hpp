@@ -29,6 +29,7 @@ struct ColumnsByJoint {
 struct ArmKernels {
   // Single states: scalars along the tree, columns of matrices in lanes.
   std::size_t (*workspace)(const Links&) = nullptr;
+  std::size_t (*regressor_workspace)(const Links&) = nullptr;
   void (*inverse_dynamics)(const InertialLinks&, const double* q, const double* dq,
                            const double* ddq, const LinkWrench* external, int externals,
                            double* tau, void* workspace) = nullptr;

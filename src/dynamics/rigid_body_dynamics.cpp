@@ -41,7 +41,9 @@ RigidBodyDynamics::RigidBodyDynamics(const Model& arm, const VectorRef& phi)
     : tree_(arm, Tree::Keep::kMovingLinks),
       inertia_(tree_.links.size()),
       memory_(arm_kernels().workspace(tree_)),
-      M_(MatrixXd::Zero(arm.joints(), arm.joints())) {
+      M_(MatrixXd::Zero(arm.joints(), arm.joints())),
+      tau_(VectorXd::Zero(arm.joints())),
+      at_{M_, M_, M_} {
   const auto expected = static_cast<Eigen::Index>(kBodyParameters * tree_.bodies.size());
   require(phi.size() == expected, "RigidBodyDynamics: phi has ", phi.size(), " entries, but arm '",
           arm.name(), "' has ", tree_.bodies.size(), " bodies with ", kBodyParameters, " each.");
@@ -102,11 +104,32 @@ void RigidBodyDynamics::lagrangian_gradient(const VectorRef& q, const VectorRef&
 }
 
 void RigidBodyDynamics::equation_of_motion(const VectorRef& q, const VectorRef& dq, MatrixXd& M,
-                                           VectorXd& h) {
+                                           VectorXd& h) noexcept {
   assert(q.size() == joints() && dq.size() == joints() && M.rows() == joints() &&
          M.cols() == joints() && h.size() == joints());
   arm_kernels().equation_of_motion({tree_, inertia_.data()}, q.data(), dq.data(), M.data(),
                                    h.data(), memory_.get());
+}
+
+void RigidBodyDynamics::equation_of_motion(const VectorRef& q, const VectorRef& dq, MatrixXd& M,
+                                           VectorXd& h, MatrixXd& D) noexcept {
+  assert(q.size() == h.size() && dq.size() == h.size() && M.rows() == h.size() &&
+         D.rows() == h.size());
+  arm_kernels().velocity_derivative({tree_, inertia_.data()}, q.data(), dq.data(), 1.0, M.data(),
+                                    h.data(), D.data(), memory_.get());
+}
+
+void RigidBodyDynamics::equation_of_motion(const VectorRef& q, const VectorRef& dq,
+                                           const VectorRef& ddq, const VectorRef& displacement,
+                                           MatrixXd& M, VectorXd& h, MatrixXd& D,
+                                           VectorXd& change) noexcept {
+  assert(ddq.size() == h.size() && displacement.size() == h.size() && change.size() == h.size());
+  inverse_dynamics_derivatives(q, dq, ddq, tau_, at_);
+  M = at_.by_ddq;
+  D = at_.by_dq;
+  h = tau_;
+  h.noalias() -= M * ddq;
+  change.noalias() = at_.by_q * displacement;
 }
 
 bool RigidBodyDynamics::forward_dynamics(const VectorRef& q, const VectorRef& dq,
@@ -139,27 +162,6 @@ bool RigidBodyDynamics::forward_dynamics_derivatives(const VectorRef& q, const V
   return arm_kernels().forward_derivatives(
       {tree_, inertia_.data()}, q.data(), dq.data(), tau.data(), ddq.data(),
       derivatives.by_q.data(), derivatives.by_dq.data(), derivatives.by_tau.data(), memory_.get());
-}
-
-TorqueRegressor::TorqueRegressor(const Model& arm)
-    : tree_(arm, Tree::Keep::kMovingLinks), memory_(arm_kernels().workspace(tree_)) {}
-
-void TorqueRegressor::evaluate(const VectorRef& q, const VectorRef& dq, const VectorRef& ddq,
-                               MatrixXd& Y) {
-  const Links tree = tree_;
-  assert(q.size() == tree.joints && dq.size() == tree.joints && ddq.size() == tree.joints &&
-         Y.rows() == tree.joints && Y.cols() == kBodyParameters * tree.bodies);
-  arm_kernels().regressor(tree, q.data(), dq.data(), ddq.data(), Y.data(), memory_.get());
-}
-
-MatrixXd torque_regressor(const Model& arm, const VectorRef& q, const VectorRef& dq,
-                          const VectorRef& ddq) {
-  require_state("torque_regressor", arm, q, "q");
-  require_state("torque_regressor", arm, dq, "dq");
-  require_state("torque_regressor", arm, ddq, "ddq");
-  MatrixXd Y(arm.joints(), static_cast<Eigen::Index>(kBodyParameters * arm.bodies().size()));
-  TorqueRegressor(arm).evaluate(q, dq, ddq, Y);
-  return Y;
 }
 
 VectorXd inverse_dynamics(const Model& arm, const VectorRef& q, const VectorRef& dq,

@@ -79,7 +79,7 @@ class BaseCompliance final : public ArmEffect {
   bool asked_unnamed() const override { return false; }
 
   std::vector<MatrixXd> columns(const ChannelMotion& motion, std::optional<JointIndex> /*joint*/) const override {
-    const RegressorBatch bodies(Model(on_free_base(motion.arm.description())));
+    const TorqueRegressor bodies(Model(on_free_base(motion.arm.description())));
     const Eigen::Index rows = motion.q.rows(), n = motion.q.cols();
     const MatrixXd none = MatrixXd::Zero(rows, 2);
     MatrixXd tau;

@@ -66,7 +66,7 @@ std::vector<double> values_of(const ArmEffect& effect, const EffectTerm& term) {
 
 }  // namespace
 
-MatrixXd arm_effect_torques(const Model& arm, const RegressorBatch& bodies, const MatrixXd& q,
+MatrixXd arm_effect_torques(const Model& arm, const TorqueRegressor& bodies, const MatrixXd& q,
                             const MatrixXd& dq, const MatrixXd& ddq, double dt) {
   const auto phi = arm.inertial_values();
   if (arm.arm_effects().empty() || !phi) return {};

@@ -38,7 +38,7 @@ class GravityTilt final : public ArmEffect {
       ModelDescription d = motion.arm.description();
       const double roll = k == 0 ? kStep : 0.0;
       d.gravity = change_of_gravity(d.gravity, roll, kStep - roll) / kStep;
-      RegressorBatch(Model(std::move(d))).torques(motion.q, rest, rest, motion.phi, out[k]);
+      TorqueRegressor(Model(std::move(d))).torques(motion.q, rest, rest, motion.phi, out[k]);
     }
     return out;
   }

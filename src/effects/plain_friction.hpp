@@ -13,6 +13,7 @@ constexpr const char* kPlainOffset = "torque_offset";
 
 /// Name of the further effect of geared joints.
 constexpr const char* kRotorInertia = "rotor_inertia";
+constexpr const char* kJointSpring = "joint_spring";
 
 /// True if no effect of the arm is friction, as in most manufacturers' files.
 bool has_no_friction(const Model& arm);

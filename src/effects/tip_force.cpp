@@ -58,7 +58,7 @@ class TipForce final : public ArmEffect {
     std::vector<MatrixXd> out(3);
     for (int k = 0; k < 3; ++k) {
       d.gravity = Eigen::Vector3d::Unit(k);
-      RegressorBatch(Model(d)).torques(motion.q, rest, rest, point, out[k]);
+      TorqueRegressor(Model(d)).torques(motion.q, rest, rest, point, out[k]);
     }
     return out;
   }

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "math/digits.hpp"
@@ -6,6 +7,9 @@
 
 namespace veridyn {
 namespace {
+
+/// factor >= kLeastFactor: a gain never turns a torque round.
+constexpr double kLeastFactor = 0.01;
 
 /// recorded = (1 + error) * true, of one joint's torque: a wrong motor constant, gear ratio or
 /// amplifier scale.
@@ -37,7 +41,7 @@ class TorqueGain final : public TorqueChannel {
   }
   void change(RecordedChannel& shown, std::optional<JointIndex> /*from*/,
               const std::vector<double>& values) const override {
-    shown.torque_gain *= 1.0 + values[0];
+    shown.torque_gain *= std::max(1.0 + values[0], kLeastFactor);
   }
   bool scales_torque() const override { return true; }
   bool may_begin_suddenly() const override { return true; }

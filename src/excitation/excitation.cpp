@@ -9,6 +9,7 @@
 #include <set>
 #include <utility>
 
+#include "excitation/cautions.hpp"
 #include "motion_quality.hpp"
 #include "excitation/search/motion_search.hpp"
 #include "slow_passes.hpp"
@@ -43,6 +44,8 @@ void check(const ExcitationOptions& o) {
   const double share = o.limit_share.value_or(1.0);
   require(share > 0.0 && share <= 1.0, "excitation: found a limit share of ", share,
           ", expected above 0 and at most 1.");
+  require(o.speed > 0.0 && o.speed <= 1.0, "excitation: found a speed of ", o.speed,
+          ", expected above 0 and at most 1, the share of the designed one.");
   require(o.braking > 0.0, "excitation: found a braking of ", o.braking, " 1/s, expected above 0.");
   require(o.essential >= 0.0 && o.essential < 1.0, "excitation: found an essential share of ",
           o.essential, ", expected 0 to 1.");
@@ -181,6 +184,19 @@ class Design {
   };
   Candidate polished(Candidate best, int start, Found& found) const;
   Candidate search(const std::shared_ptr<const Asked>& asked, int start, Found& found) const;
+  Candidate widened(Candidate best, Found& found) const;
+  double share_of_range(const VectorXd& x, int joint) const;
+  // Other criteria than these ask for one thing alone.
+  bool widens() const {
+    return options_.solver != ExcitationSolver::kRandom &&
+           (options_.criterion == ExcitationCriterion::kDOptimal || options_.criterion == ExcitationCriterion::kAOptimal);
+  }
+  bool all_wide(const VectorXd& x) const {
+    for (int i = 0; i < space_.joints(); ++i) {
+      if (share_of_range(x, i) < kLittleUse) return false;
+    }
+    return true;
+  }
   VectorXd numbers_of(const Candidate& end, const Found& found) const;
   std::optional<Candidate> from_numbers(const std::shared_ptr<const Asked>& asked, const VectorXd& numbers, Found& found) const;
   void describe(const Candidate& best, const VectorXd& random, Excitation& out) const;
@@ -241,6 +257,38 @@ Design::Candidate Design::search(const std::shared_ptr<const Asked>& asked, int 
   return best;
 }
 
+double Design::share_of_range(const VectorXd& x, int joint) const {
+  const MotionBounds bounds = space_.trajectory(x).bounds();
+  return (bounds.upper[joint] - bounds.lower[joint]) / (limits_.upper[joint] - limits_.lower[joint]);
+}
+
+// The best motion in which joints of little use have a larger range, one after the other, the least used
+// first; a joint that the limits hold stays where it is.
+Design::Candidate Design::widened(Candidate best, Found& found) const {
+  if (!widens() || best.x.size() == 0) return best;
+  std::vector<int> order;
+  for (int i = 0; i < space_.joints(); ++i) {
+    const double most = (space_.limits().upper[i] - space_.limits().lower[i]) / (limits_.upper[i] - limits_.lower[i]);
+    if (share_of_range(best.x, i) < kLittleUse && most > kLittleUse) order.push_back(i);
+  }
+  std::sort(order.begin(), order.end(), [&, from = best.x](int a, int b) { return share_of_range(from, a) < share_of_range(from, b); });
+  const MotionSearch searcher(space_, signals_, best.asked->question, options_, solver_, progress_);
+  for (const int joint : order) {
+    if (stopped()) break;
+    std::vector<int> wide = {joint};
+    for (int i = 0; i < space_.joints(); ++i) {
+      if (i != joint && share_of_range(best.x, i) >= kLittleUse) wide.push_back(i);
+    }
+    if (share_of_range(best.x, joint) >= kLittleUse) continue;
+    const VectorXd next = searcher.widened(best.x, wide, limits_, found);
+    const auto is_wide = [&](int i) { return share_of_range(next, i) >= kLittleUse; };
+    if (next.size() == 0 || !std::all_of(wide.begin(), wide.end(), is_wide)) continue;
+    best.x = next;
+    best.cost = cost(*best.asked, next);
+  }
+  return best;
+}
+
 // A finished start as numbers: its cost, convergence and evaluations, then lists with their lengths.
 VectorXd Design::numbers_of(const Candidate& end, const Found& found) const {
   std::vector<double> out = {end.cost, found.converged ? 1.0 : 0.0, static_cast<double>(found.evaluations)};
@@ -288,8 +336,14 @@ std::optional<Design::Candidate> Design::from_numbers(const std::shared_ptr<cons
 void Design::describe(const Candidate& best, const VectorXd& random, Excitation& out) const {
   const Asked& asked = *best.asked;
   const MotionSamples motion = out.trajectory.motion(periods_, options_.rate);
-  const bool within = best.x.size() > 0;
+  bool within = best.x.size() > 0;
   out.margins = limit_margins(signals_, out.trajectory);
+  // A slower motion keeps every limit but those of torques, which inertia may have helped to hold.
+  if (within && options_.speed < 1.0 &&
+      std::any_of(out.margins.begin(), out.margins.end(), [](const LimitMargin& m) { return m.margin < 0.0; })) {
+    out.status = ExcitationStatus::kLimitsNotMet;
+    within = false;
+  }
   const MotionSamples passes =
       within ? slow_passes(space_.limits(), motion.q.row(0).transpose(),
                            slow_joints(asked.question, arm_), options_.slow_passes, options_.rate,
@@ -300,6 +354,8 @@ void Design::describe(const Candidate& best, const VectorXd& random, Excitation&
     out.slow_seconds = passes.time[passes.rows() - 1];
   }
   out.motion = joined(motion, passes);
+  out.lowest = lowest_point(arm_, options_.workspace.collisions.shapes, out.motion);
+  out.cautions = cautions(arm_, options_, out.lowest, with_values(arm_, options_));
   for (const Coordinate& joint : arm_.coordinates()) out.used.push_back(used_limits(out.margins, joint.name));
   out.limit_share = options_.limit_share.value_or(0.0);
   const BaseRegressor all(arm_);
@@ -335,7 +391,7 @@ Excitation Design::run() {
           "' depend on no parameters: it has neither bodies nor effects.");
   // Memory of the whole motion's regressor: base columns, and perhaps three times as many others.
   const double most = std::floor(most_rows(4.0 * arm_.joints() * asked->exact.size()));
-  const double longest = std::max(options_.duration, seconds());  // two periods may take longer
+  const double longest = std::max(options_.duration, seconds()) / options_.speed;  // two periods may take longer
   require(longest * options_.rate < most, "excitation: found ", longest, " s at ", options_.rate,
           " Hz and a base frequency of ", options_.frequency, " Hz, expected fewer than ", most,
           " rows, what this machine holds.");
@@ -356,16 +412,23 @@ Excitation Design::run() {
   });
   if (options_.progress) options_.progress("searching", 1.0);
   const auto rank = [](const Candidate& c) { return std::make_pair(c.x.size() == 0, c.cost); };
-  const auto last =
+  const auto first =
       std::min_element(ends.begin(), ends.end(),
                        [&](const Candidate& a, const Candidate& b) { return rank(a) < rank(b); });
-  const Found& of_last = found[last - ends.begin()];
-  const bool within = last->x.size() > 0;
+  Found& of_last = found[first - ends.begin()];
+  Candidate last = widened(*first, of_last);
+  // Another start may have found a better motion of wide ranges.
+  for (const Candidate& other : ends) {
+    const bool wide = widens() && other.x.size() > 0 && all_wide(other.x);
+    if (wide && last.x.size() > 0 && !all_wide(first->x) && (!all_wide(last.x) || other.cost < last.cost)) last = other;
+  }
+  const bool within = last.x.size() > 0;
   Excitation out{within ? ExcitationStatus::kDone : ExcitationStatus::kLimitsNotMet, arm_.name(),
                  options_.criterion, options_.solver,
-                 space_.trajectory(within ? last->x : of_last.nearest)};
+                 space_.trajectory(within ? last.x : of_last.nearest).at_speed(options_.speed)};
   out.periods = periods_;
-  describe(*last, found.front().start, out);
+  out.speed = options_.speed;
+  describe(last, found.front().start, out);
   for (const Found& f : found) out.evaluations += f.evaluations;
   out.interrupted = stopped();
   out.converged = of_last.converged;

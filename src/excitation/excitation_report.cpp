@@ -143,7 +143,13 @@ std::vector<std::string> Excitation::warnings() const {
 }
 
 std::string Excitation::report() const {
-  std::string out = fmt::format(
+  std::string out;
+  for (const std::string& caution : cautions) out += caution + ".\n";
+  if (speed < 1.0)
+    out += fmt::format("The path is played at {:.3g} of its designed speed.\n", speed);
+  else
+    out += "First run: the same command with --speed 0.5 writes this path at half its speed.\n";
+  out += fmt::format(
       "Excitation of {}: {} periods of {:.4g} s, {} harmonics, {:.4g} s in all, from rest to "
       "rest.\n",
       robot, periods, trajectory.period(), trajectory.harmonics(), periods * trajectory.period());
@@ -173,8 +179,6 @@ std::string Excitation::report() const {
   std::sort(gaps.begin(), gaps.end(), [](const auto& a, const auto& b) { return a.margin < b.margin; });
   for (size_t k = 0; k < std::min(kNamedGaps, gaps.size()); ++k) out += margin_line(gaps[k]);
   if (gaps.size() > kNamedGaps) out += fmt::format("{} more pairs of links stay farther apart.\n", gaps.size() - kNamedGaps);
-  if (!touching.empty())
-    out += fmt::format("Not kept apart, since their shapes overlap at nearly every posture: {}.\n", fmt::join(touching, ", "));
   return out;
 }
 

@@ -4,11 +4,14 @@
 #include <cmath>
 #include <filesystem>
 
+#include "effects/plain_friction.hpp"
 #include "math/words.hpp"
 #include "math/eigen_pose.hpp"
 #include "veridyn/regressor/base_parameters.hpp"
+#include "veridyn/regressor/standard_parameters.hpp"
 #include "veridyn/identification/feasible_least_squares.hpp"
 #include "veridyn/identification/pseudo_inertia.hpp"
+#include "veridyn/model/physical_faults.hpp"
 #include "math/dense.hpp"
 #include "veridyn/math/require.hpp"
 #include "model/suggestion.hpp"
@@ -21,7 +24,13 @@ constexpr double kRodDensity = 1000.0;   // [kg/m^3]
 constexpr double kShortestRod = 0.05;    // [m]
 constexpr double kSmallestRadius = 0.005;  // [m] of a manufacturer's body, about its centre
 constexpr double kTorquesOverPrior = 1e4;  // weight of the torques' rows relative to the prior
+// Weight of a drawing's mass: a tenth beside it costs as much as bodies whose shapes differ by e^50 in all, so
+// that torques alone move it.
+constexpr double kMassTrust = 1e4;
 constexpr int kTurns = 2;                  // of the method of multipliers; the second leaves 1e-8 of the rows at most
+
+constexpr double kIdleRotor = 1e-6;  // share of the largest body's inertia below which a rotor has none
+constexpr const char* kRotorValue = "inertia";  // parameter of the effect
 
 const char* const kSymbols[] = {"m", "hx", "hy", "hz", "Lxx", "Lxy", "Lyy", "Lxz", "Lyz", "Lzz"};
 
@@ -55,20 +64,24 @@ InertialVector rod(const Model& arm, int frame) {
   return inertial_parameters(J);
 }
 
-// The prior's body of that name if it is physically consistent, else the manufacturer's, else the
-// rod.
-InertialVector prior_of(const Model& arm, int frame, const std::optional<Model>& prior) {
+// The prior's body of that name if it is possible, else the manufacturer's, else the rod.
+struct BodyPrior {
+  InertialVector phi;
+  bool drawn = true;  // false: the rod
+};
+
+BodyPrior prior_of(const Model& arm, int frame, const std::optional<Model>& prior) {
+  const auto usable = [&](const std::optional<InertialParameters>& phi) {
+    return phi && (*phi)[0] > 0.0 && body_fault("", *phi).empty();
+  };
   if (prior) {
     const int there = prior->find_frame(arm.frames()[frame].name);
-    if (there >= 0) {
-      const std::optional<Body>& body = prior->frames()[there].body;
-      if (body && body->phi && smallest_scaled_eigenvalue(pseudo_inertia(*body->phi)) > 1e-6)
-        return *body->phi;
-    }
+    const std::optional<Body> body = there >= 0 ? prior->frames()[there].body : std::nullopt;
+    if (body && usable(body->phi)) return {with_size(*body->phi, kSmallestRadius)};
   }
   const Body& own = *arm.frames()[frame].body;
-  if (own.prior && (*own.prior)[0] > 0.0) return with_size(*own.prior, kSmallestRadius);
-  return rod(arm, frame);
+  if (usable(own.prior)) return {with_size(*own.prior, kSmallestRadius)};
+  return {rod(arm, frame), false};
 }
 
 bool all_possible(const VectorXd& phi) {
@@ -79,22 +92,31 @@ bool all_possible(const VectorXd& phi) {
   return true;
 }
 
-Model with_phi(const Model& arm, const VectorXd& phi) {
+// The arm with these values of its free columns.
+Model with_chosen(const Model& arm, const std::vector<Eigen::Index>& free, const VectorXd& x) {
   ModelDescription d = arm.description();
-  for (size_t b = 0; b < arm.bodies().size(); ++b) {
-    d.frames[arm.bodies()[b]].body->phi =
-        phi.segment<kBodyParameters>(static_cast<Eigen::Index>(kBodyParameters * b));
+  const std::vector<StandardParameter> parameters = standard_parameters(arm);
+  for (size_t j = 0; j < free.size(); ++j) {
+    const StandardParameter& p = parameters[free[j]];
+    const double value = x[static_cast<Eigen::Index>(j)];
+    if (p.body) (*d.frames[arm.bodies()[*p.body]].body->phi)[p.component] = value;
+    else if (value != p.value) d.effects[*p.effect].values[kRotorValue] = value;
   }
   return Model(std::move(d));
 }
 
-// Columns of the bodies that are not facts.
-std::vector<Eigen::Index> free_columns(const Model& arm) {
+// Columns of the bodies that are not facts, then, with kArmatures, of rotor inertias of single joints.
+std::vector<Eigen::Index> free_columns(const Model& arm, RotorPlace rotors) {
   std::vector<Eigen::Index> out;
-  for (size_t b = 0; b < arm.bodies().size(); ++b) {
-    if (arm.frames()[arm.bodies()[b]].body->fixed) continue;
-    for (size_t c = 0; c < kBodyParameters; ++c)
-      out.push_back(static_cast<Eigen::Index>(kBodyParameters * b + c));
+  const std::vector<StandardParameter> parameters = standard_parameters(arm);
+  for (size_t p = 0; p < parameters.size(); ++p) {
+    bool free = parameters[p].body && !arm.frames()[arm.bodies()[*parameters[p].body]].body->fixed;
+    if (parameters[p].effect && rotors == RotorPlace::kArmatures) {
+      const EffectTerm& term = arm.effects()[*parameters[p].effect];
+      free = term.effect == kRotorInertia && term.axis.coefficients.cwiseAbs().sum() == 1.0 &&
+             term.axis.coefficients.maxCoeff() == 1.0 && parameters[p].value >= 0.0 && !parameters[p].fixed;
+    }
+    if (free) out.push_back(static_cast<Eigen::Index>(p));
   }
   return out;
 }
@@ -122,9 +144,10 @@ TorqueRows torque_rows(const BaseParameters& base, const VectorXd& phi,
   return out;
 }
 
-// Magnitudes of a body's ten parameters.
-VectorXd sizes_of(const std::vector<InertialVector>& priors) {
-  VectorXd out(kBodyParameters * priors.size());
+// Magnitudes of a body's ten parameters, and of rotor inertias after them.
+VectorXd sizes_of(const std::vector<InertialVector>& priors, Eigen::Index rotors) {
+  VectorXd out(static_cast<Eigen::Index>(kBodyParameters * priors.size()) + rotors);
+  out.tail(rotors).setZero();
   for (size_t b = 0; b < priors.size(); ++b) {
     const double m = priors[b][0];
     const double J = 0.5 * (priors[b][4] + priors[b][6] + priors[b][9]);
@@ -132,6 +155,7 @@ VectorXd sizes_of(const std::vector<InertialVector>& priors) {
     own[0] = m;
     own.segment<3>(1).setConstant(std::sqrt(m * J));
     own.tail<6>().setConstant(J);
+    out.tail(rotors) = out.tail(rotors).cwiseMax(J);
   }
   return out;
 }
@@ -153,29 +177,60 @@ std::vector<PortableBody> described(const Model& arm, const BaseParameters& base
   return out;
 }
 
+// A rotor inertia of zero on every joint that has none.
+Model with_all_rotors(const Model& arm) {
+  ModelDescription d = with_effect_of_all_joints(arm, kRotorInertia).description();
+  for (size_t e = arm.effects().size(); e < d.effects.size(); ++e) d.effects[e].values = {{kRotorValue, 0.0}};
+  return Model(std::move(d));
+}
+
+// The arm without the rotor inertias of zero that were added to it.
+Model without_idle_rotors(const Model& arm, size_t effects) {
+  ModelDescription d = arm.description();
+  const auto idle = [](const EffectTerm& term) { return term.values.at(kRotorValue) == 0.0; };
+  d.effects.erase(std::remove_if(d.effects.begin() + static_cast<std::ptrdiff_t>(effects), d.effects.end(), idle), d.effects.end());
+  return Model(std::move(d));
+}
+
 }  // namespace
 
-PortableModel portable_model(const Model& arm, const std::optional<Model>& prior) {
-  const auto phi = arm.inertial_values();
-  require(phi.has_value(), "export: arm '", arm.name(),
+PortableModel portable_model(const Model& given, const std::optional<Model>& prior, RotorPlace rotors) {
+  const auto phi = given.inertial_values();
+  require(phi.has_value(), "export: arm '", given.name(),
           "' has bodies without values, expected a MODEL that identify or diagnose wrote.");
-  PortableModel out{arm, {}, false, {}, {}};
-  if (!arm.description().identified) return out;
+  PortableModel out{given, {}, false, {}, {}};
+  if (!given.description().identified) return out;
+  const Model arm = rotors == RotorPlace::kArmatures ? with_all_rotors(given) : given;
   const BaseParameters base = base_parameters(arm);
-  out.bodies = described(arm, base, *phi);
-  const std::vector<Eigen::Index> free = free_columns(arm);
-  if (free.empty()) return out;
+  out.bodies = described(given, base, *phi);
+  const std::vector<Eigen::Index> free = free_columns(arm, rotors);
   FeasibleProblem problem;
   FeasibleOptions options;
   std::vector<InertialVector> priors;
+  std::vector<bool> drawn;
   for (size_t b = 0; b < arm.bodies().size(); ++b) {
     if (arm.frames()[arm.bodies()[b]].body->fixed) continue;
     problem.body_columns.push_back(static_cast<int>(kBodyParameters * priors.size()));
-    priors.push_back(prior_of(arm, arm.bodies()[b], prior));
+    const BodyPrior own = prior_of(arm, arm.bodies()[b], prior);
+    priors.push_back(own.phi);
+    drawn.push_back(own.drawn);
   }
-  const VectorXd scale = sizes_of(priors);
-  const TorqueRows rows = torque_rows(base, *phi, free, scale);
+  if (priors.empty()) return out;
+  const auto columns = static_cast<Eigen::Index>(free.size());
+  const auto of_bodies = static_cast<Eigen::Index>(kBodyParameters * priors.size());
+  const VectorXd scale = sizes_of(priors, columns - of_bodies);
+  const TorqueRows rows = torque_rows(base, standard_values(arm), free, scale);
   problem.R = kTorquesOverPrior * rows.A;
+  problem.G = -MatrixXd::Identity(columns, columns).bottomRows(columns - of_bodies);
+  problem.h = VectorXd::Zero(columns - of_bodies);
+  options.quadratic_prior.weight = VectorXd::Zero(columns);
+  options.quadratic_prior.x = VectorXd::Zero(columns);
+  for (size_t b = 0; b < priors.size(); ++b) {
+    if (!drawn[b]) continue;
+    const double mass = priors[b][0];
+    options.quadratic_prior.weight[problem.body_columns[b]] = kMassTrust / (mass * mass);
+    options.quadratic_prior.x[problem.body_columns[b]] = mass;
+  }
   options.entropic_prior.weight = 1.0;
   options.entropic_prior.phi = priors;
   options.gap_tolerance = 1e-7;
@@ -187,28 +242,30 @@ PortableModel portable_model(const Model& arm, const std::optional<Model>& prior
     found = solve_feasible_least_squares(problem, options);
     wanted += rows.b - rows.A * found.x;
   }
-  // Corrects rounding by the shortest step, in the prior's units, that restores the torques.
-  const MatrixXd A = rows.A * scale.asDiagonal();
+  // Corrects rounding by the shortest step, in the prior's units, that restores the torques. A rotor
+  // inertia of nearly nothing is none.
   VectorXd x = found.x;
+  VectorXd step_scale = scale;
+  for (Eigen::Index j = of_bodies; j < columns; ++j) {
+    if (x[j] > kIdleRotor * scale[j]) continue;
+    x[j] = 0.0;
+    step_scale[j] = 0.0;
+  }
+  const MatrixXd A = rows.A * step_scale.asDiagonal();
   for (int step = 0; step < 2; ++step)
-    x += scale.asDiagonal() * least_norm(A, VectorXd(rows.b - rows.A * x));
-  if (!found.feasible || !all_possible(x)) {
+    x += step_scale.asDiagonal() * least_norm(A, VectorXd(rows.b - rows.A * x));
+  if (!found.feasible || !all_possible(x.head(of_bodies)) || (x.array().tail(columns - of_bodies) < 0.0).any()) {
     out.remark = "no values near " + std::string(prior ? "the prior" : "plain rods") + " give these torques with possible bodies: values stay as "
                  "identified";
     return out;
   }
-  VectorXd chosen = *phi;
-  for (size_t j = 0; j < free.size(); ++j) chosen[free[j]] = x[static_cast<Eigen::Index>(j)];
-  out.arm = with_phi(arm, chosen);
+  out.arm = without_idle_rotors(with_chosen(arm, free, x), given.effects().size());
   out.changed = true;
-  const auto drawn = std::count_if(arm.bodies().begin(), arm.bodies().end(), [&](int k) {
-    const auto& own = arm.frames()[k].body->prior;
-    return own && (*own)[0] > 0.0;
-  });
+  const auto count = std::count(drawn.begin(), drawn.end(), true);
   const std::string rod_words = "a rod of 5 cm diameter and the density of water along every ";
   out.prior = prior      ? "the bodies of " + prior->name()
-              : !drawn   ? rod_words + "link"
-              : drawn == static_cast<long>(arm.bodies().size())
+              : count == 0 ? rod_words + "link"
+              : count == static_cast<long>(drawn.size())
                   ? "the bodies of the robot file that the model was identified from"
                   : "the bodies of the robot file that the model was identified from, and " + rod_words + "other link";
   out.bodies = described(out.arm, base, *phi);
@@ -250,10 +307,10 @@ Model with_sizes_of_points(const Model& arm) {
 }  // namespace
 
 ExportedModel exported_model(const Model& arm, const std::optional<Model>& prior,
-                             const std::string& meshes_from) {
+                             const std::string& meshes_from, RotorPlace rotors) {
   ExportedModel out{arm, {}, {}, {}};
   if (arm.inertial_values()) {
-    const PortableModel portable = portable_model(arm, prior);
+    const PortableModel portable = portable_model(arm, prior, rotors);
     out.arm = with_sizes_of_points(portable.arm);
     out.extras.remarks = remarks_on(portable);
     if (!portable.remark.empty()) out.warnings.push_back(portable.remark);

@@ -1,5 +1,6 @@
 #include "veridyn/identification/identification.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <map>
@@ -16,6 +17,7 @@
 #include "identification/base_solution.hpp"
 #include "identification/feasible/feasible_fit.hpp"
 #include "identification/instrumental.hpp"
+#include "identification/silent_joints.hpp"
 #include "identification/velocity_choice.hpp"
 #include "math/dense.hpp"
 #include "math/output_file.hpp"
@@ -76,7 +78,9 @@ bool rank_deficient(const Model& arm, const BaseParameters& arm_base,
   if (rest > 0) open += text(told > 0 ? " and " : "", rest, told > 0 ? " more" : rest > 1 ? " sums of parameters" : " sum of parameters");
   id.reason = shortfall(arm_base, data_base, id.still_joints);
   // If the gap concerns nearly all of them, listing their names does not help.
-  if (!id.still_joints.empty() || static_cast<int>(id.undetermined.size()) <= arm_base.size() / 2) {
+  if (!id.still_joints.empty() && static_cast<int>(id.still_joints.size()) == arm.joints()) {
+    id.reason += "; gravity, offsets and forces of position of an arm at rest are identified with --at-rest";
+  } else if (!id.still_joints.empty() || static_cast<int>(id.undetermined.size()) <= arm_base.size() / 2) {
     id.reason += "; undetermined: " + open;
   } else {
     id.reason += text("; the ", arm_base.size() - data_base.size(),
@@ -254,14 +258,14 @@ bool fit_arm(const Model& arm, const std::vector<CompressedRecording>& recording
   for (const CompressedRecording& r : recordings) {
     id.rows += r.rows;
     if (r.rows == 0.0) {
-      id.reason = r.source + ": no usable samples are left after gaps, edges and row limits";
+      id.reason = no_sample_left(r, options.preprocessing);
       return false;
     }
   }
   id.still_joints = still_joints(arm, recordings, numbers);
   if (id.still_joints.empty() && std::all_of(recordings.begin(), recordings.end(),
                                             [&numbers](const CompressedRecording& r) { return without_torque(r, numbers); })) {
-    id.reason = recordings.front().source + ": the torques of all joints are zero throughout";
+    id.reason = recordings.front().source + ": the torques of all joints are zero throughout: not recorded? Record the efforts, or name their columns by --map tau=SOURCE";
     return false;
   }
   id.noise_floor = mean_noise_floor(recordings, arm.joints());
@@ -291,7 +295,7 @@ bool fit_factors(AskedArm& arm, std::vector<CompressedRecording>& recordings,
   if (std::string remark = arm.remark(); !remark.empty())
     id.remarks.insert(id.remarks.begin(), std::move(remark));
   for (const std::string& fault : physical_faults(arm.used()))
-    id.remarks.push_back("The robot file has what no arm has: " + fault + ".");
+    id.remarks.push_back("The robot file has what no arm has, and its values are no prior: " + fault + ".");
   return done;
 }
 
@@ -337,6 +341,24 @@ Identification identify_named(const Model& arm, const std::vector<std::string>& 
 
 }  // namespace
 
+namespace {
+
+// Torques so small that no body is as light: the model leaves more of a joint than there is.
+bool torques_are_none(Identification& id) {
+  double largest = 0.0;
+  for (const CompressedRecording& r : id.factors) {
+    for (const TorqueFacts& joint : r.joints) largest = std::max({largest, joint.maximum, -joint.minimum});
+  }
+  if (largest > identifying::kHardlyTorque || !(id.train_error.relative.array() > 1.0).any()) return false;
+  id.model.reset();
+  id.status = IdentificationStatus::kNotConverged;
+  id.reason = text("the largest torque is ", largest, ", and the lightest possible arm leaves up to ", 100.0 * id.train_error.relative.maxCoeff(),
+                   " % of a joint's: expected torques in N m and N (--units tau=...)");
+  return true;
+}
+
+}  // namespace
+
 Identification identify_compressed(const Model& file, std::vector<CompressedRecording> trained,
                                    const std::vector<std::string>& train,
                                    const std::vector<std::string>& test,
@@ -354,11 +376,27 @@ Identification identify_compressed(const Model& file, std::vector<CompressedReco
     merge_blocks(r, blocks_of_each(static_cast<int>(trained.size()), numbers));
   id.seconds.compress = seconds_since(begin);
   say("solving", identifying::kSolving);
-  if (!fit_factors(arm, trained, options, numbers, id)) return id;
+  // Zeros that nobody measured are no torques; with all joints silent there is nothing to identify.
+  std::set<int> silent = silent_joints(trained);
+  if (static_cast<int>(silent.size()) == file.joints()) silent.clear();
+  std::string names;
+  for (const int j : silent) names += (names.empty() ? "" : ", ") + file.coordinates()[static_cast<size_t>(j)].name;
+  if (!silent.empty()) {
+    id.remarks.push_back("The torque of " + names + " is zero throughout: it was not recorded, or nothing drove the joint. Its rows are "
+                         "left out, and what it alone shows, as its friction, is not identified.");
+    if (std::string friction = arm.remark(); !friction.empty()) id.remarks.push_back(std::move(friction));
+    arm = AskedArm(without_effects_of(silent, arm.used()), JointFriction::kFile);
+    leave_joints_out(silent, trained);
+  }
+  if (!fit_factors(arm, trained, options, numbers, id)) {
+    if (!silent.empty()) id.reason += "; the torque of " + names + " is zero throughout, and the other joints alone do not determine the arm";
+    return id;
+  }
   refit_with_instruments(arm.used(), trained, options, id);
   say("validating", identifying::kValidating);
   id.factors = std::move(trained);
   validate(arm.used(), test, options, numbers, id);
+  if (torques_are_none(id)) return id;
   keep_training_error(id);
   say("done", 1.0);
   return id;
@@ -366,7 +404,10 @@ Identification identify_compressed(const Model& file, std::vector<CompressedReco
 
 Identification identify(const Model& arm, const Recordings& train, const Recordings& test,
                         const IdentificationOptions& options) {
-  return identify(arm, train, test, options, IdentificationNumbers());
+  Identification id = identify(arm, train, test, options, IdentificationNumbers());
+  id.preprocessing.in_memory = options.preprocessing.in_memory;  // shared with the caller
+  train.placed_in(id.preprocessing.in_memory);
+  return id;
 }
 
 Identification identify(const Model& arm, const Recordings& train, const Recordings& test,
@@ -417,6 +458,8 @@ const std::vector<TableNumber<IdentificationNumbers>>& identification_numbers() 
       number_of<&T::untied>("untied")};
   return kAll;
 }
+
+void save(const Model& arm, const std::string& path) { save_model(arm, path); }
 
 void save(const Identification& id, const std::string& path, const std::string& command,
           const std::string& robot) {

@@ -104,6 +104,8 @@ namespace identifying {
 // Definitions.
 /// speed > kMovingShare * the joint's largest: a moving row, whose error docs/contract.md counts apart.
 constexpr double kMovingShare = 0.02;
+constexpr double kHardlyTorque = 1e-4;    ///< [N m], [N] below what any arm's drives show
+constexpr std::size_t kShownAtEdge = 4;   ///< bodies and bounds at the edge in the text; the JSON has all
 constexpr double kBand = 0.95;             ///< share of the poses within the printed band
 
 // Words.

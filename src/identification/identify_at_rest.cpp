@@ -13,12 +13,9 @@
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
-namespace {
 
-// The arm with what a resting arm shows. Whether dry friction is part of it depends on what is known.
-Model resting_arm(const Model& file, bool approached) {
+Model with_effects_at_rest(const Model& file, bool approached) {
   ModelDescription d = file.description();
-  d.identified.reset();
   d.effects.erase(std::remove_if(d.effects.begin(), d.effects.end(),
                                  [&](const EffectTerm& term) {
                                    if (channel_effect(term.effect) != nullptr) return true;
@@ -28,6 +25,28 @@ Model resting_arm(const Model& file, bool approached) {
                                           (t.uses_velocity && !dry);
                                  }),
                   d.effects.end());
+  return Model(std::move(d));
+}
+
+VectorXd dry_friction(const Model& arm) {
+  VectorXd out = VectorXd::Zero(arm.joints());
+  for (const EffectTerm& term : arm.effects()) {
+    if (!has_axis_effect(term.effect)) continue;
+    const EffectFacts effect(arm, term);
+    if (effect.traits().dry != DryFriction::kConstant || !effect.has_values()) continue;
+    AxisSample moving;
+    moving.ds = 1.0;
+    out += std::abs(effect.force_at(moving)) * term.axis.coefficients.cwiseAbs();
+  }
+  return out;
+}
+
+namespace {
+
+// The arm with what a resting arm shows. Whether dry friction is part of it depends on what is known.
+Model resting_arm(const Model& file, bool approached) {
+  ModelDescription d = with_effects_at_rest(file, approached).description();
+  d.identified.reset();
   Model out = with_effect_of_all_joints(Model(std::move(d)), kPlainOffset);
   return approached ? with_effect_of_all_joints(out, kPlainCoulomb) : out;
 }
@@ -90,6 +109,12 @@ CompressedRecording compressed(const Model& arm, const RestPoses& poses, const I
   out.rows = static_cast<double>(poses.poses() * arm.joints());
   return out;
 }
+
+}  // namespace
+
+CompressedRecording compress(const Model& arm, const RestPoses& poses) { return compressed(arm, poses, IdentificationNumbers()); }
+
+namespace {
 
 // Without effects that no pose shows: friction along an axis that was never approached would be any size.
 Model without_idle_effects(const Model& arm, const std::vector<RestPoses>& poses) {

@@ -91,6 +91,15 @@ VectorXd mean_noise_floor(const std::vector<CompressedRecording>& recordings, in
   return count > 0 ? VectorXd((sum / count).cwiseSqrt()) : VectorXd();
 }
 
+std::string no_sample_left(const CompressedRecording& recording, const PreprocessingOptions& how) {
+  const double cut = how.drop_start + how.drop_end;
+  std::string out = recording.source + ": no usable samples are left after gaps, edges and row limits";
+  if (recording.facts.duration <= cut)
+    out += text("; it lasts ", recording.facts.duration, " s, of which --drop-start ", how.drop_start, " and --drop-end ", how.drop_end, " cut ", cut,
+                " s: ten seconds and more are needed");
+  return out;
+}
+
 bool without_torque(const CompressedRecording& recording, const IdentificationNumbers& numbers) {
   return std::all_of(recording.joints.begin(), recording.joints.end(), [&numbers](const TorqueFacts& joint) {
     return std::max(-joint.minimum, joint.maximum) < numbers.no_torque;
@@ -277,11 +286,11 @@ Identification evaluate_named(const Model& arm, const std::vector<std::string>& 
   for (const CompressedRecording& r : id.factors) {
     id.rows += r.rows;
     if (r.rows > 0.0) continue;
-    id.reason = r.source + ": no usable samples are left after gaps, edges and row limits";
+    id.reason = no_sample_left(r, id.preprocessing);
     return id;
   }
   if (std::all_of(id.factors.begin(), id.factors.end(), [&numbers](const CompressedRecording& r) { return without_torque(r, numbers); })) {
-    id.reason = id.factors.front().source + ": the torques of all joints are zero throughout";
+    id.reason = id.factors.front().source + ": the torques of all joints are zero throughout: not recorded? Record the efforts, or name their columns by --map tau=SOURCE";
     return id;
   }
   id.noise_floor = mean_noise_floor(id.factors, arm.joints());

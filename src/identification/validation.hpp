@@ -16,6 +16,9 @@ Identification described(const Model& arm, const IdentificationOptions& options)
 /// Root mean square of the recordings' noise floors, relative, (n); empty if none has one.
 VectorXd mean_noise_floor(const std::vector<CompressedRecording>& recordings, int joints);
 
+/// Why a recording without usable samples has none, with the options that cut its ends.
+std::string no_sample_left(const CompressedRecording& recording, const PreprocessingOptions& how);
+
 /// True if the torques of all joints are zero throughout, or smaller than any sensor shows.
 bool without_torque(const CompressedRecording& recording, const IdentificationNumbers& numbers);
 

@@ -14,29 +14,36 @@ void check(const char* where, const Model& arm, const VectorRef& q, int frame) {
           " is not one of the ", arm.frames().size(), " frames of arm '", arm.name(), "'.");
 }
 
-PointMotion motion_of(const Model& arm, const VectorXd& q, const VectorXd& dq, int frame) {
-  PointMotion motion(Tree(arm, Tree::Keep::kMovingLinks), frame);
-  motion.update(q.data(), dq.data());
-  return motion;
+PointMotion point(const Model& arm, int frame) {
+  return PointMotion(Tree(arm, Tree::Keep::kMovingLinks), frame);
 }
 
 }  // namespace
 
 Eigen::Isometry3d frame_pose(const Model& arm, const VectorRef& q, int frame) {
   check("frame_pose", arm, q, frame);
-  return eigen(motion_of(arm, q, VectorXd::Zero(arm.joints()), frame).pose());
+  PointMotion motion = point(arm, frame);
+  const VectorXd stored = q;
+  motion.place(stored.data());
+  return eigen(motion.pose());
 }
 
 MatrixXd frame_jacobian(const Model& arm, const VectorRef& q, int frame) {
   check("frame_jacobian", arm, q, frame);
-  return motion_of(arm, q, VectorXd::Zero(arm.joints()), frame).jacobian();
+  PointMotion motion = point(arm, frame);
+  const VectorXd stored = q;
+  motion.update(stored.data());
+  return motion.jacobian();
 }
 
 MatrixXd frame_jacobian_rate(const Model& arm, const VectorRef& q, const VectorRef& dq, int frame) {
   check("frame_jacobian_rate", arm, q, frame);
   require(dq.size() == arm.joints(), "frame_jacobian_rate: dq has ", dq.size(),
           " entries, but arm '", arm.name(), "' has ", arm.joints(), " joints.");
-  return motion_of(arm, q, dq, frame).jacobian_rate();
+  PointMotion motion = point(arm, frame);
+  const VectorXd stored = q, rates = dq;
+  motion.update(stored.data(), rates.data());
+  return motion.jacobian_rate();
 }
 
 }  // namespace veridyn

@@ -18,7 +18,9 @@ bool moves_at_all(const Model& arm, int frame) {
   return false;
 }
 
-std::string inertia_fault(const std::string& name, const InertialParameters& phi) {
+}  // namespace
+
+std::string body_fault(const std::string& name, const InertialParameters& phi) {
   const std::optional<PhysicalBody> body = physical_body(phi);
   if (!body) {
     return phi.isZero() ? "" : fmt::format("'{}' has moments of inertia and no mass", name);
@@ -36,15 +38,13 @@ std::string inertia_fault(const std::string& name, const InertialParameters& phi
       name, moments[0], moments[1], moments[2]);
 }
 
-}  // namespace
-
 std::vector<std::string> physical_faults(const Model& arm) {
   std::vector<std::string> faults;
   if (arm.bodies().empty()) faults.push_back("no link has a body");
   for (const int k : arm.bodies()) {
     const Frame& frame = arm.frames()[k];
     if (!frame.body->phi || !moves_at_all(arm, k)) continue;
-    const std::string fault = inertia_fault(frame.name, *frame.body->phi);
+    const std::string fault = body_fault(frame.name, *frame.body->phi);
     if (!fault.empty()) faults.push_back(fault);
   }
   if (arm.bodies().empty() || !arm.inertial_values()) return faults;

@@ -18,6 +18,7 @@
 #include "math/input_file.hpp"
 #include "model/joint_placement.hpp"
 #include "model/effect_names.hpp"
+#include "model/urdf_check.hpp"
 
 namespace veridyn {
 namespace {
@@ -106,6 +107,7 @@ class UrdfReader {
       fail(text(xml_.ErrorRow(), ":", xml_.ErrorCol(), ":"),
            text("text that is not XML (", xml_.ErrorDesc(), ")"), "a URDF file");
     }
+    check_urdf(file_, xml_);
     parse(content);
   }
 
@@ -165,10 +167,6 @@ class UrdfReader {
     const TiXmlElement* element = xml_.RootElement()->FirstChildElement("joint");
     for (; element != nullptr; element = element->NextSiblingElement("joint")) {
       const urdf::JointConstSharedPtr joint = urdf_->getJoint(element->Attribute("name"));
-      if (joint->type == urdf::Joint::FLOATING || joint->type == urdf::Joint::PLANAR) {
-        fail_at("joint", joint->name, "a floating or planar type",
-                "revolute, continuous, prismatic or fixed");
-      }
       if (moves(*joint) && !joint->mimic) model_.coordinates.push_back(coordinate(*joint));
     }
     if (model_.coordinates.empty()) fail("", "no joint that moves", "at least one");
@@ -247,12 +245,10 @@ class UrdfReader {
   }
 
   // Adds the child link of a joint, after the links above it.
-  void add_link_of(const urdf::Joint& joint, std::size_t depth = 0) {
+  void add_link_of(const urdf::Joint& joint) {
     if (find_frame(joint.child_link_name)) return;
-    if (depth > urdf_->joints_.size())
-      fail_at("joint", joint.name, "a link below itself", "a tree of links");
     const urdf::LinkConstSharedPtr parent = urdf_->getLink(joint.parent_link_name);
-    if (parent->parent_joint) add_link_of(*parent->parent_joint, depth + 1);
+    if (parent->parent_joint) add_link_of(*parent->parent_joint);
     Frame frame;
     frame.name = joint.child_link_name;
     frame.parent = find_frame(joint.parent_link_name);
@@ -278,8 +274,6 @@ class UrdfReader {
     if (!moves(joint)) return placement;
     const Vec3d axis = vector(joint.axis);
     const double length = std::sqrt(dot(axis, axis));
-    if (!(length > 0.0) || !std::isfinite(length))
-      fail_at("joint", joint.name, "no direction of its axis", "one");
     placement.axis = {axis.x / length, axis.y / length, axis.z / length};
     return placement;
   }
@@ -302,8 +296,6 @@ class UrdfReader {
       fail_at("link", link.name, "an inertial that is not finite", "finite numbers");
     if (given.mass < 0.0)
       fail_at("link", link.name, text("a mass of ", given.mass, " kg"), "one that is not negative");
-    if (given.ixx < 0.0 || given.iyy < 0.0 || given.izz < 0.0)
-      fail_at("link", link.name, "a moment of inertia below zero", "none below zero");
     return body;
   }
 

@@ -96,7 +96,8 @@ std::string key_of(const std::string& path, const RecordingOptions& options) {
   for (const auto& [name, source] : signals.map) out += "\nmap " + name + "=" + source;
   for (const auto& [name, unit] : signals.units) out += "\nunit " + name + "=" + unit;
   for (const WantedJoint& joint : signals.joints)
-    out += "\njoint " + joint.name + (joint.prismatic ? " slides" : "");
+    out += "\njoint " + joint.name + (joint.prismatic ? " slides" : "") + " " + std::to_string(joint.lower) + " " + std::to_string(joint.upper) + " " + std::to_string(joint.effort);
+  if (signals.as_recorded) out += "\nas recorded";
   for (const HeldJoint& h : signals.held) out += "\nheld " + std::to_string(h.number);
   return out;
 }

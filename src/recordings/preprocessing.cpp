@@ -26,6 +26,8 @@ std::atomic<long> g_prepared{0};
 
 // Share of the sampling rate: a cut-off nearer to zero or to half the rate settles for more samples than any recording has.
 constexpr double kSlowestCutoff = 1e-5;
+/// sampling rate < kSlowClock [Hz]: times are more likely milliseconds than seconds.
+constexpr double kSlowClock = 1.5;
 constexpr double kNyquistShare = 0.45;  // a light filter above this share of the rate is omitted
 
 struct Filters {
@@ -38,7 +40,7 @@ struct Filters {
     if (o.cutoff <= 0.0) return;
     const bool below = o.cutoff <= (0.5 - kSlowestCutoff) * rate;
     require(below || o.cutoff != PreprocessingOptions().cutoff, source, ": found a sampling rate of ", rate,
-            " Hz, expected more than ", 2.0 * o.cutoff, " Hz, twice the filter's cut-off; --filter-cutoff changes it.");
+            " Hz, expected more than ", 2.0 * o.cutoff, " Hz, twice the filter's cut-off", rate < kSlowClock ? "; t in ms? --units t=ms." : "; --filter-cutoff changes it.");
     require(below, "--filter-cutoff: found ", o.cutoff,
             " Hz, expected above 0 and below ", 0.5 * rate, " Hz, half the sampling rate.");
     require(o.cutoff >= kSlowestCutoff * rate, "--filter-cutoff: found ", o.cutoff, " Hz, expected at least ",
@@ -181,8 +183,16 @@ PreparationFacts for_each_stretch_of(const Model& arm, const std::string& name,
 
 std::vector<WantedJoint> joints_of(const Model& arm) {
   std::vector<WantedJoint> joints;
-  for (const Coordinate& c : arm.coordinates()) joints.push_back({c.name, c.prismatic});
+  for (const Coordinate& c : arm.coordinates()) joints.push_back({c.name, c.prismatic, c.limits.lower, c.limits.upper, c.limits.effort});
   return joints;
+}
+
+Recordings read_recordings(const Model& arm, const std::vector<std::string>& paths,
+                           const PreprocessingOptions& options) {
+  const RecordingOptions how = reading_of(arm, options);
+  Recordings out;
+  for (const std::string& path : paths) out.add(read_recording(path, how));
+  return out;
 }
 
 RecordingOptions reading_of(const Model& arm, const PreprocessingOptions& options) {

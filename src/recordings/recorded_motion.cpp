@@ -16,8 +16,7 @@ std::vector<MotionSamples> recorded_motion(const Model& arm, const std::string& 
   reading.first_row = how.first_row;
   reading.row_count = how.row_count;
   Recording rows = read_recording(path, reading);
-  require(rows.joints() == arm.joints(), path, ": found ", rows.joints(), " joints, but '",
-          arm.name(), "' has ", arm.joints(), ".");
+  require_joints_of(arm, rows.joints(), path);
   const bool whole = rows.q.allFinite() && rows.dq.allFinite() && rows.ddq.allFinite();
   if (whole && rows.dq.size() == rows.q.size() && rows.ddq.size() == rows.q.size())
     return {{rows.time, rows.q, rows.dq, rows.ddq}};
@@ -34,6 +33,17 @@ std::vector<MotionSamples> recorded_motion(const Model& arm, const std::string& 
   });
   require(!out.empty(), path, ": found no segment of ", kFewest, " samples without a gap.");
   return out;
+}
+
+void require_joints_of(const Model& arm, int found, const std::string& recording) {
+  const int n = arm.joints();
+  if (found == n) return;
+  std::string names;
+  for (const Coordinate& c : arm.coordinates()) names += (names.empty() ? "" : ", ") + c.name;
+  throw InvalidInput(text(recording, ": found ", found, " joints, expected the ", n, " of robot '", arm.name(), "': ", names,
+                          found < n ? " (files with a part of the joints each are one recording: a.csv+b.csv)."
+                                    : text(" (the others are a gripper? --map ", arm.coordinates().front().name, "=1 takes the first ", n,
+                                           " of them, --map NAME=NUMBER others).")));
 }
 
 }  // namespace veridyn

@@ -43,6 +43,22 @@ Recording rows_of(const Recording& recording, int first, int count) {
   return part;
 }
 
+void append(Recording& recording, Recording more) {
+  if (recording.rows() == 0) {
+    recording = std::move(more);
+    return;
+  }
+  const int rows = recording.rows();
+  recording.time.conservativeResize(rows + more.rows());
+  recording.time.tail(more.rows()) = more.time;
+  for (const RecordingSignal& signal : kRecordingSignals) {
+    MatrixXd& m = recording.*signal.values;
+    if (m.cols() == 0) continue;
+    m.conservativeResize(rows + more.rows(), Eigen::NoChange);
+    m.bottomRows(more.rows()) = more.*signal.values;
+  }
+}
+
 Recording read_recording(const std::string& path, const RecordingOptions& options,
                          RecordingFacts& facts) {
   RecordingReader reader(path, options);

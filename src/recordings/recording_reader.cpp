@@ -8,6 +8,7 @@
 #include "recordings/fields/import.hpp"
 #include "recordings/fields/joined_files.hpp"
 #include "recordings/csv/row_source.hpp"
+#include "recordings/mending/mended_rows.hpp"
 #include "recordings/signals/units.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/recordings/recording.hpp"
@@ -146,7 +147,7 @@ RecordingReader::RecordingReader(const std::string& path, const RecordingOptions
   require(std::isfinite(options.rate) && options.rate >= 0.0, "--rate: found ", options.rate,
           ", expected a rate in Hz.");
   recordings::require_known_units(options.signals);
-  source_ = rows_of_arm(path, options);
+  source_ = recordings::mended(rows_of_arm(path, options), options.signals);
   recordings::require_joints_of(options.signals, source_->joints(), path);
 }
 

@@ -123,22 +123,6 @@ class Filling {
   std::vector<double> age_;  // [s] age of an interpolated row's data, by its oldest signal
 };
 
-void append(Recording& r, Recording more) {
-  if (r.rows() == 0) {
-    r = std::move(more);
-    return;
-  }
-  const int rows = r.rows();
-  r.time.conservativeResize(rows + more.rows());
-  r.time.tail(more.rows()) = more.time;
-  for (const RecordingSignal& signal : kRecordingSignals) {
-    MatrixXd& m = r.*signal.values;
-    if (m.cols() == 0) continue;
-    m.conservativeResize(rows + more.rows(), Eigen::NoChange);
-    m.bottomRows(more.rows()) = more.*signal.values;
-  }
-}
-
 }  // namespace
 
 std::string filled_text(const FilledRows& filled, long rows) {

@@ -1,4 +1,5 @@
 #include "recordings/uniform_stream.hpp"
+#include "recordings/recorded_motion.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -33,14 +34,10 @@ UniformStream::UniformStream(const Model& arm, std::string name, Source source,
 
 void UniformStream::check(const Recording& piece) const {
   const int n = arm_.joints();
-  std::string names;
-  for (const Coordinate& c : arm_.coordinates()) names += (names.empty() ? "" : ", ") + c.name;
-  require(piece.joints() == n, name_, ": found ", piece.joints(), " joints, expected the ", n,
-          " of robot '", arm_.name(), "': ", names,
-          piece.joints() < n ? " (files with a part of the joints each are one recording: a.csv+b.csv)." : ".");
+  require_joints_of(arm_, piece.joints(), name_);
   if (piece.tau.size() > 0) return;
   require(piece.current.size() > 0, name_, ": found neither torques (tau1..tau", n,
-          ") nor motor currents (i1..i", n, ").");
+          ") nor motor currents (i1..i", n, "), expected numbers in one of them: record the efforts, or name their columns by --map tau=SOURCE.");
   sensors_.require_drive_gains(arm_, name_);
 }
 

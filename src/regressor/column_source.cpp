@@ -24,7 +24,7 @@ class BodyColumns final : public ColumnSource {
 
  private:
   int count_;
-  RegressorBatch batch_;
+  TorqueRegressor batch_;
 };
 
 class TorqueColumn final : public ColumnSource {
@@ -64,7 +64,7 @@ class TorqueColumn final : public ColumnSource {
   }
 
  private:
-  RegressorBatch batch_;
+  TorqueRegressor batch_;
   VectorXd phi_;
   TorquePart part_;
   VectorXd joints_;

@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "veridyn/dynamics/regressor_batch.hpp"
+#include "veridyn/dynamics/torque_regressor.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/math/motion_samples.hpp"
 

@@ -54,7 +54,7 @@ void take_columns(BoundEffect& effect, const std::vector<AxisSample>& samples, E
 
 }  // namespace
 
-MatrixXd rigid_load(const Model& arm, const RegressorBatch& bodies, const MotionView& motion) {
+MatrixXd rigid_load(const Model& arm, const TorqueRegressor& bodies, const MotionView& motion) {
   MatrixXd tau = MatrixXd::Zero(motion.rows(), motion.q.cols());
   const auto phi = arm.inertial_values();
   if (!phi) return tau;

@@ -3,7 +3,7 @@
 #include <utility>
 #include <vector>
 
-#include "veridyn/dynamics/regressor_batch.hpp"
+#include "veridyn/dynamics/torque_regressor.hpp"
 #include "veridyn/effects/effect_facts.hpp"
 #include "veridyn/math/motion_samples.hpp"
 
@@ -32,7 +32,7 @@ struct MotionView {
 /// do, and an effect that differentiates it would otherwise cancel that noise and seem significant.
 /// The motion itself has lower frequencies. All code with a motion uses this definition; a
 /// controller, which has no accelerations, omits M ddq.
-MatrixXd rigid_load(const Model& arm, const RegressorBatch& bodies, const MotionView& motion);
+MatrixXd rigid_load(const Model& arm, const TorqueRegressor& bodies, const MotionView& motion);
 constexpr double kLoadCutoffShare = 0.5;
 
 /// The effort along an axis that corresponds to joint torques, one entry per row: least squares of

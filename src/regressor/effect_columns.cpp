@@ -232,7 +232,7 @@ class EffectSource final : public ColumnSource {
 
   Model arm_;
   BoundEffect bound_;
-  RegressorBatch batch_;
+  TorqueRegressor batch_;
   std::optional<VectorXd> phi_;
   double rounding_ = 0.0;
   double step_ = kStep;

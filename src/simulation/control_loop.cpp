@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "kinematics/motion_limits.hpp"
-#include "veridyn/control/friction_compensation.hpp"
+#include "veridyn/control/joint_controller.hpp"
 #include "veridyn/control/quintic_interpolator.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -61,23 +61,33 @@ class Log {
   EngineRun run_;
 };
 
+JointControllerOptions settings(const LoopOptions& options, const VectorXd& limit) {
+  JointControllerOptions out{options.gains.p, options.gains.d};
+  out.cycle.friction.share = options.friction;
+  out.cycle.error_bandwidth = 0.0;
+  out.cycle.limits = SafetyLimits();
+  out.cycle.limits->torque = limit;
+  out.cycle.supervision = Supervision::kLimits;
+  out.cycle.signals = Signals::kTrue;
+  return out;
+}
+
 // The controller and the motors, period by period.
 class Loop {
  public:
   Loop(const Model& arm, const LoopOptions& options)
-      : options_(options), n_(arm.joints()), limit_(options.drive.limit) {
+      : options_(options), n_(arm.joints()), measured_(arm.joints()), limit_(options.drive.limit) {
     if (limit_.size() == 0) {
       limit_ = VectorXd(n_);
       for (Eigen::Index i = 0; i < n_; ++i)
         limit_[i] = arm.coordinates()[i].limits.effort;
     }
-    integral_ = velocity_ = motors_ = whole_ = error_ = VectorXd::Zero(n_);
-    if (!options.model) return;
-    state_.emplace(*options.model);
-    law_.emplace(static_cast<int>(n_), JointGains{options.gains.p, options.gains.d});
-    FrictionOptions share;
-    share.share = options.friction;
-    if (options.friction > 0.0) friction_.emplace(*options.model, share);
+    velocity_ = motors_ = whole_ = VectorXd::Zero(n_);
+    if (options.model) {
+      controller_.emplace(*options.model, settings(options, limit_));
+    } else {
+      pid_.emplace(options.gains, PidLimits{{}, limit_});
+    }
   }
 
   void start(const VectorXd& q, const VectorXd& dq) {
@@ -109,22 +119,16 @@ class Loop {
     if (!first_) velocity_ += share * ((now - last_) / h - velocity_);
     first_ = false;
     last_ = now;
-    error_ = wanted.q - now;
-    if (law_) {
-      state_->update(now, velocity_);
-      whole_ = law_->update(*state_, wanted);
-      if (friction_) whole_ += friction_->update(*state_, wanted.dq, error_, h);
+    if (controller_) {
+      measured_.q = now;
+      measured_.dq = velocity_;
+      whole_ = controller_->update(measured_, wanted, h);
     } else {
-      const PidGains& k = options_.gains;
-      whole_ = k.p.cwiseProduct(error_) + integral_ + h * k.i.cwiseProduct(error_) +
-               k.d.cwiseProduct(wanted.dq - velocity_);
+      pid_->torques(now, velocity_, wanted.q, wanted.dq, h, whole_);
     }
     const double follow = options_.drive.lag > 0.0 ? 1.0 - std::exp(-h / options_.drive.lag) : 1.0;
     for (Eigen::Index i = 0; i < n_; ++i) {
-      const double bounded = std::clamp(whole_[i], -limit_[i], limit_[i]);
-      // Anti-windup: the integral stops while the motor saturates.
-      if (bounded == whole_[i]) integral_[i] += options_.gains.i[i] * error_[i] * h;
-      motors_[i] += follow * (in_steps(bounded) - motors_[i]);
+      motors_[i] += follow * (in_steps(std::clamp(whole_[i], -limit_[i], limit_[i])) - motors_[i]);
     }
   }
 
@@ -145,10 +149,10 @@ class Loop {
 
   const LoopOptions& options_;
   Eigen::Index n_;
-  std::optional<ArmState> state_;  // of computed torque
-  std::optional<ComputedTorque> law_;
-  std::optional<FrictionCompensation> friction_;
-  VectorXd limit_, integral_, velocity_, motors_, last_, whole_, error_;
+  std::optional<JointController> controller_;  // by a model
+  std::optional<JointPid> pid_;                // without one
+  Measured measured_;
+  VectorXd limit_, velocity_, motors_, last_, whole_;
   std::vector<VectorXd> seen_;
   bool first_ = true;
   double since_ = 0.0;  // [s] since the previous update

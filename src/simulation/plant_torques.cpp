@@ -2,7 +2,7 @@
 
 #include "regressor/effect_along.hpp"
 #include "veridyn/effects/channel_effect.hpp"
-#include "veridyn/dynamics/regressor_batch.hpp"
+#include "veridyn/dynamics/torque_regressor.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/simulation/resampled_motion.hpp"
 
@@ -26,7 +26,7 @@ MotionSamples refined(const MotionSamples& m, int substeps) {
 MatrixXd rigid_torques(const Model& arm, const MotionSamples& motion) {
   const auto phi = arm.inertial_values();
   require(phi.has_value(), "simulation: the arm '", arm.name(), "' has bodies without values.");
-  return rigid_load(arm, RegressorBatch(arm), motion);
+  return rigid_load(arm, TorqueRegressor(arm), motion);
 }
 
 MatrixXd term_columns(const Model& arm, const EffectTerm& term, const MotionSamples& motion,
@@ -62,7 +62,7 @@ MatrixXd plant_torques(const Model& arm, const MotionSamples& motion, int subste
   if (motion.rows() < 2) return tau;
   const double dt = (motion.time[motion.rows() - 1] - motion.time[0]) / static_cast<double>(motion.rows() - 1);
   const MatrixXd of_arm =
-      arm_effect_torques(arm, RegressorBatch(arm), motion.q, motion.dq, motion.ddq, dt);
+      arm_effect_torques(arm, TorqueRegressor(arm), motion.q, motion.dq, motion.ddq, dt);
   if (of_arm.size() > 0) tau += of_arm;
   return tau;
 }

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "causes/candidates.hpp"
-#include "veridyn/dynamics/regressor_batch.hpp"
+#include "veridyn/dynamics/torque_regressor.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 #include "regressor/effect_along.hpp"
 #include "watch/watch_numbers.hpp"
@@ -61,7 +61,7 @@ class Hypotheses {
 
   const WatchNumbers& numbers_;
   Model arm_, loaded_;
-  RegressorBatch bodies_, loads_;
+  TorqueRegressor bodies_, loads_;
   VectorXd phi_;
   std::vector<ColumnsInPieces> effects_;
   std::vector<Dry> dry_;

@@ -66,7 +66,7 @@ grep -q '^VERIDYN_CCACHE:FILEPATH=/' "$build/CMakeCache.txt" && inside "$root" '
 
 case $what in
 tool)
-  inside "$root" "make packages && cmake --preset dev -B /tmp/fresh -DVERIDYN_TESTS=OFF -DVERIDYN_BENCHMARKS=OFF >/tmp/log 2>&1 || { cat /tmp/log; exit 1; }"
+  inside "$root" "make packages && cmake --preset dev -B /tmp/fresh -DVERIDYN_TESTS=OFF -DVERIDYN_BENCHMARKS=OFF -DVERIDYN_BUILD_PACKAGES=NONE >/tmp/log 2>&1 || { cat /tmp/log; exit 1; }"
   inside "$root" "make tool $tool && $name/bin/veridyn info psm-3dof >/dev/null"
   ;;
 tests)

@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "dvrk/run/controllers/joint_pid.hpp"
 #include "support/malloc_count.hpp"
 #include "support/random.hpp"
 #include "veridyn/control/adaptive_friction.hpp"
@@ -18,11 +17,11 @@
 #include "veridyn/control/gravity_compensation.hpp"
 #include "veridyn/control/impedance.hpp"
 #include "veridyn/control/inverse_kinematics.hpp"
+#include "veridyn/control/joint_controller.hpp"
 #include "veridyn/control/model_error_observer.hpp"
-#include "veridyn/control/momentum_observer.hpp"
 #include "veridyn/control/quintic_interpolator.hpp"
-#include "veridyn/control/safety_supervisor.hpp"
 #include "veridyn/control/teleoperation.hpp"
+#include "veridyn/control/tip_controller.hpp"
 #include "veridyn/control/velocity_observer.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
@@ -202,29 +201,36 @@ void impedance_cycle(benchmark::State& state, TaskRows rows) {
 BENCHMARK_CAPTURE(impedance_cycle, position, TaskRows::kPosition)->Apply(long_enough);
 BENCHMARK_CAPTURE(impedance_cycle, pose, TaskRows::kPose)->Apply(long_enough);
 
-void whole_cycle(benchmark::State& state) {
+// The whole of JointController and TipController, from encoder positions to torques of the drives.
+void joint_controller(benchmark::State& state) {
   Wrist wrist;
-  const int n = wrist.arm.joints();
-  ImpedanceOptions options;
-  options.rows = TaskRows::kPose;
-  options.posture = VectorXd::Zero(n);
-  Impedance control(wrist.arm, wrist.tip, {}, options);
-  FrictionCompensation friction(wrist.arm);
-  ModelErrorObserver error(n, {10.0, VectorXd::Ones(n)});
-  MomentumObserver momentum(wrist.arm, wrist.tip);
-  SafetySupervisor safety(wrist.arm, safety_limits(wrist.arm, 10.0));
-  SafetyInput input(n);
-  time_cycles(state, "whole_cycle", wrist, [&](const Cycle& c) {
-    wrist.state.update(c.q, c.dq);
-    momentum.update(wrist.state, wrist.tau, control.acceleration(), 1e-3);
-    wrist.tau = control.update(wrist.state, wrist.wanted, wrist.wrench);
-    wrist.tau +=
-        friction.update(wrist.state, control.joint_velocity(), control.joint_error(), 1e-3);
-    wrist.tau += error.update(wrist.state, control.acceleration(), 1e-3);
-    wrist.tau = safety.update(wrist.state, input, wrist.tau);
+  JointControllerOptions options;
+  options.cycle.torque = 10.0;
+  JointController control(wrist.arm, options);
+  Measured measured(wrist.arm.joints());
+  JointReference wanted(wrist.arm.joints());
+  time_cycles(state, "joint_controller", wrist, [&](const Cycle& c) {
+    measured.q = wanted.q = c.q;
+    wrist.tau = control.update(measured, wanted, 1e-3);
   });
 }
-BENCHMARK(whole_cycle)->Apply(long_enough);
+BENCHMARK(joint_controller)->Apply(long_enough);
+
+void tip_controller(benchmark::State& state) {
+  Wrist wrist;
+  TipControllerOptions options;
+  options.tip = wrist.tip;
+  options.impedance.rows = TaskRows::kPose;
+  options.impedance.posture = VectorXd::Zero(wrist.arm.joints());
+  options.cycle.torque = 10.0;
+  TipController control(wrist.arm, options);
+  Measured measured(wrist.arm.joints());
+  time_cycles(state, "tip_controller", wrist, [&](const Cycle& c) {
+    measured.q = c.q;
+    wrist.tau = control.update(measured, wrist.wanted, 1e-3);
+  });
+}
+BENCHMARK(tip_controller)->Apply(long_enough);
 
 // The other controllers, each with the arm's state that it takes.
 void computed_torque_cycle(benchmark::State& state) {
@@ -245,7 +251,7 @@ void pd_with_gravity_cycle(benchmark::State& state) {
   const int n = wrist.arm.joints();
   GravityCompensation gravity(wrist.arm);
   const VectorXd ones = VectorXd::Ones(n);
-  dvrk::JointPid pd({ones, VectorXd::Zero(n), ones}, ones);
+  JointPid pd({ones, VectorXd::Zero(n), ones}, {ones, {}});
   const VectorXd q = VectorXd::Zero(n), dq = q;
   time_cycles(state, "pd_with_gravity_cycle", wrist, [&](const Cycle& c) {
     pd.torques(c.q, c.dq, q, dq, 1e-3, wrist.tau);

@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "support/sample_arms.hpp"
-#include "veridyn/dynamics/regressor_batch.hpp"
+#include "veridyn/dynamics/torque_regressor.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/export/c_code.hpp"
 #include "veridyn/math/square_root_information.hpp"
@@ -338,7 +338,7 @@ void add_dynamics(nlohmann::json& rows) {
 void add_batches(nlohmann::json& rows) {
   const Model arm = SevenJoints::model();
   const VectorXd phi = *arm.inertial_values();
-  const RegressorBatch batch(arm);
+  const TorqueRegressor batch(arm);
   for (const int count : {64, 256, 4096}) {
     Random random(63);
     MatrixXd q(count, kJoints);

@@ -73,6 +73,20 @@ TEST(Excite, LearnsTheNoiseFromARecording) {
   EXPECT_EQ(short_one.error_lines(), 1) << short_one.err;
 }
 
+// What was asked to be kept clear of is kept, or there is no file.
+TEST(Excite, AnObstacleThatCannotBeKeptIsRefused) {
+  const TemporaryFolder folder;
+  const std::string motion = folder.path("m.csv");
+  const Words arm = Words{"excite", "elbow-6r", "-o", motion, "--link-radius", "0.05"} + kQuick;
+  for (const Words& hopeless : {Words{"--floor", "1.5"}, Words{"--keep-out", "-2,2,-2,2,-2,2"}}) {
+    const ToolRun run = run_tool(arm + hopeless);
+    EXPECT_EQ(run.status, 4) << hopeless[0];
+    EXPECT_EQ(run.error_lines(), 1) << run.err;
+    EXPECT_NE(run.err.find("touch at every posture"), std::string::npos) << run.err;
+    EXPECT_FALSE(std::filesystem::exists(motion)) << hopeless[0];
+  }
+}
+
 // Ctrl-C keeps the best motion so far, and a script sees that the search did not end by itself.
 TEST(Excite, AnInterruptIsStatus130) {
   const TemporaryFolder folder;

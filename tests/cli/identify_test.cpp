@@ -102,7 +102,10 @@ TEST_F(Identify, EveryMethodFindsTheValuesThatMadeTheRecording) {
 }
 
 TEST_F(Identify, TheTextShowsTheNumbersOfTheJson) {
-  const ToolRun done = run({});
+  const ToolRun brief = run({});
+  EXPECT_LE(std::count(brief.out.begin(), brief.out.end(), '\n'), 10) << brief.out;
+  EXPECT_EQ(brief.out.find("base parameter\n"), std::string::npos) << brief.out;
+  const ToolRun done = run({"--parameters"});
   const json out = json_of(folder_.path("out.json"));
   for (const json& b : out["base_parameters"]) {
     char value[32];
@@ -264,6 +267,21 @@ TEST_F(Identify, ANumberThatNoArmReachesIsWarnedOf) {
     EXPECT_EQ(done.error_lines(), 1) << done.err;
     EXPECT_EQ(done.err.find("veridyn: warning: " + train + ": "), 0U) << done.err;
   }
+}
+
+// Zeros that nobody measured are no torques: the other joints tell the bodies, and nothing the friction of this one.
+TEST_F(Identify, AJointWithoutTorqueIsLeftOut) {
+  std::istringstream lines(content_of(train_));
+  std::string line, silent;
+  for (int k = 0; std::getline(lines, line); ++k) silent += (k == 0 ? line : line.substr(0, line.rfind(',')) + ",0") + "\n";
+  const std::string train = folder_.write("silent.csv", silent);
+  const ToolRun done = run_tool({"identify", "planar-2r", "--train", train, "--json", folder_.path("silent.json"), "--quiet"});
+  const std::string told = done.out + done.err;
+  EXPECT_NE(told.find("elbow is zero throughout"), std::string::npos) << told;
+  if (done.status == 4) return;  // where one joint alone does not determine the arm
+  ASSERT_EQ(done.status, 0) << told;
+  for (const json& b : json_of(folder_.path("silent.json"))["base_parameters"])
+    EXPECT_EQ(b["expression"].get<std::string>().find("friction(elbow)"), std::string::npos) << b;
 }
 
 // Hardly a row between gaps: whoever reads it in earnest says so, once.

@@ -81,6 +81,7 @@ const std::map<std::string, Words>& short_lines() {
       {"cooperate", {"scenario.yaml"}},
       {"kinematics", {"planar-2r", "--forward", "0,0"}},
       {"page", {".", "--output", "out.html"}},
+      {"numbers", {"watch"}},
       {"loadcell calibrate", {"table.csv", "--output", "out.yaml"}},
       {"loadcell read", {"udp:1", "--seconds", "0.1"}},
       {"stability", {"scenario.yaml"}},

@@ -182,7 +182,7 @@ Touched move_and_touch(const Model& real, const std::string& frame, const Eigen:
     if (!pushes && observer.contact()) ++out.false_alarms;
     if (pushes && observer.contact()) {
       out.found = true;
-      out.frame = real.frames()[observer.frame()].name;
+      out.frame = real.frames()[observer.frame()->value].name;
     }
     EXPECT_TRUE(r.allFinite());
   }

@@ -7,11 +7,11 @@
 #include <string>
 
 #include "control/control_support.hpp"
+#include "control/refusals.hpp"
 #include "veridyn/control/adaptive_friction.hpp"
 #include "veridyn/control/computed_torque.hpp"
 #include "veridyn/control/cooperative_controller.hpp"
 #include "veridyn/control/impedance.hpp"
-#include "veridyn/control/load_cell.hpp"
 #include "veridyn/control/model_error_observer.hpp"
 #include "veridyn/control/momentum_observer.hpp"
 #include "veridyn/control/object_impedance.hpp"
@@ -26,37 +26,6 @@
 
 namespace veridyn {
 namespace {
-
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr double kEndless = std::numeric_limits<double>::infinity();
-
-template <typename Options>
-using Wrongs = std::vector<std::function<void(Options&)>>;
-
-template <typename Options, typename Make>
-void refuses(const Options& good, const Wrongs<Options>& wrongs, const Make& make) {
-  EXPECT_NO_THROW(make(good));
-  for (size_t k = 0; k < wrongs.size(); ++k) {
-    Options wrong = good;
-    wrongs[k](wrong);
-    EXPECT_THROW(make(wrong), InvalidInput) << "wrong number " << k;
-  }
-}
-
-// Every one of these numbers below, at or above what it may be, and none at all.
-template <typename Options>
-Wrongs<Options> each(const std::vector<double Options::*>& members, const std::vector<double>& values) {
-  Wrongs<Options> all;
-  for (const auto member : members)
-    for (const double value : values) all.push_back([=](Options& o) { o.*member = value; });
-  return all;
-}
-
-template <typename Options>
-Wrongs<Options> operator+(Wrongs<Options> a, const Wrongs<Options>& b) {
-  a.insert(a.end(), b.begin(), b.end());
-  return a;
-}
 
 const Model& three_joints() {
   return sample_arms().at("spherical_RRP");
@@ -234,24 +203,6 @@ TEST(Refusals, SafetySupervisor) {
   refuses<L>(good, wrongs, [&](const L& o) { SafetySupervisor(arm, o); });
 }
 
-struct Silent final : ForceSource {
-  int poll() noexcept override { return 0; }
-  double raw() const noexcept override { return 0.0; }
-};
-
-TEST(Refusals, ForceChannel) {
-  using O = ForceChannelOptions;
-  refuses<O>({},
-             each<O>({&O::largest_silence, &O::range, &O::largest_jump, &O::noisy_share}, {0.0, kNone}) +
-                 each<O>({&O::stuck_after}, {-1.0, kNone}) +
-                 each<O>({&O::cutoff, &O::latency}, {-1.0, kEndless, kNone}) +
-                 Wrongs<O>{[](O& o) { o.noisy_window = 0; }, [](O& o) { o.calibration.scale = 0.0; },
-                           [](O& o) { o.calibration.scale = kNone; },
-                           [](O& o) { o.calibration.offset = kEndless; }},
-             [](const O& o) { ForceChannel(std::make_unique<Silent>(), o); });
-  EXPECT_THROW(ForceChannel(nullptr, {}), InvalidInput);
-}
-
 // Every state and every fault has words of its own.
 template <typename Enum>
 void expect_words(Enum last) {
@@ -265,7 +216,6 @@ TEST(Words, EveryStateHasItsOwn) {
   expect_words(CooperativeState::kNotFinite);
   expect_words(SafetyState::kFault);
   expect_words(SafetyFault::kNotHeld);
-  expect_words(ForceState::kNoisy);
 }
 
 }  // namespace

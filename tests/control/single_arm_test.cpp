@@ -8,12 +8,8 @@
 
 #include "control/arm_rig.hpp"
 #include "control/psm_like.hpp"
-#include "veridyn/control/computed_torque.hpp"
-#include "veridyn/control/friction_compensation.hpp"
-#include "veridyn/control/impedance.hpp"
-#include "veridyn/control/model_error_observer.hpp"
-#include "veridyn/control/quintic_interpolator.hpp"
-#include "veridyn/control/torque_uncertainty.hpp"
+#include "veridyn/control/joint_controller.hpp"
+#include "veridyn/control/tip_controller.hpp"
 
 // The experiments of thesis 7.6 in simulation: encoder steps, 1 kHz, 10 % error on every parameter
 // of the model that the controller has, on every engine that was built.
@@ -23,31 +19,21 @@ namespace {
 
 const Tip kTip{"tool"};
 
-// What the controllers have in common: a model that is wrong, and what makes up for it.
-struct Common {
-  explicit Common(const Model& wrong)
-      : state(wrong, kTip),
-        friction(wrong, presliding()),
-        uncertainty(wrong),
-        error(3, {10.0, VectorXd::Zero(3)}) {}
+// Around both laws: friction with a memory, and as large an error of the model as it may have.
+CycleOptions around() {
+  CycleOptions options;
+  options.friction.rule = FrictionRule::kPresliding;
+  options.supervision = Supervision::kLimits;
+  return options;
+}
 
-  static FrictionOptions presliding() {
-    FrictionOptions options;
-    options.rule = FrictionRule::kPresliding;
-    return options;
-  }
-
-  void add(const VectorXd& y, const VectorXd& dq_wanted, const VectorXd& e, VectorXd& tau) {
-    tau += friction.update(state, dq_wanted, e, kPeriod);
-    error.set_limit(uncertainty.update(state, y));
-    tau += error.update(state, y, kPeriod);
-  }
-
-  ArmState state;
-  FrictionCompensation friction;
-  TorqueUncertainty uncertainty;
-  ModelErrorObserver error;
-};
+// What the rig's sensors say.
+const Measured& read(const ArmRig& rig, Measured& measured) {
+  measured.q = rig.q();
+  measured.dq = rig.dq();
+  measured.wrench = rig.wrench();
+  return measured;
+}
 
 class SingleArm : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Engines, SingleArm, testing::ValuesIn(engine_names()),
@@ -78,26 +64,20 @@ double side(int step) {
 // any, in multiples of 5 mrad and 0.3 mm.
 double worst_step(const std::string& engine, const Model& real, const Model& wrong) {
   ArmRig rig(real, kTip, engine);
-  Common common(wrong);
-  ComputedTorque control(3, {Eigen::Vector3d(25, 20, 75), Eigen::Vector3d(10, 11, 15)});
+  JointController control(wrong, {{25, 20, 75}, {10, 11, 15}, 0.0, JointLaw::kComputedTorque, around()});
   VectorXd goal = Eigen::Vector3d(0.1, 0.05, 0.12);
   rig.place(goal);
   QuinticInterpolator way(goal);
   JointReference wanted(3);
-  VectorXd tau(3);
+  Measured measured(3);
   double worst = 0.0;
   for (int step = 0; step < steps(engine); ++step) {
     goal[step % 3] += side(step) * (step % 3 == 2 ? 0.005 : 0.05);
     way.move_to(goal, 1.0);
     for (int k = 0; k < cycles(engine); ++k) {
       way.advance(kPeriod);
-      wanted.q = way.x();
-      wanted.dq = way.dx();
-      wanted.ddq = way.ddx();
-      common.state.update(rig.q(), rig.dq());
-      tau = control.update(common.state, wanted);
-      common.add(control.acceleration(), wanted.dq, wanted.q - rig.q(), tau);
-      if (rig.cycle(tau) != StepStatus::kOk) return 1e9;
+      follow(way, wanted);
+      if (rig.cycle(control.update(read(rig, measured), wanted, kPeriod)) != StepStatus::kOk) return 1e9;
     }
     const Eigen::Vector3d e = goal - rig.engine().q();
     worst = std::max(worst,
@@ -126,26 +106,17 @@ TEST(SingleArmFriction, StepsEndAsCloselyWhereFrictionFallsWithSpeed) {
     EXPECT_LT(worst_step("veridyn", real, with_wrong_parameters(model, 0.1, seed)), 1.0) << seed;
 }
 
-ImpedanceGains thesis_gains() {
-  ImpedanceGains gains;
-  gains.mass.head<3>() << 0.35, 0.36, 0.3;
-  gains.damping.head<3>().setConstant(3.0);
-  gains.stiffness.head<3>().setConstant(15.0);
-  return gains;
-}
-
 TEST_P(SingleArm, ImpedanceMovesEndWithinHalfAMillimetreAndTheInsertionMovesEveryTime) {
   const Model real = psm_like();
   for (const unsigned seed : seeds(GetParam())) {
     ArmRig rig(real, kTip, GetParam());
     const Model wrong = with_wrong_parameters(real, 0.1, seed);
-    Common common(wrong);
-    Impedance control(wrong, kTip, thesis_gains());
+    TipController control(wrong, {{0.35, 0.36, 0.3, 1, 1, 1}, 3.0, 15.0, kTip, {}, around()});
     rig.place(Eigen::Vector3d(0.1, 0.05, 0.12));
     VectorXd goal = rig.tip().position();
     QuinticInterpolator way(goal);
     TaskReference wanted;
-    VectorXd tau(3);
+    Measured measured(3);
     for (int step = 0; step < steps(GetParam()); ++step) {
       const double insertion = rig.engine().q()[2];
       goal[step % 3] += side(step) * 0.005;
@@ -155,10 +126,7 @@ TEST_P(SingleArm, ImpedanceMovesEndWithinHalfAMillimetreAndTheInsertionMovesEver
         wanted.x.head<3>() = way.x();
         wanted.dx.head<3>() = way.dx();
         wanted.ddx.head<3>() = way.ddx();
-        common.state.update(rig.q(), rig.dq());
-        tau = control.update(common.state, wanted, rig.wrench());
-        common.add(control.acceleration(), control.joint_velocity(), control.joint_error(), tau);
-        ASSERT_EQ(rig.cycle(tau), StepStatus::kOk);
+        ASSERT_EQ(rig.cycle(control.update(read(rig, measured), wanted, kPeriod)), StepStatus::kOk);
       }
       const VectorXd e = (goal - rig.tip().position()).cwiseAbs();
       EXPECT_LT(e.maxCoeff(), 0.0005) << "step " << step << " seed " << seed;
@@ -183,12 +151,7 @@ Pressed press(const std::string& engine, double stiffness, bool string,
   const Eigen::Vector3d u = along.normalized();
   ArmRig rig(real, kTip, engine);
   const Model wrong = with_wrong_parameters(real, 0.1, seed);
-  Common common(wrong);
-  ImpedanceGains gains;
-  gains.mass.head<3>().setConstant(2.0);
-  gains.damping.head<3>().setConstant(100.0);
-  gains.stiffness.head<3>().setConstant(100.0);
-  Impedance control(wrong, kTip, gains);
+  TipController control(wrong, {2, 100, 100, kTip, {}, around()});
   rig.place(Eigen::Vector3d(0.1, 0.05, 0.12));
   const Eigen::Vector3d start = rig.tip().position();
   rig.set_world([=](const Eigen::Vector3d& x, const Eigen::Vector3d&) -> Eigen::Vector3d {
@@ -199,15 +162,12 @@ Pressed press(const std::string& engine, double stiffness, bool string,
   QuinticInterpolator way(VectorXd{start});
   way.move_to(goal, 2.0);
   TaskReference wanted;
-  VectorXd tau(3);
+  Measured measured(3);
   Pressed out;
   for (int k = 0; k < (is_slow(engine) ? 3500 : 5000); ++k) {
     way.advance(kPeriod);
     wanted.x.head<3>() = way.x();
-    common.state.update(rig.q(), rig.dq());
-    tau = control.update(common.state, wanted, rig.wrench());
-    common.add(control.acceleration(), control.joint_velocity(), control.joint_error(), tau);
-    if (rig.cycle(tau) != StepStatus::kOk) return {1e9, 0.0, 1e9};
+    if (rig.cycle(control.update(read(rig, measured), wanted, kPeriod)) != StepStatus::kOk) return {1e9, 0.0, 1e9};
     const double force = u.dot(rig.force());
     out.most = std::max(out.most, force);
     if (k < (is_slow(engine) ? 3000 : 4000)) continue;

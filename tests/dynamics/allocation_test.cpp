@@ -8,7 +8,7 @@ namespace veridyn {
 namespace {
 
 class AllocationOnEverySampleArm : public OnSampleArm {};
-INSTANTIATE_TEST_SUITE_P(Sample, AllocationOnEverySampleArm, testing::ValuesIn(sample_arm_names()),
+INSTANTIATE_TEST_SUITE_P(Sample, AllocationOnEverySampleArm, testing::ValuesIn(all_arm_names()),
                          sample_arm_name);
 
 TEST_P(AllocationOnEverySampleArm, NothingIsAllocatedAfterTheConstructor) {

@@ -1,5 +1,3 @@
-#include "veridyn/dynamics/equation_of_motion.hpp"
-
 #include <gtest/gtest.h>
 
 #include "support/near.hpp"
@@ -11,11 +9,11 @@ namespace {
 
 class EquationOfMotionOnEverySampleArm : public OnSampleArm {};
 INSTANTIATE_TEST_SUITE_P(Sample, EquationOfMotionOnEverySampleArm,
-                         testing::ValuesIn(sample_arm_names()), sample_arm_name);
+                         testing::ValuesIn(all_arm_names()), sample_arm_name);
 
 TEST_P(EquationOfMotionOnEverySampleArm, IsTheMassMatrixAndTheTorquesAtNoAcceleration) {
   RigidBodyDynamics scalar(arm(), phi());
-  EquationOfMotion lanes(arm(), phi());
+  RigidBodyDynamics lanes(arm(), phi());
   const VectorXd zero = VectorXd::Zero(joints());
   VectorXd expected_h(joints());
   VectorXd h(joints());
@@ -24,7 +22,7 @@ TEST_P(EquationOfMotionOnEverySampleArm, IsTheMassMatrixAndTheTorquesAtNoAcceler
   for (const State& s : test_states(joints(), 47)) {
     scalar.inverse_dynamics(s.q, s.dq, zero, expected_h);
     scalar.mass_matrix(s.q, expected_M);
-    lanes.evaluate(s.q, s.dq, M, h);
+    lanes.equation_of_motion(s.q, s.dq, M, h);
     const double size = 1.0 + expected_h.norm() + expected_M.norm();
     EXPECT_TRUE(near(h, expected_h, 1e-13 * size));
     EXPECT_TRUE(near(M, expected_M, 1e-13 * size));
@@ -34,7 +32,7 @@ TEST_P(EquationOfMotionOnEverySampleArm, IsTheMassMatrixAndTheTorquesAtNoAcceler
 // Against central differences. Velocity torques are quadratic, so that these are exact for D.
 TEST_P(EquationOfMotionOnEverySampleArm, ChangesAsItsDerivativesSay) {
   RigidBodyDynamics scalar(arm(), phi());
-  EquationOfMotion lanes(arm(), phi());
+  RigidBodyDynamics lanes(arm(), phi());
   const int n = joints();
   const VectorXd zero = VectorXd::Zero(n);
   Random random(71);
@@ -43,8 +41,8 @@ TEST_P(EquationOfMotionOnEverySampleArm, ChangesAsItsDerivativesSay) {
   for (const State& s : test_states(n, 48)) {
     const VectorXd direction = random.vector(n, -1, 1);
     const VectorXd way = 1e-7 * direction;
-    lanes.evaluate(s.q, s.dq, plain_M, plain_h);
-    lanes.evaluate_linearized(s.q, s.dq, s.ddq, way, M, h, D, change);
+    lanes.equation_of_motion(s.q, s.dq, plain_M, plain_h);
+    lanes.equation_of_motion(s.q, s.dq, s.ddq, way, M, h, D, change);
     // The two are compiled apart and may round differently.
     EXPECT_TRUE(near(h, plain_h, 1e-13 * (1.0 + plain_h.norm())));
     EXPECT_TRUE(near(M, plain_M, 1e-13 * (1.0 + plain_M.norm())));
@@ -58,9 +56,9 @@ TEST_P(EquationOfMotionOnEverySampleArm, ChangesAsItsDerivativesSay) {
     scalar.inverse_dynamics(s.q + step * direction, s.dq, s.ddq, up);
     scalar.inverse_dynamics(s.q - step * direction, s.dq, s.ddq, down);
     EXPECT_TRUE(near(change, 1e-7 * (up - down) / (2.0 * step), 1e-12 * size));
-    lanes.evaluate_linearized(s.q, s.dq, s.ddq, zero, M, h, D, change);
+    lanes.equation_of_motion(s.q, s.dq, s.ddq, zero, M, h, D, change);
     EXPECT_EQ(change, zero);
-    lanes.evaluate_with_derivative(s.q, s.dq, M, h, D);
+    lanes.equation_of_motion(s.q, s.dq, M, h, D);
     EXPECT_TRUE(near(h, plain_h, 1e-13 * (1.0 + plain_h.norm())));
   }
 }

@@ -12,7 +12,7 @@ namespace veridyn {
 namespace {
 
 class LagrangeOnEverySampleArm : public OnSampleArm {};
-INSTANTIATE_TEST_SUITE_P(Sample, LagrangeOnEverySampleArm, testing::ValuesIn(sample_arm_names()),
+INSTANTIATE_TEST_SUITE_P(Sample, LagrangeOnEverySampleArm, testing::ValuesIn(all_arm_names()),
                          sample_arm_name);
 
 constexpr double kRounding = 1e-13;  // relative; both sides add some thousand products

@@ -15,7 +15,7 @@ namespace veridyn {
 namespace {
 
 class OnEverySampleArm : public OnSampleArm {};
-INSTANTIATE_TEST_SUITE_P(Sample, OnEverySampleArm, testing::ValuesIn(sample_arm_names()),
+INSTANTIATE_TEST_SUITE_P(Sample, OnEverySampleArm, testing::ValuesIn(all_arm_names()),
                          sample_arm_name);
 
 constexpr double kRounding = 1e-13;  // relative; both sides add some thousand products

@@ -3,7 +3,7 @@
 #include "support/energy.hpp"
 #include "support/near.hpp"
 #include "support/sample_arms.hpp"
-#include "veridyn/dynamics/regressor_batch.hpp"
+#include "veridyn/dynamics/torque_regressor.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/model/model_file.hpp"
 
@@ -56,7 +56,7 @@ TEST_P(OnEveryRobotFile, TorqueIsTheSumOfItsParts) {
 
 TEST_P(OnEveryRobotFile, RegressorsOfOneAndOfManyStatesAgreeWithTheTorques) {
   const VectorXd phi = *arm_.inertial_values();
-  const RegressorBatch batch(arm_);
+  const TorqueRegressor batch(arm_);
   std::vector<MatrixXd> Y;
   for (const State& s : states_) {
     const VectorXd tau = inverse_dynamics(arm_, s.q, s.dq, s.ddq);

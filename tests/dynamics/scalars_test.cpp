@@ -158,7 +158,7 @@ class ScalarsOnEverySampleArm : public OnSampleArm {
     }
   }
 };
-INSTANTIATE_TEST_SUITE_P(Sample, ScalarsOnEverySampleArm, testing::ValuesIn(sample_arm_names()),
+INSTANTIATE_TEST_SUITE_P(Sample, ScalarsOnEverySampleArm, testing::ValuesIn(all_arm_names()),
                          sample_arm_name);
 
 TEST_P(ScalarsOnEverySampleArm, PlainDoubles) { expect_the_same<double>(1e-12); }

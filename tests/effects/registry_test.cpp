@@ -28,8 +28,8 @@ class EveryAxisEffect : public testing::TestWithParam<std::string> {
 INSTANTIATE_TEST_SUITE_P(Axis, EveryAxisEffect, testing::ValuesIn(axis_effect_names()),
                          effect_case);
 
-// docs/contract.md names every effect and every other cause, and nothing else.
-TEST(EffectRegistry, HasTheNamesOfTheContract) {
+// docs/contract.md names every effect and every other cause, and nothing else; docs/causes.md explains them.
+TEST(EffectRegistry, HasTheNamesOfTheContractAndOfThePageOfCauses) {
   std::ifstream file(std::string(VERIDYN_SOURCE_DIR) + "/docs/contract.md");
   ASSERT_TRUE(file.good());
   const std::string all((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
@@ -46,6 +46,13 @@ TEST(EffectRegistry, HasTheNamesOfTheContract) {
   known.insert("none");
   known.erase("tabulated_force");  // a diagnosis writes it; nobody asks for it by name
   EXPECT_EQ(in_contract, known);
+
+  std::ifstream page(std::string(VERIDYN_SOURCE_DIR) + "/docs/causes.md");
+  const std::string causes((std::istreambuf_iterator<char>(page)), std::istreambuf_iterator<char>());
+  const std::regex row("\\| `([a-z_]+)`<br>!\\[");
+  std::set<std::string> explained{"none"};
+  for (std::sregex_iterator it(causes.begin(), causes.end(), row), end; it != end; ++it) explained.insert((*it)[1]);
+  EXPECT_EQ(explained, known);
 }
 
 TEST(EffectRegistry, AnUnknownNameIsAnsweredWithAlternatives) {

@@ -205,6 +205,77 @@ TEST(Collisions, LinksThatAlwaysTouchAreNotKeptApart) {
   EXPECT_THROW(collision_limits(arm, {{"nowhere", {0, 0, 0}, {1, 0, 0}, 0.1}}), InvalidInput);
 }
 
+// What is to be kept clear of is kept or named: a floor above the shoulder, which no posture leaves; one
+// that the links reach in some postures; and a turntable, whose mount the floor is.
+TEST(Collisions, AnObstacleIsNeverDropped) {
+  const Model arm = read_model(folding_path());
+  const auto floor_at = [](double z) { return Obstacle{"floor", {-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, z}}; };
+  const auto with_floor = [&](double z) { return collision_limits(arm, folding_capsules(), {floor_at(z)}); };
+  EXPECT_EQ(with_floor(0.28).impossible, std::vector<std::string>{"upper and floor"});
+  EXPECT_TRUE(with_floor(0.2).impossible.empty());
+  for (const double z : {0.28, 0.2}) {
+    const CollisionLimits limits = with_floor(z);
+    EXPECT_TRUE(limits.touching.empty());
+    EXPECT_EQ(std::count_if(limits.pairs.begin(), limits.pairs.end(), [](const CollisionPair& p) { return p.obstacle.has_value(); }), 3);
+  }
+  ModelDescription d = arm.description();
+  d.frames[arm.find_frame("upper")].A = identity_pose();  // about the world's z axis
+  const Model table(std::move(d));
+  const Capsule disc{"upper", {0, 0, 0}, {0, 0, 0.1}, 0.05};
+  EXPECT_EQ(collision_limits(table, {disc}, {floor_at(0.0)}).touching, std::vector<std::string>{"upper and floor"});
+  EXPECT_EQ(collision_limits(table, {disc}, {floor_at(0.04)}).impossible, std::vector<std::string>{"upper and floor"});
+}
+
+// The first lines say what was not checked, with the option that does.
+TEST(Cautions, SayWhatWasNotCheckedAndWhatWasAssumed) {
+  ModelDescription d = read_model(folding_path()).description();
+  d.coordinates[1].limits.velocity = INFINITY;
+  d.coordinates[2].limits.effort = INFINITY;
+  const Model arm(std::move(d));
+  ExcitationOptions options = short_search();
+  const Excitation bare = optimise_excitation(arm, options);
+  ASSERT_EQ(bare.cautions.size(), 4U) << bare.report();
+  EXPECT_EQ(bare.report().find(bare.cautions[0]), 0U) << bare.report();
+  EXPECT_EQ(bare.cautions[0].find("NOT CHECKED: neither the floor nor self-collision"), 0U) << bare.cautions[0];
+  EXPECT_NE(bare.cautions[0].find("--link-radius"), std::string::npos);
+  EXPECT_EQ(bare.cautions[1].find("ASSUMED: at most 2 rad/s"), 0U) << bare.cautions[1];
+  EXPECT_NE(bare.cautions[1].find("elbow"), std::string::npos);
+  EXPECT_EQ(bare.cautions[2].find("NOT LIMITED: torques of wrist"), 0U) << bare.cautions[2];
+  EXPECT_NE(bare.cautions[3].find("no values of friction"), std::string::npos) << bare.cautions[3];
+  FramePoints at(arm);
+  double lowest = 1e9;
+  for (Eigen::Index row = 0; row < bare.motion.rows(); ++row) {
+    at.move_to(bare.motion.q.row(row).transpose());
+    for (int k = 1; k < static_cast<int>(arm.frames().size()); ++k) lowest = std::min(lowest, at.point(FrameIndex{k}, {0, 0, 0}).z());
+  }
+  EXPECT_NEAR(bare.lowest.z, lowest, 1e-12);
+  options.workspace.collisions = collision_limits(arm, folding_capsules());
+  const Excitation shaped = optimise_excitation(arm, options);
+  EXPECT_EQ(shaped.cautions[0].find("NOT CHECKED: the floor;"), 0U) << shaped.cautions[0];
+  EXPECT_LE(shaped.lowest.z, smallest_gap(arm, shaped, {"hand", "floor", folding_capsules(), {}, Obstacle{"floor", {0, 0, 0}, {0, 0, 0}}, 0.0}) + 1e-6);
+  options.workspace.collisions = collision_limits(arm, folding_capsules(), {{"floor", {-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, -0.3}}});
+  const Excitation floored = optimise_excitation(arm, options);
+  EXPECT_EQ(floored.report().find("NOT CHECKED"), std::string::npos) << floored.report();
+  EXPECT_GE(floored.lowest.z, -0.3);
+}
+
+// The same path, slower: velocities by the share, accelerations by its square.
+TEST(Excitation, ASlowerRunIsTheSamePath) {
+  const Model arm = read_model(folding_path());
+  ExcitationOptions options = short_search();
+  const Excitation whole = optimise_excitation(arm, options);
+  options.speed = 0.5;
+  const Excitation half = optimise_excitation(arm, options);
+  ASSERT_EQ(half.status, ExcitationStatus::kDone);
+  ASSERT_EQ(half.motion.rows(), 2 * whole.motion.rows() - 1);
+  for (Eigen::Index k = 0; k < whole.motion.rows(); k += 50) {
+    EXPECT_LT((half.motion.q.row(2 * k) - whole.motion.q.row(k)).norm(), 1e-9);
+    EXPECT_LT((2.0 * half.motion.dq.row(2 * k) - whole.motion.dq.row(k)).norm(), 1e-9);
+    EXPECT_LT((4.0 * half.motion.ddq.row(2 * k) - whole.motion.ddq.row(k)).norm(), 1e-9);
+  }
+  EXPECT_NE(whole.report().find("--speed 0.5"), std::string::npos);
+}
+
 // Every point of a shape's surface is within its capsules.
 void expect_held(const LinkShape& shape, const std::vector<Eigen::Vector3d>& surface) {
   const std::vector<Capsule> capsules = capsules_around(shape);

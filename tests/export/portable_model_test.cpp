@@ -106,6 +106,106 @@ TEST(PortableModel, ARodHasTheMassOfItsVolume) {
   EXPECT_NE(to_urdf(exported.arm, exported.extras).find(words), std::string::npos);
 }
 
+// A geared arm of the size of a UR5: what the gears of its first joints feel is in no link alone.
+class GearedArm : public testing::Test {
+ protected:
+  GearedArm() : drawing_(build(1.0)) {}
+
+  // Chain of yaw, pitch, pitch, pitch, yaw, pitch.
+  static Model build(double heavier) {
+    ArmBuilder builder("geared", 6, 3);
+    const double places[][3] = {{0, 0, 0.09}, {0, 0.136, 0}, {0, -0.12, 0.425}, {0, 0, 0.392}, {0, 0.093, 0}, {0, 0, 0.095}};
+    const double masses[] = {3.7, 8.4, 2.3, 1.2, 1.2, 0.25};
+    const double lengths[] = {0.1, 0.43, 0.39, 0.1, 0.1, 0.05};
+    for (int i = 0; i < 6; ++i) {
+      const bool upright = i == 0 || i == 4;
+      // The joint's axis is z of the frame: of a pitch it is the y axis of the link before.
+      const Mat3d R = upright ? identity3() : rotation_x(-M_PI / 2);
+      const Mat3d back = upright ? identity3() : rotation_x(M_PI / 2);
+      const int k = builder.link(i - 1, JointType::kRevolute, builder.unit(i), 0.0, {R, {places[i][0], places[i][1], places[i][2]}}, {back, {0, 0, 0}});
+      const double m = masses[i] * (i == 1 ? heavier : 1.0), l = lengths[i], r = 0.05;
+      Eigen::Matrix<double, 6, 1> inertia;
+      inertia << m * (l * l / 12 + r * r / 4), 0, m * (l * l / 12 + r * r / 4), 0, 0, m * r * r / 2;
+      builder.description().frames[static_cast<size_t>(k)].body->phi = inertial_parameters(m, {0.0, 0.01, 0.45 * l}, inertia);
+    }
+    builder.description().gravity = {0, 0, -9.81};
+    return builder.build();
+  }
+
+  // Identified: rotor inertias of joints where torques tell them, those of the first two joints within their links,
+  // which are then possible only as heavier ones.
+  Model identified() const {
+    ModelDescription d = build(0.93).description();
+    for (int i = 2; i < 6; ++i) {
+      EffectTerm rotor;
+      rotor.effect = "rotor_inertia";
+      rotor.axis = {VectorXd::Unit(6, i), 0.0};
+      rotor.values["inertia"] = i < 3 ? 0.9 : 0.1;
+      d.effects.push_back(rotor);
+    }
+    (*d.frames[0].body->phi)[9] += 1.3;
+    (*d.frames[1].body->phi)[6] += 1.2;
+    d.identified = IdentifiedBase{};
+    for (size_t k = 0; k < d.frames.size(); ++k) d.frames[k].body->prior = drawing_.frames()[k].body->phi;
+    return Model(std::move(d));
+  }
+
+  // Torques of bodies and rotors at random states.
+  static MatrixXd torques(const Model& arm) {
+    RigidBodyDynamics dynamics(arm, *arm.inertial_values());
+    Random random(8);
+    MatrixXd out(arm.joints(), 20);
+    for (Eigen::Index k = 0; k < out.cols(); ++k) {
+      const VectorXd q = random.vector(6, -2.0, 2.0), dq = random.vector(6, -1.0, 1.0), ddq = random.vector(6, -2.0, 2.0);
+      VectorXd tau(6);
+      dynamics.inverse_dynamics(q, dq, ddq, tau);
+      for (const EffectTerm& term : arm.effects())
+        tau += term.values.at("inertia") * ddq.cwiseProduct(term.axis.coefficients);
+      out.col(k) = tau;
+    }
+    return out;
+  }
+
+  static void expect_masses_of(const Model& drawing, const Model& exported) {
+    for (const int k : drawing.bodies()) {
+      const double mass = (*drawing.frames()[k].body->phi)[0];
+      EXPECT_NEAR((*exported.frames()[k].body->phi)[0], mass, 0.2 * mass) << drawing.frames()[k].name;
+    }
+  }
+
+  Model drawing_;
+};
+
+TEST_F(GearedArm, ExportedBodiesWeighWhatTheDrawingSays) {
+  const Model model = identified();
+  ASSERT_LT(least_eigenvalue(*model.inertial_values()), 0.0);
+  const MatrixXd before = torques(model);
+  for (const RotorPlace place : {RotorPlace::kBodies, RotorPlace::kArmatures}) {
+    const PortableModel portable = portable_model(model, std::nullopt, place);
+    ASSERT_TRUE(portable.changed) << portable.remark;
+    EXPECT_GT(least_eigenvalue(*portable.arm.inertial_values()), 0.0);
+    expect_masses_of(drawing_, portable.arm);
+    EXPECT_LT((torques(portable.arm) - before).cwiseAbs().maxCoeff(), 1e-8 * before.cwiseAbs().maxCoeff());
+  }
+}
+
+// Where the format has a place for it, the gear's inertia is no link's.
+TEST_F(GearedArm, AnArmatureTakesWhatNoLinkHas) {
+  const PortableModel portable = portable_model(identified(), std::nullopt, RotorPlace::kArmatures);
+  ASSERT_TRUE(portable.changed) << portable.remark;
+  ASSERT_EQ(portable.arm.effects().size(), 6U);
+  for (const EffectTerm& term : portable.arm.effects()) {
+    if (term.axis.coefficients[0] == 1.0) {
+      EXPECT_NEAR(term.values.at("inertia"), 1.3, 0.1);
+    }
+    if (term.axis.coefficients[1] == 1.0) {
+      EXPECT_NEAR(term.values.at("inertia"), 1.2, 0.1);
+    }
+  }
+  const double drawn = (*drawing_.frames()[1].body->phi)[6];
+  EXPECT_NEAR((*portable.arm.frames()[1].body->phi)[6], drawn, 0.3 * drawn);
+}
+
 TEST(PortableModel, LeavesFactsAndWhatWasNotIdentified) {
   ArmBuilder builder("facts", 2, 7);
   const int fact = builder.link(-1, JointType::kRevolute, {1.0, 0.0}, 0.0, identity_pose(), identity_pose());

@@ -52,7 +52,7 @@ TEST(JointTorques, RememberThePath) {
     m.ddq(k, 0) = -0.025 * M_PI * M_PI * std::sin(0.5 * M_PI * t);
   }
   const MatrixXd tau = joint_torques(arm, m);
-  const RegressorBatch bodies(arm);
+  const TorqueRegressor bodies(arm);
   MatrixXd rigid;
   bodies.torques(m.q, m.dq, m.ddq, *arm.inertial_values(), rigid);
   // Forward to 0.1 at t = 1, back to -0.1 at t = 3.

@@ -67,8 +67,8 @@ TEST(ATemporaryModel, LeavesDynamicsBehindThatOwnTheirData) {
         return VectorXd(Y.reshaped());
       });
   expect_no_difference(
-      "RegressorBatch", [](const Model& m) { return RegressorBatch(m); },
-      [](RegressorBatch& r) {
+      "TorqueRegressor", [](const Model& m) { return TorqueRegressor(m); },
+      [](TorqueRegressor& r) {
         std::vector<MatrixXd> Y;
         r.evaluate(kQ.transpose(), kDq.transpose(), kDdq.transpose(), Y);
         return VectorXd(Y[1].reshaped());

@@ -16,6 +16,12 @@ struct FuzzTarget {
   std::vector<std::string> (*seeds)();
 };
 
+/// Those of the library and of the packages that are built.
 const std::vector<FuzzTarget>& fuzz_targets();
+
+/// Registers readers: a constant in the file that has them.
+struct AddFuzzTargets {
+  explicit AddFuzzTargets(const std::vector<FuzzTarget>& targets);
+};
 
 }  // namespace veridyn

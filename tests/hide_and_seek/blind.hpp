@@ -10,7 +10,7 @@ namespace veridyn::seek {
 
 using Json = nlohmann::ordered_json;
 
-/// A benchmark that any tool can enter; the format of its files is in docs/hide-and-seek.md.
+/// A benchmark that any tool can enter; the format of its files is in docs/measure.md.
 
 /// What is hidden in a case, with all its numbers.
 Json truth_json(const HiddenCase& hidden);

@@ -1,5 +1,5 @@
 // How often diagnose finds what is hidden in recordings of arms whose dynamics and effects share no
-// code with it. Not a test; see hide_and_seek_test.cpp for those, and docs/hide-and-seek.md.
+// code with it. Not a test; see hide_and_seek_test.cpp for those, and docs/measure.md.
 
 #include <fmt/format.h>
 

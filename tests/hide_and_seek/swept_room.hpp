@@ -53,9 +53,6 @@ SweptRoom room_of(const std::vector<TableNumber<Numbers>>& table, const std::vec
 /// The numbers of `diagnose`. @param folder  of the recordings; it stays as long as the cases are asked.
 SweptRoom diagnosis_room(const DiagnosisOptions& options, unsigned seed, const std::string& folder);
 
-/// The numbers of `check ROBOT`: sound and mistaken recordings of a SCARA and the first axes of a PSM.
-SweptRoom check_room(unsigned seed, const std::string& folder);
-
 /// The numbers of the quality of recordings: sound ones, and ones with planted faults.
 SweptRoom quality_room(unsigned seed, const std::string& folder);
 
@@ -70,9 +67,6 @@ SweptRoom comparison_room(unsigned seed, const std::string& folder);
 
 /// The numbers of `fleet`: arms of one type, one of them odd.
 SweptRoom fleet_room(unsigned seed);
-
-/// The numbers of `calibrate links`: poses of arms whose file is wrong, or right.
-SweptRoom links_room(unsigned seed);
 
 /// The numbers of `identify`: recordings, poses and known masses with a known right answer.
 SweptRoom identification_room(unsigned seed, const std::string& folder);

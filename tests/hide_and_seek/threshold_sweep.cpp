@@ -12,11 +12,9 @@
 #include <map>
 #include <set>
 
-#include "calibration/links/links_numbers.hpp"
 #include "comparison/comparison_numbers.hpp"
 #include "estimation/estimation_numbers.hpp"
 #include "hide_and_seek/sweep_board.hpp"
-#include "identification/check/check_thresholds.hpp"
 #include "identification/fleet/fleet_numbers.hpp"
 #include "identification/identification_numbers.hpp"
 #include "recordings/quality/quality_numbers.hpp"
@@ -147,7 +145,7 @@ void print_thresholds(const std::string& sweeps) {
 }
 
 const std::vector<std::string>& swept_rooms() {
-  static const std::vector<std::string> kAll = {"quality", "estimation", "check", "watch", "compare", "fleet", "identification", "links"};
+  static const std::vector<std::string> kAll = {"quality", "estimation", "watch", "compare", "fleet", "identification"};
   return kAll;
 }
 
@@ -167,11 +165,9 @@ void print_table(const std::vector<TableNumber<Numbers>>& table, const std::stri
 SweptRoom room_named(const SweepRequest& request, const std::string& folder) {
   if (request.room == "quality") return quality_room(request.seed, folder);
   if (request.room == "estimation") return estimation_room(request.seed);
-  if (request.room == "check") return check_room(request.seed, folder);
   if (request.room == "watch") return watch_room(request.seed);
   if (request.room == "compare") return comparison_room(request.seed, folder);
   if (request.room == "fleet") return fleet_room(request.seed);
-  if (request.room == "links") return links_room(request.seed);
   if (request.room == "identification") return identification_room(request.seed, folder);
   return diagnosis_room(request.options, request.seed, folder);
 }
@@ -181,12 +177,10 @@ SweptRoom room_named(const SweepRequest& request, const std::string& folder) {
 void print_numbers(const std::string& room, const std::string& sweeps) {
   if (room == "quality") print_table(quality_numbers(), sweeps);
   if (room == "estimation") print_table(estimation_numbers(), sweeps);
-  if (room == "check") print_table(check_numbers(), sweeps);
   if (room == "watch") print_table(watch_numbers(), sweeps);
   if (room == "compare") print_table(comparison_numbers(), sweeps);
   if (room == "fleet") print_table(fleet_numbers(), sweeps);
   if (room == "identification") print_table(identification_numbers(), sweeps);
-  if (room == "links") print_table(links_numbers(), sweeps);
 }
 
 SweptRoom diagnosis_room(const DiagnosisOptions& options, unsigned seed, const std::string& folder) {

@@ -10,11 +10,9 @@
 #include <map>
 #include <set>
 
-#include "calibration/links/links_numbers.hpp"
 #include "comparison/comparison_numbers.hpp"
 #include "estimation/estimation_numbers.hpp"
 #include "hide_and_seek/sweep_board.hpp"
-#include "identification/check/check_thresholds.hpp"
 #include "identification/fleet/fleet_numbers.hpp"
 #include "identification/identification_numbers.hpp"
 #include "recordings/quality/quality_numbers.hpp"
@@ -64,12 +62,10 @@ TEST(ThresholdSweep, TheTableShowsWhatMultiplesChanged) {
 const std::map<std::string, std::string>& sweep_files() {
   static const std::map<std::string, std::string> kAll = {{"quality", "recordings/quality/quality_sweeps.csv"},
                                                           {"estimation", "estimation/estimation_sweeps.csv"},
-                                                          {"check", "identification/check/check_sweeps.csv"},
                                                           {"watch", "watch/watch_sweeps.csv"},
                                                           {"compare", "comparison/comparison_sweeps.csv"},
                                                           {"fleet", "identification/fleet/fleet_sweeps.csv"},
-                                                          {"identification", "identification/identification_sweeps.csv"},
-                                                          {"links", "calibration/links/links_sweeps.csv"}};
+                                                          {"identification", "identification/identification_sweeps.csv"}};
   return kAll;
 }
 
@@ -100,46 +96,11 @@ void expect_all_swept(const std::vector<TableNumber<Numbers>>& table, const std:
 TEST(ThresholdSweep, EveryRoomsNumbersAreSwept) {
   expect_all_swept(quality_numbers(), "quality");
   expect_all_swept(estimation_numbers(), "estimation");
-  expect_all_swept(check_numbers(), "check");
   expect_all_swept(watch_numbers(), "watch");
   expect_all_swept(comparison_numbers(), "compare");
   expect_all_swept(fleet_numbers(), "fleet");
   expect_all_swept(identification_numbers(), "identification");
-  expect_all_swept(links_numbers(), "links");
   for (const std::string& room : swept_rooms()) EXPECT_EQ(sweep_files().count(room), 1U) << room;
-}
-
-std::string printed(const std::function<void()>& print) {
-  testing::internal::CaptureStdout();
-  print();
-  return testing::internal::GetCapturedStdout();
-}
-
-TEST(ThresholdSweep, TheTablesOfTheDocsAreThoseOfTheFiles) {
-  std::ifstream file(std::string(VERIDYN_SOURCE_DIR) + "/docs/numbers.md");
-  ASSERT_TRUE(file.good());
-  const std::string docs((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  const std::string of_diagnosis = printed([] { print_thresholds(in_source("diagnosis/threshold_sweeps.csv")); });
-  EXPECT_NE(docs.find(of_diagnosis), std::string::npos);
-  for (const auto& [room, sweeps] : sweep_files()) {
-    const std::string table = printed([&name = room, &from = sweeps] { print_numbers(name, in_source(from)); });
-    EXPECT_NE(docs.find(table), std::string::npos) << room;
-  }
-}
-
-// A factor of 1 is the check itself, and another number gives another answer.
-TEST(ThresholdSweep, TheBoardOfTheCheckMovesWithItsNumbers) {
-  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "veridyn-check-board";
-  const SweptRoom room = check_room(811, folder.string());
-  const auto swapped = std::find_if(room.cases.begin(), room.cases.end(),
-                                    [](const RoomCase& one) { return one.name == "swapped torques psm-3dof"; });
-  ASSERT_NE(swapped, room.cases.end());
-  EXPECT_TRUE(swapped->ask("better", 1.0).right) << swapped->ask("better", 1.0).said;
-  EXPECT_FALSE(swapped->ask("better", 100.0).right);
-  EXPECT_FALSE(swapped->ask("fewest_rows", 100.0).right);
-  EXPECT_EQ(room.value("better"), CheckThresholds().better);
-  EXPECT_THROW(room.value("beter"), InvalidInput);
-  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

@@ -98,7 +98,7 @@ TEST_P(ArmEffect, ColumnIsWhatASmallOneAddsToTheRecordedTorque) {
   if (std::string(c.effect) == "encoder_offset") {
     // Seen through the wrong positions, the same torques are off by the column.
     wrong.tau = clean.tau;
-    const RegressorBatch batch(arm);
+    const TorqueRegressor batch(arm);
     MatrixXd at_wrong;
     MatrixXd at_right;
     const VectorXd phi = *arm.inertial_values();

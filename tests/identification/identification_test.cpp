@@ -1,4 +1,5 @@
 #include "veridyn/identification/identification.hpp"
+#include "veridyn/identification/parameters_text.hpp"
 
 #include <gtest/gtest.h>
 
@@ -527,7 +528,8 @@ TEST(HeldOutFits, KeepWhatTheOtherPartsDoNotDetermine) {
 TEST(TheReport, NamesStatusErrorsAndBaseParameters) {
   const Model arm = robot("planar-2r");
   const Identification id = identify(arm, noisy(arm, lasting(20.0), 0.05, 2));
-  const std::string text = id.report();
+  const std::string text = id.report() + parameters_text(id);
+  EXPECT_EQ(id.report().find("coulomb_friction(elbow).level"), std::string::npos);
   for (const char* word : {"planar-2r", "feasible least squares", "10 base parameters", "rank gap",
                            "training", "coulomb_friction(elbow).level"}) {
     EXPECT_NE(text.find(word), std::string::npos) << word << " in\n" << text;

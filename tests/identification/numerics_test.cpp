@@ -139,7 +139,7 @@ TEST(StillJoints, AreNamedTogether) {
     if (prior) options.prior = planar();
     const Identification id = identify(planar(), std::vector<Recording>{r, r, r}, {}, options);
     EXPECT_EQ(id.status, IdentificationStatus::kRankDeficient);
-    EXPECT_NE(id.reason.find("synthetic and 2 more: joints shoulder, elbow never move; undetermined: "), std::string::npos) << id.reason;
+    EXPECT_NE(id.reason.find("synthetic and 2 more: joints shoulder, elbow never move; gravity, offsets and forces of position of an arm at rest are identified with --at-rest"), std::string::npos) << id.reason;
   }
 }
 
@@ -153,7 +153,7 @@ TEST(ABox, OfABodyIsKept) {
   EXPECT_LE(id.parameters[10], 1.5);
   EXPECT_LE(std::abs(id.parameters[11]), 0.1 * id.parameters[10] + 1e-12);
   EXPECT_NE(std::find(id.active_constraints.begin(), id.active_constraints.end(), "m_fore <= 1.5"), id.active_constraints.end());
-  EXPECT_NE(id.report().find("  m_fore <= 1.5\n"), std::string::npos);
+  EXPECT_NE(id.report().find("m_fore <= 1.5"), std::string::npos);
 }
 
 // A model is judged on samples, or not at all.

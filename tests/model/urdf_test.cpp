@@ -258,15 +258,24 @@ TEST_F(UrdfFile, MistakesNamePlaceFindingAndExpectation) {
                 .find(":24:3: found joint 'follower' with mimics in a cycle"),
             0U);
   EXPECT_EQ(error_of("</robot>", "").find(":36:1: found text that is not XML ("), 0U);
-  EXPECT_NE(error_of("<link name=\"tip\"/>", "<link/>").find("found no valid URDF ("),
-            std::string::npos);
-  EXPECT_NE(error_of("xyz=\"0.1 0 0\"", "xyz=\"0.1 nan 0\"").find("found no valid URDF ("),
-            std::string::npos);
-  EXPECT_NE(error_of("<mass value=\"2\"/>", "<mass value=\"two\"/>").find("found no valid URDF ("),
-            std::string::npos);
-  EXPECT_NE(
-      error_of("<child link=\"turret\"/>", "<child link=\"tower\"/>").find("found no valid URDF ("),
-      std::string::npos);
+  // Each names the joint or link, its line, and what to write.
+  const auto expect_words = [&](const std::string& old_text, const std::string& new_text, const std::vector<std::string>& words) {
+    const std::string message = error_of(old_text, new_text);
+    EXPECT_EQ(message.find(':'), 0U) << message;
+    EXPECT_NE(message.find(", expected "), std::string::npos) << message;
+    for (const std::string& word : words) EXPECT_NE(message.find(word), std::string::npos) << word << "\n" << message;
+  };
+  expect_words("<link name=\"tip\"/>", "<link/>", {"a link without a name"});
+  expect_words("xyz=\"0.1 0 0\"", "xyz=\"0.1 nan 0\"", {"link 'turret'", "xyz=\"0.1 nan 0\"", "3 finite numbers"});
+  expect_words("xyz=\"0.1 0 0\"", "xyz=\"0,1 0 0\"", {"not a comma"});
+  expect_words("xyz=\"0.1 0 0\"", "xyz=\"${l} 0 0\"", {"xacro that was not expanded, '${l} 0 0'", "xacro ", " > arm.urdf"});
+  expect_words("<link name=\"tip\"/>", "<xacro:link name=\"tip\"/>", {"<xacro:link>"});
+  expect_words("<mass value=\"2\"/>", "<mass value=\"two\"/>", {"link 'turret' with mass value=\"two\"", "1 finite number"});
+  expect_words("<mass value=\"2\"/>", "", {"link 'turret' with an inertial without a mass"});
+  expect_words("<child link=\"turret\"/>", "<child link=\"turet\"/>", {"joint 'zeta' with the child 'turet', which is no link", "did you mean 'turret'?"});
+  expect_words("<link name=\"tip\"/>", "<link name=\"tip\"/><link name=\"camera\"/>", {"2 links without a joint above them", "camera", "fixed"});
+  expect_words("joint name=\"alpha\"", "joint name=\"zeta\"", {"the second joint 'zeta', after line 14"});
+  expect_words(" velocity=", " velocty=", {"with a limit without velocity", "0 for a velocity"});
   EXPECT_THROW(read_urdf("/no/such/file.urdf"), InvalidInput);
 }
 
@@ -284,10 +293,13 @@ TEST_F(UrdfFile, DamagedFilesAreRefusedAndNeverCrash) {
   }
 }
 
-TEST_F(UrdfFile, BodiesThatCannotBeAreRefused) {
+TEST_F(UrdfFile, ANegativeMassIsRefusedAndANegativeMomentIsNamed) {
   EXPECT_NE(error_of("<mass value=\"2\"/>", "<mass value=\"-1\"/>").find("a mass of -1 kg"), std::string::npos);
-  EXPECT_NE(error_of("iyy=\"0.02\"", "iyy=\"-0.02\"").find("a moment of inertia below zero"),
-            std::string::npos);
+  std::string urdf = kGripper;
+  urdf.replace(urdf.find("iyy=\"0.02\""), 10, "iyy=\"-0.02\"");
+  const std::vector<std::string> faults = physical_faults(read(urdf));
+  ASSERT_FALSE(faults.empty());
+  EXPECT_NE(faults[0].find("-0.02"), std::string::npos) << faults[0];
 }
 
 TEST_F(UrdfFile, FrictionThatDrivesIsRefused) {

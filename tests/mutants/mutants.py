@@ -10,6 +10,7 @@ into BUILD/mutants and linked in front of the library; what survives is compiled
 other files of its unit, where the compiler may have inlined it. The status is the number of survivors.
 MUTANTS_LAUNCHER is put in front of compilers.
 """
+import glob
 import json
 import os
 import re
@@ -66,16 +67,16 @@ MUTANTS = [
     ("control/friction_compensation.cpp", "wanted * dt - axis.force * (axis.s - axis.before)", "wanted * dt + axis.force * (axis.s - axis.before)", ["control"]),
     ("control/friction_compensation.cpp", "x.s = axis.s - direction * kFar;", "x.s = axis.s + direction * kFar;", ["control"]),
     ("control/friction_compensation.cpp", "along(axis.along, arm.rigid_bias()) / axis.squared", "along(axis.along, arm.rigid_bias())", ["control"]),
-    ("control/sensors/force_channel.cpp", "return options_.latency + filter;", "return filter;", ["control"]),
-    ("control/sensors/force_channel.cpp", "now - changed_ > options_.stuck_after", "now - begun_ > options_.stuck_after", ["control"]),
-    ("control/sensors/force_channel.cpp", "heard_ = !number_ ? at : std::max(heard_, at);", "heard_ = at;", ["control"]),
+    ("control/sensors/force_channel.cpp", "return options_.latency + filter;", "return filter;", ["load_cells"]),
+    ("control/sensors/force_channel.cpp", "now - changed_ > options_.stuck_after", "now - begun_ > options_.stuck_after", ["load_cells"]),
+    ("control/sensors/force_channel.cpp", "heard_ = !number_ ? at : std::max(heard_, at);", "heard_ = at;", ["load_cells"]),
     ("control/cooperative/teleoperation.cpp", "(R.transpose() * filtered_)", "(R * filtered_)", ["control"]),
     ("control/cooperative/teleoperation.cpp", "std::min(1.0, since_ / options_.ramp)", "1.0", ["control"]),
     ("control/safety/safety_supervisor.cpp", "std::max(since_sound_ + input.sensor_age_range, 0.0)", "std::max(input.dt, 0.0)", ["control"]),
     ("control/safety/safety_supervisor.cpp", "const double newer = input.dt + age_ - input.sensor_age;", "const double newer = input.sensor_age < input.dt ? input.dt : 0.0;", ["control"]),
     ("control/safety/safety_supervisor.cpp", "since_sound_ > kNewer * input.dt || !seen_", "true", ["control"]),
-    ("control/sensors/load_cell_calibration.cpp", "slope_interval / (slope * slope)", "slope_interval / slope", ["control"]),
-    ("control/sensors/load_cell_calibration.cpp", "1.0 / n + f_mean * f_mean / ff", "1.0 / n", ["control"]),
+    ("control/sensors/load_cell_calibration.cpp", "slope_interval / (slope * slope)", "slope_interval / slope", ["load_cells"]),
+    ("control/sensors/load_cell_calibration.cpp", "1.0 / n + f_mean * f_mean / ff", "1.0 / n", ["load_cells"]),
     ("cooperation/motion_plan.cpp", "tips_[arm].force += wall.drag *", "tips_[arm].force -= wall.drag *", ["cooperation"]),
     ("cooperation/motion_plan.cpp", "a.head<3>() -= arm.state.tip().jacobian_rate()", "a.head<3>() += arm.state.tip().jacobian_rate()", ["cooperation"]),
     ("cooperation/motion_plan.cpp", "line_of(seen, m).norm() - force / m.stiffness", "line_of(seen, m).norm() + force / m.stiffness", ["cooperation"]),
@@ -134,7 +135,7 @@ MUTANTS = [
     ("watch/evidence.cpp", "std::max(0.0, b[i] * b[i] / A[i] - price)", "std::max(0.0, b[i] * b[i] / A[i])", ["watch"]),
     ("watch/hypotheses.cpp", "speed < numbers_.rest_share * of_effect->fastest", "speed < 0.0", ["watch"]),
     ("simulation/plant/infeasibility.cpp", "kSpread = 2000;", "kSpread = 20;", ["simulation"]),
-    ("simulation/world/force_sensor.cpp", "require(under_way < kMostUnderWay", "require(true", ["simulation"]),
+    ("simulation/world/force_sensor.cpp", "require(under_way < kMostUnderWay", "require(true", ["cooperation"]),
     ("model/simulators/mjcf_elements.cpp", "group < first_group_ || group > last_group_", "group < first_group_", ["export"]),
     ("model/simulators/mjcf_reader.cpp", "std::min(most, std::max(std::abs(range[0]), std::abs(range[1]))", "std::min(most, std::abs(range[1])", ["export"]),
     ("simulation/plant/mujoco_engine.cpp", "std::min(kLongestStep, stable_step())", "kLongestStep", ["simulation"]),
@@ -171,7 +172,8 @@ GENERATED = {
                   "diagnosis/stages/errors_in_variables.cpp": 3, "diagnosis/unnamed/dependence.cpp": 3},
     "control": {"control/adaptive_friction.cpp": 3, "control/computed_torque.cpp": 2, "control/cooperative/force_law.cpp": 2, "control/momentum_observer.cpp": 3, "control/velocity_observer.cpp": 2,
                 "control/quintic_interpolator.cpp": 3, "control/impedance.cpp": 2, "control/model_error_observer.cpp": 3,
-                "control/cooperative/tether_guard.cpp": 3, "control/sensors/force_channel.cpp": 1, "control/sensors/load_cell_decoder.cpp": 1},
+                "control/cooperative/tether_guard.cpp": 3},
+    "load_cells": {"control/sensors/force_channel.cpp": 1, "control/sensors/load_cell_decoder.cpp": 1},
     "comparison": {"comparison/comparison_statistics.cpp": 1, "comparison/matched_base.cpp": 2, "comparison/standard_torque.cpp": 2},
     "dvrk": {"dvrk/arms/psm_kinematics.cpp": 3, "dvrk/arms/mtm_kinematics.cpp": 3, "dvrk/arms/arm_units.cpp": 3,
              "dvrk/protocol/encoder_words.cpp": 3, "dvrk/arms/gravity_chain.cpp": 3, "dvrk/config/io_config_check.cpp": 3,
@@ -187,9 +189,18 @@ OPERATORS = {" < ": " >= ", " > ": " <= ", " <= ": " > ", " >= ": " < ", " && ":
              " * ": " / ", " / ": " * ", " += ": " -= ", " == ": " != ", " != ": " == ", "std::max(": "std::min(", "std::min(": "std::max("}
 
 
+def path_of(source):
+    """A source of the library or of a package."""
+    found = [path for path in glob.glob(os.path.join(ROOT, "packages", "*", "src", source)) + [os.path.join(ROOT, "src", source)]
+             if os.path.exists(path)]
+    if len(found) != 1:
+        sys.exit(f"{source}: found {found or 'no such file'}, expected one source of the library or of a package")
+    return found[0]
+
+
 def generated(source, count):
     """`count` breaks of a file as (offset, length, replacement, line), evenly over its operators."""
-    content = read(os.path.join(ROOT, "src", source))
+    content = read(path_of(source))
     pattern = re.compile("|".join(re.escape(o) for o in sorted(OPERATORS, key=len, reverse=True)))
     sites = []
     start = 0
@@ -207,7 +218,7 @@ def all_mutants(words):
     for source, old, new, tests in MUTANTS:
         if words and not any(word in source or word in tests for word in words):
             continue
-        content = read(os.path.join(ROOT, "src", source))
+        content = read(path_of(source))
         if content.count(old) != 1:
             sys.exit(f"{source}: found {content.count(old)} times what a mutant changes, expected it once: {old}")
         yield source, content.replace(old, new), f"{old.strip()} -> {new.strip() or 'nothing'}", tests
@@ -243,9 +254,9 @@ def compiled(build, source, content, folder, whole_unit=False):
     path = os.path.join(folder, os.path.basename(source))
     with open(path, "w") as file:
         file.write(content)
-    original = os.path.join(ROOT, "src", source)
+    original = path_of(source)
     group = [(unit, command) for unit, command in commands(build)
-             if unit == original or "/Unity/unity_files" + source.split("/")[0] + "_" in unit]
+             if unit == original or "/Unity/unity_files" in unit and original in read(unit)]
     group.sort(key=lambda one: one[0] != original)
     if whole_unit:
         group = [(unit, command) for unit, command in group if unit != original and original in read(unit)]

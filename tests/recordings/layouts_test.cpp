@@ -1,4 +1,6 @@
 #include <gtest/gtest.h>
+
+#include "recordings/csv/csv_header.hpp"
 #include <unistd.h>
 
 #include <cmath>
@@ -303,6 +305,16 @@ TEST_P(TheLayout, IsReadOrRefusedWithTheRightWords) {
     EXPECT_EQ(std::string(error.what()).rfind(path_, 0), 0u) << "names no file: " << error.what();
     EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
   }
+}
+
+// A topic of one number for each joint, beside topics of all joints.
+TEST(ANameWithSlashes, IsSplitIntoTopicAndJoint) {
+  using recordings::split_topic;
+  EXPECT_EQ(split_topic("/shoulder/position").topic, "");
+  EXPECT_EQ(split_topic("/shoulder/position").path, "shoulder/position");
+  EXPECT_EQ(split_topic("/joint_states/position[1]").topic, "/joint_states");
+  EXPECT_EQ(split_topic("/arm/shoulder/position").topic, "/arm");
+  EXPECT_EQ(split_topic("/arm/shoulder/position").path, "shoulder/position");
 }
 
 TEST(JointsInAnotherOrder, GoWhereTheRobotHasThem) {

@@ -487,7 +487,7 @@ TEST(Recordings, ThatDoNotFitTheArmAreRefused) {
     return std::string("accepted");
   };
   EXPECT_EQ(refused(lines(even_time(900, 0.005), 3)),
-            "lines: found 3 joints, expected the 2 of robot 'planar-2r': shoulder, elbow.");
+            "lines: found 3 joints, expected the 2 of robot 'planar-2r': shoulder, elbow (the others are a gripper? --map shoulder=1 takes the first 2 of them, --map NAME=NUMBER others).");
   Recording r = lines(even_time(900, 0.005), 2);
   r.tau.resize(0, 0);
   EXPECT_NE(refused(r).find("neither torques"), std::string::npos) << refused(r);

@@ -311,8 +311,9 @@ TEST_F(ABadFile, WithTextInANumberNamesLineAndColumn) {
 }
 
 TEST_F(ABadFile, WhoseTimeRunsBackShowsBothTimes) {
-  EXPECT_EQ(error_of("q1,t\n1,0\n2,1\n3,0.5\n"),
-            ":4:2: found time 0.5 s after 1 s, expected it to grow; the clock runs back.");
+  EXPECT_EQ(error_of("q1,t\n1,0\n2,1\n9,0.5\n"),
+            ":4:2: found time 0.5 s after 1 s, expected it to grow; a second recording begins at row 2: --rows 0:2 reads what is "
+            "before it, --rows 2: the rest, and --rate HZ counts the rows instead.");
   EXPECT_EQ(error_of("t,q1\n0,1\n,2\n1,3\n"),
             ":3: found no time in a row with numbers, expected a time in seconds.");
   EXPECT_EQ(error_of("t,q1\n0,1\ninf,2\n"),
@@ -338,10 +339,18 @@ TEST_F(AGoodFile, MayRepeatATimeStampWhichIsRemarked) {
   std::ofstream(path_) << "t,q1\n0,1\n0.01,2\n0.01,3\n0.02,4\n";
   RecordingReader reader(path_);
   const Recording r = reader.next(10);
-  ASSERT_EQ(r.rows(), 3);
-  EXPECT_EQ(r.q(2, 0), 4.0);
+  ASSERT_EQ(r.rows(), 4);
+  EXPECT_EQ(r.time[2], 0.015);
   ASSERT_EQ(reader.facts().remarks.size(), 1u);
-  EXPECT_EQ(reader.facts().remarks[0], "1 row repeats the time stamp before and is left out.");
+  EXPECT_EQ(reader.facts().remarks[0], "1 row repeats the time stamp before with other values: such rows are spread evenly up to the next time.");
+  std::ofstream(path_) << "t,q1\n0,1\n0.01,2\n0.01,2\n0.02,4\n";
+  RecordingReader twice(path_);
+  EXPECT_EQ(twice.next(10).rows(), 3);
+  EXPECT_EQ(twice.facts().remarks[0], "1 row repeats the time stamp before and is left out.");
+  RecordingOptions as_recorded;
+  as_recorded.signals.as_recorded = true;
+  std::ofstream(path_) << "t,q1\n0,1\n0.01,2\n0.01,3\n0.02,4\n";
+  EXPECT_EQ(RecordingReader(path_, as_recorded).next(10).rows(), 3);
 }
 
 TEST_F(AGoodFile, MayHaveADecimalComma) {

@@ -34,7 +34,7 @@ Model with_effect(const Model& arm, const std::string& effect, int joint,
 TEST(EffectAlong, TheLoadIsWhatTheRigidBodiesAskFor) {
   const Model arm = with_effect(read_model("planar-2r"), "load_dependent_friction", 1);
   const MotionSamples states = random_states(arm, 50);
-  const RegressorBatch bodies(arm);
+  const TorqueRegressor bodies(arm);
   const MatrixXd load = rigid_load(arm, bodies, states);
   const BoundEffect effect(arm, arm.effects().back());
   const MatrixXd columns = columns_along(effect, states, load, 0.0);

@@ -1,7 +1,7 @@
 # Installs the library into a fresh folder; then, for each component, configures, builds and runs the project of somebody who
 # wants that one and has none of the packages that it does not need.
 #
-#   cmake -DBUILD=... -DSTRANGERS=... -DWORK=... -DCXX=... -P components.cmake
+#   cmake -DBUILD=... -DSTRANGERS=... -DPACKAGES=... -DWORK=... -DCXX=... -P components.cmake
 cmake_policy(VERSION 3.22)
 include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 
@@ -15,7 +15,8 @@ set(found_simulation ${found_files})
 set(found_calibration ${found_files} Ceres)
 set(found_cooperation ${found_files})
 set(found_dvrk ${found_files})
-set(found_report ${found_files} Ceres)
+set(found_report ${found_files})
+set(found_tool ${found_files} nlohmann_json CLI11)
 set(files "yaml-cpp|muparser|pugixml|fmt|md|urdfdom|tinyxml|console_bridge")
 set(bags "yaml-cpp|fmt|sqlite3|lz4|zstd|bz2|z|matio|hdf5")
 set(loads_core "none")
@@ -26,14 +27,16 @@ set(loads_identification "${files}|${bags}|nlopt|ipopt")
 set(loads_simulation "${files}|mujoco")
 set(loads_calibration  # SuiteSparse and BLAS come with Ceres
   "${files}|${bags}|ceres|glog|gflags|unwind|cholmod|cxsparse|spqr|c?c?amd|c?colamd|suitesparseconfig|lapack|f77blas|blas|tbb|gomp")
-set(loads_cooperation "${loads_simulation}|serialport")
-set(loads_dvrk "${loads_cooperation}|${bags}")
+set(loads_dvrk "${loads_simulation}|${bags}")
+set(loads_cooperation "${loads_dvrk}|serialport")
 set(loads_report ".*")
+set(loads_tool ".*")
 
 file(REMOVE_RECURSE ${WORK})
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/installed)
 set(ENV{VERIDYN_ROBOTS} ${WORK}/installed/share/veridyn/robots)
-foreach(component core files control recordings identification simulation calibration cooperation dvrk report)
+# The packages that are built stand behind the library's components.
+foreach(component core files control recordings identification simulation report tool ${PACKAGES})
   set(without "")
   foreach(package yaml-cpp muparser pugixml fmt urdfdom Ceres nlohmann_json CLI11)
     if(NOT package IN_LIST found_${component})
@@ -48,7 +51,7 @@ foreach(component core files control recordings identification simulation calibr
   # Its headers read none of those packages, and it loads none of their libraries.
   file(GLOB_RECURSE headers ${folder}/*.cpp.o.d)
   file(STRINGS "${headers}" foreign REGEX "/(yaml-cpp|fmt|nlohmann|muParser|urdf[a-z_]*|pugixml|ceres|sqlite3|hdf5|matio|CLI)[./]")
-  if(NOT headers OR foreign)
+  if(NOT headers OR (foreign AND NOT component STREQUAL "tool"))
     message(FATAL_ERROR "veridyn::${component}: found in its headers ${foreign}, expected Eigen alone")
   endif()
   run(objdump -p ${folder}/stranger)

@@ -2,12 +2,14 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <map>
 #include <set>
 #include <sstream>
 #include <string>
+#include <vector>
 
 namespace {
 
@@ -16,8 +18,8 @@ namespace fs = std::filesystem;
 // The layers of the house. What stands in a folder's set is what it may include beside itself:
 //   math < model < kinematics < dynamics < effects < regressor,  model < recordings,
 //   {regressor | recordings} < estimation < causes,
-//   {identification < {diagnosis | comparison} | watch | excitation | control < simulation | calibration}
-//     < cooperation < {dvrk | report} < emulator < cli.
+//   {identification < {diagnosis | comparison} | watch | excitation | control < simulation} < report < tool < cli.
+// Packages stand on its public headers.
 const std::map<std::string, std::set<std::string>>& below() {
   static const std::map<std::string, std::set<std::string>> kBelow = [] {
     std::map<std::string, std::set<std::string>> all;
@@ -37,23 +39,20 @@ const std::map<std::string, std::set<std::string>>& below() {
     all["causes"] = sofar;
     sofar.insert("causes");
     for (const char* folder :
-         {"identification", "excitation", "simulation", "control", "calibration", "watch"})
+         {"identification", "excitation", "simulation", "control", "watch"})
       all[folder] = sofar;
     all["simulation"].insert("control");
     for (const char* folder : {"diagnosis", "comparison", "export"}) {
       all[folder] = sofar;
       all[folder].insert("identification");
     }
+    all["c"] = {"control", "model"};
     sofar.insert({"identification", "diagnosis", "comparison", "export", "excitation", "simulation",
-                  "control", "calibration", "watch"});
-    all["cooperation"] = sofar;
-    sofar.insert("cooperation");
-    all["dvrk"] = sofar;
-    all["report"] = sofar;
-    sofar.insert({"dvrk", "report"});
-    all["emulator"] = sofar;
-    sofar.insert("emulator");
-    all["cli"] = sofar;
+                  "control", "watch"});
+    for (const char* folder : {"report", "tool", "cli"}) {
+      all[folder] = sofar;
+      sofar.insert(folder);
+    }
     return all;
   }();
   return kBelow;
@@ -85,12 +84,11 @@ std::string wrong_includes(const fs::path& file, const std::string& own) {
 TEST(IncludeOrder, IncludesPointDownTheHouse) {
   const fs::path root = VERIDYN_SOURCE_DIR;
   int files = 0;
-  for (const fs::path& top : {root / "include/veridyn", root / "src", root / "emulator"}) {
+  for (const fs::path& top : {root / "include/veridyn", root / "src"}) {
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(top)) {
       const std::string extension = entry.path().extension();
       if (extension != ".hpp" && extension != ".cpp") continue;
-      const std::string own =
-          top.filename() == "emulator" ? "emulator" : fs::relative(entry.path(), top).begin()->string();
+      const std::string own = fs::relative(entry.path(), top).begin()->string();
       if (own == "veridyn.hpp" || own == "control.hpp") continue;  // faces include all
       ASSERT_EQ(below().count(own), 1U)
           << entry.path() << ": found a folder that has no place in the house";
@@ -99,6 +97,58 @@ TEST(IncludeOrder, IncludesPointDownTheHouse) {
     }
   }
   EXPECT_GT(files, 50);
+}
+
+// Packages and the packages that each stands on.
+const std::map<std::string, std::set<std::string>> kPackages = {
+    {"dvrk", {}}, {"calibration", {}}, {"cooperation", {"dvrk"}}};
+
+// Every include of a package's file that is neither a public header of the library or of a package below nor a file of the package.
+std::string foreign_includes(const fs::path& file, const std::string& package) {
+  const fs::path root = VERIDYN_SOURCE_DIR;
+  std::vector<fs::path> places = {root / "include", file.parent_path()};
+  for (const char* folder : {"include", "include/veridyn", "src"}) places.push_back(root / "packages" / package / folder);
+  for (const std::string& below : kPackages.at(package)) places.push_back(root / "packages" / below / "include");
+  std::ifstream stream(file);
+  std::ostringstream wrong;
+  for (std::string line; std::getline(stream, line);) {
+    if (line.rfind("#include \"", 0) != 0) continue;
+    const std::string include = line.substr(10, line.find('"', 10) - 10);
+    const bool found = std::any_of(places.begin(), places.end(), [&](const fs::path& place) { return fs::exists(place / include); });
+    if (!found) wrong << file.string() << ": " << package << " includes " << include << "\n";
+  }
+  return wrong.str();
+}
+
+TEST(IncludeOrder, PackagesIncludePublicHeadersAlone) {
+  const fs::path root = fs::path(VERIDYN_SOURCE_DIR) / "packages";
+  int files = 0;
+  for (const auto& [package, stands_on] : kPackages) {
+    for (const char* folder : {"include", "src"}) {
+      for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / package / folder)) {
+        const std::string extension = entry.path().extension();
+        if (extension != ".hpp" && extension != ".cpp") continue;
+        EXPECT_EQ(foreign_includes(entry.path(), package), "");
+        ++files;
+      }
+    }
+  }
+  EXPECT_GT(files, 150);
+}
+
+// A private header of the library, and one of a package that stands above, are noticed.
+TEST(IncludeOrder, AForeignIncludeOfAPackageIsNoticed) {
+  const fs::path file = fs::temp_directory_path() / ("veridyn_package_" + std::to_string(::getpid()) + ".hpp");
+  std::ofstream(file) << "#include \"veridyn/math/words.hpp\"\n"
+                         "#include \"math/digits.hpp\"\n"
+                         "#include \"dvrk/protocol/udp_port.hpp\"\n"
+                         "#include \"cooperation/experiment.hpp\"\n";
+  const std::string above = foreign_includes(file, "calibration"), wrong = foreign_includes(file, "dvrk");
+  fs::remove(file);
+  EXPECT_NE(above.find("dvrk/protocol/udp_port.hpp"), std::string::npos) << above;
+  EXPECT_NE(wrong.find("math/digits.hpp"), std::string::npos) << wrong;
+  EXPECT_NE(wrong.find("cooperation/experiment.hpp"), std::string::npos) << wrong;
+  EXPECT_EQ(wrong.find("math/words.hpp"), std::string::npos) << wrong;
 }
 
 // Parts of rooms and what each includes of its own room. A room's public headers are a part, and so

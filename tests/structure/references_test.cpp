@@ -51,7 +51,7 @@ TEST(References, TheThesisIsCitedWhereItsNotesHaveAnEntry) {
   const fs::path root = VERIDYN_SOURCE_DIR;
   const std::set<std::string> known = entries(content_of(root / "docs/thesis.md"));
   int citations = 0;
-  for (const char* top : {"include", "src", "emulator", "tests", "data", "examples"}) {
+  for (const char* top : {"include", "src", "packages", "tests", "data", "examples"}) {
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / top)) {
       if (!entry.is_regular_file() || entry.path().filename() == "references_test.cpp") continue;
       const std::string extension = entry.path().extension();
@@ -71,8 +71,10 @@ TEST(References, LinksOfThePagesResolve) {
   const fs::path root = VERIDYN_SOURCE_DIR;
   static const std::regex kLink(R"(\]\(([^)#:]+)(#[^)]*)?\))");
   std::vector<fs::path> pages = {root / "README.md"};
-  for (const fs::directory_entry& entry : fs::directory_iterator(root / "docs"))
-    if (entry.path().extension() == ".md") pages.push_back(entry.path());
+  for (const char* top : {"docs", "packages"}) {
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / top))
+      if (entry.path().extension() == ".md") pages.push_back(entry.path());
+  }
   EXPECT_GT(pages.size(), 5U);
   for (const fs::path& page : pages) {
     const std::string text = content_of(page);

@@ -24,12 +24,15 @@ std::string without_comments(const std::string& path) {
 // Files below `folder` in which the pattern stands, comments aside.
 std::set<std::string> files_with(const std::string& folder, const std::regex& pattern) {
   std::set<std::string> out;
-  const fs::path root = fs::path(VERIDYN_SOURCE_DIR) / "src";
-  for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
-    const std::string kind = entry.path().extension().string();
-    if (kind != ".cpp" && kind != ".hpp") continue;
-    if (std::regex_search(without_comments(entry.path().string()), pattern))
-      out.insert(fs::relative(entry.path(), root).generic_string());
+  for (const char* top : {"src", "include/veridyn"}) {
+    const fs::path root = fs::path(VERIDYN_SOURCE_DIR) / top;
+    if (!fs::exists(root / folder)) continue;
+    for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
+      const std::string kind = entry.path().extension().string();
+      if (kind != ".cpp" && kind != ".hpp") continue;
+      if (std::regex_search(without_comments(entry.path().string()), pattern))
+        out.insert(fs::relative(entry.path(), root).generic_string());
+    }
   }
   return out;
 }
@@ -39,8 +42,9 @@ using Files = std::set<std::string>;
 TEST(SingleSites, EstimatingRoomsHaveOneSolver) {
   const std::regex solver("LDLT<|LLT<|HouseholderQR<|\\bldlt\\(\\)|\\bllt\\(\\)|[a-z]*[hH]ouseholderQr"
                           "\\(\\)|BDCSVD<|JacobiSVD<|fullPivLu|partialPivLu");
-  EXPECT_EQ(files_with("diagnosis", solver), (Files{"diagnosis/evidence/clustered_fit.cpp",
-                                                    "diagnosis/evidence/clustered_fit.hpp"}));
+  // The stages have one, the search has one; a load is fitted to both sides of zero.
+  EXPECT_EQ(files_with("diagnosis", solver), (Files{"diagnosis/evidence/clustered_fit.cpp", "diagnosis/evidence/clustered_fit.hpp",
+                                                    "diagnosis/load_fit.cpp", "diagnosis/search/score.cpp", "diagnosis/search/score.hpp"}));
   // Fleets and watches have none; the smoothing of rows is a filter.
   EXPECT_EQ(files_with("identification/fleet", solver), Files{});
   EXPECT_EQ(files_with("watch", solver), (Files{"watch/smoothed_rows.cpp"}));
@@ -68,7 +72,8 @@ TEST(SingleSites, OneEngineMakesRandomNumbers) {
 TEST(SingleSites, TheMedianIsOne) {
   EXPECT_EQ(files_with("", std::regex("nth_element")),
             (Files{"diagnosis/unnamed/dependence.cpp",  // any quantile
-                   "math/median.hpp", "recordings/quality/quality_checks.cpp",
+                   "math/median.hpp", "recordings/mending/mended_rows.cpp",  // any quantile
+                   "recordings/quality/quality_checks.cpp",
                    "recordings/recording_period.cpp"}));
 }
 
@@ -85,7 +90,7 @@ TEST(SingleSites, EffectsRunSampleBySampleWhereLoopsAre) {
 
 TEST(SingleSites, OneFileDefinesBaseParameters) {
   EXPECT_EQ(files_with("", std::regex("\\nBaseParameters base_parameters\\(")),
-            (Files{"regressor/base_parameters.cpp"}));
+            (Files{"regressor/base_parameters.cpp", "regressor/base_parameters.hpp"}));
 }
 
 }  // namespace

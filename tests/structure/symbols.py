@@ -38,7 +38,9 @@ def demangled(symbols):
 
 def defined(build):
     """Demangled names of the library's own functions."""
-    libraries = glob.glob(os.path.join(build, "src", "libveridyn_*.a")) or glob.glob(os.path.join(build, "src", "libveridyn_*.so"))
+    folders = [os.path.join(build, "src"), os.path.join(build, "packages", "*")]
+    libraries = sum((glob.glob(os.path.join(folder, "libveridyn_*.a")) or glob.glob(os.path.join(folder, "libveridyn_*.so")) for folder in folders), [])
+    libraries = [path for path in libraries if "_commands." not in path]
     if not libraries:
         sys.exit(f"{build}: found no libraries, expected a folder that is built")
     dynamic = ["-D"] if libraries[0].endswith(".so") else []

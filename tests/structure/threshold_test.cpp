@@ -61,7 +61,7 @@ TEST(Thresholds, NoOtherNumbersStandInTheRoomsThatDecide) {
   units.insert(plain.begin(), plain.end());
   const std::set<std::string> spline = {"0.0", "0.5", "1.0", "2.0", "3.0", "4.0", "6.0"};  // of a cubic's polynomials
   const std::vector<Room> rooms = {
-      {"diagnosis", {"numerics.hpp", "thresholds.cpp"}, plain, 30},
+      {"diagnosis", {"numbers.hpp", "numerics.hpp", "load_numbers.hpp", "thresholds.cpp"}, plain, 30},
       {"recordings/quality", {"quality_numbers.hpp"}, units, 10},
       {"identification",
        {"identification_numbers.hpp", "check_thresholds.hpp", "fleet_numbers.hpp"},
@@ -100,11 +100,11 @@ TEST(Thresholds, EveryNumberOfARoomHasItsInequality) {
   const std::regex number(R"(^ *(constexpr )?(double|int|long|std::size_t) (\w+.*;)$)");
   const std::regex own_name(R"((\w+)(\[\])? = )");
   for (const std::string name :
-       {"recordings/quality/quality_numbers.hpp", "identification/check/check_thresholds.hpp",
-        "identification/fleet/fleet_numbers.hpp", "comparison/comparison_numbers.hpp",
-        "watch/watch_numbers.hpp", "estimation/estimation_numbers.hpp", "identification/identification_numbers.hpp",
-        "calibration/links/links_numbers.hpp"}) {
-    std::ifstream file(std::string(VERIDYN_SOURCE_DIR) + "/src/" + name);
+       {"src/recordings/quality/quality_numbers.hpp", "src/identification/check/check_thresholds.hpp",
+        "src/identification/fleet/fleet_numbers.hpp", "src/comparison/comparison_numbers.hpp",
+        "src/watch/watch_numbers.hpp", "src/estimation/estimation_numbers.hpp", "src/identification/identification_numbers.hpp",
+        "packages/calibration/src/calibration/links/links_numbers.hpp"}) {
+    std::ifstream file(std::string(VERIDYN_SOURCE_DIR) + "/" + name);
     ASSERT_TRUE(file.good()) << name;
     std::string line, comment;
     int numbers = 0;

@@ -65,7 +65,7 @@ std::set<std::string> types_of(const std::string& content) {
 TEST(UniqueNames, NoTypeIsDefinedInTwoFiles) {
   const fs::path root = VERIDYN_SOURCE_DIR;
   std::map<std::string, std::vector<std::string>> files;
-  for (const fs::path& top : {root / "include/veridyn", root / "src", root / "emulator"}) {
+  for (const fs::path& top : {root / "include/veridyn", root / "src", root / "packages"}) {
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(top)) {
       const std::string extension = entry.path().extension();
       if (extension != ".hpp" && extension != ".cpp") continue;

@@ -197,12 +197,47 @@ inline Model coupled_wrist() {
   return arm.build();
 }
 
+/// A long tree with branches of both joint types whose links do not follow the coordinates' order, some
+/// against their coordinate: the dynamics of many independent joints are computed otherwise than
+/// those of few.
+inline Model long_tree(unsigned seed) {
+  constexpr int kLinks = 31;
+  ArmBuilder arm("long_tree", kLinks, seed);
+  for (int k = 0; k < kLinks; ++k) {
+    std::vector<double> coefficients = arm.unit(7 * k % kLinks);
+    if (k % 3 == 1) coefficients[7 * k % kLinks] = -0.7;
+    const int parent = k % 5 == 0 && k > 0 ? k / 2 : k - 1;
+    arm.link(parent, k % 4 == 2 ? JointType::kPrismatic : JointType::kRevolute, coefficients,
+             arm.random().in(-1, 1), arm.random().pose(0.2), arm.random().pose(0.1));
+  }
+  return arm.build();
+}
+
+/// A chain of 26 joints, one coordinate each, in order.
+inline Model long_chain(unsigned seed) {
+  ArmBuilder arm("long_chain", 26, seed);
+  for (int k = 0; k < 26; ++k)
+    arm.link(k - 1, k % 6 == 4 ? JointType::kPrismatic : JointType::kRevolute, arm.unit(k), 0.0,
+             {arm.random().pose(0.1).R, {0.05, 0.01 * k, 0.1}}, identity_pose());
+  return arm.build();
+}
+
+/// The same chain, with two joints of one coordinate.
+inline Model long_coupled_chain(unsigned seed) {
+  ArmBuilder arm("long_coupled_chain", 25, seed);
+  for (int k = 0; k < 26; ++k)
+    arm.link(k - 1, JointType::kRevolute, arm.unit(k % 25), 0.0,
+             {arm.random().pose(0.1).R, {0.05, 0.01 * k, 0.1}}, identity_pose());
+  return arm.build();
+}
+
 inline const std::map<std::string, Model>& sample_arms() {
   static const std::map<std::string, Model> arms = [] {
     std::map<std::string, Model> all;
     for (const Model& arm :
          {pendulum(), planar_2r(), spherical_rrp(), elbow_6r(), random_serial("RRPRRPR", 5),
-          random_serial("PRPPR", 8), branched_tree(9), parallelogram(), coupled_wrist()}) {
+          random_serial("PRPPR", 8), branched_tree(9), parallelogram(), coupled_wrist(),
+          long_tree(11), long_chain(12), long_coupled_chain(13)}) {
       all.emplace(arm.name(), arm);
     }
     return all;
@@ -211,6 +246,15 @@ inline const std::map<std::string, Model>& sample_arms() {
 }
 
 inline std::vector<std::string> sample_arm_names() {
+  std::vector<std::string> names;
+  for (const auto& [name, arm] : sample_arms()) {
+    if (name.rfind("long", 0) != 0) names.push_back(name);
+  }
+  return names;
+}
+
+/// With the long arms, for claims about rigid bodies alone.
+inline std::vector<std::string> all_arm_names() {
   std::vector<std::string> names;
   for (const auto& [name, arm] : sample_arms()) names.push_back(name);
   return names;

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "veridyn/control/tip_kinematics.hpp"
-#include "veridyn/dynamics/equation_of_motion.hpp"
+#include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/math/types.hpp"
 #include "veridyn/model/model.hpp"
@@ -52,7 +52,7 @@ class ArmState {
 
  private:
   TipKinematics tip_;
-  EquationOfMotion rigid_;
+  RigidBodyDynamics rigid_;
   MatrixXd rotors_;  // inertia that effects add to M
   std::vector<BoundEffect> forces_;
   std::vector<std::string> left_out_;

@@ -57,9 +57,13 @@ class MomentumObserver {
 
   bool contact() const { return coordinate_.has_value(); }
   /// The outermost coordinate whose torque is above its threshold; nothing: no contact.
-  std::optional<int> coordinate() const { return coordinate_; }
-  /// Index in the model of the frame that is named, or -1.
-  int frame() const { return coordinate_ ? frames_[*coordinate_] : -1; }
+  std::optional<JointIndex> coordinate() const {
+    return coordinate_ ? std::optional(JointIndex{*coordinate_}) : std::nullopt;
+  }
+  /// The frame that is named; nothing: no contact, or no frame with a body moves with that coordinate.
+  std::optional<FrameIndex> frame() const {
+    return coordinate_ && frames_[*coordinate_] >= 0 ? std::optional(FrameIndex{frames_[*coordinate_]}) : std::nullopt;
+  }
 
  private:
   MomentumObserverOptions options_;

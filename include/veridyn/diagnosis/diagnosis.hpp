@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <iosfwd>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,6 +25,14 @@ enum class UnnamedForces {
   kKept,      ///< those that can be a force become tables (tabulated_force) of the extended model
 };
 
+/// How causes are found.
+enum class DiagnosisMethod {
+  kStages,  ///< one test after another
+  /// One dictionary of terms with prices, one held-out score, one search: names, loads of either sign, the direction of
+  /// gravity, constants and curves compete, and a MODEL is a prior.
+  kSearch,
+};
+
 struct DiagnosisOptions {
   DiagnosisOptions() { identification.weights = JointWeights::kResidual; }
 
@@ -35,6 +44,7 @@ struct DiagnosisOptions {
   int max_effects = 20;  ///< findings at most; contacts and plain friction do not count
   ExtendedModel extended = ExtendedModel::kConfirmedOnly;
   UnnamedForces unnamed = UnnamedForces::kReported;
+  DiagnosisMethod method = DiagnosisMethod::kStages;
   /// Provenance of the robot's values; nullopt: as its file says.
   std::optional<RobotValues> values{};
   /// An effect is accepted when the sum over joints of ln(held-out mean square error) falls by more
@@ -133,10 +143,13 @@ struct Finding {
   bool main = true;  ///< false: one of the small ones, see DiagnosisSummary
   std::vector<Rival> rivals;
   std::optional<UnnamedShape> shape;  ///< set for a finding without a named cause
+  std::string text;  ///< sentence() of it
 };
 
 /// Place and phrase of a finding in one sentence.
 std::string sentence(const Model& arm, const Finding& finding);
+/// The sentence, as diagnose() wrote it down.
+std::ostream& operator<<(std::ostream& out, const Finding& finding);
 
 struct NotSupported {
   Cause cause;
@@ -204,6 +217,8 @@ struct DiagnosisSummary {
 /// Result of a diagnosis. Plain data: text, JSON and page show exactly this.
 struct Diagnosis {
   bool changes = false;  ///< the robot was a MODEL: findings are changes since its identification
+  /// Findings that are not main stand apart: a list of their own in JSON, one line in text.
+  bool small_apart = false;
   DiagnosisSummary summary;
   Identification baseline;  ///< the unmodified robot; the values of a MODEL are not fitted
   Identification extended;  ///< with the findings
@@ -225,6 +240,8 @@ struct Diagnosis {
   /// plain friction was added from the start; these are no findings.
   std::vector<JointNumber> friction;
   std::string friction_remark;     ///< text on the friction that was added; empty: none was
+  /// The arm with the findings, or as the baseline has it; without joints if nothing could be fitted.
+  Model model;
   int hypotheses = 0;              ///< number of candidates tested
   double seconds = 0.0;
 
@@ -239,6 +256,14 @@ struct Diagnosis {
   /// only the causes to separate.
   std::string report(const std::string& next_command = "") const;
 };
+
+/// The report.
+std::ostream& operator<<(std::ostream& out, const Diagnosis& diagnosis);
+
+/// Writes the model with date, version and the hashes of the input files, as save() of an Identification.
+/// @throws InvalidInput  there is no model, or the file cannot be written.
+void save(const Diagnosis& diagnosis, const std::string& path, const std::string& command = "diagnose",
+          const std::string& robot = {});
 
 /// Asks which physical causes the recordings accept beyond the robot's own model. Causes are
 /// selected, confirmed and fitted on the training recordings only, and so is the extended model; the
@@ -258,5 +283,11 @@ struct Diagnosis {
 /// reason and nothing else is filled.
 Diagnosis diagnose(const Model& arm, const Recordings& train, const Recordings& test,
                    const DiagnosisOptions& options = {});
+
+/// Asks what an identification leaves unexplained, on its recordings, with its preparation of them and
+/// the friction that it added. Recordings in memory are not read again, and the first fit is solved from
+/// the identification's factors. An identification without a model comes back as the baseline.
+/// @throws InvalidInput  it was made of factors alone; as identify().
+Diagnosis diagnose(const Identification& fit, const Recordings& test, const DiagnosisOptions& options = {});
 
 }  // namespace veridyn

@@ -31,15 +31,8 @@ class ArmDynamics {
   ArmDynamics(const Tree& tree, const double* phi)
       : tree_(tree),
         inertia_(tree.links.size()),
-        state_(tree.links.size()),
-        tangent_(tree.links.size()),
-        column_(tree.links.size()),
-        carried_(tree.links.size()),
-        momentum_(tree.links.size()),
-        rows_(2 * n() * n()),
-        inverse_(n() * n()),
-        vector_(n()),
-        matrix_(n() * n()) {
+        memory_(Algorithms::workspace(tree_) / sizeof(S)),
+        matrix_(static_cast<std::size_t>(tree.joints) * static_cast<std::size_t>(tree.joints)) {
     link_inertias(tree_, phi, inertia_.data());
   }
 
@@ -84,22 +77,13 @@ class ArmDynamics {
  private:
   using Algorithms = ArmAlgorithms<S>;
 
-  std::size_t n() const { return static_cast<std::size_t>(tree_.joints); }
   InertialLinks links() const { return {tree_, inertia_.data()}; }
-  typename Algorithms::Memory memory() {
-    return {state_.data(),    tangent_.data(), column_.data(), carried_.data(),
-            momentum_.data(), nullptr,         rows_.data(),   inverse_.data(),
-            vector_.data(),   matrix_.data()};
-  }
+  typename Algorithms::Memory memory() { return Algorithms::divide(tree_, memory_.data()); }
 
   Tree tree_;
   std::vector<LinkInertia> inertia_;
-  std::vector<LinkState<S>> state_;
-  std::vector<Tangent<S>> tangent_;
-  std::vector<Column<S>> column_;
-  std::vector<InertiaOf<S>> carried_;
-  std::vector<CarriedMomentum<S>> momentum_;
-  std::vector<S> rows_, inverse_, vector_, matrix_;
+  std::vector<S> memory_;  // the parts of Algorithms::Memory are made of S alone
+  std::vector<S> matrix_;
 };
 
 }  // namespace veridyn

@@ -2,7 +2,9 @@
 
 #include <vector>
 
+#include "veridyn/dynamics/aligned_workspace.hpp"
 #include "veridyn/dynamics/link_inertia.hpp"
+#include "veridyn/dynamics/torque_regressor.hpp"
 #include "veridyn/kinematics/tree.hpp"
 #include "veridyn/math/types.hpp"
 #include "veridyn/model/model.hpp"
@@ -16,20 +18,6 @@ struct FrameWrench {
   Eigen::Vector3d moment{0, 0, 0};  ///< [N m]
 };
 
-namespace internal {
-
-/// Memory whose first double is aligned for the widest vectors; copies have one of their own.
-class AlignedWorkspace {
- public:
-  explicit AlignedWorkspace(std::size_t bytes);
-  double* get();
-
- private:
-  std::vector<double> memory_;
-};
-
-}  // namespace internal
-
 /// Rigid-body dynamics of an arm, in one sign convention (thesis 4.10 with the errata):
 ///
 ///   tau = M(q) ddq + C(q, dq) dq + g(q)
@@ -38,8 +26,7 @@ class AlignedWorkspace {
 /// nothing allocates, and one object serves one thread. Inputs must be stored vectors of n entries
 /// (an expression passed for a VectorRef allocates); sizes are asserted and not checked at run
 /// time, because this runs in control loops. The algorithms are those of arm_algorithms.hpp,
-/// compiled for doubles
-/// and for the widest vectors that the processor has.
+/// compiled for doubles and for the widest vectors that the processor has.
 class RigidBodyDynamics {
  public:
   /// @param phi  (10 * bodies) mass, first moments and inertias of all bodies, ten of each in the order
@@ -72,19 +59,29 @@ class RigidBodyDynamics {
   void lagrangian_gradient(const VectorRef& q, const VectorRef& dq, VectorXd& gradient);
 
   /// ddq from torques that act on the rigid bodies. False if M is not positive definite there.
+  /// Cost: O(n), or O(n^3) where a coordinate moves several joints (see ArmAlgorithms).
   bool forward_dynamics(const VectorRef& q, const VectorRef& dq, const VectorRef& tau,
                         VectorXd& ddq);
 
   /// M(q), (n x n), and h = C(q, dq) dq + g(q), (n), at little more than the cost of M alone.
-  void equation_of_motion(const VectorRef& q, const VectorRef& dq, MatrixXd& M, VectorXd& h);
+  void equation_of_motion(const VectorRef& q, const VectorRef& dq, MatrixXd& M,
+                          VectorXd& h) noexcept;
+
+  /// Computes D = dh/d(dq), (n x n), as well.
+  void equation_of_motion(const VectorRef& q, const VectorRef& dq, MatrixXd& M, VectorXd& h,
+                          MatrixXd& D) noexcept;
+
+  /// Computes also the first-order change of M ddq + h over a small displacement of q, (n).
+  void equation_of_motion(const VectorRef& q, const VectorRef& dq, const VectorRef& ddq,
+                          const VectorRef& displacement, MatrixXd& M, VectorXd& h, MatrixXd& D,
+                          VectorXd& change) noexcept;
 
   /// Derivatives of inverse dynamics, (n x n) each: column j is by coordinate j.
   struct TorqueDerivatives {
     MatrixXd by_q, by_dq, by_ddq;  ///< by_ddq is M(q)
   };
 
-  /// tau and its analytical derivatives by tangents of the Newton-Euler recursion, several
-  /// directions side by side.
+  /// tau and its analytical derivatives. Cost: O(n^2).
   void inverse_dynamics_derivatives(const VectorRef& q, const VectorRef& dq, const VectorRef& ddq,
                                     VectorXd& tau, TorqueDerivatives& derivatives);
 
@@ -93,49 +90,23 @@ class RigidBodyDynamics {
     MatrixXd by_q, by_dq, by_tau;  ///< by_tau is the inverse of M(q)
   };
 
-  /// ddq and its derivatives, from those of inverse dynamics at ddq: -M^-1 dtau/dx. False if M is
-  /// not positive definite there.
+  /// ddq and its derivatives: -M^-1 dtau/dx at that ddq. False if M is not positive definite there.
+  /// Cost: O(n^2), or O(n^3) as above.
   bool forward_dynamics_derivatives(const VectorRef& q, const VectorRef& dq, const VectorRef& tau,
                                     VectorXd& ddq, AccelerationDerivatives& derivatives);
 
  private:
-  friend class EquationOfMotion;
-
   Tree tree_;
   std::vector<LinkInertia> inertia_;
   internal::AlignedWorkspace memory_;
   std::vector<LinkWrench> wrenches_;
   MatrixXd M_;
+  VectorXd tau_;
+  TorqueDerivatives at_;
 };
 
-/// torque_regressor() of one arm for repeated calls: after the constructor nothing allocates.
-class TorqueRegressor {
- public:
-  explicit TorqueRegressor(const Model& arm);
-
-  /// @param Y  (n x 10 bodies), of the right size.
-  void evaluate(const VectorRef& q, const VectorRef& dq, const VectorRef& ddq, MatrixXd& Y);
-
- private:
-  Tree tree_;
-  internal::AlignedWorkspace memory_;
-};
-
-/// Joint torques as a linear map of the bodies' inertial parameters:
-///
-///   tau = Y(q, dq, ddq) * phi
-///
-/// Columns 10b .. 10b+9 belong to body b, in the order of InertialParameters.
-/// Source: Atkeson, An and Hollerbach, IJRR 5(3), 1986. Cost: O(bodies * n).
-///
-/// @param q, dq, ddq  (n) [rad, rad/s, rad/s^2]; metres where the joint is prismatic.
-/// @returns Y (n x 10 bodies); row i is coordinate i, in [N m] ([N] if prismatic) per unit of phi.
-/// @throws InvalidInput  a vector does not have arm.joints() entries.
-MatrixXd torque_regressor(const Model& arm, const VectorRef& q, const VectorRef& dq,
-                          const VectorRef& ddq);
-
-/// Joint torques with the inertial parameters of the model. @throws InvalidInput as above, or a
-/// body has no values.
+/// Joint torques with the inertial parameters of the model. @throws InvalidInput  a vector does
+/// not have arm.joints() entries, or a body has no values.
 VectorXd inverse_dynamics(const Model& arm, const VectorRef& q, const VectorRef& dq,
                           const VectorRef& ddq);
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "veridyn/dynamics/regressor_batch.hpp"
+#include "veridyn/dynamics/torque_regressor.hpp"
 #include "veridyn/effects/cause.hpp"
 #include "veridyn/effects/effect.hpp"
 
@@ -13,7 +13,7 @@ namespace veridyn {
 /// A motion of an arm whose bodies have values, and the torques of these values along it.
 struct ChannelMotion {
   const Model& arm;
-  const RegressorBatch& bodies;  ///< the arm's bodies
+  const TorqueRegressor& bodies;  ///< the arm's bodies
   const VectorXd& phi;           ///< inertial parameters of all bodies
   const MatrixXd& q;             ///< (rows x n) [rad] or [m]
   const MatrixXd& dq;
@@ -143,7 +143,7 @@ class ArmEffect : public ChannelEffect {
 
 /// Torques (rows x n) [N m], [N] of the model's arm_effects along a motion, columns times values;
 /// empty (0 x 0) without such effects or if a body has no values.
-MatrixXd arm_effect_torques(const Model& arm, const RegressorBatch& bodies, const MatrixXd& q,
+MatrixXd arm_effect_torques(const Model& arm, const TorqueRegressor& bodies, const MatrixXd& q,
                             const MatrixXd& dq, const MatrixXd& ddq, double dt);
 
 /// The arm with the states of all its arm_effects, see ArmEffect::with_states().

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -86,6 +87,9 @@ struct ExcitationOptions {
   /// torques, whole accelerations, and ranges reduced by 0.25 % at each end and by the braking
   /// distance.
   std::optional<double> limit_share{};
+  /// Share of its designed speed at which the motion found is played, above 0 and at most 1: the same
+  /// path, for a first run.
+  double speed = 1.0;
   /// [1/s] for that distance: a joint stops within dq / braking, see SafetyLimits::braking
   double braking = 30.0;
   /// Friction beside that of the robot file, as a later identification will add it.
@@ -146,6 +150,12 @@ struct UsedLimits {
 /// A joint that uses less than this of its range and of its speed hardly identifies its inertia,
 /// and its friction not at all.
 constexpr double kLittleUse = 0.4;
+
+/// The lowest point of a motion in the world.
+struct LowestPoint {
+  double z = std::numeric_limits<double>::quiet_NaN();  ///< [m]
+  std::string frame{};
+};
 
 /// Separation of two causes by the motion: root mean square torques in units of the rows' noise,
 /// per unit of the cause's parameter (for a payload: 1 kg within 0.1 m). Zero for a cause whose
@@ -215,6 +225,10 @@ struct Excitation {
   std::vector<UsedLimits> used{};     ///< (n)
   double limit_share = 0.0;  ///< ExcitationOptions::limit_share; 0: margins of a safety supervisor
   std::vector<std::string> touching{};  ///< CollisionLimits::touching of the options
+  LowestPoint lowest{};
+  /// What was not checked and what was assumed, one sentence each; the report begins with them.
+  std::vector<std::string> cautions{};
+  double speed = 1.0;  ///< ExcitationOptions::speed
   std::string friction_remark{};      ///< text of veridyn::friction_remark()
   MotionBounds bounds{};              ///< extremes of the motion's periods
   MotionBounds limits{};              ///< limits of the arm, in the same order
@@ -230,6 +244,9 @@ struct Excitation {
 
 /// Searches a Fourier trajectory that starts and stops at rest, repeats its period, keeps all
 /// limits (between samples as well) and optimises the criterion.
+///
+/// For kDOptimal and kAOptimal every joint uses kLittleUse of its range at least, where the other limits
+/// allow that.
 ///
 /// Multi-start: each search makes short descents from some random motions (kInteriorPoint only) and
 /// continues the best of them on a smooth approximation of the criterion with exact gradients; for

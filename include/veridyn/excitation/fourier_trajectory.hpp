@@ -65,6 +65,9 @@ class FourierTrajectory {
   /// after the end, with the arm at its start.
   MotionSamples motion(int periods, double rate) const;
 
+  /// The same path at a share of the speed: velocities are multiplied by it, accelerations by its square.
+  FourierTrajectory at_speed(double share) const { return {share * frequency_, share * a_, share * b_, q0_}; }
+
   /// From 256 samples per shortest wave, enlarged by the largest curvature between them, h^2 / 8
   /// max|f''|.
   MotionBounds bounds() const;

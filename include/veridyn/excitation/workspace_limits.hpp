@@ -63,13 +63,18 @@ constexpr double kLinkClearance = 0.01;
 
 struct CollisionLimits {
   std::vector<CollisionPair> pairs;
-  /// "A and B": pairs that touch at nearly every posture, since their shapes overlap where they are
-  /// joined; they are not kept apart.
+  /// "A and B": links that touch at nearly every posture, since their shapes overlap where they are
+  /// joined, and links that stand on an obstacle whatever the joints do; they are not kept apart.
   std::vector<std::string> touching;
+  /// "A and B": a link that reaches into an obstacle at every posture. It stays among the pairs, so that
+  /// no motion keeps these limits.
+  std::vector<std::string> impossible{};
+  std::vector<Capsule> shapes{};       ///< of the links, as given
+  std::vector<Obstacle> obstacles{};   ///< as given
 };
 
 /// The pairs of links that are to be kept apart: links that one joint connects are not, nor are
-/// frames that do not move against each other.
+/// frames that do not move against each other. Every link that moves is kept clear of every obstacle.
 /// @param shapes  capsules on frames of the arm, or in the world.
 /// @throws InvalidInput  a capsule on an unknown frame, or an obstacle without size.
 CollisionLimits collision_limits(const Model& arm, const std::vector<Capsule>& shapes,

@@ -26,18 +26,28 @@ struct PortableModel {
   std::string remark;    ///< reason for which no values were chosen, one line; empty otherwise
 };
 
+/// Place that a file's format has for what torques do not tell from the bodies.
+enum class RotorPlace {
+  kBodies,    ///< none beside the rotor inertias that the model has: URDF, SDF
+  kArmatures  ///< a rotor inertia on every joint: MJCF
+};
+
 /// Torques determine combinations of inertial parameters and not each of them; an identification
 /// leaves the rest arbitrary, at worst at the bounds of its robot file. Other programs show these
 /// numbers as masses and centres. This function chooses them anew:
 ///
-///   minimise   sum over bodies of entropic_divergence(J(phi_b), J(prior_b))
-///   subject to K phi = K phi_model
+///   minimise   sum over bodies of entropic_divergence(J(phi_b), J(prior_b)) + w (m_b / m_prior_b - 1)^2
+///   subject to K phi = K phi_model,   rotor inertias >= 0
 ///
 /// All torques are unchanged up to rounding; every body is physically consistent, and as close to
 /// the prior as the torques allow. The prior is the given model (a CAD model of the same frames),
-/// or else a rod of 5 cm diameter and the density of water along every link. Effects, bodies that
-/// are facts, and models that were not identified are unchanged.
-PortableModel portable_model(const Model& arm, const std::optional<Model>& prior = std::nullopt);
+/// else the robot file's bodies, whose masses are held (w) since a drawing knows them best; else a rod of
+/// 5 cm diameter and the density of water along every link (w = 0). With kArmatures phi holds a rotor
+/// inertia for every joint too: that of a first joint turns nothing but what its link turns as well, and
+/// would make the link as heavy as a gear feels. Other effects, bodies that are facts, and models that
+/// were not identified are unchanged.
+PortableModel portable_model(const Model& arm, const std::optional<Model>& prior = std::nullopt,
+                             RotorPlace rotors = RotorPlace::kBodies);
 
 /// Contents of a file in another format.
 struct ExportedModel {
@@ -52,6 +62,6 @@ struct ExportedModel {
 /// @param meshes_from  URDF file whose links look like this arm's; empty: the URDF file that the
 ///                     model came from, if its `source` names one that is still there.
 ExportedModel exported_model(const Model& arm, const std::optional<Model>& prior = std::nullopt,
-                             const std::string& meshes_from = {});
+                             const std::string& meshes_from = {}, RotorPlace rotors = RotorPlace::kBodies);
 
 }  // namespace veridyn

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <iosfwd>
 #include <optional>
 #include <string>
 #include <vector>
@@ -130,6 +131,7 @@ struct Identification {
   PhysicalCondition condition = PhysicalCondition::kPseudoInertia;
   EffectSigns signs = EffectSigns::kPhysical;
   std::string prior;  ///< name of the prior's model; empty: none
+  /// Preparation of the recordings; holds training recordings that were in memory, for diagnose().
   PreprocessingOptions preprocessing, test_preprocessing;
   double rows = 0.0;
   std::vector<BaseValue> base;
@@ -168,7 +170,11 @@ struct Identification {
 
   /// Status, rank gap, errors per joint, base parameters with standard deviations, as text.
   std::string report() const;
+  /// One sentence: joints by state, with the recommendation, see verdict_of(); without a model the reason.
+  std::string verdict() const;
 };
+/// The report.
+std::ostream& operator<<(std::ostream& out, const Identification& id);
 
 /// Identifies the arm from training recordings and validates it on test recordings, which take no
 /// part in the fit.
@@ -202,5 +208,9 @@ Identification identify(const Model& arm, const Recording& recording,
 /// file, if known.
 void save(const Identification& id, const std::string& path,
           const std::string& command = "identify", const std::string& robot = {});
+
+/// Writes an arm as YAML, without a record of where its values come from.
+/// @throws InvalidInput  the file cannot be written.
+void save(const Model& arm, const std::string& path);
 
 }  // namespace veridyn

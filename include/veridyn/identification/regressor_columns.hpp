@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "veridyn/dynamics/regressor_batch.hpp"
+#include "veridyn/dynamics/torque_regressor.hpp"
 #include "veridyn/regressor/standard_parameters.hpp"
 #include "veridyn/recordings/preprocessing.hpp"
 
@@ -74,7 +74,7 @@ class RegressorColumns {
 
   Model arm_;
   PreprocessingOptions options_;
-  RegressorBatch bodies_;
+  TorqueRegressor bodies_;
   std::vector<StandardParameter> parameters_;
   std::vector<Eigen::Index> first_of_effect_;  // index of its first parameter
   std::vector<std::vector<int>> of_joint_;

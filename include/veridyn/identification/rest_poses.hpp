@@ -32,6 +32,15 @@ RestPoses read_rest_poses(const Model& arm, const std::string& path,
 /// positions are no motion whose velocities were not recorded.
 bool is_at_rest(const Model& arm, const std::string& path, const PreprocessingOptions& how);
 
+/// The arm without effects that need motion; dry friction stays where poses are `approached` from known sides.
+Model with_effects_at_rest(const Model& arm, bool approached);
+
+/// [N m], [N] level of constant dry friction that the values of an arm give each coordinate, (n).
+VectorXd dry_friction(const Model& arm);
+
+/// A factor for every joint and part of the poses.
+CompressedRecording compress(const Model& arm, const RestPoses& poses);
+
 /// identify() from poses alone, where velocities and accelerations are zero:
 ///
 ///   tau = g(q) + offsets + forces of position + level * approach

@@ -39,6 +39,9 @@ struct IdentificationVerdict {
   std::string sentence;   ///< joints by state, with the recommendation
 };
 
+/// "noise floor", or, where the repetitions of the motion differ by more than the model errs, "repetitions differ by".
+const char* floor_name(const Identification& id);
+
 /// @param id  result with a model.
 IdentificationVerdict verdict_of(const Identification& id);
 

@@ -30,6 +30,7 @@ struct Link {
   JointType type;
   bool A_moves;  ///< false: the joint's origin coincides with the parent's
   bool B_is_identity;
+  bool forks;  ///< carries a link that is not the next
   bool quarter_turn;  ///< A turns about x by exactly +-90 degrees, as most axes of most arms do
   Posed A;        ///< T_parent_joint
   Posed B;        ///< T_joint_link
@@ -46,6 +47,10 @@ struct BodyPlace {
   int next;  ///< index of another body on the same link, or -1
 };
 
+struct LinkPair {
+  int first, second;
+};
+
 /// Parents before children. The arrays belong to a Tree.
 struct Links {
   int joints;
@@ -57,12 +62,16 @@ struct Links {
   const SupportingCoordinate* support;
   const BodyPlace* body;
   Vec3d gravity;
-  /// Unit directions of the state space that the derivative recursions seed in lanes, link by link:
-  /// `seed_width` entries (c of s = c . q, then n zeros) for positions, then as many (n zeros, then
-  /// c) for velocities.
+  /// Coefficients of all coordinates in a link's joint variable: `seed_width` entries per link, a
+  /// whole number of the widest vectors.
   const double* seeds;
   int seed_width;
-  const int* first_moved;  ///< first link that a coordinate moves, by coordinate; -1: none
+  /// Every link has a coordinate of its own and every coordinate a link: joint variables are
+  /// independent then, and the mass matrix can be factored along the tree.
+  bool independent;
+  bool in_order;  ///< and coordinate k is the joint variable of link k, up to a coefficient
+  const LinkPair* stranger;  ///< pairs of links of which none carries the other
+  int strangers;
 };
 
 }  // namespace veridyn

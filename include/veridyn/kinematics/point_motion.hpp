@@ -16,8 +16,12 @@ class PointMotion {
   /// @param offset  of the point, in the frame.
   PointMotion(const Tree& arm, int frame, const Vec3d& offset = {0, 0, 0});
 
-  /// @param q, dq  n entries each. Cost: O(joints above the frame).
+  /// Computes everything. @param q, dq  n entries each. Cost: O(joints above the frame).
   void update(const double* q, const double* dq) noexcept;
+  /// Computes pose and Jacobian; the rest stays as it is.
+  void update(const double* q) noexcept;
+  /// Computes the pose alone; the rest stays as it is.
+  void place(const double* q) noexcept;
 
   int joints() const { return tree_.joints; }
   const Posed& pose() const { return T_; }         ///< T_world_frame, its origin at the point
@@ -28,15 +32,18 @@ class PointMotion {
   const MatrixXd& jacobian_rate() const { return dJ_; }
 
  private:
-  /// A joint's axis z through p, and their rates.
+  /// A joint's axis z through p.
   struct Axis {
-    int link;
-    Vec3d z, dz, p, dp;
+    Link link;
+    Vec3d z, p;
   };
+
+  void add(const Axis& axis, const Vec3d& linear, const Vec3d& angular, MatrixXd& to) const;
 
   Tree tree_;
   Posed T_link_point_;
   std::vector<Axis> axes_;  // from the world to the point
+  std::vector<double> angle_, sine_, cosine_;  // of the axes, in whole packs
   Posed T_{identity_pose()};
   Vec3d v_{0, 0, 0}, omega_{0, 0, 0};
   MatrixXd J_, dJ_;

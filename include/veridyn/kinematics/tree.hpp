@@ -22,8 +22,7 @@ struct Tree {
   Tree(int coordinates, const Vec3d& gravity_world)
       : joints(coordinates),
         gravity(gravity_world),
-        first_moved(static_cast<std::size_t>(coordinates), -1),
-        seed_width((2 * coordinates + 7) / 8 * 8) {}
+        seed_width((coordinates + 7) / 8 * 8) {}
 
   /// A link on `parent` (-1: the world) with T_parent_link = A * J(s) * B and s = sum of `terms` +
   /// offset. @returns its index.
@@ -53,7 +52,10 @@ struct Tree {
             gravity,
             seeds.data(),
             seed_width,
-            first_moved.data()};
+            independent && links.size() == static_cast<std::size_t>(joints),
+            in_order && independent && links.size() == static_cast<std::size_t>(joints),
+            strangers.data(),
+            static_cast<int>(strangers.size())};
   }
 
   static bool is_identity(const Posed& T) {
@@ -70,9 +72,11 @@ struct Tree {
   std::vector<int> body_links;     ///< link of each body
   std::vector<int> link_of_frame;  ///< -1 where folded away
   Vec3d gravity{0, 0, 0};
-  std::vector<int> first_moved;
   std::vector<double> seeds;
   int seed_width = 0;
+  std::vector<LinkPair> strangers;
+  bool independent = true;  ///< so far no coordinate moves two links and no link follows two or none
+  bool in_order = true;     ///< so far coordinate k alone moves link k
 };
 
 inline int Tree::add_link(int parent, JointType type, const std::vector<JointCoefficient>& terms,
@@ -91,8 +95,8 @@ inline int Tree::add_link(int parent, JointType type, const std::vector<JointCoe
   link.offset = offset;
   link.first_coefficient = static_cast<int>(coefficients.size());
   link.first_support = static_cast<int>(supports.size());
-  seeds.resize(seeds.size() + 2 * static_cast<std::size_t>(seed_width), 0.0);
-  double* seed = seeds.data() + seeds.size() - 2 * static_cast<std::size_t>(seed_width);
+  seeds.resize(seeds.size() + static_cast<std::size_t>(seed_width), 0.0);
+  double* seed = seeds.data() + seeds.size() - static_cast<std::size_t>(seed_width);
   for (int i = 0; i < joints; ++i) {
     double own = 0.0;
     for (const JointCoefficient& c : terms) own += c.coordinate == i ? c.coefficient : 0.0;
@@ -105,16 +109,25 @@ inline int Tree::add_link(int parent, JointType type, const std::vector<JointCoe
       }
     }
     if (own == 0.0 && above < 0) continue;
-    int& first = first_moved[i];
-    if (first < 0) first = k;
     supports.push_back({i, above, own});
     if (own == 0.0) continue;
+    for (const JointCoefficient& c : coefficients) independent = independent && c.coordinate != i;
     coefficients.push_back({i, own});
     seed[i] = own;
-    seed[seed_width + joints + i] = own;
+    in_order = in_order && i == k;
   }
   link.end_coefficient = static_cast<int>(coefficients.size());
   link.end_support = static_cast<int>(supports.size());
+  independent = independent && link.end_coefficient == link.first_coefficient + 1;
+  if (parent >= 0 && parent != k - 1) links[parent].forks = true;
+  int above = parent;
+  for (int j = k - 1; j >= 0; --j) {
+    if (j == above) {
+      above = links[j].parent;
+    } else {
+      strangers.push_back({j, k});
+    }
+  }
   links.push_back(link);
   return k;
 }

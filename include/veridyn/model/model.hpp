@@ -181,6 +181,9 @@ struct ModelDescription {
 /// An arm: frames, bodies and effects. Immutable.
 class Model {
  public:
+  /// No arm: without joints, for a variable that one is assigned to.
+  Model() = default;
+
   /// @throws InvalidInput  a frame precedes its parent, names are not unique, or sizes differ.
   explicit Model(ModelDescription description);
 

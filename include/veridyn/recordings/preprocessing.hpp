@@ -96,6 +96,11 @@ std::vector<WantedJoint> joints_of(const Model& arm);
 /// options.
 RecordingOptions reading_of(const Model& arm, const PreprocessingOptions& options);
 
+/// Reads recordings of the arm into memory, each file once; joints are found by their names.
+/// @throws InvalidInput  as RecordingReader, or a recording does not fit the arm.
+Recordings read_recordings(const Model& arm, const std::vector<std::string>& paths,
+                           const PreprocessingOptions& options = {});
+
 /// A segment of uniform samples with positions, velocities, accelerations and torques. Matrices are
 /// (rows x n), one contiguous column per joint.
 struct Segment {

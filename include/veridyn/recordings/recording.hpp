@@ -48,6 +48,9 @@ inline constexpr RecordingSignal kRecordingSignals[] = {{"q", &Recording::q},
 /// Rows first .. first + count - 1 of every signal.
 Recording rows_of(const Recording& recording, int first, int count);
 
+/// Appends rows with the same signals.
+void append(Recording& recording, Recording more);
+
 /// Options for reading a file.
 struct RecordingOptions {
   /// Signals in the order of the columns, e.g. {"q", "dq", "tau"}, each with the same number of

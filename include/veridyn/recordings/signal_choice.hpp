@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <map>
 #include <string>
 #include <vector>
@@ -10,6 +11,9 @@ namespace veridyn {
 struct WantedJoint {
   std::string name;
   bool prismatic = false;
+  double lower = -std::numeric_limits<double>::infinity();  ///< [rad] or [m] limits of its position
+  double upper = std::numeric_limits<double>::infinity();
+  double effort = std::numeric_limits<double>::infinity();  ///< [N m] or [N] limit of its torque
 };
 
 /// A joint of the robot that with_fixed() holds; a recording may have it all the same.
@@ -35,6 +39,8 @@ struct SignalChoice {
   std::vector<WantedJoint> joints;
   /// Joints that are held, by number; where a recording has them too, they are left out.
   std::vector<HeldJoint> held = {};
+  /// Rows that are plainly wrong are kept: dropouts, wrapped angles, bursts.
+  bool as_recorded = false;
 };
 
 }  // namespace veridyn

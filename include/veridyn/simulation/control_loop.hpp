@@ -7,18 +7,12 @@
 
 #include "veridyn/control/computed_torque.hpp"
 #include "veridyn/control/impedance.hpp"
+#include "veridyn/control/joint_pid.hpp"
 #include "veridyn/math/motion_samples.hpp"
 #include "veridyn/simulation/hidden_effect.hpp"
 #include "veridyn/simulation/plant.hpp"
 
 namespace veridyn {
-
-/// tau = p e + i (integral of e) + d de/dt, per joint, with e the set point minus the encoder
-/// reading. (n) each: [N m/rad], [N m/(rad s)], [N m s/rad]; newtons and metres where a joint is
-/// prismatic.
-struct PidGains {
-  VectorXd p, i, d;
-};
 
 /// Gains for an arm with values: each joint by itself, with its inertia at the middle of the range,
 /// gets a bandwidth of `frequency` [Hz], critical damping, and an integral term ten times slower.

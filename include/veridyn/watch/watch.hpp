@@ -106,7 +106,7 @@ class Watch {
   /// @throws InvalidInput  the model lacks values, a link is no frame, or an option is out of
   /// range.
   explicit Watch(const Model& arm, const WatchOptions& options = {});
-  /// @param numbers  thresholds in place of the default ones (docs/numbers.md).
+  /// @param numbers  thresholds in place of the default ones (`veridyn numbers` prints these).
   Watch(const Model& arm, const WatchOptions& options, const WatchNumbers& numbers);
   ~Watch();
   Watch(Watch&&) noexcept;

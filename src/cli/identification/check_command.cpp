@@ -7,12 +7,12 @@
 #include "model/robot_format.hpp"
 #include "math/words.hpp"
 #include "cli/commands.hpp"
-#include "cli/options/common_options.hpp"
+#include "veridyn/tool/common_options.hpp"
 #include "math/output_file.hpp"
 #include "math/parallel.hpp"
-#include "cli/options/messages.hpp"
-#include "cli/options/option_checks.hpp"
-#include "cli/options/recording_options.hpp"
+#include "veridyn/tool/messages.hpp"
+#include "veridyn/tool/option_checks.hpp"
+#include "tool/recording_options.hpp"
 #include "veridyn/identification/robot_check.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "recordings/kept_recordings.hpp"
@@ -26,6 +26,7 @@ struct CheckRequest {
   std::vector<std::string> files;  // a robot may precede the recordings
   PreprocessingOptions reading;
   CommonOptions common;
+  bool strict = false;
 };
 
 // True for a robot file, or a bare name that is no file.
@@ -44,7 +45,7 @@ bool is_surely_robot(const std::string& name) {
   return std::find(known.begin(), known.end(), name) != known.end();
 }
 
-void run(CheckRequest& request, const std::string& command_line) {
+void run(CheckRequest& request, Outcome& outcome) {
   require_writable(request.common.json, request.common.report);
   std::vector<std::string> recordings = request.files;
   std::optional<Model> arm;
@@ -71,13 +72,14 @@ void run(CheckRequest& request, const std::string& command_line) {
     if (arm && !how.row_count) how.kept = std::make_shared<KeptRecordings>(KeptRecordings::kFewPasses);
     checked[at] = check_rows(recordings[at], open_rows(recordings[at], reading, how.kept.get()));
     if (!arm) return;
-    std::vector<QualityFinding> findings = check_against(*arm, recordings[at], how);
-    findings.insert(findings.end(), checked[at].findings.begin(), checked[at].findings.end());
-    checked[at].findings = std::move(findings);
+    checked[at].findings = with_answers(check_against(*arm, recordings[at], how), checked[at].findings);
   });
-  write_results(request.common, checked, command_line);
+  write_results(request.common, checked, outcome.command_line);
   busy.reset();
-  for (const RecordingQuality& quality : checked) std::cout << quality.report();
+  for (const RecordingQuality& quality : checked) {
+    std::cout << quality.report();
+    if (request.strict && quality.severity() == Severity::kFault) outcome.status = kDataCannotAnswer;
+  }
 }
 
 }  // namespace
@@ -96,9 +98,10 @@ void add_check_command(CLI::App& tool, Outcome& outcome) {
     request->reading.first_row = rows.first;
     request->reading.row_count = rows.count;
   });
+  command.add_flag("--strict", request->strict, "End with status 4 where a fault was found");
   add_common_options(command, request->common);
   add_report_option(command, request->common);
-  command.callback([request, &outcome] { run(*request, outcome.command_line); });
+  command.callback([request, &outcome] { run(*request, outcome); });
 }
 
 }  // namespace veridyn::cli

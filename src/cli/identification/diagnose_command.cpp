@@ -1,15 +1,15 @@
 #include <iostream>
 #include <memory>
 
-#include "cli/options/choice.hpp"
+#include "veridyn/tool/choice.hpp"
 #include "cli/commands.hpp"
-#include "cli/options/common_options.hpp"
-#include "cli/options/messages.hpp"
-#include "cli/options/option_checks.hpp"
-#include "cli/options/recording_options.hpp"
+#include "veridyn/tool/common_options.hpp"
+#include "veridyn/tool/messages.hpp"
+#include "veridyn/tool/option_checks.hpp"
+#include "tool/recording_options.hpp"
 #include "cli/options/rest_options.hpp"
 #include "cli/models/simulation_output.hpp"
-#include "cli/options/sound_arguments.hpp"
+#include "veridyn/tool/sound_arguments.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 #include "veridyn/diagnosis/rest_diagnosis.hpp"
 #include "diagnosis/stages/diagnosis_state.hpp"
@@ -138,6 +138,9 @@ void add_diagnose_command(CLI::App& tool, Outcome& outcome) {
   command.add_flag_callback(
       "--all-findings", [request] { request->options.extended = ExtendedModel::kAllFindings; },
       "Write every accepted finding into the extended model");
+  command.add_flag_callback(
+      "--search", [request] { request->options.method = DiagnosisMethod::kSearch; },
+      "Find causes by one search over one dictionary: loads of either sign, any direction of gravity, a MODEL as a prior");
   command.add_flag_callback(
       "--keep-unnamed", [request] { request->options.unnamed = UnnamedForces::kKept; },
       "Write unnamed findings into the extended model, as tabulated forces");

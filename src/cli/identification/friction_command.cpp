@@ -2,9 +2,9 @@
 #include <memory>
 
 #include "cli/commands.hpp"
-#include "cli/options/common_options.hpp"
-#include "cli/options/messages.hpp"
-#include "cli/options/recording_options.hpp"
+#include "veridyn/tool/common_options.hpp"
+#include "veridyn/tool/messages.hpp"
+#include "tool/recording_options.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/diagnosis/friction_study.hpp"
 #include "veridyn/report/diagnosis_json.hpp"

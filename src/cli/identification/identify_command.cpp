@@ -4,19 +4,21 @@
 #include <memory>
 #include <optional>
 
-#include "cli/options/choice.hpp"
+#include "veridyn/tool/choice.hpp"
 #include "cli/commands.hpp"
-#include "cli/options/common_options.hpp"
-#include "cli/options/messages.hpp"
-#include "cli/options/option_checks.hpp"
+#include "veridyn/tool/common_options.hpp"
+#include "veridyn/tool/messages.hpp"
+#include "veridyn/tool/option_checks.hpp"
 #include "math/output_file.hpp"
 #include "cli/identification/ranks.hpp"
-#include "cli/options/recording_options.hpp"
+#include "tool/recording_options.hpp"
 #include "cli/options/rest_options.hpp"
 #include "cli/models/simulation_output.hpp"
-#include "cli/options/sound_arguments.hpp"
+#include "veridyn/tool/sound_arguments.hpp"
 #include "identification/many_recordings.hpp"
+#include "veridyn/identification/robot_check.hpp"
 #include "veridyn/identification/factor_set.hpp"
+#include "veridyn/identification/parameters_text.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/report/pages.hpp"
@@ -36,6 +38,7 @@ struct IdentifyRequest {
   std::string prior;
   std::vector<std::string> known_masses;
   std::string model_out;
+  bool parameters = false;
   RestRequest rest;
   IdentificationOptions options;
   CommonOptions common;
@@ -169,6 +172,7 @@ void write_results(const IdentifyRequest& request, const Identification& id,
     write_file(request.common.report, to_page(id, command_line, &robot));
   }
   std::cout << id.report();
+  if (request.parameters) std::cout << parameters_text(id);
 }
 
 // Name of a file for the factors of one rank, beside the requested one.
@@ -246,14 +250,17 @@ ExitStatus run(IdentifyRequest& request, const std::string& command_line) {
   const bool poses = request.rest.at_rest || !request.rest.approach.empty() ||
                      (request.factors.empty() && are_poses(request.rest, arm, request.train, options.preprocessing));
   if (!poses) look_at_recordings(arm, recordings, options.preprocessing, options.threads);
-  const Identification id =
-      poses ? identified_at_rest(request, arm, options) : identified(request, arm, options);
+  Identification id = poses ? identified_at_rest(request, arm, options) : identified(request, arm, options);
   if (!id.model) {
     if (id.drive_gains && id.drive_gains->problem.empty()) std::cout << id.drive_gains->report();
     if (id.drive_gains && !request.common.json.empty())
       write_file(request.common.json, to_json(id));
     say(id.reason);
     return kDataCannotAnswer;
+  }
+  if (!poses) {
+    for (const QualityFinding& f : questions_answered(arm, request.train, options.preprocessing, id.train_error.relative))
+      id.remarks.push_back(f.file + ": " + f.sentence);
   }
   write_results(request, id, command_line);
   return kDone;
@@ -300,6 +307,7 @@ void add_identify_command(CLI::App& tool, Outcome& outcome) {
   add_output_option(command, "--model-out", request->model_out,
                     "Write the identified model as YAML, or into a copy of an MJCF or SDF robot (.xml, .sdf)",
                     {".yaml", ".yml", ".xml", ".mjcf", ".sdf"});
+  command.add_flag("--parameters", request->parameters, "Print the base parameters with their deviations, too");
   add_rest_options(command, request->rest, "identify gravity, offsets and forces of position from them");
   add_preprocessing_options(command, request->options.preprocessing);
   add_robot_options(command, request->common);

@@ -2,10 +2,11 @@
 #include <memory>
 
 #include "cli/commands.hpp"
-#include "cli/options/common_options.hpp"
-#include "cli/options/messages.hpp"
-#include "cli/options/option_checks.hpp"
-#include "cli/options/recording_options.hpp"
+#include "veridyn/tool/common_options.hpp"
+#include "veridyn/tool/messages.hpp"
+#include "veridyn/tool/option_checks.hpp"
+#include "tool/recording_options.hpp"
+#include "cli/options/rest_options.hpp"
 #include "veridyn/diagnosis/payload.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/report/pages.hpp"
@@ -18,6 +19,7 @@ struct PayloadRequest {
   std::string model;
   std::vector<std::string> recordings;
   std::string link;
+  RestRequest rest;
   IdentificationOptions options;
   CommonOptions common;
 };
@@ -25,12 +27,15 @@ struct PayloadRequest {
 ExitStatus run(PayloadRequest& request, const std::string& command_line) {
   require_writable(request.common.json, request.common.report);
   const Model model = read_robot(request.model, request.common, &request.options.preprocessing.signals);
-  if (model.inertial_values() && !has_all_values(model))
+  say_impossible(request.model, model);
+  const bool at_rest = are_poses(request.rest, model, request.recordings, request.options.preprocessing);
+  if (!at_rest && model.inertial_values() && !has_all_values(model))
     say("'" + model.name() + "' has effects without values: they are fitted to the recordings first, with its bodies as they are");
   if (!request.link.empty()) expect_one_of("--link", request.link, frame_names(model));
   request.options.threads = request.common.threads;
-  look_at_recordings(model, request.recordings, request.options.preprocessing, request.options.threads);
+  if (!at_rest) look_at_recordings(model, request.recordings, request.options.preprocessing, request.options.threads);
   const PayloadReport report = while_busy(request.common, "fitting a load on every link", [&] {
+    if (at_rest) return find_payload_at_rest(model, read_poses(request.rest, model, request.recordings, {}, request.options).first, request.link);
     return find_payload(model, request.recordings, request.options, request.link);
   });
   if (report.links.empty()) {
@@ -54,6 +59,7 @@ void add_payload_command(CLI::App& tool, Outcome& outcome) {
       ->required();
   add_value(command, "--link FRAME", request->link,
             "Test only the link of this frame (default: all)");
+  add_rest_options(command, request->rest, "a load shows by gravity alone");
   add_preprocessing_options(command, request->options.preprocessing);
   add_robot_options(command, request->common);
   add_common_options(command, request->common);

@@ -7,11 +7,11 @@
 
 #include "cli/commands.hpp"
 #include "cli/identification/live_page.hpp"
-#include "cli/options/common_options.hpp"
+#include "veridyn/tool/common_options.hpp"
 #include "math/output_file.hpp"
-#include "cli/options/messages.hpp"
-#include "cli/options/option_checks.hpp"
-#include "cli/options/recording_options.hpp"
+#include "veridyn/tool/messages.hpp"
+#include "veridyn/tool/option_checks.hpp"
+#include "tool/recording_options.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/recordings/growing_recording.hpp"
 #include "veridyn/recordings/preprocessing.hpp"
@@ -132,6 +132,7 @@ class Watching {
       show_progress("watching: " + source);
       tell(watch.add(rows));
     }
+    for (const std::string& remark : reader.facts().remarks) say(source + ": " + remark);
   }
 
   // A clock that is set back takes the source's beginning and end with it.

@@ -2,8 +2,8 @@
 #include <memory>
 
 #include "cli/commands.hpp"
-#include "cli/options/common_options.hpp"
-#include "cli/options/messages.hpp"
+#include "veridyn/tool/common_options.hpp"
+#include "veridyn/tool/messages.hpp"
 #include "veridyn/comparison/model_comparison.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/model/model_file.hpp"

@@ -1,15 +1,16 @@
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <vector>
 
-#include "cli/commands.hpp"
-#include "cli/options/common_options.hpp"
-#include "cli/models/export_dvrk.hpp"
+#include "veridyn/tool/common_options.hpp"
 #include "cli/models/simulation_output.hpp"
-#include "cli/options/messages.hpp"
-#include "cli/options/option_checks.hpp"
-#include "cli/options/sound_arguments.hpp"
+#include "veridyn/tool/messages.hpp"
+#include "veridyn/tool/open_commands.hpp"
+#include "veridyn/tool/option_checks.hpp"
+#include "veridyn/tool/sound_arguments.hpp"
+#include "tool/recording_options.hpp"
 #include "model/robot_format.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/export/c_code.hpp"
@@ -32,13 +33,13 @@ struct ExportRequest {
   std::string urdf, mjcf, sdf, cpp, yaml, json, report;
   std::string prior, meshes_from, into;
   bool quiet = false;
-  DvrkExport dvrk;
+  std::optional<ExportExtension> extension;
 };
 
-ExportedModel exported(const ExportRequest& request, const Model& model) {
+ExportedModel exported(const ExportRequest& request, const Model& model, RotorPlace rotors) {
   std::optional<Model> prior;
   if (!request.prior.empty()) prior = read_model(request.prior);
-  return exported_model(model, prior, request.meshes_from);
+  return exported_model(model, prior, request.meshes_from, rotors);
 }
 
 // Prints notes after the files are written, so that a refusal has one line.
@@ -68,12 +69,16 @@ std::string simulation_of(const ExportRequest& request, const Model& model, Robo
 }
 
 // URDF, MJCF and SDF.
-void add_xml(const ExportRequest& request, const ExportedModel& out, std::vector<FileToWrite>& files) {
+void add_xml(const ExportRequest& request, const Model& model, const ExportedModel& out, std::vector<FileToWrite>& files) {
   if (!request.urdf.empty()) files.push_back(simulation_xml(request.urdf, "URDF", to_urdf(out.arm, out.extras)));
   if (!request.mjcf.empty()) {
     const std::string from = simulation_of(request, out.arm, RobotFormat::kMjcf);
-    files.push_back(from.empty() ? simulation_xml(request.mjcf, "MJCF", to_mjcf(out.arm, out.extras.remarks))
-                                 : updated_simulation(out.arm, from, request.mjcf));
+    if (from.empty()) {
+      const ExportedModel own = exported(request, model, RotorPlace::kArmatures);
+      files.push_back(simulation_xml(request.mjcf, "MJCF", to_mjcf(own.arm, own.extras.remarks)));
+    } else {
+      files.push_back(updated_simulation(out.arm, from, request.mjcf));
+    }
   }
   if (!request.sdf.empty()) {
     const std::string from = simulation_of(request, out.arm, RobotFormat::kSdf);
@@ -83,17 +88,17 @@ void add_xml(const ExportRequest& request, const ExportedModel& out, std::vector
 }
 
 void run(const ExportRequest& request, const std::string& command_line) {
-  const DvrkExport& dvrk = request.dvrk;
-  if ((request.urdf + request.mjcf + request.sdf + request.cpp + request.yaml + request.json +
-       request.report + dvrk.gravity + dvrk.scales)
-          .empty()) {
-    throw CLI::RequiredError(
-        "--urdf, --mjcf, --sdf, --cpp, --json, --yaml, --dvrk-gravity or --dvrk-scales");
+  std::vector<std::string> paths = {request.urdf, request.mjcf, request.sdf,   request.cpp,
+                                    request.yaml, request.json, request.report};
+  if (request.extension) {
+    for (const std::string& path : request.extension->paths()) paths.push_back(path);
   }
-  check_dvrk_export(dvrk);
-  for (const std::string& file : {request.urdf, request.mjcf, request.sdf, request.cpp,
-                                  request.yaml, request.json, request.report, dvrk.gravity, dvrk.scales})
-    require_writable(file);
+  if (std::all_of(paths.begin(), paths.end(), [](const std::string& path) { return path.empty(); })) {
+    throw CLI::RequiredError("--urdf, --mjcf, --sdf, --cpp, --json" +
+                             (request.extension ? ", --yaml, " + request.extension->options : " or --yaml"));
+  }
+  if (request.extension) request.extension->check();
+  for (const std::string& path : paths) require_writable(path);
   const Model model = read_model(request.model);
   if (!request.into.empty()) {
     const std::optional<RobotFormat> format = robot_format(request.into);
@@ -103,8 +108,8 @@ void run(const ExportRequest& request, const std::string& command_line) {
   }
   std::vector<FileToWrite> files;
   if (!(request.urdf + request.mjcf + request.sdf + request.report).empty()) {
-    const ExportedModel out = exported(request, model);
-    add_xml(request, out, files);
+    const ExportedModel out = exported(request, model, RotorPlace::kBodies);
+    add_xml(request, model, out, files);
     if (request.quiet) {
       for (FileToWrite& file : files) file.tell = {};
     }
@@ -117,8 +122,9 @@ void run(const ExportRequest& request, const std::string& command_line) {
   if (!request.cpp.empty()) files.push_back({request.cpp, to_c_code(model)});
   if (!request.yaml.empty()) files.push_back({request.yaml, yaml_of(request, model)});
   if (!request.json.empty()) files.push_back({request.json, model_json(model)});
-  add_dvrk_files(model, dvrk, files);
+  if (request.extension) request.extension->add_files(model, files);
   write_all(files);
+  say_impossible(request.model, model);
   if (request.quiet) return;
   for (const std::string& error : JointSensors(model).in_words(model))
     say("the exported dynamics mean true positions and torques, and " + error +
@@ -127,8 +133,9 @@ void run(const ExportRequest& request, const std::string& command_line) {
 
 }  // namespace
 
-void add_export_command(CLI::App& tool, Outcome& outcome) {
+void add_export_command(CLI::App& tool, Outcome& outcome, const std::optional<ExportExtension>& extension) {
   const auto request = std::make_shared<ExportRequest>();
+  request->extension = extension;
   CLI::App& command = *tool.add_subcommand(
       "export", "Convert a model: URDF, MJCF, SDF, C, YAML, JSON, dVRK gravity");
   add_value(command, "MODEL", request->model, "Identified model, or any robot")->required();
@@ -153,7 +160,7 @@ void add_export_command(CLI::App& tool, Outcome& outcome) {
             "With --mjcf and --sdf: simulation's file whose values are replaced; all else of it "
             "stays (default: the file that the model came from)");
   command.add_flag("--quiet", request->quiet, "Print only errors on standard error");
-  add_dvrk_export_options(command, request->dvrk);
+  if (extension) extension->add_options(command);
   command.set_version_flag("--version", "veridyn " VERIDYN_VERSION);
   command.callback([request, &outcome, &command] {
     const bool urdf_or_sdf = !(request->urdf + request->sdf).empty();

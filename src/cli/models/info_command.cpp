@@ -2,9 +2,9 @@
 #include <memory>
 
 #include "cli/commands.hpp"
-#include "cli/options/common_options.hpp"
-#include "cli/options/messages.hpp"
-#include "cli/options/sound_arguments.hpp"
+#include "veridyn/tool/common_options.hpp"
+#include "veridyn/tool/messages.hpp"
+#include "veridyn/tool/sound_arguments.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/report/json.hpp"

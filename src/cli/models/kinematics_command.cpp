@@ -5,15 +5,13 @@
 #include <sstream>
 
 #include "math/words.hpp"
-#include "cli/options/column_file.hpp"
-#include "cli/commands.hpp"
-#include "cli/options/common_options.hpp"
-#include "cli/options/messages.hpp"
-#include "cli/options/option_checks.hpp"
-#include "cli/options/sound_arguments.hpp"
+#include "veridyn/tool/column_file.hpp"
+#include "veridyn/tool/common_options.hpp"
+#include "veridyn/tool/messages.hpp"
+#include "veridyn/tool/open_commands.hpp"
+#include "veridyn/tool/option_checks.hpp"
+#include "veridyn/tool/sound_arguments.hpp"
 #include "control/kinematics_table.hpp"
-#include "dvrk/arms/arm_facts.hpp"
-#include "dvrk/arms/arm_kinematics.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
@@ -30,6 +28,7 @@ struct KinematicsRequest {
   int workspace = 0;
   bool jacobian = false;
   CommonOptions common;
+  KinematicsExtension extension;
 };
 
 // Parses "0.1,0.2,0.3"; empty if the word is a file name.
@@ -63,38 +62,6 @@ struct Arm {
   InverseSolver closed_form;
 };
 
-const char* describe(dvrk::InverseStatus status) {
-  switch (status) {
-    case dvrk::InverseStatus::kDone:
-      return "reached";
-    case dvrk::InverseStatus::kOutsideLimits:
-      return "outside limits";
-    case dvrk::InverseStatus::kSingular:
-      return "singular";
-    case dvrk::InverseStatus::kOutOfReach:
-      return "out of reach";
-  }
-  return "";
-}
-
-template <typename Kinematics>
-InverseSolver solver_of(const dvrk::ArmFacts& facts) {
-  const auto closed = std::make_shared<Kinematics>(facts);
-  return [closed](const Eigen::Isometry3d& T_base_tip, VectorXd& q) -> std::string {
-    const typename Kinematics::Joints near = q;
-    const auto solution = closed->inverse(T_base_tip.matrix(), near);
-    q = solution.q;
-    return describe(solution.status);
-  };
-}
-
-InverseSolver closed_form(const dvrk::ArmFacts& facts) {
-  if (facts.kind == "PSM") return solver_of<dvrk::PsmKinematics>(facts);
-  if (facts.kind == "ECM") return solver_of<dvrk::EcmKinematics>(facts);
-  if (facts.kind == "MTM") return solver_of<dvrk::MtmKinematics>(facts);
-  return {};
-}
-
 std::string chosen(const Model& model, const std::string& asked) {
   if (!asked.empty()) {
     expect_one_of("--frame", asked, frame_names(model));
@@ -106,19 +73,14 @@ std::string chosen(const Model& model, const std::string& asked) {
   return model.frames().back().name;
 }
 
-// A robot file or name, or an arm of the dVRK ("PSM1", "MTMR", "ECM").
-Arm read_kinematic_arm(const std::string& robot, const std::string& frame) {
-  const std::vector<std::string> known = dvrk::arm_names();
-  if (std::find(known.begin(), known.end(), robot) == known.end()) {
-    Model model = read_model(robot);
-    std::string at = chosen(model, frame);
-    return {std::move(model), std::move(at), {}};
-  }
-  const dvrk::ArmFacts facts = dvrk::read_arm(robot);
-  Model model = dvrk::arm_model(facts);
+// A robot file or name, or a name that a package knows.
+Arm read_kinematic_arm(const std::string& robot, const std::string& frame, const KinematicsExtension& extension) {
+  std::optional<KinematicsExtension::Arm> known;
+  if (extension.read) known = extension.read(robot);
+  Model model = known ? std::move(known->model) : read_model(robot);
   std::string at = chosen(model, frame);
-  const bool of_tip = at == "tip";
-  return {std::move(model), std::move(at), of_tip ? closed_form(facts) : InverseSolver{}};
+  const bool closed = known && at == "tip";
+  return {std::move(model), std::move(at), closed ? known->closed_form : InverseSolver{}};
 }
 
 struct Times {
@@ -181,7 +143,7 @@ ExitStatus run(const CLI::App& used, KinematicsRequest request, const std::strin
   if (asked == 0) request.workspace = kPostures;
   if (asked > 1)
     throw CLI::ValidationError("kinematics", "expected one of --forward, --inverse, --workspace.");
-  const Arm arm = read_kinematic_arm(request.robot, request.frame);
+  const Arm arm = read_kinematic_arm(request.robot, request.frame, request.extension);
   expect_needs(used, {{"--start", !request.inverse.empty(), "--inverse"},
                       {"--solver", !request.inverse.empty(), "--inverse"},
                       {"--solver", arm.closed_form || request.solver == "newton",
@@ -210,12 +172,13 @@ ExitStatus run(const CLI::App& used, KinematicsRequest request, const std::strin
 
 }  // namespace
 
-void add_kinematics_command(CLI::App& tool, Outcome& outcome) {
+void add_kinematics_command(CLI::App& tool, Outcome& outcome, const KinematicsExtension& extension) {
   const auto request = std::make_shared<KinematicsRequest>();
+  request->extension = extension;
   CLI::App& command =
       *tool.add_subcommand("kinematics", "Forward and inverse kinematics, Jacobians, conditioning");
   add_value(command, "ROBOT", request->robot,
-            "Robot file or name, or an arm of the dVRK by its closed form: PSM1, MTMR, ECM")
+            "Robot file or name" + extension.robots)
       ->required();
   add_value(command, "--forward FILE.csv|Q1,Q2,...", request->forward,
             "Forward kinematics of these joint positions");

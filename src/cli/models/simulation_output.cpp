@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 
-#include "cli/options/messages.hpp"
+#include "veridyn/tool/messages.hpp"
 #include "math/output_file.hpp"
 #include "model/robot_format.hpp"
 #include "model/suggestion.hpp"

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "cli/models/file_to_write.hpp"
+#include "veridyn/tool/file_to_write.hpp"
 #include "veridyn/model/model.hpp"
 
 namespace veridyn::cli {

@@ -11,15 +11,14 @@
 #include <set>
 #include <utility>
 
-#include "cli/commands.hpp"
-#include "cli/options/common_options.hpp"
+#include "veridyn/tool/common_options.hpp"
 #include "cli/motions/excite_options.hpp"
-#include "cli/motions/excite_poses.hpp"
-#include "cli/options/kept_results.hpp"
-#include "cli/options/messages.hpp"
-#include "cli/options/option_checks.hpp"
-#include "cli/options/recording_options.hpp"
-#include "cli/options/sound_arguments.hpp"
+#include "veridyn/tool/kept_results.hpp"
+#include "veridyn/tool/messages.hpp"
+#include "veridyn/tool/open_commands.hpp"
+#include "veridyn/tool/option_checks.hpp"
+#include "tool/recording_options.hpp"
+#include "veridyn/tool/sound_arguments.hpp"
 #include "veridyn/excitation/excitation.hpp"
 #include "veridyn/identification/identification.hpp"
 #include "recordings/recorded_motion.hpp"
@@ -53,7 +52,7 @@ struct ExciteRequest {
   std::vector<std::string> keep_out;
   std::optional<double> link_radius, floor;
   std::optional<double> torque_noise;
-  PosesRequest poses;
+  std::optional<ExciteExtension> extension;
   ExcitationOptions options;
   CommonOptions common;
 };
@@ -169,7 +168,8 @@ ExcitationOptions options_of(const ExciteRequest& request, const Model& arm,
   }
   if (!request.between.empty())
     o.between = value_of("--between", [&] { return rivals(o.powered.value_or(arm), request.between); });
-  if (!o.powered && !arm.inertial_values()) o.valued = plausible_model(moved, 1).arm;
+  // What has no value gets a plausible one: deviations relative to a friction of zero would say nothing.
+  if (!o.powered && !has_all_values(moved)) o.valued = plausible_model(moved, 1).arm;
   if (request.torque_noise)
     o.noise = noise_of_efforts(o.powered ? *o.powered : o.valued ? *o.valued : moved,
                                *request.torque_noise);
@@ -211,7 +211,7 @@ void expect_solver(const ExciteRequest& request) {
 
 // Everything that the searches depend on: the given options and the files that they name.
 std::string search_words(const CLI::App& command) {
-  static const std::set<std::string> kOfTheResult = {"--output", "--coefficients", "--json", "--report", "--resume", "--threads", "--quiet"};
+  static const std::set<std::string> kOfTheResult = {"--output", "--coefficients", "--json", "--report", "--resume", "--speed", "--threads", "--quiet"};
   std::string out = VERIDYN_VERSION;
   for (const CLI::Option* option : command.get_options()) {
     if (option->count() == 0 || kOfTheResult.count(option->get_name()) > 0) continue;
@@ -227,13 +227,12 @@ ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
        {&request.common.json, &request.common.report, &request.coefficients})
     require_writable(*path);
   require_writable(request.output);
-  if (request.poses.purpose == "calibration") {
-    expect_no_motion_options(*request.command);
-    return excite_poses(request.robot, request.output, request.poses, request.options.seed,
-                        request.options.limit_share.value_or(0.95), request.common);
+  if (request.extension) {
+    const std::optional<ExitStatus> done =
+        request.extension->run({request.command, request.robot, request.output, request.options.seed,
+                                request.options.limit_share, request.common});
+    if (done) return *done;
   }
-  expect_needs(*request.command, {{"--poses", false, "--for calibration"},
-                                  {"--frame", false, "--for calibration"}});
   const bool discriminates = request.options.criterion == ExcitationCriterion::kDiscriminate;
   expect_needs(*request.command,
                {{"--between", discriminates || request.command->count("--criterion") == 0,
@@ -247,6 +246,7 @@ ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
   expect_value(!discriminates || !request.between.empty(), "--criterion",
                "discriminate needs --between");
   const Model arm = read_robot(request.robot, request.common);
+  say_impossible(request.robot, arm);
   require(arm.joints() > 0, request.robot, ": found no coordinates, expected some to move.");
   std::string made_up_words;
   ExcitationOptions options = options_of(request, arm, made_up_words);
@@ -265,12 +265,21 @@ ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
   expect_needs(*request.command,
                {{"--clearance", !request.spheres.empty() || !options.workspace.collisions.pairs.empty(),
                  "--sphere, or an arm with collision shapes"}});
+  const std::vector<std::string>& impossible = options.workspace.collisions.impossible;
+  if (!impossible.empty()) {
+    say("the limits cannot be met: " + impossible.front() + " touch at every posture" +
+        (impossible.size() > 1 ? text(" (and ", impossible.size() - 1, " more)") : "") +
+        "; move the obstacle, or give links another --link-radius or --shapes; nothing is written.");
+    return kDataCannotAnswer;
+  }
   const Interruptible until_interrupted;
   // Its exceptions are caused by option values for this arm.
   Excitation found = value_of("excite", [&] { return optimise_excitation(arm, options); });
   const bool known = arm.inertial_values() || !request.model.empty();
   if (found.prediction && !known)
     found.prediction->values = "of a plausible arm (" + request.robot + " has none)";
+  else if (found.prediction && request.model.empty() && !has_all_values(with_friction(arm, options.friction)))
+    found.prediction->values = "of " + arm.name() + " with plausible friction (" + request.robot + " has none)";
   const std::string problem = why_not(found);
   if (!problem.empty()) {
     say(problem);
@@ -334,8 +343,9 @@ void add_limit_options(CLI::App& command, ExciteRequest& r) {
 
 }  // namespace
 
-void add_excite_command(CLI::App& tool, Outcome& outcome) {
+void add_excite_command(CLI::App& tool, Outcome& outcome, const std::optional<ExciteExtension>& extension) {
   const auto request = std::make_shared<ExciteRequest>();
+  request->extension = extension;
   CLI::App& command = *tool.add_subcommand("excite", "Design an excitation trajectory");
   add_robot_argument(command, request->robot);
   add_output_option(command, "-o,--output", request->output, "Write the motion as CSV: t, q, dq, ddq", {".csv"})->required();
@@ -369,7 +379,7 @@ void add_excite_command(CLI::App& tool, Outcome& outcome) {
                   request->reading.row_count = rows.count;
                 });
   add_robot_options(command, request->common);
-  add_poses_options(command, request->poses);
+  if (extension) extension->add_options(command);
   add_report_option(command, request->common);
   add_common_options(command, request->common);
   request->command = &command;

@@ -4,8 +4,8 @@
 #include <cstdlib>
 
 #include "math/words.hpp"
-#include "cli/options/choice.hpp"
-#include "cli/options/common_options.hpp"
+#include "veridyn/tool/choice.hpp"
+#include "veridyn/tool/common_options.hpp"
 
 namespace veridyn::cli {
 namespace {
@@ -123,6 +123,9 @@ void add_motion_options(CLI::App& command, ExcitationOptions& o) {
       CLI::Range(0, 100))
       ->group(group);
   number("--rate", o.rate, "HZ", "Sample rate [Hz] (200)");
+  add_value(command, "--speed X", o.speed, "Play the same path at this share of its designed speed, for a first run (1)",
+            CLI::Range(0.01, 1.0))
+      ->group(group);
   add_value(command, "--limit-share X", o.limit_share,
             "Share of each limit to use (default: the margin of the safety supervisor, 0.98 of "
             "speed, 0.95 of torque, and the range as far as the arm can stop before its end)",

@@ -5,11 +5,11 @@
 
 #include "cli/commands.hpp"
 #include "cli/motions/simulate_request.hpp"
-#include "cli/options/common_options.hpp"
-#include "cli/options/messages.hpp"
-#include "cli/options/option_checks.hpp"
-#include "cli/options/recording_options.hpp"
-#include "cli/options/sound_arguments.hpp"
+#include "veridyn/tool/common_options.hpp"
+#include "veridyn/tool/messages.hpp"
+#include "veridyn/tool/option_checks.hpp"
+#include "tool/recording_options.hpp"
+#include "veridyn/tool/sound_arguments.hpp"
 #include "kinematics/motion_limits.hpp"
 #include "math/output_file.hpp"
 #include "model/suggestion.hpp"
@@ -26,9 +26,11 @@
 namespace veridyn::cli {
 namespace {
 
-
+// A wanted motion is taken as it is written.
 MotionSamples wanted_motion(const Model& arm, const std::string& path) {
-  const Recording rows = read_recording(path, reading_of(arm, {}));
+  RecordingOptions reading = reading_of(arm, {});
+  reading.signals.as_recorded = true;
+  const Recording rows = read_recording(path, reading);
   try {
     return with_derivatives({rows.time, rows.q, rows.dq, rows.ddq});
   } catch (const InvalidInput& error) {

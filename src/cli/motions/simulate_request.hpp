@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "cli/commands.hpp"
-#include "cli/options/common_options.hpp"
+#include "veridyn/tool/common_options.hpp"
 #include "veridyn/simulation/breakaway.hpp"
 #include "veridyn/simulation/simulate_controlled.hpp"
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "cli/options/common_options.hpp"
-#include "cli/options/option_checks.hpp"
+#include "veridyn/tool/common_options.hpp"
+#include "veridyn/tool/option_checks.hpp"
 
 namespace veridyn::cli {
 

@@ -60,7 +60,7 @@ double rest_friction(const Model& arm, const PredictionSeries& x, size_t joint, 
     pass.dq(k, i) = slow;
     pass.dq(2 * samples - 1 - k, i) = -slow;
   }
-  const MatrixXd load = rigid_load(arm, RegressorBatch(arm), pass);
+  const MatrixXd load = rigid_load(arm, TorqueRegressor(arm), pass);
   VectorXd sum = VectorXd::Zero(2 * samples);
   for (const EffectTerm& term : arm.effects()) {
     if (!has_axis_effect(term.effect) || term.axis.coefficients[i] == 0.0) continue;

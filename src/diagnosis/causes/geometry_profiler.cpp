@@ -6,7 +6,7 @@
 #include "diagnosis/evidence/numerics.hpp"
 #include "identification/base_solution.hpp"
 #include "regressor/effect_along.hpp"
-#include "veridyn/dynamics/regressor_batch.hpp"
+#include "veridyn/dynamics/torque_regressor.hpp"
 
 namespace veridyn {
 namespace {
@@ -114,14 +114,14 @@ MatrixXd GeometryProfiler::effects_along(const Segment& s) const {
   for (const EffectTerm& term : arm_.effects()) {
     const EffectFacts effect(arm_, term);
     if (effect.traits().uses_load && load.size() == 0)
-      load = rigid_load(arm_, RegressorBatch(arm_), motion);
+      load = rigid_load(arm_, TorqueRegressor(arm_), motion);
     out.middleCols(at, effect.parameter_count()) = columns_along(effect.bound(), motion, load, s.start);
     at += effect.parameter_count();
   }
   return out;
 }
 
-std::vector<GeometryProfiler::Own> GeometryProfiler::own_columns(const RegressorBatch& batch,
+std::vector<GeometryProfiler::Own> GeometryProfiler::own_columns(const TorqueRegressor& batch,
                                                                  const std::vector<int>& columns,
                                                                  int bodies, int joints) const {
   std::vector<Own> out(joints);
@@ -160,7 +160,7 @@ GeometryProfiler::Sums GeometryProfiler::total(const std::vector<Sums>& parts) {
 GeometryProfiler::Parts GeometryProfiler::sums_of_parts(const Model& variant,
                                                         const std::vector<int>& columns,
                                                         Eigen::Index parts) const {
-  const RegressorBatch batch(variant);
+  const TorqueRegressor batch(variant);
   const auto bodies = static_cast<int>(kBodyParameters * variant.bodies().size());
   const int n = variant.joints();
   Parts out{own_columns(batch, columns, bodies, n), {}};

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "veridyn/dynamics/regressor_batch.hpp"
+#include "veridyn/dynamics/torque_regressor.hpp"
 #include "veridyn/identification/identification.hpp"
 
 namespace veridyn {
@@ -42,7 +42,7 @@ class GeometryProfiler {
 
   void append(const Segment& s, Fold& fold) const;
   MatrixXd effects_along(const Segment& s) const;
-  std::vector<Own> own_columns(const RegressorBatch& batch, const std::vector<int>& columns,
+  std::vector<Own> own_columns(const TorqueRegressor& batch, const std::vector<int>& columns,
                                int bodies, int joints) const;
   static void add(double sign, const Sums& from, Sums& to);
   static Sums total(const std::vector<Sums>& parts);

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "diagnosis/evidence/numerics.hpp"
-#include "diagnosis/evidence/silent_joints.hpp"
+#include "identification/silent_joints.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 
 namespace veridyn {

@@ -43,7 +43,8 @@ std::string sentence(const Model& arm, const Finding& f) {
   const CauseWords w = words_of(arm, f.cause);
   std::string out = place_of(w) + ": " + f.phrase + ".";
   if (std::holds_alternative<AddedLoad>(f.cause)) {
-    out = f.phrase + " sits on " + w.frame + ".";
+    const bool taken_off = !f.parameters.empty() && f.parameters.front().high < 0.0;
+    out = f.phrase + (taken_off ? " " : " sits on ") + w.frame + ".";
     out.front() = 'A';
   }
   if (std::holds_alternative<ChannelError>(f.cause)) out = place_of(w) + " has " + f.phrase + ".";

@@ -179,10 +179,21 @@ void check_quality(DiagnosisState& x) {
   leave_saturated_out(x);
 }
 
+namespace {
+
+// False where there is no fit yet, or check_quality() has changed the rows since.
+bool is_of_these_rows(const Identification& fit, const DiagnosisState& x) {
+  const PreprocessingOptions& how = x.options.identification.preprocessing;
+  return fit.model && fit.preprocessing.derive_velocity_of == how.derive_velocity_of &&
+         fit.preprocessing.excluded_intervals.size() == how.excluded_intervals.size();
+}
+
+}  // namespace
+
 bool fit_baseline(DiagnosisState& x) {
   const Model file = x.arm;
   const JointFriction friction = x.options.identification.friction;
-  x.d.baseline = x.fit(x.arm);
+  if (!is_of_these_rows(x.d.baseline, x)) x.d.baseline = x.fit(x.arm);
   if (!x.d.baseline.model) return false;
   // From now on the arm is the identified one, with added effects.
   const size_t given = file.effects().size();

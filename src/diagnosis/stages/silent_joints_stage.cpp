@@ -1,32 +1,13 @@
 #include <algorithm>
 #include <utility>
 
-#include "diagnosis/evidence/silent_joints.hpp"
+#include "identification/silent_joints.hpp"
 #include "diagnosis/stages/diagnosis_state.hpp"
 #include "math/correlated_columns.hpp"
-#include "veridyn/effects/effect.hpp"
 
 // A joint without torque: it says nothing, and its zeros would bend what it shares with the others.
 
 namespace veridyn {
-namespace {
-
-// The arm without effects that these joints alone would show: nobody knows their friction.
-Model without_effects_of(const std::set<int>& joints, const Model& arm) {
-  ModelDescription d = arm.description();
-  const auto is_theirs = [&](const EffectTerm& term) {
-    if (!has_axis_effect(term.effect) || term.fixed) return false;
-    for (int j = 0; j < arm.joints(); ++j) {
-      if (term.axis.coefficients[j] != 0.0 && joints.count(j) == 0) return false;
-    }
-    return true;
-  };
-  d.effects.erase(std::remove_if(d.effects.begin(), d.effects.end(), is_theirs), d.effects.end());
-  return Model(std::move(d));
-}
-
-}  // namespace
-
 bool leave_silent_joints_out(DiagnosisState& x) {
   const std::vector<ExcludedInterval> rows = silent_rows(x.d.baseline.factors);
   if (rows.empty()) return true;

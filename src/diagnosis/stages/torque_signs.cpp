@@ -3,7 +3,6 @@
 
 #include "causes/candidates.hpp"
 #include "diagnosis/stages/diagnosis_state.hpp"
-#include "recordings/kept_recordings.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/identification/robot_check.hpp"
 
@@ -37,22 +36,6 @@ void report(DiagnosisState& x, int joint, double deviations) {
   }
 }
 
-// True if check_against() is sure that columns of this recording are exchanged; the recording says so.
-bool says_exchange(const std::string& file, DiagnosisState& x) {
-  const PreprocessingOptions& how = x.options.identification.preprocessing;
-  const Recording* there = find_in_memory(how.in_memory, file);
-  bool sure = false;
-  for (QualityFinding& f : there != nullptr ? check_against(x.arm, *there, how) : check_against(x.arm, file, how)) {
-    if (f.finding != "swapped_joints" || f.severity != Severity::kFault) continue;
-    sure = true;
-    f.file = file;
-    for (RecordingQuality& q : x.d.data_quality) {
-      if (q.file == file) q.findings.insert(q.findings.begin(), std::move(f));
-    }
-  }
-  return sure;
-}
-
 }  // namespace
 
 void cannot_tell_of_all(DiagnosisState& x, const std::string& why) {
@@ -71,11 +54,15 @@ void cannot_tell_of_all(DiagnosisState& x, const std::string& why) {
   }
 }
 
-bool columns_are_exchanged(DiagnosisState& x) {
-  bool all = true;
-  for (size_t k = 0; k < x.train.size() && all; ++k) all = says_exchange(x.train[k], x);
-  if (all) cannot_tell_of_all(x, "columns of the recordings are exchanged");
-  return all;
+void ask_questions(DiagnosisState& x) {
+  const PreprocessingOptions& how = x.options.identification.preprocessing;
+  VectorXd errors = x.d.baseline.train_error.relative;
+  if (errors.size() == 0) errors = x.d.baseline.test_error.relative;
+  for (QualityFinding& f : questions_answered(x.arm, x.train, how, errors)) {
+    for (RecordingQuality& q : x.d.data_quality) {
+      if (q.file == f.file) q.findings.insert(q.findings.begin(), std::move(f));
+    }
+  }
 }
 
 void check_torque_signs(DiagnosisState& x) {
@@ -108,7 +95,12 @@ void check_torque_signs(DiagnosisState& x) {
     const double deviation = std::sqrt(joints[i].variance);
     if (deviation <= 0.0) continue;
     const double below = -joints[i].sum / deviation;
-    if (below > x.options.thresholds.negative_friction) report(x, static_cast<int>(i), below);
+    const bool answered = std::any_of(x.d.data_quality.begin(), x.d.data_quality.end(), [i](const RecordingQuality& q) {
+      return std::any_of(q.findings.begin(), q.findings.end(), [i](const QualityFinding& f) {
+        return f.finding == "torque_sign" && f.joint == static_cast<int>(i) + 1;
+      });
+    });
+    if (!answered && below > x.options.thresholds.negative_friction) report(x, static_cast<int>(i), below);
   }
 }
 

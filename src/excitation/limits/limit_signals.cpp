@@ -60,7 +60,7 @@ void LimitSignals::add_torques(const Model& powered) {
   }
   if (torque_joints_.empty()) return;
   phi_ = *phi;
-  bodies_ = std::make_unique<RegressorBatch>(powered);
+  bodies_ = std::make_unique<TorqueRegressor>(powered);
   const VectorXd rounding = kRoundedShare * motion_limits(powered).velocity;
   for (const EffectTerm& term : powered.effects()) {
     const EffectFacts bound(powered, term);

@@ -77,7 +77,7 @@ class LimitSignals {
   double braking_;  // 0: braking is not considered
   // Members for torques.
   std::vector<int> torque_joints_;
-  std::unique_ptr<RegressorBatch> bodies_;
+  std::unique_ptr<TorqueRegressor> bodies_;
   VectorXd phi_;
   std::vector<std::shared_ptr<const ColumnSource>> effects_;
   std::vector<VectorXd> effect_values_;

@@ -14,6 +14,7 @@ constexpr int kPostures = 1000;        // random ones, that tell which links alw
 // A pair that touches in more of them is taken for two parts of one joint: joined links overlap
 // in all postures, while links that the joints can bring together do so in some.
 constexpr double kTouchesAlways = 0.9;
+constexpr double kStands = 1e-9;       // [m] change of a gap that no joint changes, by rounding
 constexpr int kSections = 60;          // of the search along a capsule's axis; each leaves 0.618 of it
 constexpr double kGoldenSection = 0.6180339887498949;
 
@@ -61,12 +62,6 @@ double outside(const Obstacle& box, const Eigen::Vector3d& p, Eigen::Vector3d* d
   return way.norm();
 }
 
-// The frame that moves last on the way to a frame: frames of one mover are one rigid body.
-std::optional<FrameIndex> mover_of(const Model& arm, std::optional<FrameIndex> frame) {
-  while (frame && arm.frames()[frame->value].type == JointType::kFixed) frame = arm.frames()[frame->value].parent;
-  return frame;
-}
-
 // Nothing: the world.
 std::optional<FrameIndex> frame_of(const Model& arm, const Capsule& capsule) {
   if (capsule.frame == "world") return std::nullopt;
@@ -103,6 +98,13 @@ bool joined_by_one_joint(const Model& arm, std::optional<FrameIndex> a, std::opt
   return hangs_on(a, b) || hangs_on(b, a);
 }
 
+// A link that turns on its mount: the obstacle reaches into the round end of a capsule, not to its axis.
+bool stands_on(const CollisionPair& pair, double gap) {
+  double thinnest = kInfinity;
+  for (const Capsule& capsule : pair.capsules) thinnest = std::min(thinnest, capsule.radius);
+  return gap < pair.clearance && gap > -thinnest - kStands;
+}
+
 VectorXd random_posture(const Model& arm, RandomNumbers& random) {
   VectorXd q(arm.joints());
   for (int i = 0; i < arm.joints(); ++i) {
@@ -115,6 +117,11 @@ VectorXd random_posture(const Model& arm, RandomNumbers& random) {
 }
 
 }  // namespace
+
+std::optional<FrameIndex> mover_of(const Model& arm, std::optional<FrameIndex> frame) {
+  while (frame && arm.frames()[frame->value].type == JointType::kFixed) frame = arm.frames()[frame->value].parent;
+  return frame;
+}
 
 LinkGap::Rod LinkGap::rod_of(const Model& arm, const Capsule& capsule) {
   return {frame_of(arm, capsule), capsule.from, capsule.to, capsule.radius};
@@ -177,20 +184,30 @@ CollisionLimits collision_limits(const Model& arm, const std::vector<Capsule>& s
   std::vector<LinkGap> gaps;
   for (const CollisionPair& pair : asked) gaps.emplace_back(arm, pair);
   std::vector<int> touches(asked.size(), 0);
+  std::vector<double> least(asked.size(), kInfinity), largest(asked.size(), -kInfinity);
   FramePoints at(arm);
   RandomNumbers random(1, 0);
   for (int k = 0; k < kPostures; ++k) {
     at.move_to(random_posture(arm, random));
-    for (size_t p = 0; p < gaps.size(); ++p)
-      if (gaps[p].nearest(at).gap < clearance) ++touches[p];
+    for (size_t p = 0; p < gaps.size(); ++p) {
+      const double gap = gaps[p].nearest(at).gap;
+      if (gap < clearance) ++touches[p];
+      least[p] = std::min(least[p], gap);
+      largest[p] = std::max(largest[p], gap);
+    }
   }
   CollisionLimits out;
+  out.shapes = shapes;
+  out.obstacles = obstacles;
   for (size_t p = 0; p < asked.size(); ++p) {
-    if (touches[p] > kTouchesAlways * kPostures) {
-      out.touching.push_back(asked[p].first + " and " + asked[p].second);
-    } else {
-      out.pairs.push_back(std::move(asked[p]));
+    const std::string name = asked[p].first + " and " + asked[p].second;
+    const bool still = largest[p] - least[p] < kStands;  // no joint moves the one against the other
+    if (asked[p].obstacle ? still && stands_on(asked[p], largest[p]) : touches[p] > kTouchesAlways * kPostures) {
+      out.touching.push_back(name);
+      continue;
     }
+    if (asked[p].obstacle && touches[p] == kPostures) out.impossible.push_back(name);
+    out.pairs.push_back(std::move(asked[p]));
   }
   return out;
 }

@@ -8,6 +8,10 @@
 
 namespace veridyn {
 
+/// The frame that moves last on the way to a frame: frames of one mover are one rigid body. Nothing: the
+/// frame stands still.
+std::optional<FrameIndex> mover_of(const Model& arm, std::optional<FrameIndex> frame);
+
 /// The smallest distance between the surfaces of two links, or of a link and an obstacle; negative
 /// where they overlap.
 class LinkGap {

@@ -21,6 +21,7 @@ static_assert(kStages == 2, "one for each sharpness");
 constexpr double kSharpness[] = {2.0, 16.0};  // sharpness of the smooth condition number, one after the other
 constexpr double kLastSharpness = 100.0;      // for the best motion of all searches
 constexpr int kNarrowings = 5;                // rounds until limits hold between instants as well
+constexpr double kWide = 1.01;                // beyond a range that is asked for, since bounds are fitted afterwards
 constexpr double kInside = 1e-7;              // share of a limit's scale, as a margin for rounding
 
 constexpr double kRoundingShare = 1e-12;  // share of a joint's limits that stays free
@@ -113,6 +114,7 @@ VectorXd MotionSearch::descend(const VectorXd& from, const Bounds& bounds, const
                                int start, Found& found) const {
   GridConstraints limits(space_, signals_, kLimitsPerWave * space_.harmonics());
   limits.set_bounds(bounds.lower, bounds.upper);
+  limits.set_spans(descent.spans);
   const MotionObjective objective =
       question_.objective(space_, descent.sharpness, kCriterionInstantsPerWave * space_.harmonics());
   SearchProgram program(objective, limits, space_.size());
@@ -228,6 +230,44 @@ VectorXd MotionSearch::polished(const VectorXd& from, int start, Found& found) c
   if (next.size() == 0) return {};
   const VectorXd fitted = fitted_to_joints(space_, next);
   return keeps(fitted, allowed()) ? fitted : VectorXd();
+}
+
+VectorXd MotionSearch::widened(const VectorXd& from, const std::vector<int>& joints, const MotionLimits& limits,
+                               Found& found) const {
+  const int p = space_.per_joint();
+  const int instants = kLimitsPerWave * space_.harmonics();
+  // A start with ranges as wanted, where speeds allow; the instants of its extremes are those of the spans.
+  VectorXd x = from;
+  const MotionBounds bounds = space_.trajectory(from).bounds();
+  Descent descent{kSharpness[0], options_.iterations};
+  const MotionSamples samples = space_.samples(space_.basis(period_instants(space_.frequency(), instants)), from);
+  for (const int i : joints) {
+    const double least = kWide * kLittleUse * (limits.upper[i] - limits.lower[i]);
+    const double now = bounds.upper[i] - bounds.lower[i];
+    if (now < least) x.segment(i * p + 1, p - 1) *= least / now;
+    GridConstraints::Span span{i, 0, 0, least};
+    samples.q.col(i).maxCoeff(&span.high);
+    samples.q.col(i).minCoeff(&span.low);
+    descent.spans.push_back(span);
+  }
+  // From the motion as it is, and from the widened one, which lies nearer to another optimum.
+  VectorXd best;
+  for (const VectorXd& start : {from, fitted_to_joints(space_, x)}) {
+    Bounds inside = allowed();
+    VectorXd at = start;
+    for (int round = 0; round <= kNarrowings; ++round) {
+      const VectorXd next = descend(at, inside, descent, 0, found);
+      if (next.size() == 0) break;
+      at = fitted_to_joints(space_, next);
+      if (!keeps(at, allowed())) {
+        narrow(at, inside);
+        continue;
+      }
+      if (best.size() == 0 || smooth_cost(at, kSharpness[0]) < smooth_cost(best, kSharpness[0])) best = at;
+      break;
+    }
+  }
+  return best;
 }
 
 VectorXd fitted_to_joints(const MotionSpace& space, const VectorXd& x) {

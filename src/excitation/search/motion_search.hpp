@@ -37,6 +37,10 @@ class MotionSearch {
   /// within the limits, and for other criteria.
   VectorXd polished(const VectorXd& from, int start, Found& found) const;
 
+  /// The best motion near `from` in which each of the joints uses kLittleUse of its range within `limits`.
+  /// Empty if none is found.
+  VectorXd widened(const VectorXd& from, const std::vector<int>& joints, const MotionLimits& limits, Found& found) const;
+
  private:
   struct Bounds {
     VectorXd lower, upper;  ///< of every signal
@@ -45,9 +49,11 @@ class MotionSearch {
   bool has_more_than_joints() const { return signals_.count() > 3 * space_.joints(); }
   double smooth_cost(const VectorXd& x, double sharpness) const;
   bool keeps(const VectorXd& x, const Bounds& bounds) const;
+  using Spans = std::vector<GridConstraints::Span>;
   struct Descent {
     double sharpness;
     int iterations;
+    Spans spans{};
   };
   std::vector<VectorXd> draw(int start, const Bounds& bounds, Found& found) const;
   std::vector<VectorXd> tried(const std::vector<VectorXd>& from, const Bounds& bounds, int start,

@@ -73,7 +73,7 @@ VectorXd torque_sizes(const Model& arm) {
   if (phi) {
     const MotionSamples states = random_states(arm, 200);
     MatrixXd tau;
-    RegressorBatch(arm).torques(states.q, states.dq, states.ddq, *phi, tau);
+    TorqueRegressor(arm).torques(states.q, states.dq, states.ddq, *phi, tau);
     for (int i = 0; i < arm.joints(); ++i) {
       const double rms = std::sqrt(tau.col(i).squaredNorm() / static_cast<double>(tau.rows()));
       if (rms > 0.0) size[i] = rms;

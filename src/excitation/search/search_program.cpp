@@ -63,6 +63,20 @@ void GridConstraints::set_bounds(const VectorXd& lower, const VectorXd& upper) {
   }
 }
 
+void GridConstraints::set_spans(std::vector<Span> spans) {
+  const Eigen::Index rows = lower_.size();
+  const auto more = static_cast<Eigen::Index>(spans.size());
+  lower_.conservativeResize(rows + more);
+  upper_.conservativeResize(rows + more);
+  upper_.tail(more).setConstant(kInfinity);
+  const int p = space_.per_joint();
+  for (Eigen::Index s = 0; s < more; ++s) {
+    lower_[rows + s] = spans[s].least / signals_[spans[s].joint].scale;
+    for (int c = 1; c < p; ++c) pattern_.emplace_back(static_cast<int>(rows + s), spans[s].joint * p + c);
+  }
+  spans_ = std::move(spans);
+}
+
 VectorXd GridConstraints::values(const VectorXd& x) const {
   const MotionSamples m = space_.samples(basis_, x);
   const Eigen::Index instants = basis_.time.size();
@@ -77,6 +91,7 @@ VectorXd GridConstraints::values(const VectorXd& x) const {
     out.segment(row, instants) = part.col(column) / signals_[k].scale;
     row += instants;
   }
+  for (const Span& s : spans_) out[row++] = (m.q(s.high, s.joint) - m.q(s.low, s.joint)) / signals_[s.joint].scale;
   return out;
 }
 
@@ -85,9 +100,16 @@ VectorXd GridConstraints::jacobian(const VectorXd& x) const {
   const int p = space_.per_joint();
   VectorXd out(pattern_.size());
   out.head(constant_.size()) = constant_;
-  if (constant_.size() == out.size()) return out;
+  Eigen::Index next = out.size() - static_cast<Eigen::Index>(spans_.size()) * (p - 1);
+  const bool joints_alone = constant_.size() == next;
+  for (const Span& s : spans_) {
+    out.segment(next, p - 1) = space_.size_of(s.joint) / signals_[s.joint].scale *
+                               (basis_.q.row(s.high) - basis_.q.row(s.low)).tail(p - 1).transpose();
+    next += p - 1;
+  }
+  if (joints_alone) return out;
   const std::vector<MatrixXd> slopes = signals_.slopes(space_.samples(basis_, x));
-  Eigen::Index next = constant_.size();
+  next = constant_.size();
   for (const int k : kept_) {
     if (k < 3 * n) continue;
     const MatrixXd& by_state = slopes[k - 3 * n];
@@ -111,7 +133,8 @@ GridConstraints::Violation GridConstraints::violation(const VectorXd& values) co
   const Eigen::Index instants = basis_.time.size();
   for (Eigen::Index row = 0; row < values.size(); ++row) {
     const double size = std::max(values[row] - upper_[row], lower_[row] - values[row]);
-    if (size > worst.size) worst = {size, kept_[row / instants]};
+    const auto at = static_cast<size_t>(row / instants);
+    if (size > worst.size) worst = {size, at < kept_.size() ? kept_[at] : spans_[row - instants * static_cast<Eigen::Index>(kept_.size())].joint};
   }
   return worst;
 }

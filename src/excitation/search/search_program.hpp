@@ -17,6 +17,14 @@ class GridConstraints {
   /// Sets bounds of every signal; infinite where it is free. Initially those of the signals.
   void set_bounds(const VectorXd& lower, const VectorXd& upper);
 
+  /// A joint's position at one instant of the grid is above that at another one by `least` [rad] or [m].
+  struct Span {
+    int joint;
+    Eigen::Index high, low;
+    double least;
+  };
+  void set_spans(std::vector<Span> spans);
+
   const VectorXd& lower() const { return lower_; }
   const VectorXd& upper() const { return upper_; }
   const std::vector<std::pair<int, int>>& pattern() const { return pattern_; }
@@ -37,6 +45,7 @@ class GridConstraints {
   const LimitSignals& signals_;
   MotionSpace::Basis basis_;
   std::vector<int> kept_;  // signals with a bound
+  std::vector<Span> spans_;  // their rows come last
   int joint_rows_ = 0;
   VectorXd lower_, upper_;
   std::vector<std::pair<int, int>> pattern_;

@@ -1,58 +1,102 @@
 #pragma once
 
-#include <vector>
-
-#include "math/number_table.hpp"
-#include "veridyn/recordings/preprocessing.hpp"
-#include "veridyn/recordings/recording_quality.hpp"
-
-namespace veridyn {
-
 /// All numbers that can change what `check` says about a recording beside a robot, each with its
 /// inequality, and with its reason where one is known.
-struct CheckThresholds {
-  /// rows > most_rows: the rest is not read; 25 s at 200 Hz, and more rows add nothing new.
-  int most_rows = 5000;
-  /// rows < fewest_rows: no comparison with the robot; 1.5 s at 200 Hz determine no arm.
-  int fewest_rows = 300;
-  /// condition number < worst_condition, columns scaled, else no comparison; whole recordings of a PSM
-  /// have 4600.
-  double worst_condition = 2e4;
-  /// The misfit is the sum over the joints of ln(unexplained share of a joint's squared torque), so that
-  /// a joint that fits badly anyway does not hide another. Its fall > better: a hypothesis about mistaken
-  /// signals is accepted; as if one joint's share fell to 0.4 of its value.
-  double better = 0.9;
-  /// Fall of the misfit > gains_better: efforts are currents; drive gains differ little from joint to
-  /// joint, and so do their fits.
-  double gains_better = 0.3;
-  /// largest gain < equal_gains * smallest gain: currents would fit as well as torques, and are not tested.
-  double equal_gains = 1.05;
-  /// share > well_fitted of one of two joints, else their exchange is not tested.
-  double well_fitted = 0.02;
-  /// share < smallest_share: counts as this; less of a joint's squared torque is noise.
-  double smallest_share = 1e-3;
-  /// power lost to friction / (rms torque * rms speed) > friction_share: it has a sign.
-  double friction_share = 0.03;
-  /// the same > friction_above_rest * sqrt(unexplained share): what is not explained may do work of its own.
-  double friction_above_rest = 0.3;
-  /// relative rise of the rms misfit without friction > friction_significance; in the first seconds of a
-  /// motion other parameters may absorb it. Recordings of a PSM have 0.27 to 2.3.
-  double friction_significance = 0.25;
-  /// position < lower - beyond_limits * range, or beyond the other end: outside of the joint's limits.
-  double beyond_limits = 0.05;
-  /// drive gain < least_gain [N m/A] of some joint: small efforts say nothing about their unit.
-  double least_gain = 2.0;
-  /// efforts / torques of the robot's values > torque_factor, or < 1 / torque_factor: another unit.
-  double torque_factor = 2.0;
-  /// |ln(efforts * gain / torques)| < ln(current_factor): they are currents.
-  double current_factor = 1.5;
-};
+namespace veridyn::checking {
 
-/// All numbers, in the order of the struct.
-const std::vector<TableNumber<CheckThresholds>>& check_numbers();
+/// rows > kMostRows: the rest is not read; 25 s at 200 Hz, and more rows add nothing new.
+constexpr int kMostRows = 5000;
+/// rows < kFewestRows: no comparison with the robot; 1.5 s at 200 Hz determine no arm.
+constexpr int kFewestRows = 300;
+/// condition number < kWorstCondition, columns scaled, else no comparison; whole recordings of a PSM
+/// have 4600.
+constexpr double kWorstCondition = 2e4;
+/// The misfit is the sum over the joints of ln(unexplained share of a joint's squared torque), so that
+/// a joint that fits badly anyway does not hide another. Its fall > kBetter: a question is answered by yes;
+/// as if one joint's share fell to 0.4 of its value.
+constexpr double kBetter = 0.9;
+/// Fall of the misfit > kGainsBetter: efforts are currents; drive gains differ little from joint to
+/// joint, and so do their fits.
+constexpr double kGainsBetter = 0.3;
+/// what is left <= kNearNoise * the torque's white noise, or the rounding of its digits: nothing is to be asked, and
+/// what led there mends it. Friction near rest leaves a few times the noise on perfect recordings.
+constexpr double kNearNoise = 3.0;
+/// error left of a joint <= kExact, or kNearNoise times its noise: it is explained. Friction near rest leaves up to 1 % of a joint's torque on perfect recordings.
+constexpr double kExact = 1.5e-2;
+/// relative error < kSmallestShare: counts as this; less is noise.
+constexpr double kSmallestShare = 1e-5;
+/// power lost to friction / (rms torque * rms speed) > kFrictionShare: it has a sign.
+constexpr double kFrictionShare = 0.03;
+/// the same > kFrictionAboveRest * sqrt(unexplained share): what is not explained may do work of its own.
+constexpr double kFrictionAboveRest = 0.3;
+/// relative rise of the rms misfit without friction > kFrictionSignificance; in the first seconds of a
+/// motion other parameters may absorb it. Recordings of a PSM have 0.27 to 2.3.
+constexpr double kFrictionSignificance = 0.25;
+/// A joint whose friction gives energy adds kGivesEnergy > kBetter to the misfit.
+constexpr double kGivesEnergy = 1.5;
+/// unexplained share with the file's values < kTelling * that without: their ratio to the torques says something.
+constexpr double kTelling = 0.5;
+/// |ln(ratio)| > ln(kTorqueFactor): the misfit grows by one for every further such factor, up to kMostOff, which is
+/// also what a ratio of the other sign adds.
+constexpr double kTorqueFactor = 2.0, kMostOff = 3.0;
+/// position < lower - kBeyondLimits * range, or beyond the other end: outside of the joint's limits.
+constexpr double kBeyondLimits = 0.05;
+/// questions answered together <= kMostTogether.
+constexpr int kMostTogether = 4;
+/// polish of a direction: steps halve until < kFinest [rad].
+constexpr double kFinest = 4e-3;
 
-/// check_against() with other numbers.
-std::vector<QualityFinding> check_against(const Model& arm, Recording recording, const PreprocessingOptions& options,
-                                          const CheckThresholds& limits);
+/// Counts of one turn of usual encoders.
+inline constexpr int kCounts[] = {512, 1000, 1024, 2000, 2048, 4000, 4096, 8192, 10000, 16384, 20000, 32768, 65536, 131072, 262144, 524288, 1048576};
+/// Units of torque that differ from N m by more than the values of a file may.
+inline constexpr const char* kTorqueUnits[] = {"mNm", "Ncm", "kNm", "kgcm", "ozin", "%", "permille", "share"};
+/// Angles of all joints span >= kLeastTravel and <= kMostTravel [rad] where counts are turned into them.
+constexpr double kLeastTravel = 0.05, kMostTravel = 13.0;
+/// tilt = kTilt [rad]: directions of gravity beside that of the file, the axes, edges and corners; polished afterwards.
+constexpr double kTilt = 0.35;
+/// Gears with kLeastRatio <= ratio < kMostRatio are tried in relative steps of kRatioStep, where positions leave the limits; a ratio
+/// that is whole up to kWholeRatio is.
+constexpr double kLeastRatio = 5.0, kMostRatio = 320.0, kRatioStep = 0.04, kWholeRatio = 2e-3;
+/// |component of a direction| < kTiny: rounding.
+constexpr double kTiny = 1e-9;
+/// folds of contiguous blocks = kFolds; each is predicted from the others.
+constexpr int kFolds = 4;
+/// [Hz] grid = kGrid, on which recordings are compared where it has kRowsAWave rows a wave of the cut-off.
+constexpr double kGrid = 50.0, kRowsAWave = 10.0;
+/// Square of the second difference of white noise = kSecondDifference * its variance.
+constexpr double kSecondDifference = 6.0;
+/// share of a spring's torque that gravity cannot take over < kSpringApart: a spring and a load cannot be told apart.
+/// and the joint moves over a share < kWeakly of its range, so that other angles are to be expected.
+constexpr double kSpringApart = 0.03, kWeakly = 0.25;
+/// error left < kLess * that without: the fit says so.
+constexpr double kLess = 0.98;
+/// sets of answers that are followed <= kBeam.
+constexpr int kBeam = 3;
+/// error left < kPerhaps * that without: an answer that is not sure is worth a word.
+constexpr double kPerhaps = 0.8;
+/// error left < kFitted * that without, where a question has numbers that are fitted and something else is wrong as well.
+constexpr double kFitted = 0.5;
+/// Cost of a position's sign - cost of a torque's = kOfPosition: an arm that is its own mirror image fits both alike.
+constexpr double kOfPosition = 0.3;
+/// Cost of a question with a number of its own - cost of one without = kOfNumber.
+constexpr double kOfNumber = 0.6;
+/// relative error of some joint > kAskedAbove: questions are asked of recordings that were identified.
+constexpr double kAskedAbove = 0.08;
+/// largest gain > kEqualGains * smallest gain: currents are no torques in another unit.
+constexpr double kEqualGains = 1.05;
+/// drive gain < kLeastGain [N m/A] of some joint: small efforts say nothing about their unit.
+constexpr double kLeastGain = 2.0;
+/// recorded torque < kBehindGear * that of the file's values, on all joints: in front of gears.
+constexpr double kBehindGear = 0.2;
+/// |share of a range| < kMostShare [%]: a little beyond its ends.
+constexpr double kMostShare = 110.0;
+/// bit of a load register = kDirectionBit; both directions occur in one row of kBothDirections and more.
+constexpr double kDirectionBit = 1024.0, kBothDirections = 20.0;
+/// directions around one = kTiltDirections; gravity = kGravity [m/s^2] where the file has none.
+constexpr int kTiltDirections = 8;
+constexpr double kGravity = 9.81;
+/// step of time >= kShortestStep [s] where a rate is made of it.
+constexpr double kShortestStep = 1e-6;
 
-}  // namespace veridyn
+
+}  // namespace veridyn::checking

@@ -1,20 +1,23 @@
-#include "veridyn/identification/verdict.hpp"
 #include "veridyn/identification/robot_check.hpp"
+#include "veridyn/identification/verdict.hpp"
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <map>
 #include <optional>
+#include <set>
+#include <tuple>
 #include <utility>
 
-#include "effects/plain_friction.hpp"
 #include "identification/check/check_thresholds.hpp"
 #include "identification/check/quick_fit.hpp"
-#include "identification/check/signal_hypotheses.hpp"
-#include "math/dense.hpp"
+#include "identification/check/questions.hpp"
+#include "math/median.hpp"
 #include "math/numbers.hpp"
 #include "math/parallel.hpp"
 #include "recordings/kept_recordings.hpp"
+#include "recordings/recorded_motion.hpp"
 #include "recordings/quality/quality_checks.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -25,11 +28,18 @@ std::string percent(double share) {
   return text(quality::number(100.0 * share), " %");
 }
 
+// A set of questions that are answered by yes, and the fit that follows.
+struct Answer {
+  std::vector<RecordingQuestion> set;
+  QuickFit fit;
+  double score = 0.0;  // misfit and what the questions cost, against the recording as it is
+  MatrixXd before;     // folds without the last question
+};
+
 class RobotCheck {
  public:
-  RobotCheck(const Model& arm, Recording recording, const PreprocessingOptions& options,
-             const CheckThresholds& limits)
-      : given_(arm), limits_(limits), recording_(std::move(recording)), fitter_(arm, options, limits) {
+  RobotCheck(const Model& arm, Recording recording, const PreprocessingOptions& options)
+      : given_(arm), options_(options), recording_(std::move(recording)), fitter_(arm, options) {
     for (const Coordinate& c : arm.coordinates()) names_.push_back(c.name);
     moves_ = quality::Head(recording_, QualityNumbers()).moves;
   }
@@ -37,15 +47,12 @@ class RobotCheck {
   std::vector<QualityFinding> run() {
     tell_what_hardly_moves();
     if (!is_identifiable()) return std::move(findings_);
-    fit_now();
-    turned_.assign(static_cast<size_t>(joints()), 0);
-    // Accepts the best hypothesis, then the best further one.
-    while (static_cast<int>(findings_.size()) < joints() && accept_best(hypotheses(), limits_.better)) {
-    }
-    check_that_friction_dissipates();
-    check_signs_by_dissipation();
-    take_currents();
-    compare_with_values();
+    best_.fit = fitter_.fit(recording_);
+    const double before = best_.fit.left();
+    search();
+    report(before);
+    tell_weak_motions();
+    if (!given_.inertial_values() && best_.set.empty()) warn_of_small_efforts();
     return std::move(findings_);
   }
 
@@ -57,15 +64,27 @@ class RobotCheck {
       warn_of_small_efforts();
       return false;
     }
-    const auto [determined, condition] = fitter_.determined(recording_);
-    if (determined >= fitter_.base_size() && condition < limits_.worst_condition) return true;
+    const auto [determined, all, condition] = fitter_.determined(recording_);
+    if (determined >= all && condition < checking::kWorstCondition) return true;
+    // Signals in another unit have other columns: units alone are asked.
+    if (determined >= all && find_unit()) return true;
     add("not_compared", 0, determined,
         text("Signs, order and units of the joints are not compared with ", given_.name(),
-             ": the recording ", determined < fitter_.base_size() ? "determines " : "hardly tells apart ",
-             determined, " of its ", fitter_.base_size(), " base parameters."));
+             ": the recording ", determined < all ? "determines " : "hardly tells apart ",
+             determined, " of its ", all, " base parameters."));
     findings_.back().severity = Severity::kInfo;
     warn_of_small_efforts();
     return false;
+  }
+
+  // True if a unit of all joints explains the torques.
+  bool find_unit() {
+    Answer as_recorded;
+    as_recorded.fit = fitter_.fit(recording_);
+    std::vector<RecordingQuestion> units = open_questions(as_recorded);
+    units.erase(std::remove_if(units.begin(), units.end(), [](const RecordingQuestion& q) { return q.joint != 0 || q.units.empty(); }), units.end());
+    const std::vector<Answer> all = tried({}, units);
+    return std::any_of(all.begin(), all.end(), [&](const Answer& one) { return is_explained(one.fit) && !is_explained(as_recorded.fit); });
   }
 
   void tell_what_hardly_moves() {
@@ -86,17 +105,27 @@ class RobotCheck {
     }
   }
 
+  // Over a small range gravity is nearly a straight line, as a spring is.
+  void tell_weak_motions() {
+    const VectorXd apart = fitter_.springs_apart(changed(best_.set));
+    for (int i = 0; i < joints(); ++i) {
+      const Coordinate& c = given_.coordinates()[static_cast<size_t>(i)];
+      const double travel = quality::between_quantiles({recording_.q.col(i).begin(), recording_.q.col(i).end()}, 0.0, 1.0);
+      if (!moves(i) || c.prismatic || !(apart[i] < checking::kSpringApart) || travel > checking::kWeakly * (c.limits.upper - c.limits.lower)) continue;
+      add("weak_motion", i + 1, apart[i],
+          text("The motion of ", joint(i), " is too small for its torque at other angles: a spring and a load cannot be told apart (",
+               percent(1.0 - apart[i]), " of a spring's torque could be gravity's)."));
+      findings_.back().severity = Severity::kWarning;
+    }
+  }
+
   int joints() const { return given_.joints(); }
-  bool moves(int i) const { return moves_[i]; }
-  std::string joint(int i) const { return text("joint ", i + 1, " (", names_[i], ")"); }
+  bool moves(int i) const { return moves_[static_cast<size_t>(i)]; }
+  std::string joint(int i) const { return text("joint ", i + 1, " (", names_[static_cast<size_t>(i)], ")"); }
 
   // Torques may be recorded as currents, to which the options then apply.
   bool amperes() const { return recording_.current.size() > 0; }
   std::string torque_name() const { return amperes() ? "i" : "tau"; }
-  std::string torque_unit(int i) const {
-    if (amperes()) return "A";
-    return given_.coordinates()[i].prismatic ? "N" : "Nm";
-  }
 
   void add(const std::string& finding, int joint, double value, const std::string& sentence) {
     QualityFinding f;
@@ -110,77 +139,158 @@ class RobotCheck {
     findings_.push_back(std::move(f));
   }
 
-  void fit_now() {
-    factors_.clear();
-    now_ = fitter_.fit(recording_, &factors_);
-  }
+  static bool is_explained(const QuickFit& fit) { return fit.is_near() && fit.contradictions == 0.0; }
 
-  QuickFit tried(const SignalHypothesis& hypothesis) const {
-    Recording changed = recording_;
-    hypothesis.mend(&changed);
-    return fitter_.fit(changed);
-  }
-
-  void accept(const SignalHypothesis& hypothesis, const QuickFit& fit) {
-    if (hypothesis.finding == "torque_sign") {  // reported at the end, after the check of friction
-      turned_[hypothesis.joint - 1] ^= 1;
-    } else {
-      add(hypothesis.finding, hypothesis.joint, fit.unexplained,
-          text(hypothesis.what, ": so the arm leaves ", percent(fit.unexplained),
-               " of the torques' squares unexplained instead of ", percent(now_.unexplained), "; ",
-               hypothesis.option, " mends it."));
+  // The recording and the arm after all transformations of a set. Columns are exchanged before they are scaled, as the
+  // reader does.
+  Recording changed(const std::vector<RecordingQuestion>& set) const {
+    Recording out = recording_;
+    for (const bool exchanges : {true, false}) {
+      for (const RecordingQuestion& q : set) {
+        if (q.recording && q.map.empty() != exchanges) q.recording(out);
+      }
     }
-    hypothesis.mend(&recording_);
-    now_ = fit;
-    factors_.clear();
+    return out;
   }
 
-  // Accepts the best hypothesis if it is much better than the recording as it is and than every other
-  // one that excludes it. Hypotheses that come close to each other are what joints that move alike make
-  // of a torque that the arm does not explain.
-  bool accept_best(const std::vector<SignalHypothesis>& hypotheses, double better) {
-    std::vector<QuickFit> fits(hypotheses.size());
-    std::vector<char> possible(hypotheses.size());
-    parallel_for(static_cast<int>(hypotheses.size()), 0, [&](int k) {
-      const auto at = static_cast<size_t>(k);
-      fits[at] = tried(hypotheses[at]);
-      possible[at] = is_possible(hypotheses[at]) ? 1 : 0;
+  QuickFit fit_of(const std::vector<RecordingQuestion>& set) const {
+    const Recording recording = changed(set);
+    if (std::none_of(set.begin(), set.end(), [](const RecordingQuestion& q) { return static_cast<bool>(q.robot); })) return fitter_.fit(recording);
+    ModelDescription d = given_.description();
+    for (const RecordingQuestion& q : set) {
+      if (q.robot) q.robot(d);
+    }
+    return QuickFitter(Model(std::move(d)), options_).fit(recording);
+  }
+
+  std::vector<Answer> tried(const std::vector<RecordingQuestion>& before, const std::vector<RecordingQuestion>& questions) const {
+    std::vector<Answer> out(questions.size());
+    parallel_for(static_cast<int>(questions.size()), 0, [&](int k) {
+      Answer& one = out[static_cast<size_t>(k)];
+      one.set = before;
+      one.set.push_back(questions[static_cast<size_t>(k)]);
+      one.fit = fit_of(one.set);
     });
-    const auto gains = [&](size_t k) {
-      return fits[k].misfit <= now_.misfit - better && fits[k].unexplained < now_.unexplained;
-    };
-    std::optional<size_t> best;
-    for (size_t k = 0; k < hypotheses.size(); ++k) {
-      const bool first = !best || possible[k] > possible[*best];
-      if (gains(k) && (first || (possible[k] == possible[*best] && fits[k].misfit < fits[*best].misfit))) best = k;
-    }
-    if (!best) return false;
-    if (possible[*best] == 0) {
-      say_perhaps(hypotheses[*best], fits[*best], "as recorded, all positions lie within the limits of the joints");
-      return false;
-    }
-    const bool sign = hypotheses[*best].finding == "torque_sign";  // the commonest mistake, for which its gain is enough
-    for (size_t k = 0; !sign && k < hypotheses.size(); ++k) {
-      if (k == *best || possible[k] == 0 || !hypotheses[*best].excludes(hypotheses[k])) continue;
-      if (fits[k].misfit > fits[*best].misfit + better) continue;
-      say_perhaps(hypotheses[*best], fits[*best], "another exchange does nearly as well, so that none of them is sure");
-      return false;
-    }
-    if (!sign && !holds_throughout(hypotheses[*best], fits[*best])) {
-      say_perhaps(hypotheses[*best], fits[*best], "a joint that it concerns is explained no better in a half of the recording");
-      return false;
-    }
-    accept(hypotheses[*best], fits[*best]);
-    return true;
+    return out;
   }
 
-  // True if either half of the recording explains every joint concerned better than before.
-  bool holds_throughout(const SignalHypothesis& hypothesis, const QuickFit& fit) const {
-    for (const int k : {hypothesis.joint, hypothesis.second}) {
-      if (k == 0) continue;
-      if ((fit.halves.row(k - 1).array() > now_.halves.row(k - 1).array()).any()) return false;
+  // Questions that the answers so far leave open. What only contradicts the file's values or friction's sign is asked of
+  // torques and gravity.
+  std::vector<RecordingQuestion> open_questions(const Answer& so_far) const {
+    std::vector<bool> badly;
+    for (int i = 0; i < joints(); ++i) badly.push_back(!so_far.fit.is_near(i));
+    std::vector<RecordingQuestion> all = questions_of(given_, recording_, torque_name(), moves_, badly);
+    if (so_far.set.empty() && !amperes()) add_gears(so_far.fit, all);
+    const bool fits = so_far.fit.is_near();
+    const auto closed = [&](const RecordingQuestion& q) {
+      if (fits && q.finding != "gravity" && q.finding != "current" && q.finding.rfind("torque", 0) != 0) return true;
+      if (q.finding == "current" && !currents_are_asked()) return true;
+      return std::any_of(so_far.set.begin(), so_far.set.end(), [&](const RecordingQuestion& chosen) {
+        return chosen.excludes(q) || (chosen.finding == q.finding && chosen.joint == q.joint && chosen.second == q.second);
+      });
+    };
+    all.erase(std::remove_if(all.begin(), all.end(), closed), all.end());
+    return all;
+  }
+
+  static double cost(const RecordingQuestion& q) {
+    return (q.finding == "current" ? checking::kGainsBetter : checking::kBetter) + q.price;
+  }
+
+  // The best few sets are followed: each is extended by every open question that makes it much better.
+  void search() {
+    std::vector<Answer> beam = {best_};
+    std::optional<std::pair<Answer, const char*>> doubt;  // another mistake beside it may still make it sure
+    for (int level = 0; level < checking::kMostTogether && !beam.empty() && !is_explained(best_.fit); ++level) {
+      std::vector<Answer> next, impossible;
+      for (const Answer& parent : beam) {
+        for (Answer& one : tried(parent.set, open_questions(parent))) {
+          one.score = parent.score + one.fit.misfit - parent.fit.misfit + cost(one.set.back());
+          one.before = parent.fit.folds;
+          if (one.score < parent.score) (is_possible(one) ? next : impossible).push_back(std::move(one));
+        }
+      }
+      const auto better = [](const Answer& a, const Answer& b) { return a.score < b.score; };
+      std::sort(next.begin(), next.end(), better);
+      std::sort(impossible.begin(), impossible.end(), better);
+      if (best_.set.empty() && !impossible.empty() && (next.empty() || (is_explained(impossible.front().fit) && !is_explained(next.front().fit)))) {
+        say_perhaps(impossible.front(), "as recorded, all positions lie within the limits of the joints");
+        return;
+      }
+      const std::vector<Answer> all = next;
+      keep_the_best(next);
+      for (Answer& one : next) one = polished(one);
+      // A number that is fitted helps a little against anything that the arm lacks.
+      next.erase(std::remove_if(next.begin(), next.end(), [&](const Answer& one) {
+                   return one.set.back().neighbours && !is_explained(one.fit) && one.fit.left() > checking::kFitted * best_.fit.left();
+                 }), next.end());
+      if (next.empty()) break;
+      std::sort(next.begin(), next.end(), better);
+      if (is_explained(next.front().fit)) {
+        best_ = next.front();
+        return;
+      }
+      if (doubt) break;
+      if (const char* but = why_not_sure(next.front(), all)) doubt = std::make_pair(next.front(), but);
+      else if (next.front().score < best_.score) best_ = next.front();
+      beam = std::move(next);
     }
-    return true;
+    if (doubt && doubt->first.fit.left() < checking::kPerhaps * best_.fit.left()) say_perhaps(doubt->first, doubt->second);
+  }
+
+  // Of numbers that are fitted one start is enough.
+  static void keep_the_best(std::vector<Answer>& sorted) {
+    std::vector<Answer> kept;
+    for (Answer& one : sorted) {
+      const bool again = one.set.back().neighbours && std::any_of(kept.begin(), kept.end(), [&](const Answer& other) {
+                           return other.set.size() == one.set.size() && other.set.back().finding == one.set.back().finding &&
+                                  std::equal(other.set.begin(), other.set.end() - 1, one.set.begin(), [](const RecordingQuestion& a, const RecordingQuestion& b) { return a.what == b.what; });
+                         });
+      if (!again && static_cast<int>(kept.size()) < checking::kBeam) kept.push_back(std::move(one));
+    }
+    sorted = std::move(kept);
+  }
+
+  // Answers that come close to each other, of which only one can hold, are what joints that move alike make of a torque
+  // that the arm does not explain; so is one that helps in a part of the recording only.
+  static const char* why_not_sure(const Answer& answer, const std::vector<Answer>& others) {
+    const RecordingQuestion& q = answer.set.back();
+    if (is_explained(answer.fit) || q.finding == "torque_sign" || q.neighbours) return nullptr;
+    for (const Answer& other : others) {
+      const RecordingQuestion& rival = other.set.back();
+      const bool same = rival.what == q.what || other.set.size() != answer.set.size();
+      if (!same && q.excludes(rival) && other.score < answer.score + checking::kBetter)
+        return "another exchange does nearly as well, so that none of them is sure";
+    }
+    for (const int k : {q.joint, q.second}) {
+      if (k > 0 && (answer.fit.folds.row(k - 1).array() > answer.before.row(k - 1).array()).any())
+        return "a joint that it concerns is explained no better in a part of the recording";
+    }
+    return nullptr;
+  }
+
+  // Moves the last question of a set to its better neighbours, by steps that halve.
+  Answer polished(Answer answer) const {
+    const std::vector<RecordingQuestion> before(answer.set.begin(), answer.set.end() - 1);
+    for (double step = 0.5 * answer.set.back().first_distance; answer.set.back().neighbours && step > checking::kFinest * answer.set.back().first_distance;) {
+      const std::vector<RecordingQuestion> near = answer.set.back().neighbours(step);
+      std::vector<Answer> all(near.size());
+      parallel_for(static_cast<int>(near.size()), 0, [&](int k) {
+        Answer& one = all[static_cast<size_t>(k)];
+        one.set = before;
+        one.set.push_back(near[static_cast<size_t>(k)]);
+        one.fit = fit_of(one.set);
+      });
+      const auto least = std::min_element(all.begin(), all.end(), [](const Answer& a, const Answer& b) { return a.fit.misfit < b.fit.misfit; });
+      if (least->fit.misfit < answer.fit.misfit) {
+        answer.score += least->fit.misfit - answer.fit.misfit;
+        answer.set = least->set;
+        answer.fit = least->fit;
+      } else {
+        step *= 0.5;
+      }
+    }
+    return answer;
   }
 
   // Number of joints whose positions leave their limits.
@@ -190,21 +300,20 @@ class RobotCheck {
     for (size_t i = 0; i < coordinates.size(); ++i) {
       const Limits& limits = coordinates[i].limits;
       if (!std::isfinite(limits.upper - limits.lower)) continue;
-      const double margin = limits_.beyond_limits * (limits.upper - limits.lower);
+      const double margin = checking::kBeyondLimits * (limits.upper - limits.lower);
       const auto q = recording.q.col(i).array();
       out += (q < limits.lower - margin || q > limits.upper + margin).any() ? 1 : 0;
     }
     return out;
   }
 
-  // The limits of the joints admit the positions that follow, no worse than those recorded; degrees also
+  // The limits of the joints admit the positions that follow, no worse than those recorded; other units also
   // need positions that are none in radians.
-  bool is_possible(const SignalHypothesis& hypothesis) const {
+  bool is_possible(const Answer& answer) const {
+    const RecordingQuestion& q = answer.set.back();
     const int as_recorded = beyond_limits(recording_);
-    if (hypothesis.finding == "degrees") return as_recorded > 0 || !has_limits();
-    Recording changed = recording_;
-    hypothesis.mend(&changed);
-    return beyond_limits(changed) <= as_recorded;
+    if (q.units.rfind("q=", 0) == 0) return as_recorded > 0 || !has_limits();
+    return beyond_limits(changed(answer.set)) <= as_recorded;
   }
 
   bool has_limits() const {
@@ -213,75 +322,55 @@ class RobotCheck {
     });
   }
 
-  void say_perhaps(const SignalHypothesis& hypothesis, const QuickFit& fit, const std::string& but) {
-    if (hypothesis.what.empty()) return;  // a sign: friction is asked next
-    std::string what = hypothesis.what;
+  void say_perhaps(const Answer& answer, const std::string& but) {
+    const RecordingQuestion& q = answer.set.back();
+    std::string what = q.what;
     what.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(what.front())));
-    add(hypothesis.finding, hypothesis.joint, fit.unexplained,
-        text("Perhaps ", what, ": so the arm leaves ", percent(fit.unexplained), " of the torques' squares unexplained instead of ",
-             percent(now_.unexplained), ", but ", but, "."));
+    add(q.finding, q.joint, answer.fit.left(),
+        text("Perhaps ", what, ": so the arm leaves ", percent(answer.fit.left()), " of the torque on held-out rows instead of ",
+             percent(best_.fit.left()), ", but ", but, "."));
     findings_.back().severity = Severity::kInfo;
   }
 
-  // Two joints are exchanged only where the recording as it is leaves at least one of them badly explained.
-  std::vector<SignalHypothesis> hypotheses() const {
-    std::vector<SignalHypothesis> all = angles_in_degrees(given_, recording_);
-    for (int i = 0; i < joints(); ++i)
-      if (moves(i)) all.push_back(turned_torque(i));
+  // Torques that are many times too small on every joint may be those of the motors.
+  void add_gears(const QuickFit& fit, std::vector<RecordingQuestion>& list) const {
+    std::vector<double> known;
+    for (const double ratio : fit.ratios) {
+      if (ratio != 0.0) known.push_back(ratio);
+    }
+    if (known.empty() || *std::max_element(known.begin(), known.end()) > checking::kBehindGear || *std::min_element(known.begin(), known.end()) <= 0.0) return;
+    RecordingQuestion q;
+    q.finding = "torque_unit";
+    q.price = checking::kOfNumber * joints();
+    VectorXd gears(joints());
+    std::string words;
     for (int i = 0; i < joints(); ++i) {
-      for (int j = i + 1; j < joints(); ++j) {
-        if (!moves(i) || !moves(j) || std::max(now_.shares[i], now_.shares[j]) <= limits_.well_fitted) continue;
-        for (SignalHypothesis& swap : exchanges(i, j, joint(i) + " and " + joint(j), recording_.dq.size() > 0, torque_name()))
-          all.push_back(std::move(swap));
+      gears[i] = std::round(1.0 / (fit.ratios[i] != 0.0 ? fit.ratios[i] : median(known)));
+      q.units += text(i > 0 ? "," : "", "tau", i + 1, "=", gears[i]);
+      words += text(i > 0 ? ", " : "", gears[i]);
+    }
+    q.what = text("Torques are those of the motors, in front of gears of about ", words);
+    q.recording = [gears](Recording& r) { r.tau = (r.tau * gears.asDiagonal()).eval(); };
+    list.push_back(std::move(q));
+  }
+
+  // One line for each answer, with what the arm leaves without it and all options together.
+  void report(double before) {
+    std::sort(best_.set.begin(), best_.set.end(), [](const RecordingQuestion& a, const RecordingQuestion& b) { return std::tie(a.finding, a.joint) < std::tie(b.finding, b.joint); });
+    const std::string options = options_of(best_.set);
+    for (const RecordingQuestion& q : best_.set) {
+      std::vector<RecordingQuestion> others;
+      for (const RecordingQuestion& other : best_.set) {
+        if (&other != &q) others.push_back(other);
       }
-    }
-    return all;
-  }
-
-  bool friction_shows(int i, int sign) const {
-    const auto joint = static_cast<size_t>(i);
-    const double rest = limits_.friction_above_rest * std::sqrt(now_.shares[joint]);
-    return moves(i) && sign * now_.friction[i] > std::max(limits_.friction_share, rest) &&
-           now_.friction_significance[joint] > limits_.friction_significance;
-  }
-
-  void check_that_friction_dissipates() {
-    // Checks the sign of all torques, or of joints without coupling, by dissipation: friction takes
-    // energy. A joint without visible friction follows the others if these agree.
-    int taking = 0;
-    int giving = 0;
-    for (int i = 0; i < joints(); ++i) {
-      taking += friction_shows(i, 1) ? 1 : 0;
-      giving += friction_shows(i, -1) ? 1 : 0;
-    }
-    const bool all = taking == 0 && 2 * giving > joints();
-    bool again = false;
-    std::vector<char> wrong;
-    for (int i = 0; i < joints(); ++i) wrong.push_back(friction_shows(i, -1) ? 1 : 0);
-    for (int i = 0; i < joints(); ++i) {
-      if (!moves(i) || (!all && wrong[i] == 0)) continue;
-      turned_[i] ^= 1;
-      recording_.tau.col(i) *= -1.0;
-      again = true;
-    }
-    if (again) fit_now();
-  }
-
-  void check_signs_by_dissipation() {
-    for (int i = 0; i < joints(); ++i) {
-      if (turned_[i] == 0) continue;
-      Recording back = recording_;  // with all but this joint corrected
-      back.tau.col(i) *= -1.0;
-      const QuickFit without = fitter_.fit(back);
-      const bool fits =
-          now_.misfit < without.misfit - limits_.better && now_.unexplained < without.unexplained;
-      add("torque_sign", i + 1, now_.shares[i],
-          text("Torques of ", joint(i), " have the wrong sign: ",
-               fits ? text("turned round, the arm leaves ", percent(now_.unexplained),
-                           " of the torques' squares unexplained instead of ",
-                           percent(without.unexplained))
-                    : "its friction would give energy instead of taking it",
-               "; --units ", torque_name(), i + 1, "=-", torque_unit(i), " mends it."));
+      const double without = others.empty() ? before : fit_of(others).left();
+      const double left = best_.fit.left();
+      std::string sentence = q.what + ": ";
+      if (left < checking::kLess * without) sentence += text("so the arm leaves ", percent(left), " of the torque on held-out rows instead of ", percent(without), "; ");
+      else sentence += q.finding == "torque_sign" ? "so say its friction and the values of the robot file; " : "so say the values of the robot file; ";
+      if (is_explained(best_.fit)) sentence += options + " mends it.";
+      else sentence += text(options, " makes it better, but the noise is at ", percent(best_.fit.noise()), ": not the whole truth.");
+      add(q.finding, q.joint, left, sentence);
     }
   }
 
@@ -290,30 +379,27 @@ class RobotCheck {
                        [](const Coordinate& c) { return c.drive_gain > 0.0; });
   }
 
-  bool may_be_currents() const { return has_gains() && !amperes() && joints() > 1; }
+  // Equal gains would fit torques as well.
+  bool currents_are_asked() const {
+    if (!has_gains() || amperes() || joints() < 2) return false;
+    if (given_.inertial_values()) return true;
+    const VectorXd gains = this->gains();
+    return gains.maxCoeff() > checking::kEqualGains * gains.minCoeff();
+  }
 
   VectorXd gains() const {
     VectorXd out(joints());
-    for (int i = 0; i < joints(); ++i) out[i] = given_.coordinates()[i].drive_gain;
+    for (int i = 0; i < joints(); ++i) out[i] = given_.coordinates()[static_cast<size_t>(i)].drive_gain;
     return out;
   }
 
-  bool warn_of_small_efforts() {
-    if (!may_be_currents() || !look_like_currents(gains())) return false;
+  void warn_of_small_efforts() {
+    if (!has_gains() || amperes() || !look_like_currents(gains())) return;
     add("current", 0, quality::kNone,
         text("All efforts are so small beside the limits of ", given_.name(),
              " that they may be motor currents, as the drivers of Universal Robots publish them: "
              "if they are, --units tau=A mends it."));
     findings_.back().severity = Severity::kWarning;
-    return true;
-  }
-
-  void take_currents() {
-    if (!may_be_currents() || warn_of_small_efforts()) return;
-    const VectorXd gains = this->gains();
-    // Equal gains would fit torques as well.
-    if (gains.maxCoeff() < limits_.equal_gains * gains.minCoeff()) return;
-    accept_best({currents(gains)}, limits_.gains_better);
   }
 
   // True if every joint's largest effort is below the current at its torque limit.
@@ -321,7 +407,7 @@ class RobotCheck {
     double nearest = 0.0;
     for (int i = 0; i < joints(); ++i) {
       const double limit = given_.coordinates()[i].limits.effort;
-      if (!std::isfinite(limit) || gains[i] < limits_.least_gain) return false;
+      if (!std::isfinite(limit) || gains[i] < checking::kLeastGain) return false;
       double largest = 0.0;
       for (const double tau : recording_.tau.col(i)) {
         if (std::isfinite(tau)) largest = std::max(largest, std::abs(tau));
@@ -331,126 +417,40 @@ class RobotCheck {
     return nearest < 1.0;
   }
 
-  // Factor between the torques of an arm's values and the recorded ones, for arms without friction
-  // of their own beside fitted friction: at low gravity most of a joint's torque is friction.
-  double factor_beside_friction(const SquareRootInformation& f, const VectorXd& phi) const {
-    std::vector<Eigen::Index> open;
-    if (has_no_friction(given_)) {
-      for (size_t j = 0; j < fitter_.parameters().size(); ++j)
-        if (fitter_.parameters()[j].effect) open.push_back(static_cast<Eigen::Index>(j));
-    }
-    const MatrixXd R = f.R();
-    MatrixXd columns(R.rows(), 1 + static_cast<Eigen::Index>(open.size()));
-    columns.col(0) = R * phi;
-    if (columns.col(0).norm() < 1e-300) return 1.0;
-    for (size_t k = 0; k < open.size(); ++k)
-      columns.col(1 + static_cast<Eigen::Index>(k)) = R.col(open[k]);
-    const VectorXd norms = columns.colwise().norm().transpose().cwiseMax(1e-300);
-    const MatrixXd scaled = columns * norms.cwiseInverse().asDiagonal();
-    return least_norm(scaled, f.z())[0] / norms[0];
-  }
-
-  // Compares torques with those of an arm with values, by one factor per joint.
-  void compare_with_values() {
-    const bool told = std::any_of(findings_.begin(), findings_.end(),
-                                  [](const QualityFinding& f) { return f.finding == "current"; });
-    if (told || !given_.inertial_values()) return;
-    VectorXd phi(fitter_.parameters().size());
-    for (Eigen::Index j = 0; j < phi.size(); ++j) {
-      const double value = fitter_.parameters()[j].value;
-      phi[j] = std::isfinite(value) ? value : 0.0;
-    }
-    if (factors_.empty()) fit_now();
-    std::vector<double> ratios;
-    bool as_currents = true;
-    bool alien = false;
-    for (int i = 0; i < joints(); ++i) {
-      const double ratio = factor_beside_friction(factors_[i], phi);
-      const double gain = given_.coordinates()[i].drive_gain;
-      ratios.push_back(ratio);
-      as_currents = as_currents && gain > 0.0 && ratio > 0.0 && std::abs(std::log(ratio * gain)) < std::log(limits_.current_factor) &&
-                    std::abs(std::log(gain)) > std::log(limits_.torque_factor);
-      alien = alien || ratio * limits_.torque_factor < 1.0 || ratio > limits_.torque_factor;
-    }
-    if (!alien) return;
-    std::string list;
-    for (const double ratio : ratios) list += (list.empty() ? "" : ", ") + quality::number(ratio);
-    if (as_currents) {
-      add("current", 0, quality::kNone,
-          text("Efforts are ", list, " times the torques of ", given_.name(),
-               ", as motor currents are; --units tau=A mends it."));
-    } else {
-      add("torque_scale", 0, quality::kNone,
-          text("Efforts are ", list, " times the torques of ", given_.name(), ", joint by joint; --units tells if they are in other units (tau=mNm, tau=A)."));
-      findings_.back().severity = Severity::kWarning;
-    }
-  }
-
   const Model& given_;
-  const CheckThresholds& limits_;
+  const PreprocessingOptions& options_;
   Recording recording_;
   QuickFitter fitter_;
   std::vector<std::string> names_;
-  QuickFit now_;
-  std::vector<SquareRootInformation> factors_;  // of the fit now_, one a joint; empty until fit_now()
-  std::vector<bool> moves_;   // joints that can be checked
-  std::vector<char> turned_;  // joints whose torques were reversed
+  std::vector<bool> moves_;  // joints that can be checked
+  Answer best_;
   std::vector<QualityFinding> findings_;
 };
 
 }  // namespace
 
-const std::vector<TableNumber<CheckThresholds>>& check_numbers() {
-  using T = CheckThresholds;
-  static const std::vector<TableNumber<T>> kAll = {
-      number_of<&T::most_rows>("most_rows"),
-      number_of<&T::fewest_rows>("fewest_rows"),
-      number_of<&T::worst_condition>("worst_condition"),
-      number_of<&T::better>("better"),
-      number_of<&T::gains_better>("gains_better"),
-      number_of<&T::equal_gains>("equal_gains"),
-      number_of<&T::well_fitted>("well_fitted"),
-      number_of<&T::smallest_share>("smallest_share"),
-      number_of<&T::friction_share>("friction_share"),
-      number_of<&T::friction_above_rest>("friction_above_rest"),
-      number_of<&T::friction_significance>("friction_significance"),
-      number_of<&T::beyond_limits>("beyond_limits"),
-      number_of<&T::least_gain>("least_gain"),
-      number_of<&T::torque_factor>("torque_factor"),
-      number_of<&T::current_factor>("current_factor")};
-  return kAll;
-}
-
 std::vector<QualityFinding> check_against(const Model& arm, const std::string& path,
                                           const PreprocessingOptions& options) {
-  const CheckThresholds limits;
   RecordingOptions reading = reading_of(arm, options);
   reading.first_row = std::max(0L, options.first_row);
-  reading.row_count = std::min<long>(options.row_count.value_or(limits.most_rows), limits.most_rows);
+  reading.row_count = std::min<long>(options.row_count.value_or(checking::kMostRows), checking::kMostRows);
   Recording recording = read_rows(path, reading, options.kept.get());
   recording.source = path;
   PreprocessingOptions rest = options;
   rest.first_row = 0;
   rest.row_count.reset();
-  return check_against(arm, std::move(recording), rest, limits);
+  return check_against(arm, std::move(recording), rest);
 }
 
-std::vector<QualityFinding> check_against(const Model& arm, Recording recording,
-                                          const PreprocessingOptions& options) {
-  return check_against(arm, std::move(recording), options, CheckThresholds());
-}
-
-std::vector<QualityFinding> check_against(const Model& arm, Recording recording, const PreprocessingOptions& options,
-                                          const CheckThresholds& limits) {
-  require(recording.joints() == arm.joints(), recording.source, ": found ", recording.joints(),
-          " joints, but '", arm.name(), "' has ", arm.joints(),
-          recording.joints() < arm.joints() ? " (files with a part of the joints each are one recording: a.csv+b.csv)." : ".");
+std::vector<QualityFinding> check_against(const Model& arm, Recording recording, const PreprocessingOptions& options) {
+  require_joints_of(arm, recording.joints(), recording.source);
   const long first = std::min<long>(options.first_row, recording.rows());
-  const long wanted = std::min<long>(options.row_count.value_or(limits.most_rows), limits.most_rows);
+  const long wanted = std::min<long>(options.row_count.value_or(checking::kMostRows), checking::kMostRows);
   const long count = std::min(wanted, recording.rows() - first);
   if (first > 0 || count < recording.rows())
     recording = rows_of(recording, static_cast<int>(first), static_cast<int>(count));
-  if (recording.rows() < limits.fewest_rows) return {};
+  if (recording.rows() < checking::kFewestRows) return {};
+  if (options.cutoff > 0.0 && median_step(recording.time) * options.cutoff >= 0.5) return {};  // the filter needs two rows a wave
   if (recording.tau.size() == 0 && recording.current.size() > 0) {
     // Signs, exchanged joints and angles of currents are checked through their gains.
     recording.tau = recording.current;
@@ -460,7 +460,66 @@ std::vector<QualityFinding> check_against(const Model& arm, Recording recording,
     }
   }
   if (recording.tau.size() == 0) return {};
-  return RobotCheck(arm, std::move(recording), options, limits).run();
+  for (int i = 0; i < arm.joints(); ++i) {
+    if (recording.tau.col(i).array().isNaN().all() || recording.q.col(i).array().isNaN().all()) return {};  // the check of gaps names it
+  }
+  return RobotCheck(arm, std::move(recording), options).run();
+}
+
+bool answers_question(const QualityFinding& finding) {
+  static const char* const kNames[] = {"torque_sign", "position_sign", "swapped_joints", "degrees", "millimetres", "counts", "share_of_range",
+                                       "motor_side", "torque_unit", "current", "gravity", "dh_convention"};
+  // Degrees that velocities alone show belong to a joint.
+  return finding.severity == Severity::kFault && (finding.finding != "degrees" || finding.joint == 0) &&
+         std::find(std::begin(kNames), std::end(kNames), finding.finding) != std::end(kNames);
+}
+
+std::vector<QualityFinding> with_answers(std::vector<QualityFinding> answers, const std::vector<QualityFinding>& quality) {
+  const auto of_motion = [](const QualityFinding& f) {
+    return answers_question(f) && f.finding.rfind("torque", 0) != 0 && f.finding != "current" && f.finding != "gravity" && f.finding != "dh_convention";
+  };
+  const bool explained = std::any_of(answers.begin(), answers.end(), of_motion);
+  for (const QualityFinding& f : quality) {
+    const bool same = f.finding == "degrees" || f.finding == "velocity_scale" || f.finding == "velocity_sign" || f.finding == "rate_contradiction";
+    if (!explained || !same) answers.push_back(f);
+  }
+  std::stable_sort(answers.begin(), answers.end(), [](const auto& a, const auto& b) { return a.severity > b.severity; });
+  return answers;
+}
+
+namespace {
+
+// One answer for all recordings that give it; where they answer otherwise about one joint, what most of them say.
+std::vector<QualityFinding> once_each(const std::vector<QualityFinding>& all) {
+  using Key = std::pair<std::string, int>;
+  std::map<Key, int> votes;
+  for (const QualityFinding& f : all) ++votes[{f.finding, f.joint}];
+  std::vector<QualityFinding> out;
+  std::set<Key> said;
+  for (const QualityFinding& f : all) {
+    const int own = votes.at({f.finding, f.joint});
+    const bool outvoted = std::any_of(votes.begin(), votes.end(), [&](const auto& other) { return other.first.second == f.joint && other.second > own; });
+    if (!outvoted && said.insert({f.finding, f.joint}).second) out.push_back(f);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<QualityFinding> questions_answered(const Model& arm, const std::vector<std::string>& recordings, const PreprocessingOptions& options,
+                                               const VectorRef& errors) {
+  std::vector<QualityFinding> out;
+  if (errors.size() == 0 || !(errors.maxCoeff() > checking::kAskedAbove)) return out;
+  for (const std::string& name : recordings) {
+    const Recording* there = find_in_memory(options.in_memory, name);
+    for (QualityFinding& f : there != nullptr ? check_against(arm, *there, options) : check_against(arm, name, options)) {
+      if (f.severity != Severity::kFault) continue;
+      f.file = name;
+      out.push_back(std::move(f));
+    }
+    if (out.empty()) break;  // mistakes of a set-up are in the first recording too
+  }
+  return once_each(out);
 }
 
 }  // namespace veridyn

@@ -9,6 +9,7 @@
 #include "veridyn/identification/feasible_least_squares.hpp"
 #include "veridyn/identification/pseudo_inertia.hpp"
 #include "veridyn/math/require.hpp"
+#include "veridyn/model/physical_faults.hpp"
 #include "veridyn/regressor/standard_parameters.hpp"
 
 namespace veridyn {
@@ -134,7 +135,9 @@ std::optional<std::vector<InertialParameters>> priors_of(const Model& arm,
     const Body& body =
         *arm.frames()[arm.bodies()[first / kBodyParameters]].body;
     const std::optional<InertialParameters> prior = maker_of(arm, body);
-    out.push_back(prior ? with_size(*prior, kSmallestRadius) : InertialParameters::Zero());
+    // A body that cannot be is no prior.
+    const bool usable = prior && body_fault("", *prior).empty();
+    out.push_back(usable ? with_size(*prior, kSmallestRadius) : InertialParameters::Zero());
     any = any || out.back()[0] > 0.0;
   }
   if (!any) return std::nullopt;

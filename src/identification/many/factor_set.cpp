@@ -37,7 +37,7 @@ VectorXd fingerprint_of(const Model& arm) {
     ddq(0, i) = -0.4 + 0.2 * i;
   }
   std::vector<MatrixXd> Y;
-  RegressorBatch(arm).evaluate(q, dq, ddq, Y);
+  TorqueRegressor(arm).evaluate(q, dq, ddq, Y);
   VectorXd out = VectorXd::Zero(n + 1);
   for (int i = 0; i < n; ++i) {
     for (Eigen::Index c = 0; c < Y[i].cols(); ++c)

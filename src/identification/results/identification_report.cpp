@@ -1,10 +1,13 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
+#include "identification/identification_numbers.hpp"
 #include "math/digits.hpp"
 #include "veridyn/identification/identification.hpp"
+#include "veridyn/identification/parameters_text.hpp"
 #include "veridyn/identification/verdict.hpp"
 
 namespace veridyn {
@@ -37,15 +40,13 @@ const char* method_name(Method m) {
 std::string Identification::report() const {
   std::string out;
   if (model) out += verdict_of(*this).sentence + "\n";
-  out += fmt::format("{}: {}, {:.0f} rows\n", robot, method_name(method), rows);
-  if (!model) return out + "no model: " + reason + "\n";
+  out += fmt::format("{}: {}, {:.0f} rows", robot, method_name(method), rows);
+  if (!model) return out + "\nno model: " + reason + "\n";
+  out += fmt::format(", {} base parameters, {}\n", base.size(),
+                     feasible ? "every body physically possible" : "NOT physically possible as it stands");
   if (drive_gains) out += drive_gains->report() + "\n";
   if (!reason.empty()) out += "warning: " + reason + "\n";
-  out += fmt::format(
-      "{} base parameters, rank gap {:.1e}, condition number {:.1f} ({:.1f} with columns scaled), ",
-      base.size(), rank_gap, condition_number, condition_number_scaled);
-  out += feasible ? "every body physically possible\n" : "NOT physically possible as it stands\n";
-  out += "\nerrors, % of the torque, per joint\n";
+  out += "errors, % of the torque, per joint\n";
   const auto line = [&out](const char* name, const VectorXd& v) {
     if (v.size() > 0) out += fmt::format("  {:<22}{}\n", name, percent(v));
   };
@@ -54,7 +55,7 @@ std::string Identification::report() const {
   line("held out, repaired", test_repaired.relative);
   line("without excluded rows", test_without_excluded.relative);
   line("held out, moving", test_error.moving_relative);
-  line("noise floor", noise_floor);
+  line(floor_name(*this), noise_floor);
   if (!endogeneity.empty()) {
     out += "\nDurbin-Wu-Hausman: a small p says that noise in the motion biases least squares\n";
     for (size_t i = 0; i < endogeneity.size(); ++i) {
@@ -76,11 +77,21 @@ std::string Identification::report() const {
   }
   for (const std::string& remark : remarks) out += "remark: " + remark + "\n";
   if (!active_constraints.empty()) {
-    out += "\nat the edge of what is physically possible:\n";
-    for (const std::string& c : active_constraints) out += "  " + c + "\n";
+    out += "at the edge of what is physically possible: ";
+    const size_t shown = std::min(identifying::kShownAtEdge, active_constraints.size());
+    for (size_t k = 0; k < shown; ++k) out += (k > 0 ? ", " : "") + active_constraints[k];
+    const size_t more = active_constraints.size() - shown;
+    out += more > 0 ? fmt::format(", and {} more\n", more) : "\n";
   }
-  out += fmt::format("\n  {:>13} {:>11}  {:<9} base parameter\n", "value", "std", "unit");
-  for (const BaseValue& b : base) {
+  return out;
+}
+
+std::string parameters_text(const Identification& id) {
+  if (!id.model) return "";
+  std::string out = fmt::format("\n{} base parameters, rank gap {:.1e}, condition number {:.1f} ({:.1f} with columns scaled)\n",
+                                id.base.size(), id.rank_gap, id.condition_number, id.condition_number_scaled);
+  out += fmt::format("  {:>13} {:>11}  {:<9} base parameter\n", "value", "std", "unit");
+  for (const BaseValue& b : id.base) {
     const std::string deviation = std::isfinite(b.std) ? fmt::format("{:.2g}", b.std) : "-";
     out += fmt::format("  {:13.6g} {:>11}  {:<9} {}\n", b.value, deviation, b.unit, b.expression);
   }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ostream>
 
 #include "identification/identification_numbers.hpp"
 #include "math/numbers.hpp"
@@ -95,6 +96,16 @@ const char* name_of(IdentifiedState state) {
   return "";
 }
 
+std::string Identification::verdict() const { return model ? verdict_of(*this).sentence : reason; }
+
+std::ostream& operator<<(std::ostream& out, const Identification& id) { return out << id.report(); }
+
+const char* floor_name(const Identification& id) {
+  const VectorXd& error = (id.test_error.relative.size() > 0 ? id.test_error : id.train_error).relative;
+  const bool floor = id.noise_floor.size() != error.size() || (id.noise_floor.array() <= error.array()).all();
+  return floor ? "noise floor" : "repetitions differ by";
+}
+
 IdentificationVerdict verdict_of(const Identification& id) { return verdict_of(id, IdentificationNumbers()); }
 
 IdentificationVerdict verdict_of(const Identification& id, const IdentificationNumbers& numbers) {
@@ -108,7 +119,7 @@ IdentificationVerdict verdict_of(const Identification& id, const IdentificationN
     IdentifiedJoint j;
     j.joint = joints[i].name;
     j.error = error[k];
-    j.floor = k < id.noise_floor.size() ? id.noise_floor[k] : kNaN;
+    j.floor = k < id.noise_floor.size() ? std::min(id.noise_floor[k], j.error) : kNaN;
     j.range = share_of_range(id, joints[i], i);
     j.speed = share_of_speed(id, joints[i], i);
     j.state = state_of(j, numbers);

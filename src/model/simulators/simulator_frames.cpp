@@ -11,7 +11,6 @@ namespace veridyn {
 std::optional<Body> body_of(const XmlFile& xml, pugi::xml_node at, double mass, const Eigen::Isometry3d& T,
                             const Eigen::Matrix3d& inertia) {
   if (mass < 0.0) xml.fail(at, text("a mass of ", mass, " kg"), "one that is not negative");
-  if (inertia.diagonal().minCoeff() < 0.0) xml.fail(at, "a moment of inertia below zero", "none below zero");
   if (mass <= kPlaceholderMass) return std::nullopt;
   const Eigen::Matrix3d I = T.linear() * inertia * T.linear().transpose();
   Eigen::Matrix<double, 6, 1> entries;

@@ -24,10 +24,7 @@ Eigen::Matrix<double, 6, 1> read_inertia(const YamlNode& node) {
   for (std::size_t i = 0; i < keys.size(); ++i) {
     const auto value = node.find(keys[i]);
     if (!value) continue;
-    const bool diagonal = keys[i][0] == keys[i][1];
     inertia[static_cast<Eigen::Index>(i)] = value->number();
-    if (diagonal && value->number() < 0.0)
-      value->fail("the negative moment " + value->found(), "0 or more");
   }
   return inertia;
 }

@@ -47,6 +47,10 @@ TopicColumn split_topic(const std::string& name) {
   const RawField field = field_of(name.substr(before == std::string::npos ? 0 : before + 1));
   const bool of_joint = field.signal >= 0 && before != std::string::npos && before > 0 &&
                         name.find('[', last) == std::string::npos;
+  // `/pan/position`: a topic of one number for each joint.
+  const bool alone = before == 0 && field.signal >= 0 && name.find_first_of("[0123456789", last) == std::string::npos &&
+                     field_of(name.substr(last + 1)).signal >= 0;
+  if (alone) return {"", name.substr(1)};
   const std::size_t cut = of_joint ? before : last;
   if (cut == 0) return {"", name};
   return {name.substr(0, cut), name.substr(cut + 1)};

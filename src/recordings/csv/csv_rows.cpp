@@ -5,12 +5,16 @@
 #include <cstring>
 #include <iterator>
 #include <limits>
+#include <optional>
+
+#include <fmt/format.h>
 
 #include "math/excerpt.hpp"
 #include "recordings/csv/csv_layout.hpp"
 #include "recordings/csv/csv_lines.hpp"
 #include "veridyn/recordings/recording.hpp"
 #include "recordings/csv/row_source.hpp"
+#include "recordings/csv/time_column.hpp"
 #include "recordings/signals/units.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -26,7 +30,9 @@ bool is_blank(char c) {
 // Parses one line into a row of numbers.
 class RowParser {
  public:
-  RowParser(const CsvLayout& layout, const CsvLines& lines) : layout_(layout), lines_(lines) {}
+  /// @param first_date  of the file; set by the first date, to which times are relative then.
+  RowParser(const CsvLayout& layout, const CsvLines& lines, std::optional<std::int64_t>& first_date)
+      : layout_(layout), lines_(lines), first_date_(first_date) {}
 
   void parse(std::string_view line, std::vector<double>* row) {
     line_ = line;
@@ -40,7 +46,7 @@ class RowParser {
       if (slot == CsvLayout::kIgnored) {
         skip_field();
       } else {
-        (*row)[slot] = number(column);
+        (*row)[slot] = slot == CsvLayout::kTime && is_date() ? seconds(column) : number(column);
       }
     }
     if (layout_.separator == ' ') skip_blanks();
@@ -75,6 +81,31 @@ class RowParser {
     for (; p_ != end_ && (quoted || !at_field_end()); ++p_) {
       if (*p_ == '"') quoted = !quoted;
     }
+  }
+
+  // Numbers have no colon; a date has one within its first 14 characters.
+  bool is_date() const {
+    const char* stop = std::min(end_, p_ + 15);
+    for (const char* c = p_; c < stop && *c != layout_.separator; ++c) {
+      if (*c == ':') return true;
+    }
+    return false;
+  }
+
+  double seconds(std::size_t column) {
+    skip_padding();
+    const char* first = p_;
+    skip_field();
+    std::string_view date(first, static_cast<std::size_t>(p_ - first));
+    while (!date.empty() && (date.front() == '"')) date.remove_prefix(1);
+    while (!date.empty() && (date.back() == '"' || is_blank(date.back()))) date.remove_suffix(1);
+    const std::optional<std::int64_t> found = recordings::date_nanoseconds(date);
+    if (!found) {
+      p_ = first;
+      fail_text(column);
+    }
+    if (!first_date_) first_date_ = found;
+    return 1e-9 * static_cast<double>(*found - *first_date_);
   }
 
   double number(std::size_t column) {
@@ -136,7 +167,9 @@ class RowParser {
     skip_field();
     const std::string found = excerpt(std::string(first, static_cast<std::size_t>(p_ - first)), 40);
     throw InvalidInput(text(where(), ":", column + 1, ": found '", found, "' in column ",
-                            layout_.names[column], ", expected a number."));
+                            layout_.names[column], layout_.slots[column] == CsvLayout::kTime
+                                ? ", expected a number of seconds or a date as 2025-05-28T12:00:46.628."
+                                : ", expected a number."));
   }
 
   [[noreturn]] void fail_ragged() const {
@@ -148,6 +181,7 @@ class RowParser {
 
   const CsvLayout& layout_;
   const CsvLines& lines_;
+  std::optional<std::int64_t>& first_date_;
   std::string_view line_;
   const char* p_ = nullptr;
   const char* end_ = nullptr;
@@ -170,6 +204,12 @@ CsvLayout layout_from_names(const std::vector<std::string>& names, std::string_v
   return layout;
 }
 
+// rows of one time and other values >= kMostEqual: the times have lost their digits.
+constexpr long kMostEqual = 200;
+// and in a file that ends before: > kFewEqual, and one time in more than kDistinct rows.
+constexpr long kFewEqual = 10, kDistinct = 20;
+// step of a position <= kSteady * the step before + kSmallStep [rad, m]: the arm moves on.
+constexpr double kSteady = 5.0, kSmallStep = 2e-3;
 constexpr int kFirstRows = 4096;  // room of a piece at first; it doubles, as files may end early
 
 void set_room(const CsvLayout& layout, int rows, Recording& recording) {
@@ -201,8 +241,12 @@ class CsvRows : public RowSource {
   bool next_line(std::string_view* line);
   bool next_row();
   bool accept_time();
+  bool repeats_before() const;
+  void run_back(double found);
+  [[noreturn]] void refuse_time(double found, const std::string& why) const;
+  void count_from_here();
   bool hold_gaps();
-  void set_factors();
+  void set_scales();
   void parse(std::string_view line);
 
   RecordingOptions options;
@@ -217,8 +261,16 @@ class CsvRows : public RowSource {
   double step = 0.0;
   long gaps_left = 0;  // gap rows without a time, still to be returned before held_row
   std::vector<double> held_row;
-  std::vector<double> factors;  // factors to SI, by slot; empty: all one
+  std::vector<UnitScale> scales;  // to SI, by slot; empty: nothing to do
   long repeated = 0;       // rows dropped because they repeat the time of the row before
+  std::optional<std::int64_t> first_date;  // [ns]
+  std::vector<double> before, second_before;  // the last rows with a time
+  long equal = 0, equal_run = 0, timed = 0;  // rows with the time before and other values; their last run; all
+  double moved_on = 0.0;    // [s] added to times behind a clock that stepped back
+  double first_time = kGap;
+  double counted_time = 0.0;         // [s] of the row before
+  std::optional<long> counted_from;  // the row from which rows are counted, as --rate says
+  std::vector<std::string> remarks;
 };
 
 RecordingFacts CsvRows::facts() const {
@@ -235,6 +287,10 @@ RecordingFacts CsvRows::facts() const {
     facts.remarks.push_back(text(repeated, repeated == 1 ? " row repeats" : " rows repeat",
                                  " the time stamp before and ", repeated == 1 ? "is" : "are",
                                  " left out."));
+  facts.remarks.insert(facts.remarks.end(), remarks.begin(), remarks.end());
+  if (first_date) facts.start = 1e-9 * static_cast<double>(*first_date);
+  if (options.rate > 0.0 && layout.has_time && !counted_from)
+    facts.remarks.push_back("the times of column t grow and are used; --rate is for files without them.");
   return facts;
 }
 
@@ -272,28 +328,27 @@ void CsvRows::read_layout() {
   if (numbers) first_line.assign(line);
   has_first_line = numbers;
   row.assign(static_cast<std::size_t>(layout.slot_count()), kGap);
-  set_factors();
+  set_scales();
 }
 
-// Sets the factors from the units of the file to SI, for every slot of a row.
-void CsvRows::set_factors() {
-  factors.assign(row.size(), 1.0);
+// Sets the scales from the units of the file to SI, for every slot of a row.
+void CsvRows::set_scales() {
+  scales.assign(row.size(), {});
   bool any = false;
   const auto unit = options.signals.units.find("t");
   if (unit != options.signals.units.end())
-    factors[CsvLayout::kTime] = unit_factor("t", unit->second).value_or(1.0);
+    scales[CsvLayout::kTime].factor = unit_factor("t", unit->second).value_or(1.0);
   for (std::size_t s = 0; s < layout.has_signal.size(); ++s) {
     for (int joint = 0; joint < layout.joints; ++joint)
-      factors[layout.slot(static_cast<int>(s), joint)] =
-          factor_for(options.signals, kRecordingSignals[s].name, joint + 1);
+      scales[static_cast<std::size_t>(layout.slot(static_cast<int>(s), joint))] = scale_for(options.signals, kRecordingSignals[s].name, joint + 1);
   }
-  for (const double factor : factors) any = any || factor != 1.0;
-  if (!any) factors.clear();
+  for (const UnitScale& scale : scales) any = any || !scale.changes_nothing();
+  if (!any) scales.clear();
 }
 
 void CsvRows::parse(std::string_view line) {
-  RowParser(layout, lines).parse(line, &row);
-  for (std::size_t k = 0; k < factors.size(); ++k) row[k] *= factors[k];
+  RowParser(layout, lines, first_date).parse(line, &row);
+  for (std::size_t k = 0; k < scales.size(); ++k) row[k] = scales[k](row[k]);
 }
 
 bool CsvRows::next_line(std::string_view* line) {
@@ -303,34 +358,85 @@ bool CsvRows::next_line(std::string_view* line) {
   return true;
 }
 
-// Checks that the row's time increases, where it must. False: it repeats the previous time.
+bool CsvRows::repeats_before() const {
+  for (std::size_t k = 1; k < row.size(); ++k) {
+    if (row[k] != before[k] && !(std::isnan(row[k]) && std::isnan(before[k]))) return false;
+  }
+  return true;
+}
+
+void CsvRows::refuse_time(double found, const std::string& why) const {
+  const auto column = std::find(layout.slots.begin(), layout.slots.end(), CsvLayout::kTime) - layout.slots.begin();
+  throw InvalidInput(fmt::format("{}:{}:{}: found time {:.15g} s after {:.15g} s, expected it to grow; {}", lines.path(), lines.number(), column + 1,
+                                 found, time, why));
+}
+
+void CsvRows::count_from_here() {
+  counted_from = row_number;
+  counted_time = time;
+  remarks.push_back(text("from row ", row_number, " on the times do not grow: the rows are counted at ", options.rate, " Hz, as --rate says."));
+}
+
+// A clock that was set back while the arm moved on is moved on; one that starts anew with another position begins
+// another recording.
+void CsvRows::run_back(double found) {
+  bool moves_on = found > first_time && second_before.size() == row.size() && !options.signals.as_recorded;
+  for (int joint = 0; moves_on && joint < layout.joints; ++joint) {
+    const auto at = static_cast<std::size_t>(layout.slot(0, joint));
+    moves_on = std::abs(row[at] - before[at]) <= kSteady * std::abs(before[at] - second_before[at]) + kSmallStep;
+  }
+  if (!moves_on && row_number < 2) refuse_time(found, text("time runs back; ", recordings::kCountRows));
+  if (!moves_on)
+    refuse_time(found, text("a second recording begins at row ", row_number, ": --rows 0:", row_number, " reads what is before it, --rows ", row_number,
+                            ": the rest, and ", recordings::kCountRows));
+  remarks.push_back(text("the clock steps back by ", time + step - found, " s at row ", row_number, " while the arm moves on: the times behind it are moved on (--as-recorded refuses them)."));
+  moved_on += time + step - found;
+}
+
+// Checks that the row's time increases, where it must. False: the row repeats the one before.
 bool CsvRows::accept_time() {
-  const double t = row[CsvLayout::kTime];
-  if (t == time) {
+  double& t = row[CsvLayout::kTime];
+  ++timed;
+  if (counted_from) {
+    t = time = counted_time + static_cast<double>(row_number - *counted_from + 1) / options.rate;
+    return true;
+  }
+  t += moved_on;
+  if (std::isnan(first_time)) first_time = t;
+  if (t == time && (clock == RowClock::kMayBeSetBack || before.size() != row.size() || repeats_before())) {
     ++repeated;
     return false;
   }
   if (!(t > time) && !std::isnan(time) && clock == RowClock::kRises) {
-    const auto column = std::find(layout.slots.begin(), layout.slots.end(), CsvLayout::kTime) -
-                        layout.slots.begin();
-    char message[160];
-    std::snprintf(message, sizeof message,
-                  ": found time %.15g s after %.15g s, expected it to grow; the clock runs back.",
-                  t, time);
-    throw InvalidInput(text(lines.path(), ":", lines.number(), ":", column + 1, message));
+    if (options.rate > 0.0) {
+      count_from_here();
+      t = time + 1.0 / options.rate;
+    } else if (t < time) {
+      run_back(t);
+      t = time + step;
+    } else {
+      ++equal;
+      if (++equal_run >= kMostEqual)
+        refuse_time(t, text("so do ", equal_run, " rows with other values: the times have lost their digits, and ", recordings::kCountRows));
+    }
   }
-  if (!std::isnan(time)) step = t - time;
+  if (t > time) equal_run = 0;
+  if (!std::isnan(time) && t > time) step = t - time;
   time = t;
+  if (clock == RowClock::kRises) {
+    second_before.swap(before);
+    before = row;
+  }
   return true;
 }
 
 // Called at a row without a time: reads ahead to the next row with one. False if there is none.
 bool CsvRows::hold_gaps() {
-  const double before = time;
+  const double last_time = time;
   std::string_view line;
   gaps_left = 0;
-  while (!std::isfinite(row[CsvLayout::kTime]) || row[CsvLayout::kTime] == before) {
-    const bool repeats = row[CsvLayout::kTime] == before;
+  while (!std::isfinite(row[CsvLayout::kTime]) || row[CsvLayout::kTime] == last_time) {
+    const bool repeats = row[CsvLayout::kTime] == last_time;
     repeated += repeats ? 1 : 0;
     for (std::size_t k = 1; k < row.size() && !repeats; ++k) {
       require(std::isnan(row[k]), lines.path(), ":", lines.number(), ": found ",
@@ -343,10 +449,10 @@ bool CsvRows::hold_gaps() {
     parse(line);
   }
   accept_time();
-  if (std::isnan(before))
+  if (std::isnan(last_time))
     // Rows at the start or end are dropped, because their time cannot be interpolated.
     return gaps_left = 0, true;
-  step = (time - before) / static_cast<double>(gaps_left + 1);
+  step = (time - last_time) / static_cast<double>(gaps_left + 1);
   held_row = row;
   return true;
 }
@@ -403,6 +509,8 @@ Recording CsvRows::next(int rows) {
     }
     ++count;
   }
+  if (count < rows && equal > kFewEqual && kDistinct * (timed - equal) < timed)
+    refuse_time(time, text("so do ", equal, " of ", timed, " rows with other values: the times have lost their digits, and ", recordings::kCountRows));
   if (is_current_unit(unit_of(options.signals, "tau", 0)) && piece.tau.size() > 0) {
     piece.current = std::move(piece.tau);
     piece.tau.resize(0, 0);

@@ -20,6 +20,7 @@ namespace {
 
 constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
 constexpr int kPreamble = 30;        // largest number of lines before a header
+constexpr std::size_t kDistinct = 20;  // one time in more rows: the times have lost their digits
 constexpr std::size_t kProbe = 400;  // rows used to guess the unit of the time
 
 // Destination of a column: its stream, and its field in it; stream -1: dropped.
@@ -262,6 +263,7 @@ class Table {
       const std::string unit = bare_unit(header_.units[*header_.time.recorded]);
       if (const auto factor = unit_factor("t", unit)) return std::llround(*factor * 1e9);
     }
+    if (date_nanoseconds(times_.front())) return 1;
     const std::string in_name = unit_in(header_.names[*header_.time.recorded]);
     if (const auto factor = unit_factor("t", in_name)) return std::llround(*factor * 1e9);
     std::vector<double> steps;
@@ -284,8 +286,17 @@ class Table {
 
   void set_times() {
     if (times_.empty()) return;
-    const bool clock = header_.time.recorded.has_value();
+    bool clock = header_.time.recorded.has_value();
     const std::int64_t unit = clock ? time_unit() : 0;
+    std::size_t standing = 0;
+    for (std::size_t k = 1; clock && k < times_.size(); ++k) standing += times_[k] == times_[k - 1] && fractions_[k] == fractions_[k - 1];
+    if (kDistinct * (times_.size() - standing) < times_.size() && options_.rate <= 0.0)
+      throw InvalidInput(text(lines_.path(), ":", header_line_ + 1, ": found ", standing, " rows of ", times_.size(), " with the time of the row before (",
+                              times_.back(), "), expected times that grow; they have lost their digits: ", kCountRows));
+    if (standing > 0 && options_.rate > 0.0) {
+      clock = false;
+      raw_.remarks.push_back(text("times do not grow: the rows are counted at ", options_.rate, " Hz, as --rate says."));
+    }
     for (RawStream& stream : raw_.streams) {
       for (std::int64_t& time : stream.recorded) {
         const auto row = static_cast<std::size_t>(time);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "recordings/signals/joint_fields.hpp"
@@ -88,7 +89,50 @@ std::int64_t likely_time_unit(double first, double median_step, bool whole_numbe
   return median_step >= 1.0 ? 1000000 : kSecond;
 }
 
+std::optional<std::int64_t> date_nanoseconds(std::string_view text) {
+  const char* p = text.data();
+  const char* const end = p + text.size();
+  // A number of some digits and the sign behind it, one of `signs`.
+  const auto part = [&](int digits, const char* signs, std::int64_t* value) {
+    const auto [rest, error] = std::from_chars(p, end, *value);
+    if (error != std::errc() || rest - p != digits || *p == '-') return false;
+    p = rest;
+    if (*signs == 0) return true;
+    if (p == end || std::strchr(signs, *p) == nullptr) return false;
+    ++p;
+    return true;
+  };
+  std::int64_t year = 1970, month = 1, day = 1, hour = 0, minute = 0, second = 0;
+  const bool dated = text.size() > 4 && (text[4] == '-' || text[4] == '/');
+  if (dated && !(part(4, "-/", &year) && part(2, "-/", &month) && part(2, "T ", &day))) return std::nullopt;
+  if (!(part(2, ":", &hour) && part(2, ":", &minute) && part(2, "", &second))) return std::nullopt;
+  if (month < 1 || month > 12 || day < 1 || day > 31 || hour > 23 || minute > 59 || second > 60) return std::nullopt;
+  std::int64_t fraction = 0;
+  if (p != end && (*p == '.' || *p == ',')) {
+    std::int64_t scale = kSecond;
+    for (++p; p != end && *p >= '0' && *p <= '9'; ++p) fraction += (*p - '0') * (scale /= 10);
+  }
+  std::int64_t zone = 0;  // minutes ahead of UTC
+  if (p != end && (*p == 'Z' || *p == 'z')) ++p;
+  else if (p != end && (*p == '+' || *p == '-')) {
+    const std::int64_t sign = *p++ == '-' ? -1 : 1;
+    std::int64_t hours = 0, minutes = 0;
+    if (!part(2, "", &hours)) return std::nullopt;
+    if (p != end && *p == ':') ++p;
+    if (p != end && !part(2, "", &minutes)) return std::nullopt;
+    zone = sign * (60 * hours + minutes);
+  }
+  if (p != end) return std::nullopt;
+  // Days since 1970 of the Gregorian calendar; years begin in March, so that leap days come last.
+  const std::int64_t y = month > 2 ? year : year - 1;
+  const std::int64_t era = y / 400, of_era = y % 400;
+  const std::int64_t of_year = (153 * (month + (month > 2 ? -3 : 9)) + 2) / 5 + day - 1;
+  const std::int64_t days = era * 146097 + of_era * 365 + of_era / 4 - of_era / 100 + of_year - 719468;
+  return (((days * 24 + hour) * 60 + minute - zone) * 60 + second) * kSecond + fraction;
+}
+
 std::optional<std::int64_t> nanoseconds_of(const std::string& number, std::int64_t unit) {
+  if (number.find(':') != std::string::npos) return date_nanoseconds(number);
   const char* p = number.data() + (number.rfind('+', 0) == 0 ? 1 : 0);
   const char* end = number.data() + number.size();
   std::int64_t whole = 0;

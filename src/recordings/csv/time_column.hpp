@@ -3,9 +3,13 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace veridyn::recordings {
+
+/// The way on where times do not grow, at the end of a message.
+inline constexpr const char* kCountRows = "--rate HZ counts the rows instead.";
 
 /// Columns with a clock.
 struct TimeColumns {
@@ -22,7 +26,11 @@ TimeColumns time_columns(const std::vector<std::string>& names, const std::strin
 /// milliseconds for whole numbers with steps of 1 or more; else seconds.
 std::int64_t likely_time_unit(double first, double median_step, bool whole_numbers);
 
-/// "1.5" times 10^9 without the rounding of a double; nullopt if the text is no number.
+/// Nanoseconds since 1970 of "2025-05-28 12:00:46.628", "2025-05-28T12:00:46,628Z", "2025/05/28 12:00:46+02:00", or since
+/// midnight of "12:00:46.628"; nullopt for other text.
+std::optional<std::int64_t> date_nanoseconds(std::string_view text);
+
+/// A date as above, or "1.5" times 10^9 without the rounding of a double; nullopt if the text is no number.
 std::optional<std::int64_t> nanoseconds_of(const std::string& number, std::int64_t unit);
 
 }  // namespace veridyn::recordings

@@ -142,9 +142,11 @@ class Assembler {
       }
       if (values.size() == 0)
         values = MatrixXd::Constant(one.size(), static_cast<Eigen::Index>(chosen_.places.size()), kGap);
-      const double factor = factor_for(choice_, name, static_cast<int>(j) + 1);
-      values.col(j) = factor == 1.0 ? one : VectorXd(factor * one);
+      const UnitScale scale = scale_for(choice_, name, static_cast<int>(j) + 1);
+      values.col(static_cast<Eigen::Index>(j)) = scale.changes_nothing() ? one : VectorXd(one.unaryExpr(scale));
     }
+    const bool empty = std::any_of(chosen_.places.begin(), chosen_.places.end(), [signal](const auto& places) { return places[signal].has_value(); });
+    if (values.size() == 0 && empty) facts->remarks.push_back(text(name, " of ", listed(missing), " holds no number in any row."));
     if (values.size() > 0 && !missing.empty()) {
       std::string joints;
       for (const std::string& joint : missing) joints += (joints.empty() ? "" : ", ") + joint;

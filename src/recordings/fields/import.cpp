@@ -28,7 +28,7 @@ std::string key_of(const std::string& path, const RecordingOptions& options) {
   for (const std::string& topic : options.signals.topics) key << topic << '\n';
   for (const auto& [name, source] : options.signals.map) key << name << '=' << source << '\n';
   for (const auto& [name, unit] : options.signals.units) key << name << '~' << unit << '\n';
-  for (const WantedJoint& joint : options.signals.joints) key << joint.name << ' ' << joint.prismatic << '\n';
+  for (const WantedJoint& joint : options.signals.joints) key << joint.name << ' ' << joint.prismatic << ' ' << joint.lower << ' ' << joint.upper << ' ' << joint.effort << '\n';
   for (const HeldJoint& h : options.signals.held) key << "held " << h.number << '\n';
   return key.str();
 }

@@ -109,6 +109,7 @@ std::vector<int> match_joints(const std::vector<std::string>& wanted,
       if (renamed.count(wanted[j]) == 0) out[j] = counted[j];
     }
   }
+  if (none && wanted.size() == 1 && recorded.size() == 1 && renamed.empty()) out[0] = 0;  // one joint can be no other
   return out;
 }
 

@@ -7,12 +7,14 @@
 #include <numeric>
 
 #include "math/median.hpp"
+#include "recordings/csv/time_column.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::recordings {
 namespace {
 
 constexpr double kMostStamps = 0.9;  // share of rows that must have an increasing stamp
+constexpr std::int64_t kRestart = 20;  // median steps: a clock that falls by more was started anew
 constexpr double kFewBack = 0.01;    // share of rows out of order that are sorted without a remark
 
 // Compares bytes, so that a repeated 'nan' counts as equal.
@@ -133,7 +135,12 @@ StreamClock clock_of(const RawStream& stream, const std::string& where) {
   if (back > 0) {
     const bool bag = !stream.stamped.empty();  // the writer of a bag may interleave messages
     require(bag || static_cast<double>(back) <= std::max(1.0, kFewBack * static_cast<double>(stream.rows())),
-            where, ": found ", back, " time stamps that run back, expected a clock that grows.");
+            where, ": found ", back, " time stamps that run back, expected a clock that grows; ", kCountRows);
+    for (std::size_t k = 1; k < clock.time.size() && !bag; ++k) {
+      const std::int64_t fall = clock.time[k - 1] - clock.time[k];
+      require(fall < kRestart * median_step(clock.time), where, ": found time ", 1e-9 * static_cast<double>(clock.time[k]), " s after ",
+              1e-9 * static_cast<double>(clock.time[k - 1]), " s at row ", k, ", expected it to grow; two recordings in one file? ", kCountRows);
+    }
     std::stable_sort(clock.rows.begin(), clock.rows.end(),
                      [&](std::size_t a, std::size_t b) { return clock.time[a] < clock.time[b]; });
     std::vector<std::int64_t> sorted(clock.time.size());

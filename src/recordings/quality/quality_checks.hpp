@@ -137,6 +137,7 @@ class RowTally {
     Place place;
     double first = kNone;
     bool constant = true;
+    double largest = 0.0;
     long gaps = 0;
     long gap_run = 0;
     long longest_gap = 0;

@@ -5,9 +5,12 @@
 #include "math/correlated_columns.hpp"
 #include "recordings/quality/quality_checks.hpp"
 #include "veridyn/math/require.hpp"
+#include "veridyn/recordings/preprocessing.hpp"
 
 namespace veridyn::quality {
 namespace {
+
+constexpr double kThousand = 1e3;  // from one unit of time to the next
 
 std::vector<double> column_of(const MatrixXd& values, int joint) {
   return {values.col(joint).data(), values.col(joint).data() + values.rows()};
@@ -32,14 +35,44 @@ std::vector<double> ringing(const Head& head, const MatrixXd& values, int joint)
   return sizes;
 }
 
+// The filter and the motion settle at either end, and the rest has to move the arm enough.
+void check_duration(const Head& head, Findings* findings) {
+  const PreprocessingOptions usual;
+  const double cut = usual.drop_start + usual.drop_end;
+  const double seconds = head.rows.time[head.rows.rows() - 1] - head.rows.time[0];
+  if (!(seconds < cut + kLeastSeconds)) return;
+  findings->add(Severity::kFault, "short_recording", {}, {kNone, seconds, "s"},
+                text("The recording lasts ", number(seconds), " s, of which an identification cuts ", number(usual.drop_start), " s at the start and ",
+                     number(usual.drop_end), " s at the end (--drop-start and --drop-end change that): ", number(kEnoughSeconds), " s and more are needed."));
+}
+
+// A clock of whole seconds and more between rows of one motion counts in another unit.
+bool check_clock(const Head& head, Findings* findings) {
+  if (head.step < kSlowClock) return false;
+  double onward = 0.0;
+  for (int j = 0; j < head.rows.joints(); ++j) {
+    for (int k = 2; k < head.rows.rows(); ++k) {
+      const double before = head.rows.q(k - 1, j) - head.rows.q(k - 2, j), after = head.rows.q(k, j) - head.rows.q(k - 1, j);
+      if (std::isfinite(before) && std::isfinite(after) && head.moves[static_cast<std::size_t>(j)]) onward += before * after;
+    }
+  }
+  if (!(onward > 0.0)) return false;
+  const char* unit = head.step < kThousand ? "ms" : head.step < kThousand * kThousand ? "us" : "ns";
+  findings->add(Severity::kFault, "time_unit", {"t", 0}, {kNone, head.step, "s"},
+                text("One row every ", number(head.step), " s, and the arm moves on from row to row: the times are no seconds; --units t=", unit, " mends it."));
+  return true;
+}
+
 }  // namespace
 
 void check_motion(const Head& head, Findings* findings) {
   if (std::none_of(head.moves.begin(), head.moves.end(), [](bool moves) { return moves; })) {
     findings->add(Severity::kInfo, "no_motion", {}, {},
-                  "No joint moves by more than 5 mrad or 5 mm: good for gravity and offsets only.");
+                  "No joint moves by more than 5 mrad or 5 mm: good for gravity and offsets only, which --at-rest identifies.");
     return;
   }
+  if (check_clock(head, findings)) return;
+  check_duration(head, findings);
   for (int j = 0; j < head.rows.joints(); ++j) {
     if (head.moves[j]) continue;
     const std::vector<double> q = column_of(head.rows.q, j);

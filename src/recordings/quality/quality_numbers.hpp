@@ -149,6 +149,12 @@ constexpr int kHeadRows = 200000, kLagRows = 60000;
 constexpr int kPieceRows = 50000;
 /// rows of the piece before = kContext: jumps and motion look back so far.
 constexpr int kContext = 6;
+/// |torque| or |current| < kNoLoad [N m, A] in every row: it was not recorded.
+constexpr double kNoLoad = 1e-8;
+/// seconds that an identification does not cut < kLeastSeconds: a fault; kEnoughSeconds = what is advised.
+constexpr double kLeastSeconds = 1.0, kEnoughSeconds = 10.0;
+/// median step >= kSlowClock [s] in one motion: times in another unit.
+constexpr double kSlowClock = 0.5;
 /// a turn = kTurn [rad].
 constexpr double kTurn = 6.283185307179586;
 /// degrees = kDegrees * radians.

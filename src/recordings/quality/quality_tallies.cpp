@@ -111,6 +111,7 @@ void RowTally::add(const Piece& piece) {
         if (std::isnan(value)) continue;
         if (std::isnan(channel.first)) channel.first = value;
         channel.constant = channel.constant && value == channel.first;
+        channel.largest = std::max(channel.largest, std::abs(value));
       }
     }
   }
@@ -130,6 +131,11 @@ void RowTally::conclude(Findings* findings) const {
             " of the rows repeat the row before although the arm moves (publisher late?); at most ",
             longest_stale_, " in a row."));
   }
+  const auto has_load = [this](const Channel& c) { return (c.place.signal == "tau" || c.place.signal == "i") && c.gaps < rows_; };
+  if (std::none_of(channels_.begin(), channels_.end(), has_load))
+    findings->add(Severity::kFault, "no_torque", {"tau", 0}, {1.0, kNone, ""},
+                  text("No torque and no current of any joint holds a number (tau1 to tau", beyond_.size(), ", i1 to i", beyond_.size(),
+                       "): record the efforts, or name their columns by --map tau=SOURCE."));
   conclude_gaps(findings);
   conclude_constant(findings);
   for (std::size_t j = 0; j < beyond_.size(); ++j) {
@@ -148,9 +154,12 @@ void RowTally::add_gaps(const Channel& channel, const Place& place, const std::s
   const Severity severity = share > numbers_.many_gaps  ? Severity::kFault
                             : share > numbers_.few_gaps ? Severity::kWarning
                                             : Severity::kInfo;
+  const std::string lacks = channel.gaps == rows_ ? text(who, " holds no number in any row")
+                                                  : text(who, " lacks ", counted(channel.gaps, "value"), " (", percent(share),
+                                                         " of the rows); at most ", channel.longest_gap, " in a row");
   findings->add(severity, "gaps", place, {share, static_cast<double>(channel.longest_gap), "rows"},
-                text(who, " lacks ", counted(channel.gaps, "value"), " (", percent(share),
-                     " of the rows); at most ", channel.longest_gap, " in a row."));
+                lacks + (channel.gaps == rows_ && place.joint > 0 ? text(": ", channel.place.signal, place.joint, "=NAME in --map names another column, "
+                                                                         "and --fix JOINT=POSITION leaves a joint out that stood still.") : "."));
 }
 
 // Reports one finding for the file if many channels have gaps, else one per channel.
@@ -182,19 +191,22 @@ void RowTally::conclude_constant(Findings* findings) const {
   for (const RecordingSignal& signal : kRecordingSignals) {
     long all = 0;
     long zero = 0;
+    double largest = 0.0;
+    const bool measured = std::string(signal.name) == "tau" || std::string(signal.name) == "i";
     for (const Channel& channel : channels_) {
       if (channel.place.signal != signal.name) continue;
       ++all;
-      zero += channel.constant && channel.first == 0.0 ? 1 : 0;
+      zero += (channel.constant && channel.first == 0.0) || (measured && channel.largest < kNoLoad && channel.gaps < rows_) ? 1 : 0;
+      largest = std::max(largest, channel.largest);
     }
     if (all == 0) continue;
     if (zero == all) {
       findings->add(
-          Severity::kWarning, "zero_signal", {signal.name, 0}, {1.0, kNone, ""},
-          text("Signal ", signal.name, " is zero on every joint in every row: not recorded?"));
+          measured ? Severity::kFault : Severity::kWarning, "zero_signal", {signal.name, 0}, {1.0, kNone, ""},
+          text("Signal ", signal.name, largest > 0.0 ? text(" is at most ", number(largest)) : std::string(" is zero"), " on every joint (", signal.name, "1 to ", signal.name, all,
+               ") in every row: not recorded", measured ? ", so that no force is known; record the efforts, or name their columns by --map." : "?"));
       continue;
     }
-    const bool measured = std::string(signal.name) == "tau" || std::string(signal.name) == "i";
     for (const Channel& channel : channels_) {
       if (channel.place.signal != signal.name || !channel.constant || !measured ||
           std::isnan(channel.first))

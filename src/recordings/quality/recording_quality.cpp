@@ -89,6 +89,10 @@ RecordingQuality judged(Recording head_rows, const std::string& file, const Sour
         text("Only ", quality.rows, " rows: too short to judge rate, motion and velocities."));
   }
   quality.findings = std::move(findings).sorted();
+  if (quality.find("time_unit") != nullptr) {  // one cause, one line
+    const auto same = [](const QualityFinding& f) { return f.finding == "rate_contradiction" || f.finding == "sample_rate"; };
+    quality.findings.erase(std::remove_if(quality.findings.begin(), quality.findings.end(), same), quality.findings.end());
+  }
   return quality;
 }
 
@@ -122,7 +126,9 @@ const char* name_of(Severity severity) {
 }
 
 Severity RecordingQuality::severity() const {
-  return findings.empty() ? Severity::kInfo : findings.front().severity;
+  Severity worst = Severity::kInfo;
+  for (const QualityFinding& finding : findings) worst = std::max(worst, finding.severity);
+  return worst;
 }
 
 const QualityFinding* RecordingQuality::find(const std::string& finding, int joint) const {

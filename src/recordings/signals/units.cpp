@@ -1,7 +1,10 @@
 #include "recordings/signals/units.hpp"
 
+#include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <iterator>
+#include <string_view>
 
 #include "veridyn/math/require.hpp"
 
@@ -9,6 +12,14 @@ namespace veridyn::recordings {
 namespace {
 
 const double kPi = std::acos(-1.0);
+/// bit 10 of a load register is its direction.
+constexpr long kDirection = 1024;
+/// Shares by name, and how many of them are the whole.
+constexpr std::pair<const char*, double> kShares[] = {{"%", 100.0}, {"permille", 1000.0}, {"share", 1.0}};
+
+bool is_share(const std::string& unit) {
+  return std::any_of(std::begin(kShares), std::end(kShares), [&](const auto& share) { return unit == share.first || unit == std::string("-") + share.first; });
+}
 
 struct Unit {
   const char* signal;
@@ -30,7 +41,9 @@ const Unit* units_begin() {
       {"ddq", "mm/s2", 1e-3},     {"tau", "Nm", 1.0},
       {"tau", "N", 1.0},          {"tau", "mNm", 1e-3},
       {"tau", "Ncm", 1e-2},       {"tau", "Nmm", 1e-3},
-      {"tau", "kNm", 1e3},        {"tau", "A", 1.0},
+      {"tau", "kNm", 1e3},        {"tau", "kgcm", 0.0980665},
+      {"tau", "ozin", 7.0615518e-3}, {"tau", "lbin", 0.11298483},
+      {"tau", "A", 1.0},
       {"tau", "mA", 1e-3},        {"i", "A", 1.0},
       {"i", "mA", 1e-3},          {"t", "s", 1.0},
       {"t", "ms", 1e-3},          {"t", "us", 1e-6},
@@ -58,15 +71,52 @@ bool of_other_joints(const SignalChoice& choice, const std::string& unit, int jo
 
 }  // namespace
 
-std::optional<double> unit_factor(const std::string& signal, const std::string& unit) {
+double UnitScale::operator()(double number) const {
+  if (direction_bit && std::isfinite(number)) {
+    const auto bits = static_cast<long>(std::clamp(number, 0.0, 2.0 * kDirection));
+    return factor * static_cast<double>(bits % kDirection) * (bits >= kDirection ? -1.0 : 1.0);
+  }
+  return factor * (number - zero);
+}
+
+std::optional<UnitScale> unit_scale(const std::string& signal, const std::string& unit, const WantedJoint* joint) {
   if (unit.rfind('-', 0) == 0) {
-    const std::optional<double> factor = unit_factor(signal, unit.substr(1));
-    return factor && signal != "t" ? std::optional<double>(-*factor) : std::nullopt;
+    std::optional<UnitScale> scale = signal == "t" ? std::nullopt : unit_scale(signal, unit.substr(1), joint);
+    if (scale) scale->factor *= -1.0;
+    return scale;
   }
   for (const Unit* u = units_begin(); u->signal != nullptr; ++u) {
-    if (signal == u->signal && unit == u->unit) return u->factor;
+    if (signal == u->signal && unit == u->unit) return UnitScale{u->factor};
   }
-  return std::nullopt;
+  const double upper = joint != nullptr ? joint->upper : 1.0, lower = joint != nullptr ? joint->lower : -1.0;
+  const double effort = joint != nullptr ? joint->effort : 1.0;
+  for (const auto& [name, parts] : kShares) {
+    if (unit != name) continue;
+    if (signal == "tau") return UnitScale{effort / parts};
+    const double factor = 0.5 * (upper - lower) / parts;
+    if (signal == "q") return UnitScale{factor, -0.5 * (lower + upper) / factor};
+    return signal == "dq" ? std::optional<UnitScale>(UnitScale{factor}) : std::nullopt;
+  }
+  if (unit == "load" && signal == "tau") return UnitScale{(std::isfinite(effort) ? effort : 1.0) / (kDirection - 1), 0.0, true};
+  double number = 0.0, zero = 0.0;
+  const char* end = unit.data() + unit.size();
+  const auto [rest, error] = std::from_chars(unit.data(), end, number);
+  if (error != std::errc() || !std::isfinite(number) || number == 0.0) return std::nullopt;
+  if (rest == end) return UnitScale{number};
+  const std::string_view behind(rest, static_cast<std::size_t>(end - rest));
+  if (behind.rfind("/rev", 0) != 0 || (signal != "q" && signal != "dq" && signal != "ddq")) return std::nullopt;
+  const std::string_view at = behind.substr(4);
+  if (!at.empty()) {
+    if (at[0] != '@' || signal != "q") return std::nullopt;
+    const auto [last, bad] = std::from_chars(at.data() + 1, end, zero);
+    if (bad != std::errc() || last != end) return std::nullopt;
+  }
+  return UnitScale{2.0 * kPi / number, zero};
+}
+
+std::optional<double> unit_factor(const std::string& signal, const std::string& unit) {
+  const std::optional<UnitScale> scale = unit_scale(signal, unit);
+  return scale ? std::optional<double>(scale->factor) : std::nullopt;
 }
 
 bool is_current_unit(const std::string& unit) {
@@ -80,11 +130,11 @@ std::string unit_of(const SignalChoice& choice, const std::string& signal, int j
   return all == choice.units.end() ? std::string() : all->second;
 }
 
-double factor_for(const SignalChoice& choice, const std::string& signal, int joint) {
+UnitScale scale_for(const SignalChoice& choice, const std::string& signal, int joint) {
   const std::string unit = unit_of(choice, signal, joint);
-  if (unit.empty()) return 1.0;
-  if (of_other_joints(choice, unit, joint)) return 1.0;
-  return unit_factor(signal, unit).value_or(1.0);
+  if (unit.empty() || of_other_joints(choice, unit, joint)) return {};
+  const bool known = joint >= 1 && static_cast<std::size_t>(joint) <= choice.joints.size();
+  return unit_scale(signal, unit, known ? &choice.joints[joint - 1] : nullptr).value_or(UnitScale());
 }
 
 void require_known_units(const SignalChoice& choice) {
@@ -97,11 +147,22 @@ void require_known_units(const SignalChoice& choice) {
     }
     require(!known.empty(), "--units: found '", key, "', expected t, q, dq, ddq, tau or i.");
     require(unit_factor(signal, unit).has_value(), "--units: found '", key, "=", unit,
-            "', expected one of: ", known, " (with - in front for the other sign).");
+            "', expected one of: ", known, " (with - in front for the other sign), a factor to SI as 0.01",
+            signal[0] == 't' && signal != "tau" ? "." : signal == "tau" ? ", a share of the largest effort (%, permille, share), or load."
+                                                                        : ", counts as 4096/rev or 4096/rev@2048, or a share of the range (%).");
   }
 }
 
 void require_joints_of(const SignalChoice& choice, int joints, const std::string& path) {
+  for (int joint = 1; joint <= joints; ++joint) {
+    for (const char* signal : {"q", "dq", "tau"}) {
+      const UnitScale scale = scale_for(choice, signal, joint);
+      const bool shared = static_cast<std::size_t>(joint) <= choice.joints.size();
+      require(std::isfinite(scale.factor) && std::isfinite(scale.zero) && (shared || !is_share(unit_of(choice, signal, joint))), "--units: found '", signal, "=",
+              unit_of(choice, signal, joint), "', but joint ", joint, " has no ", signal[0] == 't' ? "limit of effort" : "limits of position",
+              ", expected a robot file that gives them.");
+    }
+  }
   for (const auto& [key, unit] : choice.units) {
     const std::size_t digits = key.find_last_not_of("0123456789") + 1;
     if (digits == key.size()) continue;

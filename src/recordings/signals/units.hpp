@@ -7,8 +7,30 @@
 
 namespace veridyn::recordings {
 
-/// Factor from a unit of a signal ("q", "dq", "ddq", "tau", "i", "t") to SI, or nullopt for an
-/// unknown unit; a leading - reverses the sign. `tau` in A has the factor of a current.
+/// From numbers in a unit to SI: factor * (number - zero).
+struct UnitScale {
+  double factor = 1.0;
+  double zero = 0.0;
+  /// Bit 10 of a whole number is its direction, its lower bits are the size, as in the load registers of hobby servos.
+  bool direction_bit = false;
+
+  double operator()(double number) const;
+  bool changes_nothing() const { return factor == 1.0 && zero == 0.0 && !direction_bit; }
+};
+
+/// Scale of a unit of a signal ("q", "dq", "ddq", "tau", "i", "t"), or nullopt for an unknown unit:
+///
+///   deg, mNm, ...      see the table; a leading - reverses the sign
+///   0.01               this factor to SI, as of a gear
+///   4096/rev, @2048    counts of an encoder; the count at zero, 0 without it
+///   %                  share of the range, -100 to 100 (q, dq), or of the largest effort (tau); also permille, share (of one)
+///   load               a load register: direction bit 10, 1023 is the largest effort (tau)
+///
+/// `tau` in A has the factor of a current.
+/// @param joint  with the limits that shares need; null: its limits are taken as finite.
+std::optional<UnitScale> unit_scale(const std::string& signal, const std::string& unit, const WantedJoint* joint = nullptr);
+
+/// The factor alone.
 std::optional<double> unit_factor(const std::string& signal, const std::string& unit);
 
 /// True for a unit of current.
@@ -17,13 +39,13 @@ bool is_current_unit(const std::string& unit);
 /// The chosen unit of a signal of joint number `joint` (from 1), or "".
 std::string unit_of(const SignalChoice& choice, const std::string& signal, int joint);
 
-/// The factor for one column: degrees apply to revolute joints, millimetres to prismatic ones.
-double factor_for(const SignalChoice& choice, const std::string& signal, int joint);
+/// The scale of one column: degrees apply to revolute joints, millimetres to prismatic ones.
+UnitScale scale_for(const SignalChoice& choice, const std::string& signal, int joint);
 
 /// @throws InvalidInput  a signal or unit that is not known.
 void require_known_units(const SignalChoice& choice);
 
-/// @throws InvalidInput  a unit is given for a joint beyond those of the recording.
+/// @throws InvalidInput  a unit is given for a joint beyond those of the recording, or a share for a joint without limits.
 void require_joints_of(const SignalChoice& choice, int joints, const std::string& path);
 
 }  // namespace veridyn::recordings

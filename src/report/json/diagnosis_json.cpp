@@ -87,6 +87,18 @@ void add_shape(const UnnamedShape& shape, Json& out) {
   out["curve_units"] = shape.units;
 }
 
+// The three components of a direction of gravity as one vector too.
+void add_gravity(const Finding& f, Json& parameters) {
+  Json value = Json::array(), low = value, high = value;
+  for (const FoundParameter& p : f.parameters) {
+    if (p.name.rfind("gravity_", 0) != 0) continue;
+    value.push_back(p.value);
+    low.push_back(p.low);
+    high.push_back(p.high);
+  }
+  if (value.size() == 3) parameters["gravity"] = {{"value", value}, {"unit", "m/s^2"}, {"ci95", Json::array({low, high})}};
+}
+
 Json finding_json(const Diagnosis& d, const Finding& f) {
   Json out = {{"rank", f.rank}};
   out.update(cause_json(d, f.cause));
@@ -103,6 +115,7 @@ Json finding_json(const Diagnosis& d, const Finding& f) {
     out["parameters"][p.name] = {
         {"value", p.value}, {"unit", p.unit}, {"ci95", Json::array({p.low, p.high})}};
   }
+  add_gravity(f, out["parameters"]);
   out["p_value"] = f.p_value;
   out["gain"] = {{"test_relative_error",
                   {{"before", json_list(f.test_before)}, {"after", json_list(f.test_after)}}},
@@ -171,7 +184,8 @@ std::string to_json(const Diagnosis& d, const std::string& next_command) {
     out["moving_as_one"].push_back(group);
   }
   out["findings"] = Json::array();
-  for (const Finding& f : d.findings) out["findings"].push_back(finding_json(d, f));
+  if (d.small_apart) out["small"] = Json::array();
+  for (const Finding& f : d.findings) out[d.small_apart && !f.main ? "small" : "findings"].push_back(finding_json(d, f));
   out["not_supported"] = Json::array();
   for (const NotSupported& n : d.not_supported) {
     out["not_supported"].push_back(cause_json(d, n.cause));

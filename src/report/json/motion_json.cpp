@@ -120,6 +120,9 @@ std::string to_json(const Excitation& e) {
   out["remarks"] = Json::array();
   if (!e.friction_remark.empty()) out["remarks"].push_back(e.friction_remark);
   if (!e.touching.empty()) out["touching"] = e.touching;
+  out["cautions"] = e.cautions;
+  out["lowest_point"] = {{"z", e.lowest.z}, {"frame", e.lowest.frame}};
+  out["speed"] = e.speed;
   out["margins"] = Json::array();
   for (const LimitMargin& m : e.margins) {
     out["margins"].push_back({{"limit", m.name},

@@ -5,7 +5,9 @@
 namespace veridyn {
 namespace {
 
-Json interval(double value, double low, double high, const char* unit) {
+Json interval(double value, double low, double high, const char* unit, bool seen = true) {
+  if (!seen) return {{"value", nullptr}, {"unit", unit}, {"ci95", nullptr}};
+
   return {{"value", value}, {"unit", unit}, {"ci95", Json::array({low, high})}};
 }
 
@@ -14,10 +16,11 @@ Json link_json(const PayloadEstimate& p) {
   out["mass"] = interval(p.mass, p.mass_low, p.mass_high, "kg");
   const char* const axes[] = {"x", "y", "z"};
   for (int c = 0; c < 3; ++c) {
+    const bool seen = p.seen[static_cast<std::size_t>(c)];
     out["com"][axes[c]] =
-        interval(p.com[c], p.com[c] - p.com_half_width[c], p.com[c] + p.com_half_width[c], "m");
+        interval(p.com[c], p.com[c] - p.com_half_width[c], p.com[c] + p.com_half_width[c], "m", seen && p.has_mass());
     out["moment"][axes[c]] = interval(p.moment[c], p.moment[c] - p.moment_half_width[c],
-                                      p.moment[c] + p.moment_half_width[c], "kg m");
+                                      p.moment[c] + p.moment_half_width[c], "kg m", seen);
   }
   const char* const entries[] = {"xx", "xy", "yy", "xz", "yz", "zz"};
   for (int c = 0; c < 6; ++c) {
@@ -25,6 +28,8 @@ Json link_json(const PayloadEstimate& p) {
                                           p.inertia[c] + p.inertia_half_width[c], "kg m^2");
   }
   out["explained"] = p.explained;
+  out["at_bound"] = p.at_bound;
+  out["unexplained"] = p.unexplained;
   out["gain"] = p.gain;
   return out;
 }
@@ -35,6 +40,8 @@ std::string to_json(const PayloadReport& report) {
   Json out = json_head("payload");
   out["robot"] = report.robot;
   out["verdict"] = report.found() ? "payload" : "none";
+  out["headline"] = report.headline();
+  out["remarks"] = report.remarks;
   out["links"] = Json::array();
   for (const PayloadEstimate& link : report.links) out["links"].push_back(link_json(link));
   out["relative_error"] = {{"before", json_list(report.error_before)},

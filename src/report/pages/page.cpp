@@ -70,7 +70,7 @@ std::string three(const Json& series) {
 }  // namespace
 
 std::string html_page(const std::string& title, const std::string& result, const Json& series,
-                      const std::string& report) {
+                      const std::string& report, std::string_view script) {
   Json figures = series;
   figures["made"] = origin_now("", {}).date;
   return filled(page_file("page.html"),
@@ -83,7 +83,7 @@ std::string html_page(const std::string& title, const std::string& result, const
                  {"three", three(series)},
                  {"plot licence", html_text(page_file("dygraph-licence.txt"))},
                  {"plots", part("dygraph.js")},
-                 {"script", part("script.js")}});
+                 {"script", part("script.js") + std::string(script) + part("start.js")}});
 }
 
 }  // namespace veridyn

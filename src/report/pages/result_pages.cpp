@@ -4,6 +4,7 @@
 #include "report/pages/page.hpp"
 #include "report/pages/page_series.hpp"
 #include "veridyn/effects/effect.hpp"
+#include "veridyn/identification/parameters_text.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/regressor/standard_parameters.hpp"
 #include "veridyn/report/comparison_json.hpp"
@@ -100,7 +101,7 @@ std::string to_page(const Identification& id, const std::string& command, const 
   series["correlations"] = correlations_of_worst(id);
   if (robot != nullptr) series["file"] = values_in_file(id, *robot);
   series["arms"].clear();  // no arm is drawn
-  return html_page(id.robot + ": identified", to_json(id), series, id.report());
+  return html_page(id.robot + ": identified", to_json(id), series, id.report() + parameters_text(id));
 }
 
 std::string to_page(const Diagnosis& d, const std::string& command,

@@ -25,7 +25,7 @@ void Plant::State::add_biases(Instant& at) {
 
 // False if the mass matrix is not positive definite.
 bool Plant::State::evaluate(Instant& at) {
-  rigid.evaluate(at.q, at.dq, at.M, at.h);
+  rigid.equation_of_motion(at.q, at.dq, at.M, at.h);
   add_biases(at);
   return factor(at);
 }
@@ -40,7 +40,7 @@ bool Plant::State::factor(Instant& at) {
 
 // Evaluates the stage in the middle of a substep, which two slopes share.
 bool Plant::State::evaluate_middle() {
-  rigid.evaluate_with_derivative(stage.q, stage.dq, stage.M, stage.h, slopes);
+  rigid.equation_of_motion(stage.q, stage.dq, stage.M, stage.h, slopes);
   add_biases(stage);
   return factor(stage);
 }
@@ -116,7 +116,7 @@ bool Plant::State::last_stage(const VectorRef& tau, double h) {
   stage.time = there.time;
   stage.q = there.q + way;
   stage.dq = here.dq + h * k3;
-  rigid.evaluate_linearized(there.q, stage.dq, k3, way, there.M, there.h, slopes, push);
+  rigid.equation_of_motion(there.q, stage.dq, k3, way, there.M, there.h, slopes, push);
   if (!factor(there)) return false;
   stage.M = there.M;
   stage.L = there.L;

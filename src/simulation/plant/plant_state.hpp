@@ -5,7 +5,7 @@
 
 #include "simulation/plant/plant_forces.hpp"
 #include "simulation/plant/sticking.hpp"
-#include "veridyn/dynamics/equation_of_motion.hpp"
+#include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/simulation/plant.hpp"
 
 namespace veridyn {
@@ -75,7 +75,7 @@ struct Plant::State {
 
   int n;
   PlantOptions options;
-  EquationOfMotion rigid;
+  RigidBodyDynamics rigid;
   PlantForces forces;
   Sticking sticking;
   Instant here, there, stage;

@@ -1,0 +1,165 @@
+#pragma once
+
+#include <iosfwd>
+#include <optional>
+
+#include "veridyn/control/arm_state.hpp"
+#include "veridyn/control/friction_compensation.hpp"
+#include "veridyn/control/gain.hpp"
+#include "veridyn/control/model_error_observer.hpp"
+#include "veridyn/control/safety_supervisor.hpp"
+#include "veridyn/control/torque_uncertainty.hpp"
+#include "veridyn/control/velocity_observer.hpp"
+#include "veridyn/model/joint_sensors.hpp"
+
+namespace veridyn {
+
+/// Signals of an arm's sensors in one cycle.
+struct Measured {
+  /// Positions alone, without a force sensor.
+  explicit Measured(int joints) : q(VectorXd::Zero(joints)) {}
+  VectorXd q;   ///< (n) as the encoders show them [rad], [m]
+  VectorXd dq;  ///< (n) [rad/s], [m/s]; empty: the velocity observer's
+  double age = 0.0;        ///< [s] of the positions
+  double age_range = 0.0;  ///< [s] by which they may be younger, see SafetyInput::sensor_age_range
+  /// [force; moment] that the tip exerts on the world, about the tip and in world axes [N, N m].
+  Vector6d wrench{Vector6d::Zero()};
+  double wrench_age = 0.0;  ///< [s]
+};
+
+/// Layers below a law that check and limit its torque.
+enum class Supervision {
+  kSupervisor,  ///< SafetySupervisor: it also takes over on a fault, and holds the arm on command
+  kLimits       ///< torques are limited, and nothing else is checked: for simulation
+};
+
+/// Positions and torques at either end of a cycle.
+enum class Signals {
+  kOfSensors,  ///< as the model's sensors and drives count them, see JointSensors
+  kTrue        ///< true ones: the caller undoes the errors of sensors, or there are none
+};
+
+/// Settings of what surrounds a control law.
+struct CycleOptions {
+  double velocity_bandwidth = 300.0;  ///< [1/s] of VelocityObserver
+  FrictionOptions friction{};         ///< share 0: friction is not compensated
+  double error_bandwidth = 10.0;      ///< [1/s] of ModelErrorObserver; 0: it is off
+  /// Largest torque of that observer [N m], [N]; nothing: what the model may be wrong by in the
+  /// present motion, see TorqueUncertainty.
+  std::optional<Gain> error_limit{};
+  /// Limits of the supervisor; nothing: those of the robot file, see safety_limits().
+  std::optional<SafetyLimits> limits{};
+  /// Torque limit of the drives [N m], [N] for coordinates whose robot file gives none; 0: such a
+  /// file is refused.
+  double torque = 0.0;
+  Supervision supervision = Supervision::kSupervisor;
+  Signals signals = Signals::kOfSensors;
+};
+
+/// A fault: what, where and when.
+struct ControllerFault {
+  SafetyFault what = SafetyFault::kNone;
+  std::optional<JointIndex> joint;  ///< nothing: of no single joint
+  double time = 0.0;                ///< [s] since the controller was made or reset
+};
+/// "position limit of joint 2 at 1.204 s"; joints count from 1.
+std::ostream& operator<<(std::ostream& out, const ControllerFault& fault);
+
+/// The tip; without a frame that of default_tip(). @throws InvalidInput  the arm has no joints.
+Tip chosen_tip(const Model& arm, const Tip& tip = {});
+
+/// One cycle of control around a law, in the one right order: sensor errors are undone, velocities
+/// observed, the state evaluated; then the law's torque gets friction compensation and the torque
+/// that the model lacks, is supervised and limited, and becomes that of the drives. What the limits
+/// took away is fed back to the observer. JointController and TipController are this with a law; a
+/// law of one's own is used like theirs:
+///
+///   ControlCycle cycle(arm, tip, {});
+///   every cycle: const ArmState& state = cycle.measure(measured, dt);
+///                cycle.command(law.update(state, ...));
+///                cycle.add_friction(wanted.dq, error);    // if wanted
+///                cycle.add_model_error(law.acceleration());  // if wanted
+///                drives.write(cycle.send());
+///
+/// Nothing allocates, throws or blocks after the constructor; one object serves one thread. Vectors
+/// have the sizes of the constructor; debug builds assert it.
+class ControlCycle {
+ public:
+  /// @throws InvalidInput  a body or an effect has no values, an option is out of range, the tip's
+  /// frame does not exist, or a coordinate has no torque limit.
+  ControlCycle(const Model& arm, const Tip& tip, const CycleOptions& options);
+
+  /// Begins a cycle. @param dt  [s] since the previous one.
+  /// @returns the state by true positions, valid until the next cycle.
+  const ArmState& measure(const Measured& measured, double dt) noexcept;
+
+  /// Sets the torque of the law (n) [N m], [N].
+  void command(const VectorXd& tau) noexcept { tau_ = tau; }
+  /// The supervisor compares positions with these (n) in this cycle.
+  void track(const VectorXd& q_wanted) noexcept { input_.q_wanted = q_wanted; }
+  /// As FrictionCompensation::update().
+  void add_friction(const VectorXd& dq_wanted, const VectorXd& error) noexcept;
+  /// @param y  (n) acceleration that the torque gives an arm that is as its model. A cycle without
+  /// this call clears the observer.
+  void add_model_error(const VectorXd& y) noexcept;
+  /// Replaces what was commanded in this cycle: the arm gives way, with gravity compensated and a
+  /// little damping. It overwrites command(), and the observer is cleared.
+  void give_way() noexcept;
+
+  /// Ends a cycle. @returns (n) torques as the drives count them, always finite and within limits.
+  const VectorXd& send() noexcept;
+
+  /// Torques that the drives gave in place of send()'s, if other limits follow, as the drives count
+  /// them (n); to be called before the next cycle.
+  void sent(const VectorXd& drive_torques) noexcept;
+
+  /// The supervisor brakes and holds the arm where it then is, until resume(). False, and without
+  /// effect, in a fault or without a supervisor.
+  bool hold() noexcept;
+  /// give_way() in every cycle until resume().
+  void limp() noexcept;
+  /// Ends hold() and limp(): the reference must then begin where the arm is.
+  void resume() noexcept;
+  /// Clears what was observed, as while the motors are off. A fault remains.
+  void forget() noexcept;
+  /// Clears a fault as well, and the time of faults begins anew.
+  void reset() noexcept;
+  /// Motors off: zero torques, and nothing is checked, until reset(). A fault is cleared.
+  void disable() noexcept;
+
+  /// The first fault, or the worse one that came after it; nothing: none since reset().
+  std::optional<ControllerFault> fault() const noexcept;
+
+  int joints() const { return state_.joints(); }
+  const ArmState& state() const { return state_; }  ///< by true positions
+  /// Of this cycle, as measured.
+  const Vector6d& wrench() const { return wrench_; }
+  const JointSensors& sensors() const { return sensors_; }
+  const VectorXd& commanded() const { return tau_; }  ///< (n) true torques before limits
+  const VectorXd& torque() const { return sent_; }    ///< (n) true torques after all limits
+  const SafetyLimits& limits() const { return limits_; }
+  const SafetySupervisor* supervisor() const { return safety_ ? &*safety_ : nullptr; }
+  FrictionCompensation* friction() { return friction_ ? &*friction_ : nullptr; }
+  const ModelErrorObserver& error() const { return error_; }
+
+ private:
+  JointSensors sensors_;
+  VelocityObserver velocity_;
+  ArmState state_;
+  std::optional<FrictionCompensation> friction_;
+  std::optional<TorqueUncertainty> uncertainty_;
+  ModelErrorObserver error_;
+  SafetyLimits limits_;
+  std::optional<SafetySupervisor> safety_;
+  SafetyInput input_;
+  SafetyFault known_ = SafetyFault::kNone;
+  double dt_ = 0.0, time_ = 0.0, fault_time_ = 0.0;  // [s]
+  bool observes_ = false;  // ModelErrorObserver is on
+  bool observed_ = false;  // it was used in this cycle
+  bool limp_ = false, off_ = false;
+  Vector6d wrench_{Vector6d::Zero()};
+  int until_limit_ = 0;    // cycles until the observer's limit is evaluated again
+  VectorXd q_, dq_, y_, tau_, sent_, drive_;
+};
+
+}  // namespace veridyn

@@ -1,0 +1,37 @@
+#pragma once
+
+#include "veridyn/math/types.hpp"
+
+namespace veridyn {
+
+/// tau = p e + i (integral of e) + d de/dt, per joint, with e the wanted minus the measured position.
+/// (n) each: [N m/rad], [N m/(rad s)], [N m s/rad]; newtons and metres where a joint is prismatic.
+struct PidGains {
+  VectorXd p, i, d;
+};
+
+/// Bounds of JointPid, (n) each [N m], [N]; empty: none.
+struct PidLimits {
+  VectorXd integral;  ///< largest output of the integral
+  VectorXd torque;    ///< the integral stops while the whole is beyond: anti-windup
+};
+
+/// PID of each joint by itself, without a model. Nothing is allocated after the constructor.
+class JointPid {
+ public:
+  /// @throws InvalidInput  vectors of different sizes, a gain that is negative or not finite, a limit
+  /// that is negative or NaN.
+  JointPid(const PidGains& gains, const PidLimits& limits = {});
+
+  /// All (n), stored vectors. @param dt  [s] since the previous call. @param tau  (n), written.
+  void torques(const VectorXd& q, const VectorXd& dq, const VectorXd& wanted_q,
+               const VectorXd& wanted_dq, double dt, VectorXd& tau) noexcept;
+  void reset() noexcept { integral_.setZero(); }
+
+ private:
+  PidGains gains_;
+  PidLimits limits_;
+  VectorXd integral_;  ///< as torque
+};
+
+}  // namespace veridyn

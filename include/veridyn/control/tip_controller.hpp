@@ -1,0 +1,85 @@
+#pragma once
+
+#include <optional>
+
+#include "veridyn/control/control_cycle.hpp"
+#include "veridyn/control/cooperative_controller.hpp"
+#include "veridyn/control/impedance.hpp"
+
+namespace veridyn {
+
+/// A target in the world as a reference of the tip in the base of its arm.
+inline TaskReference in_base(const TipTarget& target, const Eigen::Vector3d& p_world_base,
+                             const Eigen::Matrix3d& R_world_base = Eigen::Matrix3d::Identity()) noexcept {
+  TaskReference out;
+  out.x.head<3>() = R_world_base.transpose() * (target.position - p_world_base);
+  out.dx.head<3>() = R_world_base.transpose() * target.velocity;
+  out.ddx.head<3>() = R_world_base.transpose() * target.acceleration;
+  return out;
+}
+
+/// Impedance of the tip, see ImpedanceGains; one number for all directions, or six.
+struct TipControllerOptions {
+  Gain mass = 2.0;         ///< M_d [kg], [kg m^2], above zero
+  Gain damping = 80.0;     ///< K_d [N s/m], [N m s/rad]
+  Gain stiffness = 800.0;  ///< K_p [N/m], [N m/rad]
+  Tip tip{};               ///< controlled point; without a frame that of default_tip()
+  ImpedanceOptions impedance{};
+  CycleOptions cycle{};
+};
+
+/// From encoder positions, a force sensor if there is one, and a reference of the tip to the torques
+/// of the drives, every cycle: a ControlCycle around Impedance. The arm may leave its reference, so
+/// that the supervisor does not compare the two.
+///
+///   TipController controller(arm, {2, 100, 100});
+///   TaskReference wanted = controller.here(measured);
+///   every cycle: robot.write(controller.update(measured, wanted, 1e-3));
+///
+/// Nothing allocates, throws or blocks after the constructor; one object serves one thread.
+class TipController {
+ public:
+  /// @throws InvalidInput  as ControlCycle and Impedance.
+  explicit TipController(const Model& arm, const TipControllerOptions& options = {});
+
+  /// @param measured  signals as the sensors show them; `wrench` is zero without
+  /// a force sensor. @param reference  coordinates of the tip, see AnalyticalTask.
+  /// @param dt  [s] since the previous update, as measured. @returns (n) torques as the drives count
+  /// them [N m], [N], always finite and within limits; valid until the next update().
+  const VectorXd& update(const Measured& measured, const TaskReference& reference, double dt) noexcept {
+    measure(measured, dt);
+    return act(reference);
+  }
+  /// update() in two steps, for a reference that depends on the present state.
+  const ArmState& measure(const Measured& measured, double dt) noexcept {
+    return cycle_.measure(measured, dt);
+  }
+  const VectorXd& act(const TaskReference& reference) noexcept;
+
+  /// The reference that rests at these measured positions. Allocates.
+  TaskReference here(const Measured& measured) const;
+
+  /// Gains of the next update(); false for gains that the constructor would refuse.
+  bool set_gains(const ImpedanceGains& gains) noexcept { return impedance_.set_gains(gains); }
+  /// As ControlCycle::sent().
+  void sent(const VectorXd& drive_torques) noexcept { cycle_.sent(drive_torques); }
+
+  bool hold() noexcept { return cycle_.hold(); }   ///< as ControlCycle::hold()
+  void limp() noexcept { cycle_.limp(); }          ///< gravity and a little damping, until resume()
+  void resume() noexcept { cycle_.resume(); }      ///< ends both; the reference begins where the arm is
+  void reset() noexcept { cycle_.reset(); }        ///< clears a fault and all that was observed
+
+  std::optional<ControllerFault> fault() const noexcept { return cycle_.fault(); }
+  int joints() const { return cycle_.joints(); }
+  const ControlCycle& cycle() const { return cycle_; }
+  const ArmState& state() const { return cycle_.state(); }  ///< by true positions
+  const TipKinematics& tip() const { return state().tip(); }
+
+ private:
+  TipController(const Model& arm, const Tip& tip, const TipControllerOptions& options);
+
+  ControlCycle cycle_;
+  Impedance impedance_;
+};
+
+}  // namespace veridyn

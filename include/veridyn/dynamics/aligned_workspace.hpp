@@ -1,0 +1,18 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace veridyn::internal {
+
+/// Memory whose first double is aligned for the widest vectors; copies have one of their own.
+class AlignedWorkspace {
+ public:
+  explicit AlignedWorkspace(std::size_t bytes);
+  double* get();
+
+ private:
+  std::vector<double> memory_;
+};
+
+}  // namespace veridyn::internal

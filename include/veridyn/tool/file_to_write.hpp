@@ -1,0 +1,24 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "veridyn/math/output_file.hpp"
+
+namespace veridyn::cli {
+
+/// One of the files of a command. All contents are made before one is written: a refusal leaves no file.
+struct FileToWrite {
+  std::string path, content;
+  std::function<void()> tell = {};  ///< prints what is said of it once all are written
+};
+
+inline void write_all(const std::vector<FileToWrite>& files) {
+  for (const FileToWrite& file : files) write_file(file.path, file.content);
+  for (const FileToWrite& file : files) {
+    if (file.tell) file.tell();
+  }
+}
+
+}  // namespace veridyn::cli

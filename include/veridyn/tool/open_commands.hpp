@@ -1,0 +1,61 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <Eigen/Geometry>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "veridyn/model/model.hpp"
+#include "veridyn/tool/common_options.hpp"
+#include "veridyn/tool/file_to_write.hpp"
+#include "veridyn/tool/program.hpp"
+
+namespace veridyn::cli {
+
+// Commands of the library to which a package adds options. The package's program has the command with all its
+// options, and `veridyn` passes a call with one of the package's on to it.
+
+/// More files for `export`.
+struct ExportExtension {
+  std::string options;  ///< that write files, for messages: "--a or --b"
+  std::function<void(CLI::App&)> add_options;
+  std::function<void()> check;                      ///< @throws CLI::ValidationError
+  std::function<std::vector<std::string>()> paths;  ///< of the files to write; empty ones were not given
+  std::function<void(const Model&, std::vector<FileToWrite>&)> add_files;
+};
+
+void add_export_command(CLI::App& tool, Outcome& outcome, const std::optional<ExportExtension>& extension);
+
+/// Arms that `kinematics` knows by a name of their own.
+struct KinematicsExtension {
+  /// Solves for the pose of the frame "tip", returns a status word; `q` starts at the previous row.
+  using InverseSolver = std::function<std::string(const Eigen::Isometry3d& T_world_tip, VectorXd& q)>;
+  struct Arm {
+    Model model;
+    InverseSolver closed_form;
+  };
+  std::string robots;  ///< behind "Robot file or name", in the help
+  std::function<std::optional<Arm>(const std::string& name)> read;
+};
+
+void add_kinematics_command(CLI::App& tool, Outcome& outcome, const KinematicsExtension& extension);
+
+/// Another purpose of `excite` than a motion for identification.
+struct ExciteExtension {
+  struct Request {
+    const CLI::App* command = nullptr;
+    std::string robot, output;
+    unsigned seed = 0;
+    std::optional<double> limit_share;
+    CommonOptions common;
+  };
+  std::function<void(CLI::App&)> add_options;
+  /// Does the work; nullopt: a motion is asked for.
+  std::function<std::optional<ExitStatus>(const Request&)> run;
+};
+
+void add_excite_command(CLI::App& tool, Outcome& outcome, const std::optional<ExciteExtension>& extension);
+
+}  // namespace veridyn::cli

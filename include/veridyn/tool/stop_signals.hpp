@@ -1,0 +1,12 @@
+#pragma once
+
+#include <atomic>
+
+namespace veridyn::cli {
+
+/// Set by every signal that requests an end (INT, TERM, HUP, QUIT, PIPE), from the first call of
+/// catch_signals() on.
+const std::atomic<bool>& stop_asked();
+void catch_signals();
+
+}  // namespace veridyn::cli

@@ -1,0 +1,473 @@
+#include "veridyn/calibration/links.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "veridyn/math/median.hpp"
+#include "calibration/contradiction.hpp"
+#include "calibration/deviations.hpp"
+#include "calibration/links/link_selection.hpp"
+#include "calibration/links/links_numbers.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn {
+namespace {
+
+using namespace internal;  // NOLINT: the parts of this very calibration
+using Kind = LinkParameter::Kind;
+
+constexpr double kSameGain = 1e-6;             // relative difference of equal gains
+constexpr int kHeldOutBlocks = 80;
+constexpr double kNoise = 1e-9;  // [m] smaller differences of constants are rounding
+
+int last_frame(const Model& arm) {
+  std::vector<int> depth(arm.frames().size(), 0);
+  int best = 0;
+  for (std::size_t k = 0; k < depth.size(); ++k) {
+    for (int i = 0; i < arm.joints(); ++i) depth[k] += arm.moves(static_cast<int>(k), i) ? 1 : 0;
+    if (depth[k] >= depth[best]) best = static_cast<int>(k);
+  }
+  return best;
+}
+
+// One hypothesis about base and tool: its parameters, fitted in full.
+struct Attachment {
+  explicit Attachment(const LinksNumbers& given) : numbers(&given) {}
+
+  const LinksNumbers* numbers;
+  bool base_free = false, tool_free = false;
+  std::unique_ptr<LinkParameters> parameters;
+  std::unique_ptr<LinkChain> chain;
+  LinkData data;
+  LinkChoice choice;
+  VectorXd start, x;  // base and tool fitted alone; everything identifiable fitted
+  std::vector<int> attached;  // parameters of base and tool
+};
+
+std::vector<int> every_row(int frames) {
+  std::vector<int> out(frames);
+  for (int k = 0; k < frames; ++k) out[k] = k;
+  return out;
+}
+
+Attachment attach(const Model& arm, int frame, const PoseCapture& poses, bool base_free,
+                  bool tool_free, const LinksOptions& options, const LinksNumbers& numbers) {
+  Attachment a(numbers);
+  a.base_free = base_free;
+  a.tool_free = tool_free;
+  a.parameters = std::make_unique<LinkParameters>(arm, frame, base_free, tool_free,
+                                                  poses.has_orientation);
+  Eigen::Isometry3d base;
+  Eigen::Isometry3d tool;
+  start_poses(arm, frame, poses, base_free, tool_free, base, tool);
+  a.chain = std::make_unique<LinkChain>(*a.parameters, base, tool);
+  a.data.poses = &poses;
+  a.data.rows = every_row(poses.frames());
+  a.data.is_outlier.assign(static_cast<std::size_t>(poses.frames()), 0);
+  for (int k = 0; k < a.parameters->size(); ++k) {
+    const Kind kind = a.parameters->all()[k].kind;
+    if (kind == Kind::kBase || kind == Kind::kTool) a.attached.push_back(k);
+  }
+  a.start = VectorXd::Zero(a.parameters->size());
+  a.start = robustly_fitted_links(*a.chain, a.data, a.attached, a.start, options.outlier);
+  // Finds the identifiable constants with the noise of a full fit.
+  std::fill(a.data.is_outlier.begin(), a.data.is_outlier.end(), 0);
+  for (int round = 0; round < 2; ++round) {
+    const LinkNormal normal = link_normal(*a.chain, a.data, round == 0 ? a.start : a.x);
+    // The residual includes wrong constants at first, so that only rank decides.
+    a.choice = identifiable_links(*a.parameters, normal, numbers, round > 0);
+    VectorXd from = round == 0 ? a.start : a.x;
+    for (int k = 0; k < from.size(); ++k) {
+      if (!std::binary_search(a.choice.independent.begin(), a.choice.independent.end(), k))
+        from[k] = 0.0;
+    }
+    a.x = robustly_fitted_links(*a.chain, a.data, a.choice.independent, from, options.outlier);
+  }
+  return a;
+}
+
+bool near_file(const Model& arm, int frame, const PoseCapture& poses, const LinksNumbers& numbers) {
+  const LinkParameters none(arm, frame, false, false, true);
+  LinkChain chain(none, Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity());
+  LinkData data;
+  data.poses = &poses;
+  data.rows = every_row(poses.frames());
+  LinkErrors errors = link_errors(chain, data, VectorXd::Zero(none.size()));
+  return median(errors.position) < numbers.near_position &&
+         (!poses.has_orientation || median(errors.angle) < numbers.near_angle);
+}
+
+Attachment chosen_attachment(const Model& arm, int frame, const PoseCapture& poses,
+                             const LinksOptions& options, const LinksNumbers& numbers) {
+  const auto is = [](AttachedPose p, AttachedPose q) { return p == q; };
+  const bool open = is(options.base, AttachedPose::kAutomatic) ||
+                    is(options.tool, AttachedPose::kAutomatic);
+  const auto with = [&](bool automatic) {
+    const bool base = is(options.base, AttachedPose::kAutomatic)
+                          ? automatic
+                          : is(options.base, AttachedPose::kFree);
+    const bool tool = is(options.tool, AttachedPose::kAutomatic)
+                          ? automatic
+                          : is(options.tool, AttachedPose::kFree);
+    return attach(arm, frame, poses, base, tool, options, numbers);
+  };
+  if (!open) return with(false);
+  Attachment free = with(true);
+  if (!near_file(arm, frame, poses, numbers)) return free;
+  Attachment known = with(false);
+  const bool as_good =
+      known.data.noise.position <= numbers.as_good * free.data.noise.position + kNoise &&
+      known.data.noise.angle <= numbers.as_good * free.data.noise.angle + kNoise;
+  return as_good ? std::move(known) : std::move(free);
+}
+
+// The fewest constants beside base and tool that explain the poses as well as all of them.
+struct Explanation {
+  bool complete = false;
+  std::vector<int> named;
+  std::vector<std::string> rivals;  // of each
+  VectorXd x;
+};
+
+std::vector<int> joined(const std::vector<int>& a, const std::vector<int>& b) {
+  std::vector<int> out = a;
+  out.insert(out.end(), b.begin(), b.end());
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+// Relative change of a constant; constants that are zero by design change last. An encoder zero comes
+// before all others.
+double relative_change(const LinkParameter& p, const LinkGain& gain, const LinksNumbers& numbers) {
+  constexpr double kNever = std::numeric_limits<double>::infinity();
+  if (p.kind == Kind::kZero && std::abs(gain.step) < (p.is_angle() ? numbers.homed_angle : numbers.homed_position))
+    return 0.0;
+  if (std::abs(p.file) < kNoise) return kNever;
+  const double change = std::abs(gain.step / p.file);
+  if (p.kind != Kind::kConstant) return change;
+  // A constant that would change by more than half is probably not the wrong one.
+  return change > numbers.misplaced ? kNever : numbers.preferred * change;
+}
+
+// How many of base and tool are where the file has them, with these parameters fitted.
+int attached_as_in_file(Attachment& a, const std::vector<int>& active, const VectorXd& x,
+                        double correlation) {
+  const VectorXd s = deviations(link_normal(*a.chain, a.data, x), active);
+  bool base = true;
+  bool tool = true;
+  for (std::size_t k = 0; k < active.size(); ++k) {
+    const LinkParameter& p = a.parameters->all()[active[k]];
+    if (p.kind != Kind::kBase && p.kind != Kind::kTool) continue;
+    const Eigen::Isometry3d& T = p.kind == Kind::kBase ? a.chain->base() : a.chain->tool();
+    const double off = p.index < 3 ? rotation_vector(T.linear())[p.index]
+                                   : T.translation()[p.index - 3];
+    if (std::abs(off) > a.numbers->significant * std::sqrt(correlation) * s[static_cast<Eigen::Index>(k)])
+      (p.kind == Kind::kBase ? base : tool) = false;
+  }
+  return static_cast<int>(base) + static_cast<int>(tool);
+}
+
+// The constant with the largest gain. Among equals: those with which base and tool are where the
+// file has them, and of these the one with the smallest relative change, named ones preferred, else
+// the first in the file's order.
+int best_gain(Attachment& a, const std::vector<int>& active, const std::vector<LinkGain>& gain,
+              const VectorXd& x, double correlation, std::string& rivals) {
+  const std::vector<LinkParameter>& all = a.parameters->all();
+  double most = 0.0;
+  for (const LinkGain& g : gain) most = std::max(most, g.gain);
+  rivals.clear();
+  if (most == 0.0) return -1;
+  std::vector<int> equal;
+  for (int k = 0; k < a.parameters->size(); ++k) {
+    if (gain[k].gain >= (1.0 - kSameGain) * most) equal.push_back(k);
+  }
+  int best = -1;
+  int in_file = 0;
+  double change = 0.0;
+  for (const int k : equal) {
+    int own_in_file = 0;
+    if (equal.size() > 1 && !a.attached.empty()) {
+      const std::vector<int> with = joined(active, {k});
+      own_in_file = attached_as_in_file(a, with, fitted_links(*a.chain, a.data, with, x, 0.0),
+                                        correlation);
+    }
+    const double own = relative_change(all[k], gain[k], *a.numbers);
+    if (best >= 0 && (own_in_file < in_file || (own_in_file == in_file && !(own < change)))) continue;
+    best = k;
+    in_file = own_in_file;
+    change = own;
+  }
+  for (int k = 0; k < a.parameters->size(); ++k) {
+    if (k == best || gain[k].gain < a.numbers->rival * most) continue;
+    rivals += (rivals.empty() ? "" : ", ") + all[k].full_name();
+  }
+  return best;
+}
+
+// Drops constants that a later one made superfluous.
+void drop_superfluous(Attachment& a, Explanation& e, double correlation) {
+  for (std::size_t k = 0; k < e.named.size() && e.named.size() > 1;) {
+    const std::vector<int> active = joined(a.attached, e.named);
+    const VectorXd s = deviations(link_normal(*a.chain, a.data, e.x), active);
+    const auto at = std::find(active.begin(), active.end(), e.named[k]) - active.begin();
+    if (std::abs(e.x[e.named[k]]) > a.numbers->significant * std::sqrt(correlation) * s[at]) {
+      ++k;
+      continue;
+    }
+    e.x[e.named[k]] = 0.0;
+    e.named.erase(e.named.begin() + static_cast<std::ptrdiff_t>(k));
+    e.rivals.erase(e.rivals.begin() + static_cast<std::ptrdiff_t>(k));
+    e.x = fitted_links(*a.chain, a.data, joined(a.attached, e.named), e.x, 0.0);
+    k = 0;
+  }
+}
+
+Explanation explain(Attachment& a, const LinksOptions& options, double correlation) {
+  Explanation e;
+  const double best = link_normal(*a.chain, a.data, a.x).chi2;
+  e.x = a.start;
+  for (;;) {
+    const std::vector<int> active = joined(a.attached, e.named);
+    e.x = fitted_links(*a.chain, a.data, active, e.x, 0.0);
+    const LinkNormal normal = link_normal(*a.chain, a.data, e.x);
+    const double rest = (normal.chi2 - best) / correlation;
+    const double freedom =
+        std::max(1.0, 1.0 * a.choice.independent.size() - 1.0 * active.size());
+    const double scale =
+        best / std::max(1.0, 1.0 * normal.residuals - 1.0 * a.choice.independent.size());
+    if (rest / scale < freedom + 4.0 * std::sqrt(2.0 * freedom)) {
+      e.complete = true;
+      break;
+    }
+    if (static_cast<int>(e.named.size()) >= options.most_named) break;
+    std::string rivals;
+    const int next = best_gain(a, active, gains(normal, active), e.x, correlation, rivals);
+    if (next < 0) break;
+    e.named.push_back(next);
+    e.rivals.push_back(rivals);
+  }
+  if (e.complete) drop_superfluous(a, e, correlation);
+  return e;
+}
+
+// Contiguous segments, every fourth held out.
+std::vector<int> part(int frames, bool held_out) {
+  const int length = std::max(1, frames / kHeldOutBlocks);
+  std::vector<int> out;
+  for (int k = 0; k < frames; ++k) {
+    if (((k / length) % 4 == 2) == held_out) out.push_back(k);
+  }
+  return out;
+}
+
+void hold_out(Attachment& a, const std::vector<int>& active, const VectorXd& x,
+              LinksCalibration& out) {
+  LinkData train = a.data;
+  train.rows = part(out.frames, false);
+  LinkData test = a.data;
+  test.rows = part(out.frames, true);
+  const VectorXd learned = fitted_links(*a.chain, train, active, x, 0.0);
+  const LinkErrors errors = link_errors(*a.chain, test, learned);
+  out.held_out_rms = rms_of(errors.position, test, false);
+  out.held_out_rms_all = rms_of(errors.position, test, true);
+  out.held_out_angle = rms_of(errors.angle, test, false);
+  const VectorXd file = fitted_links(*a.chain, train, a.attached, a.start, 0.0);
+  out.held_out_rms_file = rms_of(link_errors(*a.chain, test, file).position, test, false);
+}
+
+double serial_correlation(Attachment& a) {
+  const LinkErrors errors = link_errors(*a.chain, a.data, a.x);
+  // Signed residuals, by component.
+  std::vector<std::vector<double>> series(3);
+  for (const int row : a.data.rows) {
+    const auto at = static_cast<std::size_t>(row);
+    const Eigen::Vector3d r =
+        a.chain->pose(a.data.poses->q.row(row), nullptr).translation() -
+        a.data.poses->poses[at].translation();
+    for (int c = 0; c < 3; ++c)
+      series[c].push_back(a.data.is_outlier[at] != 0 ? std::nan("")
+                                                                              : r[c]);
+  }
+  return correlation_factor(series);
+}
+
+void list_constants(const Attachment& a, const Explanation& e, const std::vector<int>& active,
+                    const VectorXd& x, LinksCalibration& out) {
+  const LinkNormal normal = link_normal(*a.chain, a.data, x);
+  const VectorXd s = deviations(normal, active);
+  const std::vector<LinkGain> more = gains(normal, active);
+  const double dof =
+      std::max(1.0, (normal.residuals - 1.0 * active.size()) / out.correlation);
+  const double scale = std::sqrt(
+      normal.chi2 / std::max(1.0, normal.residuals - 1.0 * active.size()) * out.correlation);
+  for (int k = 0; k < a.parameters->size(); ++k) {
+    const LinkParameter& p = a.parameters->all()[k];
+    LinkConstant c;
+    c.name = p.name;
+    c.frame = p.frame;
+    c.unit = p.unit;
+    c.file = p.file;
+    c.found = p.file + x[k];
+    c.why = a.choice.why[k];
+    const auto at = std::find(active.begin(), active.end(), k);
+    double centre = c.found;
+    double deviation = 0.0;
+    if (at != active.end()) {
+      c.why.clear();
+      deviation = s[at - active.begin()];
+      c.changed = p.kind != Kind::kBase && p.kind != Kind::kTool;
+    } else {
+      const LinkGain& one = more[k];
+      centre += one.step;
+      deviation = one.deviation;
+    }
+    if (c.why.empty() && deviation <= 0.0) {  // a named one takes its place
+      for (const int n : e.named)
+        c.why += (c.why.empty() ? "cannot be told from " : ", ") +
+                 a.parameters->all()[n].full_name();
+    }
+    c.identifiable = c.why.empty();
+    const double half = deviation > 0.0 ? half_width(std::pow(scale * deviation, 2.0), dof)
+                                        : std::numeric_limits<double>::infinity();
+    c.low = centre - half;
+    c.high = centre + half;
+    for (std::size_t n = 0; n < e.named.size(); ++n) {
+      if (e.complete && e.named[n] == k && !e.rivals[n].empty())
+        c.why = "explains the poses no better than " + e.rivals[n] + " would";
+    }
+    out.constants.push_back(c);
+  }
+}
+
+// The first joint that leaves its limits, in words: it may be recorded in other units.
+std::string beyond_limits(const Model& arm, const PoseCapture& poses) {
+  for (int i = 0; i < arm.joints(); ++i) {
+    const Coordinate& c = arm.coordinates()[i];
+    const double low = poses.q.col(i).minCoeff();
+    const double high = poses.q.col(i).maxCoeff();
+    if (low >= c.limits.lower && high <= c.limits.upper) continue;
+    return fmt::format(": {} goes from {:.4g} to {:.4g} {}, beyond its limits", c.name, low, high,
+                       c.prismatic ? "m" : "rad");
+  }
+  return "";
+}
+
+// Reason why the fit is none: the poses are not those of this frame at these joint positions.
+std::string no_fit(const Model& arm, const Attachment& a, const std::string& frame, const LinkErrors& errors) {
+  const auto outliers = static_cast<int>(std::count(a.data.is_outlier.begin(), a.data.is_outlier.end(), 1));
+  const double angle = a.data.poses->has_orientation ? rms_of(errors.angle, a.data, false) : 0.0;
+  const std::string why =
+      contradiction(a.data.poses->poses, {outliers, rms_of(errors.position, a.data, false), angle});
+  if (why.empty()) return "";
+  return why + "; they may be poses of another frame than " + frame + ", joints of other rows, or not in rad and m" +
+         beyond_limits(arm, *a.data.poses);
+}
+
+std::string why_not(const Model& arm, const PoseCapture& poses, int fewest) {
+  if (!poses.fault.empty()) return poses.fault;
+  if (poses.frames() < fewest)
+    return fmt::format("too few frames: {} with a pose and all joints, and {} or more are needed",
+                       poses.frames(), fewest);
+  const VectorXd range = poses.q.colwise().maxCoeff() - poses.q.colwise().minCoeff();
+  std::string still;
+  for (int i = 0; i < arm.joints(); ++i) {
+    const Coordinate& c = arm.coordinates()[i];
+    if (range[i] > (c.prismatic ? 1e-3 : 0.01)) return "";
+    still += (still.empty() ? "" : ", ") + c.name;
+  }
+  return "no joint moves (" + still + "): poses that differ are missing";
+}
+
+}  // namespace
+
+const std::vector<TableNumber<LinksNumbers>>& links_numbers() {
+  using T = LinksNumbers;
+  static const std::vector<TableNumber<T>> kAll = {number_of<&T::fewest_frames>("fewest_frames"),
+                                                   number_of<&T::near_position>("near_position"),
+                                                   number_of<&T::near_angle>("near_angle"),
+                                                   number_of<&T::as_good>("as_good"),
+                                                   number_of<&T::homed_angle>("homed_angle"),
+                                                   number_of<&T::homed_position>("homed_position"),
+                                                   number_of<&T::rival>("rival"),
+                                                   number_of<&T::significant>("significant"),
+                                                   number_of<&T::misplaced>("misplaced"),
+                                                   number_of<&T::preferred>("preferred"),
+                                                   number_of<&T::loose_length>("loose_length"),
+                                                   number_of<&T::loose_angle>("loose_angle"),
+                                                   number_of<&T::loose_ratio>("loose_ratio")};
+  return kAll;
+}
+
+LinksCalibration calibrate_links(const Model& arm, const PoseCapture& poses, const LinksOptions& options) {
+  return calibrate_links(arm, poses, options, LinksNumbers());
+}
+
+LinksCalibration calibrate_links(const Model& arm, const PoseCapture& poses, const LinksOptions& options,
+                                 const LinksNumbers& numbers) {
+  const auto began = std::chrono::steady_clock::now();
+  require(poses.q.cols() == arm.joints(), poses.source, ": found ",
+          poses.q.cols() == 0 ? std::string("no columns of joints")
+                              : text("joints q1 to q", poses.q.cols()),
+          ", expected q1 to q", arm.joints(), " of robot '", arm.name(), "'.");
+  const int frame = options.frame.empty() ? last_frame(arm) : arm.find_frame(options.frame);
+  require(frame >= 0, "robot '", arm.name(), "': found no frame '", options.frame, "'.");
+  LinksCalibration out;
+  out.robot = arm.name();
+  out.source = poses.source;
+  out.frame = arm.frames()[frame].name;
+  out.frames = poses.frames();
+  out.reason = why_not(arm, poses, numbers.fewest_frames);
+  if (!out.reason.empty()) return out;
+  Attachment a = chosen_attachment(arm, frame, poses, options, numbers);
+  out.base_free = a.base_free;
+  out.tool_free = a.tool_free;
+  out.rank_gap = a.choice.rank_gap;
+  out.reason = no_fit(arm, a, out.frame, link_errors(*a.chain, a.data, a.x));
+  if (!out.reason.empty()) return out;
+  if (a.choice.independent.size() <= a.attached.size()) {
+    out.reason = "no constant of the robot can be told from these poses: motion of more joints is "
+                 "missing";
+    return out;
+  }
+  const double unknowns = static_cast<double>(a.choice.independent.size());
+  const double rows = (poses.has_orientation ? 6.0 : 3.0) * poses.frames();
+  if (rows < 2.0 * unknowns) {
+    out.reason = fmt::format("too few frames: {} for {} unknowns, and {} or more are needed",
+                             poses.frames(), unknowns,
+                             std::ceil(2.0 * unknowns * poses.frames() / rows));
+    return out;
+  }
+  out.correlation = serial_correlation(a);
+  const Explanation e = explain(a, options, out.correlation);
+  out.explained = e.complete;
+  const std::vector<int> active =
+      e.complete ? joined(a.attached, e.named) : joined({}, a.choice.independent);
+  const VectorXd x = e.complete ? e.x : a.x;
+  hold_out(a, active, x, out);
+  list_constants(a, e, active, x, out);
+  if (e.complete) out.named = e.named;
+  const LinkErrors errors = link_errors(*a.chain, a.data, x);
+  out.residuals = errors.position;
+  out.residual_angles = errors.angle;
+  out.rms = rms_of(errors.position, a.data, false);
+  out.rms_angle = rms_of(errors.angle, a.data, false);
+  out.base = a.chain->base();
+  out.tool = a.chain->tool();
+  out.rms_file = rms_of(link_errors(*a.chain, a.data, a.start).position, a.data, false);
+  out.outliers = static_cast<int>(
+      std::count(a.data.is_outlier.begin(), a.data.is_outlier.end(), 1));
+  for (const Eigen::Isometry3d& T : poses.poses) out.positions.emplace_back(T.translation());
+  out.joints = poses.q;
+  out.model = a.parameters->applied(x);
+  out.status = CalibrationStatus::kDone;
+  out.seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  return out;
+}
+
+}  // namespace veridyn

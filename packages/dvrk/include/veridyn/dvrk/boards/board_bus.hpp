@@ -1,0 +1,246 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "veridyn/dvrk/protocol/command.hpp"
+#include "veridyn/dvrk/protocol/exchange.hpp"
+#include "veridyn/dvrk/protocol/fault_log.hpp"
+#include "veridyn/dvrk/protocol/feedback.hpp"
+
+namespace veridyn::dvrk {
+
+/// Protocol of a cycle: section 8.
+enum class CycleProtocol {
+  kAutomatic,       ///< kBroadcastWrite where the firmware allows it, else kSequential
+  kSequential,      ///< 8.1
+  kBroadcastWrite,  ///< 8.2
+  kBroadcast        ///< 8.3: query, one read of all boards, one write
+};
+
+/// Access of a client to the boards.
+enum class Access {
+  kDrive,  ///< reads and writes
+  /// Reads alone: no packet is sent that changes a board, so another client may drive it meanwhile.
+  /// Reads of real-time blocks restart the boards' timestamps, however, which that client sees.
+  kListen,
+  kListenByRegister  ///< the same by reads of single registers, which change nothing at all; slow
+};
+
+struct BusOptions {
+  std::vector<int> boards;  ///< ids of the boards in use
+  Access access = Access::kDrive;
+  /// While listening: still sends the two packets of a session's start, which give boards after
+  /// power-up their address (section 5, #1 and #3).
+  bool announce = false;
+  CycleProtocol protocol = CycleProtocol::kAutomatic;
+  double reply_timeout = 0.020;      ///< [s]; that of a whole cycle too
+  /// [s] after which a read without a reply is repeated within a cycle (Exchange); 0: never. A
+  /// reply takes 0.15 ms; the rest of the cycle absorbs the wait.
+  double repeat_after = 0.001;
+  double rescan_timeout = 0.005;     ///< [s] per node while the cycle runs on
+  double cycle_time = 1.0 / 1500.0;  ///< [s] nominal; 0: timestamps are not judged
+  /// FireWire joins the boards, though the hub is an FPGA V3 with firmware 9, which is taken for
+  /// one of a bus that Ethernet alone joins.
+  bool firewire = false;
+  std::size_t mtu = 1500;            ///< [bytes] largest packet on the route to the boards
+  int housekeeping = 200;            ///< cycles between two reads of a slow register; 0: none
+};
+
+struct BoardInfo {
+  int id = -1;
+  std::optional<int> node;  ///< nothing: not found on the bus
+  int firmware = 0;
+  std::uint32_t hardware = 0;
+  std::uint32_t status = 0;
+  std::uint32_t ethernet = 0;
+};
+
+enum class BusState {
+  kClosed,  ///< start() was not called
+  kRunning,
+  kScanning,  ///< nodes have changed; read() looks for the boards again, one node per call
+  kRefused    ///< what was found then cannot be used: start() again
+};
+
+/// The client's side of the boards: bus scan, real-time cycle, registers. Detects conditions 1 to
+/// 16 and 25 to 30 of section 17; BoardSession handles those that boards report (17 to 24). After
+/// start() nothing allocates or throws.
+class BoardBus {
+ public:
+  /// @throws InvalidInput  no boards, too many, an id twice or beyond 15.
+  BoardBus(DatagramLink& link, const BusOptions& options);
+
+  /// Session start: section 5. Takes about half a second.
+  /// While listening nothing is written, and the protocol is the sequential one, unless a
+  /// broadcast read is asked for: that needs a query, which is a write that changes no output.
+  ///
+  /// @throws InvalidInput  no hub, a board in use is missing, twice there, or not what this
+  ///                       program can drive; a broadcast protocol over mixed firmware, or one
+  ///                       that does not fit the MTU.
+  void start();
+
+  BusState state() const { return state_; }
+  CycleProtocol protocol() const { return protocol_; }
+  bool ethernet_only() const { return ethernet_only_; }
+  int boards() const { return static_cast<int>(boards_.size()); }
+  const BoardInfo& info(int b) const { return boards_[b].info; }
+  const FaultLog& faults() const { return log_; }
+  FaultLog& faults() { return log_; }
+
+  /// Reads all boards. @returns whether all of them are valid.
+  bool read() noexcept;
+  /// While silent, reads send no query: it is a write, and keeps watchdogs quiet (section 14.1).
+  void fall_silent(bool silent) noexcept { silent_ = silent; }
+  bool valid(int b) const { return boards_[b].valid; }
+  const BoardFeedback& feedback(int b) const { return boards_[b].feedback; }
+  /// Cycles in a row without a valid read.
+  int lost_reads(int b) const { return boards_[b].lost_reads; }
+  /// Reason for the loss of the last one.
+  Condition loss(int b) const { return boards_[b].loss; }
+  /// Cycles in a row in which a command was not found in the motor status; on Rev 7 in the
+  /// registers of its channels, one of them every few cycles.
+  int lost_writes(int b) const { return boards_[b].lost_writes; }
+  /// Why the block of board b does not show the last command: kNotEffective, or kOldReplies where the channel's
+  /// register holds the command.
+  Condition unshown(int b) const { return boards_[b].unshown; }
+  /// Looks at the registers of every board in the next cycles, one board in each, whether it has restarted.
+  void suspect_all() noexcept {
+    for (Board& b : boards_) b.suspect = true;
+  }
+  /// The board has restarted: watchdog and preloads are those of power-up.
+  bool rebooted(int b) const { return boards_[b].rebooted; }
+  bool link_lost() const { return link_lost_; }
+  /// The present feedback was measured between its first request and its last reply, which may have
+  /// come late [s of the link's clock].
+  struct Interval {
+    double from = 0.0, to = 0.0;
+  };
+  Interval measured() const noexcept;
+  /// Why the boards are looked for again, while they are.
+  Condition unrest() const { return unrest_; }
+
+  /// Command of the next write(), which resets it to "nothing".
+  BoardCommand& command(int b) { return boards_[b].command; }
+  /// Sends all commands; keeps the watchdogs alive even without commands. While nodes are unknown,
+  /// sends switch_off(false) instead.
+  void write() noexcept;
+
+  /// Sets zero current and switches amplifiers off, optionally power too, for the boards in use: by
+  /// broadcast, which a change of generation cannot lose (section 6).
+  enum class Off { kAmps, kPower };
+  void switch_off(Off what) noexcept;
+  /// The same for one board through its control register, for boards that ignore blocks.
+  bool switch_off_by_register(int b, Off what) noexcept;
+  /// DAC bits of zero current, by calibration.
+  void set_zero(int b, int channel, std::uint16_t bits) noexcept;
+
+  /// Registers of one board; false, and nothing sent, while nodes are unknown.
+  bool read_register(int b, std::uint16_t address, std::uint32_t& value) noexcept;
+  bool write_register(int b, std::uint16_t address, std::uint32_t value) noexcept;
+  /// Writes, reads back, repeats twice. @returns whether it is there.
+  bool write_checked(int b, std::uint16_t address, std::uint32_t value) noexcept;
+  /// Serial number "1234-56" of a QLA, from its memory: section 7.6. Empty: it has none.
+  std::string qla_serial(int b);
+  /// Sets all watchdogs and verifies them; forgets that boards were rebooted.
+  bool set_watchdog(double seconds) noexcept;
+
+  const ReplyLoss& reply_loss() const { return exchange_.loss(); }
+  /// [s] of the last read() in which replies had come, but this program did not run.
+  double lay_seconds() const { return exchange_.lay(); }
+
+ private:
+  struct Board {
+    BoardInfo info;
+    BoardFeedback feedback;
+    BoardCommand command;
+    std::array<std::uint16_t, kChannels> zero{};
+    std::array<std::uint16_t, kChannels> sent{};    ///< last value of each channel
+    std::array<std::uint16_t, kChannels> before{};  ///< the one before it
+    std::array<bool, kChannels> has_sent{};
+    std::optional<double> read_at;
+    double asked_at = 0.0;
+    bool valid = false;
+    bool rebooted = false;
+    bool suspect = false;  ///< look at its registers soon
+    int lost_reads = 0;
+    Condition loss = Condition::kNoReply;
+    int lost_writes = 0;
+    std::optional<std::size_t> hidden;  ///< channel whose last command the block does not show
+    Condition unshown = Condition::kNotEffective;
+  };
+
+  /// Result of a bus scan.
+  struct Scan {
+    std::array<BoardInfo, kMaxBoards> found{};  ///< by node
+    int node = 0;
+  };
+
+  /// Reason for refusing the boards found.
+  struct Objection {
+    Condition condition = Condition::kNoReply;
+    std::optional<int> board = {};  ///< place in boards_, or the id that is there twice; nothing: no objection
+  };
+
+  Route route(const Board& b) const;
+  Route route_to(int node) const;
+  Route everyone() const;
+  void note(Condition condition, std::optional<int> board = {}, std::optional<int> channel = {},
+            std::uint32_t value = 0) noexcept;
+
+  bool listens() const { return options_.access != Access::kDrive; }
+  void listen() noexcept;
+  void find_hub();
+  void settle_gap_count() noexcept;
+  void probe(int node, double timeout) noexcept;
+  bool all_found() const noexcept;
+  Objection assign() noexcept;
+  std::string words_of(const Objection& objection) const;
+  void choose_protocol();
+  void begin_scan(Condition why) noexcept;
+  void scan_step() noexcept;
+
+  void read_sequential() noexcept;
+  void read_by_register() noexcept;
+  bool read_words(Board& b, QuadletSpan words) noexcept;
+  void read_broadcast() noexcept;
+  void accept(Board& b, QuadletView block, double asked) noexcept;
+  void check_timestamp(Board& b) noexcept;
+  void check_commands(Board& b) noexcept;
+  void lose(Board& b, Condition why) noexcept;
+  void lose_noted(Board& b, Condition why, std::uint32_t word) noexcept;
+  void keep_house() noexcept;
+  void look_at(Board& b) noexcept;
+  void look_for_lost_writes() noexcept;
+  void look_at_command(Board& b, std::size_t channel) noexcept;
+
+  bool nodes_known() const noexcept;
+  void write_blocks() noexcept;
+  void remember(Board& b) noexcept;
+  bool one_group() const noexcept;
+
+  DatagramLink& link_;
+  BusOptions options_;
+  FaultLog log_;
+  Exchange exchange_;
+  std::vector<Board> boards_;  ///< ascending ids
+  Scan scan_;
+  BusState state_ = BusState::kClosed;
+  CycleProtocol protocol_ = CycleProtocol::kSequential;
+  int hub_node_ = 0;
+  bool ethernet_only_ = false;  ///< boards on one Ethernet, without FireWire between them
+  Condition unrest_ = Condition::kGenerationChanged;
+  std::size_t asked_channel_ = 0;  ///< of all boards, one after the other
+  std::uint16_t sequence_ = 0;
+  std::uint32_t watchdog_counts_ = 0;
+  bool link_lost_ = false;
+  bool silent_ = false;
+  long cycles_ = 0;
+  std::array<std::uint8_t, kMaxDatagram> block_{};
+};
+
+}  // namespace veridyn::dvrk

@@ -1,0 +1,204 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "veridyn/dvrk/protocol/analog.hpp"
+#include "veridyn/dvrk/boards/board_bus.hpp"
+
+namespace veridyn::dvrk {
+
+/// Limits of a motor channel, in bits, so that the boards' safety does not depend on a conversion
+/// to SI units.
+struct ChannelSafety {
+  bool used = false;
+  std::uint16_t zero_command = kZeroCurrent;  ///< DAC bits of no current, by calibration
+  double zero_feedback = kZeroCurrent;        ///< ADC bits of no current
+  double feedback_per_command = 1.0;          ///< ADC bits that one DAC bit makes
+  double max_current = 0.0;                   ///< largest |command - zero| [bits]
+  /// Pot against encoder: positions in any unit. Tolerance 0: not compared.
+  LinearScale counts_to_position;
+  LinearScale pot_to_position;
+  double pot_tolerance = 0.0;
+  double pot_latency = 0.010;   ///< [s]
+  bool watch_pot_rail = false;  ///< a pot at an end of its converter refuses power
+  double rest_counts = 0.0;     ///< a motor that moves by less in SessionOptions::stall stands still; 0: not watched
+};
+
+/// True if a pot's reading [bits] is at an end of the converter: it is then invalid, or its wire is
+/// broken. 16 bits are 1.1 mV.
+constexpr bool at_rail(double pot_bits) {
+  return pot_bits <= 16.0 || pot_bits >= 65535.0 - 16.0;
+}
+
+/// An amplifier that is on must give one of the last commands: within `margin` [bits] and `share` of
+/// that command, or its power goes after so many cycles.
+struct CurrentFollowing {
+  int cycles = 10;
+  double margin = 262.0;  ///< 50 mA: section 14.6
+  double share = 0.1;
+};
+
+struct SessionOptions {
+  BusOptions bus;
+  /// By index of the board in ascending ids; missing boards have no channel in use.
+  std::vector<std::array<ChannelSafety, kChannels>> channels;
+  double watchdog = 0.030;         ///< [s]; 0 is refused (section 14.1)
+  int lost_reads = 3;              ///< in a row, then power off
+  int lost_writes = 3;             ///< in a row, then amplifiers off
+  int current_cycles = 100;        ///< section 14.6, of channels whose amplifier is off
+  CurrentFollowing follow;
+  double stall = 0.25;             ///< [s] near its largest current at a standstill, then power off
+  double relay_timeout = 0.2;      ///< [s]
+  double supply_timeout = 3.0;     ///< [s]
+  double amp_grace = 0.0455;       ///< [s] 40 ms, 2.5 ms and 3 for the transmission: section 14.2
+  double off_timeout = 0.5;        ///< [s] in which boards must confirm that they are off
+  double warm = 60.0, hot = 65.0;  ///< [degC]
+};
+
+/// Status of the boards after switching off.
+enum class OffState {
+  kConfirmed,  ///< every board in use was read: amplifiers off, power not requested
+  kNotAsked,   ///< the session never wrote, so there is nothing to confirm
+  kPowerOn,    ///< amplifiers are off, but a board still requests power
+  kAmpsOn,     ///< an amplifier is on
+  kUnknown     ///< a board could not be read
+};
+const char* describe(OffState state);
+
+/// State of a session between power-up and currents.
+enum class PowerState {
+  kOff,    ///< amplifiers and power are commanded off, again in every cycle
+  kRelay,  ///< the safety relay closes
+  kPower,  ///< the motor supply is being switched on
+  kAmps,   ///< amplifiers come up with zero current
+  kOn,     ///< commands count
+  kFault   ///< off, until acknowledge()
+};
+
+const char* describe(PowerState state);
+
+/// A session with boards that drive an arm: power-up and power-down (section 14.5), checks in every
+/// cycle (14.6, 17), and currents in state kOn only. Any fault ends in kFault, where amplifiers are
+/// commanded off in every cycle; nothing restarts by itself. One cycle is update(), set_command()
+/// for every channel, commit().
+///
+/// With BusOptions::access other than kDrive nothing is written at all: update() reads and checks,
+/// commit() and shutdown() do nothing, power_on() refuses.
+///
+/// The destructor switches off: amplifiers, power, by broadcast, repeated.
+class BoardSession {
+ public:
+  /// @throws InvalidInput  as BoardBus; a watchdog of 0 or beyond 0.34 s, a limit that is not
+  ///                       positive.
+  BoardSession(DatagramLink& link, const SessionOptions& options);
+  ~BoardSession();
+  BoardSession(const BoardSession&) = delete;
+  BoardSession& operator=(const BoardSession&) = delete;
+
+  /// Finds the boards, switches them off, sets the watchdogs and verifies them. Again after a board
+  /// was rebooted, or after a scan that was refused.
+  /// @throws InvalidInput  as BoardBus::start(); a watchdog cannot be set.
+  void start();
+
+  /// Reads all boards, checks them, moves on with power-up. @returns whether all are valid.
+  bool update() noexcept;
+  /// Sets the motor current in state kOn [DAC bits], limited. Valid for one commit().
+  void set_command(int board, int channel, double bits) noexcept;
+  /// Sends: commands in state kOn, zero currents otherwise. If a read was invalid, the last
+  /// commands are held.
+  void commit() noexcept;
+
+  /// Begins to power up. @returns nullptr, or why not.
+  const char* power_on() noexcept;
+  /// Amplifiers off with the next commit(), then power.
+  void power_off() noexcept;
+  /// KFault -> kOff. @returns false: the bus is not running, or a board was restarted: call
+  /// start().
+  bool acknowledge() noexcept;
+  /// Switches off by broadcast and by register, repeatedly until every board in use reads as off,
+  /// for at most SessionOptions::off_timeout. If a link loses writes, or boards do not answer, the
+  /// result differs from kConfirmed: the state is then unknown, and only the emergency stop helps.
+  OffState shutdown() noexcept;
+
+  /// Loads an encoder and verifies it. @returns false: it is not there, or the overflow bit stays.
+  bool preload(int board, int channel, std::int32_t counts) noexcept;
+  /// False only if the board reports a preload since its start.
+  bool needs_preload(int board, int channel) noexcept;
+
+  PowerState state() const { return state_; }
+  /// The condition that led to kFault; kNoReply before any.
+  Condition cause() const { return cause_; }
+  /// The same as text, with the board and the channel concerned.
+  std::string cause_words() const;
+  BoardBus& bus() { return bus_; }
+  const BoardBus& bus() const { return bus_; }
+  FaultLog& faults() { return bus_.faults(); }
+  const FaultLog& faults() const { return bus_.faults(); }
+  bool listens() const { return options_.bus.access != Access::kDrive; }
+
+ private:
+  enum class Reaction { kReport, kAmpsOff, kPowerOff };
+  struct ChannelState {
+    std::uint16_t command = kZeroCurrent;
+    std::uint16_t held = kZeroCurrent;
+    bool asked = false;
+    int excess_cycles = 0;
+    std::array<std::uint16_t, 4> sent{};  ///< last commands, of which lost writes leave older ones
+    std::optional<double> amp_missing_since;
+    std::optional<double> pot_off_since;
+    double stalled = 0.0;            // [s] near its largest current, less those below it
+    std::int32_t stalled_at = 0;     // [counts]
+  };
+
+  const ChannelSafety& safety(int b, int c) const {
+    return channels_[b][c];
+  }
+  ChannelState& channel(int b, int c) {
+    return states_[b][c];
+  }
+  bool had_power() const { return checked_ == PowerState::kAmps || checked_ == PowerState::kOn; }
+  bool on_the_way() const { return state_ != PowerState::kOff && state_ != PowerState::kFault; }
+  void enter(PowerState state) noexcept;
+  void react(Reaction reaction, Condition condition, std::optional<int> board = {},
+             std::optional<int> channel = {}) noexcept;
+  void note(Condition condition, Reaction reaction, int b, std::optional<int> c,
+            std::uint32_t value) noexcept;
+  void check_bus() noexcept;
+  void check_board(int b) noexcept;
+  void check_relay(int b, const BoardFeedback& f) noexcept;
+  void check_power(int b, const BoardFeedback& f) noexcept;
+  void check_temperature(int b, const BoardFeedback& f) noexcept;
+  void check_channel(int b, int c, const BoardFeedback& f) noexcept;
+  void check_amp(int b, int c, const BoardFeedback& f) noexcept;
+  void check_current(int b, int c, const BoardFeedback& f) noexcept;
+  void check_stall(int b, int c, const BoardFeedback& f) noexcept;
+  void check_encoder(int b, int c, const BoardFeedback& f) noexcept;
+  void check_pot(int b, int c, const ChannelFeedback& f) noexcept;
+  void move_on() noexcept;
+  void command_off(int b) noexcept;
+  OffState seen_off() noexcept;
+  bool amps_stay_on() const noexcept;
+  void command_channels(int b, AmpRequest amp) noexcept;
+
+  DatagramLink& link_;
+  SessionOptions options_;
+  BoardBus bus_;
+  std::vector<std::array<ChannelSafety, kChannels>> channels_;
+  std::vector<std::array<ChannelState, kChannels>> states_;
+  PowerState state_ = PowerState::kOff;
+  double checked_at_ = 0.0, since_check_ = 0.0;  // [s] time of the last checks of valid feedback, and since those before
+  PowerState checked_ = PowerState::kOff;  ///< state_ when the cycle's checks began
+  Condition cause_ = Condition::kNoReply;
+  std::optional<int> cause_board_ = {}, cause_channel_ = {};  ///< id, and channel from 0
+  double entered_ = 0.0;
+  bool all_valid_ = false;
+  bool started_ = false;
+  bool power_off_asked_ = true;  ///< in kOff and kFault: the supply as well
+  int off_cycles_ = 0;
+};
+
+}  // namespace veridyn::dvrk

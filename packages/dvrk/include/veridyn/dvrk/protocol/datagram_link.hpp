@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "veridyn/dvrk/protocol/bytes.hpp"
+
+namespace veridyn::dvrk {
+
+inline constexpr std::uint32_t kMulticastGroup = 0xE0000064;  ///< 224.0.0.100, section 1
+
+/// Destination of a datagram: section 2.3.
+enum class Destination { kBoard, kEveryone, kMulticast };
+
+/// A received datagram.
+struct Arrival {
+  bool any = false;
+  std::size_t size = 0;      ///< bytes, cut at the buffer's end
+  bool known_source = true;  ///< from an address that the boards have
+  double lay = 0.0;          ///< [s] for which it lay ready before this program took it
+};
+
+/// The connection to the boards, with its clock: UDP, or an emulator in the same process with a
+/// clock that tests advance.
+class DatagramLink {
+ public:
+  virtual ~DatagramLink() = default;
+
+  /// @returns false: it could not be sent.
+  virtual bool send(ByteView datagram, Destination to) noexcept = 0;
+  /// Waits up to `timeout` [s]; 0 polls.
+  virtual Arrival receive(ByteSpan buffer, double timeout) noexcept = 0;
+  virtual double now() noexcept = 0;  ///< [s], never back
+  virtual void wait(double seconds) noexcept = 0;
+  /// The server's IPv4 address as register 11 wants it: a.b.c.d is 0xddccbbaa (section 5).
+  virtual std::uint32_t address_word() const noexcept = 0;
+  /// Destination::kBoard is the board of this id from now on, on a bus without FireWire.
+  virtual void speak_to(int board) noexcept { (void)board; }
+  /// Sets the hub that was found; from Rev 9 on its board id is part of its address (section 2.3).
+  virtual void hub_is(int firmware, int board) noexcept {
+    (void)firmware;
+    (void)board;
+  }
+};
+
+}  // namespace veridyn::dvrk

@@ -1,0 +1,153 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "veridyn/emulator/board_load.hpp"
+#include "veridyn/dvrk/protocol/bytes.hpp"
+#include "veridyn/emulator/emulated_board.hpp"
+#include "veridyn/dvrk/protocol/reply.hpp"
+#include "veridyn/dvrk/protocol/request.hpp"
+
+namespace veridyn::dvrk {
+
+/// Faults of a reply in transmission.
+enum class ReplyFault {
+  kNone,
+  kDrop,
+  kDelay,     ///< by EmulatorFaults::delay
+  kTruncate,  ///< four bytes are missing
+  kExtend,    ///< four bytes too many
+  kLabel,     ///< Label of an earlier request
+  kTcode,     ///< Transaction code of the other kind of read
+  kNode,      ///< Node of another board
+  kLength,    ///< the length field is wrong, the datagram is not
+  kBus,       ///< source bus is not 0x3FF
+  kCrc,       ///< not zero and wrong
+  kOld,       ///< a block of the hub that repeats the first of them, with its own label
+  kForeign    ///< from an unknown address
+};
+
+struct EmulatorFaults {
+  ReplyFault reply = ReplyFault::kNone;
+  int replies = 0;                    ///< Number of replies; -1: all
+  int node = -1;                      ///< This node alone; -1: any
+  double delay = 0.005;               ///< [s] for kDelay
+  std::uint8_t flags = 0;             ///< set in every trailer
+  std::uint8_t packet_errors = 0;     ///< the count in every trailer
+  std::uint8_t generation_ahead = 0;  ///< added to the generation in every trailer
+  bool lose_writes = false;           ///< writes never arrive
+  double loss = 0.0;                  ///< share of datagrams that are lost, each way
+};
+
+/// One reply of the emulator; size 0: none.
+struct Answer {
+  std::size_t size = 0;
+  double delay = 0.0;    ///< [s] after which it leaves
+  bool foreign = false;  ///< should come from another address
+};
+
+/// Several boards on one FireWire bus behind one Ethernet port, as a client sees them: sections 2
+/// to 11 and 14 (bridge mode). A pure function of datagrams and times; the UDP server is around it
+/// (BoardServer). handle() does not allocate.
+class BoardEmulator {
+ public:
+  /// Node numbers are the places in the list; the first board is the hub.
+  /// @throws InvalidInput  no boards, more than 16, an id twice or beyond 15, an unknown firmware.
+  explicit BoardEmulator(const std::vector<BoardSetup>& boards, std::uint8_t generation = 1);
+
+  /// Attaches the load of the motors; not owned. The default is a StandingLoad.
+  void attach(BoardLoad* load);
+
+  /// Executes a datagram at a time that never runs back.
+  Answer handle(ByteView datagram, Ticks now, ByteSpan reply) noexcept;
+
+  Ticks time() const { return now_; }
+
+  /// Lets time pass.
+  void advance(Ticks now) noexcept;
+
+  int boards() const { return static_cast<int>(boards_.size()); }
+  EmulatedBoard& board(int place) { return boards_[place]; }
+  int node_of(int place) const { return nodes_[place]; }
+  /// Restarts a board, which also resets the bus.
+  void reboot(int place);
+
+  /// FireWire bus reset: the generation counts up, for `seconds` everything is dropped, and then
+  /// nodes have these numbers (empty: the same).
+  void bus_reset(double seconds = 0.0, const std::vector<int>& nodes = {});
+  std::uint8_t generation() const { return generation_; }
+
+  /// Section 8.5: FPGA V3 with firmware 9, joined by Ethernet alone. Before the first datagram.
+  void without_firewire() noexcept;
+
+  PowerChain chain;
+  EmulatorFaults faults;
+  /// Ticks in every trailer: packet received, answer sent.
+  std::uint16_t receive_ticks = 400;
+  std::uint16_t total_ticks = 900;
+
+  struct Counters {
+    long requests = 0;
+    long malformed = 0;
+    long dropped = 0;
+    long wrong_crc = 0;
+    long writes = 0;  ///< write requests of any kind, before losses
+  };
+  const Counters& counters() const { return counters_; }
+
+ private:
+  /// A board's block in the hub: the present one and the next one, which arrives at `at`.
+  struct HubSlot {
+    std::array<std::uint8_t, 4 * 33> now{}, next{};
+    Ticks at = 0;
+    bool pending = false;
+    std::uint16_t sequence = 0;
+  };
+
+  BoardLoad& load_or_none() { return load_ != nullptr ? *load_ : standing_; }
+  bool resetting() const { return now_ < reset_until_; }
+  int place_of(int node) const noexcept;
+  int reader_of(const Request& request) const noexcept;
+  int hub() const { return 0; }
+  Answer execute(const Request& request, ByteSpan reply) noexcept;
+  void write(const Request& request) noexcept;
+  void write_to(EmulatedBoard& board, const Request& request) noexcept;
+  Answer read(const Request& request, int place, ByteSpan reply) noexcept;
+  Answer answer_query(const Request& query, ByteSpan reply) noexcept;
+  void read_block(const Request& request, int place, QuadletSpan out) noexcept;
+  void start_query(std::uint32_t word) noexcept;
+  void settle_hub() noexcept;
+  void read_hub(QuadletSpan out) noexcept;
+  Trailer trailer(std::uint8_t flags) const noexcept;
+  Answer send(Reply& reply, int place, ByteSpan out) noexcept;
+  bool takes_fault(int node) noexcept;
+  Answer spoil(std::size_t size, ByteSpan out) noexcept;
+  bool is_lost() noexcept;
+
+  std::vector<EmulatedBoard> boards_;
+  std::vector<int> nodes_;
+  std::vector<int> by_id_;  ///< places in ascending order of their ids
+  std::vector<MotorDrive> drives_;
+  std::vector<ChannelMotion> motions_;
+  std::vector<HubSlot> slots_;  ///< by place
+  StandingLoad standing_;
+  BoardLoad* load_ = nullptr;
+  Ticks now_ = 0;
+  bool started_ = false;
+  bool ethernet_only_ = false;
+  Ticks reset_until_ = 0;
+  std::uint8_t gap_count_ = 63;  ///< Gap count of all PHYs, that of power-up
+  std::uint8_t echo_ = 0;        ///< flags of the trailer that repeat the request's
+  Ticks query_at_ = 0;
+  std::uint32_t query_ = 0;
+  std::uint8_t generation_;
+  Counters counters_;
+  std::uint64_t fate_ = 3;  ///< of lost datagrams: the same in every run
+  std::array<std::uint8_t, kMaxDatagram> block_{}, old_{};
+  std::size_t old_size_ = 0;
+};
+
+}  // namespace veridyn::dvrk

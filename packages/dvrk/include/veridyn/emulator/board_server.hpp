@@ -1,0 +1,61 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "veridyn/emulator/board_emulator.hpp"
+
+namespace veridyn::dvrk {
+
+/// An emulator behind a UDP port, in real time. Clients send to a broadcast address and to a group
+/// as well (sections 1 and 2.3), so that one address is not enough.
+class BoardServer {
+ public:
+  enum class Listens {
+    kHere,       ///< to programs of this machine alone
+    kEverywhere  ///< on all addresses of the machine
+  };
+
+  /// @param port  0: any that is free, see port(). Real hosts use 1394 alone.
+  /// @throws InvalidInput  the port is taken.
+  BoardServer(BoardEmulator& emulator, std::uint16_t port, Listens listens = Listens::kHere);
+  ~BoardServer();
+  BoardServer(const BoardServer&) = delete;
+  BoardServer& operator=(const BoardServer&) = delete;
+
+  std::uint16_t port() const { return port_; }
+
+  /// True if datagrams from this address are accepted, in host byte order.
+  bool is_heard(std::uint32_t address) const {
+    return listens_ == Listens::kEverywhere || (address >> 24) == 127;
+  }
+
+  /// Answers until `stop` is true. The emulator belongs to this thread meanwhile.
+  void run(const std::atomic<bool>& stop);
+  /// Waits up to `seconds` for one datagram and answers it; the arm moves on in any case.
+  void serve(double seconds);
+
+  /// Answers all waiting datagrams without blocking, on an external clock. @returns the number of
+  /// datagrams. @param now  never decreases.
+  int serve_waiting(Ticks now);
+
+  /// [s] since the server was made, by which the arm was late, at most: its simulation could not
+  /// keep up with real time.
+  double latest() const { return latest_; }
+
+ private:
+  Ticks now() const;
+  Ticks time_of(double came);
+  bool serve_one(Ticks at, bool as_it_came);
+
+  BoardEmulator& emulator_;
+  Listens listens_;
+  int socket_ = -1;
+  int other_socket_ = -1;  ///< for replies from an unknown address
+  std::uint16_t port_ = 0;
+  double start_ = 0.0;
+  double latest_ = 0.0;
+  double apart_ = 0.0;  ///< [s] CLOCK_REALTIME minus CLOCK_MONOTONIC
+};
+
+}  // namespace veridyn::dvrk

@@ -1,0 +1,161 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "veridyn/emulator/board_load.hpp"
+#include "veridyn/dvrk/protocol/bytes.hpp"
+#include "veridyn/dvrk/protocol/command.hpp"
+#include "veridyn/emulator/emulated_encoder.hpp"
+#include "veridyn/dvrk/protocol/feedback.hpp"
+#include "veridyn/dvrk/protocol/protocol.hpp"
+
+namespace veridyn::dvrk {
+
+struct BoardSetup {
+  int id = 0;  ///< Position of the rotary switch
+  int firmware = 8;
+  std::uint32_t hardware = kHardwareQla1;
+  std::string qla_serial = "QLA 0000-00";
+  std::string fpga_serial = "FPGA 0000-00";
+  /// QLA 1.5: amplifiers come 2.5 ms late, voltage mode exists, the motor supply has a comparator
+  bool io_expander = false;
+  bool senses_chain = true;          ///< Rev 8 on: status bit 14
+  double pot_noise = 0.0;            ///< standard deviation [bits]
+  double current_noise = 0.0;        ///< the same of measured currents
+  std::vector<std::uint8_t> dallas;  ///< memory of an instrument's chip; empty: no chip
+};
+
+/// The world around the boards: one power supply, one chain of switches.
+struct PowerChain {
+  bool emergency_stop = false;  ///< pressed
+  bool supply_on = true;
+  bool relays_closed = false;  ///< Relays closed of all boards in series; kept by the emulator
+  Ticks rise = 983040;         ///< from power enabled to voltage present: 20 ms
+};
+
+/// Faults of a board.
+struct BoardFaults {
+  bool supply_fault = false;
+  bool relay_stuck_open = false;
+  bool encoder_supply = false;
+  bool ignores_writes = false;                    ///< real-time writes change nothing
+  bool ignores_registers = false;                 ///< writes of single registers change nothing
+  bool stops_clock = false;                       ///< timestamps are zero
+  int wrong_id = -1;                              ///< the status shows this id
+  int wrong_channels = -1;                        ///< the status shows this many
+  bool skips_query = false;                       ///< never writes into the hub
+  int wrong_sequence = 0;                         ///< added to the sequence in its hub block
+  int wrong_block_size = 0;                       ///< added to the size in its hub block; Rev 8 on
+  std::array<bool, kChannels> amp{};              ///< amplifier fails
+  std::array<bool, kChannels> stuck{};            ///< amplifier keeps the current of that moment
+  std::array<std::int32_t, kChannels> current{};  ///< added to the measured current [bits]
+  std::array<double, kChannels> pot{};            ///< added to the pot [bits]
+  std::array<bool, kChannels> pot_wire{};         ///< gone: the pot reads zero
+};
+
+/// One FPGA board with its QLA: registers (section 7), amplifier logic (14.2), watchdog (14.1),
+/// current check (14.3). It has no sockets and no clock: advance() provides the time.
+class EmulatedBoard {
+ public:
+  explicit EmulatedBoard(const BoardSetup& setup);
+
+  const BoardSetup& setup() const { return setup_; }
+
+  /// Power cycle or reboot command: registers as the hardware wakes up.
+  void reboot(Ticks now) noexcept;
+
+  /// Timers and checks up to `now`.
+  void advance(Ticks now, const PowerChain& chain) noexcept;
+
+  std::uint32_t read(std::uint16_t address) const noexcept;
+  void write(std::uint16_t address, std::uint32_t data) noexcept;
+  /// Block at any address but the hub's; beyond what there is, zeros.
+  void read_block(std::uint16_t address, QuadletSpan out) noexcept;
+  /// @returns false: a real-time block without a command for this board.
+  bool write_block(std::uint16_t address, QuadletView block) noexcept;
+  /// Real-time feedback; restarts its timestamp.
+  BoardFeedback latch() noexcept;
+
+  MotorDrive drive(int channel) const noexcept;
+  void set_motion(int channel, const ChannelMotion& motion) noexcept;
+
+  Status status() const noexcept;
+  MotorStatus motor_status(int channel) const noexcept;
+  bool amp_on(int channel) const noexcept;
+  bool watchdog_tripped() const { return watchdog_tripped_; }
+  bool relay_closed() const { return relay_requested_ && !faults.relay_stuck_open; }
+  std::uint16_t dac(int channel) const { return channels_[channel].dac; }
+  EmulatedEncoder& encoder(int channel) { return channels_[channel].encoder; }
+
+  /// Reboot by command 21:20 = 11; the emulator carries it out.
+  bool reboot_requested = false;
+  std::uint32_t temperatures = 0x3234;  ///< 25 and 26 degrees
+  std::uint32_t digital_inputs = 0;     ///< bits 11:0 of section 13
+  std::uint32_t ethernet = kEthernetHealthy;
+  std::uint32_t phy_result = 0;  ///< register 2
+  std::uint32_t ip_address = 0xFFFFFFFF;
+  std::uint32_t query = 0;  ///< register 0x1800
+  BoardFaults faults;
+
+ private:
+  struct Channel {
+    std::uint16_t dac = kZeroCurrent;
+    std::uint16_t driven = kZeroCurrent;  ///< the command that the amplifier carries out
+    std::uint8_t mode = 0;
+    bool disabled = true;
+    bool tripped = false;
+    Ticks exceeds_since = -1;  ///< current check
+    Ticks enabled_at = 0;
+    std::uint32_t motor_config = kMotorConfigDefault;
+    std::uint32_t dout_timing = 0;
+    ChannelMotion motion;
+    EmulatedEncoder encoder;
+  };
+
+  void apply_amp(Channel& c, AmpRequest request, bool power_before) noexcept;
+  void apply_command(const BoardCommand& command) noexcept;
+  void apply_control(std::uint32_t word) noexcept;
+  void clear_watchdog() noexcept;
+  static void clear_trip(Channel& c) noexcept;
+  double noise(double deviation) noexcept;
+  void check_current(Channel& c, std::uint16_t measured) noexcept;
+  std::uint16_t measured_current(int channel) const noexcept;
+  std::uint32_t digital_word() const noexcept;
+  ChannelFeedback channel_feedback(int channel) const noexcept;
+  std::uint32_t read_channel(int channel, int offset) const noexcept;
+  void write_channel(int channel, int offset, std::uint32_t data) noexcept;
+  std::uint32_t dallas_status() const noexcept;
+  std::uint32_t dallas_quadlet(std::size_t place) const noexcept;
+  void command_prom(std::uint32_t command) noexcept;
+  void command_qla_prom(std::uint32_t command) noexcept;
+
+  BoardSetup setup_;
+  std::array<Channel, kChannels> channels_;
+  Ticks now_ = 0;
+  Ticks latched_at_ = 0;
+  Ticks last_write_ = 0;
+  Ticks power_since_ = 0;  ///< since when supply and chain could bring voltage
+  Ticks good_since_ = 0;
+  std::uint32_t watchdog_period_ = kWatchdogDefault;
+  bool watchdog_led_ = false;
+  bool watchdog_tripped_ = false;
+  bool power_requested_ = false;
+  bool relay_requested_ = false;
+  bool power_path_ = false;
+  bool supply_good_ = false;
+  bool chain_live_ = false;
+  std::uint32_t outputs_ = 0;
+  std::uint32_t fpga_prom_result_ = 0;
+  std::uint32_t qla_prom_result_ = 0;
+  std::size_t dallas_from_ = 0;  ///< byte of the chip
+  bool dallas_asked_ = false;
+  std::uint64_t random_ = 0x9E3779B97F4A7C15;
+  std::array<std::uint32_t, 1024> waveform_{};  ///< section 7, space 8
+  std::array<std::uint8_t, 64> qla_prom_{};
+  std::array<std::uint8_t, 64> fpga_prom_{};
+};
+
+}  // namespace veridyn::dvrk

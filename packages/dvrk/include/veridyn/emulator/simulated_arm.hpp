@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "veridyn/emulator/board_load.hpp"
+#include "veridyn/dvrk/config/io_config.hpp"
+#include "veridyn/math/types.hpp"
+#include "veridyn/model/joint_sensors.hpp"
+#include "veridyn/simulation/engine.hpp"
+
+namespace veridyn::dvrk {
+
+/// A simulated arm behind emulated boards: motor currents drive an Engine, its joints turn encoders
+/// and pots, all through the scales and the coupling of a configuration file.
+///
+/// The model may have fewer joints than there are actuators: they are the first ones, and the
+/// others stand still. While no amplifier of the arm is on, it holds its position as if it had
+/// brakes, unless it falls_without_power().
+class SimulatedArm final : public BoardLoad {
+ public:
+  /// @param boards             ids, in the order of the emulator's boards.
+  /// @param actuator_to_joint  (n x n) K; empty: identity.
+  /// @param q                  initial joint positions of the model.
+  /// @throws InvalidInput  more joints than actuators, a board that is not there, a K that is
+  ///                       singular, of the wrong size or that mixes joints of the model with
+  ///                       others.
+  SimulatedArm(Engine& engine, const RobotConfig& robot, const MatrixXd& actuator_to_joint,
+               const std::vector<int>& boards, const VectorXd& q);
+
+  void advance(double seconds, const MotorDrive* drives, ChannelMotion* motions,
+               std::size_t channels) noexcept override;
+
+  /// Stops that no joint of the model passes, (joints) each; it hits them and stays. None at first.
+  void set_end_stops(const VectorXd& lower, const VectorXd& upper);
+
+  /// Encoders, pots and currents have these errors from now on, but for delays: currents are those of
+  /// the cycle. None at first. @throws InvalidInput  another number of joints.
+  void set_sensors(const JointSensors& sensors);
+
+  /// Without brakes: once its motors have had power, nothing holds the arm when they lose it.
+  void falls_without_power() { brakes_ = false; }
+
+  /// Status of the last step; a failed engine stands still from then on.
+  StepStatus status() const { return status_; }
+  /// Joint torques that acted last (model's joints) [N m], [N].
+  const VectorXd& tau() const { return tau_; }
+
+ private:
+  struct Motor {
+    ActuatorConfig config;
+    std::size_t channel = 0;  ///< place among the emulator's channels
+  };
+
+  void stop_at_ends() noexcept;
+
+  Engine& engine_;
+  std::vector<Motor> motors_;
+  std::vector<std::size_t> brake_channels_;
+  MatrixXd joint_to_actuator_;
+  MatrixXd actuator_to_pot_;  ///< where pots do not sit on the actuators; empty: they do
+  MatrixXd joint_torque_;  ///< actuator to joint torques: inverse of K'
+  JointSensors sensors_;
+  VectorXd effort_, joint_effort_, q_, shown_q_, actuator_q_, pot_q_, tau_, rest_;
+  VectorXd lower_, upper_, held_q_, held_dq_;  ///< end stops; empty: none
+  bool parked_ = true, brakes_ = true, had_power_ = false;
+  StepStatus status_ = StepStatus::kOk;
+};
+
+}  // namespace veridyn::dvrk

@@ -1,0 +1,48 @@
+#pragma once
+
+#include "veridyn/dvrk/protocol/udp_link.hpp"
+
+namespace veridyn::dvrk {
+
+/// A clock that the loop under test moves, and emulated boards that live by it.
+class SteppedClock {
+ public:
+  virtual ~SteppedClock() = default;
+  virtual double now() const = 0;  ///< [s]
+  /// Answers all datagrams in the boards' sockets, now.
+  virtual void serve() = 0;
+  /// The same, then advances the time.
+  virtual void pass(double seconds) = 0;
+};
+
+/// UDP sockets like UdpLink's, on a SteppedClock: time stops while this program computes, so that a
+/// run is independent of the machine's speed and load. A reply takes kRoundTrip; a missing one
+/// takes the whole timeout, at once.
+class SteppedLink final : public DatagramLink {
+ public:
+  static constexpr double kRoundTrip = 50e-6;  ///< [s]
+
+  /// @throws InvalidInput  as UdpLink.
+  SteppedLink(std::uint16_t port, SteppedClock& clock) : udp_("127.0.0.1", port), clock_(clock) {}
+
+  bool send(ByteView datagram, Destination to) noexcept override { return udp_.send(datagram, to); }
+  Arrival receive(ByteSpan buffer, double timeout) noexcept override {
+    clock_.serve();
+    Arrival arrival = udp_.receive(buffer, 0.0);
+    if (timeout > 0.0) clock_.pass(arrival.any ? kRoundTrip : timeout);
+    if (!arrival.any && timeout > 0.0) arrival = udp_.receive(buffer, 0.0);
+    arrival.lay = 0.0;
+    return arrival;
+  }
+  double now() noexcept override { return clock_.now(); }
+  void wait(double seconds) noexcept override { clock_.pass(seconds); }
+  std::uint32_t address_word() const noexcept override { return udp_.address_word(); }
+  void speak_to(int board) noexcept override { udp_.speak_to(board); }
+  void hub_is(int firmware, int board) noexcept override { udp_.hub_is(firmware, board); }
+
+ private:
+  UdpLink udp_;
+  SteppedClock& clock_;
+};
+
+}  // namespace veridyn::dvrk

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "veridyn/control/computed_torque.hpp"
+#include "veridyn/control/safety/position_limit.hpp"
+#include "dvrk/run/arm_session.hpp"
+#include "dvrk/run/controllers/motion_controller.hpp"
+#include "veridyn/math/motion_samples.hpp"
+
+namespace veridyn::dvrk {
+
+/// Limits of a run: those of the controller's joints, and the soft limits of the actuators.
+/// leaves_range() tests a motion before power-up and the arm during the run.
+class MotionCheck {
+ public:
+  /// @param joints  that the motion moves, from the first on.
+  MotionCheck(const ArmSession& arm, const MotionController& controller, Eigen::Index joints);
+
+  /// @throws InvalidInput  a set point leaves the limits, with the time, the joint, and how far the
+  ///                       motion would have to shrink.
+  void require_inside(const MotionSamples& motion, double rate) const;
+
+  /// Why an arm cannot begin here; empty if it can.
+  std::string objection_to(const VectorXd& q) const;
+
+  /// The actuator of a moving arm that is about to leave its soft limits; -1: none. Does not
+  /// allocate.
+  int leaving(const BoardArmState& state) const noexcept;
+
+ private:
+  struct Guard {
+    std::string name;
+    const char* whose;   ///< whose limits they are
+    VectorXd of_joints;  ///< (n) row: maps joint positions to the guarded position
+    PositionRange range;
+    double velocity;  ///< largest
+  };
+  const Guard* broken_by(const VectorXd& q, const VectorXd& dq, double share_left) const noexcept;
+
+  std::string arm_;
+  double braking_;
+  std::vector<Guard> guards_;
+  std::vector<PositionRange> actuators_;  ///< soft limits; infinite where there is none
+};
+
+}  // namespace veridyn::dvrk

@@ -1,0 +1,247 @@
+#include "core/crtk_arm.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "veridyn/math/require.hpp"
+
+namespace veridyn_ros {
+namespace {
+
+using namespace veridyn;
+using Kind = Command::Kind;
+
+constexpr double kTwoPi = 6.283185307179586;
+constexpr double kServoSpeed = 0.8;      // of the velocity limits, at most, in streams of positions
+constexpr double kStop = 0.1;            // [s] in which a move stops
+constexpr double kSliding = 0.2;         // metres for radians where a file gives no velocity limit
+
+Tip tip_of(const Model& arm, const std::string& name) {
+  if (!name.empty()) return {name};
+  return {arm.find_frame("tool") >= 0 ? "tool" : arm.frames().back().name};
+}
+
+TaskRows rows_of(const Model& arm) {
+  return arm.joints() >= 6 ? TaskRows::kPose : TaskRows::kPosition;
+}
+
+JointGains gains_of(const Model& arm, double frequency) {
+  const double w = kTwoPi * frequency;
+  return {VectorXd::Constant(arm.joints(), w * w), VectorXd::Constant(arm.joints(), 2.0 * w)};
+}
+
+SafetyLimits limits_of(const Model& arm, const CrtkOptions& o) {
+  SafetyLimits limits = safety_limits(arm, o.effort);
+  for (int i = 0; i < arm.joints(); ++i) {
+    const bool slides = arm.coordinates()[i].prismatic;
+    if (!std::isfinite(limits.velocity[i]) || limits.velocity[i] <= 0.0)
+      limits.velocity[i] = o.velocity * (slides ? kSliding : 1.0);
+  }
+  limits.tracking.setConstant(1e9);  // clients lead; what is too far is refused
+  limits.force = 1e9;
+  limits.overrun = o.longest_cycle;
+  limits.sensor_age = o.oldest_positions;
+  return limits;
+}
+
+CycleOptions cycle_of(const Model& arm, const CrtkOptions& o) {
+  CycleOptions out;
+  out.friction.share = 0.0;
+  out.error_bandwidth = o.observer;
+  out.error_limit = 0.25 * safety_limits(arm, o.effort).torque;
+  out.limits = limits_of(arm, o);
+  return out;
+}
+
+InverseKinematicsOptions inverse_of(const Model& arm) {
+  InverseKinematicsOptions o;
+  o.rows = rows_of(arm);
+  o.position_tolerance = 1e-5;
+  o.angle_tolerance = 1e-4;
+  return o;
+}
+
+void put(const Eigen::Matrix3d& R, double (&out)[4]) {
+  const Eigen::Quaterniond q(R);
+  out[0] = q.x();
+  out[1] = q.y();
+  out[2] = q.z();
+  out[3] = q.w();
+}
+
+}  // namespace
+
+CrtkArm::CrtkArm(const Model& model, const CrtkOptions& options)
+    : model_(model), options_(options), n_(model.joints()), tip_(tip_of(model, options.tip)),
+      cycle_(model, tip_, cycle_of(model, options)), control_(n_, gains_of(model, options.frequency)),
+      inverse_(model, tip_, inverse_of(model)), task_(model, tip_, rows_of(model)),
+      setpoint_(model, tip_), way_(VectorXd::Zero(n_)), wanted_(n_), limits_(cycle_.limits()), measured_(n_),
+      goal_(VectorXd::Zero(n_)), effort_(goal_), tau_(goal_), zero_(goal_), speed_(goal_), led_(goal_),
+      smoothed_(goal_) {
+  require(n_ <= kMostJoints, "veridyn_ros: found ", n_, " joints, expected at most ", kMostJoints, ".");
+  require(options.oldest_positions > 0.0 && options.longest_cycle > 0.0,
+          "veridyn_ros: expected oldest_positions and longest_cycle above zero.");
+  require(options.hold_after > 0.0 && options.release_after > options.hold_after,
+          "veridyn_ros: expected 0 < hold_after < release_after.");
+  feedback_.joints = n_;
+  measured_.dq = zero_;
+  cycle_.disable();
+}
+
+// From here on: the measured position is held if the arm was led by efforts, else the setpoint.
+void CrtkArm::hold() noexcept {
+  const bool led = mode_ == Mode::kServo && stream_ != Kind::kServoJf && stream_ != Kind::kServoCf;
+  if (led) {
+    way_.reset(way_.x());
+  } else if (mode_ == Mode::kMove) {
+    way_.stop(kStop);
+  } else if (mode_ != Mode::kHold) {
+    goal_ = cycle_.state().q().cwiseMax(limits_.lower).cwiseMin(limits_.upper);
+    way_.reset(goal_);
+    stand();
+  }
+  mode_ = Mode::kHold;
+  silent_ = 0.0;
+}
+
+void CrtkArm::watch_silence(double dt) noexcept {
+  silent_ += dt;
+  if (mode_ == Mode::kServo && silent_ > options_.hold_after) {
+    hold();
+    silent_ = options_.hold_after;
+    stream_ = Kind::kServoJp;
+    ++feedback_.lost_streams;
+    client_ = 0;
+    return;
+  }
+  // Held because a stream was lost, not because somebody asked for it.
+  const bool lost = mode_ == Mode::kHold && stream_ != Kind::kHold;
+  if (lost && silent_ > options_.release_after) mode_ = Mode::kReleased;
+  if (mode_ == Mode::kMove && way_.arrived()) {
+    mode_ = Mode::kHold;
+    stream_ = Kind::kHold;
+  }
+}
+
+void CrtkArm::follow_twist(double dt) noexcept {
+  setpoint_.update(way_.x(), zero_);
+  task_.update(setpoint_.jacobian());
+  task_.solve(twist_, zero_, speed_);
+  goal_ = (way_.x() + dt * speed_).cwiseMax(limits_.lower).cwiseMin(limits_.upper);
+  way_.reset(goal_);
+}
+
+// The setpoint goes to where the stream is, never faster than the arm may: messages come in bursts.
+void CrtkArm::follow_joints(double dt) noexcept {
+  for (int i = 0; i < n_; ++i) {
+    const double most = kServoSpeed * limits_.velocity[i] * dt;
+    goal_[i] = way_.x()[i] + std::clamp(led_[i] - way_.x()[i], -most, most);
+  }
+  way_.reset(goal_);
+}
+
+// The controller's reference rests where the arm is.
+void CrtkArm::stand() noexcept {
+  smoothed_ = goal_;
+  wanted_.q = goal_;
+  wanted_.dq.setZero();
+  wanted_.ddq.setZero();
+}
+
+// Three lags: one on the setpoint, two in the reference, whose velocity and acceleration follow.
+void CrtkArm::smooth(double dt) noexcept {
+  const double w = options_.smoothing;
+  smoothed_ += (1.0 - std::exp(-w * dt)) * (way_.x() - smoothed_);
+  wanted_.ddq = w * w * (smoothed_ - wanted_.q) - 2.0 * w * wanted_.dq;
+  wanted_.dq += dt * wanted_.ddq;
+  wanted_.q += dt * wanted_.dq;
+}
+
+const VectorXd& CrtkArm::update(const VectorXd& shown_q, const VectorXd& dq, double age,
+                                double dt, bool powered) noexcept {
+  measured_.q = shown_q;
+  measured_.dq = dq;
+  measured_.age = age;
+  const ArmState& arm = cycle_.measure(measured_, dt);
+  const VectorXd& q = arm.q();
+  now_ += dt;
+  powered_ = powered;
+  if (!seen_ && q.allFinite()) {
+    way_.reset(q);
+    goal_ = q;
+    stand();
+    seen_ = true;
+  }
+  watch_silence(dt);
+  if (!powered_ && q.allFinite()) {
+    goal_ = q;
+    way_.reset(goal_);
+    stand();
+    if (mode_ != Mode::kOff) mode_ = Mode::kHold;
+    stream_ = Kind::kHold;
+  }
+  if (mode_ == Mode::kServo && stream_ == Kind::kServoCv) follow_twist(dt);
+  if (mode_ == Mode::kServo && (stream_ == Kind::kServoJp || stream_ == Kind::kServoCp)) follow_joints(dt);
+  way_.advance(dt);
+  const bool by_effort =
+      mode_ == Mode::kServo && (stream_ == Kind::kServoJf || stream_ == Kind::kServoCf);
+  if (by_effort) {
+    tau_ = arm.bias() + effort_;
+    cycle_.command(tau_);
+  } else if (mode_ == Mode::kReleased) {
+    cycle_.give_way();
+  } else {
+    smooth(dt);
+    cycle_.command(control_.update(arm, wanted_));
+    if (powered_) cycle_.add_model_error(control_.acceleration());
+  }
+  const VectorXd& drive = cycle_.send();
+  if (cycle_.fault() && state_ != OperatingState::kFault && state_ != OperatingState::kDisabled) {
+    state_ = OperatingState::kFault;
+    mode_ = Mode::kHold;
+  }
+  if (state_ == OperatingState::kDisabled || state_ == OperatingState::kFault) {
+    goal_ = q.allFinite() ? q : goal_;
+    way_.reset(goal_);
+    stand();
+  }
+  tell();
+  return drive;
+}
+
+void CrtkArm::tell() noexcept {
+  Feedback& f = feedback_;
+  f.time = now_;
+  setpoint_.update(way_.x(), way_.dx());
+  const ArmState& arm = cycle_.state();
+  const TipKinematics& tip = arm.tip();
+  tau_ = cycle_.torque() - arm.bias();  // torque beyond gravity
+  if (state_ == OperatingState::kDisabled || !powered_) tau_.setZero();  // brakes carry it
+  Vector6d wrench = Vector6d::Zero();
+  task_.update(tip.jacobian());
+  task_.solve_wrench(tau_, wrench);
+  for (int i = 0; i < n_; ++i) {
+    f.q[i] = arm.q()[i];
+    f.dq[i] = arm.dq()[i];
+    f.tau[i] = cycle_.torque()[i];
+    f.setpoint[i] = way_.x()[i];
+  }
+  for (int i = 0; i < 3; ++i) {
+    f.position[i] = tip.position()[i];
+    f.setpoint_position[i] = setpoint_.position()[i];
+  }
+  for (int i = 0; i < 6; ++i) {
+    f.twist[i] = tip.twist()[i];
+    f.wrench[i] = wrench[i];
+  }
+  put(tip.rotation(), f.quaternion);
+  put(setpoint_.rotation(), f.setpoint_quaternion);
+  f.state = state_;
+  f.mode = mode_;
+  f.homed = homed_;
+  f.busy = mode_ == Mode::kMove || (!powered_ && state_ == OperatingState::kEnabled);
+  const std::optional<ControllerFault> fault = cycle_.fault();
+  f.fault = fault ? fault->what : SafetyFault::kNone;
+}
+
+}  // namespace veridyn_ros

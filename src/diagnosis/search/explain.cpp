@@ -1,0 +1,488 @@
+#include "diagnosis/search/explain.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "causes/row_constants.hpp"
+#include "diagnosis/causes/contacts.hpp"
+#include "diagnosis/causes/snags.hpp"
+#include "diagnosis/evidence/held_out.hpp"
+#include "diagnosis/evidence/numerics.hpp"
+#include "diagnosis/findings/finding_words.hpp"
+#include "diagnosis/findings/next_experiment.hpp"
+#include "diagnosis/search/numbers.hpp"
+#include "diagnosis/unnamed/tables.hpp"
+#include "diagnosis/unnamed/vibration.hpp"
+#include "math/eigen_pose.hpp"
+#include "veridyn/effects/channel_effect.hpp"
+#include "veridyn/effects/effect_facts.hpp"
+#include "veridyn/identification/pseudo_inertia.hpp"
+
+namespace veridyn::search {
+namespace {
+
+// The fixed transform from a frame to the body that moves with it.
+std::optional<std::pair<int, Posed>> body_of(const Model& arm, FrameIndex frame) {
+  const auto root = [&](int k) {
+    Posed T = identity_pose();
+    while (arm.frames()[k].type == JointType::kFixed && arm.frames()[k].parent) {
+      T = arm.frames()[k].A * arm.frames()[k].B * T;
+      k = arm.frames()[k].parent->value;
+    }
+    return std::make_pair(k, T);
+  };
+  const auto [own, T_root_frame] = root(frame.value);
+  for (const int b : arm.bodies()) {
+    const auto [other, T_root_body] = root(b);
+    if (other == own) return std::make_pair(b, inverse(T_root_body) * T_root_frame);
+  }
+  return std::nullopt;
+}
+
+// Of a load, with what its inertia is beyond that of a point.
+InertialParameters load_of(const Chosen& c) {
+  InertialParameters phi = InertialParameters::Zero();
+  phi.head<4>() = c.values.head<4>();
+  phi.tail<6>() = c.values.tail<6>();
+  const Eigen::Vector3d& p = c.term.centre;
+  const Eigen::Vector3d h = c.values.segment<3>(1);
+  static const int kRow[6] = {0, 0, 1, 0, 1, 2}, kColumn[6] = {0, 1, 1, 2, 2, 2};
+  for (int e = 0; e < 6; ++e) {
+    const int i = kRow[e], j = kColumn[e];
+    const double same = i == j ? 1.0 : 0.0;
+    phi[4 + e] += -c.values[0] * (p.squaredNorm() * same - p[i] * p[j]) + 2.0 * p.dot(h) * same - h[i] * p[j] - h[j] * p[i];
+  }
+  return phi;
+}
+
+// Parameters of a body, written in another frame that moves with it.
+InertialParameters moved(const InertialParameters& phi, const Posed& T) {
+  const Eigen::Matrix3d R = eigen(T.R);
+  const Eigen::Vector3d p = eigen(T.p), h = phi.segment<3>(1);
+  Eigen::Matrix3d L;
+  L << phi[4], phi[5], phi[7], phi[5], phi[6], phi[8], phi[7], phi[8], phi[9];
+  // Second moments are a quadratic form: Sigma' = R Sigma R' + R h p' + p h' R' + m p p'.
+  const Eigen::Matrix3d S = 0.5 * L.trace() * Eigen::Matrix3d::Identity() - L;
+  const Eigen::Vector3d Rh = R * h;
+  const Eigen::Matrix3d moved_S = R * S * R.transpose() + Rh * p.transpose() + p * Rh.transpose() + phi[0] * p * p.transpose();
+  const Eigen::Matrix3d moved_L = moved_S.trace() * Eigen::Matrix3d::Identity() - moved_S;
+  InertialParameters out;
+  out << phi[0], Rh + phi[0] * p, moved_L(0, 0), moved_L(0, 1), moved_L(1, 1), moved_L(0, 2), moved_L(1, 2), moved_L(2, 2);
+  return out;
+}
+
+// The words "joint 2, 3" of joints without friction of their own in the file.
+std::set<int> joints_without_friction(const Model& arm) {
+  std::set<int> out;
+  for (int i = 0; i < arm.joints(); ++i) {
+    const bool has = std::any_of(arm.effects().begin(), arm.effects().end(), [&](const EffectTerm& term) {
+      return is_friction(term.effect) && std::abs(term.axis.coefficients[i]) > kAlongJoint * term.axis.coefficients.norm();
+    });
+    if (!has) out.insert(i);
+  }
+  return out;
+}
+
+class Explanation {
+ public:
+  explicit Explanation(DiagnosisState& x) : x_(x), d_(x.d), n_(x.arm.joints()) {}
+
+  void write() {
+    SearchRequest request;
+    request.scope.changes = d_.changes;
+    request.scope.wanted = x_.options.effects;
+    request.scope.silent = x_.silent;
+    request.scope.curves = x_.options.effects.empty();
+    request.recordings = x_.train;
+    for (const CompressedRecording& r : x_.start.factors) request.periods.push_back(r.period.seconds);
+    request.preprocessing = x_.options.identification.preprocessing;
+    request.test = x_.test;
+    request.test_preprocessing = x_.options.identification.test_preprocessing.value_or(request.preprocessing);
+    request.test_preprocessing.stale_rows = StaleRows::kKept;
+    request.test_preprocessing.excluded_intervals.clear();
+    if (!d_.changes) request.without_friction = joints_without_friction(*x_.start.model);
+    request.most = x_.options.max_effects + static_cast<int>(3 * request.without_friction.size());
+    request.threads = x_.options.identification.threads;
+    request.progress = x_.options.testing;
+    found_ = search(*x_.start.model, request);
+    d_.hypotheses = found_.asked;
+    d_.remarks = x_.remarks;
+    add_findings();
+    fit();
+    add_moments();
+    add_the_rest();
+    keep_tables();
+    for (int j = 0; j < n_; ++j) d_.joints.push_back(verdict_of(j));
+    d_.next_experiment = next_experiment(d_);
+  }
+
+ private:
+  // Several memories or waves of one cause on one axis are one finding.
+  void add_findings() {
+    VectorXd first = d_.baseline.test_error.relative;
+    std::map<std::string, size_t> known;
+    for (size_t k = 0; k < found_.chosen.size(); ++k) {
+      const Chosen& c = found_.chosen[k];
+      Finding f = finding_of(c, found_, *x_.start.model);
+      f.test_before = test_error(k);
+      f.test_after = test_error(k + 1);
+      const auto at = known.find(c.term.place);
+      if (at != known.end() && c.term.kind != TermKind::kCurve) {
+        Finding& own = d_.findings[at->second];
+        ++count_[at->second];
+        for (FoundParameter& p : f.parameters) {
+          p.name += fmt::format("_{}", count_[at->second]);
+          own.parameters.push_back(std::move(p));
+        }
+        own.phrase += "; " + f.phrase;
+        own.gain += f.gain;
+        of_finding_[at->second].push_back(k);
+        continue;
+      }
+      f.status = status_of(f);
+      known.emplace(c.term.place, d_.findings.size());
+      count_.push_back(1);
+      of_finding_.push_back({k});
+      d_.findings.push_back(std::move(f));
+    }
+  }
+
+  // Of the first so many terms: in proportion to what the same fit leaves, so that a fit without physical conditions and
+  // one with them begin alike.
+  VectorXd test_error(size_t terms) const {
+    const VectorXd& base = d_.baseline.test_error.relative;
+    if (base.size() == 0 || found_.test_error.rows() == 0) return base;
+    VectorXd out = base;
+    for (int j = 0; j < n_; ++j) {
+      const double before = found_.test_error(0, j);
+      if (before > 0.0) out[j] = base[j] * found_.test_error(static_cast<Eigen::Index>(terms), j) / before;
+    }
+    return out;
+  }
+
+  std::vector<Chosen> named(const std::set<size_t>& without = {}) const {
+    std::vector<Chosen> out;
+    for (size_t f = 0; f < of_finding_.size(); ++f) {
+      for (const size_t k : of_finding_[f]) {
+        if (found_.chosen[k].term.kind != TermKind::kCurve && without.count(f) == 0) out.push_back(found_.chosen[k]);
+      }
+    }
+    return out;
+  }
+
+  // The arm with everything that has a name, fitted under physical conditions. A size that ends at its bound is none.
+  void fit() {
+    std::set<size_t> gone;
+    for (int turn = 0; turn < 3; ++turn) {
+      const std::vector<Chosen> some = named(gone);
+      d_.extended = some.empty() && x_.start.model ? x_.start : x_.fit(extended_arm(*x_.start.model, some, d_.changes));
+      if (!d_.extended.model || d_.changes || some.empty()) break;
+      bool again = false;
+      for (size_t f = 0; f < of_finding_.size(); ++f) {
+        const Chosen& c = found_.chosen[of_finding_[f].front()];
+        if (gone.count(f) != 0 || c.term.kind != TermKind::kEffect || of_finding_[f].size() > 1) continue;
+        const EffectFacts facts(*d_.extended.model, c.term.effect);
+        refresh(d_.extended, facts.parameter_names(), d_.findings[f]);
+        bool is_something = false;
+        for (int p = 0; p < facts.parameter_count(); ++p) {
+          const FoundParameter& own = d_.findings[f].parameters[p];
+          is_something = is_something || own.low > 0.0 || own.high < 0.0;
+        }
+        if (!is_something) again = gone.insert(f).second || again;
+      }
+      if (!again) break;
+    }
+    if (!d_.extended.model) {
+      d_.remarks.push_back("The arm with what was found could not be identified: " + d_.extended.reason);
+      d_.extended = x_.start;
+    }
+    for (auto f = gone.rbegin(); f != gone.rend(); ++f) erase(*f);
+    size_t last = 0;
+    bool any = false;
+    for (size_t f = 0; f < of_finding_.size(); ++f) {
+      if (d_.findings[f].shape) continue;
+      last = f;
+      any = true;
+    }
+    // The last name ends at the error of the extended model.
+    if (any && d_.extended.test_error.relative.size() > 0) d_.findings[last].test_after = d_.extended.test_error.relative;
+    left_ = d_.extended.test_error.relative;
+    if (left_.size() == n_ && found_.test_error.rows() > 0) {
+      const auto names = static_cast<Eigen::Index>(std::count_if(found_.chosen.begin(), found_.chosen.end(), [](const Chosen& c) { return c.term.kind != TermKind::kCurve; }));
+      for (size_t f = 0, k = static_cast<size_t>(names); f < d_.findings.size(); ++f) {
+        Finding& curve = d_.findings[f];
+        if (!curve.shape) continue;
+        curve.test_before = curve.test_after = left_;
+        const int j = curve.joint->value;
+        const double before = found_.test_error(static_cast<Eigen::Index>(k), j);
+        if (before > 0.0) curve.test_after[j] *= found_.test_error(static_cast<Eigen::Index>(k) + 1, j) / before;
+        left_ = curve.test_after;
+        ++k;
+      }
+    }
+    for (Finding& f : d_.findings) f.explains = explained_share(f.test_before, f.test_after, d_.baseline);
+  }
+
+  void erase(size_t f) {
+    d_.not_supported.push_back({d_.findings[f].cause, d_.findings[f].p_value, "with it a physically possible arm is predicted no better"});
+    d_.findings.erase(d_.findings.begin() + static_cast<long>(f));
+    of_finding_.erase(of_finding_.begin() + static_cast<long>(f));
+    count_.erase(count_.begin() + static_cast<long>(f));
+  }
+
+  // Half a second and more of residual of one sign that the final set leaves: something pushed or held the arm. What comes
+  // back in most of a recording is a property of the arm.
+  void moments_in(const Rows& rows, const MatrixXd& residual, const std::vector<std::string>& sources, std::vector<Contact>& out) const {
+    for (size_t r = 0; r < sources.size(); ++r) {
+      std::vector<Eigen::Index> own;
+      for (Eigen::Index k = 0; k < rows.rows(); ++k) {
+        if (rows.recording()[k] == r) own.push_back(k);
+      }
+      if (own.size() < 50) continue;
+      const double step = (rows.time()[own.back()] - rows.time()[own.front()]) / static_cast<double>(own.size() - 1);
+      const auto half = std::max<std::ptrdiff_t>(1, std::lround(0.5 * kMomentSeconds / step));
+      const auto count = static_cast<std::ptrdiff_t>(own.size());
+      MatrixXd mean = MatrixXd::Zero(count, n_);
+      for (int j = 0; j < n_; ++j) {
+        if (found_.scale.size() <= j || found_.scale[j] <= 0.0) continue;
+        for (std::ptrdiff_t k = 0; k < count; ++k) {
+          const auto low = std::max<std::ptrdiff_t>(0, k - half), high = std::min<std::ptrdiff_t>(count - 1, k + half);
+          double sum = 0.0;
+          for (auto at = low; at <= high; ++at) sum += residual(own[at], j);
+          mean(k, j) = sum / static_cast<double>(high - low + 1) / found_.scale[j];
+        }
+      }
+      std::vector<Contact> here;
+      double pushed = 0.0;
+      for (std::ptrdiff_t k = 0; k < count;) {
+        if ((mean.row(k).cwiseAbs().array() < kMomentSize).all()) {
+          ++k;
+          continue;
+        }
+        auto end = k;
+        while (end < count && (mean.row(end).cwiseAbs().array() >= kMomentSize).any()) ++end;
+        Contact c;
+        c.source = sources[r];
+        c.from = rows.time()[own[k]];
+        c.to = rows.time()[own[end - 1]];
+        c.effort = VectorXd::Zero(n_);
+        for (int j = 0; j < n_; ++j) {
+          for (auto at = k; at < end; ++at) c.effort[j] += residual(own[at], j) / static_cast<double>(end - k);
+          const double peak = mean.block(k, j, end - k, 1).cwiseAbs().maxCoeff();
+          if (peak < kPeak || std::abs(c.effort[j]) < kTorqueShare * rows.measured.col(j).cwiseAbs().maxCoeff()) continue;
+          c.last_joint = j;
+          c.deviation = found_.scale[j];
+          c.peak = std::max(c.peak, peak);
+        }
+        pushed += c.to - c.from;
+        if (c.peak > 0.0 && c.to - c.from >= kShortest && !is_at_limit(c)) here.push_back(std::move(c));
+        k = end;
+      }
+      if (pushed < kMostOfTime * step * static_cast<double>(count)) out.insert(out.end(), here.begin(), here.end());
+    }
+  }
+
+  bool is_at_limit(const Contact& c) const {
+    return std::any_of(d_.data_quality.begin(), d_.data_quality.end(), [&c](const RecordingQuality& q) {
+      return q.file == c.source && std::any_of(q.saturated.begin(), q.saturated.end(), [&c](const SaturatedInterval& at) {
+               return at.joint == c.last_joint && at.from < c.to && c.from < at.to;
+             });
+    });
+  }
+
+  void add_moments() {
+    if (!x_.tests_effect(ExternalContact::kName) || found_.chosen.size() > 1000 || found_.fitted.rows() == 0) return;
+    std::vector<Contact> contacts;
+    moments_in(*found_.rows, found_.fitted, x_.train, contacts);
+    if (found_.test) moments_in(*found_.test, found_.test_residual, x_.test, contacts);
+    contacts.erase(std::remove_if(contacts.begin(), contacts.end(), [&](const Contact& c) {
+                     return !x_.tests_cause(ExternalContact{JointIndex{c.last_joint}});
+                   }), contacts.end());
+    if (contacts.empty()) return;
+    leave_out(excluded_intervals(contacts), x_);
+    const Identification without = x_.fit(x_.arm);
+    if (without.model) d_.baseline = without;
+    const Identification extended = x_.fit(extended_arm(*x_.start.model, named(), d_.changes));
+    if (extended.model) d_.extended = extended;
+    // One finding for the pushes on one link.
+    std::vector<Finding> found;
+    std::map<int, size_t> of_joint;
+    Diagnosis one;
+    for (const Contact& c : contacts) {
+      one.findings.clear();
+      add_contacts({c}, d_.baseline, one);
+      Finding f = std::move(one.findings.front());
+      const auto at = of_joint.find(c.last_joint);
+      if (at == of_joint.end()) {
+        of_joint.emplace(c.last_joint, found.size());
+        found.push_back(std::move(f));
+        continue;
+      }
+      Finding& own = found[at->second];
+      own.phrase += fmt::format("; {}: from {:.1f} to {:.1f} s", c.source, c.from, c.to);
+      own.p_value = std::min(own.p_value, f.p_value);
+    }
+    d_.findings.insert(d_.findings.begin(), std::make_move_iterator(found.begin()), std::make_move_iterator(found.end()));
+  }
+
+  void add_the_rest() {
+    for (const Refused& r : found_.refused) {
+      if (r.collinear) {
+        d_.cannot_tell.push_back({effect_of(r.term.cause), r.term.cause, "its torque is a combination of parameters that the model has already, or it never acts in these recordings"});
+        continue;
+      }
+      const double p = r.error > 0.0 ? 0.5 * std::erfc(r.gain / r.error / std::sqrt(2.0)) : 1.0;
+      d_.not_supported.push_back({r.term.cause, p, r.impossible ? "its value would have an impossible sign or size"
+                                                   : r.gain <= 0.0 ? "held-out data are predicted no better"
+                                                                   : "held-out data gain too little from it"});
+    }
+    if (!d_.changes) d_.cannot_tell.push_back({AddedLoad::kName, std::nullopt, "without a model from before, a load is part of the link it sits on"});
+  }
+
+  // Curves as tables of the extended model, where the user wants them.
+  void keep_tables() {
+    if (x_.options.unnamed != UnnamedForces::kKept || !d_.extended.model) return;
+    ModelDescription description = d_.extended.model->description();
+    std::vector<Finding*> kept;
+    for (size_t f = 0; f < d_.findings.size(); ++f) {
+      Finding& finding = d_.findings[f];
+      if (!finding.shape) continue;
+      const std::vector<EffectTerm> tables = tables_of(x_.arm, *finding.joint, *finding.shape, signals_of(finding));
+      if (tables.empty()) {
+        d_.remarks.push_back("Joint " + std::to_string(finding.joint->value + 1) + ": a table holds signals of the joint itself and of one other, no accelerations, histories or times.");
+        continue;
+      }
+      description.effects.insert(description.effects.end(), tables.begin(), tables.end());
+      kept.push_back(&finding);
+    }
+    if (kept.empty()) return;
+    description.identified.reset();
+    Identification with = x_.fit(Model(std::move(description)));
+    if (!with.model) return;
+    d_.extended = std::move(with);
+    for (Finding* f : kept) f->shape->kept = true;
+    left_ = d_.extended.test_error.relative;
+  }
+
+  std::vector<MotionSignal> signals_of(const Finding& f) const {
+    const std::vector<MotionSignal> all = motion_signals(d_.extended, x_.options.thresholds);
+    std::vector<MotionSignal> out;
+    for (const std::string& name : f.shape->signals) {
+      const auto at = std::find_if(all.begin(), all.end(), [&](const MotionSignal& s) { return s.name == name; });
+      if (at != all.end()) out.push_back(*at);
+    }
+    return out;
+  }
+
+  double held_out(const Identification& id, int j) const {
+    const bool left_out = x_.saturated.count(j) > 0 && id.test_without_excluded.relative.size() > j;
+    const VectorXd& relative = (left_out ? id.test_without_excluded : id.test_error).relative;
+    return relative.size() > j ? relative[j] : std::numeric_limits<double>::quiet_NaN();
+  }
+
+  JointVerdict verdict_of(int j) const {
+    if (x_.silent.count(j) != 0) return no_torque_verdict({j});
+    JointVerdict v;
+    v.joint = JointIndex{j};
+    v.held_out = held_out(d_.baseline, j);
+    if (!std::isfinite(v.held_out)) return not_judged({j}, v.held_out, d_.baseline);
+    v.extended = held_out(d_.extended, j);
+    v.left = v.extended;
+    bool named = false, unnamed = false;
+    for (size_t k = 0; k < found_.chosen.size(); ++k) {
+      const Chosen& c = found_.chosen[k];
+      const bool acts = std::find(c.columns.joints.begin(), c.columns.joints.end(), j) != c.columns.joints.end();
+      const bool helps = c.of_joint.size() > j && c.of_joint[j] > 0.0;
+      (c.term.kind == TermKind::kCurve ? unnamed : named) |= acts && (helps || c.term.joint);
+    }
+    if (unnamed && left_.size() > j) v.left = std::min(v.left, v.extended * left_[j] / std::max(d_.extended.test_error.relative[j], numerics::kTiny));
+    const bool repeats = d_.baseline.noise_floor.size() > j;
+    v.source = repeats ? FloorSource::kRepeats : FloorSource::kRegression;
+    const double other = std::min(v.left, v.held_out);
+    v.floor = repeats ? std::min(d_.baseline.noise_floor[j], other) : other;
+    const auto& known = x_.arm.description().identified;
+    if (d_.changes && known && known->error.size() > j) v.floor = std::max(v.floor, std::min(other, known->error[j]));
+    v.removable = v.held_out - v.floor;
+    const bool at_floor = v.left <= kAtFloor * v.floor;
+    const bool mostly = v.held_out - v.extended > 0.5 * v.removable;
+    if (named && v.extended < v.held_out && (mostly || (at_floor && !unnamed))) v.state = JointState::kNamed;
+    else if (unnamed) v.state = JointState::kUnnamed;
+    else if (named) v.state = JointState::kNamed;
+    else if (v.held_out <= kAtFloor * v.floor) v.state = JointState::kAtFloor;
+    else if (at_floor && !found_.chosen.empty()) v.state = JointState::kNamed;  // what acts elsewhere bent its parameters
+    else {
+      v.state = JointState::kCannotTell;
+      const std::optional<Vibration> vibration = vibration_of(d_.extended, j, x_.options.thresholds);
+      v.why = vibration ? fmt::format("{:.0f} % of what is left over is a vibration of {:.3g} Hz and {:.3g} {} that the motion does not have: something shakes the arm, or a part of it swings",
+                                      numerics::kPercent * vibration->share, vibration->frequency, vibration->amplitude, effort_unit(x_.arm.coordinates()[j]))
+              : repeats ? "it comes back with the motion, yet no signal of the recordings predicts it on rows that were held out"
+                        : "what the findings leave over is no function of one or two signals of the recordings";
+    }
+    return v;
+  }
+
+  DiagnosisState& x_;
+  Diagnosis& d_;
+  int n_;
+  SearchResult found_;
+  std::vector<std::vector<size_t>> of_finding_;  // terms of every finding
+  std::vector<int> count_;
+  VectorXd left_;
+};
+
+}  // namespace
+
+Model extended_arm(const Model& arm, const std::vector<Chosen>& chosen, bool changes) {
+  ModelDescription d = corrected(arm, chosen).description();
+  if (changes && !chosen.empty()) d.identified.reset();  // the statistics belong to values that have changed
+  for (const Chosen& c : chosen) {
+    if (c.term.kind == TermKind::kLoad) {
+      // Inertia beyond that of a point is known less well than mass and moments: it goes where no body has the sum.
+      InertialParameters load = load_of(c);
+      const FrameIndex frame = *frame_of(c.term.cause);
+      const auto body = body_of(arm, frame);
+      const auto& known = body ? d.frames[body->first].body->phi : std::nullopt;
+      const InertialParameters sum = load[0] < 0.0 && known ? InertialParameters(*known + moved(load, body->second)) : load;
+      if (smallest_eigenvalue(pseudo_inertia(sum)) < 0.0) load.tail<6>() -= c.values.tail<6>();
+      if (load[0] < 0.0 && body) {
+        Body& own = *d.frames[body->first].body;
+        if (own.phi) *own.phi += moved(load, body->second);
+        continue;
+      }
+      Frame f;
+      f.name = AddedLoad::kName;
+      for (int count = 2; std::any_of(d.frames.begin(), d.frames.end(), [&](const Frame& other) { return other.name == f.name; }); ++count)
+        f.name = std::string(AddedLoad::kName) + "_" + std::to_string(count);
+      f.parent = frame;
+      f.variable.coefficients = VectorXd::Zero(arm.joints());
+      f.body = Body{};
+      f.body->phi = load;
+      d.frames.push_back(std::move(f));
+    } else if (c.term.kind == TermKind::kChange) {
+      EffectTerm& own = d.effects[c.term.candidate.own->value];
+      const std::vector<EffectParameter> parameters = find_effect(own.effect).parameters();
+      for (size_t p = 0; p < parameters.size(); ++p) {
+        double& value = own.values[parameters[p].name];
+        value += c.values[static_cast<Eigen::Index>(p)];
+        if (parameters[p].sign == ParameterSign::kNonnegative) value = std::max(value, 0.0);
+      }
+      own.deviations.clear();
+    } else if (c.term.kind == TermKind::kEffect) {
+      EffectTerm term = c.term.effect;
+      if (c.term.with_rest && !term.from) term.axis.offset += c.values[c.values.size() - 1] / c.values[0];
+      const std::vector<EffectParameter> parameters = find_effect(term.effect).parameters();
+      for (size_t p = 0; changes && p < parameters.size(); ++p) term.values[parameters[p].name] = c.values[static_cast<Eigen::Index>(p)];
+      d.effects.push_back(std::move(term));
+    }
+  }
+  return Model(std::move(d));
+}
+
+void explain(DiagnosisState& x) {
+  Explanation(x).write();
+}
+
+}  // namespace veridyn::search

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstddef>
+
+namespace veridyn::search {
+
+// Numbers of the search. Those that decide come first.
+
+/// gain of a term >= kErrors * its standard error over blocks (kPassed of Student's distribution below kManyBlocks).
+constexpr double kErrors = 2.5, kPassed = 0.99379;
+constexpr int kManyBlocks = 30;
+/// fall of the mean square of the joint that a term helps most >= kSmallest: less is not worth a name.
+constexpr double kSmallest = 0.02;
+/// ln of the prior odds of a name that often is the cause against one that seldom is, a constant of the robot file, one
+/// that can imitate many others, and curves of one and of two signals; the priors of a dictionary sum to one.
+constexpr double kSeldom = 2.0, kConstant = 4.0, kImitator = 3.5, kCurve = 5.0, kCurveOfTwo = 6.5;
+/// nats of a number that is polished.
+constexpr double kPolished = 1.0;
+/// deviation of friction levels and offsets from day to day, as a share of the level.
+constexpr double kDay = 0.1;
+/// part of a MODEL's covariance without its correlations.
+constexpr double kUncorrelatedPart = 0.05;
+/// gain of a name alone >= kHalf * that of curves on its joint: they do not take its place.
+constexpr double kHalf = 0.5;
+/// mean of half a second of what is left over >= kMomentSize scales, its peak >= kPeak scales and kTorqueShare of the
+/// joint's largest torque, for kShortest [s] or more, in less than kMostOfTime of the recording: a push.
+constexpr double kMomentSeconds = 0.5, kMomentSize = 2.2, kPeak = 4.0, kTorqueShare = 0.04, kShortest = 0.4, kMostOfTime = 0.2;
+/// error of a joint <= kAtFloor * its floor: at the floor.
+constexpr double kAtFloor = 1.15;
+
+// Numbers that set the resolution.
+constexpr double kFreedom = 4.0;             ///< degrees of freedom of the Student-t loss
+constexpr double kBlockSeconds = 2.5;        ///< [s] of a block: rows of one are not independent
+constexpr int kFewestBlocks = 16;            ///< of all recordings together
+constexpr std::size_t kWholeRecordings = 3;  ///< from so many recordings on folds are whole ones
+constexpr int kParts = 6;                    ///< folds otherwise
+constexpr double kUncorrelated = 0.05;       ///< autocorrelation at which it counts as none
+constexpr int kMostLags = 200;               ///< rows over which it is summed
+constexpr double kDependent = 1e-10;         ///< smallest eigenvalue of scaled columns that count as independent
+constexpr double kLeastScale = 1e-4;         ///< smallest residual, as a share of the joint's rms torque
+constexpr int kFixedPoints = 15;             ///< steps of the scale of a Student-t distribution
+constexpr int kReweighted = 3;               ///< fits of a round with new weights
+constexpr double kInSpan = 1e-7;             ///< share of a column that other columns do not span: less is none
+constexpr double kColumnRidge = 1e-9, kGramRidge = 1e-10;  ///< of the diagonal
+constexpr double kCurveSize = 3.0;           ///< prior deviation of a curve's coefficients, in scales of the residual
+constexpr int kFinalists = 6;                ///< terms of different kinds that are polished and compared exactly
+constexpr int kScreened = 18;                ///< terms that are compared exactly before
+constexpr double kWorthPolish = 0.6;         ///< of the gain that is needed: a grid value below is not polished
+constexpr int kRounds = 12;                  ///< additions beyond the most that are asked for
+constexpr int kTurns = 3;                    ///< rounds of exchanges after each addition
+constexpr int kSections = 5;                 ///< steps of the polish of one number
+constexpr double kSearchGolden = 0.381966011250105;
+constexpr double kBetter = 0.5;              ///< [nats] by which an exchange must lower the score
+constexpr int kSteps = 6;                    ///< of a linearised term
+constexpr double kSettled = 0.05;            ///< of its deviation: a smaller step is none
+constexpr double kShortestStep = 0.2, kLittle = 0.1;  ///< of a step; [nats] that end the steps
+constexpr double kGainOfNothing = -0.95;     ///< error of a factor at which it turns a torque round
+constexpr double kFarGravity = 0.1;          ///< of gravity: nearer directions are reached by steps
+/// prior deviations of a load [kg], [m], and of its inertia beyond that of a point [kg m^2]: what no torque sees stays small
+constexpr double kMassOfArm = 30.0, kReach = 0.5, kInertia = 0.02;
+constexpr double kNoMass = 1e-6, kSameCentre = 1e-4;  ///< [kg], [m] of a load
+constexpr double kAlongJoint = 0.999;        ///< cosine of an axis that is a joint's own
+constexpr double kFirstProfile = 0.02;       ///< first step of the profile of a shape
+constexpr std::size_t kMostRivals = 4, kMostRefused = 60, kMostWholeArm = 3;
+
+// The dictionary.
+constexpr double kStill = 5e-3, kStillLength = 5e-4;  ///< [rad], [m] travel of a joint that counts as at rest
+constexpr double kRestShare = 0.02;          ///< of the largest speed: slower is no reversal
+constexpr int kCurveIntervals = 8, kSideIntervals = 5, kProductIntervals = 3;  ///< of a curve over one signal, for each direction, along each of two
+constexpr double kFirstWave = 3.0, kLastWave = 600.0, kWaveGrid = 0.5;  ///< waves per travel of a spectrum
+constexpr double kProminence = 4.0;          ///< of a spectral line over the median
+constexpr std::size_t kMostLines = 3;        ///< of one joint
+constexpr double kAngleReach = 0.6, kLengthReach = 0.15;  ///< [rad], also of a ratio, and [m] of a constant
+constexpr double kDifference = 1e-4;         ///< [rad] or [m] of derivatives by a constant
+constexpr double kQuarter = 0.25;            ///< of a range: step of a shape whose grid has one value
+
+}  // namespace veridyn::search

@@ -1,0 +1,475 @@
+#include "diagnosis/search/score.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "diagnosis/evidence/numerics.hpp"
+#include "diagnosis/search/numbers.hpp"
+#include "math/student_t.hpp"
+#include "math/decompositions.hpp"
+#include "veridyn/regressor/standard_parameters.hpp"
+#include "veridyn/effects/effect.hpp"
+
+namespace veridyn::search {
+namespace {
+
+// The scale of a Student-t distribution fitted to residuals, by its fixed point.
+double student_scale(const VectorXd& r, const VectorXd& used, double floor) {
+  const double count = std::max(1.0, used.sum());
+  double s2 = std::max((r.array().square() * used.array()).sum() / count, floor * floor);
+  for (int k = 0; k < kFixedPoints; ++k) {
+    const double next = ((kFreedom + 1.0) * used.array() * r.array().square() / (kFreedom + r.array().square() / s2)).sum() / count;
+    s2 = std::max(next, floor * floor);
+  }
+  return std::sqrt(s2);
+}
+
+Eigen::ArrayXd losses_of(const VectorXd& r, double s) {
+  return std::log(s) + 0.5 * (kFreedom + 1.0) * (r.array().square() / (kFreedom * s * s)).log1p();
+}
+
+// Rows over the integrated autocorrelation of a residual in order of time.
+double independent_samples(const VectorXd& r, const VectorXd& used) {
+  const Eigen::Index count = r.size();
+  const double mean = r.dot(used) / std::max(1.0, used.sum());
+  const VectorXd x = (r.array() - mean) * used.array();
+  const double power = x.squaredNorm();
+  if (power <= 0.0) return 0.0;
+  double sum = 0.0;
+  for (Eigen::Index lag = 1; lag < std::min<Eigen::Index>(kMostLags, count); ++lag) {
+    const double c = x.head(count - lag).dot(x.tail(count - lag)) / power;
+    if (c < kUncorrelated) break;
+    sum += c;
+  }
+  return used.sum() / (1.0 + 2.0 * sum);
+}
+
+}  // namespace
+
+MatrixXd base_columns(const Rows& rows, int joint, const MatrixXd& T) {
+  MatrixXd of_joint(static_cast<Eigen::Index>(rows.own_parameters[joint].size()), T.cols());
+  for (Eigen::Index k = 0; k < of_joint.rows(); ++k) of_joint.row(k) = T.row(rows.own_parameters[joint][k]);
+  return rows.own[joint] * of_joint;
+}
+
+Base fitted_base(const Rows& rows) {
+  const auto all = static_cast<Eigen::Index>(rows.names().size());
+  MatrixXd G = MatrixXd::Zero(all, all);
+  for (int i = 0; i < rows.joints(); ++i) {
+    const double power = (rows.measured.col(i).array().square() * rows.used.col(i).array()).mean();
+    if (power <= 0.0) continue;
+    const MatrixXd mine = rows.own[i].transpose() * rows.used.col(i).asDiagonal() * rows.own[i] / power;
+    const std::vector<int>& at = rows.own_parameters[i];
+    for (Eigen::Index c = 0; c < mine.cols(); ++c) {
+      for (Eigen::Index r = 0; r < mine.rows(); ++r) G(at[r], at[c]) += mine(r, c);
+    }
+  }
+  const VectorXd norm = G.diagonal().cwiseSqrt();
+  const VectorXd inverse = (norm.array() > numerics::kNoise * norm.maxCoeff()).select(norm.array().max(numerics::kTiny).inverse(), 0.0);
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(MatrixXd(inverse.asDiagonal() * G * inverse.asDiagonal()));
+  const VectorXd& size = eigen.eigenvalues();
+  Eigen::Index kept = 0;
+  while (kept < size.size() && size[size.size() - 1 - kept] > kDependent * size[size.size() - 1]) ++kept;
+  Base out;
+  out.T = inverse.asDiagonal() * eigen.eigenvectors().rightCols(kept) * size.tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
+  for (int i = 0; i < rows.joints(); ++i) out.X.push_back(base_columns(rows, i, out.T));
+  return out;
+}
+
+Base prior_base(const Rows& rows, const Model& model) {
+  const std::vector<std::string>& names = rows.names();
+  const std::vector<StandardParameter> parameters = standard_parameters(model);
+  std::vector<int> of;
+  MatrixXd F;
+  if (model.description().identified && model.description().identified->has_scatter()) {
+    const IdentifiedBase& base = *model.description().identified;
+    for (const IdentifiedParameter& p : base.parameters) {
+      const auto at = std::find(names.begin(), names.end(), p.name);
+      if (at == names.end() || p.scatter.size() == 0) continue;
+      of.push_back(static_cast<int>(at - names.begin()));
+      F.conservativeResize(static_cast<Eigen::Index>(of.size()), p.scatter.size());
+      F.row(F.rows() - 1) = p.scatter;
+    }
+  }
+  const auto find = [&](int parameter) {
+    const auto at = std::find(of.begin(), of.end(), parameter);
+    if (at != of.end()) return at - of.begin();
+    of.push_back(parameter);
+    return static_cast<std::ptrdiff_t>(of.size()) - 1;
+  };
+  std::vector<std::pair<Eigen::Index, double>> days;
+  for (size_t p = 0; p < parameters.size(); ++p) {
+    if (!parameters[p].effect) continue;
+    const EffectTerm& term = model.effects()[*parameters[p].effect];
+    if (!find_effect(term.effect).traits().elementary) continue;
+    double level = std::abs(parameters[p].value);
+    if (find_effect(term.effect).traits().role != EffectRole::kFriction) {
+      // An offset drifts by a share of its joint's friction.
+      for (size_t other = 0; other < parameters.size(); ++other) {
+        if (!parameters[other].effect) continue;
+        const EffectTerm& friction = model.effects()[*parameters[other].effect];
+        if (find_effect(friction.effect).traits().dry == DryFriction::kConstant && friction.axis.coefficients == term.axis.coefficients)
+          level = std::max(level, std::abs(parameters[other].value));
+      }
+    }
+    days.emplace_back(find(static_cast<int>(p)), kDay * level);
+  }
+  const auto count = static_cast<Eigen::Index>(of.size());
+  MatrixXd C = MatrixXd::Zero(count, count);
+  if (F.size() > 0) {
+    // Clusters leave directions open in which they say nothing. A little of no correlation closes them; more of it would
+    // open the combinations that the torques determine best.
+    C.topLeftCorner(F.rows(), F.rows()) = (1.0 - kUncorrelatedPart) * F * F.transpose();
+    C.diagonal().head(F.rows()) += kUncorrelatedPart * F.rowwise().squaredNorm();
+  }
+  for (const auto& [at, deviation] : days) C(at, at) += deviation * deviation;
+  const VectorXd size = C.diagonal().cwiseSqrt();
+  const VectorXd inverse = (size.array() > 0.0).select(size.array().max(numerics::kTiny).inverse(), 0.0);
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(MatrixXd(inverse.asDiagonal() * C * inverse.asDiagonal()));
+  const MatrixXd L = size.asDiagonal() * eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  Base out;
+  out.prior = true;
+  out.T = MatrixXd::Zero(static_cast<Eigen::Index>(names.size()), count);
+  for (Eigen::Index k = 0; k < count; ++k) out.T.row(of[k]) = L.row(k);
+  for (int i = 0; i < rows.joints(); ++i) out.X.push_back(base_columns(rows, i, out.T));
+  return out;
+}
+
+Round::Round(const Rows& rows, const Folds& folds, const Base& base, std::vector<const Columns*> chosen,
+             std::vector<VectorXd> ridges, MatrixXd& weights)
+    : rows_(rows), folds_(folds), base_(base.T.cols()), prior_(base.prior) {
+  const int n = rows.joints();
+  order_.resize(rows.rows());
+  std::iota(order_.begin(), order_.end(), Eigen::Index{0});
+  std::stable_sort(order_.begin(), order_.end(), [&](Eigen::Index a, Eigen::Index b) {
+    return static_cast<unsigned>(folds.of_row[a]) < static_cast<unsigned>(folds.of_row[b]);  // borders last
+  });
+  begin_.assign(1, 0);
+  for (int f = 0; f < folds.count; ++f) {
+    Eigen::Index at = begin_.back();
+    while (at < rows.rows() && folds.of_row[order_[at]] == f) ++at;
+    begin_.push_back(at);
+  }
+  const Eigen::Index count = begin_.back();
+  order_.resize(count);
+  Eigen::Index p = base_;
+  for (const Columns* c : chosen) {
+    ranges_.emplace_back(p, c->count());
+    p += c->count();
+  }
+  ridge_ = VectorXd::Constant(p, prior_ ? 1.0 : 0.0);
+  for (size_t k = 0; k < chosen.size(); ++k) ridge_.segment(ranges_[k].first, ranges_[k].second) = ridges[k];
+  y_.resize(count, n);
+  used_.resize(count, n);
+  X_.assign(n, MatrixXd::Zero(count, p));
+  for (int i = 0; i < n; ++i) {
+    for (Eigen::Index k = 0; k < count; ++k) {
+      y_(k, i) = rows.residual(order_[k], i);
+      used_(k, i) = rows.used(order_[k], i);
+    }
+    for (Eigen::Index c = 0; c < base_; ++c) {
+      for (Eigen::Index k = 0; k < count; ++k) X_[i](k, c) = base.X[i](order_[k], c);
+    }
+  }
+  for (size_t t = 0; t < chosen.size(); ++t) {
+    for (size_t at = 0; at < chosen[t]->joints.size(); ++at) {
+      MatrixXd& X = X_[chosen[t]->joints[at]];
+      for (Eigen::Index c = 0; c < ranges_[t].second; ++c) {
+        for (Eigen::Index k = 0; k < count; ++k) X(k, ranges_[t].first + c) = chosen[t]->of[at](order_[k], c);
+      }
+    }
+  }
+  rows_of_ = used_.colwise().sum().transpose();
+  floor_.resize(n);
+  for (int i = 0; i < n; ++i) {
+    double power = 0.0;
+    for (Eigen::Index k = 0; k < count; ++k) power += used_(k, i) * std::pow(rows.measured(order_[k], i), 2);
+    floor_[i] = std::max(numerics::kNoise, kLeastScale * std::sqrt(power / std::max(1.0, rows_of_[i])));
+    if (power == 0.0) used_.col(i).setZero();
+  }
+  rows_of_ = used_.colwise().sum().transpose();
+  weights_ = weights.rows() == count ? weights : MatrixXd::Ones(count, n);
+  MatrixXd residual = y_;
+  const MatrixXd before = weights_;
+  weigh(y_);
+  a_ = used_.cwiseProduct(before.cwiseSqrt()) * scale_.cwiseInverse().asDiagonal();
+  std::vector<int> all(chosen.size());
+  std::iota(all.begin(), all.end(), 0);
+  for (int turn = 0; turn < kReweighted; ++turn) {
+    gram();
+    const Subset s = subset(all);
+    for (int i = 0; i < n; ++i) residual.col(i) = y_.col(i) - X_[i] * s.x;
+    weigh(residual);
+  }
+  gram();
+  const Fitted fit = evaluate(subset(all));
+  for (int i = 0; i < n; ++i) {
+    VectorXd mask = rows.used.col(i);
+    for (Eigen::Index k = 0; k < rows.rows(); ++k) mask[k] *= folds.of_row[k] < 0 ? 0.0 : 1.0;
+    samples_[i] = rows_of_[i] > 0.0 ? std::max(2.0, independent_samples(fit.residual.col(i), mask)) : 0.0;
+  }
+  weights = weights_;
+}
+
+// Weights of the Student-t loss and the scale of every joint from residuals (sorted rows).
+void Round::weigh(const MatrixXd& residual) {
+  const auto n = residual.cols();
+  scale_.resize(n);
+  samples_.resize(n);
+  a_.resize(residual.rows(), n);
+  weights_.resize(residual.rows(), n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    scale_[i] = student_scale(residual.col(i), used_.col(i), floor_[i]);
+    weights_.col(i) = (kFreedom + 1.0) / (kFreedom + (residual.col(i).array() / scale_[i]).square());
+    VectorXd in_time = VectorXd::Zero(rows_.rows()), mask = in_time;
+    for (size_t k = 0; k < order_.size(); ++k) {
+      in_time[order_[k]] = residual(static_cast<Eigen::Index>(k), i);
+      mask[order_[k]] = used_(static_cast<Eigen::Index>(k), i);
+    }
+    samples_[i] = rows_of_[i] > 0.0 ? std::max(2.0, independent_samples(in_time, mask)) : 0.0;
+    const double factor = std::sqrt(samples_[i] / std::max(1.0, rows_of_[i])) / scale_[i];
+    a_.col(i) = factor * used_.col(i).array() * weights_.col(i).array().sqrt();
+  }
+}
+
+void Round::gram() {
+  const Eigen::Index p = ridge_.size();
+  const int folds = folds_.count;
+  G_.assign(folds, MatrixXd::Zero(p, p));
+  g_.assign(folds, VectorXd::Zero(p));
+  G_all_ = MatrixXd::Zero(p, p);
+  g_all_ = VectorXd::Zero(p);
+  for (int f = 0; f < folds; ++f) {
+    const Eigen::Index first = begin_[f], count = begin_[f + 1] - first;
+    for (size_t i = 0; i < X_.size(); ++i) {
+      const auto a = a_.col(static_cast<Eigen::Index>(i)).segment(first, count);
+      const MatrixXd A = a.asDiagonal() * X_[i].middleRows(first, count);
+      const VectorXd b = a.cwiseProduct(y_.col(static_cast<Eigen::Index>(i)).segment(first, count));
+      G_[f].selfadjointView<Eigen::Lower>().rankUpdate(A.transpose());
+      g_[f] += A.transpose() * b;
+    }
+    G_[f].triangularView<Eigen::StrictlyUpper>() = G_[f].transpose();
+    G_all_ += G_[f];
+    g_all_ += g_[f];
+  }
+}
+
+Subset Round::subset(const std::vector<int>& chosen) const {
+  Subset s;
+  for (Eigen::Index c = 0; c < base_; ++c) s.columns.push_back(static_cast<int>(c));
+  for (const int t : chosen) {
+    for (Eigen::Index c = 0; c < ranges_[t].second; ++c) s.columns.push_back(static_cast<int>(ranges_[t].first + c));
+  }
+  const auto solve = [&](MatrixXd G, const VectorXd& g, Eigen::LLT<MatrixXd>& factor, VectorXd& x) {
+    G.diagonal() += ridge_(s.columns);
+    G.diagonal().array() *= 1.0 + kGramRidge;
+    G.diagonal().array() += numerics::kTiny;
+    factor.compute(G);
+    x = VectorXd::Zero(ridge_.size());
+    const VectorXd own = factor.solve(g);
+    x(s.columns) = own;
+  };
+  s.fold.resize(folds_.count);
+  s.x_fold.resize(folds_.count);
+  for (int f = 0; f < folds_.count; ++f) {
+    const bool one = folds_.count == 1;
+    const MatrixXd G = one ? G_all_ : MatrixXd(G_all_ - G_[f]);
+    const VectorXd g = one ? g_all_ : VectorXd(g_all_ - g_[f]);
+    solve(MatrixXd(G(s.columns, s.columns)), VectorXd(g(s.columns)), s.fold[f], s.x_fold[f]);
+  }
+  s.all = std::make_unique<Eigen::LLT<MatrixXd>>();
+  solve(MatrixXd(G_all_(s.columns, s.columns)), VectorXd(g_all_(s.columns)), *s.all, s.x);
+  return s;
+}
+
+Cross Round::cross(const Columns& columns, const VectorXd& ridge) const {
+  Cross out;
+  out.columns = &columns;
+  out.ridge = ridge;
+  const Eigen::Index p = ridge_.size(), k = columns.count();
+  for (int f = 0; f < folds_.count; ++f) {
+    const Eigen::Index first = begin_[f], count = begin_[f + 1] - first;
+    MatrixXd C = MatrixXd::Zero(p, k), D = MatrixXd::Zero(k, k), Z(count, k);
+    VectorXd d = VectorXd::Zero(k);
+    for (size_t at = 0; at < columns.joints.size(); ++at) {
+      const int i = columns.joints[at];
+      for (Eigen::Index c = 0; c < k; ++c) {
+        for (Eigen::Index r = 0; r < count; ++r) {
+          const double a = a_(first + r, i);
+          Z(r, c) = a * a * columns.of[at](order_[first + r], c);
+        }
+      }
+      C.noalias() += X_[i].middleRows(first, count).transpose() * Z;
+      d += Z.transpose() * y_.col(i).segment(first, count);
+      for (Eigen::Index c = 0; c < k; ++c) {
+        for (Eigen::Index e = 0; e <= c; ++e) {
+          double sum = 0.0;
+          for (Eigen::Index r = 0; r < count; ++r) sum += Z(r, c) * columns.of[at](order_[first + r], e);
+          D(c, e) += sum;
+          if (e != c) D(e, c) += sum;
+        }
+      }
+    }
+    out.C.push_back(std::move(C));
+    out.D.push_back(std::move(D));
+    out.d.push_back(std::move(d));
+  }
+  return out;
+}
+
+namespace {
+
+// Coefficients of further columns beside factored ones; false if they are in their span.
+bool border(const Eigen::LLT<MatrixXd>& factor, const VectorXd& x, const MatrixXd& C, MatrixXd D, const VectorXd& d,
+            const VectorXd& ridge, VectorXd& z, VectorXd& dx, double* gain = nullptr) {
+  const MatrixXd half = factor.matrixL().solve(C);
+  const VectorXd size = D.diagonal();
+  D -= half.transpose() * half;
+  if ((D.diagonal().array() <= kInSpan * size.array()).all()) return false;
+  D.diagonal() += ridge;
+  D.diagonal() += kColumnRidge * size;
+  D.diagonal().array() += numerics::kTiny;
+  const VectorXd e = d - C.transpose() * x;
+  z = Eigen::LDLT<MatrixXd>(D).solve(e);
+  if (gain != nullptr) *gain = 0.5 * e.dot(z);
+  dx = -factor.matrixU().solve(half * z);
+  return z.allFinite();
+}
+
+}  // namespace
+
+double Round::training_gain(const Subset& s, const Cross& c) const {
+  MatrixXd C = c.C[0], D = c.D[0];
+  VectorXd d = c.d[0];
+  for (int f = 1; f < folds_.count; ++f) {
+    C += c.C[f];
+    D += c.D[f];
+    d += c.d[f];
+  }
+  VectorXd z, dx;
+  double gain = 0.0;
+  if (!border(*s.all, VectorXd(s.x(s.columns)), MatrixXd(C(s.columns, Eigen::all)), D, d, c.ridge, z, dx, &gain)) return -1.0;
+  return gain;
+}
+
+VectorXd Round::losses(const MatrixXd& residual, VectorXd& scale) const {
+  VectorXd out = VectorXd::Zero(residual.cols());
+  scale.resize(residual.cols());
+  for (Eigen::Index i = 0; i < residual.cols(); ++i) {
+    scale[i] = student_scale(residual.col(i), used_.col(i), floor_[i]);
+    if (rows_of_[i] > 0.0) out[i] = (losses_of(residual.col(i), scale[i]) * used_.col(i).array()).sum() / rows_of_[i];
+  }
+  return out;
+}
+
+Fitted Round::evaluate(const Subset& s, const Cross* c) const {
+  Fitted out;
+  const auto n = static_cast<Eigen::Index>(X_.size());
+  MatrixXd sorted = y_;
+  MatrixXd C_all, D_all;
+  VectorXd d_all;
+  const Eigen::Index k = c != nullptr ? c->columns->count() : 0;
+  if (c != nullptr) {
+    C_all = c->C[0];
+    D_all = c->D[0];
+    d_all = c->d[0];
+    for (int f = 1; f < folds_.count; ++f) {
+      C_all += c->C[f];
+      D_all += c->D[f];
+      d_all += c->d[f];
+    }
+  }
+  for (int f = 0; f < folds_.count; ++f) {
+    VectorXd x = s.x_fold[f], z;
+    if (c != nullptr) {
+      const bool one = folds_.count == 1;
+      const MatrixXd C = one ? C_all : MatrixXd(C_all - c->C[f]);
+      VectorXd dx;
+      if (border(s.fold[f], VectorXd(x(s.columns)), MatrixXd(C(s.columns, Eigen::all)), one ? D_all : MatrixXd(D_all - c->D[f]),
+                 one ? d_all : VectorXd(d_all - c->d[f]), c->ridge, z, dx)) {
+        x(s.columns) += dx;
+      } else {
+        z = VectorXd::Zero(k);
+      }
+    }
+    const Eigen::Index first = begin_[f], count = begin_[f + 1] - first;
+    for (Eigen::Index i = 0; i < n; ++i) sorted.col(i).segment(first, count).noalias() -= X_[i].middleRows(first, count) * x;
+    for (size_t at = 0; c != nullptr && at < c->columns->joints.size(); ++at) {
+      const int i = c->columns->joints[at];
+      for (Eigen::Index r = 0; r < count; ++r) {
+        double sum = 0.0;
+        for (Eigen::Index e = 0; e < k; ++e) sum += c->columns->of[at](order_[first + r], e) * z[e];
+        sorted(first + r, i) -= sum;
+      }
+    }
+  }
+  out.loss = losses(sorted, out.scale);
+  out.x = s.x;
+  if (c != nullptr) {
+    VectorXd z, dx;
+    out.x.conservativeResize(out.x.size() + k);
+    out.x.tail(k).setZero();
+    if (border(*s.all, VectorXd(s.x(s.columns)), MatrixXd(C_all(s.columns, Eigen::all)), D_all, d_all, c->ridge, z, dx)) {
+      out.x(s.columns) += dx;
+      out.x.tail(k) = z;
+    }
+  }
+  if (prior_) out.prior = 0.5 * out.x.head(base_).squaredNorm();
+  out.score = samples_.dot(out.loss) + out.prior;
+  out.residual = MatrixXd::Zero(rows_.rows(), n);
+  for (size_t r = 0; r < order_.size(); ++r) out.residual.row(order_[r]) = sorted.row(static_cast<Eigen::Index>(r));
+  return out;
+}
+
+Round::Gain Round::gain(const Fitted& with, const Fitted& without) const {
+  Gain out;
+  const auto n = static_cast<Eigen::Index>(X_.size());
+  MatrixXd blocks = MatrixXd::Zero(folds_.blocks, n);
+  out.rise = VectorXd::Zero(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (rows_of_[i] == 0.0) continue;
+    const Eigen::ArrayXd d = (losses_of(without.residual.col(i), without.scale[i]) - losses_of(with.residual.col(i), with.scale[i])) *
+                             rows_.used.col(i).array() * samples_[i] / rows_of_[i];
+    for (Eigen::Index r = 0; r < d.size(); ++r) {
+      if (folds_.of_row[r] >= 0) blocks(folds_.block[r], i) += d[r];
+    }
+    out.rise[i] = std::pow(with.scale[i] / without.scale[i], 2) - 1.0;
+    out.share = std::max(out.share, -out.rise[i]);
+  }
+  const auto scatter = [&](const VectorXd& x) {
+    const double mean = x.mean();
+    return std::sqrt((x.array() - mean).square().sum() * folds_.blocks / std::max(1.0, folds_.blocks - 1.0));
+  };
+  out.of_joint = blocks.colwise().sum().transpose();
+  out.error_of_joint.resize(n);
+  for (Eigen::Index i = 0; i < n; ++i) out.error_of_joint[i] = scatter(blocks.col(i));
+  out.prior = without.prior - with.prior;
+  out.sum = out.of_joint.sum() + out.prior;
+  out.error = scatter(blocks.rowwise().sum());
+  const double errors = folds_.blocks < kManyBlocks ? student_t_quantile(2.0 * (1.0 - kPassed), std::max(1.0, folds_.blocks - 1.0)) : kErrors;
+  out.limit = errors * out.error;
+  return out;
+}
+
+MatrixXd Round::covariance(const Subset& s, const Fitted& fit) const {
+  const auto p = static_cast<Eigen::Index>(s.columns.size());
+  MatrixXd scores = MatrixXd::Zero(p, folds_.blocks);
+  for (size_t i = 0; i < X_.size(); ++i) {
+    const auto at = static_cast<Eigen::Index>(i);
+    const VectorXd r = (y_.col(at) - X_[i] * fit.x).cwiseProduct(a_.col(at)).cwiseProduct(a_.col(at));
+    for (Eigen::Index k = 0; k < r.size(); ++k)
+      scores.col(folds_.block[order_[k]]) += r[k] * X_[i].row(k)(s.columns).transpose();
+  }
+  // Blocks count beside the white information, which bounds the covariance from below.
+  const MatrixXd half = s.all->solve(scores);
+  const double few = folds_.blocks / std::max(1.0, folds_.blocks - 1.0);
+  MatrixXd out = few * half * half.transpose();
+  const MatrixXd white = s.all->solve(MatrixXd::Identity(p, p));
+  for (Eigen::Index k = 0; k < p; ++k) {
+    if (out(k, k) < white(k, k)) out(k, k) = white(k, k);
+  }
+  return out;
+}
+
+}  // namespace veridyn::search

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "causes/candidates.hpp"
+#include "diagnosis/search/rows.hpp"
+#include "estimation/smooth_basis.hpp"
+#include "effects/kinematic_error.hpp"
+
+namespace veridyn::search {
+
+/// What a term is: how its columns come about, and what a finding of it changes in the arm.
+enum class TermKind {
+  kEffect,    ///< an effect along an axis
+  kChange,    ///< of the level of an effect that the MODEL has
+  kChannel,   ///< an error of a recorded signal, or of the arm as a whole
+  kConstant,  ///< of the robot file
+  kLoad,      ///< on a frame, of either sign
+  kCurve,     ///< a smooth function of signals, without a name
+};
+
+/// A number of a term in which the torque is not linear, and where it is searched.
+struct TermShape {
+  std::string name;
+  double lower, upper;
+  bool logarithmic;
+  double step;  ///< half of the distance to the next value of the grid: a factor, or a difference
+  bool fixed;   ///< not polished
+};
+
+/// A signal that a curve depends on.
+enum class SignalKind { kPosition, kVelocity, kTorque, kHistory, kTime };
+struct Signal {
+  SignalKind kind = SignalKind::kPosition;
+  int joint = 0;
+  std::string name;  ///< "q1", "dq1", "tau1", "history1", "t"
+  std::string unit;
+  double low = 0.0, high = 0.0;  ///< range in the recordings
+};
+
+/// One entry of the dictionary: a place, columns, perhaps a shape, and what it costs to name it.
+struct Term {
+  TermKind kind = TermKind::kEffect;
+  Candidate candidate;       ///< of all but constants and curves
+  Cause cause;
+  std::optional<JointIndex> joint;  ///< where it acts; nothing: several
+  std::string place;         ///< cause as text: terms with the same one differ in their shapes only
+  EffectTerm effect;         ///< with its shapes
+  std::vector<TermShape> shapes;
+  std::optional<FrameConstant> constant;
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< of a load, about which its inertia is that of a point
+  std::vector<Signal> signals;
+  std::vector<SmoothBasis> bases;
+  double price = 0.0;        ///< ln 1/prior, with its grid and its polished numbers
+  bool with_rest = false;    ///< a constant more: the place at which it is without load
+  bool nonnegative = false;  ///< its first parameter has a physically possible sign
+  VectorXd largest;          ///< of each parameter, beyond which it is not plausible; empty: none
+
+  /// True if its columns are derivatives at the present arm.
+  bool is_linearised() const { return kind == TermKind::kChannel || kind == TermKind::kConstant; }
+};
+
+/// True if two terms are one cause with other shapes.
+bool same_place(const Term& a, const Term& b);
+
+/// Which terms are asked about.
+struct TermScope {
+  bool changes = false;
+  std::vector<std::string> wanted;  ///< effects or causes as text; empty: all
+  std::set<int> silent;             ///< joints about which nothing is asked
+  bool curves = true;
+};
+
+/// Largest change of a constant of the robot file: an optimum beyond it is none.
+double reach_of(const FrameConstant& constant);
+
+/// The dictionary of an arm, with prices.
+std::vector<Term> dictionary(const Rows& rows, const TermScope& scope);
+
+/// Ripples that the spectrum of a residual (rows x n) over the positions proposes.
+std::vector<Term> ripples(const Rows& rows, const MatrixXd& residual, const std::vector<Term>& all);
+
+/// Columns at the rows, with the shapes and the present arm.
+Columns columns_of(const Term& term, const Rows& rows);
+
+/// The arm with a step of a linearised term.
+Model with_step(const Model& arm, const Term& term, const std::vector<double>& step);
+
+/// Values of a signal along a stretch.
+VectorXd along(const Signal& signal, const Stretch& stretch, double rest_speed);
+
+/// Values of a curve's columns.
+MatrixXd curve_columns(const Term& term, const MatrixXd& signals);
+
+}  // namespace veridyn::search

@@ -1,0 +1,116 @@
+#include "excitation/cautions.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "excitation/limits/frame_points.hpp"
+#include "kinematics/motion_limits.hpp"
+#include "excitation/limits/link_gap.hpp"
+#include "model/suggestion.hpp"
+#include "veridyn/effects/effect_facts.hpp"
+
+namespace veridyn {
+namespace {
+
+// Names of the coordinates for which the file gives no such limit.
+template <typename Lacks>
+std::vector<std::string> lacking(const Model& arm, const Lacks& lacks) {
+  std::vector<std::string> out;
+  for (const Coordinate& c : arm.coordinates()) {
+    if (lacks(c)) out.push_back(c.name);
+  }
+  return out;
+}
+
+// The links with a body that moves and without a shape, while others have one.
+std::vector<std::string> without_shape(const Model& arm, const std::vector<Capsule>& shapes) {
+  std::vector<std::string> out;
+  for (const int k : arm.bodies()) {
+    const std::optional<FrameIndex> mover = mover_of(arm, FrameIndex{k});
+    const bool has = std::any_of(shapes.begin(), shapes.end(), [&](const Capsule& capsule) {
+      const int other = arm.find_frame(capsule.frame);
+      return other >= 0 && mover_of(arm, FrameIndex{other}) == mover;
+    });
+    if (mover && !has) out.push_back(arm.frames()[k].name);
+  }
+  return out;
+}
+
+bool has_friction_values(const Model& arm) {
+  return std::any_of(arm.effects().begin(), arm.effects().end(), [&](const EffectTerm& term) {
+    if (!has_axis_effect(term.effect)) return false;
+    const EffectFacts effect(arm, term);
+    return effect.traits().role == EffectRole::kFriction && effect.has_values();
+  });
+}
+
+}  // namespace
+
+LowestPoint lowest_point(const Model& arm, const std::vector<Capsule>& shapes, const MotionSamples& motion) {
+  LowestPoint out;
+  FramePoints at(arm);
+  const auto look = [&](int frame, const Eigen::Vector3d& point, double radius) {
+    const double z = at.point(FrameIndex{frame}, point).z() - radius;
+    if (!(z >= out.z)) out = {z, arm.frames()[frame].name};
+  };
+  const auto moves = [&](int frame) { return mover_of(arm, FrameIndex{frame}).has_value(); };
+  const int frames = static_cast<int>(arm.frames().size());
+  for (Eigen::Index row = 0; row < motion.rows(); ++row) {
+    at.move_to(motion.q.row(row).transpose());
+    for (const Capsule& capsule : shapes) {
+      const int frame = arm.find_frame(capsule.frame);
+      if (frame < 0 || !moves(frame)) continue;
+      look(frame, capsule.from, capsule.radius);
+      look(frame, capsule.to, capsule.radius);
+    }
+    for (int k = 0; k < frames; ++k) {
+      if (moves(k)) look(k, Eigen::Vector3d::Zero(), 0.0);
+    }
+  }
+  return out;
+}
+
+std::vector<std::string> cautions(const Model& arm, const ExcitationOptions& options, const LowestPoint& lowest,
+                                  const std::optional<Model>& powered) {
+  std::vector<std::string> out;
+  const CollisionLimits& kept = options.workspace.collisions;
+  const std::string where = fmt::format("the lowest point of the motion is at z = {:.3g} m ({})", lowest.z, lowest.frame);
+  if (kept.shapes.empty()) {
+    out.push_back("NOT CHECKED: neither the floor nor self-collision, for the links have no shapes here; " + where +
+                  ". --link-radius 0.05 --floor Z keeps links of that radius apart and above Z");
+  } else {
+    if (kept.obstacles.empty()) out.push_back("NOT CHECKED: the floor; " + where + ". --floor Z keeps the links above it");
+    const std::vector<std::string> bare = without_shape(arm, kept.shapes);
+    if (!bare.empty())
+      out.push_back("NOT CHECKED: collisions of " + listed(bare) + ", for which no shape is known (--link-radius gives all links one)");
+  }
+  if (!kept.touching.empty())
+    out.push_back("NOT KEPT APART, since their shapes touch whatever the joints do: " + listed(kept.touching));
+  const MotionLimits assumed = motion_limits(arm);
+  for (int i = 0; i < arm.joints(); ++i) {
+    const Coordinate& c = arm.coordinates()[i];
+    if (!std::isfinite(c.limits.lower) || !std::isfinite(c.limits.upper))
+      out.push_back(fmt::format("ASSUMED: a range of {:.3g} to {:.3g} {} for {}, of which the robot file gives no end (missing)",
+                                assumed.lower[i], assumed.upper[i], position_unit(c), c.name));
+  }
+  const std::vector<std::string> speeds = lacking(arm, [](const Coordinate& c) { return !std::isfinite(c.limits.velocity); });
+  if (!speeds.empty())
+    out.push_back("ASSUMED: at most 2 rad/s (0.2 m/s of a slide) for " + listed(speeds) +
+                  ", of which the robot file gives no speed limit (missing or 0)");
+  if (!powered) {
+    out.push_back("NOT CHECKED: torques, for the bodies have no values (--model M.yaml gives them)");
+    return out;
+  }
+  const std::vector<std::string> efforts = lacking(*powered, [](const Coordinate& c) { return !std::isfinite(c.limits.effort); });
+  if (!efforts.empty())
+    out.push_back("NOT LIMITED: torques of " + listed(efforts) + ", of which the robot file gives no effort limit (missing or 0)");
+  if (efforts.size() < arm.coordinates().size() && !has_friction_values(*powered))
+    out.push_back("Torques are those of the bodies alone, for the model has no values of friction: real ones are larger "
+                  "(--model with an identified model has it)");
+  return out;
+}
+
+}  // namespace veridyn

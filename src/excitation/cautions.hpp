@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "veridyn/excitation/excitation.hpp"
+
+namespace veridyn {
+
+/// The lowest point of a motion: of the shapes of links where they are known, else of the origins of
+/// frames that move.
+LowestPoint lowest_point(const Model& arm, const std::vector<Capsule>& shapes, const MotionSamples& motion);
+
+/// What was not checked and what was assumed, one sentence each, with the option that checks or gives it.
+/// @param powered  the arm whose efforts limit the torques, where there is one.
+std::vector<std::string> cautions(const Model& arm, const ExcitationOptions& options, const LowestPoint& lowest,
+                                  const std::optional<Model>& powered);
+
+}  // namespace veridyn

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "veridyn/model/model.hpp"
+#include "veridyn/recordings/recording.hpp"
+
+namespace veridyn {
+
+/// One mistake that a recording or a robot file may hold, and the transformation that undoes it.
+struct RecordingQuestion {
+  std::string finding;  ///< name of the finding, see check_against()
+  int joint = 0;        ///< from 1; 0: all
+  int second = 0;       ///< the other joint of an exchange, from 1; 0: none
+  bool whole = false;   ///< of both joints everything is exchanged
+  std::string what;     ///< "Positions are degrees"
+  std::string units;    ///< for --units; empty: none
+  std::string map;      ///< for --map
+  std::string other;    ///< another option, or what to write in the robot file
+  std::function<void(Recording&)> recording;     ///< null: the recording stays
+  std::function<void(ModelDescription&)> robot;  ///< null: the robot stays
+  /// Questions next to this one at a distance, as directions of gravity [rad] and gear ratios (relative) have; null: none.
+  std::function<std::vector<RecordingQuestion>(double)> neighbours;
+  double first_distance = 0.0;  ///< between questions of the list
+  double price = 0.0;           ///< of a number of its own, beside what every question costs
+
+  /// True if at most one of both can hold.
+  bool excludes(const RecordingQuestion& other_one) const;
+};
+
+/// The list: units, signs, exchanged joints, direction of gravity, convention of DH rows.
+/// @param torque  name of the torques' columns, "tau" or "i". @param moves  joints that move.
+/// @param badly  joints whose torque the recording as it is leaves unexplained; two others are not exchanged.
+std::vector<RecordingQuestion> questions_of(const Model& arm, const Recording& recording, const std::string& torque,
+                                   const std::vector<bool>& moves, const std::vector<bool>& badly);
+
+/// Gravity in this direction; a vector of zeros: the torques hold none.
+RecordingQuestion gravity_along(const Eigen::Vector3d& gravity);
+
+/// "--units q=deg --map tau1=tau2,tau2=tau1", of all questions together.
+std::string options_of(const std::vector<RecordingQuestion>& questions);
+
+}  // namespace veridyn

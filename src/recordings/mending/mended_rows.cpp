@@ -1,0 +1,420 @@
+#include "recordings/mending/mended_rows.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "math/median.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn::recordings {
+namespace {
+
+constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
+/// rows read before the first one is passed on >= kFirstRows: what they show decides about the clock and the scales.
+constexpr int kFirstRows = 8192;
+/// first rows < kFewestRows: too few to know what is usual; angles, dropouts and bursts stay as they are.
+constexpr int kFewestRows = 50;
+/// rows of the past that stay in memory = kContext.
+constexpr int kContext = 8;
+/// dropout <= kLongestDropout [s], at least kFewRows and at most kManyRows: longer ones are no dropouts.
+constexpr double kLongestDropout = 1.0;
+constexpr int kFewRows = 8, kManyRows = 4096;
+/// step < kWithin * mean step in a share of the steps >= kBurstShare: rows come in bursts of two and more. Clocks of
+/// 120 to 160 Hz have none, and late publishers repeat rows without such steps.
+constexpr double kWithin = 0.25, kBurstShare = 0.48;
+/// time between bursts > kHole * the usual one: rows are missing before this burst.
+constexpr double kHole = 2.5;
+/// |jump - turn| < kOfTurn turns beyond the motion: the angle is wrapped.
+constexpr double kOfTurn = 0.05;
+/// positions beyond limits + kBeyond * their range are impossible.
+constexpr double kBeyond = 0.05;
+/// step > smallest, kNoise * usual second difference, kOfRange * range, and kAround * the steps around it: a jump.
+/// These are the numbers of the check of jumps (QualityNumbers).
+constexpr double kSmallestJump = 2e-3, kNoise = 5.0, kOfRange = 0.02, kAround = 4.0;
+/// |position| > kFar [rad, m] is far from zero.
+constexpr double kFar = 0.05;
+/// Quantile of what is usual, so that single wrong values do not count.
+constexpr double kUsual = 0.98;
+
+const double kPi = std::acos(-1.0);
+
+double quantile(std::vector<double> values, double share) {
+  values.erase(std::remove_if(values.begin(), values.end(), [](double v) { return !std::isfinite(v); }), values.end());
+  if (values.empty()) return 0.0;
+  const auto at = values.begin() + static_cast<long>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+std::string counted(long count, const char* one, const char* many) { return text(count, " ", count == 1 ? one : many); }
+
+class MendedRows : public RowSource {
+ public:
+  MendedRows(std::unique_ptr<RowSource> rows, const SignalChoice& choice)
+      : rows_(std::move(rows)), choice_(choice), joints_(static_cast<std::size_t>(rows_->joints())) {}
+
+  Recording next(int rows) override;
+  int joints() const override { return rows_->joints(); }
+  RecordingFacts facts() const override;
+
+ private:
+  // What is known of one joint's position.
+  struct Joint {
+    double turn = 2.0 * kPi;  // in the unit of the file, if nobody declared it
+    double turns = 0.0;       // added to coming rows
+    double jump = HUGE_VAL;   // a larger step needs an explanation
+    long wraps = 0;
+  };
+
+  bool read_on();
+  void look_at_first_rows();
+  void leave_out(Recording& piece);
+  bool is_foreign(const Recording& piece, int k, const Recording& before, int last) const;
+  void spread_equal_times(int from, int to);
+  void spread_bursts();
+  void unwrap(int from);
+  void start_within_limits();
+  void find_dropouts(int until);
+  void fill(int before, int after);
+  int way_back(int last, int away) const;
+  bool is_jump(int last, int k, int joint) const;
+  bool continues(int last, int k) const;
+  bool leads_on() const;
+  double reach(int last, int rows, int joint) const;
+  void find_zeros(int until);
+
+  std::unique_ptr<RowSource> rows_;
+  SignalChoice choice_;
+  std::vector<Joint> joints_;
+  Recording held_;
+  int given_ = 0;     // of the held rows, returned already
+  int unwrapped_ = 0, timed_ = 0, sound_ = 0;  // of the held rows, mended by each step
+  int ahead_ = kFewRows;
+  bool ended_ = false, begun_ = false, bursts_ = false, few_ = false;
+  double step_ = 0.0;         // [s] mean
+  double burst_step_ = 0.0;   // [s] usual time between bursts
+  double burst_before_ = kGap;
+  long in_bursts_ = 0, equal_ = 0, repeated_ = 0, dropouts_ = 0, dropped_ = 0, zeros_ = 0, foreign_ = 0;
+};
+
+bool MendedRows::read_on() {
+  Recording piece = rows_->next(std::max(kFirstRows, ahead_));
+  ended_ = piece.rows() == 0;
+  if (ended_) return false;
+  leave_out(piece);
+  append(held_, std::move(piece));
+  return true;
+}
+
+// A row of zeros alone, between positions that are far from zero.
+bool MendedRows::is_foreign(const Recording& piece, int k, const Recording& before, int last) const {
+  if (choice_.as_recorded || last < 0 || !(before.q.row(last).cwiseAbs().maxCoeff() > kFar)) return false;
+  const bool last_one = k + 1 == piece.rows();
+  if (last_one ? piece.tau.cols() == 0 && piece.dq.cols() == 0 : !(piece.q.row(k + 1).cwiseAbs().maxCoeff() > kFar)) return false;
+  return std::all_of(std::begin(kRecordingSignals), std::end(kRecordingSignals), [&](const RecordingSignal& signal) {
+    return (piece.*signal.values).cols() == 0 || ((piece.*signal.values).row(k).array() == 0.0).all();
+  });
+}
+
+// Rows of another publisher; with as_recorded those that repeat a time.
+void MendedRows::leave_out(Recording& piece) {
+  int kept = 0;
+  for (int k = 0; k < piece.rows(); ++k) {
+    const Recording& before = kept > 0 ? piece : held_;
+    const int last = kept > 0 ? kept - 1 : held_.rows() - 1;
+    const bool repeats = choice_.as_recorded && last >= 0 && piece.time[k] == before.time[last];
+    const bool foreign = is_foreign(piece, k, before, last);
+    repeated_ += repeats ? 1 : 0;
+    foreign_ += foreign ? 1 : 0;
+    if (repeats || foreign) continue;
+    if (kept < k) {
+      piece.time[kept] = piece.time[k];
+      for (const RecordingSignal& signal : kRecordingSignals) {
+        MatrixXd& values = piece.*signal.values;
+        if (values.cols() > 0) values.row(kept) = values.row(k).eval();
+      }
+    }
+    ++kept;
+  }
+  if (kept < piece.rows()) piece = rows_of(piece, 0, kept);
+}
+
+Recording MendedRows::next(int rows) {
+  if (!begun_) {
+    while (held_.rows() < kFirstRows && read_on()) {
+    }
+    begun_ = true;
+    if (held_.rows() > 0) look_at_first_rows();
+  }
+  const auto ready = [this] { return choice_.as_recorded || ended_ ? held_.rows() : std::min(sound_, timed_); };
+  while (true) {
+    if (few_ && !choice_.as_recorded) {
+      spread_equal_times(timed_, held_.rows());
+      sound_ = held_.rows();
+    } else if (!choice_.as_recorded) {
+      unwrap(unwrapped_);
+      bursts_ ? spread_bursts() : spread_equal_times(timed_, held_.rows());
+      find_zeros(ended_ ? held_.rows() : held_.rows() - ahead_);
+      find_dropouts(ended_ ? held_.rows() : held_.rows() - ahead_);
+    }
+    if (ready() - given_ >= rows || ended_) break;
+    read_on();
+  }
+  const int count = std::min(rows, ready() - given_);
+  Recording out = rows_of(held_, given_, count);
+  given_ += count;
+  const int old = std::max(0, given_ - kContext);
+  held_ = rows_of(held_, old, held_.rows() - old);
+  for (int* at : {&given_, &unwrapped_, &timed_, &sound_}) *at = std::max(0, *at - old);
+  return out;
+}
+
+// The scales of a step, the clock's way, and the turn of a joint whose angle is wrapped.
+void MendedRows::look_at_first_rows() {
+  const int n = held_.rows();
+  few_ = n < kFewestRows;
+  if (n > 1) step_ = (held_.time[n - 1] - held_.time[0]) / (n - 1);
+  if (choice_.as_recorded || few_) return;
+  if (step_ > 0.0) ahead_ = std::clamp(static_cast<int>(kLongestDropout / step_), kFewRows, kManyRows);
+  long within = 0;
+  std::vector<double> between;
+  double last = held_.time[0];
+  for (int k = 1; k < n; ++k) {
+    const bool inside = held_.time[k] - held_.time[k - 1] < kWithin * step_;
+    within += inside && held_.time[k] > held_.time[k - 1] ? 1 : 0;
+    if (!inside) between.push_back(held_.time[k] - std::exchange(last, held_.time[k]));
+  }
+  bursts_ = static_cast<double>(within) >= kBurstShare * (n - 1) && between.size() > kFewRows;
+  burst_step_ = median(std::move(between));
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    const auto q = held_.q.col(static_cast<Eigen::Index>(j));
+    std::vector<double> all(q.data(), q.data() + n), change;
+    for (int k = 2; k < n; ++k) change.push_back(std::abs(q[k] - 2.0 * q[k - 1] + q[k - 2]));
+    const double range = quantile(all, kUsual) - quantile(all, 1.0 - kUsual);
+    joints_[j].jump = std::max({kSmallestJump, kNoise * quantile(std::move(change), kUsual), kOfRange * range});
+    if (range > 4.0 * kPi) joints_[j].turn = 360.0;  // degrees that nobody declared
+  }
+  unwrap(0);
+  start_within_limits();
+}
+
+// Adds whole turns where an angle goes on at the other end of one. Its motion, by the step before and the
+// velocity, has to explain the rest of the jump.
+void MendedRows::unwrap(int from) {
+  const int n = held_.rows();
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    Joint& joint = joints_[j];
+    if (j < choice_.joints.size() && choice_.joints[j].prismatic) continue;
+    auto q = held_.q.col(static_cast<Eigen::Index>(j));
+    for (int k = from; k < n; ++k) {
+      q[k] += joint.turns * joint.turn;
+      if (k < 2 || !std::isfinite(q[k] - q[k - 1])) continue;
+      const double jump = q[k] - q[k - 1];
+      const double turns = std::round(jump / joint.turn);
+      if (turns == 0.0 || std::abs(turns) > 1.0) continue;
+      const double before = std::abs(q[k - 1] - q[k - 2]);
+      if (!(std::abs(jump - turns * joint.turn) < kOfTurn * joint.turn + kAround * before) || !(before < kOfTurn * joint.turn)) continue;
+      q[k] -= turns * joint.turn;
+      joint.turns -= turns;
+      ++joint.wraps;
+    }
+  }
+  unwrapped_ = n;
+}
+
+// Angles of a recording in which some are wrapped may have been counted from another turn than the joints' limits.
+void MendedRows::start_within_limits() {
+  const bool wrapped = std::any_of(joints_.begin(), joints_.end(), [](const Joint& joint) { return joint.wraps > 0; });
+  for (std::size_t j = 0; j < joints_.size() && j < choice_.joints.size(); ++j) {
+    const WantedJoint& wanted = choice_.joints[j];
+    Joint& joint = joints_[j];
+    if (!wrapped || wanted.prismatic || !std::isfinite(wanted.upper - wanted.lower)) continue;
+    auto q = held_.q.col(static_cast<Eigen::Index>(j));
+    const double unit = joint.turn / (2.0 * kPi);
+    const double margin = kBeyond * (wanted.upper - wanted.lower);
+    std::vector<double> all(q.data(), q.data() + q.size());
+    const double middle = 0.5 * (quantile(all, kUsual) + quantile(all, 1.0 - kUsual));
+    const double shift = std::round((0.5 * (wanted.lower + wanted.upper) * unit - middle) / joint.turn);
+    const auto inside = [&](double by) {
+      return quantile(all, kUsual) + by <= (wanted.upper + margin) * unit && quantile(all, 1.0 - kUsual) + by >= (wanted.lower - margin) * unit;
+    };
+    if (inside(0.0) || !inside(shift * joint.turn)) continue;
+    q.array() += shift * joint.turn;
+    joint.turns += shift;
+  }
+}
+
+// Several rows with one time and other values: the clock was coarser than they are.
+void MendedRows::spread_equal_times(int from, int to) {
+  auto& t = held_.time;
+  int k = std::max(1, from);
+  while (k < to) {
+    if (t[k] > t[k - 1]) {
+      timed_ = ++k;
+      continue;
+    }
+    int end = k;
+    while (end < to && t[end] <= t[k - 1]) ++end;
+    if (end == to && !ended_) return;
+    const double room = end < to ? t[end] - t[k - 1] : step_ * (end - k + 1);
+    const double start = t[k - 1];
+    for (int i = k; i < end; ++i) t[i] = start + room * (i - k + 1) / (end - k + 1);
+    equal_ += end - k;
+    timed_ = k = end;
+  }
+  timed_ = to;
+}
+
+// A burst's last row was measured when it arrived, its others since the burst before.
+void MendedRows::spread_bursts() {
+  auto& t = held_.time;
+  const int n = held_.rows();
+  const double short_step = kWithin * step_;
+  while (timed_ < n) {
+    int end = timed_ + 1;
+    while (end < n && t[end] - t[end - 1] < short_step) ++end;
+    if (end == n && !ended_) return;
+    const double arrived = t[end - 1];
+    double room = std::min(arrived - burst_before_, kHole * burst_step_);
+    if (!(room > 0.0) || room == kHole * burst_step_) room = burst_step_;
+    const int count = end - timed_;
+    for (int i = timed_; i < end; ++i) t[i] = arrived - room * (end - 1 - i) / count;
+    burst_before_ = arrived;
+    in_bursts_ += count > 1 ? count : 0;
+    timed_ = end;
+  }
+}
+
+// How far a joint may have moved in some rows after a sound one.
+double MendedRows::reach(int last, int rows, int joint) const {
+  double fastest = 0.0;
+  for (int k = std::max(1, last - 2); k <= last; ++k) {
+    const double step = std::abs(held_.q(k, joint) - held_.q(k - 1, joint));
+    if (std::isfinite(step)) fastest = std::max(fastest, step);
+  }
+  if (held_.dq.cols() > 0 && std::isfinite(held_.dq(last, joint))) fastest = std::max(fastest, step_ * std::abs(held_.dq(last, joint)));
+  return joints_[static_cast<std::size_t>(joint)].jump + kAround * fastest * rows;
+}
+
+bool MendedRows::is_jump(int last, int k, int joint) const {
+  return std::abs(held_.q(k, joint) - held_.q(last, joint)) > reach(last, k - last, joint);
+}
+
+bool MendedRows::continues(int last, int k) const {
+  for (int j = 0; j < joints(); ++j) {
+    if (is_jump(last, k, j)) return false;
+  }
+  return true;
+}
+
+// True if the first step is one that the second explains.
+bool MendedRows::leads_on() const {
+  for (int j = 0; j < joints(); ++j) {
+    const double second = std::abs(held_.q(2, j) - held_.q(1, j));
+    if (std::abs(held_.q(1, j) - held_.q(0, j)) > joints_[static_cast<std::size_t>(j)].jump + kAround * second) return false;
+  }
+  return true;
+}
+
+// The first row behind `away` that goes on where the last sound row was, by a jump of a joint that jumped away; or -1.
+int MendedRows::way_back(int last, int away) const {
+  const int end = std::min(held_.rows(), away + ahead_);
+  for (int m = away + 1; m < end; ++m) {
+    for (int j = 0; j < joints(); ++j) {
+      const bool both = is_jump(last, away, j) && std::abs(held_.q(m, j) - held_.q(m - 1, j)) > reach(last, 1, j);
+      if (both && continues(last, m)) return m;
+    }
+  }
+  return -1;
+}
+
+// Positions between two sound rows, on the cubic through both and their velocities; gaps where none is recorded.
+void MendedRows::fill(int before, int after) {
+  const double length = held_.time[after] - held_.time[before];
+  for (int k = before + 1; k < after; ++k) {
+    if (held_.dq.cols() == 0) {
+      held_.q.row(k).setConstant(kGap);
+      continue;
+    }
+    const double u = (held_.time[k] - held_.time[before]) / length, left = 1.0 - u;
+    held_.q.row(k) = left * left * ((1.0 + 2.0 * u) * held_.q.row(before) + u * length * held_.dq.row(before)) +
+                     u * u * ((3.0 - 2.0 * u) * held_.q.row(after) - left * length * held_.dq.row(after));
+  }
+}
+
+void MendedRows::find_dropouts(int until) {
+  int k = std::max(sound_, 1);
+  if (sound_ == 0 && held_.rows() > 2 && (held_.q.row(0).array() == 0.0).all() && !leads_on()) {
+    held_.q.row(0).setConstant(kGap);  // of another publisher
+    ++dropped_;
+    ++dropouts_;
+  }
+  for (; k < until; ++k) {
+    if (continues(k - 1, k)) continue;
+    const int back = way_back(k - 1, k);
+    if (back < 0) continue;
+    fill(k - 1, back);
+    dropped_ += back - k;
+    ++dropouts_;
+    // The row after continues from the last sound one; rows of a gap have no position to jump from.
+    k = back;
+  }
+  sound_ = std::max(sound_, std::min(k, held_.rows()));
+}
+
+// Torques that are exactly zero on all joints for a while, between values of one sign of a joint that are far from it.
+void MendedRows::find_zeros(int until) {
+  for (MatrixXd* values : {&held_.tau, &held_.current}) {
+    if (values->cols() == 0) continue;
+    MatrixXd& v = *values;
+    const auto zero = [&v](int k) { return (v.row(k).array() == 0.0).all(); };
+    for (int k = std::max(sound_, 2); k < until; ++k) {
+      if (!zero(k) || zero(k - 1)) continue;
+      int end = k + 1;
+      while (end < held_.rows() && end < k + ahead_ && zero(end)) ++end;
+      if (end + 1 >= held_.rows() || zero(end)) continue;
+      bool far = false;
+      for (Eigen::Index j = 0; j < v.cols(); ++j) {
+        const double around = std::max(std::abs(v(k - 1, j) - v(k - 2, j)), std::abs(v(end + 1, j) - v(end, j)));
+        far = far || (v(k - 1, j) * v(end, j) > 0.0 && std::min(std::abs(v(k - 1, j)), std::abs(v(end, j))) > 2.0 * kAround * around);
+      }
+      if (!far) continue;
+      v.middleRows(k, end - k).setConstant(kGap);
+      zeros_ += end - k;
+    }
+  }
+}
+
+RecordingFacts MendedRows::facts() const {
+  RecordingFacts out = rows_->facts();
+  const auto say = [&out](const std::string& remark) { out.remarks.push_back(remark); };
+  if (foreign_ > 0)
+    say(text(counted(foreign_, "row", "rows"), " of zeros alone amid the motion, as of another publisher, ", foreign_ == 1 ? "is" : "are", " left out (--as-recorded keeps them)."));
+  if (repeated_ > 0)
+    say(text(counted(repeated_, "row repeats", "rows repeat"), " the time stamp before and ", repeated_ == 1 ? "is" : "are", " left out."));
+  if (equal_ > 0)
+    say(text(counted(equal_, "row repeats", "rows repeat"), " the time stamp before with other values: such rows are spread evenly up to the next time."));
+  if (in_bursts_ > 0)
+    say(text(in_bursts_, " rows came in bursts and were stamped at arrival: they are spread evenly since the burst before (--as-recorded keeps their times)."));
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    if (joints_[j].wraps == 0) continue;
+    say(text("q", j + 1, j < choice_.joints.size() ? " (" + choice_.joints[j].name + ")" : "", " is wrapped ", counted(joints_[j].wraps, "time", "times"),
+             " and is continued over whole turns (--as-recorded keeps it)."));
+  }
+  if (dropouts_ > 0)
+    say(text("positions leave the motion and come back ", counted(dropouts_, "time", "times"), ": ", counted(dropped_, "row is", "rows are"),
+             held_.dq.cols() > 0 ? " filled in by the velocities before and behind" : " left out", " (--as-recorded keeps them)."));
+  if (zeros_ > 0)
+    say(text("all torques drop to zero amid the motion in ", counted(zeros_, "row, which is a gap", "rows, which are gaps"), " (--as-recorded keeps them)."));
+  return out;
+}
+
+}  // namespace
+
+std::unique_ptr<RowSource> mended(std::unique_ptr<RowSource> rows, const SignalChoice& choice) {
+  return std::make_unique<MendedRows>(std::move(rows), choice);
+}
+
+}  // namespace veridyn::recordings
