@@ -53,7 +53,8 @@ void run_stages(DiagnosisState& x, const Tell& tell) {
   exclude_rests(x);
   check_torque_signs(x);
   check_errors_in_variables(x);
-  if (x.options.method == DiagnosisMethod::kSearch) {
+  const bool model_is_given = x.options.method == DiagnosisMethod::kAutomatic && x.d.changes;
+  if (x.options.method == DiagnosisMethod::kSearch || model_is_given) {
     tell("searching");
     search::explain(x);
     x.d.small_apart = x.options.extended == ExtendedModel::kConfirmedOnly;

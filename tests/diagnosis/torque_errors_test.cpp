@@ -32,7 +32,9 @@ Model truth() {
 }
 
 TEST(TorqueCrosstalk, TakesThePlaceOfTheCurveOverTheOtherTorque) {
-  const Diagnosis d = diagnosed(truth(), "torque_crosstalk:2:from=1,share=0.15");
+  DiagnosisOptions how;
+  how.method = DiagnosisMethod::kStages;
+  const Diagnosis d = diagnosed(truth(), "torque_crosstalk:2:from=1,share=0.15", how);
   ASSERT_EQ(d.findings.size(), 1U) << d.report();
   const Finding& f = d.findings[0];
   EXPECT_EQ(to_text(truth(), f.cause), "torque_crosstalk:elbow");

@@ -27,7 +27,8 @@ enum class UnnamedForces {
 
 /// How causes are found.
 enum class DiagnosisMethod {
-  kStages,  ///< one test after another
+  kAutomatic,  ///< kSearch against a MODEL, kStages for the arm of a robot file
+  kStages,     ///< one test after another
   /// One dictionary of terms with prices, one held-out score, one search: names, loads of either sign, the direction of
   /// gravity, constants and curves compete, and a MODEL is a prior.
   kSearch,
@@ -44,7 +45,7 @@ struct DiagnosisOptions {
   int max_effects = 20;  ///< findings at most; contacts and plain friction do not count
   ExtendedModel extended = ExtendedModel::kConfirmedOnly;
   UnnamedForces unnamed = UnnamedForces::kReported;
-  DiagnosisMethod method = DiagnosisMethod::kStages;
+  DiagnosisMethod method = DiagnosisMethod::kAutomatic;
   /// Provenance of the robot's values; nullopt: as its file says.
   std::optional<RobotValues> values{};
   /// An effect is accepted when the sum over joints of ln(held-out mean square error) falls by more

@@ -140,7 +140,7 @@ void add_diagnose_command(CLI::App& tool, Outcome& outcome) {
       "Write every accepted finding into the extended model");
   command.add_flag_callback(
       "--search", [request] { request->options.method = DiagnosisMethod::kSearch; },
-      "Find causes by one search over one dictionary: loads of either sign, any direction of gravity, a MODEL as a prior");
+      "Find the causes of a robot file's error, too, by the one search that finds what changed since a MODEL was made");
   command.add_flag_callback(
       "--keep-unnamed", [request] { request->options.unnamed = UnnamedForces::kKept; },
       "Write unnamed findings into the extended model, as tabulated forces");

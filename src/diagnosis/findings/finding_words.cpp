@@ -43,7 +43,7 @@ std::string sentence(const Model& arm, const Finding& f) {
   const CauseWords w = words_of(arm, f.cause);
   std::string out = place_of(w) + ": " + f.phrase + ".";
   if (std::holds_alternative<AddedLoad>(f.cause)) {
-    const bool taken_off = !f.parameters.empty() && f.parameters.front().high < 0.0;
+    const bool taken_off = f.phrase.find("was taken off") != std::string::npos;
     out = f.phrase + (taken_off ? " " : " sits on ") + w.frame + ".";
     out.front() = 'A';
   }

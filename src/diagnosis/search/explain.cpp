@@ -20,6 +20,7 @@
 #include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/effects/effect_facts.hpp"
 #include "veridyn/identification/pseudo_inertia.hpp"
+#include "veridyn/regressor/standard_parameters.hpp"
 
 namespace veridyn::search {
 namespace {
@@ -173,12 +174,17 @@ class Explanation {
     return out;
   }
 
+  // The arm without what was found; of a MODEL, what its covariance lets move has moved with the findings.
+  Model before() const {
+    return d_.changes && found_.values.size() > 0 ? with_values(*x_.start.model, found_.values, VectorXd()) : *x_.start.model;
+  }
+
   // The arm with everything that has a name, fitted under physical conditions. A size that ends at its bound is none.
   void fit() {
     std::set<size_t> gone;
     for (int turn = 0; turn < 3; ++turn) {
       const std::vector<Chosen> some = named(gone);
-      d_.extended = some.empty() && x_.start.model ? x_.start : x_.fit(extended_arm(*x_.start.model, some, d_.changes));
+      d_.extended = some.empty() && x_.start.model ? x_.start : x_.fit(extended_arm(before(), some, d_.changes));
       if (!d_.extended.model || d_.changes || some.empty()) break;
       bool again = false;
       for (size_t f = 0; f < of_finding_.size(); ++f) {
@@ -305,7 +311,7 @@ class Explanation {
     leave_out(excluded_intervals(contacts), x_);
     const Identification without = x_.fit(x_.arm);
     if (without.model) d_.baseline = without;
-    const Identification extended = x_.fit(extended_arm(*x_.start.model, named(), d_.changes));
+    const Identification extended = x_.fit(extended_arm(before(), named(), d_.changes));
     if (extended.model) d_.extended = extended;
     // One finding for the pushes on one link.
     std::vector<Finding> found;

@@ -7,7 +7,7 @@ namespace veridyn::search {
 // Numbers of the search. Those that decide come first.
 
 /// gain of a term >= kErrors * its standard error over blocks (kPassed of Student's distribution below kManyBlocks).
-constexpr double kErrors = 2.5, kPassed = 0.99379;
+constexpr double kErrors = 2.0, kPassed = 0.97725;
 constexpr int kManyBlocks = 30;
 /// fall of the mean square of the joint that a term helps most >= kSmallest: less is not worth a name.
 constexpr double kSmallest = 0.02;
@@ -36,6 +36,7 @@ constexpr std::size_t kWholeRecordings = 3;  ///< from so many recordings on fol
 constexpr int kParts = 6;                    ///< folds otherwise
 constexpr double kUncorrelated = 0.05;       ///< autocorrelation at which it counts as none
 constexpr int kMostLags = 200;               ///< rows over which it is summed
+constexpr double kLargestPart = 10.0;        ///< rms of one parameter's torque, in those of the joint's torque
 constexpr double kDependent = 1e-10;         ///< smallest eigenvalue of scaled columns that count as independent
 constexpr double kLeastScale = 1e-4;         ///< smallest residual, as a share of the joint's rms torque
 constexpr int kFixedPoints = 15;             ///< steps of the scale of a Student-t distribution
@@ -44,7 +45,7 @@ constexpr double kInSpan = 1e-7;             ///< share of a column that other c
 constexpr double kColumnRidge = 1e-9, kGramRidge = 1e-10;  ///< of the diagonal
 constexpr double kCurveSize = 3.0;           ///< prior deviation of a curve's coefficients, in scales of the residual
 constexpr int kFinalists = 6;                ///< terms of different kinds that are polished and compared exactly
-constexpr int kScreened = 18;                ///< terms that are compared exactly before
+constexpr int kScreened = 40;                ///< terms that are compared exactly before
 constexpr double kWorthPolish = 0.6;         ///< of the gain that is needed: a grid value below is not polished
 constexpr int kRounds = 12;                  ///< additions beyond the most that are asked for
 constexpr int kTurns = 3;                    ///< rounds of exchanges after each addition
@@ -58,6 +59,7 @@ constexpr double kGainOfNothing = -0.95;     ///< error of a factor at which it 
 constexpr double kFarGravity = 0.1;          ///< of gravity: nearer directions are reached by steps
 /// prior deviations of a load [kg], [m], and of its inertia beyond that of a point [kg m^2]: what no torque sees stays small
 constexpr double kMassOfArm = 30.0, kReach = 0.5, kInertia = 0.02;
+constexpr double kSeen = 0.1;                ///< of the prior deviation of a first moment: torques see it
 constexpr double kNoMass = 1e-6, kSameCentre = 1e-4;  ///< [kg], [m] of a load
 constexpr double kAlongJoint = 0.999;        ///< cosine of an axis that is a joint's own
 constexpr double kFirstProfile = 0.02;       ///< first step of the profile of a shape

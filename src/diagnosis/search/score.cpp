@@ -53,7 +53,7 @@ MatrixXd base_columns(const Rows& rows, int joint, const MatrixXd& T) {
   return rows.own[joint] * of_joint;
 }
 
-Base fitted_base(const Rows& rows) {
+Base fitted_base(const Rows& rows, Eigen::Index most) {
   const auto all = static_cast<Eigen::Index>(rows.names().size());
   MatrixXd G = MatrixXd::Zero(all, all);
   for (int i = 0; i < rows.joints(); ++i) {
@@ -70,9 +70,11 @@ Base fitted_base(const Rows& rows) {
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(MatrixXd(inverse.asDiagonal() * G * inverse.asDiagonal()));
   const VectorXd& size = eigen.eigenvalues();
   Eigen::Index kept = 0;
-  while (kept < size.size() && size[size.size() - 1 - kept] > kDependent * size[size.size() - 1]) ++kept;
+  while (kept < std::min(most, size.size()) && size[size.size() - 1 - kept] > kDependent * size[size.size() - 1]) ++kept;
   Base out;
   out.T = inverse.asDiagonal() * eigen.eigenvectors().rightCols(kept) * size.tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
+  // No parameter makes many times the torque that there is, only to be cancelled by others.
+  out.ridge = (kLargestPart * kLargestPart * static_cast<double>(rows.rows()) * size.tail(kept)).cwiseInverse();
   for (int i = 0; i < rows.joints(); ++i) out.X.push_back(base_columns(rows, i, out.T));
   return out;
 }
@@ -132,6 +134,7 @@ Base prior_base(const Rows& rows, const Model& model) {
   out.prior = true;
   out.T = MatrixXd::Zero(static_cast<Eigen::Index>(names.size()), count);
   for (Eigen::Index k = 0; k < count; ++k) out.T.row(of[k]) = L.row(k);
+  out.ridge = VectorXd::Ones(count);
   for (int i = 0; i < rows.joints(); ++i) out.X.push_back(base_columns(rows, i, out.T));
   return out;
 }
@@ -158,7 +161,8 @@ Round::Round(const Rows& rows, const Folds& folds, const Base& base, std::vector
     ranges_.emplace_back(p, c->count());
     p += c->count();
   }
-  ridge_ = VectorXd::Constant(p, prior_ ? 1.0 : 0.0);
+  ridge_ = VectorXd::Zero(p);
+  ridge_.head(base_) = base.ridge;
   for (size_t k = 0; k < chosen.size(); ++k) ridge_.segment(ranges_[k].first, ranges_[k].second) = ridges[k];
   y_.resize(count, n);
   used_.resize(count, n);

@@ -16,14 +16,16 @@ namespace veridyn::search {
 struct Base {
   MatrixXd T;               ///< (parameters x directions)
   std::vector<MatrixXd> X;  ///< (rows x directions) of every joint
+  VectorXd ridge;           ///< of every direction
   bool prior = false;
 };
 
 /// The columns of the directions T at other rows of the same arm.
 MatrixXd base_columns(const Rows& rows, int joint, const MatrixXd& T);
 
-/// Of an arm whose values are fitted.
-Base fitted_base(const Rows& rows);
+/// Of an arm whose values are fitted, with at most so many directions: errors of the signals make dependent columns look
+/// independent.
+Base fitted_base(const Rows& rows, Eigen::Index most);
 
 /// Of a MODEL: what it determines may move as far as its covariance lets it, and friction and offsets as they do
 /// from day to day.

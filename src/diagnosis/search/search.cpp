@@ -12,6 +12,7 @@
 #include "math/parallel.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/effects/channel_effect.hpp"
+#include "veridyn/regressor/base_parameters.hpp"
 
 namespace veridyn::search {
 namespace {
@@ -45,6 +46,7 @@ class Search {
     values_ = VectorXd(rows_->names().size());
     const std::vector<StandardParameter> all = standard_parameters(arm);
     for (Eigen::Index p = 0; p < values_.size(); ++p) values_[p] = all[p].value;
+    directions_ = base_parameters(arm).size();
     base_ = base_of(*rows_);
     dictionary_ = dictionary(*rows_, request.scope);
     for (Term& t : dictionary_) {
@@ -55,18 +57,24 @@ class Search {
   SearchResult run() {
     if (folds_.count > 0 && rows_->rows() > 0) {
       begin_with_friction();
-      for (int round = 0; round < kRounds + request_.most && static_cast<int>(chosen_.size()) < request_.most; ++round) {
-        if (request_.progress) request_.progress(round, kRounds + request_.most);
-        if (!add()) break;
-        exchange();
-      }
+      // A curve can do what any name on its joint does: names come first, then curves beside them, or in the place of all
+      // names of a joint.
+      int round = 0;
+      do {
+        for (; round < kRounds + request_.most && static_cast<int>(chosen_.size()) < request_.most; ++round) {
+          if (request_.progress) request_.progress(round, kRounds + request_.most);
+          if (!add(false)) break;
+          exchange();
+        }
+      } while (clean() && round < kRounds + request_.most);
+      while (static_cast<int>(chosen_.size()) < request_.most && add(true)) stand_for_names();
       clean();
     }
     return finish();
   }
 
  private:
-  Base base_of(const Rows& rows) const { return request_.scope.changes ? prior_base(rows, arm_) : fitted_base(rows); }
+  Base base_of(const Rows& rows) const { return request_.scope.changes ? prior_base(rows, arm_) : fitted_base(rows, directions_); }
 
   std::vector<const Columns*> columns() const {
     std::vector<const Columns*> out;
@@ -219,10 +227,14 @@ class Search {
     std::vector<Option> out(order.size());
     parallel_for(static_cast<int>(order.size()), request_.threads, [&](int k) { out[k] = option(round, s, *order[k].term, order[k].columns); });
     const auto better = [](const Option& a, const Option& b) { return a.value < b.value; };
+    // What gains much in a few blocks only does not take the places of what gains everywhere.
+    const Fitted without = round.evaluate(s);
+    out.erase(std::remove_if(out.begin(), out.end(), [&](const Option& o) {
+                const Round::Gain g = round.gain(o.fit, without);
+                return without.score - o.value + o.term.price < kWorthPolish * needed || g.sum < kWorthPolish * g.limit;
+              }), out.end());
     std::sort(out.begin(), out.end(), better);
     out.resize(std::min<size_t>(out.size(), kFinalists));
-    const double without = round.evaluate(s).score;
-    while (!out.empty() && without - out.back().value + out.back().term.price < kWorthPolish * needed) out.pop_back();
     parallel_for(static_cast<int>(out.size()), request_.threads, [&](int k) {
       if (std::isfinite(out[k].value)) polish(round, s, out[k]);
     });
@@ -276,9 +288,7 @@ class Search {
     return c;
   }
 
-  // Adds the term that lowers the score most; false if none passes. A curve can do what any name on its joint does, so
-  // that names are added first; exchange() asks then whether one curve does better than all names of a joint.
-  bool add() { return add(false) || add(true); }
+  // Adds the term that lowers the score most; false if none passes.
   bool add(bool curves) {
     const Round now = round();
     const Subset s = now.subset(all_but(chosen_.size(), {}));
@@ -511,19 +521,17 @@ class Search {
       const std::vector<int> rest = all_but(count, {k});
       const Subset s = now.subset(rest);
       const Fitted without = now.evaluate(s);
-      if (without.score + price_of(rest) <= value && !has_right(k, now, without)) {
+      if (without.score + price_of(rest) <= value) {
         chosen_.erase(chosen_.begin() + static_cast<long>(k));
         return true;
       }
       more.push_back(further(now, chosen_[k].term));
       const double gained = without.score - full.score;
-      std::vector<Option> options = best_terms(now, s, crossed, more, gained, [&](const Term& t) { return !is_chosen(t, {k}) && shares_joint(t, {k}); });
+      std::vector<Option> options = best_terms(now, s, crossed, more, gained, [&](const Term& t) { return t.kind != TermKind::kCurve && !is_chosen(t, {k}) && shares_joint(t, {k}); });
       for (Option& o : options) {
         if (o.value + price_of(rest) >= value - kBetter) break;
         const Round::Gain g = now.gain(o.fit, full);
-        // A curve takes no name's place: it is added to it, and then the name may be of no use. A dearer name replaces a
-        // cheaper one only by the same margins as a term is added.
-        if (o.term.kind == TermKind::kCurve && chosen_[k].term.kind != TermKind::kCurve) continue;
+        // A dearer name replaces a cheaper one only by the same margins as a term is added.
         if (o.term.price > chosen_[k].term.price + kGramRidge && g.sum < g.limit) continue;
         if (!passes(now.gain(o.fit, without), o.term)) continue;
         const bool same = same_place(o.term, chosen_[k].term);
@@ -537,12 +545,10 @@ class Search {
       const std::vector<int> rest = all_but(count, some);
       const Subset s = now.subset(rest);
       const Fitted without = now.evaluate(s);
-      std::vector<Option> options = best_terms(now, s, crossed, more, without.score - full.score, [&](const Term& t) { return !is_chosen(t, some) && shares_joint(t, some); });
+      std::vector<Option> options = best_terms(now, s, crossed, more, without.score - full.score, [&](const Term& t) { return t.kind != TermKind::kCurve && !is_chosen(t, some) && shares_joint(t, some); });
       for (Option& o : options) {
         if (o.value + price_of(rest) >= value) break;
         if (!passes(now.gain(o.fit, without), o.term)) continue;
-        const bool names = std::any_of(some.begin(), some.end(), [&](size_t k) { return chosen_[k].term.kind != TermKind::kCurve; });
-        if (o.term.kind == TermKind::kCurve && names) continue;
         replace(some, o);
         return true;
       }
@@ -568,19 +574,27 @@ class Search {
     return {out.begin(), out.end()};
   }
 
-  // A curve that is added to a name can do what the name does. The name stays if it does half as much alone.
-  bool has_right(size_t k, const Round& now, const Fitted& without) const {
-    if (chosen_[k].term.kind == TermKind::kCurve) return false;
-    std::set<size_t> curves;
-    for (size_t c = 0; c < chosen_.size(); ++c) {
-      if (chosen_[c].term.kind == TermKind::kCurve && chosen_[c].term.joint == chosen_[k].term.joint) curves.insert(c);
+  // The last curve in the place of all names of its joint, where these do less than it does alone.
+  void stand_for_names() {
+    const size_t last = chosen_.size() - 1;
+    std::set<size_t> names;
+    for (size_t k = 0; k < last; ++k) {
+      if (chosen_[k].term.kind != TermKind::kCurve && !chosen_[k].term.is_linearised() && chosen_[k].term.joint == chosen_[last].term.joint) names.insert(k);
     }
-    if (curves.empty() || !chosen_[k].term.joint) return false;
-    std::set<size_t> both = curves;
-    both.insert(k);
-    const double none = now.evaluate(now.subset(all_but(chosen_.size(), both))).score;
-    const double name = now.evaluate(now.subset(all_but(chosen_.size(), curves))).score;
-    return none - name > kHalf * (none - without.score);
+    if (names.empty()) return;
+    const Round now = round();
+    std::set<size_t> curve = {last};
+    const Fitted with_names = now.evaluate(now.subset(all_but(chosen_.size(), curve)));
+    const Fitted with_curve = now.evaluate(now.subset(all_but(chosen_.size(), names)));
+    double paid = chosen_[last].term.price;
+    for (const size_t k : names) paid -= chosen_[k].term.price;
+    const Round::Gain g = now.gain(with_curve, with_names);
+    if (g.sum <= std::max(g.limit, paid)) return;
+    std::vector<Chosen> kept;
+    for (size_t k = 0; k <= last; ++k) {
+      if (names.count(k) == 0) kept.push_back(std::move(chosen_[k]));
+    }
+    chosen_ = std::move(kept);
   }
 
   bool shares_joint(const Term& t, const std::set<size_t>& with) const {
@@ -688,8 +702,9 @@ class Search {
     return out;
   }
 
-  // What does not pass beside all others goes, the least first.
-  void clean() {
+  // What does not pass beside all others goes, the least first; true if anything did. What went twice stays away.
+  bool clean() {
+    bool any = false;
     while (!chosen_.empty()) {
       const Round now = round();
       const Fitted full = now.evaluate(now.subset(all_but(chosen_.size(), {})));
@@ -698,18 +713,25 @@ class Search {
       for (size_t k = 0; k < chosen_.size(); ++k) {
         const Without w = without(k, now, full);
         const Round::Gain& g = w.gain;
-        if (!makes_worse(g) && has_right(k, now, w.fit)) continue;
+        // Beside curves a name needs no proof of its own.
+        const bool has_curve = std::any_of(chosen_.begin(), chosen_.end(), [&](const Chosen& c) {
+          return c.term.kind == TermKind::kCurve && c.term.joint == chosen_[k].term.joint;
+        });
+        if (has_curve && chosen_[k].term.kind != TermKind::kCurve) continue;
         const double margin = g.sum / std::max(g.error, numerics::kNoise);
         if ((!passes(g, chosen_[k].term) || makes_worse(g)) && (!gone || margin < least)) {
           gone = k;
           least = margin;
         }
       }
-      if (!gone) return;
+      if (!gone) return any;
+      any = true;
+      if (++cleaned_[chosen_[*gone].term.place] > 1) aside_.insert(chosen_[*gone].term.place);
       const bool moved = chosen_[*gone].term.is_linearised();
       chosen_.erase(chosen_.begin() + static_cast<long>(*gone));
       if (moved) move_to(arm_of(chosen_));
     }
+    return any;
   }
 
   SearchResult finish() {
@@ -894,11 +916,13 @@ class Search {
   const SearchRequest& request_;
   std::shared_ptr<const Rows> rows_;
   Folds folds_;
+  Eigen::Index directions_ = 0;  // base parameters of the arm
   Base base_;
   VectorXd values_;
   MatrixXd weights_;
   std::vector<Term> dictionary_;
   std::set<std::string> places_, aside_, tried_;
+  std::map<std::string, int> cleaned_;
   std::vector<std::shared_ptr<Columns>> cache_;
   std::vector<Chosen> chosen_;
   bool far_asked_ = false;

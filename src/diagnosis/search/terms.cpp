@@ -41,7 +41,7 @@ double odds_of(const Effect& effect) {
   if (!effect.asked_unnamed()) return kImitator;
   const std::vector<EffectShape> shapes = effect.shapes();
   const bool waves = std::any_of(shapes.begin(), shapes.end(), [](const EffectShape& s) { return s.scale == ShapeScale::kWaves; });
-  const bool seldom = traits.depends_on_time || traits.uses_source || waves || traits.role == EffectRole::kArm || effect.parameters().size() > 2;
+  const bool seldom = traits.depends_on_time || traits.uses_source || waves || traits.role == EffectRole::kArm || !traits.forward_simulable || effect.parameters().size() > 2;
   return seldom ? kSeldom : 0.0;
 }
 

@@ -34,13 +34,24 @@ void describe_load(const Chosen& c, double t, Finding& f) {
   f.parameters.push_back(parameter("mass", "kg", z[0], t * c.deviations[0]));
   const FoundParameter mass = f.parameters.front();
   const bool is_heavy = mass.low > 0.0 || mass.high < 0.0;
-  double half = 0.0;
+  // Of its first moments those that torques see; the sign of what they see of its inertia says whether it was added.
+  double half = 0.0, moment = 0.0;
   for (int k = 0; k < 3; ++k) {
-    half = std::hypot(half, t * c.deviations[1 + k]);
+    if (c.deviations[1 + k] < kSeen * kMassOfArm * kReach) {
+      half = std::hypot(half, t * c.deviations[1 + k]);
+      moment = std::hypot(moment, z[1 + k]);
+    }
     if (is_heavy)
       f.parameters.push_back(parameter(std::string(1, "xyz"[k]), "m", z[1 + k] / z[0], t * quotient_deviation(z[1 + k], z[0], C(1 + k, 1 + k), C(0, 0), C(0, 1 + k))));
   }
-  const double moment = z.segment<3>(1).norm();
+  double inertia = 0.0, known = 0.0;
+  for (const int k : {4, 6, 9}) {
+    if (std::abs(z[k]) > known * c.deviations[k]) {
+      known = std::abs(z[k]) / c.deviations[k];
+      inertia = z[k];
+    }
+  }
+  const bool taken_off = !is_heavy && known > t && inertia < 0.0;
   f.parameters.push_back({"moment", "kg m", moment, std::max(0.0, moment - half), moment + half});
   const auto range = [&](double low, double high) { return fmt::format("(95 %: {:.3g} to {:.3g})", low, high); };
   if (mass.low > 0.0) {
@@ -48,8 +59,8 @@ void describe_load(const Chosen& c, double t, Finding& f) {
   } else if (mass.high < 0.0) {
     f.phrase = fmt::format("a load of {:.3g} kg {} was taken off", -mass.value, range(-mass.high, -mass.low));
   } else {
-    f.phrase = fmt::format("a load with a moment of {:.3g} kg m {} and a mass that may be zero ({:.2g} to {:.2g} kg)", moment,
-                           range(std::max(0.0, moment - half), moment + half), mass.low, mass.high);
+    f.phrase = fmt::format("a load with a moment of {:.3g} kg m {}, whose mass these torques do not tell,{}", moment,
+                           range(std::max(0.0, moment - half), moment + half), taken_off ? " was taken off" : "");
   }
 }
 
@@ -123,7 +134,7 @@ void describe_channel(const Chosen& c, double t, const Model& before, Finding& f
     for (int k = 0; k < 3; ++k) f.parameters.push_back(parameter(std::string("gravity_") + "xyz"[k], "m/s^2", (*c.gravity)[k], half));
   }
   if (is_none) f.phrase = "torques without gravity, as the command of a controller that compensates it";
-  else if (turned) f.phrase = fmt::format("gravity along ({:.3g}, {:.3g}, {:.3g}) m/s^2, which its file has elsewhere", (*c.gravity)[0], (*c.gravity)[1], (*c.gravity)[2]);
+  else if (turned) f.phrase = fmt::format("gravity along ({:.3g}, {:.3g}, {:.3g}) m/s^2, which its file has elsewhere", (*c.gravity)[0] + 0.0, (*c.gravity)[1] + 0.0, (*c.gravity)[2] + 0.0);
   else f.phrase = channel_phrase(before, c.term.effect, values);
   const bool large = !is_none && !turned && std::any_of(values.begin(), values.end(), [&, p = 0](double v) mutable { return std::abs(v) > c.term.largest[p++]; });
   if (large) f.remark = "That is unusually large for an error of this kind.";

@@ -206,6 +206,8 @@ class RobotCheck {
       for (const Answer& parent : beam) {
         for (Answer& one : tried(parent.set, open_questions(parent))) {
           one.score = parent.score + one.fit.misfit - parent.fit.misfit + cost(one.set.back());
+          // The values of a file do not hold in another convention, and contradict nothing there.
+          if (one.set.back().finding == "dh_convention") one.score += parent.fit.contradictions - one.fit.contradictions;
           one.before = parent.fit.folds;
           if (one.score < parent.score) (is_possible(one) ? next : impossible).push_back(std::move(one));
         }
@@ -220,9 +222,9 @@ class RobotCheck {
       const std::vector<Answer> all = next;
       keep_the_best(next);
       for (Answer& one : next) one = polished(one);
-      // A number that is fitted helps a little against anything that the arm lacks.
+      // A number that is fitted, or another arm, helps a little against anything that the arm lacks.
       next.erase(std::remove_if(next.begin(), next.end(), [&](const Answer& one) {
-                   return one.set.back().neighbours && !is_explained(one.fit) && one.fit.left() > checking::kFitted * best_.fit.left();
+                   return (one.set.back().neighbours || one.set.back().robot) && !is_explained(one.fit) && one.fit.left() > checking::kFitted * best_.fit.left();
                  }), next.end());
       if (next.empty()) break;
       std::sort(next.begin(), next.end(), better);
