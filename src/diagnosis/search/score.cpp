@@ -117,6 +117,7 @@ Base prior_base(const Rows& rows, const Model& model) {
     }
     days.emplace_back(find(static_cast<int>(p)), kDay * level);
   }
+  if (of.empty()) of.push_back(0);  // a file without statistics and friction: a direction that stays at zero
   const auto count = static_cast<Eigen::Index>(of.size());
   MatrixXd C = MatrixXd::Zero(count, count);
   if (F.size() > 0) {
