@@ -197,6 +197,9 @@ TEST_F(RealRecordings, ALoadOnTheWristIsFoundBesideTheMemoriesThatTheModelLacks)
                                       model}).is_null());
   const auto load_of = [&](const char* name) {
     const json out = diagnose(model, {"--train", file(name), "--test", file("psm-wrist/one-105g-parallel.csv"), "--filter-cutoff", "5.4"});
+    // The extended model has moved with what was found; curves, which it does not hold, leave it a little worse.
+    const std::vector<double> before = out["baseline"]["train"]["relative_error"], after = out["extended"]["train"]["relative_error"];
+    for (std::size_t j = 0; j < after.size(); ++j) EXPECT_LT(after[j], 1.25 * before[j]) << "joint " << j + 1;
     double mass = 0.0;
     for (const json& f : out["findings"]) {
       EXPECT_NE(f["effect"], "time_delay") << f["sentence"];
@@ -267,6 +270,20 @@ TEST_F(RealRecordings, FrictionOfTheInsertionAlone) {
   EXPECT_EQ(states["presliding_hysteresis"], "confirmed") << done.out;
   EXPECT_EQ(states["position_dependent_friction"], "confirmed") << done.out;
   EXPECT_EQ(states["stribeck_friction"], "not_supported") << done.out;
+}
+
+// What these arms lack is no other direction of gravity and no other convention of the file.
+TEST_F(RealRecordings, OfArmsWithFrictionInCablesAreNotMendedByAnotherRobotFile) {
+  const std::vector<std::pair<std::string, std::string>> recordings = {
+      {"psm-wrist", "psm-wrist/one.csv"}, {"psm-3dof", "psm1-thesis/fourier-1.csv"}, {"psm-3dof", "psm1-thesis/fourier-2.csv"}};
+  for (const auto& [robot, name] : recordings) {
+    const json found = result({"check", robot}, {file(name)});
+    ASSERT_FALSE(found.is_null());
+    for (const json& f : found["recordings"][0]["findings"]) {
+      EXPECT_NE(f["finding"], "gravity") << f["sentence"];
+      EXPECT_NE(f["finding"], "dh_convention") << f["sentence"];
+    }
+  }
 }
 
 // All joints of this arm follow two sines: exchanges of joints that are none explain its torques better.

@@ -20,7 +20,7 @@ constexpr double kPolished = 1.0;
 constexpr double kDay = 0.1;
 /// part of a MODEL's covariance without its correlations.
 constexpr double kUncorrelatedPart = 0.05;
-/// gain of a name alone >= kHalf * that of curves on its joint: they do not take its place.
+/// gain of another term >= kHalf * that of a linearised term: it is compared as a rival.
 constexpr double kHalf = 0.5;
 /// mean of half a second of what is left over >= kMomentSize scales, its peak >= kPeak scales and kTorqueShare of the
 /// joint's largest torque, for kShortest [s] or more, in less than kMostOfTime of the recording: a push.
@@ -34,8 +34,8 @@ constexpr double kBlockSeconds = 2.5;        ///< [s] of a block: rows of one ar
 constexpr int kFewestBlocks = 16;            ///< of all recordings together
 constexpr std::size_t kWholeRecordings = 3;  ///< from so many recordings on folds are whole ones
 constexpr int kParts = 6;                    ///< folds otherwise
-constexpr double kUncorrelated = 0.05;       ///< autocorrelation at which it counts as none
-constexpr int kMostLags = 200;               ///< rows over which it is summed
+constexpr double kUncorrelated = 0.05;       ///< autocorrelation of the residual, below which rows count as independent
+constexpr int kMostLags = 200;               ///< rows over which the autocorrelation is summed
 constexpr double kLargestPart = 10.0;        ///< rms of one parameter's torque, in those of the joint's torque
 constexpr double kDependent = 1e-10;         ///< smallest eigenvalue of scaled columns that count as independent
 constexpr double kLeastScale = 1e-4;         ///< smallest residual, as a share of the joint's rms torque

@@ -46,7 +46,7 @@ struct Term {
   TermKind kind = TermKind::kEffect;
   Candidate candidate;       ///< of all but constants and curves
   Cause cause;
-  std::optional<JointIndex> joint;  ///< where it acts; nothing: several
+  std::optional<JointIndex> joint;  ///< joint on which it acts; empty if it acts on several
   std::string place;         ///< cause as text: terms with the same one differ in their shapes only
   EffectTerm effect;         ///< with its shapes
   std::vector<TermShape> shapes;
@@ -56,7 +56,7 @@ struct Term {
   std::vector<SmoothBasis> bases;
   double price = 0.0;        ///< ln 1/prior, with its grid and its polished numbers
   bool with_rest = false;    ///< a constant more: the place at which it is without load
-  bool nonnegative = false;  ///< its first parameter has a physically possible sign
+  bool nonnegative = false;  ///< its only parameter cannot be negative
   VectorXd largest;          ///< of each parameter, beyond which it is not plausible; empty: none
 
   /// True if its columns are derivatives at the present arm.

@@ -74,7 +74,7 @@ constexpr double kLess = 0.98;
 constexpr int kBeam = 3;
 /// error left < kPerhaps * that without: an answer that is not sure is worth a word.
 constexpr double kPerhaps = 0.8;
-/// error left < kFitted * that without, where a question has numbers that are fitted and something else is wrong as well.
+/// error left with an answer < kFitted * error left without it: required of answers that fit numbers or replace the arm, as long as the arm does not fit.
 constexpr double kFitted = 0.5;
 /// Cost of a position's sign - cost of a torque's = kOfPosition: an arm that is its own mirror image fits both alike.
 constexpr double kOfPosition = 0.3;
