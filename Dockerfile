@@ -5,7 +5,7 @@ FROM ${BASE} AS build
 RUN apt-get update -qq && apt-get install -y -qq --no-install-recommends make ca-certificates && rm -rf /var/lib/apt/lists/*
 COPY . /src/veridyn
 WORKDIR /src/veridyn
-RUN make deb && mkdir /packages && cp build/packages/*.deb /packages
+RUN make deb && mkdir /packages && cp build/debs/*.deb /packages
 
 FROM ${BASE}
 COPY --from=build /packages /packages

@@ -3,7 +3,7 @@ BUILD := build
 JOBS  ?= $(shell nproc)
 CMAKE_FLAGS ?= --preset dev
 
-.PHONY: all tool build demo test python notebooks wheel ros ros-test mpi growth deb build-times readme docs causes thesis bare sanitize coverage races fuzz memcheck mutants symbols bill tidy packages packages-all packages-tests clean
+.PHONY: all tool build demo test test-long python notebooks wheel ros ros-test mpi growth deb release build-times readme docs causes thesis bare sanitize coverage races fuzz memcheck mutants symbols bill tidy packages packages-all packages-tests clean
 
 # The tool and the programs of packages/dvrk, packages/cooperation and packages/calibration.
 all: packages-all
@@ -30,10 +30,10 @@ build: packages-tests
 	@cmake $(CMAKE_FLAGS) -B $(BUILD) -DVERIDYN_TESTS=ON -DVERIDYN_BENCHMARKS=ON -DVERIDYN_PYTHON=ON $(ALL_PACKAGES) >$(BUILD).log 2>&1 || { cat $(BUILD).log; exit 1; }
 	@cmake --build $(BUILD) -j $(JOBS)
 
-# The Python module, in $(BUILD)/python; see docs/python.md.
+# The Python module, in $(BUILD)/python, which holds the library; see docs/python.md.
 python: packages-all
 	@cmake/install-packages.sh cmake/debian-packages-python.txt
-	@cmake $(CMAKE_FLAGS) -B $(BUILD) -DVERIDYN_PYTHON=ON $(ALL_PACKAGES) >$(BUILD).log 2>&1 || { cat $(BUILD).log; exit 1; }
+	@cmake $(CMAKE_FLAGS) -B $(BUILD) -DVERIDYN_PYTHON=ON -DBUILD_SHARED_LIBS=OFF $(ALL_PACKAGES) >$(BUILD).log 2>&1 || { cat $(BUILD).log; exit 1; }
 	@cmake --build $(BUILD) -j $(JOBS) --target veridyn_python
 	@echo "import veridyn works with PYTHONPATH=$(BUILD)/python"
 
@@ -44,6 +44,7 @@ notebooks: python packages-tests
 # A wheel of the Python module for this machine's Python, in $(BUILD)/wheel; pip installs it without a compiler.
 wheel: python
 	@cmake/install-packages.sh cmake/debian-packages-wheel.txt
+	@rm -rf $(BUILD)/wheel
 	@VERIDYN_BUILD_DIR=$(abspath $(BUILD)) /usr/bin/python3 -m pip wheel --quiet --no-build-isolation --no-deps --no-index -w $(BUILD)/wheel .
 	@ls $(BUILD)/wheel/*.whl
 
@@ -69,15 +70,20 @@ growth: build
 	@python3 tests/benchmark/growth.py $(BUILD)/bin/veridyn --benchmark $(BUILD)/bin/veridyn-benchmark \
 	  $(if $(EARLIER),--beside $(EARLIER)) --json docs/growth.json --svg docs/growth.svg
 
-# Debian packages veridyn, libveridyn0.1, libveridyn-dev and python3-veridyn in $(BUILD)/packages. The library becomes
-# shared: in a folder that is built already it is linked anew, and nothing is compiled.
+# Debian packages in $(BUILD)/debs, as cmake/packages.cmake lists them. The library becomes shared: in a folder that is built
+# already it is linked anew, and nothing is compiled.
 deb: packages-all
 	@cmake/install-packages.sh cmake/debian-packages-python.txt cmake/debian-packages-deb.txt
 	@cmake $(CMAKE_FLAGS) -B $(BUILD) -DVERIDYN_PYTHON=ON -DBUILD_SHARED_LIBS=ON $(ALL_PACKAGES) >$(BUILD).log 2>&1 || { cat $(BUILD).log; exit 1; }
 	@cmake --build $(BUILD) -j $(JOBS) --target veridyn_programs --target veridyn_python --target veridyn_libraries
-	@cd $(BUILD) && cpack -B packages >cpack.log 2>&1 || { cat cpack.log; exit 1; }
-	@ls $(BUILD)/packages/*.deb
-	@if command -v lintian >/dev/null; then lintian --allow-root $(BUILD)/packages/*.deb; fi
+	@rm -rf $(BUILD)/debs
+	@cd $(BUILD) && cpack -B debs >cpack.log 2>&1 || { cat cpack.log; exit 1; }
+	@ls $(BUILD)/debs/*.deb
+	@if command -v lintian >/dev/null; then lintian --allow-root $(BUILD)/debs/*.deb; fi
+
+# What a version publishes, in $(BUILD)/release: made of the last commit, and tried on a bare Debian root.
+release:
+	@MAKE="$(MAKE)" cmake/release.sh $(BUILD)
 
 # The book as a site with search and the reference of the C++ headers: $(BUILD)/site/html/index.html. Dead links are errors.
 docs:
@@ -99,7 +105,7 @@ build-times:
 
 # Every list of packages in cmake/ and the Dockerfile, tried in a bare Debian root; as root.
 bare: build
-	@for what in root tool tests python mpi ros docs deb docker; do tests/bare/bare_debian.sh $(BUILD) $$what || exit 1; done
+	@for what in root tool tests python mpi ros docs docker; do tests/bare/bare_debian.sh $(BUILD) $$what || exit 1; done
 
 demo: tool
 	@examples/demo.sh $(BUILD)/bin/veridyn out/demo
@@ -109,6 +115,12 @@ test: build
 	@ctest --test-dir $(BUILD) --output-on-failure -j $(JOBS) || \
 	  { tests/summary.sh $(BUILD); echo "Again, one at a time:"; ctest --test-dir $(BUILD) --output-on-failure --rerun-failed; }
 	@tests/summary.sh $(BUILD)
+
+# Every test, with those that take tens of minutes: each package by itself on the installed library, and bare Debian roots.
+test-long: test
+	@cmake -DVERIDYN_PACKAGES_ALONE=ON -DVERIDYN_BARE=ON -B $(BUILD) >$(BUILD).log 2>&1 || { cat $(BUILD).log; exit 1; }
+	@ctest --test-dir $(BUILD) --output-on-failure -L 'long|bare'
+	@cmake -DVERIDYN_PACKAGES_ALONE=OFF -DVERIDYN_BARE=OFF -B $(BUILD) >$(BUILD).log
 
 # Blocks of the README and of the pages below, made anew by the commands in them; tests compare them.
 PAGES ?= README.md docs/own-robot.md

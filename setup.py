@@ -7,6 +7,7 @@ the sources; otherwise one is made and the library is compiled.
 import atexit
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -16,6 +17,7 @@ from setuptools import Extension, setup
 from setuptools.command.build_ext import build_ext
 
 SOURCE = pathlib.Path(__file__).resolve().parent
+VERSION = re.search(r"^project\(veridyn VERSION ([0-9.]+)", (SOURCE / "CMakeLists.txt").read_text(), re.M)[1]
 
 
 class BuildWithCMake(build_ext):
@@ -48,6 +50,7 @@ if os.environ.get("VERIDYN_BUILD_DIR"):
     aside = {"build": {"build_base": scratch}, "egg_info": {"egg_base": scratch}}
 
 setup(
+    version=VERSION,
     options=aside,
     packages=["veridyn", "veridyn.robots"],
     package_dir={"veridyn": "python/veridyn", "veridyn.robots": "data/robots"},

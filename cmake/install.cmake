@@ -15,17 +15,23 @@ get_property(ADDED GLOBAL PROPERTY VERIDYN_PACKAGES)
 foreach(component IN LISTS ADDED)
   get_property(veridyn_needs_${component} GLOBAL PROPERTY VERIDYN_NEEDS_${component})
 endforeach()
+list(JOIN VERIDYN_COMPONENTS ", veridyn-" PC_ALL)
 list(APPEND VERIDYN_COMPONENTS ${ADDED})
 set(VERIDYN_NEEDS "")
 set(VERIDYN_PACKAGES "")
-list(JOIN VERIDYN_COMPONENTS ", veridyn-" PC_ALL)
 file(RELATIVE_PATH PC_TO_PREFIX /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
 foreach(component IN LISTS VERIDYN_COMPONENTS)
   get_target_property(target veridyn::${component} ALIASED_TARGET)
+  set(DEV dev)
+  set(LIBRARY library)
+  if(component IN_LIST ADDED)  # a package is installed as one
+    set(DEV ${component})
+    set(LIBRARY ${component})
+  endif()
   install(TARGETS ${target} EXPORT veridyn_${component}
-    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev
-    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library NAMELINK_COMPONENT dev)
-  install(EXPORT veridyn_${component} NAMESPACE veridyn:: FILE veridyn_${component}.cmake DESTINATION ${PACKAGE_DIR} COMPONENT dev)
+    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${DEV}
+    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${LIBRARY} NAMELINK_COMPONENT ${DEV})
+  install(EXPORT veridyn_${component} NAMESPACE veridyn:: FILE veridyn_${component}.cmake DESTINATION ${PACKAGE_DIR} COMPONENT ${DEV})
   string(APPEND VERIDYN_NEEDS "set(veridyn_needs_${component} ${veridyn_needs_${component}})\n")
   set(PACKAGES "")
   set(PC_LIBS "")
@@ -60,7 +66,7 @@ Requires: @PC_NEEDS@
 Cflags: -I${prefix}/include
 Libs: -L${prefix}/@CMAKE_INSTALL_LIBDIR@ -lveridyn_@component@@PC_LIBS@
 ]=])
-  install(FILES ${CMAKE_CURRENT_BINARY_DIR}/veridyn-${component}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT dev)
+  install(FILES ${CMAKE_CURRENT_BINARY_DIR}/veridyn-${component}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT ${DEV})
 endforeach()
 file(CONFIGURE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/veridyn.pc @ONLY CONTENT [=[
 Name: veridyn
@@ -73,13 +79,28 @@ install(FILES ${CMAKE_CURRENT_BINARY_DIR}/veridyn.pc DESTINATION ${CMAKE_INSTALL
 # The components below are Debian packages, see packages.cmake.
 if(TARGET veridyn_tool)
   install(TARGETS veridyn_tool RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT tool)
-  # Man pages and completion come from the tool's own help; they are written when it is installed.
-  install(CODE "file(REMOVE_RECURSE ${CMAKE_CURRENT_BINARY_DIR}/man)
-    execute_process(COMMAND $<TARGET_FILE:veridyn_tool> help --man ${CMAKE_CURRENT_BINARY_DIR}/man COMMAND_ERROR_IS_FATAL ANY)
-    file(GLOB pages ${CMAKE_CURRENT_BINARY_DIR}/man/*.1)
-    execute_process(COMMAND gzip -9nf \${pages} COMMAND_ERROR_IS_FATAL ANY)
-    execute_process(COMMAND $<TARGET_FILE:veridyn_tool> help --bash ${CMAKE_CURRENT_BINARY_DIR}/veridyn.bash COMMAND_ERROR_IS_FATAL ANY)" COMPONENT tool)
-  install(DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/man/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT tool)
+  # Man pages and completion come from the tool's own help; they are written when it is installed, each with the commands it is about.
+  set(OF_PACKAGES none)
+  foreach(package IN LISTS ADDED)
+    get_property(COMMANDS GLOBAL PROPERTY VERIDYN_COMMANDS_${package})
+    list(JOIN COMMANDS "|" PAGES_${package})
+    string(APPEND OF_PACKAGES "|${PAGES_${package}}")
+  endforeach()
+  foreach(component tool ${ADDED})
+    set(MAN ${CMAKE_CURRENT_BINARY_DIR}/man/${component})
+    set(KEEP "INCLUDE REGEX \"/veridyn-(${PAGES_${component}})[.-]\"")
+    if(component STREQUAL "tool")
+      set(KEEP "EXCLUDE REGEX \"/veridyn-(${OF_PACKAGES})[.-]\"")
+    endif()
+    install(CODE "file(REMOVE_RECURSE ${MAN})
+      execute_process(COMMAND $<TARGET_FILE:veridyn_tool> help --man ${MAN} COMMAND_ERROR_IS_FATAL ANY)
+      file(GLOB pages ${MAN}/*.1)
+      list(FILTER pages ${KEEP})
+      execute_process(COMMAND gzip -9nf \${pages} COMMAND_ERROR_IS_FATAL ANY)" COMPONENT ${component})
+    install(DIRECTORY ${MAN}/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT ${component} FILES_MATCHING PATTERN "*.gz")
+  endforeach()
+  install(CODE "execute_process(COMMAND $<TARGET_FILE:veridyn_tool> help --bash ${CMAKE_CURRENT_BINARY_DIR}/veridyn.bash COMMAND_ERROR_IS_FATAL ANY)"
+    COMPONENT tool)
   install(FILES ${CMAKE_CURRENT_BINARY_DIR}/veridyn.bash DESTINATION share/bash-completion/completions RENAME veridyn COMPONENT tool)
 endif()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/veridyn DESTINATION include COMPONENT dev)
@@ -100,7 +121,9 @@ file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/changelog "veridyn (${PROJECT_VERSION}) u
  -- veridyn maintainers <maintainers@example.org>  Thu, 01 Jan 2026 00:00:00 +0000
 ")
 execute_process(COMMAND gzip -9nfk ${CMAKE_CURRENT_BINARY_DIR}/changelog COMMAND_ERROR_IS_FATAL ANY)
-foreach(ROW tool|veridyn dev|libveridyn-dev library|libveridyn${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR} python|python3-veridyn)
+set(ROWS ${ADDED})
+list(TRANSFORM ROWS REPLACE "(.+)" "\\1|veridyn-\\1")
+foreach(ROW tool|veridyn dev|libveridyn-dev library|libveridyn${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR} python|python3-veridyn ${ROWS})
   string(REPLACE "|" ";" ROW "${ROW}")
   list(GET ROW 0 component)
   list(GET ROW 1 package)

@@ -26,7 +26,7 @@ part() {
   printf '%s\n' "$@" '```'
 }
 {
-  part Start README own-robot start-dvrk python coming-from
+  part Start 'What veridyn is <README>' own-robot start-dvrk python coming-from
   part Understand identification diagnosis causes limits
   part Do excitation recordings robot-files control simulate-export watch scale pages
   part Packages boards board-protocol cooperation stability calibration ros
@@ -34,7 +34,14 @@ part() {
   part 'Carry on' design style adding-an-effect developing measure
 } >>"$pages/index.md"
 mkdir "$pages/_static"
-printf 'td img { max-width: none !important; }\npre { white-space: pre-wrap; }\n' >"$pages/_static/book.css"
+cat >"$pages/_static/book.css" <<'END'
+td img { max-width: none !important; }
+table.docutils { margin-left: 0; }
+div.body pre { font-size: 0.76em; padding: 7px 12px; overflow-x: auto; }
+div.sphinxsidebar p.caption { font-weight: bold; margin: 0.8em 0 0.2em; }
+div.sphinxsidebar a { border-bottom: none; }
+div.sphinxsidebar h3 { margin-top: 0.8em; }
+END
 cat >"$pages/conf.py" <<'END'
 project = "veridyn"
 extensions = ["myst_parser"]
@@ -42,11 +49,15 @@ myst_heading_anchors = 4
 html_theme = "alabaster"
 html_static_path = ["_static"]
 html_css_files = ["book.css"]
+html_sidebars = {"**": ["about.html", "searchbox.html", "navigation.html"]}
 html_theme_options = {
+    "font_family": "system-ui, sans-serif",
+    "head_font_family": "system-ui, sans-serif",
+    "sidebar_collapse": True,
     "page_width": "min(84em, 96vw)",
     "body_max_width": "none",
     "description": "Measured dynamics of robot arms",
-    "extra_nav_links": {"C++ classes": "api/annotated.html"},
+    "extra_nav_links": {"C++ classes": "api/annotated.html", "C++ functions": "api/namespaceveridyn.html"},
 }
 html_show_sourcelink = False
 highlight_language = "none"
@@ -58,5 +69,6 @@ if [ -z "${NO_DOXYGEN:-}" ] && command -v doxygen >/dev/null; then
   { cat docs/Doxyfile; echo "OUTPUT_DIRECTORY = $out/doxygen"; } | doxygen - >/dev/null
   rm -rf "$out/html/api"
   mv "$out/doxygen/html" "$out/html/api"
+  cp "$out/html/api/annotated.html" "$out/html/api/index.html"  # its own would be empty
 fi
 echo "$out/html/index.html"

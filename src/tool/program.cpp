@@ -130,6 +130,7 @@ int run_package(const std::vector<AddCommand>& commands, int argc, char** argv) 
     } else {
       words.insert(words.begin(), command_of(argc > 0 ? argv[0] : ""));
     }
+    if (words.back() == "--version") words = {"--version"};  // of the package, also where its command has commands of its own
     return run(commands, words);
   });
 }

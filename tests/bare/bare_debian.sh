@@ -1,6 +1,6 @@
 #!/bin/sh
 # Runs one of the Makefile's targets in a bare Debian 12 root, so that a package missing from cmake/debian-packages*.txt
-# cannot go unseen: bare_debian.sh BUILD root|tool|tests|python|mpi|ros|docs|deb|docker
+# cannot go unseen: bare_debian.sh BUILD root|tool|tests|python|mpi|ros|docs|docker|release
 #
 # `root` unpacks Debian's minimal system plus make once, into BUILD/bare; every other word copies it, puts the sources and
 # what BUILD has compiled at their own paths in the copy, and works there as root. Skipped (77), with the reason, where this
@@ -55,8 +55,12 @@ inside() {
 copy_of_root "$root"
 trap 'rm -rf "$root" "$cache/stranger"' EXIT
 mkdir -p "$root$source_dir" "$root$build"
-(cd "$source_dir" && tar -cf - --exclude=./.git --exclude='./build*' --exclude=./out .) | tar -xf - -C "$root$source_dir"
-(cd "$build" && tar -cf - --exclude=./bare --exclude=./ros --exclude=./packages --exclude=./Testing --exclude='./bin/test_*' .) |
+if [ "$what" = release ]; then  # no more than its archive holds
+  (cd "$source_dir" && tar -tzf "$build"/release/veridyn-[0-9]*[0-9].tar.gz | sed -n 's#^[^/]*/\(.*[^/]\)$#\1#p' | tar -cf - -T -)
+else
+  (cd "$source_dir" && tar -cf - --exclude=./.git --exclude='./build*' --exclude=./out .)
+fi | tar -xf - -C "$root$source_dir"
+(cd "$build" && tar -cf - --exclude=./bare --exclude=./ros --exclude=./debs --exclude=./release --exclude=./site --exclude=./Testing --exclude='./bin/test_*' .) |
   tar -xf - -C "$root$build"
 name=$(basename "$build")
 # BUILD may have been asked for more than the package list of a target provides.
@@ -87,14 +91,14 @@ ros)
 docs)
   inside "$root" "make docs BUILD=/tmp/docs"
   ;;
-deb)
-  inside "$root" "make deb $tool"
+release)
+  # What `make release` made: the README's first command on the sources that it publishes, then each package.
+  inside "$root" "VERIDYN_DEMO=0 make demo $tool"
   copy_of_root "$cache/stranger"
-  mkdir -p "$cache/stranger/packages" "$cache/stranger$source_dir"
-  cp "$root$build"/packages/*.deb "$cache/stranger/packages/"
-  inside "$cache/stranger" "apt-get update -qq; apt-get install -y -qq --no-install-recommends /packages/*.deb >/dev/null
-    cd /; veridyn info psm-3dof >/dev/null; ls /usr/share/man/man1/veridyn-identify.1* >/dev/null; python3 -c 'import veridyn' ; apt-get purge -y -qq '*veridyn*' >/dev/null
-    left=\$(find / -xdev -path /packages -prune -o -path /proc -prune -o -path '*$source_dir*' -prune -o -name '*veridyn*' -print); [ -z \"\$left\" ] || { echo \"left behind: \$left\"; exit 1; }"
+  mkdir -p "$cache/stranger$source_dir"
+  cp -r "$build/release" "$cache/stranger/release"
+  cp "$source_dir/tests/bare/installed.sh" "$cache/stranger/release.sh"
+  inside "$cache/stranger" "/release.sh \"$source_dir\""
   ;;
 docker)
   # The commands of the Dockerfile's two stages, the first with what BUILD has compiled already.
@@ -113,7 +117,7 @@ docker)
   inside "$cache/stranger" "cd /; [ ! -e /packages ]; ${entry:?the Dockerfile has no entry point} info psm-3dof >/dev/null"
   ;;
 *)
-  echo "bare_debian.sh: found '$what', expected root, tool, tests, python, mpi, ros, docs, deb or docker" >&2
+  echo "bare_debian.sh: found '$what', expected root, tool, tests, python, mpi, ros, docs, docker or release" >&2
   exit 2
   ;;
 esac

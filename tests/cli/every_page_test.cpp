@@ -220,7 +220,7 @@ TEST(ProjectPage, HoldsModelsInTheirOrderAndWhatChanged) {
                         folder.path(name), "--quiet"})
                   .status,
               0);
-  folder.write("odd.json", R"({"veridyn": "0.1.0", "command": "check", "joints": [{"significant": 2, "severity": 3, "sentence": "odd"}]})");
+  folder.write("odd.json", R"({"veridyn": "0", "command": "check", "joints": [{"significant": 2, "severity": 3, "sentence": "odd"}]})");
   const ToolRun made = run_tool({"page", folder.path(""), "--json", folder.path("index.json")});
   ASSERT_EQ(made.status, 0) << made.err;
   const json result = embedded(content_of(folder.path("index.html")), "result");

@@ -40,7 +40,7 @@ class Identify : public testing::Test {
 
 TEST_F(Identify, JsonHasTheKeysThatArePromised) {
   const json out = result({"--method", "feasible"});
-  EXPECT_EQ(out["veridyn"], "0.1.0");
+  EXPECT_TRUE(out["veridyn"].is_string());
   EXPECT_EQ(out["command"], "identify");
   EXPECT_EQ(out["robot"], "planar-2r");
   EXPECT_EQ(out["method"], "feasible");

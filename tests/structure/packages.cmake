@@ -16,11 +16,14 @@ execute_process(COMMAND cpack --config ${BUILD}/CPackConfig.cmake -B ${WORK}/pac
 if(NOT status EQUAL 0)
   message(FATAL_ERROR "cpack ended with ${status}:\n${said}")
 endif()
-foreach(PACKAGE veridyn python3-veridyn libveridyn-dev libveridyn[0-9]*)
+foreach(PACKAGE veridyn python3-veridyn libveridyn-dev libveridyn[0-9]* veridyn-[a-z]*)
   file(GLOB FILE ${WORK}/packages/${PACKAGE}_*.deb)
-  if(FILE OR NOT PACKAGE MATCHES "[[]")  # the library's own package is there where it is shared
-    run(dpkg-deb -x ${FILE} ${WORK}/root)
+  if(NOT FILE AND NOT PACKAGE MATCHES "[[]")  # the library's own package is there where it is shared
+    message(FATAL_ERROR "cpack made no ${PACKAGE}")
   endif()
+  foreach(DEB IN LISTS FILE)
+    run(dpkg-deb -x ${DEB} ${WORK}/root)
+  endforeach()
 endforeach()
 set(ENV{LD_LIBRARY_PATH} ${WORK}/root/usr/lib)
 file(GLOB HEADER ${WORK}/root/usr/include/veridyn/veridyn.hpp)

@@ -17,7 +17,7 @@ struct OriginFile {
 ///
 ///   made:
 ///     date: 2026-11-22T02:13:00Z
-///     veridyn: 0.1.0
+///     veridyn: 1.2.3
 ///     command: identify
 ///     inputs:
 ///       - {file: one.csv, sha256: 5f7c...}
