@@ -8,9 +8,8 @@
 namespace veridyn {
 
 // Seeds are those of `veridyn-hide-and-seek` on which the number was chosen. "not recorded" means
-// that they were not written down: the reason is then an argument and no measurement, until
-// `veridyn-hide-and-seek sweeps NAME` is run. Numbers without seeds follow from the meaning of the
-// quantity, or from the recordings that the reason names.
+// that they were not written down: the reason is then an argument and no measurement. Numbers without seeds
+// follow from the meaning of the quantity, or from the recordings that the reason names.
 constexpr const char* kNotRecorded = "not recorded";
 
 const std::vector<ThresholdEntry>& threshold_table() {

@@ -4,13 +4,14 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdlib>
 #include <exception>
 #include <fstream>
 
 #include "hide_and_seek/blind.hpp"
 #include "hide_and_seek/detection_limit.hpp"
 #include "hide_and_seek/outside.hpp"
-#include "hide_and_seek/threshold_sweep.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::seek {
@@ -25,15 +26,18 @@ struct Request {
   bool least_squares = false;
   std::vector<std::string> set;
   std::string folder, answers, truth, output, journal;
-  std::string sweeps;
-  SweepRequest sweep;
   std::vector<double> sizes = {0.01, 0.02, 0.04, 0.08, 0.16};
 };
 
-void add_room(CLI::App& app, Request& request) {
-  std::vector<std::string> rooms = swept_rooms();
-  rooms.emplace_back("diagnose");
-  app.add_option("--of", request.sweep.room, "Whose numbers (diagnose)")->check(CLI::IsMember(rooms));
+// @param setting  "NAME=VALUE". @throws InvalidInput  there is no threshold of this name, or the value is no number.
+void set_threshold(const std::string& setting, DiagnosisOptions& options) {
+  const size_t equals = setting.find('=');
+  const std::string value = equals == std::string::npos ? "" : setting.substr(equals + 1);
+  char* end = nullptr;
+  const double number = std::strtod(value.c_str(), &end);
+  require(!value.empty() && *end == '\0' && std::isfinite(number), "--set: found '", setting,
+          "', expected NAME=VALUE.");
+  options.thresholds.*find_threshold(setting.substr(0, equals)).value = number;
 }
 
 void add_board_options(CLI::App& app, Request& request) {
@@ -116,17 +120,6 @@ int run(int argc, char** argv) {
                                                         fmt::format("{}", fmt::join(outside_causes(), ", ")));
   add_board_options(*outside, request);
 
-  CLI::App* thresholds = app.add_subcommand("thresholds", "All numbers that decide, as a table");
-  thresholds->add_option("--sweeps", request.sweeps, "File of `sweeps`: a column with what they changed");
-  add_room(*thresholds, request);
-
-  CLI::App* sweeps = app.add_subcommand("sweeps", "What numbers are worth: several factors of each, into a file");
-  sweeps->add_option("NUMBERS", request.sweep.numbers, "Names (default: those whose value has no sweep in FILE)");
-  add_room(*sweeps, request);
-  sweeps->add_option("-o,--output", request.sweep.file, "CSV FILE; rows of other numbers are kept")->required();
-  sweeps->add_option("--factors", request.sweep.factors, "(0.5,0.7,1.4,2)")->delimiter(',');
-  sweeps->add_option("--seed", request.sweep.seed, "Of the small board (811)");
-  sweeps->add_option("--threads", request.board.threads, "Of diagnose");
   CLI11_PARSE(app, argc, argv);
 
   apply(request);
@@ -156,15 +149,6 @@ int run(int argc, char** argv) {
     asked.keep = request.board.keep;
     asked.options = request.board.options;
     play_outside(asked);
-  } else if (thresholds->parsed()) {
-    if (request.sweep.room == "diagnose") {
-      print_thresholds(request.sweeps);
-    } else {
-      print_numbers(request.sweep.room, request.sweeps);
-    }
-  } else if (sweeps->parsed()) {
-    request.sweep.options = request.board.options;
-    write_sweeps(request.sweep);
   } else {
     play_board(request);
   }

@@ -6,7 +6,7 @@
 namespace veridyn {
 
 /// All numbers that can change a verdict of a diagnosis. threshold_table() gives the inequality and
-/// the reason of each; `veridyn-hide-and-seek sweeps NAME` measures its effect.
+/// the reason of each; `veridyn-hide-and-seek --set NAME=VALUE` plays a board at another value.
 struct Thresholds {
   // Selection of causes.
   double smallest_gain = 0.04;
