@@ -25,7 +25,7 @@ std::string shortfall(const BaseParameters& arm_base, const BaseParameters& data
   if (!still.empty()) {
     std::string names;
     for (const std::string& name : still) names += (names.empty() ? "" : ", ") + name;
-    return still.size() > 1 ? "joints " + names + " never move" : "joint " + names + " never moves";
+    return (still.size() > 1 ? "joints " + names + " never move" : "joint " + names + " never moves") + " (--fix " + still.front() + "=VALUE holds a joint there)";
   }
   if (data_base.size() >= arm_base.size()) return "";
   return text("the recordings determine ", data_base.size(), " of ", arm_base.size(),

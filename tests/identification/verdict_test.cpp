@@ -55,6 +55,26 @@ TEST(TheVerdict, TellsEveryJointsState) {
                 " are at the noise (error 5 % and 0.9 % held out)");
 }
 
+// Repetitions that differ by a fifth of the torque are no noise.
+TEST(TheVerdict, CallsNoLargeDifferenceNoise) {
+  for (const bool large : {false, true}) {
+    const Identification id = result({large ? 0.2 : 0.02, 0.01, 0.01, 0.01, 0.01, 0.01}, {large ? 0.25 : 0.02, 0.01, 0.01, 0.01, 0.01, 0.01});
+    const IdentificationVerdict v = verdict_of(id);
+    EXPECT_EQ(v.joints[0].state, IdentifiedState::kAtFloor);
+    EXPECT_EQ(v.sentence.find(name(id, 0) + " leaves 20 % held out, about what its repetitions differ by") != std::string::npos, large) << v.sentence;
+    EXPECT_EQ(v.sentence.find("error 20 %"), std::string::npos) << v.sentence;
+  }
+}
+
+// Rows that came late are no error of the model: where they are repaired, the repaired error decides.
+TEST(TheVerdict, JudgesRepairedRows) {
+  Identification id = result({0.1, 0.1, 0.1, 0.1, 0.1, 0.1}, {0.01, 0.01, 0.01, 0.01, 0.01, 0.01});
+  EXPECT_EQ(verdict_of(id).joints[0].state, IdentifiedState::kUnexplained);
+  id.test_repaired.relative = VectorXd::Constant(6, 0.011);
+  EXPECT_EQ(verdict_of(id).joints[0].state, IdentifiedState::kAtFloor);
+  EXPECT_NE(verdict_of(id).sentence.find("held out, late rows repaired"), std::string::npos);
+}
+
 // Without repeats the noise is not known, except that one per cent is better than any sensor; without limits no
 // joint hardly moves; and a joint that moves slowly over its range, or quickly over little of it, moves.
 TEST(TheVerdict, DoesNotTellWhatItCannotKnow) {

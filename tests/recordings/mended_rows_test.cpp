@@ -79,6 +79,17 @@ class AWrongRow : public testing::Test {
   std::string path_, remarks_;
 };
 
+// A torque far beyond its range in one row alone; a push of several rows stays.
+TEST_F(AWrongRow, OfASpikeInATorqueIsFilledIn) {
+  Recording r = smooth();
+  for (const int k : {300, 700, 701, 702}) r.tau(k, 0) += 60.0;
+  const Recording mended = read(r);
+  EXPECT_NEAR(mended.tau(300, 0), smooth().tau(300, 0), 1e-3);
+  EXPECT_EQ(mended.tau(701, 0), r.tau(701, 0));
+  EXPECT_NE(remarks_.find("tau1 leaves its range for a single row 1 time"), std::string::npos) << remarks_;
+  EXPECT_EQ(read(r, as_recorded()).tau(300, 0), r.tau(300, 0));
+}
+
 TEST_F(AWrongRow, IsNotSeenInASoundRecording) {
   const Recording r = smooth();
   const Recording plain = read(r, as_recorded()), mended = read(r);

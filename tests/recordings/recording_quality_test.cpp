@@ -278,6 +278,14 @@ TEST(AFault, AWrongSignOfVelocityIsNamed) {
   EXPECT_EQ(found(quality, "velocity_sign").joint, 2);
 }
 
+TEST(AFault, AVelocityThatIsAnotherSignalIsNamed) {
+  Recording r = clean_recording();
+  r.dq.col(1) = 1.7 * r.q.col(1);
+  const RecordingQuality quality = check_recording(r);
+  EXPECT_EQ(found(quality, "velocity_unrelated", 2).severity, Severity::kFault);
+  EXPECT_EQ(quality.find("velocity_unrelated", 1), nullptr);
+}
+
 TEST(AFault, DegreesAreRecognised) {
   Recording r = clean_recording();
   r.dq *= 180.0 / M_PI;

@@ -57,8 +57,8 @@ std::string listed_in(const IdentificationVerdict& v, IdentifiedState state, con
          fmt::format(fmt::runtime(what), figures) + "; ";
 }
 
-std::string sentence_of(const IdentificationVerdict& v) {
-  const std::string whose = v.held_out ? "held out" : "on the training recordings";
+std::string sentence_of(const IdentificationVerdict& v, bool repaired) {
+  const std::string whose = std::string(v.held_out ? "held out" : "on the training recordings") + (repaired ? ", late rows repaired" : "");
   const auto error = [](const IdentifiedJoint& j) { return fmt::format("{:.2g} %", 100.0 * j.error); };
   std::string out = listed_in(v, IdentifiedState::kHardlyMoved,
                               "moved", "moved", "over {} of the range: record again with a motion of `veridyn excite`",
@@ -71,7 +71,13 @@ std::string sentence_of(const IdentificationVerdict& v) {
                    });
   out += listed_in(v, IdentifiedState::kNoTorque, "has", "have", "no torque " + whose + ": it was not recorded, or nothing drove the joint",
                    [](const IdentifiedJoint&) { return ""; });
-  out += listed_in(v, IdentifiedState::kAtFloor, "is", "are", "at the noise (error {} " + whose + ")", error);
+  IdentificationVerdict quiet = v, loud = v;
+  const auto is_loud = [](const IdentifiedJoint& j) { return j.floor > identifying::kLoud; };
+  quiet.joints.erase(std::remove_if(quiet.joints.begin(), quiet.joints.end(), is_loud), quiet.joints.end());
+  loud.joints.erase(std::remove_if(loud.joints.begin(), loud.joints.end(), [&](const IdentifiedJoint& j) { return !is_loud(j); }), loud.joints.end());
+  out += listed_in(quiet, IdentifiedState::kAtFloor, "is", "are", "at the noise (error {} " + whose + ")", error);
+  out += listed_in(loud, IdentifiedState::kAtFloor, "leaves", "leave",
+                   "{} " + whose + ", about what its repetitions differ by: `veridyn check` names noise, spikes and wrong times, `veridyn diagnose` what drifts", error);
   out += listed_in(v, IdentifiedState::kCannotTell,
                    "leaves", "leave", "{} " + whose + ", and as no motion is repeated, the noise is not known", error);
   out.erase(out.size() - std::min<size_t>(out.size(), 2));
@@ -112,7 +118,9 @@ IdentificationVerdict verdict_of(const Identification& id, const IdentificationN
   IdentificationVerdict out;
   if (!id.model) return out;
   out.held_out = id.test_error.relative.size() > 0;
-  const VectorXd& error = (out.held_out ? id.test_error : id.train_error).relative;
+  // Rows that came late are no error of the model.
+  const VectorXd& repaired = (out.held_out ? id.test_repaired : id.train_repaired).relative;
+  const VectorXd& error = repaired.size() > 0 ? repaired : (out.held_out ? id.test_error : id.train_error).relative;
   const std::vector<Coordinate>& joints = id.model->coordinates();
   for (size_t i = 0; i < joints.size() && static_cast<Eigen::Index>(i) < error.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
@@ -125,7 +133,7 @@ IdentificationVerdict verdict_of(const Identification& id, const IdentificationN
     j.state = state_of(j, numbers);
     out.joints.push_back(j);
   }
-  out.sentence = sentence_of(out);
+  out.sentence = sentence_of(out, repaired.size() > 0);
   return out;
 }
 

@@ -33,6 +33,8 @@ constexpr double kBeyond = 0.05;
 /// step > smallest, kNoise * usual second difference, kOfRange * range, and kAround * the steps around it: a jump.
 /// These are the numbers of the check of jumps (QualityNumbers).
 constexpr double kSmallestJump = 2e-3, kNoise = 5.0, kOfRange = 0.02, kAround = 4.0;
+/// torque beyond its usual range by > kSpike of that range, in a row alone: a spike.
+constexpr double kSpike = 0.5;
 /// |position| > kFar [rad, m] is far from zero.
 constexpr double kFar = 0.05;
 /// Quantile of what is usual, so that single wrong values do not count.
@@ -66,6 +68,8 @@ class MendedRows : public RowSource {
     double turns = 0.0;       // added to coming rows
     double jump = HUGE_VAL;   // a larger step needs an explanation
     long wraps = 0;
+    double lowest = -HUGE_VAL, highest = HUGE_VAL;  // of its torque, but for spikes
+    long spikes = 0;
   };
 
   bool read_on();
@@ -84,6 +88,7 @@ class MendedRows : public RowSource {
   bool leads_on() const;
   double reach(int last, int rows, int joint) const;
   void find_zeros(int until);
+  void find_spikes(int until);
 
   std::unique_ptr<RowSource> rows_;
   SignalChoice choice_;
@@ -157,6 +162,7 @@ Recording MendedRows::next(int rows) {
       unwrap(unwrapped_);
       bursts_ ? spread_bursts() : spread_equal_times(timed_, held_.rows());
       find_zeros(ended_ ? held_.rows() : held_.rows() - ahead_);
+      find_spikes(ended_ ? held_.rows() : held_.rows() - ahead_);
       find_dropouts(ended_ ? held_.rows() : held_.rows() - ahead_);
     }
     if (ready() - given_ >= rows || ended_) break;
@@ -195,6 +201,13 @@ void MendedRows::look_at_first_rows() {
     const double range = quantile(all, kUsual) - quantile(all, 1.0 - kUsual);
     joints_[j].jump = std::max({kSmallestJump, kNoise * quantile(std::move(change), kUsual), kOfRange * range});
     if (range > 4.0 * kPi) joints_[j].turn = 360.0;  // degrees that nobody declared
+    if (held_.tau.cols() == 0) continue;
+    const auto tau = held_.tau.col(static_cast<Eigen::Index>(j));
+    const std::vector<double> torques(tau.data(), tau.data() + n);
+    const double low = quantile(torques, 1.0 - kUsual), high = quantile(torques, kUsual);
+    if (!(high > low)) continue;
+    joints_[j].lowest = low - kSpike * (high - low);
+    joints_[j].highest = high + kSpike * (high - low);
   }
   unwrap(0);
   start_within_limits();
@@ -387,6 +400,20 @@ void MendedRows::find_zeros(int until) {
   }
 }
 
+// A torque far beyond its usual range in a single row, between rows within it.
+void MendedRows::find_spikes(int until) {
+  for (std::size_t j = 0; j < joints_.size() && held_.tau.cols() > 0; ++j) {
+    Joint& joint = joints_[j];
+    auto tau = held_.tau.col(static_cast<Eigen::Index>(j));
+    const auto usual = [&](int k) { return tau[k] >= joint.lowest && tau[k] <= joint.highest; };
+    for (int k = std::max(sound_, 1); k + 1 < held_.rows() && k < until; ++k) {
+      if (!std::isfinite(tau[k]) || usual(k) || !usual(k - 1) || !usual(k + 1)) continue;
+      tau[k] = 0.5 * (tau[k - 1] + tau[k + 1]);
+      ++joint.spikes;
+    }
+  }
+}
+
 RecordingFacts MendedRows::facts() const {
   RecordingFacts out = rows_->facts();
   const auto say = [&out](const std::string& remark) { out.remarks.push_back(remark); };
@@ -406,6 +433,11 @@ RecordingFacts MendedRows::facts() const {
   if (dropouts_ > 0)
     say(text("positions leave the motion and come back ", counted(dropouts_, "time", "times"), ": ", counted(dropped_, "row is", "rows are"),
              held_.dq.cols() > 0 ? " filled in by the velocities before and behind" : " left out", " (--as-recorded keeps them)."));
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    if (joints_[j].spikes == 0) continue;
+    say(text("tau", j + 1, j < choice_.joints.size() ? " (" + choice_.joints[j].name + ")" : "", " leaves its range for a single row ", counted(joints_[j].spikes, "time", "times"),
+             ": filled in from the rows beside (--as-recorded keeps it)."));
+  }
   if (zeros_ > 0)
     say(text("all torques drop to zero amid the motion in ", counted(zeros_, "row, which is a gap", "rows, which are gaps"), " (--as-recorded keeps them)."));
   return out;

@@ -81,7 +81,7 @@ void check_motion(const Head& head, Findings* findings) {
     const Place place{"q", j + 1};
     findings->add(Severity::kInfo, "joint_at_rest", place, {kNone, range, unit_of("q")},
                   text("Joint ", j + 1, " holds its position (within ", number(range),
-                       "): its friction and inertia cannot be told from here."));
+                       "): its friction and inertia cannot be told from here; --fix JOINT=VALUE holds it there."));
   }
   for (const std::vector<int>& group : correlated_columns(head.rows.q)) {
     std::vector<int> moving;

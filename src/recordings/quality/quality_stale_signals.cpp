@@ -15,13 +15,19 @@ struct Repeats {
   long count = 0;
 };
 
-Repeats repeats_of(const Head& head, const MatrixXd& values, int joint) {
+double resolution_of(const Head& head, const MatrixXd& values, int joint) {
   std::vector<double> changes;
   for (int k = 1; k < values.rows(); ++k) {
     const double change = std::abs(values(k, joint) - values(k - 1, joint));
     if (change > 0.0) changes.push_back(change);
   }
-  const double resolution = changes.empty() ? 0.0 : quantile(std::move(changes), head.numbers.ends);
+  return changes.empty() ? 0.0 : quantile(std::move(changes), head.numbers.ends);
+}
+
+Repeats repeats_of(const Head& head, const MatrixXd& values, int joint) {
+  double resolution = resolution_of(head, values, joint);
+  // A velocity that was made of a coarse position goes in its steps.
+  if (&values == &head.rows.dq && head.step > 0.0) resolution = std::max(resolution, 0.5 * resolution_of(head, head.rows.q, joint) / head.step);
   Repeats repeats;
   for (int k = 2; k + 1 < values.rows(); ++k) {
     const auto stale = head.stale.begin() + k;

@@ -14,6 +14,7 @@ struct VelocityFit {
   double spread = 0.0;  // half the interquartile range of the ratio, window by window
   bool clear = false;   // enough windows with motion, which agree
   bool zero = false;    // enough windows with motion, in which dq says that there is none
+  double correlation = 1.0;  // of what dq and q say, over the windows with motion
 };
 
 VelocityFit velocity_fit(const Head& head, int joint) {
@@ -45,6 +46,14 @@ VelocityFit velocity_fit(const Head& head, int joint) {
   }
   VelocityFit fit;
   if (static_cast<int>(ratios.size()) < numbers.fewest_windows) return fit;
+  double both = 0.0, of_q = 0.0, of_dq = 0.0;
+  for (std::size_t w = 0; w < moved.size(); ++w) {
+    if (std::abs(moved[w]) <= fast) continue;
+    both += integrated[w] * moved[w];
+    of_q += moved[w] * moved[w];
+    of_dq += integrated[w] * integrated[w];
+  }
+  if (of_dq > 0.0) fit.correlation = both / std::sqrt(of_q * of_dq);
   const double middle = quantile(ratios, 0.5);
   fit.spread = 0.5 * between_quantiles(ratios, kQuartile, 1.0 - kQuartile);
   double cross = 0.0;
@@ -212,6 +221,12 @@ void check_velocities(const Head& head, Findings* findings) {
     const double* const dq = head.rows.dq.col(j).data();
     const double range = between_quantiles({dq, dq + head.rows.rows()}, head.numbers.ends, 1.0 - head.numbers.ends);
     check_quantised(head, j, fit, range, findings);
+    if (!fit.clear && std::abs(fit.correlation) < 0.5 && goes_on(head, j)) {
+      const Place place{"dq", j + 1};
+      findings->add(Severity::kFault, "velocity_unrelated", place, {kNone, fit.correlation, ""},
+                    text("The velocity of ", named(place), " is not the derivative of its position (correlation ", number(fit.correlation),
+                         "): take it from the position."));
+    }
     if (!fit.clear) continue;
     if (std::abs(fit.factor - 1.0) <= head.numbers.scale_error) check_noise(head, j, range, findings);
     joints.push_back(j);

@@ -6,7 +6,7 @@ namespace veridyn {
 
 bool makes_velocity_wrong(const QualityFinding& f) {
   const bool judged = f.finding == "velocity_scale" || f.finding == "velocity_sign" ||
-                      f.finding == "velocity_quantised" || f.finding == "velocity_delay" ||
+                      f.finding == "velocity_quantised" || f.finding == "velocity_unrelated" || f.finding == "velocity_delay" ||
                       (f.finding == "degrees" && f.signal == "dq");
   return judged && f.severity != Severity::kInfo && f.joint > 0;
 }
