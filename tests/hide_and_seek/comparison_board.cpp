@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <set>
 
-#include "comparison/comparison_numbers.hpp"
+#include "diagnosis/comparison/comparison_numbers.hpp"
 #include "hide_and_seek/bench.hpp"
 #include "hide_and_seek/swept_room.hpp"
 #include "veridyn/identification/identification.hpp"

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <set>
 
-#include "estimation/additive_regression.hpp"
+#include "identification/estimation/additive_regression.hpp"
 #include "hide_and_seek/draw.hpp"
 #include "hide_and_seek/swept_room.hpp"
 

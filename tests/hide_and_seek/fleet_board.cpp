@@ -6,7 +6,7 @@
 #include "identification/fleet/fleet_numbers.hpp"
 #include "identification/synthetic_recording.hpp"
 #include "veridyn/identification/factor_set.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 namespace veridyn::seek {
 namespace {

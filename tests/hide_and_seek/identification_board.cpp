@@ -9,8 +9,8 @@
 #include "hide_and_seek/swept_room.hpp"
 #include "identification/identification_numbers.hpp"
 #include "identification/synthetic_recording.hpp"
-#include "veridyn/model/model_file.hpp"
-#include "veridyn/regressor/base_parameters.hpp"
+#include "veridyn/files/model_file.hpp"
+#include "veridyn/identification/base_parameters.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 
 namespace veridyn::seek {

@@ -12,14 +12,14 @@
 #include <map>
 #include <set>
 
-#include "comparison/comparison_numbers.hpp"
-#include "estimation/estimation_numbers.hpp"
+#include "diagnosis/comparison/comparison_numbers.hpp"
+#include "identification/estimation/estimation_numbers.hpp"
 #include "hide_and_seek/sweep_board.hpp"
 #include "identification/fleet/fleet_numbers.hpp"
 #include "identification/identification_numbers.hpp"
 #include "recordings/quality/quality_numbers.hpp"
 #include "veridyn/math/require.hpp"
-#include "watch/watch_numbers.hpp"
+#include "diagnosis/watch/watch_numbers.hpp"
 
 namespace veridyn::seek {
 namespace {

@@ -10,14 +10,14 @@
 #include <map>
 #include <set>
 
-#include "comparison/comparison_numbers.hpp"
-#include "estimation/estimation_numbers.hpp"
+#include "diagnosis/comparison/comparison_numbers.hpp"
+#include "identification/estimation/estimation_numbers.hpp"
 #include "hide_and_seek/sweep_board.hpp"
 #include "identification/fleet/fleet_numbers.hpp"
 #include "identification/identification_numbers.hpp"
 #include "recordings/quality/quality_numbers.hpp"
 #include "veridyn/math/require.hpp"
-#include "watch/watch_numbers.hpp"
+#include "diagnosis/watch/watch_numbers.hpp"
 
 namespace veridyn::seek {
 namespace {
@@ -61,9 +61,9 @@ TEST(ThresholdSweep, TheTableShowsWhatMultiplesChanged) {
 // Of the rooms of swept_rooms().
 const std::map<std::string, std::string>& sweep_files() {
   static const std::map<std::string, std::string> kAll = {{"quality", "recordings/quality/quality_sweeps.csv"},
-                                                          {"estimation", "estimation/estimation_sweeps.csv"},
-                                                          {"watch", "watch/watch_sweeps.csv"},
-                                                          {"compare", "comparison/comparison_sweeps.csv"},
+                                                          {"estimation", "identification/estimation/estimation_sweeps.csv"},
+                                                          {"watch", "diagnosis/watch/watch_sweeps.csv"},
+                                                          {"compare", "diagnosis/comparison/comparison_sweeps.csv"},
                                                           {"fleet", "identification/fleet/fleet_sweeps.csv"},
                                                           {"identification", "identification/identification_sweeps.csv"}};
   return kAll;

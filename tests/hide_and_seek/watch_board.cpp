@@ -4,11 +4,11 @@
 
 #include "hide_and_seek/swept_room.hpp"
 #include "support/simulated.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
-#include "veridyn/watch/watch.hpp"
-#include "watch/onsets.hpp"
-#include "watch/watch_numbers.hpp"
+#include "veridyn/diagnosis/watch.hpp"
+#include "diagnosis/watch/onsets.hpp"
+#include "diagnosis/watch/watch_numbers.hpp"
 
 namespace veridyn::seek {
 namespace {

@@ -7,7 +7,7 @@
 #include <set>
 #include <string>
 
-#include "model/effect_names.hpp"
+#include "effects/effect_names.hpp"
 
 // An effect's name stands in its own file. Where another room spells it, the next effect will be
 // treated wrongly there, and nobody will notice.

@@ -44,10 +44,9 @@ TEST(SingleSites, EstimatingRoomsHaveOneSolver) {
                           "\\(\\)|BDCSVD<|JacobiSVD<|fullPivLu|partialPivLu");
   // The stages have one, the search has one; a load is fitted to both sides of zero.
   EXPECT_EQ(files_with("diagnosis", solver), (Files{"diagnosis/evidence/clustered_fit.cpp", "diagnosis/evidence/clustered_fit.hpp",
-                                                    "diagnosis/load_fit.cpp", "diagnosis/search/score.cpp", "diagnosis/search/score.hpp"}));
-  // Fleets and watches have none; the smoothing of rows is a filter.
+                                                    "diagnosis/load_fit.cpp", "diagnosis/search/score.cpp", "diagnosis/search/score.hpp",
+                                                    "diagnosis/watch/smoothed_rows.cpp"}));  // a filter
   EXPECT_EQ(files_with("identification/fleet", solver), Files{});
-  EXPECT_EQ(files_with("watch", solver), (Files{"watch/smoothed_rows.cpp"}));
 }
 
 // (g - 1) / g is the jackknife's; whoever writes it has one of his own.
@@ -90,7 +89,7 @@ TEST(SingleSites, EffectsRunSampleBySampleWhereLoopsAre) {
 
 TEST(SingleSites, OneFileDefinesBaseParameters) {
   EXPECT_EQ(files_with("", std::regex("\\nBaseParameters base_parameters\\(")),
-            (Files{"regressor/base_parameters.cpp", "regressor/base_parameters.hpp"}));
+            (Files{"identification/base_parameters.cpp", "identification/base_parameters.hpp"}));
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 
-#include "causes/row_constants.hpp"
+#include "diagnosis/candidates/row_constants.hpp"
 #include "diagnosis/causes/contacts.hpp"
 #include "diagnosis/causes/snags.hpp"
 #include "diagnosis/evidence/held_out.hpp"
