@@ -173,7 +173,7 @@ memcheck: build
 mutants: build
 	@python3 tests/mutants/mutants.py $(BUILD) $(ROOM)
 
-# clang-tidy with the checks of .clang-tidy and clang's warnings, over all units of the build or SOURCES="src/watch/*.cpp".
+# clang-tidy with the checks of .clang-tidy and clang's warnings, over all units of the build or SOURCES="src/control/*.cpp".
 TIDY_UNITS = sed -n 's/^ *"file": "\(.*\)",*$$/\1/p' $(BUILD)/tidy/compile_commands.json | grep -v -e /tests/ -e cmake_pch -e page_files
 tidy: build
 	@cmake/install-packages.sh cmake/debian-packages-fuzz.txt

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "veridyn/simulation/hidden_effect.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 #include "veridyn/simulation/world.hpp"

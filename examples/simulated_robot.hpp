@@ -5,7 +5,7 @@
 
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/joint_sensors.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "veridyn/simulation/hidden_effect.hpp"
 #include "veridyn/simulation/plant.hpp"
 #include "veridyn/simulation/plausible_model.hpp"

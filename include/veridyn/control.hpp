@@ -27,4 +27,4 @@
 #include "veridyn/control/velocity_observer.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/joint_sensors.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"

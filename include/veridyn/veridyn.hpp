@@ -15,7 +15,7 @@
 /// Also comparison, design of motions, simulation, export. Packages (boards, cooperation, calibration)
 /// have headers of their own.
 
-#include "veridyn/comparison/model_comparison.hpp"
+#include "veridyn/diagnosis/model_comparison.hpp"
 #include "veridyn/control.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 #include "veridyn/diagnosis/payload.hpp"
@@ -26,9 +26,9 @@
 #include "veridyn/identification/identification.hpp"
 #include "veridyn/identification/joint_score.hpp"
 #include "veridyn/kinematics/kinematics.hpp"
-#include "veridyn/model/model_file.hpp"
-#include "veridyn/model/simulator_files.hpp"
-#include "veridyn/model/urdf.hpp"
+#include "veridyn/files/model_file.hpp"
+#include "veridyn/files/simulator_files.hpp"
+#include "veridyn/files/urdf.hpp"
 #include "veridyn/recordings/recording_list.hpp"
 #include "veridyn/recordings/recording_quality.hpp"
 #include "veridyn/report/diagnosis_json.hpp"

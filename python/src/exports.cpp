@@ -3,13 +3,13 @@
 #include "bindings.hpp"
 #include "model_handle.hpp"
 #include "options.hpp"
-#include "veridyn/export/c_code.hpp"
-#include "veridyn/export/mjcf.hpp"
-#include "veridyn/export/model_json.hpp"
-#include "veridyn/export/portable_model.hpp"
-#include "veridyn/export/sdf.hpp"
-#include "veridyn/export/simulation_file.hpp"
-#include "veridyn/model/urdf.hpp"
+#include "veridyn/files/c_code.hpp"
+#include "veridyn/files/mjcf.hpp"
+#include "veridyn/files/model_json.hpp"
+#include "veridyn/identification/portable_model.hpp"
+#include "veridyn/files/sdf.hpp"
+#include "veridyn/files/simulation_file.hpp"
+#include "veridyn/files/urdf.hpp"
 
 namespace veridyn::python {
 namespace {

@@ -8,9 +8,9 @@
 #include "veridyn/kinematics/kinematics.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/fixed_coordinates.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "model/suggestion.hpp"
-#include "veridyn/model/urdf.hpp"
+#include "veridyn/files/urdf.hpp"
 #include "veridyn/report/json.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 

@@ -8,7 +8,7 @@
 #include "recordings/signals/units.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/fixed_coordinates.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "model/suggestion.hpp"
 #include "veridyn/report/setting_names.hpp"
 

@@ -11,7 +11,7 @@
 #include "veridyn/diagnosis/friction_study.hpp"
 #include "veridyn/identification/fleet.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "veridyn/report/diagnosis_json.hpp"
 #include "veridyn/report/json.hpp"
 #include "veridyn/report/pages.hpp"

@@ -4,7 +4,7 @@
 #include "model_handle.hpp"
 #include "options.hpp"
 #include "veridyn/report/watch_json.hpp"
-#include "veridyn/watch/watch.hpp"
+#include "veridyn/diagnosis/watch.hpp"
 
 namespace veridyn::python {
 namespace {

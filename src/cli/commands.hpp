@@ -1,3 +1,4 @@
+// cli/: the commands of `veridyn`, one file each.
 #pragma once
 
 #include "veridyn/tool/program.hpp"

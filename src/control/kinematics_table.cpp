@@ -9,7 +9,7 @@
 
 #include "veridyn/control/inverse_kinematics.hpp"
 #include "kinematics/motion_limits.hpp"
-#include "math/output_file.hpp"
+#include "files/output_file.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {

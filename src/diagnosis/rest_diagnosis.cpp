@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "causes/candidates.hpp"
+#include "diagnosis/candidates/candidates.hpp"
 #include "diagnosis/evidence/folds.hpp"
 #include "diagnosis/evidence/held_out.hpp"
 #include "diagnosis/evidence/numerics.hpp"

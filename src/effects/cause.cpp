@@ -8,7 +8,7 @@
 #include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/math/require.hpp"
-#include "model/effect_names.hpp"
+#include "effects/effect_names.hpp"
 #include "model/joint_placement.hpp"
 #include "model/suggestion.hpp"
 

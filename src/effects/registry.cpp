@@ -6,7 +6,7 @@
 #include "veridyn/effects/cause.hpp"
 #include "veridyn/math/require.hpp"
 #include "model/suggestion.hpp"
-#include "model/effect_names.hpp"
+#include "effects/effect_names.hpp"
 
 namespace veridyn {
 namespace {
@@ -158,7 +158,7 @@ const Effect& register_effect(std::unique_ptr<const Effect> effect) {
   return Registry::instance().adopt(std::move(effect));
 }
 
-// Defines the functions of model/effect_names.hpp for the reader of robot files.
+// Defines the functions of effects/effect_names.hpp for the reader of robot files.
 
 const std::vector<std::string>& effect_names() {
   return Registry::instance().file_names();

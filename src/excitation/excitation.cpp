@@ -16,7 +16,7 @@
 #include "math/most_rows.hpp"
 #include "math/numbers.hpp"
 #include "math/parallel.hpp"
-#include "veridyn/regressor/base_parameters.hpp"
+#include "veridyn/identification/base_parameters.hpp"
 #include "veridyn/regressor/standard_parameters.hpp"
 #include "veridyn/math/require.hpp"
 

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <unordered_set>
 
-#include "estimation/least_squares.hpp"
+#include "identification/estimation/least_squares.hpp"
 #include "math/median.hpp"
 #include "math/singular_values.hpp"
 #include "math/clustered_statistics.hpp"

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "veridyn/regressor/base_parameters.hpp"
+#include "veridyn/identification/base_parameters.hpp"
 #include "veridyn/identification/compressed_recording.hpp"
 
 namespace veridyn {

@@ -11,7 +11,7 @@
 #include "identification/feasible/feasible_fit.hpp"
 #include "identification/many_recordings.hpp"
 #include "model/noise_unit.hpp"
-#include "veridyn/regressor/base_parameters.hpp"
+#include "veridyn/identification/base_parameters.hpp"
 
 namespace veridyn {
 namespace {

@@ -20,11 +20,11 @@
 #include "identification/silent_joints.hpp"
 #include "identification/velocity_choice.hpp"
 #include "math/dense.hpp"
-#include "math/output_file.hpp"
+#include "files/output_file.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
-#include "veridyn/model/model_origin.hpp"
-#include "veridyn/model/physical_faults.hpp"
+#include "veridyn/files/model_file.hpp"
+#include "veridyn/files/model_origin.hpp"
+#include "veridyn/files/physical_faults.hpp"
 
 namespace veridyn {
 namespace {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "veridyn/identification/compressed_recording.hpp"
-#include "veridyn/regressor/base_parameters.hpp"
+#include "veridyn/identification/base_parameters.hpp"
 
 namespace veridyn {
 

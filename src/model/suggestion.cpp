@@ -4,7 +4,7 @@
 #include <cctype>
 #include <numeric>
 
-#include "math/excerpt.hpp"
+#include "model/excerpt.hpp"
 
 namespace veridyn {
 namespace {

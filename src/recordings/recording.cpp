@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "recordings/remark.hpp"
-#include "math/output_file.hpp"
+#include "files/output_file.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {

@@ -8,7 +8,7 @@
 #include "report/text_table.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/identification/identification.hpp"
-#include "veridyn/model/physical_faults.hpp"
+#include "veridyn/files/physical_faults.hpp"
 
 namespace veridyn {
 namespace {

@@ -1,12 +1,12 @@
 #include "veridyn/simulation/hidden_effect.hpp"
 
 
-#include "math/words.hpp"
+#include "files/words.hpp"
 #include "veridyn/effects/cause.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/math/require.hpp"
-#include "model/effect_names.hpp"
-#include "model/expression.hpp"
+#include "effects/effect_names.hpp"
+#include "files/expression.hpp"
 #include "model/suggestion.hpp"
 
 namespace veridyn {

@@ -8,7 +8,7 @@
 #include "veridyn/effects/channel_effect.hpp"
 #include "kinematics/motion_limits.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "model/suggestion.hpp"
 #include "veridyn/simulation/hidden_effect.hpp"
 #include "veridyn/effects/effect_facts.hpp"

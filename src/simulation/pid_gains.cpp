@@ -1,5 +1,5 @@
-#include "model/yaml/yaml_node.hpp"
-#include "math/input_file.hpp"
+#include "files/yaml/yaml_node.hpp"
+#include "files/input_file.hpp"
 #include "simulation/plant/plant_forces.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/math/require.hpp"

@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
 
-#include "math/words.hpp"
+#include "files/words.hpp"
 #include "veridyn/math/require.hpp"
-#include "model/expression.hpp"
+#include "files/expression.hpp"
 #include "model/suggestion.hpp"
 #include "veridyn/simulation/sensor_noise.hpp"
 

@@ -5,8 +5,8 @@
 #include <cstdlib>
 #include <sstream>
 
-#include "math/words.hpp"
-#include "math/input_file.hpp"
+#include "files/words.hpp"
+#include "files/input_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "model/suggestion.hpp"
 

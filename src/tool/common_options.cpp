@@ -12,7 +12,7 @@
 #include "veridyn/tool/messages.hpp"
 #include "tool/recording_options.hpp"
 #include "veridyn/tool/sound_arguments.hpp"
-#include "math/output_file.hpp"
+#include "files/output_file.hpp"
 #include "recordings/same_recording.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/report/setting_names.hpp"

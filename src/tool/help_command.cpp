@@ -8,7 +8,7 @@
 #include "tool/packages.hpp"
 #include "veridyn/tool/common_options.hpp"
 #include "veridyn/tool/sound_arguments.hpp"
-#include "math/output_file.hpp"
+#include "files/output_file.hpp"
 #include "model/suggestion.hpp"
 
 namespace veridyn::cli {

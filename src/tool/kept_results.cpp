@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "math/excerpt.hpp"
+#include "model/excerpt.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::cli {

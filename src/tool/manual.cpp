@@ -9,7 +9,7 @@
 #include <system_error>
 
 #include "tool/examples.hpp"
-#include "math/output_file.hpp"
+#include "files/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/report/json/json_value.hpp"
 

@@ -1,4 +1,4 @@
-#include "math/excerpt.hpp"
+#include "model/excerpt.hpp"
 #include "veridyn/tool/messages.hpp"
 
 #include <fmt/format.h>

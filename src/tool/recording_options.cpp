@@ -11,8 +11,8 @@
 #include "recordings/signals/units.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/fixed_coordinates.hpp"
-#include "veridyn/model/model_file.hpp"
-#include "veridyn/model/physical_faults.hpp"
+#include "veridyn/files/model_file.hpp"
+#include "veridyn/files/physical_faults.hpp"
 
 namespace veridyn::cli {
 namespace {

@@ -11,10 +11,10 @@
 #include <utility>
 #include <vector>
 
-#include "math/words.hpp"
+#include "files/words.hpp"
 #include "recordings/csv/csv_table.hpp"
 #include "recordings/bags/file_kind.hpp"
-#include "model/robot_format.hpp"
+#include "files/robot_format.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::cli {

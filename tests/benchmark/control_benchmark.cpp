@@ -23,7 +23,7 @@
 #include "veridyn/control/teleoperation.hpp"
 #include "veridyn/control/tip_controller.hpp"
 #include "veridyn/control/velocity_observer.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 
 // One cycle of control of the seven-joint psm-wrist, from measured positions to torques. What

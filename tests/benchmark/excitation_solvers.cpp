@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "veridyn/excitation/excitation.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 namespace veridyn {
 namespace {

@@ -19,7 +19,7 @@
 #include "support/sample_arms.hpp"
 #include "veridyn/dynamics/torque_regressor.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
-#include "veridyn/export/c_code.hpp"
+#include "veridyn/files/c_code.hpp"
 #include "veridyn/math/square_root_information.hpp"
 #include "math/zero_phase_filter.hpp"
 
@@ -31,7 +31,7 @@
 
 #ifdef VERIDYN_WITH_MUJOCO
 #include "support/mujoco_model.hpp"
-#include "veridyn/export/mjcf.hpp"
+#include "veridyn/files/mjcf.hpp"
 #endif
 
 // veridyn beside other libraries in one run: engines take turns, so that a machine that is busy with

@@ -5,9 +5,9 @@
 #include <sstream>
 
 #include "cli/tool.hpp"
-#include "veridyn/regressor/base_parameters.hpp"
+#include "veridyn/identification/base_parameters.hpp"
 #include "veridyn/regressor/standard_parameters.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 // On a recording of planar-2r without noise the truth is known, and stands in the robot file.
 

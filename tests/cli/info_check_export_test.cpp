@@ -3,7 +3,7 @@
 #include <sstream>
 
 #include "cli/tool.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 namespace veridyn {
 namespace {

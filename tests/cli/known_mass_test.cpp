@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "cli/tool.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 // Drive gains of arms that report currents.
 

@@ -9,7 +9,7 @@
 #include "veridyn/diagnosis/diagnosis.hpp"
 #include "veridyn/identification/identification.hpp"
 #include "veridyn/identification/verdict.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 // A URDF as makers write them, without friction, and the arm that was built from it, which is in no
 // table: bodies off the drawing, friction, rotors.

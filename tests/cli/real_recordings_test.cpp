@@ -6,7 +6,7 @@
 #include <map>
 
 #include "cli/tool.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 // Recordings of real arms, measured by others. Targets are held-out errors in percent: published
 // ones where the comment says so.

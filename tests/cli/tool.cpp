@@ -14,7 +14,7 @@
 #include <stdexcept>
 
 #include "veridyn/regressor/standard_parameters.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 namespace veridyn {
 namespace {

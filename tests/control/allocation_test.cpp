@@ -15,7 +15,7 @@
 #include "veridyn/control/quintic_interpolator.hpp"
 #include "veridyn/control/safety_supervisor.hpp"
 #include "veridyn/control/velocity_observer.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 
 namespace veridyn {

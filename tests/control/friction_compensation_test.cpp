@@ -9,7 +9,7 @@
 #include "veridyn/control/friction_compensation.hpp"
 #include "veridyn/control/model_error_observer.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 
 namespace veridyn {

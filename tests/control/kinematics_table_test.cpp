@@ -6,7 +6,7 @@
 
 #include "veridyn/kinematics/kinematics.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 namespace veridyn {
 namespace {

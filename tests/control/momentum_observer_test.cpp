@@ -11,7 +11,7 @@
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "kinematics/standard_motion.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "veridyn/simulation/plant.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "control/control_support.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 
 namespace veridyn {

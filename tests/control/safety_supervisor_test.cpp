@@ -9,7 +9,7 @@
 #include "veridyn/control/safety_supervisor.hpp"
 #include "veridyn/control/torque_uncertainty.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 
 namespace veridyn {

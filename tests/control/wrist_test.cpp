@@ -9,7 +9,7 @@
 #include "veridyn/control/model_error_observer.hpp"
 #include "veridyn/control/quintic_interpolator.hpp"
 #include "veridyn/control/torque_uncertainty.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 
 namespace veridyn {

@@ -6,7 +6,7 @@
 
 #include "diagnosis/causes/wrong_constant.hpp"
 #include "diagnosis/stage_support.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 // A wrong constant of the robot file, and the error of a channel that does as much: both must be certain, and borne
 // out by held-out parts of the training recordings.

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 // Residuals made by hand: a burst is a contact unless it belongs to the motion.
 

@@ -7,7 +7,7 @@
 #include "diagnosis/unnamed/tables.hpp"
 #include "effects/tabulated_force.hpp"
 #include "veridyn/effects/effect.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 // Curves without a name: what their words say, and the tables that two signals make.
 

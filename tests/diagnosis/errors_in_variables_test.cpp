@@ -4,7 +4,7 @@
 
 #include "support/simulated.hpp"
 #include "diagnosis/stage_support.hpp"
-#include "veridyn/regressor/base_parameters.hpp"
+#include "veridyn/identification/base_parameters.hpp"
 #include "veridyn/regressor/standard_parameters.hpp"
 
 // Noise in the recorded motion biases least squares, noise in the torques does not. The stage tells them

@@ -8,7 +8,7 @@
 #include "diagnosis/shapes/refinement.hpp"
 #include "diagnosis/shapes/shape_search.hpp"
 #include "diagnosis/stage_support.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 // Stages that look for one kind of fault each, and the search for constants.
 

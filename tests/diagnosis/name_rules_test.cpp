@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
-#include "causes/row_constants.hpp"
+#include "diagnosis/candidates/row_constants.hpp"
 #include "diagnosis/findings/right_to_a_name.hpp"
 #include "diagnosis/shapes/refinement.hpp"
 #include "diagnosis/stage_support.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 // What a name must have to be said, and to be in the model that is written.
 

@@ -9,7 +9,7 @@
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/identification/joint_score.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 // From an identification on: nothing is read or fitted twice.
 

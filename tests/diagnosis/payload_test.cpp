@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "causes/row_constants.hpp"
+#include "diagnosis/candidates/row_constants.hpp"
 #include "cli/tool.hpp"
 #include "diagnosis/evidence/payload_fit.hpp"
 #include "diagnosis/shapes/candidate_data.hpp"
 #include "simulation/simulation_support.hpp"
-#include "math/output_file.hpp"
+#include "files/output_file.hpp"
 #include "support/random.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/effects/effect_facts.hpp"

@@ -10,7 +10,7 @@
 #include "diagnosis/evidence/hypotheses.hpp"
 #include "effects/kinematic_error.hpp"
 #include "diagnosis/causes/ripple.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 // What is asked of an arm, and what becomes of an arm with the answers.
 

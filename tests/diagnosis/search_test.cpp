@@ -6,7 +6,7 @@
 
 #include "diagnosis/search/explain.hpp"
 #include "diagnosis/stage_support.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 // One dictionary, one score, one search: what it names, and that it names nothing where nothing is hidden.
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 // Friction by place in four recordings, made by hand.
 

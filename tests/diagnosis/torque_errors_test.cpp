@@ -5,7 +5,7 @@
 #include "simulation/simulation_support.hpp"
 #include "support/simulated.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 
 // Crosstalk between torque channels, asked about only where a joint's error depends on the torque of another one; torques at the

@@ -17,7 +17,7 @@
 #include "simulation/simulation_support.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 #include "veridyn/effects/effect.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 // What a residual depends on, in words and as a table of the model.
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "diagnosis/stage_support.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 // Diagnoses from the recordings to the report: answers that single stages do not give.
 

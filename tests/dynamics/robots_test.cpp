@@ -5,7 +5,7 @@
 #include "support/sample_arms.hpp"
 #include "veridyn/dynamics/torque_regressor.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 // The robots in data/robots/, with random bodies: what a file says about masses is nobody's
 // business here.

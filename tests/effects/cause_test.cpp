@@ -7,7 +7,7 @@
 #include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 namespace veridyn {
 namespace {

@@ -14,7 +14,7 @@
 #include "veridyn/excitation/excitation.hpp"
 #include "veridyn/identification/identification.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "veridyn/simulation/plant.hpp"
 #include "veridyn/simulation/simulate_recording.hpp"
 

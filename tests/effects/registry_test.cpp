@@ -11,7 +11,7 @@
 #include "effects/registry.hpp"
 #include "veridyn/effects/cause.hpp"
 #include "veridyn/math/require.hpp"
-#include "model/effect_names.hpp"
+#include "effects/effect_names.hpp"
 
 namespace veridyn {
 namespace {

@@ -7,12 +7,12 @@
 #include <cmath>
 
 #include "regressor/arm_columns.hpp"
-#include "regressor/column_choice.hpp"
+#include "excitation/search/column_choice.hpp"
 #include "regressor/random_states.hpp"
 #include "regressor/stacked_columns.hpp"
 #include "excitation/search/base_regressor.hpp"
 #include "veridyn/excitation/excitation.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 namespace veridyn {
 namespace {

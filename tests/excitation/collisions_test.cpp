@@ -11,8 +11,8 @@
 #include "math/random_numbers.hpp"
 #include "veridyn/excitation/excitation.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/link_shapes.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/link_shapes.hpp"
+#include "veridyn/files/model_file.hpp"
 
 namespace veridyn {
 namespace {

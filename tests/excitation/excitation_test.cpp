@@ -11,7 +11,7 @@
 #include "excitation/search/base_regressor.hpp"
 #include "kinematics/motion_limits.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 
 namespace veridyn {

@@ -7,7 +7,7 @@
 #include "support/sample_arms.hpp"
 #include "excitation/search/base_regressor.hpp"
 #include "veridyn/excitation/fourier_trajectory.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 namespace veridyn {
 namespace {

@@ -12,8 +12,8 @@
 #include "veridyn/excitation/fourier_trajectory.hpp"
 #include "math/numbers.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
-#include "veridyn/regressor/base_parameters.hpp"
+#include "veridyn/files/model_file.hpp"
+#include "veridyn/identification/base_parameters.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 
 namespace veridyn {

@@ -9,7 +9,7 @@
 #include "excitation/search/search_program.hpp"
 #include "support/sample_arms.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 
 namespace veridyn {

@@ -6,7 +6,7 @@
 
 #include "support/near.hpp"
 #include "veridyn/excitation/excitation.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 namespace veridyn {
 namespace {

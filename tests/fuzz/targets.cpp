@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "identification/synthetic_recording.hpp"
-#include "model/mesh_file.hpp"
+#include "files/mesh_file.hpp"
 #include "recordings/bags/bag_probe.hpp"
 #include "recordings/recording_probe.hpp"
 #include "recordings/samples.hpp"
@@ -13,9 +13,9 @@
 #include "veridyn/identification/factor_set.hpp"
 #include "veridyn/identification/fleet.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
-#include "veridyn/model/simulator_files.hpp"
-#include "veridyn/model/urdf.hpp"
+#include "veridyn/files/model_file.hpp"
+#include "veridyn/files/simulator_files.hpp"
+#include "veridyn/files/urdf.hpp"
 
 namespace veridyn {
 namespace {

@@ -9,7 +9,7 @@
 #include <fstream>
 
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 namespace veridyn::seek {
 namespace {

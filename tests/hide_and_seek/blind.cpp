@@ -8,7 +8,7 @@
 #include <fstream>
 
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "veridyn/report/diagnosis_json.hpp"
 
 namespace veridyn::seek {

@@ -5,7 +5,7 @@
 
 #include "hide_and_seek/judge.hpp"
 #include "hide_and_seek/outside.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 // A few cases of the scoreboard that must never be lost: different arms, different effects, and
 // nothing hidden. The whole board is veridyn-hide-and-seek.

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 namespace veridyn::seek {
 namespace {

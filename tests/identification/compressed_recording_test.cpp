@@ -12,7 +12,7 @@
 #include "support/near.hpp"
 #include "identification/base_solution.hpp"
 #include "math/zero_phase_filter.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 namespace veridyn {
 namespace {

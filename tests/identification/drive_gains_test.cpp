@@ -11,7 +11,7 @@
 #include "support/near.hpp"
 #include "veridyn/identification/identification.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 // Currents made from the torques of arms with values, with gains that the search does not know.
 

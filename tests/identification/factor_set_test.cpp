@@ -24,7 +24,7 @@
 #include "support/refusal.hpp"
 #include "veridyn/identification/many_machines.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 namespace veridyn {
 namespace {

@@ -17,7 +17,7 @@
 #include "support/near.hpp"
 #include "support/refusal.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 namespace veridyn {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "veridyn/regressor/standard_parameters.hpp"
 
 namespace veridyn {

@@ -7,7 +7,7 @@
 #include "identification/synthetic_recording.hpp"
 #include "support/near.hpp"
 #include "veridyn/identification/identification.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 // What an identification leaves in its MODEL file for later statistics.
 

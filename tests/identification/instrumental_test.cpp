@@ -6,7 +6,7 @@
 #include "support/random.hpp"
 #include "veridyn/identification/identification.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "veridyn/simulation/joint_torques.hpp"
 
 // Noise in the recorded motion biases least squares and not the estimates with the motion without noise.

@@ -10,8 +10,8 @@
 #include "veridyn/identification/pseudo_inertia.hpp"
 #include "veridyn/identification/verdict.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
-#include "veridyn/regressor/base_parameters.hpp"
+#include "veridyn/files/model_file.hpp"
+#include "veridyn/identification/base_parameters.hpp"
 
 // Recordings and columns at the edge of what can be identified: an answer is right, or it is a status
 // that says why there is none.

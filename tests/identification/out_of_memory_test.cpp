@@ -16,7 +16,7 @@
 #include "veridyn/identification/factor_set.hpp"
 #include "veridyn/identification/identification.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 // Memory that ends at any allocation of a recording's way from its file to factors in a file and to an
 // identified model: in the caller's thread and in the one that reads ahead. A program of its own, for it

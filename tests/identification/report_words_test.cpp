@@ -7,7 +7,7 @@
 #include "veridyn/identification/drive_gains.hpp"
 #include "veridyn/identification/fleet.hpp"
 #include "veridyn/identification/identification.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 // Words of reports: what is there is said, and what is not there leaves no empty line.
 

@@ -8,7 +8,7 @@
 
 #include "identification/synthetic_recording.hpp"
 #include "recordings/signals/units.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 
 namespace veridyn {

@@ -8,7 +8,7 @@
 
 #include "identification/identification_numbers.hpp"
 #include "identification/synthetic_recording.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 namespace veridyn {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 // Joints in every state, and the words for them.
 

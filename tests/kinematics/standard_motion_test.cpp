@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "kinematics/motion_limits.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 namespace veridyn {
 namespace {

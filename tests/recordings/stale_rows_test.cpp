@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "veridyn/recordings/preprocessing.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 namespace veridyn {
 namespace {

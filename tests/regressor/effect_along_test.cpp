@@ -12,8 +12,8 @@
 #include "support/random.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/identification/regressor_columns.hpp"
-#include "veridyn/model/model_file.hpp"
-#include "veridyn/regressor/base_parameters.hpp"
+#include "veridyn/files/model_file.hpp"
+#include "veridyn/identification/base_parameters.hpp"
 
 namespace veridyn {
 namespace {

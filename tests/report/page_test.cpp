@@ -12,7 +12,7 @@
 #include "support/browser.hpp"
 #include "veridyn/regressor/standard_parameters.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "veridyn/report/pages.hpp"
 #include "veridyn/report/robot_info.hpp"
 

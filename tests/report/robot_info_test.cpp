@@ -4,7 +4,7 @@
 
 #include <sstream>
 
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 namespace veridyn {
 namespace {

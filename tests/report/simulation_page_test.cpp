@@ -7,7 +7,7 @@
 #include <fstream>
 
 #include "support/browser.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 namespace veridyn {
 namespace {

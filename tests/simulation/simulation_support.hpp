@@ -3,7 +3,7 @@
 #include <cmath>
 #include <string>
 
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "veridyn/simulation/simulate_recording.hpp"
 
 namespace veridyn {

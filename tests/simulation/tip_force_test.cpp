@@ -8,7 +8,7 @@
 #include "support/simulated.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 #include "veridyn/effects/channel_effect.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "veridyn/simulation/engine.hpp"
 #include "veridyn/simulation/joint_torques.hpp"
 #include "veridyn/simulation/plausible_model.hpp"

@@ -16,39 +16,27 @@ namespace {
 namespace fs = std::filesystem;
 
 // The layers of the house. What stands in a folder's set is what it may include beside itself:
-//   math < model < kinematics < dynamics < effects < regressor,  model < recordings,
-//   {regressor | recordings} < estimation < causes,
-//   {identification < {diagnosis | comparison} | watch | excitation | control < simulation} < report < tool < cli.
+//   math < model < kinematics < dynamics < effects < {regressor | files},  {model | files} < recordings,
+//   {regressor | recordings} < identification < {diagnosis | excitation},  {regressor | recordings} < control < simulation,
+//   all of these < report < tool < cli.
 // Packages stand on its public headers.
 const std::map<std::string, std::set<std::string>>& below() {
   static const std::map<std::string, std::set<std::string>> kBelow = [] {
     std::map<std::string, std::set<std::string>> all;
     std::set<std::string> sofar;
-    for (const char* folder : {"math", "model"}) {
+    for (const char* folder : {"math", "model", "kinematics", "dynamics", "effects"}) {
       all[folder] = sofar;
       sofar.insert(folder);
     }
-    all["recordings"] = sofar;
-    for (const char* folder : {"kinematics", "dynamics", "effects", "regressor"}) {
-      all[folder] = sofar;
-      sofar.insert(folder);
-    }
-    sofar.insert("recordings");
-    all["estimation"] = sofar;
-    sofar.insert("estimation");
-    all["causes"] = sofar;
-    sofar.insert("causes");
-    for (const char* folder :
-         {"identification", "excitation", "simulation", "control", "watch"})
-      all[folder] = sofar;
+    all["regressor"] = all["files"] = sofar;
+    all["recordings"] = {"math", "model", "files"};
+    sofar.insert({"regressor", "files", "recordings"});
+    all["identification"] = all["control"] = all["simulation"] = all["diagnosis"] = all["excitation"] = sofar;
+    all["control"].insert("c");  // the header of the controller for programs in C
     all["simulation"].insert("control");
-    for (const char* folder : {"diagnosis", "comparison", "export"}) {
-      all[folder] = sofar;
-      all[folder].insert("identification");
-    }
-    all["c"] = {"control", "model"};
-    sofar.insert({"identification", "diagnosis", "comparison", "export", "excitation", "simulation",
-                  "control", "watch"});
+    all["diagnosis"].insert("identification");
+    all["excitation"].insert("identification");
+    sofar.insert({"identification", "diagnosis", "excitation", "control", "simulation"});
     for (const char* folder : {"report", "tool", "cli"}) {
       all[folder] = sofar;
       sofar.insert(folder);
@@ -139,7 +127,7 @@ TEST(IncludeOrder, PackagesIncludePublicHeadersAlone) {
 // A private header of the library, and one of a package that stands above, are noticed.
 TEST(IncludeOrder, AForeignIncludeOfAPackageIsNoticed) {
   const fs::path file = fs::temp_directory_path() / ("veridyn_package_" + std::to_string(::getpid()) + ".hpp");
-  std::ofstream(file) << "#include \"veridyn/math/words.hpp\"\n"
+  std::ofstream(file) << "#include \"veridyn/files/words.hpp\"\n"
                          "#include \"math/digits.hpp\"\n"
                          "#include \"dvrk/protocol/udp_port.hpp\"\n"
                          "#include \"cooperation/experiment.hpp\"\n";
@@ -148,7 +136,7 @@ TEST(IncludeOrder, AForeignIncludeOfAPackageIsNoticed) {
   EXPECT_NE(above.find("dvrk/protocol/udp_port.hpp"), std::string::npos) << above;
   EXPECT_NE(wrong.find("math/digits.hpp"), std::string::npos) << wrong;
   EXPECT_NE(wrong.find("cooperation/experiment.hpp"), std::string::npos) << wrong;
-  EXPECT_EQ(wrong.find("math/words.hpp"), std::string::npos) << wrong;
+  EXPECT_EQ(wrong.find("files/words.hpp"), std::string::npos) << wrong;
 }
 
 // Parts of rooms and what each includes of its own room. A room's public headers are a part, and so

@@ -1,3 +1,4 @@
+// control/: laws, observers, compensation and supervision; nothing in a cycle allocates, throws or blocks.
 #pragma once
 
 #include <optional>

@@ -1,3 +1,4 @@
+// diagnosis/: what a model leaves unexplained, and why; changes against a model, loads, a running arm, two models.
 #pragma once
 
 #include <functional>

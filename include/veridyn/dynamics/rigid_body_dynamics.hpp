@@ -1,3 +1,4 @@
+// dynamics/: inverse and forward dynamics of rigid bodies, their derivatives and regressor, by one recursion.
 #pragma once
 
 #include <vector>

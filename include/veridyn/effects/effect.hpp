@@ -1,3 +1,4 @@
+// effects/: everything beyond rigid bodies, one file per effect; sensor errors, and the text form of a cause.
 #pragma once
 
 #include <array>

@@ -1,3 +1,4 @@
+// excitation/: motions that identify an arm well, within its limits.
 #pragma once
 
 #include <functional>
@@ -12,7 +13,7 @@
 #include "veridyn/excitation/prediction.hpp"
 #include "veridyn/excitation/workspace_limits.hpp"
 #include "veridyn/model/model.hpp"
-#include "veridyn/regressor/joint_friction.hpp"
+#include "veridyn/identification/joint_friction.hpp"
 
 namespace veridyn {
 

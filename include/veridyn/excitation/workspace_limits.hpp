@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "veridyn/math/types.hpp"
-#include "veridyn/model/link_shapes.hpp"
+#include "veridyn/files/link_shapes.hpp"
 
 namespace veridyn {
 

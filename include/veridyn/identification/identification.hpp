@@ -1,3 +1,4 @@
+// identification/: from recordings to a model with standard deviations: base parameters, least squares, validation, fleets.
 #pragma once
 
 #include <functional>
@@ -6,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "veridyn/regressor/base_parameters.hpp"
-#include "veridyn/regressor/joint_friction.hpp"
+#include "veridyn/identification/base_parameters.hpp"
+#include "veridyn/identification/joint_friction.hpp"
 #include "veridyn/identification/compressed_recording.hpp"
 #include "veridyn/identification/drive_gains.hpp"
 #include "veridyn/identification/feasible_least_squares.hpp"

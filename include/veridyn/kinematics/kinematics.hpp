@@ -1,3 +1,4 @@
+// kinematics/: poses, Jacobians and velocities of frames.
 #pragma once
 
 #include <Eigen/Geometry>

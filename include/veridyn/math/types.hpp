@@ -1,3 +1,4 @@
+// math/: vectors, filters, least-squares information, statistics, random numbers; without a robot.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,3 +1,4 @@
+// model/: a robot as frames, bodies and effects, and nothing that computes with samples.
 #pragma once
 
 #include <map>

@@ -1,3 +1,4 @@
+// recordings/: CSV, bags and arrays as signals of one arm; their quality and preprocessing.
 #pragma once
 
 #include <memory>

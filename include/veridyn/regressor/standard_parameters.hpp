@@ -1,3 +1,4 @@
+// regressor/: the torques of bodies and effects as a linear map of the standard parameters, over all samples of a motion.
 #pragma once
 
 #include <optional>

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "veridyn/comparison/model_comparison.hpp"
+#include "veridyn/diagnosis/model_comparison.hpp"
 
 namespace veridyn {
 

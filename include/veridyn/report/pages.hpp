@@ -1,9 +1,10 @@
+// report/: results as text, JSON and pages.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "veridyn/comparison/model_comparison.hpp"
+#include "veridyn/diagnosis/model_comparison.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 #include "veridyn/diagnosis/friction_study.hpp"
 #include "veridyn/diagnosis/payload.hpp"

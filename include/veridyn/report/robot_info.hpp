@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "veridyn/regressor/base_parameters.hpp"
+#include "veridyn/identification/base_parameters.hpp"
 #include "veridyn/regressor/standard_parameters.hpp"
 #include "veridyn/model/model.hpp"
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "veridyn/watch/watch.hpp"
+#include "veridyn/diagnosis/watch.hpp"
 
 namespace veridyn {
 

@@ -1,3 +1,4 @@
+// simulation/: an arm with its effects, sensors and hidden causes as a plant in place of the real one.
 #pragma once
 
 #include <memory>

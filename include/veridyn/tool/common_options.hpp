@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "veridyn/math/output_file.hpp"
+#include "veridyn/files/output_file.hpp"
 #include "veridyn/recordings/preprocessing.hpp"
 #include "veridyn/recordings/recording.hpp"
-#include "veridyn/regressor/joint_friction.hpp"
+#include "veridyn/identification/joint_friction.hpp"
 
 namespace veridyn::cli {
 

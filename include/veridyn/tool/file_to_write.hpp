@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "veridyn/math/output_file.hpp"
+#include "veridyn/files/output_file.hpp"
 
 namespace veridyn::cli {
 

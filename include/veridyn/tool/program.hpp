@@ -1,3 +1,4 @@
+// tool/: options, messages and help of the command line, shared with the programs of packages.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -8,7 +8,7 @@
 #include "report/json/calibration_json.hpp"
 #include "report/pages/calibration_page.hpp"
 #include "study.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 namespace veridyn::python {
 namespace {

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "core/lock_free.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "veridyn/simulation/plant.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 

@@ -4,17 +4,17 @@
 #include <iostream>
 #include <memory>
 
-#include "model/robot_format.hpp"
-#include "math/words.hpp"
+#include "files/robot_format.hpp"
+#include "files/words.hpp"
 #include "cli/commands.hpp"
 #include "veridyn/tool/common_options.hpp"
-#include "math/output_file.hpp"
+#include "files/output_file.hpp"
 #include "math/parallel.hpp"
 #include "veridyn/tool/messages.hpp"
 #include "veridyn/tool/option_checks.hpp"
 #include "tool/recording_options.hpp"
 #include "veridyn/identification/robot_check.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "recordings/kept_recordings.hpp"
 #include "veridyn/report/json.hpp"
 #include "veridyn/report/pages.hpp"

@@ -3,11 +3,11 @@
 
 #include "cli/commands.hpp"
 #include "veridyn/tool/common_options.hpp"
-#include "math/output_file.hpp"
+#include "files/output_file.hpp"
 #include "veridyn/tool/messages.hpp"
 #include "veridyn/tool/sound_arguments.hpp"
 #include "veridyn/identification/fleet.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "veridyn/report/json.hpp"
 #include "veridyn/report/pages.hpp"
 

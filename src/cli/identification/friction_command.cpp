@@ -5,7 +5,7 @@
 #include "veridyn/tool/common_options.hpp"
 #include "veridyn/tool/messages.hpp"
 #include "tool/recording_options.hpp"
-#include "math/output_file.hpp"
+#include "files/output_file.hpp"
 #include "veridyn/diagnosis/friction_study.hpp"
 #include "veridyn/report/diagnosis_json.hpp"
 #include "veridyn/report/pages.hpp"

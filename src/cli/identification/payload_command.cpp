@@ -8,7 +8,7 @@
 #include "tool/recording_options.hpp"
 #include "cli/options/rest_options.hpp"
 #include "veridyn/diagnosis/payload.hpp"
-#include "math/output_file.hpp"
+#include "files/output_file.hpp"
 #include "veridyn/report/pages.hpp"
 #include "veridyn/report/payload_json.hpp"
 

@@ -8,7 +8,7 @@
 #include "cli/commands.hpp"
 #include "cli/identification/live_page.hpp"
 #include "veridyn/tool/common_options.hpp"
-#include "math/output_file.hpp"
+#include "files/output_file.hpp"
 #include "veridyn/tool/messages.hpp"
 #include "veridyn/tool/option_checks.hpp"
 #include "tool/recording_options.hpp"

@@ -4,9 +4,9 @@
 #include "cli/commands.hpp"
 #include "veridyn/tool/common_options.hpp"
 #include "veridyn/tool/messages.hpp"
-#include "veridyn/comparison/model_comparison.hpp"
-#include "math/output_file.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/diagnosis/model_comparison.hpp"
+#include "files/output_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "veridyn/report/comparison_json.hpp"
 #include "veridyn/report/pages.hpp"
 

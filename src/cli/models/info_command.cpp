@@ -5,8 +5,8 @@
 #include "veridyn/tool/common_options.hpp"
 #include "veridyn/tool/messages.hpp"
 #include "veridyn/tool/sound_arguments.hpp"
-#include "math/output_file.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "files/output_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "veridyn/report/json.hpp"
 #include "veridyn/report/pages.hpp"
 

@@ -4,7 +4,7 @@
 #include <memory>
 #include <sstream>
 
-#include "math/words.hpp"
+#include "files/words.hpp"
 #include "veridyn/tool/column_file.hpp"
 #include "veridyn/tool/common_options.hpp"
 #include "veridyn/tool/messages.hpp"
@@ -12,9 +12,9 @@
 #include "veridyn/tool/option_checks.hpp"
 #include "veridyn/tool/sound_arguments.hpp"
 #include "control/kinematics_table.hpp"
-#include "math/output_file.hpp"
+#include "files/output_file.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "report/json/kinematics_json.hpp"
 
 namespace veridyn::cli {

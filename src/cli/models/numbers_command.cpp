@@ -5,14 +5,14 @@
 #include "cli/commands.hpp"
 #include "veridyn/tool/common_options.hpp"
 #include "veridyn/tool/option_checks.hpp"
-#include "comparison/comparison_numbers.hpp"
+#include "diagnosis/comparison/comparison_numbers.hpp"
 #include "diagnosis/search/numbers.hpp"
-#include "estimation/estimation_numbers.hpp"
+#include "identification/estimation/estimation_numbers.hpp"
 #include "identification/fleet/fleet_numbers.hpp"
 #include "identification/identification_numbers.hpp"
 #include "recordings/quality/quality_numbers.hpp"
 #include "veridyn/diagnosis/thresholds.hpp"
-#include "watch/watch_numbers.hpp"
+#include "diagnosis/watch/watch_numbers.hpp"
 
 namespace veridyn::cli {
 namespace {
@@ -33,10 +33,10 @@ NumberTable number_table(const char* name, const char* file, const std::vector<T
 std::vector<NumberTable> number_tables() {
   return {number_table("quality", "src/recordings/quality/quality_numbers.hpp", quality_numbers()),
           number_table("identify", "src/identification/identification_numbers.hpp", identification_numbers()),
-          number_table("estimation", "src/estimation/estimation_numbers.hpp", estimation_numbers()),
+          number_table("estimation", "src/identification/estimation/estimation_numbers.hpp", estimation_numbers()),
           number_table("fleet", "src/identification/fleet/fleet_numbers.hpp", fleet_numbers()),
-          number_table("compare", "src/comparison/comparison_numbers.hpp", comparison_numbers()),
-          number_table("watch", "src/watch/watch_numbers.hpp", watch_numbers()),
+          number_table("compare", "src/diagnosis/comparison/comparison_numbers.hpp", comparison_numbers()),
+          number_table("watch", "src/diagnosis/watch/watch_numbers.hpp", watch_numbers()),
           {"search", "src/diagnosis/search/numbers.hpp", {{"errors", search::kErrors}, {"repeated", search::kRepeated}, {"smallest", search::kSmallest}, {"seldom", search::kSeldom},
            {"constant", search::kConstant}, {"imitator", search::kImitator}, {"curve", search::kCurve}, {"curve_of_two", search::kCurveOfTwo},
            {"polished", search::kPolished}, {"day", search::kDay}}}};

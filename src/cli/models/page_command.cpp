@@ -2,7 +2,7 @@
 
 #include "cli/commands.hpp"
 #include "veridyn/tool/common_options.hpp"
-#include "math/output_file.hpp"
+#include "files/output_file.hpp"
 #include "veridyn/report/pages.hpp"
 
 namespace veridyn::cli {

@@ -4,13 +4,13 @@
 #include <filesystem>
 
 #include "veridyn/tool/messages.hpp"
-#include "math/output_file.hpp"
-#include "model/robot_format.hpp"
+#include "files/output_file.hpp"
+#include "files/robot_format.hpp"
 #include "model/suggestion.hpp"
-#include "veridyn/export/portable_model.hpp"
-#include "veridyn/export/simulation_file.hpp"
+#include "veridyn/identification/portable_model.hpp"
+#include "veridyn/files/simulation_file.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 namespace veridyn::cli {
 

@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdlib>
 
-#include "math/words.hpp"
+#include "files/words.hpp"
 #include "veridyn/tool/choice.hpp"
 #include "veridyn/tool/common_options.hpp"
 

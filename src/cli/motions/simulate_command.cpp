@@ -11,7 +11,7 @@
 #include "tool/recording_options.hpp"
 #include "veridyn/tool/sound_arguments.hpp"
 #include "kinematics/motion_limits.hpp"
-#include "math/output_file.hpp"
+#include "files/output_file.hpp"
 #include "model/suggestion.hpp"
 #include "simulation/rotors_at_zero.hpp"
 #include "veridyn/math/require.hpp"

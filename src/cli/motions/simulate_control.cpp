@@ -8,8 +8,8 @@
 #include "tool/recording_options.hpp"
 #include "cli/motions/simulate_request.hpp"
 #include "veridyn/recordings/preprocessing.hpp"
-#include "math/output_file.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "files/output_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "veridyn/report/motion_json.hpp"
 #include "report/pages/simulation_page.hpp"
 

@@ -10,7 +10,7 @@
 #include "cli/motions/simulate_request.hpp"
 #include "veridyn/recordings/preprocessing.hpp"
 #include "math/digits.hpp"
-#include "math/output_file.hpp"
+#include "files/output_file.hpp"
 #include "veridyn/report/motion_json.hpp"
 #include "report/pages/simulation_page.hpp"
 #include "veridyn/simulation/engine.hpp"

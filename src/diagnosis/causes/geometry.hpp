@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "causes/row_constants.hpp"
+#include "diagnosis/candidates/row_constants.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 
 namespace veridyn {

@@ -6,7 +6,7 @@
 #include <variant>
 #include <vector>
 
-#include "causes/candidates.hpp"
+#include "diagnosis/candidates/candidates.hpp"
 #include "diagnosis/evidence/numerics.hpp"
 #include "veridyn/diagnosis/thresholds.hpp"
 #include "veridyn/identification/compressed_recording.hpp"

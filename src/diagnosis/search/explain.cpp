@@ -8,7 +8,7 @@
 #include <memory>
 #include <utility>
 
-#include "causes/row_constants.hpp"
+#include "diagnosis/candidates/row_constants.hpp"
 #include "diagnosis/causes/contacts.hpp"
 #include "diagnosis/causes/snags.hpp"
 #include "diagnosis/evidence/held_out.hpp"

@@ -14,7 +14,7 @@
 #include "math/parallel.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/effects/channel_effect.hpp"
-#include "veridyn/regressor/base_parameters.hpp"
+#include "veridyn/identification/base_parameters.hpp"
 
 namespace veridyn::search {
 namespace {

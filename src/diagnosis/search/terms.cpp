@@ -5,7 +5,7 @@
 #include <map>
 #include <numeric>
 
-#include "causes/row_constants.hpp"
+#include "diagnosis/candidates/row_constants.hpp"
 #include "diagnosis/evidence/numerics.hpp"
 #include "diagnosis/search/numbers.hpp"
 #include "math/median.hpp"

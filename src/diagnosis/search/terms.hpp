@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "causes/candidates.hpp"
+#include "diagnosis/candidates/candidates.hpp"
 #include "diagnosis/search/rows.hpp"
-#include "estimation/smooth_basis.hpp"
+#include "identification/estimation/smooth_basis.hpp"
 #include "effects/kinematic_error.hpp"
 
 namespace veridyn::search {

@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "causes/row_constants.hpp"
+#include "diagnosis/candidates/row_constants.hpp"
 #include "diagnosis/evidence/effect_facts.hpp"
 #include "diagnosis/evidence/numerics.hpp"
 #include "diagnosis/search/explain.hpp"
+#include "diagnosis/search/numbers.hpp"
 #include "diagnosis/unnamed/dependence.hpp"
 #include "math/student_t.hpp"
 #include "veridyn/effects/channel_effect.hpp"

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "model/effect_names.hpp"
+#include "effects/effect_names.hpp"
 #include "model/suggestion.hpp"
 #include "veridyn/math/require.hpp"
 

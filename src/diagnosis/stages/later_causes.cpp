@@ -7,9 +7,9 @@
 #include <set>
 #include <utility>
 
-#include "causes/candidates.hpp"
+#include "diagnosis/candidates/candidates.hpp"
 #include "diagnosis/evidence/folds.hpp"
-#include "model/effect_names.hpp"
+#include "effects/effect_names.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/effects/effect_facts.hpp"
 

@@ -7,7 +7,7 @@
 #include "diagnosis/shapes/candidate_data.hpp"
 #include "math/student_t.hpp"
 #include "veridyn/effects/channel_effect.hpp"
-#include "veridyn/regressor/base_parameters.hpp"
+#include "veridyn/identification/base_parameters.hpp"
 
 namespace veridyn {
 namespace {

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <set>
 
-#include "causes/candidates.hpp"
+#include "diagnosis/candidates/candidates.hpp"
 #include "diagnosis/findings/findings.hpp"
 #include "diagnosis/stages/diagnosis_state.hpp"
 

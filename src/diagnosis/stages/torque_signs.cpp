@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "causes/candidates.hpp"
+#include "diagnosis/candidates/candidates.hpp"
 #include "diagnosis/stages/diagnosis_state.hpp"
 #include "veridyn/effects/effect.hpp"
 

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "diagnosis/unnamed/motion_signals.hpp"
-#include "estimation/additive_regression.hpp"
+#include "identification/estimation/additive_regression.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 
 namespace veridyn {

@@ -7,10 +7,10 @@
 #include <limits>
 
 #include "regressor/arm_columns.hpp"
-#include "regressor/column_choice.hpp"
+#include "excitation/search/column_choice.hpp"
 #include "regressor/random_states.hpp"
 #include "regressor/stacked_columns.hpp"
-#include "veridyn/regressor/base_parameters.hpp"
+#include "veridyn/identification/base_parameters.hpp"
 
 namespace veridyn {
 namespace {

@@ -5,9 +5,9 @@
 #include <variant>
 
 #include "regressor/arm_columns.hpp"
-#include "regressor/column_choice.hpp"
+#include "excitation/search/column_choice.hpp"
 #include "regressor/random_states.hpp"
-#include "veridyn/regressor/base_parameters.hpp"
+#include "veridyn/identification/base_parameters.hpp"
 #include "excitation/search/question.hpp"
 #include "kinematics/motion_limits.hpp"
 #include "veridyn/math/require.hpp"

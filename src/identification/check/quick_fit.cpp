@@ -5,14 +5,14 @@
 #include <unordered_map>
 
 #include "effects/plain_friction.hpp"
-#include "estimation/least_squares.hpp"
+#include "identification/estimation/least_squares.hpp"
 #include "identification/base_solution.hpp"
 #include "math/dense.hpp"
 #include "math/median.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/identification/compressed_recording.hpp"
-#include "veridyn/regressor/base_parameters.hpp"
+#include "veridyn/identification/base_parameters.hpp"
 
 namespace veridyn {
 namespace {

@@ -7,7 +7,7 @@
 #include "identification/identification_numbers.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/effects/effect.hpp"
-#include "veridyn/regressor/base_parameters.hpp"
+#include "veridyn/identification/base_parameters.hpp"
 #include "math/parallel.hpp"
 #include "math/random_numbers.hpp"
 #include "recordings/kept_recordings.hpp"

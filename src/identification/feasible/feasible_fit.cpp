@@ -9,7 +9,7 @@
 #include "veridyn/identification/feasible_least_squares.hpp"
 #include "veridyn/identification/pseudo_inertia.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/physical_faults.hpp"
+#include "veridyn/files/physical_faults.hpp"
 #include "veridyn/regressor/standard_parameters.hpp"
 
 namespace veridyn {

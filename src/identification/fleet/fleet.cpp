@@ -10,11 +10,11 @@
 #include <system_error>
 #include <utility>
 
-#include "math/excerpt.hpp"
+#include "model/excerpt.hpp"
 #include "identification/fleet/fleet_spreads.hpp"
 #include "identification/identification_numbers.hpp"
 #include "identification/many_recordings.hpp"
-#include "math/input_file.hpp"
+#include "files/input_file.hpp"
 #include "math/numbers.hpp"
 #include "math/parallel.hpp"
 #include "recordings/same_recording.hpp"

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "veridyn/regressor/base_parameters.hpp"
+#include "veridyn/identification/base_parameters.hpp"
 #include "identification/fleet/fleet_numbers.hpp"
 
 namespace veridyn {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "estimation/least_squares.hpp"
+#include "identification/estimation/least_squares.hpp"
 #include "math/clustered_statistics.hpp"
 #include "math/median.hpp"
 #include "math/numbers.hpp"

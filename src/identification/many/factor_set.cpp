@@ -9,11 +9,11 @@
 #include <sstream>
 #include <utility>
 
-#include "math/input_file.hpp"
+#include "files/input_file.hpp"
 #include "identification/identification_numbers.hpp"
 #include "identification/many/factor_bytes.hpp"
 #include "identification/many_recordings.hpp"
-#include "math/output_file.hpp"
+#include "files/output_file.hpp"
 #include "identification/velocity_choice.hpp"
 #include "veridyn/math/require.hpp"
 

@@ -5,7 +5,7 @@
 #include <map>
 #include <set>
 
-#include "math/excerpt.hpp"
+#include "model/excerpt.hpp"
 #include "math/median.hpp"
 #include "recordings/csv/time_column.hpp"
 #include "recordings/signals/joint_fields.hpp"

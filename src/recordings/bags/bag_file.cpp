@@ -4,7 +4,7 @@
 #include <cctype>
 #include <filesystem>
 
-#include "math/words.hpp"
+#include "files/words.hpp"
 #include "recordings/bags/bag_sink.hpp"
 #include "recordings/files/whole_file.hpp"
 #include "veridyn/math/require.hpp"

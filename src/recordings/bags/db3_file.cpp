@@ -4,7 +4,7 @@
 #include <map>
 #include <memory>
 
-#include "math/excerpt.hpp"
+#include "model/excerpt.hpp"
 #include "recordings/bags/bag_sink.hpp"
 #include "recordings/bags/inflate.hpp"
 #include "veridyn/math/require.hpp"

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <system_error>
 
-#include "math/words.hpp"
+#include "files/words.hpp"
 #include "recordings/bags/bag_sink.hpp"
 #include "veridyn/math/require.hpp"
 

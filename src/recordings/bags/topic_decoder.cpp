@@ -4,7 +4,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "math/words.hpp"
+#include "files/words.hpp"
 #include "recordings/files/byte_reader.hpp"
 #include "recordings/signals/joint_fields.hpp"
 #include "veridyn/math/require.hpp"

@@ -5,8 +5,8 @@
 #include <charconv>
 #include <iterator>
 
-#include "math/excerpt.hpp"
-#include "math/words.hpp"
+#include "model/excerpt.hpp"
+#include "files/words.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {

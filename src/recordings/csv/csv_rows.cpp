@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "math/excerpt.hpp"
+#include "model/excerpt.hpp"
 #include "recordings/csv/csv_layout.hpp"
 #include "recordings/csv/csv_lines.hpp"
 #include "veridyn/recordings/recording.hpp"

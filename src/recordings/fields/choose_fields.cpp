@@ -6,7 +6,7 @@
 #include <optional>
 #include <set>
 
-#include "math/words.hpp"
+#include "files/words.hpp"
 #include "recordings/fields/field_map.hpp"
 #include "recordings/signals/joint_fields.hpp"
 #include "recordings/fields/joint_match.hpp"

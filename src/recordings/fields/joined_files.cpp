@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <set>
 
-#include "math/words.hpp"
+#include "files/words.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::recordings {

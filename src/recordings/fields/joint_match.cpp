@@ -4,7 +4,7 @@
 #include <optional>
 #include <set>
 
-#include "math/words.hpp"
+#include "files/words.hpp"
 #include "recordings/signals/joint_fields.hpp"
 #include "veridyn/math/require.hpp"
 #include "model/suggestion.hpp"

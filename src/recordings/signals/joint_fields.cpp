@@ -5,7 +5,7 @@
 #include <map>
 #include <set>
 
-#include "math/words.hpp"
+#include "files/words.hpp"
 
 namespace veridyn::recordings {
 namespace {

@@ -1,6 +1,6 @@
 #include "report/json/json_value.hpp"
 #include "veridyn/effects/effect.hpp"
-#include "veridyn/model/physical_faults.hpp"
+#include "veridyn/files/physical_faults.hpp"
 #include "veridyn/report/json.hpp"
 #include "veridyn/report/setting_names.hpp"
 

@@ -5,9 +5,9 @@
 #include <map>
 
 #include "report/pages/page_series.hpp"
-#include "model/robot_format.hpp"
+#include "files/robot_format.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/link_shapes.hpp"
+#include "veridyn/files/link_shapes.hpp"
 
 namespace veridyn {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "report/pages/page_files.hpp"
 #include "report/pages/page_series.hpp"
-#include "veridyn/model/model_origin.hpp"
+#include "veridyn/files/model_origin.hpp"
 
 namespace veridyn {
 namespace {

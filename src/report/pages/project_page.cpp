@@ -8,11 +8,11 @@
 
 #include "report/pages/page.hpp"
 #include "report/pages/page_series.hpp"
-#include "veridyn/comparison/model_comparison.hpp"
+#include "veridyn/diagnosis/model_comparison.hpp"
 #include "veridyn/effects/effect_facts.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
-#include "veridyn/model/model_origin.hpp"
+#include "veridyn/files/model_file.hpp"
+#include "veridyn/files/model_origin.hpp"
 #include "veridyn/report/pages.hpp"
 
 namespace veridyn {

@@ -1,7 +1,7 @@
 #include <iostream>
 
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 int main() {
   const veridyn::Model arm = veridyn::read_model("planar-2r");

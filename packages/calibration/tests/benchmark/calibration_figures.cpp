@@ -15,7 +15,7 @@
 #include "veridyn/calibration/hand_eye.hpp"
 #include "veridyn/calibration/links.hpp"
 #include "veridyn/calibration/remote_center.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 namespace veridyn {
 namespace {

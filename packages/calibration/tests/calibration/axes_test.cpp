@@ -9,7 +9,7 @@
 #include "calibration/hinge_path.hpp"
 #include "simulated_capture.hpp"
 #include "veridyn/kinematics/kinematics.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 namespace veridyn {
 namespace {

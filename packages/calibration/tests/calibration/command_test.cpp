@@ -7,7 +7,7 @@
 #include "cli/tool.hpp"
 #include "simulated_capture.hpp"
 #include "support/browser.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 namespace veridyn {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "calibration/links/links_numbers.hpp"
 #include "calibration/simulated_capture.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 namespace veridyn {
 namespace {

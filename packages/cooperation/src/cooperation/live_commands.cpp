@@ -8,8 +8,8 @@
 #include <sstream>
 #include <utility>
 
-#include "veridyn/math/words.hpp"
-#include "veridyn/math/excerpt.hpp"
+#include "veridyn/files/words.hpp"
+#include "veridyn/model/excerpt.hpp"
 #include "veridyn/dvrk/protocol/udp_port.hpp"
 #include "veridyn/model/suggestion.hpp"
 #include "veridyn/cooperation/live.hpp"

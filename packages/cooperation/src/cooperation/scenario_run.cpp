@@ -9,7 +9,7 @@
 #include "empty_run.hpp"
 #include "experiment.hpp"
 #include "phase_figures.hpp"
-#include "veridyn/math/output_file.hpp"
+#include "veridyn/files/output_file.hpp"
 
 namespace veridyn {
 namespace {

@@ -11,7 +11,7 @@
 #include "cooperation/arm_loop.hpp"
 #include "support/malloc_count.hpp"
 #include "veridyn/control/object_impedance.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "veridyn/simulation/force_sensor.hpp"
 #include "veridyn/simulation/plant.hpp"
 #include "veridyn/simulation/plausible_model.hpp"

@@ -5,7 +5,7 @@
 
 #include "cooperation/arm_loop.hpp"
 #include "veridyn/control/object_impedance.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "veridyn/simulation/plant.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 #include "veridyn/simulation/world.hpp"

@@ -20,7 +20,7 @@
 #include "support/refusal.hpp"
 #include "veridyn/cooperation/scenario_run.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 
 // The linear closed loop against the nonlinear simulation of the same scenario.

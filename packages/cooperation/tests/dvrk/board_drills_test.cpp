@@ -7,7 +7,7 @@
 #include "emulator/joined_arms.hpp"
 #include "dvrk/board_bench.hpp"
 #include "dvrk/cooperation/board_cooperation.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 // One arm's fault stops all in a defined way: hold, give up the pretension, power off.
 

@@ -8,7 +8,7 @@
 #include "dvrk/gravity_support.hpp"
 #include "dvrk/arms/arm_facts.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 namespace veridyn {
 namespace {

@@ -14,7 +14,7 @@
 #include "dvrk/arms/effort_scales.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "support/refusal.hpp"
 
 namespace veridyn::dvrk {

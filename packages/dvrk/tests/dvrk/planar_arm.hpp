@@ -8,7 +8,7 @@
 #include "emulator/emulated_link.hpp"
 #include "emulator/simulated_arm.hpp"
 #include "veridyn/math/motion_samples.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "veridyn/simulation/plant.hpp"
 
 namespace veridyn::dvrk {

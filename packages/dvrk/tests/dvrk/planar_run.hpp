@@ -7,7 +7,7 @@
 #include "dvrk/planar_arm.hpp"
 #include "emulator/emulated_link.hpp"
 #include "emulator/simulated_arm.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "veridyn/simulation/plant.hpp"
 
 namespace veridyn::dvrk {

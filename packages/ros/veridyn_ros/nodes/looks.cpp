@@ -9,7 +9,7 @@
 
 #include "veridyn/kinematics/kinematics.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/urdf.hpp"
+#include "veridyn/files/urdf.hpp"
 
 namespace veridyn_ros {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "veridyn/identification/identification.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 
 namespace veridyn_ros {

@@ -16,7 +16,7 @@
 #include "veridyn/cooperation/scenario.hpp"
 #include "veridyn/kinematics/kinematics.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 namespace veridyn_ros {
 namespace {

@@ -3,7 +3,7 @@
 #include <cctype>
 #include <string>
 
-#include "veridyn/math/words.hpp"
+#include "veridyn/files/words.hpp"
 #include "capture_table.hpp"
 
 namespace veridyn::internal {

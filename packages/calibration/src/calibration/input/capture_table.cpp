@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-#include "veridyn/math/excerpt.hpp"
+#include "veridyn/model/excerpt.hpp"
 #include "capture_formats.hpp"
 #include "veridyn/math/numbers.hpp"
 #include "veridyn/recordings/csv/csv_layout.hpp"

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "veridyn/effects/kinematic_error.hpp"
-#include "veridyn/model/expression.hpp"
+#include "veridyn/files/expression.hpp"
 
 namespace veridyn::internal {
 namespace {

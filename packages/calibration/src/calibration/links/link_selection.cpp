@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "veridyn/regressor/base_parameters.hpp"
+#include "veridyn/identification/base_parameters.hpp"
 
 namespace veridyn::internal {
 namespace {

@@ -3,7 +3,7 @@
 #include "cli/calibration/calibrate_options.hpp"
 #include "veridyn/tool/program.hpp"
 #include "veridyn/tool/messages.hpp"
-#include "veridyn/math/output_file.hpp"
+#include "veridyn/files/output_file.hpp"
 
 namespace veridyn::cli {
 

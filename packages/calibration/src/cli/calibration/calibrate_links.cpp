@@ -1,7 +1,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "veridyn/math/input_file.hpp"
+#include "veridyn/files/input_file.hpp"
 #include "cli/calibration/calibrate_options.hpp"
 #include "veridyn/tool/option_checks.hpp"
 #include "veridyn/tool/sound_arguments.hpp"
@@ -9,7 +9,7 @@
 #include "veridyn/effects/cause.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "report/json/calibration_json.hpp"
 #include "report/pages/calibration_page.hpp"
 

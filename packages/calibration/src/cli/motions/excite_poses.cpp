@@ -5,11 +5,11 @@
 #include <iostream>
 #include <memory>
 
-#include "veridyn/math/output_file.hpp"
+#include "veridyn/files/output_file.hpp"
 #include "veridyn/tool/messages.hpp"
 #include "veridyn/tool/option_checks.hpp"
 #include "veridyn/calibration/pose_design.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "report/json/calibration_json.hpp"
 
 namespace veridyn::cli {

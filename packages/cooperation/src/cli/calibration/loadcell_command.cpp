@@ -13,7 +13,7 @@
 #include "veridyn/tool/column_file.hpp"
 #include "cli/cooperation/commands.hpp"
 #include "veridyn/tool/common_options.hpp"
-#include "veridyn/math/output_file.hpp"
+#include "veridyn/files/output_file.hpp"
 #include "veridyn/tool/messages.hpp"
 #include "veridyn/tool/option_checks.hpp"
 #include "veridyn/tool/sound_arguments.hpp"

@@ -6,7 +6,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
-#include "veridyn/math/output_file.hpp"
+#include "veridyn/files/output_file.hpp"
 #include "veridyn/tool/messages.hpp"
 #include "veridyn/tool/option_checks.hpp"
 #include "veridyn/tool/stop_signals.hpp"

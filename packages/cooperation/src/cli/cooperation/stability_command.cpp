@@ -3,14 +3,14 @@
 #include <memory>
 #include <optional>
 
-#include "veridyn/math/words.hpp"
+#include "veridyn/files/words.hpp"
 #include "cli/cooperation/commands.hpp"
 #include "veridyn/tool/common_options.hpp"
 #include "veridyn/tool/messages.hpp"
 #include "veridyn/tool/option_checks.hpp"
 #include "cooperation/scenario/scenario_models.hpp"
 #include "veridyn/cooperation/stability.hpp"
-#include "veridyn/math/output_file.hpp"
+#include "veridyn/files/output_file.hpp"
 #include "report/json/stability_json.hpp"
 
 namespace veridyn::cli {

@@ -2,7 +2,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "veridyn/math/words.hpp"
+#include "veridyn/files/words.hpp"
 #include "control/sensors/terminal_line.hpp"
 #include "veridyn/dvrk/protocol/udp_port.hpp"
 #include "veridyn/control/load_cell.hpp"

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <map>
 
-#include "veridyn/math/input_file.hpp"
+#include "veridyn/files/input_file.hpp"
 #include "veridyn/math/student_t.hpp"
-#include "veridyn/model/yaml/yaml_node.hpp"
+#include "veridyn/files/yaml/yaml_node.hpp"
 #include "veridyn/control/load_cell.hpp"
 #include "veridyn/math/require.hpp"
 

@@ -7,8 +7,8 @@
 #include "cooperation/scenario/scenario_parts.hpp"
 #include "veridyn/math/random_numbers.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
-#include "veridyn/regressor/base_parameters.hpp"
+#include "veridyn/files/model_file.hpp"
+#include "veridyn/identification/base_parameters.hpp"
 #include "veridyn/regressor/standard_parameters.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "veridyn/model/yaml/yaml_node.hpp"
+#include "veridyn/files/yaml/yaml_node.hpp"
 #include "veridyn/cooperation/scenario.hpp"
 #include "veridyn/model/model.hpp"
 #include "veridyn/model/suggestion.hpp"

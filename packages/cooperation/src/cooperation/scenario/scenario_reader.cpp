@@ -2,15 +2,15 @@
 #include <cmath>
 #include <filesystem>
 
-#include "veridyn/math/input_file.hpp"
+#include "veridyn/files/input_file.hpp"
 #include "veridyn/math/random_numbers.hpp"
-#include "veridyn/model/yaml/yaml_node.hpp"
+#include "veridyn/files/yaml/yaml_node.hpp"
 #include "cooperation/scenario/scenario_objects.hpp"
 #include "cooperation/scenario/scenario_parts.hpp"
 #include "veridyn/cooperation/scenario.hpp"
 #include "veridyn/math/most_rows.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "veridyn/model/suggestion.hpp"
 #include "veridyn/simulation/sensor_noise.hpp"
 

@@ -1,7 +1,7 @@
 #include <algorithm>
 
 #include "cooperation/scenario/scenario_parts.hpp"
-#include "veridyn/math/input_file.hpp"
+#include "veridyn/files/input_file.hpp"
 #include "veridyn/cooperation/teleoperation_scenario.hpp"
 #include "veridyn/math/require.hpp"
 

@@ -5,7 +5,7 @@
 #include "veridyn/cooperation/stability.hpp"
 #include "veridyn/kinematics/motion_limits.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 namespace veridyn {
 namespace {

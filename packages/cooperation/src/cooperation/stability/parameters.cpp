@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "veridyn/math/words.hpp"
+#include "veridyn/files/words.hpp"
 #include "veridyn/cooperation/stability.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/suggestion.hpp"

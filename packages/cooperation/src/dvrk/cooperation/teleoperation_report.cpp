@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include "veridyn/math/output_file.hpp"
+#include "veridyn/files/output_file.hpp"
 #include "dvrk/cooperation/board_teleoperation.hpp"
 
 namespace veridyn::dvrk {

@@ -2,7 +2,7 @@
 #include "report/pages/cooperation_files.hpp"
 #include "veridyn/report/pages/page.hpp"
 #include "veridyn/report/pages/page_series.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 
 namespace veridyn {
 namespace {

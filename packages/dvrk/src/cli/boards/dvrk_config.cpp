@@ -3,9 +3,9 @@
 #include <cmath>
 #include <memory>
 
-#include "veridyn/math/words.hpp"
+#include "veridyn/files/words.hpp"
 #include "cli/boards/dvrk_request.hpp"
-#include "veridyn/math/output_file.hpp"
+#include "veridyn/files/output_file.hpp"
 #include "veridyn/tool/option_checks.hpp"
 #include "veridyn/tool/sound_arguments.hpp"
 #include "dvrk/arms/arm_facts.hpp"

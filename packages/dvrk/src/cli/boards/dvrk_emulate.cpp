@@ -7,10 +7,10 @@
 #include <optional>
 #include <set>
 
-#include "veridyn/math/input_file.hpp"
+#include "veridyn/files/input_file.hpp"
 #include "emulator/board_events.hpp"
 #include "cli/boards/dvrk_request.hpp"
-#include "veridyn/math/output_file.hpp"
+#include "veridyn/files/output_file.hpp"
 #include "veridyn/tool/messages.hpp"
 #include "veridyn/tool/option_checks.hpp"
 #include "emulator/board_server.hpp"
@@ -20,7 +20,7 @@
 #include "dvrk/run/run_json.hpp"
 #include "emulator/simulated_arm.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "veridyn/simulation/engine.hpp"
 
 namespace veridyn::cli {

@@ -4,7 +4,7 @@
 #include <iostream>
 
 #include "cli/boards/dvrk_request.hpp"
-#include "veridyn/math/output_file.hpp"
+#include "veridyn/files/output_file.hpp"
 #include "veridyn/tool/messages.hpp"
 #include "veridyn/control/real_time.hpp"
 #include "dvrk/run/run_json.hpp"

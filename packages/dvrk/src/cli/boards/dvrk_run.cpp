@@ -10,7 +10,7 @@
 #include "dvrk/arms/arm_facts.hpp"
 #include "dvrk/run/controllers/model_controller.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
+#include "veridyn/files/model_file.hpp"
 #include "veridyn/simulation/simulate_recording.hpp"
 
 namespace veridyn::cli {

@@ -4,11 +4,11 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "veridyn/math/input_file.hpp"
-#include "veridyn/math/beside_program.hpp"
+#include "veridyn/files/input_file.hpp"
+#include "veridyn/files/beside_program.hpp"
 #include "veridyn/math/rotation.hpp"
 #include "veridyn/model/suggestion.hpp"
-#include "veridyn/model/yaml/yaml_node.hpp"
+#include "veridyn/files/yaml/yaml_node.hpp"
 #include "dvrk/arms/arm_facts.hpp"
 #include "veridyn/math/require.hpp"
 

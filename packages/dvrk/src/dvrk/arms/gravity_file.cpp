@@ -3,7 +3,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "veridyn/math/excerpt.hpp"
+#include "veridyn/model/excerpt.hpp"
 #include "veridyn/model/suggestion.hpp"
 #include "veridyn/recordings/csv/csv_layout.hpp"
 #include "veridyn/recordings/csv/csv_lines.hpp"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <optional>
 
-#include "veridyn/math/words.hpp"
+#include "veridyn/files/words.hpp"
 #include "veridyn/model/suggestion.hpp"
 #include "veridyn/math/require.hpp"
 

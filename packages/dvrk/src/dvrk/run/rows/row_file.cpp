@@ -15,7 +15,7 @@
 #include <fstream>
 #include <utility>
 
-#include "veridyn/math/output_file.hpp"
+#include "veridyn/files/output_file.hpp"
 #include "veridyn/recordings/remark.hpp"
 #include "veridyn/math/require.hpp"
 

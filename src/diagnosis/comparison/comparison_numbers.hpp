@@ -1,0 +1,55 @@
+#pragma once
+
+#include <vector>
+
+#include "math/number_table.hpp"
+#include "veridyn/diagnosis/model_comparison.hpp"
+
+namespace veridyn {
+
+/// All numbers that can change what `compare` says, each with its inequality, and with its
+/// reason where one is known.
+struct ComparisonNumbers {
+  /// change / rms torque of a parameter < rounded_away: an error of sampling in time, counted as no change.
+  double rounded_away = 5e-3;
+  /// relative error of a file's base parameters <= from_values: they are those of its values.
+  double from_values = 1e-6;
+  /// distance of two motions < same_motion of their spread over clusters: one motion, compared in pairs.
+  double same_motion = 0.2;
+  /// value before > surely_there deviations: a percentage is printed.
+  double surely_there = 3.0;
+};
+
+/// All numbers, in the order of the struct.
+const std::vector<TableNumber<ComparisonNumbers>>& comparison_numbers();
+
+/// compare() with other numbers.
+ModelComparison compare(const Model& before, const Model& after, const ComparisonOptions& options,
+                        const ComparisonNumbers& numbers);
+
+/// What no answer turns on: rounding, a moment of the normal distribution, and how numbers are printed.
+namespace comparing {
+
+/// fourth moment of a normal distribution = kKurtosis of its squared variance, less what equal clusters
+/// would give by chance.
+constexpr double kKurtosis = 3.0;
+/// time < end of the last whole period - kSameTime [s]: it counts.
+constexpr double kSameTime = 1e-9;
+/// |difference| <= kSameToRounding * the larger one counts as a deviation: rounding in files, and the
+/// discretisation of a noise-free recording; 1e-9 and 1e-3 do the same.
+constexpr double kSameToRounding = 1e-6;
+/// part of a combination outside the span <= kInSpan: the other model determines it; 1e-8 and 1e-2 do the same.
+constexpr double kInSpan = 1e-5;
+/// probability outside of an interval = kOutside.
+constexpr double kOutside = 0.05;
+/// |a - b| <= kSame * (1 + |a|): equal; what files lose in rounding is less.
+constexpr double kSame = 1e-9;
+/// digits of a value without a deviation >= those of kDigits of it.
+constexpr double kDigits = 1e-3;
+/// differences of a list that are printed <= kListed.
+constexpr int kListed = 8;
+/// decimals > kMostDecimals: printed with an exponent.
+constexpr int kMostDecimals = 9;
+
+}  // namespace comparing
+}  // namespace veridyn

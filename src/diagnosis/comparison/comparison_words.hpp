@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+
+#include "diagnosis/comparison/standard_torque.hpp"
+#include "veridyn/diagnosis/model_comparison.hpp"
+
+namespace veridyn {
+
+/// A number with the digits that are significant given its deviation.
+std::string number_text(double value, double deviation);
+
+/// Interprets a difference: friction that grew, a first moment with its weight torque, the inertia
+/// of a joint.
+///
+/// @param standard  index of the standard parameter that leads the combination.
+std::string parameter_sentence(const Model& arm, const StandardTorque& torque, int standard,
+                               const ModelDifference& difference);
+
+/// The same for a quantity of a joint.
+std::string joint_sentence(const Model& arm, JointQuantity which,
+                           const ModelDifference& difference, const ComparisonNumbers& numbers);
+
+}  // namespace veridyn

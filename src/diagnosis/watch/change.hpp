@@ -1,0 +1,87 @@
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "veridyn/diagnosis/watch.hpp"
+#include "diagnosis/watch/evidence.hpp"
+#include "diagnosis/watch/noise.hpp"
+#include "diagnosis/watch/smoothed_rows.hpp"
+
+namespace veridyn::watching {
+
+/// State of the change that is being isolated, or refined.
+struct Change {
+  int id = 0;
+  Score score;            ///< least squares since the onset
+  double alarm = 0.0;     ///< [s]
+  double strength = 0.0;
+  double lookback = 0.0;  ///< [s] before the alarm in which it may have begun
+  std::optional<double> named = {};  ///< [s]
+  bool withdrawn = false;  ///< its first name was; no second one, so that two causes do not alternate
+  /// Steps since before the alarm, from whose innovations this change is not subtracted.
+  std::deque<WhiteStep> seen = {};
+};
+
+/// From steps to events: learns, raises alarms, tells causes apart, takes what is known off.
+class ChangeFinder {
+ public:
+  ChangeFinder(const Model& arm, const std::vector<Hypothesis>& hypotheses,
+               const WatchOptions& options, const WatchNumbers& numbers);
+
+  void learn(const std::vector<Step>& quiet);
+  void add(const Step& step, WatchState& state);
+  void jump(const PositionJump& jump, double now);
+  void blind(const Blindness& blindness);
+  /// The clock was set back: what is open is answered, as at the end, and nothing known is forgotten.
+  void set_back(const Blindness& blindness, double now);
+  void finish(double now);
+  std::vector<WatchEvent> take();
+  bool learning() const { return learning_; }
+
+ private:
+  void calibrate();
+  void set_bounds();
+  void emit_present(double now);
+  void add_rivals(const std::vector<Score>& scores, const Score& best, WatchEvent& e) const;
+  void detect(double now, WatchState& state);
+  void go_on_learning(const Step& step, double strength);
+  void isolate(double now, bool last);
+  std::vector<Score> scores(const Change& change, const std::deque<WhiteStep>& steps) const;
+  void name(const std::vector<Score>& scores, double now);
+  void push_is_over(const Push& push, double now);
+  void refine(const WhiteStep& white, double now);
+  bool ask_again(double now);
+  void reset();
+  double half_width(const Score& score) const;
+  void compensate(const Score& score, double share);
+  WatchEvent event(const Change& change, WatchStage stage, double now) const;
+  void emit(WatchEvent e);
+
+  const WatchNumbers& numbers_;
+  Model arm_;
+  std::vector<Hypothesis> hypotheses_;
+  WatchOptions options_;
+  NoiseModel noise_;
+  std::vector<Memory> memories_;
+  Quantiles quantiles_;
+  std::vector<Step> before_, quiet_;  // of other days; of today
+  VectorXd least_, largest_;          // (hypotheses) sizes that each can have
+  double unseen_motion_ = 0.0;                // [s] of new motion since the last calibration
+  double relearn_until_ = -1e300;     // [s] new motion is learned until then
+  double quiet_live_ = 0.0, calibrated_at_ = 0.0;
+  bool learning_ = true;
+  std::deque<WhiteStep> recent_;
+  VectorXd known_;
+  std::vector<int> offset_of_joint_;
+  int above_ = 0, ids_ = 0;
+  double last_learned_ = -1e300;  // [s]
+  double refractory_until_ = -1e300;  // [s]
+  std::optional<Change> open_, refining_;
+  std::vector<Change> past_;
+  std::vector<WatchEvent> events_;
+};
+
+}  // namespace veridyn::watching

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+
+#include "veridyn/model/model.hpp"
+#include "files/yaml/yaml_node.hpp"
+
+namespace veridyn {
+
+/// `identified: {recordings, clusters, error, motion, base: [{name, unit, value, free, std, of,
+/// factor}]}`; std follows from factor and serves human readers.
+IdentifiedBase read_identified(const YamlNode& node, int joints);
+
+/// The section as lines of text, with its key.
+std::string identified_text(const IdentifiedBase& identified);
+
+}  // namespace veridyn

@@ -1,0 +1,52 @@
+#include "identification/estimation/smooth_basis.hpp"
+
+#include <algorithm>
+
+#include "identification/estimation/estimation_numbers.hpp"
+
+namespace veridyn {
+
+SmoothBasis::SmoothBasis(BasisKind kind, double low, double high, int intervals, double step)
+    : kind_(kind), low_(low), high_(high), intervals_(intervals), step_(step) {}
+
+Eigen::Index SmoothBasis::size() const {
+  if (kind_ == BasisKind::kSides) return 2;
+  if (kind_ == BasisKind::kProportional) return 1;
+  return intervals_ + estimating::kDegree + (kind_ == BasisKind::kSided ? 1 : 0);
+}
+
+void SmoothBasis::values(double x, double* out) const {
+  const double direction = std::clamp(x / step_, -1.0, 1.0);
+  if (kind_ == BasisKind::kSides) {
+    out[0] = 0.5 * (1.0 - direction);
+    out[1] = 0.5 * (1.0 + direction);
+    return;
+  }
+  if (kind_ == BasisKind::kProportional) {
+    out[0] = x / std::max(std::abs(low_), std::abs(high_));
+    return;
+  }
+  std::fill(out, out + size(), 0.0);
+  const double u = std::clamp((x - low_) / (high_ - low_), 0.0, 1.0) * intervals_;
+  const int cell = std::min(static_cast<int>(u), intervals_ - 1);
+  const double t = u - cell;
+  // Values of the four cubic B-splines that are not zero in this interval.
+  out[cell] = (1.0 - t) * (1.0 - t) * (1.0 - t) / 6.0;
+  out[cell + 1] = (3.0 * t * t * t - 6.0 * t * t + 4.0) / 6.0;
+  out[cell + 2] = (-3.0 * t * t * t + 3.0 * t * t + 3.0 * t + 1.0) / 6.0;
+  out[cell + 3] = t * t * t / 6.0;
+  if (kind_ == BasisKind::kSided) out[size() - 1] = direction;
+}
+
+MatrixXd SmoothBasis::penalty() const {
+  MatrixXd out = MatrixXd::Zero(size(), size());
+  if (kind_ == BasisKind::kSides || kind_ == BasisKind::kProportional) return out;
+  const Eigen::Index splines = intervals_ + estimating::kDegree;
+  for (Eigen::Index k = 0; k + 2 < splines; ++k) {
+    const Eigen::Vector3d difference(1.0, -2.0, 1.0);
+    out.block<3, 3>(k, k) += difference * difference.transpose();
+  }
+  return out;
+}
+
+}  // namespace veridyn

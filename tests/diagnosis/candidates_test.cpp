@@ -1,0 +1,106 @@
+#include "diagnosis/candidates/candidates.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "veridyn/effects/channel_effect.hpp"
+#include "veridyn/files/model_file.hpp"
+
+// Diagnosis, payload and watch ask about one list of causes.
+
+namespace veridyn {
+namespace {
+
+std::multiset<std::string> texts(const Model& arm, const std::vector<Candidate>& all) {
+  std::multiset<std::string> out;
+  for (const Candidate& c : all) out.insert(to_text(arm, c.cause));
+  return out;
+}
+
+TEST(Candidates, AreEachThereOnceAndEqualToThemselvesAlone) {
+  const Model arm = read_model("psm-3dof");
+  for (const bool changes : {false, true}) {
+    const std::vector<Candidate> all = candidates(arm, {{}, changes, {}});
+    EXPECT_GT(all.size(), 40U);
+    EXPECT_EQ(std::set<Candidate>(all.begin(), all.end()).size(), all.size());
+    for (const Candidate& c : all) {
+      EXPECT_EQ(std::count(all.begin(), all.end(), c), 1) << to_text(arm, c.cause);
+      EXPECT_EQ(c.joint.has_value(), acting_joint(arm, c.cause).has_value());
+    }
+  }
+}
+
+TEST(Candidates, OfAnotherAxisSourceOrRelationAreOthers) {
+  Candidate a;
+  a.cause = NewEffect{"viscous_friction", {1}};
+  a.joint = JointIndex{1};
+  a.axis.coefficients = Eigen::Vector3d(0.0, 1.0, 0.0);
+  Candidate b = a;
+  EXPECT_TRUE(a == b);
+  EXPECT_FALSE(a < b || b < a);
+  const auto differs = [&a](const Candidate& other) {
+    return !(a == other) && (a < other) != (other < a);
+  };
+  b.axis.coefficients[0] = 0.5;
+  EXPECT_TRUE(differs(b));
+  b = a;
+  b.from = JointIndex{0};
+  EXPECT_TRUE(differs(b));
+  b = a;
+  b.own = TermIndex{2};
+  EXPECT_TRUE(differs(b));
+  b.cause = ChangedEffect{"viscous_friction", {1}};
+  EXPECT_TRUE(differs(b));
+  b = a;
+  b.cause = NewEffect{"coulomb_friction", {1}};
+  EXPECT_TRUE(differs(b));
+}
+
+TEST(Candidates, LeaveJointsAtRestOut) {
+  const Model arm = read_model("planar-2r");
+  const Scope all{{"joint_spring", "time_delay"}, false, {}};
+  EXPECT_EQ(texts(arm, candidates(arm, all)),
+            (std::multiset<std::string>{"joint_spring:shoulder", "joint_spring:elbow", "time_delay:arm",
+                                        "time_delay:shoulder", "time_delay:elbow"}));
+  Scope some = all;
+  some.still = {true, false};
+  EXPECT_EQ(texts(arm, candidates(arm, some)),
+            (std::multiset<std::string>{"joint_spring:elbow", "time_delay:arm", "time_delay:elbow"}));
+  some.still = {true, true};
+  EXPECT_TRUE(candidates(arm, some).empty());
+}
+
+// A load is a cause only where the values of the bodies are facts.
+TEST(Candidates, AreLoadsWhereValuesAreFacts) {
+  const Model arm = read_model("planar-2r");
+  EXPECT_TRUE(candidates(arm, {{AddedLoad::kName}, false, {}}).empty());
+  const std::vector<Candidate> loads = candidates(arm, {{AddedLoad::kName}, true, {}});
+  EXPECT_EQ(loads.size(), payload_frames(arm).size());
+  EXPECT_TRUE(std::all_of(loads.begin(), loads.end(), [](const Candidate& c) { return is_load(c); }));
+}
+
+// What a watch follows: of every joint what differs from day to day and what a sensor may do at once.
+TEST(Candidates, ThatBeginSuddenlyAreOfTheSameList) {
+  const Model arm = read_model("psm-3dof");
+  const std::vector<FrameIndex> loads = payload_frames(arm);
+  const std::vector<Candidate> all = candidates(arm, {{}, true, {}});
+  const std::vector<Candidate> sudden = sudden_candidates(arm, loads);
+  const std::multiset<std::string> known = texts(arm, all);
+  size_t of_joints = 0;
+  for (const Candidate& c : sudden) {
+    of_joints += std::holds_alternative<NewEffect>(c.cause) ? 1 : 0;
+    EXPECT_GE(known.count(to_text(arm, c.cause)), 1U) << to_text(arm, c.cause);
+    if (!is_channel(c)) continue;
+    const auto* sensor = dynamic_cast<const SensorError*>(channel_effect(effect_of(c.cause)));
+    ASSERT_NE(sensor, nullptr);
+    EXPECT_TRUE(sensor->may_begin_suddenly());
+  }
+  EXPECT_EQ(of_joints, 3 * elementary_effects().size());
+  EXPECT_EQ(std::count_if(sudden.begin(), sudden.end(), [](const Candidate& c) { return is_load(c); }),
+            static_cast<long>(loads.size()));
+}
+
+}  // namespace
+}  // namespace veridyn

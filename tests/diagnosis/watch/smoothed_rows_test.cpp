@@ -1,0 +1,215 @@
+#include "diagnosis/watch/smoothed_rows.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "support/near.hpp"
+#include "support/refusal.hpp"
+#include "veridyn/files/model_file.hpp"
+
+namespace veridyn::watching {
+namespace {
+
+constexpr double kRate = 200.0;  // [Hz]
+
+Model file() { return read_model("planar-2r"); }
+
+// Both joints on parabolas, with their velocities, and torques that never stay.
+Recording parabolas(double seconds) {
+  const auto rows = static_cast<Eigen::Index>(seconds * kRate);
+  Recording r;
+  r.source = "rows";
+  r.time = VectorXd::LinSpaced(rows, 0.0, static_cast<double>(rows - 1) / kRate);
+  r.q = r.dq = r.tau = MatrixXd::Zero(rows, 2);
+  for (int j = 0; j < 2; ++j) {
+    const double a = j == 0 ? 0.3 : -0.2;
+    r.q.col(j) = (0.1 + a * r.time.array().square()).matrix();
+    r.dq.col(j) = 2.0 * a * r.time;
+    r.tau.col(j) = (j + 1.0) * r.time;
+  }
+  return r;
+}
+
+struct Heard {
+  std::vector<SmoothedRow> rows;
+  std::vector<PositionJump> jumps;
+  std::vector<Blindness> blind;
+  int breaks = 0;
+};
+
+Heard heard(const Model& arm, const std::vector<Recording>& pieces, bool jumps = false) {
+  static const WatchNumbers numbers;
+  SmoothedRows rows(arm, numbers);
+  Heard out;
+  rows.on_row = [&](const SmoothedRow& row) { out.rows.push_back(row); };
+  rows.on_jump = [&](const PositionJump& jump) { out.jumps.push_back(jump); };
+  rows.on_blind = [&](const Blindness& blind) { out.blind.push_back(blind); };
+  rows.on_break = [&] { ++out.breaks; };
+  for (const Recording& piece : pieces) {
+    rows.add(piece);
+    if (jumps) rows.tell_jumps();
+  }
+  return out;
+}
+
+// Local polynomials are exact on parabolas, whether velocities are recorded or derived.
+TEST(SmoothedRowsOfAParabola, AreExact) {
+  Recording bare = parabolas(2.0);
+  bare.dq.resize(0, 0);
+  for (const Recording& r : {parabolas(2.0), bare}) {
+    const Heard h = heard(file(), {r});
+    ASSERT_GT(h.rows.size(), 300U);
+    for (const SmoothedRow& row : h.rows) {
+      for (int j = 0; j < 2; ++j) {
+        const double a = j == 0 ? 0.3 : -0.2;
+        EXPECT_NEAR(row.dq[j], 2.0 * a * row.time, 1e-9);
+        EXPECT_NEAR(row.ddq[j], 2.0 * a, 1e-7);
+        EXPECT_NEAR(row.tau[j], (j + 1.0) * row.time, 1e-12);
+      }
+    }
+    EXPECT_EQ(h.breaks, 0);
+    EXPECT_TRUE(h.blind.empty());
+  }
+}
+
+// Currents are torques by the drive gains of the file, and nothing without them.
+TEST(SmoothedRowsOfCurrents, AreThoseOfTheirTorques) {
+  Recording currents = parabolas(2.0);
+  currents.current = currents.tau;
+  currents.current.col(0) /= 4.0;
+  currents.current.col(1) /= -0.5;
+  currents.tau.resize(0, 0);
+  EXPECT_TRUE(refuses_with("no drive_gain", [&] { heard(file(), {currents}); }));
+  ModelDescription d = file().description();
+  d.coordinates[0].drive_gain = 4.0;
+  d.coordinates[1].drive_gain = -0.5;
+  const Heard one = heard(file(), {parabolas(2.0)}), other = heard(Model(d), {currents});
+  ASSERT_EQ(one.rows.size(), other.rows.size());
+  for (size_t k = 0; k < one.rows.size(); ++k) EXPECT_TRUE(near(one.rows[k].tau, other.rows[k].tau, 1e-12)) << k;
+  currents.current.resize(0, 0);
+  EXPECT_TRUE(refuses_with("neither torques", [&] { heard(Model(d), {currents}); }));
+}
+
+// An arm at rest without noise repeats its rows: after a tenth of a second this is rest, and no row is lost.
+TEST(SmoothedRowsAtRest, GoOn) {
+  Recording still = parabolas(3.0);
+  still.q.rowwise() = still.q.row(0).eval();
+  still.dq.setZero();
+  still.tau.rowwise() = still.tau.row(1).eval();
+  const Heard h = heard(file(), {still});
+  EXPECT_EQ(h.breaks, 0);
+  EXPECT_TRUE(h.blind.empty());
+  ASSERT_FALSE(h.rows.empty());
+  EXPECT_GT(h.rows.back().time, 2.7);
+  for (size_t k = 1; k < h.rows.size(); ++k) EXPECT_NEAR(h.rows[k].time - h.rows[k - 1].time, 1.0 / kRate, 1e-9);
+}
+
+// Absurd numbers are no torques, and a time that is no number is none.
+TEST(SmoothedRowsOfDamage, AreSaidToBeUnusable) {
+  Recording r = parabolas(4.0);
+  r.tau.bottomRows(400).col(1).setConstant(-2e6);
+  const Heard h = heard(file(), {r});
+  ASSERT_EQ(h.blind.size(), 1U);
+  EXPECT_EQ(h.blind[0].why, "tau2 (elbow) is -2e+06");
+  EXPECT_NEAR(h.blind[0].since, 2.0, 0.01);
+  Recording damaged = parabolas(4.0);
+  damaged.time[399] = std::nan("");
+  damaged.time[400] = damaged.time[395];  // one row too late
+  const Heard passed = heard(file(), {damaged});
+  EXPECT_TRUE(passed.blind.empty());
+  EXPECT_EQ(passed.breaks, 0);
+  EXPECT_NEAR(passed.rows.back().dq[0], 0.6 * passed.rows.back().time, 1e-6);
+}
+
+// One encoder that jumps has slipped; where all jump at once rows are missing, and smoothing begins anew.
+TEST(SmoothedRowsWithJumps, TellSlipsFromJoinedRows) {
+  const Recording whole = parabolas(6.0);
+  const int cut = 800;
+  const Recording before = rows_of(whole, 0, cut);
+  Recording slipped = rows_of(whole, cut, whole.rows() - cut), joined = slipped;
+  slipped.q.col(1).array() += 0.05;
+  joined.q.col(0).array() += 0.1;
+  joined.q.col(1).array() -= 0.1;
+  const Heard slip = heard(file(), {before, slipped}, true);
+  ASSERT_EQ(slip.jumps.size(), 1U);
+  EXPECT_EQ(slip.jumps[0].joint, 1);
+  EXPECT_NEAR(slip.jumps[0].size, 0.05, 1e-6);
+  EXPECT_NEAR(slip.jumps[0].time, 4.0, 0.011);
+  EXPECT_EQ(slip.breaks, 0);
+  EXPECT_NEAR(slip.rows.back().q[1], 0.1 - 0.2 * std::pow(slip.rows.back().time, 2), 1e-2);  // taken off
+  const Heard gap = heard(file(), {before, joined}, true);
+  EXPECT_TRUE(gap.jumps.empty());
+  EXPECT_EQ(gap.breaks, 1);
+  // Before the noise of positions is known, nothing is a slip.
+  EXPECT_TRUE(heard(file(), {before, slipped}).jumps.empty());
+}
+
+// A clock that is set back is known after a quarter of a second of rows, and smoothing begins anew there.
+TEST(SmoothedRowsOfASetBackClock, GoOnByTheNewClock) {
+  Recording r = parabolas(6.0);
+  const int cut = 800;
+  r.time.tail(r.rows() - cut).array() -= 3.5;
+  const Heard h = heard(file(), {r}, true);
+  ASSERT_EQ(h.blind.size(), 1U);
+  EXPECT_EQ(h.blind[0].why, "the clock was set back to 0.5 s, and the watch begins anew");
+  EXPECT_NEAR(h.blind[0].since, 4.0, 0.01);
+  EXPECT_NEAR(h.blind[0].time, 4.25, 0.011);
+  EXPECT_NEAR(h.blind[0].set_back, 3.5, 1e-9);
+  EXPECT_EQ(h.breaks, 1);
+  EXPECT_TRUE(h.jumps.empty());
+  EXPECT_NEAR(h.rows.back().time, 2.45, 0.02);
+  for (const SmoothedRow& row : h.rows) EXPECT_NEAR(row.dq[0], 0.6 * (row.time + (row.dq[0] > 2.4 ? 3.5 : 0.0)), 1e-6);
+}
+
+// Rows that cannot be used do not hide that the clock was set back.
+TEST(SmoothedRowsOfASetBackClock, BadRowsDoNotHideIt) {
+  Recording r = parabolas(6.0);
+  r.time.bottomRows(400).array() -= 3.5;
+  r.tau.bottomRows(400).col(1).setConstant(std::nan(""));
+  const Heard h = heard(file(), {r});
+  ASSERT_EQ(h.blind.size(), 2U);
+  EXPECT_NEAR(h.blind[0].set_back, 3.5, 1e-9);
+  EXPECT_EQ(h.blind[1].why, "tau2 (elbow) is no number");
+}
+
+// Set back by less, the clock soon catches up: what lies between is no slip of an encoder.
+TEST(SmoothedRowsOfASetBackClock, ALittleIsABreakAndNoSlip) {
+  Recording r = parabolas(6.0);
+  for (MatrixXd* m : {&r.q, &r.dq}) m->col(1).setConstant(0.0);
+  const int cut = 800;
+  Recording later = r;
+  later.time.tail(r.rows() - cut).array() -= 0.1;
+  const Heard h = heard(file(), {rows_of(later, 0, cut), rows_of(later, cut, r.rows() - cut)}, true);
+  EXPECT_TRUE(h.jumps.empty());
+  EXPECT_TRUE(h.blind.empty());
+  EXPECT_EQ(h.breaks, 1);
+  EXPECT_NEAR(h.rows.back().time, 5.85, 0.02);
+}
+
+// Neither old rows that come late, nor two clocks in turn, nor one that runs backwards or stands still, is a
+// clock that was set back.
+TEST(SmoothedRowsOfASetBackClock, OtherDisorderIsNone) {
+  const Recording whole = parabolas(6.0);
+  const Recording late = rows_of(whole, 700, 40);
+  const Heard old = heard(file(), {rows_of(whole, 0, 800), late, rows_of(whole, 800, 400)});
+  EXPECT_TRUE(old.blind.empty());
+  EXPECT_NEAR(old.rows.back().time, 5.95, 0.02);
+  Recording two = whole;
+  for (Eigen::Index k = 401; k < two.rows(); k += 2) two.time[k] -= 1.9;
+  const Heard turns = heard(file(), {two});
+  EXPECT_TRUE(turns.blind.empty());
+  EXPECT_EQ(turns.breaks, 0);
+  EXPECT_NEAR(turns.rows.back().time, 5.94, 0.02);
+  Recording backwards = whole;
+  for (Eigen::Index k = 800; k < backwards.rows(); ++k) backwards.time[k] = 8.0 - whole.time[k];
+  const Heard down = heard(file(), {backwards});
+  ASSERT_EQ(down.blind.size(), 1U);
+  EXPECT_EQ(down.blind[0].why, "times do not rise");
+  EXPECT_EQ(down.blind[0].set_back, 0.0);
+}
+
+}  // namespace
+}  // namespace veridyn::watching

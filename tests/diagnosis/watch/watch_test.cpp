@@ -1,0 +1,341 @@
+#include "veridyn/diagnosis/watch.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "support/refusal.hpp"
+#include "veridyn/math/require.hpp"
+#include "diagnosis/watch/event_words.hpp"
+#include "diagnosis/watch/onsets.hpp"
+#include "diagnosis/watch/watch_numbers.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr double kChange = 5.0;  // [s]
+
+const WatchedArm& bench() {
+  static const WatchedArm kBench;
+  return kBench;
+}
+
+Recording recorded(const std::vector<std::string>& hidden, double seconds, unsigned seed) {
+  return bench().recorded(watched_waves(seconds), hidden, seed);
+}
+
+// The arm as it is, and from kChange on with something hidden in it.
+Recording with_change(const std::string& hidden, double seconds, unsigned seed) {
+  return joined(recorded({}, seconds, seed), recorded({hidden}, seconds, seed), kChange, seconds);
+}
+
+std::vector<WatchEvent> watched(const Recording& recording) {
+  return bench().watched(recording);
+}
+
+const WatchEvent* first(const std::vector<WatchEvent>& events, WatchStage stage) {
+  for (const WatchEvent& e : events)
+    if (e.stage == stage) return &e;
+  return nullptr;
+}
+
+std::string all_of(const std::vector<WatchEvent>& events) {
+  std::string out;
+  for (const WatchEvent& e : events) out += std::string(name_of(e.stage)) + ": " + e.sentence + "\n";
+  return out;
+}
+
+struct Case {
+  const char* name;
+  const char* hidden;
+  const char* cause;
+  double size;          // as it was put in
+  double latest_alarm;  // [s] after the change
+  double latest_name;   // [s]
+};
+
+// A velocity in degrees per second would make all of its joint's friction and inertia 57 times too
+// large.
+TEST(Watch, TakesAVelocityThatIsNoDerivativeFromThePosition) {
+  Recording recording = with_change("payload:tool:mass=0.3", 16.0, 1);
+  recording.dq.col(1) *= 180.0 / M_PI;
+  Watch watch(bench().arm);
+  std::vector<WatchEvent> events = watch.add(recording);
+  for (const WatchEvent& e : watch.finish()) events.push_back(e);
+  ASSERT_EQ(watch.remarks().size(), 1U);
+  EXPECT_EQ(watch.remarks()[0].substr(0, 4), "dq2 ");
+  const WatchEvent* named = first(events, WatchStage::kNamed);
+  ASSERT_NE(named, nullptr) << all_of(events);
+  EXPECT_EQ(named->text, "payload:tool") << all_of(events);
+  EXPECT_GT(named->time, kChange);
+}
+
+class Change : public testing::TestWithParam<Case> {};
+
+// What was put in at 5 s is seen within a second and has its own name and size some seconds later;
+// nothing else is told.
+TEST_P(Change, IsSeenAndNamed) {
+  const Case& c = GetParam();
+  for (const unsigned seed : {1U, 2U}) {
+    const std::vector<WatchEvent> events = watched(with_change(c.hidden, 16.0, seed));
+    ASSERT_FALSE(events.empty());
+    EXPECT_LT(events.front().time - kChange, c.latest_alarm) << all_of(events);
+    EXPECT_GT(events.front().time, kChange) << all_of(events);
+    const WatchEvent* named = first(events, WatchStage::kNamed);
+    ASSERT_NE(named, nullptr) << all_of(events);
+    EXPECT_EQ(named->text, c.cause) << all_of(events);
+    EXPECT_LT(named->time - kChange, c.latest_name) << all_of(events);
+    EXPECT_NEAR(named->since, kChange, 0.5) << all_of(events);
+    EXPECT_LT(named->low, c.size) << all_of(events);
+    EXPECT_GT(named->high, c.size) << all_of(events);
+    EXPECT_EQ(events.back().id, 1) << all_of(events);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Watch, Change,
+    testing::Values(
+        Case{"payload", "payload:tool:mass=0.3", "payload:tool", 0.3, 1.0, 6.0},
+        Case{"friction", "coulomb_friction:pitch:level=0.3", "coulomb_friction:pitch", 0.3, 1.0, 6.0},
+        Case{"offset", "torque_offset:yaw:offset=0.2", "torque_offset:yaw", 0.2, 1.0, 6.0},
+        Case{"slip", "encoder_offset:pitch:offset=0.02", "encoder_offset:pitch", 0.02, 0.3, 0.3},
+        Case{"gain", "torque_gain:pitch:gain=1.3", "torque_gain:pitch", 0.3, 1.5, 6.0}),
+    [](const auto& one) { return std::string(one.param.name); });
+
+// A push that ends is told as over, with its time, and leaves nothing behind.
+TEST(Watch, APushIsTold) {
+  const std::vector<WatchEvent> events =
+      watched(recorded({"external_contact:pitch:from=6,to=6.8,effort=1"}, 16.0, 1));
+  const WatchEvent* over = first(events, WatchStage::kOver);
+  ASSERT_NE(over, nullptr) << all_of(events);
+  EXPECT_TRUE(std::holds_alternative<ExternalContact>(over->cause)) << all_of(events);
+  EXPECT_EQ(joint_of(over->cause)->value, 1);
+  EXPECT_NEAR(over->since, 6.0, 0.3);
+  EXPECT_NEAR(over->until, 6.8, 0.3);
+  EXPECT_EQ(events.back().id, 1) << all_of(events);
+}
+
+// A torque offset of pitch at onsets every half second of two motions: named within 3 s, and every
+// name that is wrong at first is withdrawn.
+TEST(Watch, ACauseIsNamedAtAnyOnset) {
+  int right = 0;
+  int withdrawn = 0;
+  for (const double period : {0.0, 10.0}) {
+    const MotionSamples motion = watched_waves(36.0, period);
+    const Recording before = bench().recorded(motion, {}, 1);
+    const Recording after = bench().recorded(motion, {"torque_offset:pitch:offset=0.3"}, 1);
+    for (double onset = 5.0; onset < (period > 0.0 ? 15.0 : 30.0); onset += 0.5) {
+      const std::vector<WatchEvent> events = watched(joined(before, after, onset, onset + 6.0));
+      const OnsetAnswer a = answer(events, onset, "torque_offset:pitch", 0.3);
+      right += a.right ? 1 : 0;
+      withdrawn += first(events, WatchStage::kWithdrawn) != nullptr ? 1 : 0;
+      EXPECT_FALSE(a.impossible) << a.events;
+      EXPECT_EQ(a.changes, 1) << onset << ":\n" << a.events;
+      ASSERT_FALSE(events.empty()) << onset;
+      EXPECT_EQ(events.back().text, "torque_offset:pitch") << onset << ":\n" << a.events;
+    }
+  }
+  EXPECT_GE(right, 69);  // of 70
+  EXPECT_GE(withdrawn, 1);
+}
+
+// After a pause, memories fill for a second before there is an alarm.
+TEST(Watch, NoAlarmWithinASecondAfterAPause) {
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    Recording r = with_change("payload:tool:mass=0.3", 16.0, seed);
+    r.time.tail(r.rows() - static_cast<int>(kChange * WatchedArm::kRate)).array() += 4.0;
+    const std::vector<WatchEvent> events = watched(r);
+    ASSERT_GT(events.size(), 1U);
+    EXPECT_EQ(events[0].stage, WatchStage::kBlind) << all_of(events);
+    EXPECT_GE(events[1].time, kChange + 4.0 + 1.0) << all_of(events);
+    EXPECT_LT(events[1].time, kChange + 4.0 + 2.0) << all_of(events);
+  }
+}
+
+// Numbers reach every part: without consecutive steps enough there is no alarm, no row before the time step is known.
+TEST(Watch, TakesOtherNumbers) {
+  const Recording recording = with_change("payload:tool:mass=0.3", 16.0, 1);
+  const auto events = [&recording](const WatchNumbers& numbers) {
+    Watch watch(bench().arm, {}, numbers);
+    watch.add(recording);
+    watch.finish();
+    return watch.events();
+  };
+  WatchNumbers patient, mistrusting;
+  patient.above_in_a_row = 1000000;
+  mistrusting.rows_for_step = 1000000;
+  EXPECT_FALSE(events(WatchNumbers()).empty());
+  EXPECT_TRUE(events(patient).empty());
+  EXPECT_TRUE(events(mistrusting).empty());
+}
+
+// A change that the watch finds when it begins is told, and is no alarm.
+TEST(Watch, WhatIsThereFromTheBeginningIsTold) {
+  struct There {
+    const char* hidden;
+    const char* cause;
+    double size;
+  };
+  for (const There& there : {There{"torque_offset:pitch:offset=0.3", "torque_offset:pitch", 0.3},
+                             There{"payload:tool:mass=0.3", "payload:tool", 0.3}}) {
+    const std::vector<WatchEvent> events = watched(recorded({there.hidden}, 20.0, 1));
+    ASSERT_EQ(events.size(), 1U) << all_of(events);
+    EXPECT_EQ(events[0].stage, WatchStage::kPresent);
+    EXPECT_EQ(events[0].text, there.cause) << all_of(events);
+    EXPECT_LT(events[0].low, there.size) << all_of(events);
+    EXPECT_GT(events[0].high, there.size) << all_of(events);
+  }
+}
+
+// Eight minutes with other noise each, and a model that is right.
+TEST(Watch, AQuietArmGivesNoAlarm) {
+  for (const unsigned seed : {11U, 12U, 13U, 14U}) {
+    const std::vector<WatchEvent> events = watched(recorded({}, 120.0, seed));
+    EXPECT_TRUE(events.empty()) << all_of(events);
+  }
+}
+
+TEST(Watch, BadInputIsRefused) {
+  WatchOptions options;
+  options.links = {"tol"};
+  EXPECT_THROW(Watch(bench().arm, options), InvalidInput);
+  EXPECT_THROW(Watch(read_model("psm-3dof")), InvalidInput);  // bodies without values
+  const double inf = std::numeric_limits<double>::infinity();
+  const auto refused = [](const std::function<void(WatchOptions&)>& change) {
+    WatchOptions changed;
+    change(changed);
+    EXPECT_THROW(Watch(bench().arm, changed), InvalidInput);
+  };
+  for (const double value : {0.0, -1.0, std::nan(""), inf}) {
+    refused([value](WatchOptions& o) { o.learn = value; });
+    refused([value](WatchOptions& o) { o.learn_more = value; });
+    refused([value](WatchOptions& o) { o.step = value; });
+    refused([value](WatchOptions& o) { o.false_alarms = value; });
+    refused([value](WatchOptions& o) { o.longest_naming = value; });
+    if (value != 0.0) refused([value](WatchOptions& o) { o.refine = value; });
+  }
+  refused([](WatchOptions& o) { o.learn_more = 0.5 * o.learn; });
+  refused([](WatchOptions& o) { o.step = WatchNumbers().short_memory; });  // which would forget everything
+  Watch watch(bench().arm);
+  Recording two;
+  two.time = VectorXd::LinSpaced(50, 0.0, 1.0);
+  two.q = two.tau = MatrixXd::Zero(50, 2);
+  EXPECT_THROW(watch.add(two), InvalidInput);
+  Recording frozen = recorded({}, 10.0, 1);
+  frozen.time.setConstant(3.0);
+  Watch without_clock(bench().arm);
+  without_clock.add(frozen);
+  EXPECT_TRUE(refuses_with("times that do not rise", [&] { without_clock.finish(); }));
+}
+
+// Rows without velocities after rows with them: before the velocities are judged, and long afterwards.
+TEST(Watch, RefusesRowsThatLackVelocities) {
+  Recording later = recorded({}, 1.0, 1);
+  later.dq.resize(0, 0);
+  for (const double seconds : {0.5, 6.0}) {
+    Watch watch(bench().arm);
+    watch.add(recorded({}, seconds, 1));
+    EXPECT_TRUE(refuses_with(seconds < 1.0 ? "columns dq" : "no velocities", [&] { watch.add(later); })) << seconds;
+  }
+}
+
+// What takes the sight from a watch is said, with the time that is lost; it is no change, and nothing is
+// made of what was suspected in it: a torque that is no number or stops, a recorder that repeats its last
+// row, no rows at all, a clock that stands still or begins again.
+TEST(Watch, SaysWhenItCannotSee) {
+  const int from = 10 * static_cast<int>(WatchedArm::kRate);
+  const Recording quiet = recorded({}, 20.0, 6);
+  const int last = quiet.rows() - from;
+  Recording nothing = quiet;
+  nothing.tau.col(1).tail(last).setConstant(std::numeric_limits<double>::quiet_NaN());
+  Recording dead = quiet;
+  dead.tau.col(1).tail(last).setZero();
+  Recording frozen = quiet;
+  for (MatrixXd* m : {&frozen.q, &frozen.dq, &frozen.tau}) m->bottomRows(last).rowwise() = m->row(from).eval();
+  Recording pause = quiet;
+  pause.time.tail(last).array() += 10.0;
+  Recording stopped = quiet;
+  stopped.time.tail(last).setConstant(quiet.time[from - 1]);
+  Recording restarted = quiet;
+  restarted.time.tail(last).array() -= 10.0;
+  struct Blinder {
+    Recording rows;
+    const char* why;
+    double blind;  // [s]
+  };
+  const Blinder all[] = {{nothing, "tau2 (pitch) is no number", 10.0},
+                      {dead, "tau2 (pitch) stays at 0", 10.0},
+                      {frozen, "the same row", 10.0},
+                      {pause, "no usable row", 10.0},
+                      {stopped, "times do not rise", 10.0},
+                      {restarted, "the clock was set back to 0 s, and the watch begins anew", 0.25}};
+  for (const auto& [rows, why, seconds] : all) {
+    Watch watch(bench().arm);
+    std::vector<WatchEvent> events = watch.add(rows);
+    for (const WatchEvent& e : watch.finish()) events.push_back(e);
+    int blind = 0;
+    for (const WatchEvent& e : events) {
+      EXPECT_TRUE(e.stage == WatchStage::kBlind || e.stage == WatchStage::kSuspected) << all_of(events);
+      if (e.stage != WatchStage::kBlind) continue;
+      ++blind;
+      EXPECT_NEAR(e.since, 10.0, 0.1) << all_of(events);
+      EXPECT_NE(e.sentence.find(why), std::string::npos) << all_of(events);
+    }
+    EXPECT_EQ(blind, 1) << why << "\n" << all_of(events);
+    ASSERT_FALSE(events.empty());
+    EXPECT_EQ(events.back().stage, WatchStage::kBlind) << all_of(events);
+    EXPECT_NEAR(watch.state().blind, seconds, 0.02 * seconds + 0.01) << why;
+  }
+}
+
+// Gaps, numbers that are none and repeated rows are passed over; a pause joins nothing.
+TEST(Watch, SurvivesBadRows) {
+  Recording r = recorded({}, 20.0, 5);
+  r.tau.row(1000).setConstant(std::numeric_limits<double>::quiet_NaN());
+  r.q(1500, 1) = std::numeric_limits<double>::infinity();
+  r.q.row(2001) = r.q.row(2000);
+  r.dq.row(2001) = r.dq.row(2000);
+  r.tau.row(2001) = r.tau.row(2000);
+  r.time.tail(1000).array() += 3.0;
+  const std::vector<WatchEvent> events = watched(r);
+  ASSERT_EQ(events.size(), 1U) << all_of(events);
+  EXPECT_EQ(events[0].stage, WatchStage::kBlind) << all_of(events);
+}
+
+// A first row without a time is no reason to wait for the end of the rows.
+TEST(Watch, BeginsWithoutATime) {
+  Recording r = recorded({}, 6.0, 5);
+  r.time[0] = std::numeric_limits<double>::quiet_NaN();
+  Watch watch(bench().arm);
+  watch.add(r);
+  EXPECT_FALSE(watch.state().learning);
+  EXPECT_GT(watch.state().time, 5.5);
+}
+
+// A link that is given twice is one, and no rival of itself.
+TEST(Watch, TakesALinkOnce) {
+  WatchOptions options;
+  options.links = {"tool", "tool"};
+  Watch watch(bench().arm, options);
+  watch.add(with_change("payload:tool:mass=0.3", 16.0, 1));
+  watch.finish();
+  const WatchEvent* named = first(watch.events(), WatchStage::kNamed);
+  ASSERT_NE(named, nullptr) << all_of(watch.events());
+  EXPECT_EQ(named->text, "payload:tool");
+  for (const WatchRival& rival : named->rivals) EXPECT_NE(rival.text, named->text);
+}
+
+TEST(Watch, SpeaksOfEffectsInWords) {
+  WatchEvent e;
+  e.stage = WatchStage::kRefined;
+  e.cause = NewEffect{"coulomb_friction", {0}};
+  e.text = "coulomb_friction:yaw";
+  e.unit = "N m";
+  EXPECT_NE(watching::sentence(e).find("Coulomb friction of joint 1 (yaw) differs by"), std::string::npos)
+      << watching::sentence(e);
+}
+
+}  // namespace
+}  // namespace veridyn
