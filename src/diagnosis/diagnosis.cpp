@@ -112,7 +112,11 @@ void run_stages(DiagnosisState& x, const Tell& tell) {
     x.d.small_apart = x.options.extended == ExtendedModel::kConfirmedOnly;
     return conclude(x);
   }
-  exclude_snags(x.start, x);
+  // Beside a gravity of another direction no joint is known well enough to stick in places.
+  const bool leans = std::any_of(x.d.data_quality.begin(), x.d.data_quality.end(), [](const RecordingQuality& q) {
+    return std::any_of(q.findings.begin(), q.findings.end(), [](const QualityFinding& f) { return f.finding == "gravity"; });
+  });
+  if (!leans) exclude_snags(x.start, x);
   test_all_candidates(x, tell);
   // Contacts and small snags are visible once the model's own errors are corrected; then everything
   // is repeated without these intervals.

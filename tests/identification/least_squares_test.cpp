@@ -11,10 +11,10 @@ namespace {
 
 // Each column is the solution of all rows but those of one block, from the rows themselves.
 TEST(LeastSquares, BlocksAreLeftOutOneAtATime) {
-  constexpr int kBlocks = 5, kRows = 7, kColumns = 3;
+  constexpr int kBlocks = 5, kRowsOfBlock = 7, kColumns = 3;
   Random random(4);
   std::vector<SquareRootInformation> blocks;
-  MatrixXd A(kBlocks * kRows, kColumns);
+  MatrixXd A(kBlocks * kRowsOfBlock, kColumns);
   VectorXd b(A.rows());
   for (Eigen::Index r = 0; r < A.rows(); ++r) {
     for (Eigen::Index c = 0; c < kColumns; ++c) A(r, c) = random.in(-1.0, 1.0);
@@ -22,7 +22,7 @@ TEST(LeastSquares, BlocksAreLeftOutOneAtATime) {
   }
   for (int k = 0; k < kBlocks; ++k) {
     SquareRootInformation block({"a", "b", "c"});
-    block.absorb(A.middleRows(k * kRows, kRows), b.segment(k * kRows, kRows));
+    block.absorb(A.middleRows(k * kRowsOfBlock, kRowsOfBlock), b.segment(k * kRowsOfBlock, kRowsOfBlock));
     blocks.push_back(block);
   }
   const MatrixXd found = solutions_without(blocks);
@@ -31,8 +31,8 @@ TEST(LeastSquares, BlocksAreLeftOutOneAtATime) {
   for (int k = 0; k < kBlocks; ++k) {
     MatrixXd rest = A;
     VectorXd right = b;
-    rest.middleRows(k * kRows, kRows).setZero();
-    right.segment(k * kRows, kRows).setZero();
+    rest.middleRows(k * kRowsOfBlock, kRowsOfBlock).setZero();
+    right.segment(k * kRowsOfBlock, kRowsOfBlock).setZero();
     const VectorXd expected = Eigen::HouseholderQR<MatrixXd>(rest).solve(right);
     EXPECT_LT((found.col(k) - expected).norm(), 1e-12) << k;
   }
