@@ -10,10 +10,8 @@
 #include "diagnosis/stages/diagnosis_state.hpp"
 #include "recordings/named_recordings.hpp"
 #include "diagnosis/of_identification.hpp"
-#include "identification/check/answers.hpp"
 #include "identification/identification_numbers.hpp"
 #include "identification/many_recordings.hpp"
-#include "veridyn/identification/verdict.hpp"
 
 namespace veridyn {
 namespace {
@@ -40,67 +38,17 @@ void test_all_candidates(DiagnosisState& x, const Tell& tell) {
   select_causes(x);
 }
 
-// A joint that `identify` calls at the noise is at its floor: where nothing is left to be named, both say the same.
-void share_the_verdict(Diagnosis& d) {
-  const IdentificationVerdict fit = verdict_of(d.baseline);
-  for (size_t i = 0; i < d.joints.size() && i < fit.joints.size(); ++i) {
-    JointVerdict& v = d.joints[i];
-    if (v.state != JointState::kCannotTell || v.source != FloorSource::kRepeats || fit.joints[i].state != IdentifiedState::kAtFloor) continue;
-    v.state = JointState::kAtFloor;
-    v.why.clear();
-  }
-}
-
 void conclude(DiagnosisState& x) {
-  share_the_verdict(x.d);
   summarize(x.d, x.options);
   if (!x.d.friction_remark.empty()) x.d.friction = plain_friction_of(*x.d.extended.model);
 }
 
-// Exchanges the set-up for the mended one, and begins anew with it.
-void take(const MendedSetUp& mended, DiagnosisState& x) {
-  IdentificationOptions& how = x.options.identification;
-  x.arm = mended.arm;
-  for (const auto& [name, recording] : mended.recordings) how.preprocessing.in_memory[name] = recording;
-  if (how.test_preprocessing) how.test_preprocessing->in_memory = how.preprocessing.in_memory;
-  for (PreprocessingOptions* one : {&how.preprocessing, how.test_preprocessing ? &*how.test_preprocessing : nullptr}) {
-    if (one != nullptr) one->kept.reset();
-  }
-  keep_recordings(how, KeptRecordings::kManyQuestions);
-  x.d.mended = true;
-  x.d.baseline = {};
-}
-
-// What is wrong with the signals or with the robot file is said, and where that is clear the diagnosis goes on without it.
-bool fit_what_is_meant(DiagnosisState& x, const Tell& tell) {
-  const DiagnosisState as_given = x;
+void run_stages(DiagnosisState& x, const Tell& tell) {
   tell("checking the recordings");
   check_quality(x);
   tell("fitting the model as it is");
-  if (!fit_baseline(x)) return false;
-  std::vector<std::string> all = x.train;
-  for (const std::string& path : x.test) {
-    if (std::find(all.begin(), all.end(), path) == all.end()) all.push_back(path);
-  }
-  const MendedSetUp set_up = mended_set_up(as_given.arm, all, x.options.identification.preprocessing, x.d.baseline);
-  if (set_up.mended) {
-    const std::vector<RecordingQuality> as_read = std::move(x.d.data_quality);
-    x = as_given;
-    take(set_up, x);
-    check_quality(x);
-    for (size_t k = 0; k < as_read.size(); ++k) x.d.data_quality[k].facts = as_read[k].facts;
-    if (!fit_baseline(x)) return false;
-  }
-  for (const QualityFinding& f : set_up.findings) {
-    for (RecordingQuality& q : x.d.data_quality) {
-      if (q.file == f.file) q.findings.insert(q.findings.begin(), f);
-    }
-  }
-  return true;
-}
-
-void run_stages(DiagnosisState& x, const Tell& tell) {
-  if (!fit_what_is_meant(x, tell)) return;
+  if (!fit_baseline(x)) return;
+  ask_questions(x);
   if (!leave_silent_joints_out(x)) return;
   exclude_rests(x);
   check_torque_signs(x);

@@ -31,7 +31,7 @@ size_t table_width(const Model& arm) {
 
 const char* state_words(const JointVerdict& v) {
   switch (v.state) {
-    case JointState::kAtFloor: return numerics::kWhole * v.held_out > v.floor ? "at the noise" : "at its floor";
+    case JointState::kAtFloor: return "at its floor";
     case JointState::kNamed: return v.held_out - v.extended < numerics::kWhole * v.removable ? "named in part" : "named";
     case JointState::kUnnamed: return "without a name";
     case JointState::kCannotTell: return "these recordings cannot tell";
@@ -202,7 +202,7 @@ std::string Diagnosis::verdict() const {
       if (answers_question(f) && asked.find(f.sentence) == std::string::npos) asked += f.sentence + " ";
     }
   }
-  if (!asked.empty()) asked += mended ? "With that: " : "As recorded: ";
+  if (!asked.empty()) asked += "As recorded: ";
   if (findings.empty()) {
     std::string left, unknown;
     for (const JointVerdict& v : joints) {
@@ -210,7 +210,7 @@ std::string Diagnosis::verdict() const {
       std::string& list = std::isfinite(v.held_out) ? left : unknown;
       list += (list.empty() ? "" : ", ") + std::to_string(v.joint.value + 1);
     }
-    if (left.empty() && unknown.empty()) return asked + (changes && small_apart ? "nothing has changed" : "none");
+    if (left.empty() && unknown.empty()) return changes && small_apart ? "nothing has changed" : "none";
     return asked + "no cause was found" + (left.empty() ? "" : "; joints above their floor: " + left) +
            (unknown.empty() ? "" : "; joints without a held-out error: " + unknown);
   }

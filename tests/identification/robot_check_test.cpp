@@ -144,49 +144,6 @@ TEST_F(AMistakenRecording, InDegreesIsMendedByUnits) {
   EXPECT_NE(sentences_.find("--units q=deg,dq=deg/s mends it"), std::string::npos) << sentences_;
 }
 
-// One joint's driver publishes degrees, or the position of its motor; all others are right.
-TEST_F(AMistakenRecording, WithOneJointInAnotherUnitIsMendedByUnits) {
-  Recording r = recorded("elbow-6r", 8);
-  r.q.col(2) *= 180.0 / M_PI;
-  r.dq.col(2) *= 180.0 / M_PI;
-  EXPECT_EQ(findings(r), Names{"degrees:3"}) << sentences_;
-  EXPECT_NE(sentences_.find("--units q3=deg,dq3=deg/s mends it"), std::string::npos) << sentences_;
-  r = recorded("elbow-6r", 8);
-  r.q.col(1) *= 31.0;
-  r.dq.col(1) *= 31.0;
-  EXPECT_EQ(findings(r), Names{"motor_side:2"}) << sentences_;
-  EXPECT_NE(sentences_.find("in front of a gear of about 31"), std::string::npos) << sentences_;
-}
-
-// An arm that turns and slides, in degrees and millimetres: no option of one undoes the other's.
-TEST_F(AMistakenRecording, InDegreesAndMillimetresIsMendedByUnitsOfBoth) {
-  Recording r = recorded("psm-3dof", 8);
-  for (MatrixXd* values : {&r.q, &r.dq}) {
-    values->leftCols(2) *= 180.0 / M_PI;
-    values->col(2) *= 1000.0;
-  }
-  EXPECT_EQ(findings(r), Names{"millimetres:0"}) << sentences_;
-  EXPECT_NE(sentences_.find("--units q=deg,dq=deg/s,q3=mm,dq3=mm/s mends it"), std::string::npos) << sentences_;
-  PreprocessingOptions mended;
-  mended.signals.units = {{"q", "deg"}, {"dq", "deg/s"}, {"q3", "mm"}, {"dq3", "mm/s"}};
-  EXPECT_EQ(findings(r, mended), Names{}) << sentences_;
-}
-
-// What no question explains is said to be unexplained, and no sign or unit is blamed for it.
-TEST_F(AMistakenRecording, OfAnotherArmIsExplainedByNothing) {
-  Recording r = recorded("elbow-6r", 12);
-  r.tau = recorded("elbow-6r", 17).tau;
-  EXPECT_EQ(findings(r), Names{"unexplained:0"}) << sentences_;
-}
-
-// A torque that is cut off makes many units a little better, and none right.
-TEST_F(AMistakenRecording, WithAClippedTorqueIsInNoOtherUnit) {
-  Recording r = recorded("elbow-6r", 4);
-  const double most = 0.5 * r.tau.col(1).cwiseAbs().maxCoeff();
-  r.tau.col(1) = r.tau.col(1).cwiseMax(-most).cwiseMin(most);
-  for (const std::string& name : findings(r)) EXPECT_TRUE(name == "unexplained:0") << sentences_;
-}
-
 // Every position lies within its joint's limits, which in degrees it would leave.
 TEST_F(AMistakenRecording, IsNotInDegreesWhereRadiansAreWithinTheLimits) {
   Recording r = recorded("elbow-6r", 8);

@@ -3,9 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "veridyn/identification/identification.hpp"
-#include "veridyn/recordings/preprocessing.hpp"
 #include "veridyn/recordings/recording_quality.hpp"
+#include "veridyn/recordings/preprocessing.hpp"
 
 namespace veridyn {
 
@@ -23,7 +22,6 @@ namespace veridyn {
 ///   torque_unit, current   torques in another unit, as shares of the limits, in front of the gears, as currents
 ///   gravity        it points along another direction, or the torques hold none
 ///   dh_convention  the rows of the robot file are of the other convention
-///   unexplained    nothing on the list explains most of the torque: the recording of another arm
 ///   weak_motion, hardly_moves   warnings: a joint moves over a small part of its range
 ///   not_compared   information: the recording leaves base parameters of the arm undetermined or
 ///                  nearly so, and wrong signals would fit as well; value: how many it
@@ -46,8 +44,8 @@ bool answers_question(const QualityFinding& finding);
 std::vector<QualityFinding> with_answers(std::vector<QualityFinding> answers, const std::vector<QualityFinding>& quality);
 
 /// The faults of recordings that an identification explains badly; none where no error is large, which costs nothing.
-/// @param fit  the identification.
+/// @param errors  (n) relative errors of the identification.
 std::vector<QualityFinding> questions_answered(const Model& arm, const std::vector<std::string>& recordings, const PreprocessingOptions& options,
-                                               const Identification& fit);
+                                               const VectorRef& errors);
 
 }  // namespace veridyn

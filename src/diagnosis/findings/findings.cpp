@@ -153,14 +153,8 @@ std::string FindingWriter::phrase_of(const Hypothesis& h) const {
 std::string FindingWriter::phrase_of(const Group& group, const Finding& f) const {
   const Hypothesis& h = accepted(group.front());
   if (is_load(h)) return load_phrase(f.parameters);
-  if (is_other_constant(h)) {  // its level stands in the model, of which the column is a part
-    std::string words = term_of(q_.augmented.model, h).effect;
-    std::replace(words.begin(), words.end(), '_', ' ');
-    words += " fits better with";
-    for (size_t p = h.columns.size(); p < f.parameters.size(); ++p)
-      words += fmt::format("{} {} = {:.2g} {}", p == h.columns.size() ? "" : ",", f.parameters[p].name, f.parameters[p].value, f.parameters[p].unit);
-    return words + ". The model has this effect, and its file another constant";
-  }
+  if (is_other_constant(h))
+    return phrase_of(h) + ". The model has this effect, and its file another constant";
   if (is_change(h)) return change_text(h, f);
   if (is_channel(h)) return phrase_of(h);
   std::string out = phrase_of(h);

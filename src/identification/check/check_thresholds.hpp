@@ -70,12 +70,6 @@ constexpr double kSecondDifference = 6.0;
 constexpr double kSpringApart = 0.03, kWeakly = 0.25;
 /// error left < kLess * that without: the fit says so.
 constexpr double kLess = 0.98;
-/// error left with answers < kMostOfIt * that without: a diagnosis goes on with them, though the arm lacks something beside.
-constexpr double kMostOfIt = 0.1;
-/// error left > kUnexplained, whatever is asked: the torques are not those of this arm's motion.
-constexpr double kUnexplained = 0.6;
-/// error left < kSure: what contradicts friction or the values of the file on one joint is its torque's sign.
-constexpr double kSure = 0.2;
 /// sets of answers that are followed <= kBeam.
 constexpr int kBeam = 3;
 /// error left < kPerhaps * that without: an answer that is not sure is worth a word.
@@ -101,8 +95,6 @@ constexpr double kDirectionBit = 1024.0, kBothDirections = 20.0;
 /// directions around one = kTiltDirections; gravity = kGravity [m/s^2] where the file has none.
 constexpr int kTiltDirections = 8;
 constexpr double kGravity = 9.81;
-/// cosine between the file's gravity and another > kLeaning: within 45 degrees the base leans.
-constexpr double kLeaning = 0.7071;
 /// step of time >= kShortestStep [s] where a rate is made of it.
 constexpr double kShortestStep = 1e-6;
 

@@ -35,30 +35,24 @@ void to_si(MatrixXd& values, const std::string& signal, const std::string& unit,
   }
 }
 
-// Positions of all joints, or of one (from 0) of this name, were measured in front of a gear of this ratio.
-RecordingQuestion before_the_gear(double ratio, bool velocity, int joint = -1, const std::string& name = "") {
+// All positions were measured in front of a gear of this ratio.
+RecordingQuestion before_the_gear(double ratio, bool velocity) {
   RecordingQuestion q;
   q.finding = "motor_side";
-  q.joint = joint + 1;
   const double whole = std::round(ratio);
   const std::string words = fmt::format("{:.4g}", std::abs(ratio / whole - 1.0) < checking::kWholeRatio ? whole : ratio);
-  q.what = joint < 0 ? text("Positions are those of the motors, in front of gears of about ", words)
-                     : text("The position of ", name, " is that of its motor, in front of a gear of about ", words);
+  q.what = text("Positions are those of the motors, in front of gears of about ", words);
   const std::string unit = fmt::format("{:.5g}", 1.0 / std::stod(words));
-  const std::string number = joint < 0 ? "" : std::to_string(joint + 1);
-  q.units = "q" + number + "=" + unit + (velocity ? ",dq" + number + "=" + unit : "");
+  q.units = "q=" + unit + (velocity ? ",dq=" + unit : "");
   const double factor = std::stod(unit);
-  q.recording = [factor, velocity, joint](Recording& r) {
-    for (MatrixXd* values : {&r.q, &r.dq}) {
-      if (values->size() == 0 || (values == &r.dq && !velocity)) continue;
-      if (joint < 0) *values *= factor;
-      else values->col(joint) *= factor;
-    }
+  q.recording = [factor, velocity](Recording& r) {
+    r.q *= factor;
+    if (velocity && r.dq.size() > 0) r.dq *= factor;
   };
   q.price = checking::kOfNumber;
   q.first_distance = checking::kRatioStep;
-  q.neighbours = [=](double distance) {
-    return std::vector<RecordingQuestion>{before_the_gear(ratio * (1.0 + distance), velocity, joint, name), before_the_gear(ratio / (1.0 + distance), velocity, joint, name)};
+  q.neighbours = [ratio, velocity](double distance) {
+    return std::vector<RecordingQuestion>{before_the_gear(ratio * (1.0 + distance), velocity), before_the_gear(ratio / (1.0 + distance), velocity)};
   };
   return q;
 }
@@ -132,57 +126,14 @@ class List {
     add(finding, 0, what, change).units = joined("q=" + q, dq.empty() || !has_velocity() ? "" : "dq=" + dq);
   }
 
-  bool is_beyond(int i) const {
-    const Coordinate& c = arm_.coordinates()[i];
-    const double margin = checking::kBeyondLimits * (c.limits.upper - c.limits.lower);
-    const auto q = r_.q.col(i).array();
-    const bool far = (q.abs() > checking::kMostTravel).any();
-    return !c.prismatic && moves_[i] && (far || (std::isfinite(margin) && (q < c.limits.lower - margin || q > c.limits.upper + margin).any()));
-  }
-
-  // One joint of several in degrees, as its own driver publishes it.
-  void degrees_of(int i) {
-    const auto change = [i](MatrixXd& values) { values.col(i) *= M_PI / 180.0; };
-    if (has_velocity()) {
-      add("degrees", i + 1, "Position and velocity of " + name(i) + " are degrees", [change](Recording& r) {
-        change(r.q);
-        change(r.dq);
-      }).units = fmt::format("q{0}=deg,dq{0}=deg/s", i + 1);
-    }
-    add("degrees", i + 1, "The position of " + name(i) + " is in degrees", [change](Recording& r) { change(r.q); }).units = fmt::format("q{}=deg", i + 1);
-    const double largest = r_.q.col(i).cwiseAbs().maxCoeff<Eigen::PropagateNumbers>();
-    for (double ratio = checking::kLeastRatio; ratio < checking::kMostRatio; ratio *= 1.0 + checking::kRatioStep) {
-      if (largest / ratio < checking::kMostTravel && largest / ratio > checking::kLeastTravel) out_.push_back(before_the_gear(ratio, has_velocity(), i, name(i)));
-    }
-  }
-
-  // "q=mm,dq=mm/s"; of an arm that also turns, of each sliding joint.
-  std::string millimetres() const {
-    std::string out;
-    for (int i = 0; i < joints(); ++i) {
-      if (turning_ && !arm_.coordinates()[i].prismatic) continue;
-      const std::string number = turning_ ? std::to_string(i + 1) : "";
-      out = joined(out, fmt::format(has_velocity() ? "q{0}=mm,dq{0}=mm/s" : "q{0}=mm", number));
-      if (!turning_) break;
-    }
-    return out;
-  }
-
   void angles() {
     if (sliding_) {
       const auto joints = joints_;
-      const auto change = [joints](Recording& r) {
+      RecordingQuestion& q = add("millimetres", 0, "Positions of sliding joints are millimetres", [joints](Recording& r) {
         to_si(r.q, "q", "mm", joints);
         if (r.dq.size() > 0) to_si(r.dq, "dq", "mm/s", joints);
-      };
-      add("millimetres", 0, "Positions of sliding joints are millimetres", change).units = millimetres();
-      if (turning_) {
-        add("millimetres", 0, "Positions are millimetres and degrees", [change, joints](Recording& r) {
-          change(r);
-          to_si(r.q, "q", "deg", joints);
-          if (r.dq.size() > 0) to_si(r.dq, "dq", "deg/s", joints);
-        }).units = joined(has_velocity() ? "q=deg,dq=deg/s" : "q=deg", millimetres());
-      }
+      });
+      q.units = has_velocity() ? "q=mm,dq=mm/s" : "q=mm";
     }
     if (!turning_) return;
     if (has_velocity()) {
@@ -191,9 +142,6 @@ class List {
       add("degrees", 0, "Velocities are degrees per second", [joints](Recording& r) { to_si(r.dq, "dq", "deg/s", joints); }).units = "dq=deg/s";
     }
     positions_in("degrees", "Positions are degrees", "deg", "");
-    for (int i = 0; i < joints(); ++i) {
-      if (is_beyond(i)) degrees_of(i);
-    }
     const double largest = r_.q.cwiseAbs().maxCoeff<Eigen::PropagateNumbers>();
     for (double ratio = checking::kLeastRatio; largest > checking::kMostTravel && !sliding_ && ratio < checking::kMostRatio; ratio *= 1.0 + checking::kRatioStep) {
       if (largest / ratio < checking::kMostTravel && largest / ratio > checking::kLeastTravel) out_.push_back(before_the_gear(ratio, has_velocity()));
@@ -326,7 +274,7 @@ bool is_position_unit(const RecordingQuestion& q) {
 }  // namespace
 
 bool RecordingQuestion::excludes(const RecordingQuestion& o) const {
-  if (is_position_unit(*this) && is_position_unit(o)) return joint == 0 || o.joint == 0 || joint == o.joint;
+  if (is_position_unit(*this) && is_position_unit(o)) return true;
   if (finding == "torque_unit" && o.finding == "current") return true;
   if (robot || o.robot) return finding == o.finding;
   // That torques of two joints are exchanged and that their motions are is one mistake, seen from either side.

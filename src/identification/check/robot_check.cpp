@@ -10,7 +10,6 @@
 #include <tuple>
 #include <utility>
 
-#include "identification/check/answers.hpp"
 #include "identification/check/check_thresholds.hpp"
 #include "identification/check/quick_fit.hpp"
 #include "identification/check/questions.hpp"
@@ -37,27 +36,6 @@ struct Answer {
   MatrixXd before;     // folds without the last question
 };
 
-bool concern_robot(const std::vector<RecordingQuestion>& set) {
-  return std::any_of(set.begin(), set.end(), [](const RecordingQuestion& q) { return static_cast<bool>(q.robot); });
-}
-
-Model applied(const std::vector<RecordingQuestion>& set, const Model& arm) {
-  ModelDescription d = arm.description();
-  for (const RecordingQuestion& q : set) {
-    if (q.robot) q.robot(d);
-  }
-  return Model(std::move(d));
-}
-
-// Columns are exchanged before they are scaled, as the reader does.
-void apply_to(const std::vector<RecordingQuestion>& set, Recording& recording) {
-  for (const bool exchanges : {true, false}) {
-    for (const RecordingQuestion& q : set) {
-      if (q.recording && q.map.empty() != exchanges) q.recording(recording);
-    }
-  }
-}
-
 class RobotCheck {
  public:
   RobotCheck(const Model& arm, Recording recording, const PreprocessingOptions& options)
@@ -66,44 +44,16 @@ class RobotCheck {
     moves_ = quality::Head(recording_, QualityNumbers()).moves;
   }
 
-  RobotAnswers run() {
-    RobotAnswers out;
+  std::vector<QualityFinding> run() {
     tell_what_hardly_moves();
-    if (is_identifiable()) {
-      best_.fit = fitter_.fit(recording_);
-      const QuickFit before = best_.fit;
-      out.explained = is_explained(before);
-      search();
-      if (!helps(best_, before)) best_ = Answer{{}, before, 0.0, {}};
-      report(before.left());
-      if (best_.fit.left() > checking::kUnexplained) say_unexplained();
-      tell_weak_motions();
-      if (!given_.inertial_values() && best_.set.empty()) warn_of_small_efforts();
-      if (is_clear(best_.fit, before)) out.set = std::move(best_.set);
-    }
-    out.findings = std::move(findings_);
-    return out;
-  }
-
-  /// True if these questions explain the recording, or most of what it leaves.
-  bool would_mend(const std::vector<RecordingQuestion>& set) const { return is_clear(fit_of(set), fitter_.fit(recording_)); }
-
-  // Answers that leave an arm unexplained may stand for anything that it lacks.
-  static bool helps(const Answer& answer, const QuickFit& before) {
-    const QuickFit& after = answer.fit;
-    const bool whole = std::any_of(answer.set.begin(), answer.set.end(), [](const RecordingQuestion& q) { return q.joint == 0; });
-    return is_explained(after) || after.left() < checking::kFitted * before.left() ||
-           (after.contradictions < before.contradictions && after.left() < (whole ? checking::kUnexplained : checking::kSure));
-  }
-
-  void say_unexplained() {
-    add("unexplained", 0, best_.fit.left(),
-        text("With all its parameters free ", given_.name(), " leaves ", percent(best_.fit.left()),
-             " of the torque on held-out rows, and no unit, sign, exchange or direction of gravity explains it: the torques of another robot, or a time or a column that does not belong to the others?"));
-  }
-
-  static bool is_clear(const QuickFit& after, const QuickFit& before) {
-    return is_explained(after) || after.left() < checking::kMostOfIt * before.left();
+    if (!is_identifiable()) return std::move(findings_);
+    best_.fit = fitter_.fit(recording_);
+    const double before = best_.fit.left();
+    search();
+    report(before);
+    tell_weak_motions();
+    if (!given_.inertial_values() && best_.set.empty()) warn_of_small_efforts();
+    return std::move(findings_);
   }
 
  private:
@@ -191,18 +141,26 @@ class RobotCheck {
 
   static bool is_explained(const QuickFit& fit) { return fit.is_near() && fit.contradictions == 0.0; }
 
+  // The recording and the arm after all transformations of a set. Columns are exchanged before they are scaled, as the
+  // reader does.
   Recording changed(const std::vector<RecordingQuestion>& set) const {
     Recording out = recording_;
-    apply_to(set, out);
+    for (const bool exchanges : {true, false}) {
+      for (const RecordingQuestion& q : set) {
+        if (q.recording && q.map.empty() != exchanges) q.recording(out);
+      }
+    }
     return out;
   }
 
-  QuickFit fit_of(const std::vector<RecordingQuestion>& set, VelocitySource velocity = VelocitySource::kRecorded) const {
+  QuickFit fit_of(const std::vector<RecordingQuestion>& set) const {
     const Recording recording = changed(set);
-    if (velocity == VelocitySource::kRecorded && !concern_robot(set)) return fitter_.fit(recording);
-    PreprocessingOptions how = options_;
-    if (velocity == VelocitySource::kDerived) how.velocity = velocity;
-    return QuickFitter(applied(set, given_), how).fit(recording);
+    if (std::none_of(set.begin(), set.end(), [](const RecordingQuestion& q) { return static_cast<bool>(q.robot); })) return fitter_.fit(recording);
+    ModelDescription d = given_.description();
+    for (const RecordingQuestion& q : set) {
+      if (q.robot) q.robot(d);
+    }
+    return QuickFitter(Model(std::move(d)), options_).fit(recording);
   }
 
   std::vector<Answer> tried(const std::vector<RecordingQuestion>& before, const std::vector<RecordingQuestion>& questions) const {
@@ -270,11 +228,6 @@ class RobotCheck {
                  }), next.end());
       if (next.empty()) break;
       std::sort(next.begin(), next.end(), better);
-      // The noise of a recorded velocity makes friction near rest uncertain.
-      if (!is_explained(next.front().fit)) {
-        QuickFit quieter = fit_of(next.front().set, VelocitySource::kDerived);
-        if (is_explained(quieter)) next.front().fit = std::move(quieter);
-      }
       if (is_explained(next.front().fit)) {
         best_ = next.front();
         return;
@@ -387,8 +340,7 @@ class RobotCheck {
     for (const double ratio : fit.ratios) {
       if (ratio != 0.0) known.push_back(ratio);
     }
-    if (known.empty() || *std::min_element(known.begin(), known.end()) * checking::kMostRatio < 1.0) return;
-    if (*std::max_element(known.begin(), known.end()) > checking::kBehindGear) return add_one_gear(fit, list);
+    if (known.empty() || *std::max_element(known.begin(), known.end()) > checking::kBehindGear || *std::min_element(known.begin(), known.end()) <= 0.0) return;
     RecordingQuestion q;
     q.finding = "torque_unit";
     q.price = checking::kOfNumber * joints();
@@ -402,22 +354,6 @@ class RobotCheck {
     q.what = text("Torques are those of the motors, in front of gears of about ", words);
     q.recording = [gears](Recording& r) { r.tau = (r.tau * gears.asDiagonal()).eval(); };
     list.push_back(std::move(q));
-  }
-
-  // The same of single joints.
-  void add_one_gear(const QuickFit& fit, std::vector<RecordingQuestion>& list) const {
-    for (int i = 0; i < joints(); ++i) {
-      if (fit.ratios[i] == 0.0 || fit.ratios[i] > checking::kBehindGear) continue;
-      const double gear = std::round(1.0 / fit.ratios[i]);
-      RecordingQuestion q;
-      q.finding = "torque_unit";
-      q.joint = i + 1;
-      q.price = checking::kOfNumber;
-      q.units = text("tau", i + 1, "=", gear);
-      q.what = text("The torque of ", joint(i), " is that of its motor, in front of a gear of about ", gear);
-      q.recording = [i, gear](Recording& r) { r.tau.col(i) *= gear; };
-      list.push_back(std::move(q));
-    }
   }
 
   // One line for each answer, with what the arm leaves without it and all options together.
@@ -484,7 +420,7 @@ class RobotCheck {
   }
 
   const Model& given_;
-  PreprocessingOptions options_;
+  const PreprocessingOptions& options_;
   Recording recording_;
   QuickFitter fitter_;
   std::vector<std::string> names_;
@@ -495,20 +431,20 @@ class RobotCheck {
 
 }  // namespace
 
-namespace {
-
-// Signs, exchanged joints and angles of currents are checked through the gains of the drives.
-void give_torques(const Model& arm, Recording& recording) {
-  if (recording.tau.size() > 0 || recording.current.size() == 0) return;
-  recording.tau = recording.current;
-  for (int i = 0; i < arm.joints(); ++i) {
-    const double gain = arm.coordinates()[i].drive_gain;
-    if (gain > 0.0) recording.tau.col(i) *= gain;
-  }
+std::vector<QualityFinding> check_against(const Model& arm, const std::string& path,
+                                          const PreprocessingOptions& options) {
+  RecordingOptions reading = reading_of(arm, options);
+  reading.first_row = std::max(0L, options.first_row);
+  reading.row_count = std::min<long>(options.row_count.value_or(checking::kMostRows), checking::kMostRows);
+  Recording recording = read_rows(path, reading, options.kept.get());
+  recording.source = path;
+  PreprocessingOptions rest = options;
+  rest.first_row = 0;
+  rest.row_count.reset();
+  return check_against(arm, std::move(recording), rest);
 }
 
-// The check of a recording; nothing where there is too little to be asked.
-std::optional<RobotCheck> check_of(const Model& arm, Recording recording, const PreprocessingOptions& options) {
+std::vector<QualityFinding> check_against(const Model& arm, Recording recording, const PreprocessingOptions& options) {
   require_joints_of(arm, recording.joints(), recording.source);
   const long first = std::min<long>(options.first_row, recording.rows());
   const long wanted = std::min<long>(options.row_count.value_or(checking::kMostRows), checking::kMostRows);
@@ -517,51 +453,26 @@ std::optional<RobotCheck> check_of(const Model& arm, Recording recording, const 
     recording = rows_of(recording, static_cast<int>(first), static_cast<int>(count));
   if (recording.rows() < checking::kFewestRows) return {};
   if (options.cutoff > 0.0 && median_step(recording.time) * options.cutoff >= 0.5) return {};  // the filter needs two rows a wave
-  give_torques(arm, recording);
+  if (recording.tau.size() == 0 && recording.current.size() > 0) {
+    // Signs, exchanged joints and angles of currents are checked through their gains.
+    recording.tau = recording.current;
+    for (int i = 0; i < arm.joints(); ++i) {
+      const double gain = arm.coordinates()[i].drive_gain;
+      if (gain > 0.0) recording.tau.col(i) *= gain;
+    }
+  }
   if (recording.tau.size() == 0) return {};
   for (int i = 0; i < arm.joints(); ++i) {
     if (recording.tau.col(i).array().isNaN().all() || recording.q.col(i).array().isNaN().all()) return {};  // the check of gaps names it
   }
-  PreprocessingOptions rest = options;
-  rest.first_row = 0;
-  rest.row_count.reset();
-  return std::optional<RobotCheck>(std::in_place, arm, std::move(recording), rest);
-}
-
-std::optional<RobotCheck> check_of(const Model& arm, const std::string& name, const PreprocessingOptions& options) {
-  if (const Recording* there = find_in_memory(options.in_memory, name)) return check_of(arm, *there, options);
-  RecordingOptions reading = reading_of(arm, options);
-  reading.first_row = std::max(0L, options.first_row);
-  reading.row_count = std::min<long>(options.row_count.value_or(checking::kMostRows), checking::kMostRows);
-  Recording recording = read_rows(name, reading, options.kept.get());
-  recording.source = name;
-  PreprocessingOptions rest = options;
-  rest.first_row = 0;
-  rest.row_count.reset();
-  return check_of(arm, std::move(recording), rest);
-}
-
-}  // namespace
-
-RobotAnswers answers_of(const Model& arm, const std::string& recording, const PreprocessingOptions& options) {
-  std::optional<RobotCheck> check = check_of(arm, recording, options);
-  return check ? check->run() : RobotAnswers();
-}
-
-std::vector<QualityFinding> check_against(const Model& arm, const std::string& path, const PreprocessingOptions& options) {
-  return answers_of(arm, path, options).findings;
-}
-
-std::vector<QualityFinding> check_against(const Model& arm, Recording recording, const PreprocessingOptions& options) {
-  std::optional<RobotCheck> check = check_of(arm, std::move(recording), options);
-  return check ? check->run().findings : std::vector<QualityFinding>();
+  return RobotCheck(arm, std::move(recording), options).run();
 }
 
 bool answers_question(const QualityFinding& finding) {
   static const char* const kNames[] = {"torque_sign", "position_sign", "swapped_joints", "degrees", "millimetres", "counts", "share_of_range",
-                                       "motor_side", "torque_unit", "current", "gravity", "dh_convention", "unexplained"};
-  // Degrees that velocities alone show are those of a signal.
-  return finding.severity == Severity::kFault && (finding.finding != "degrees" || finding.signal.empty()) &&
+                                       "motor_side", "torque_unit", "current", "gravity", "dh_convention"};
+  // Degrees that velocities alone show belong to a joint.
+  return finding.severity == Severity::kFault && (finding.finding != "degrees" || finding.joint == 0) &&
          std::find(std::begin(kNames), std::end(kNames), finding.finding) != std::end(kNames);
 }
 
@@ -597,63 +508,20 @@ std::vector<QualityFinding> once_each(const std::vector<QualityFinding>& all) {
 
 }  // namespace
 
-namespace {
-
-// A base that leans is a cause that a diagnosis measures, and so is any other gravity of a MODEL.
-bool is_left_to_a_diagnosis(const RecordingQuestion& q, const Model& arm) {
-  if (q.finding != "gravity") return false;
-  if (arm.description().values == RobotValues::kFacts && has_all_values(arm)) return true;
-  ModelDescription turned = arm.description();
-  q.robot(turned);
-  return turned.gravity.dot(arm.gravity()) > checking::kLeaning * turned.gravity.norm() * arm.gravity().norm() && !turned.gravity.isZero();
-}
-
-}  // namespace
-
-MendedSetUp mended_set_up(const Model& arm, const std::vector<std::string>& recordings, const PreprocessingOptions& options,
-                          const Identification& fit) {
-  MendedSetUp out;
-  out.arm = arm;
-  const auto is_large = [](const PredictionError& e) { return e.relative.size() > 0 && e.relative.maxCoeff() > checking::kAskedAbove; };
-  if (!is_large(fit.train_error) && !is_large(fit.test_error)) return out;
-  std::vector<RecordingQuestion> first;
-  std::vector<QualityFinding> all;
+std::vector<QualityFinding> questions_answered(const Model& arm, const std::vector<std::string>& recordings, const PreprocessingOptions& options,
+                                               const VectorRef& errors) {
+  std::vector<QualityFinding> out;
+  if (errors.size() == 0 || !(errors.maxCoeff() > checking::kAskedAbove)) return out;
   for (const std::string& name : recordings) {
-    RobotAnswers answers = answers_of(out.arm, name, options);
-    bool found = false;
-    for (QualityFinding& f : answers.findings) {
+    const Recording* there = find_in_memory(options.in_memory, name);
+    for (QualityFinding& f : there != nullptr ? check_against(arm, *there, options) : check_against(arm, name, options)) {
       if (f.severity != Severity::kFault) continue;
       f.file = name;
-      all.push_back(std::move(f));
-      found = true;
+      out.push_back(std::move(f));
     }
-    // Mistakes of a set-up are in the first recording too.
-    if (!out.mended && answers.set.empty() && !answers.explained && (!found || all.back().finding == "unexplained")) break;
-    if (answers.set.empty() && !answers.explained && !first.empty()) {
-      const std::optional<RobotCheck> check = check_of(out.arm, name, options);
-      if (!check || check->would_mend(first)) answers.set = first;
-    }
-    answers.set.erase(std::remove_if(answers.set.begin(), answers.set.end(), [&](const RecordingQuestion& q) { return is_left_to_a_diagnosis(q, out.arm); }),
-                      answers.set.end());
-    if (answers.set.empty()) continue;
-    out.mended = true;
-    if (concern_robot(answers.set)) out.arm = applied(answers.set, out.arm);
-    for (RecordingQuestion& q : answers.set) q.robot = nullptr;
-    const Recording* there = find_in_memory(options.in_memory, name);
-    Recording recording = there != nullptr ? *there : read_rows(name, reading_of(arm, options), options.kept.get());
-    recording.source = name;
-    give_torques(out.arm, recording);
-    apply_to(answers.set, recording);
-    out.recordings[name] = std::make_shared<const Recording>(std::move(recording));
-    if (first.empty()) first = std::move(answers.set);
+    if (out.empty()) break;  // mistakes of a set-up are in the first recording too
   }
-  out.findings = once_each(all);
-  return out;
-}
-
-std::vector<QualityFinding> questions_answered(const Model& arm, const std::vector<std::string>& recordings, const PreprocessingOptions& options,
-                                               const Identification& fit) {
-  return mended_set_up(arm, recordings, options, fit).findings;
+  return once_each(out);
 }
 
 }  // namespace veridyn
