@@ -15,6 +15,7 @@
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
+extern std::string g_source;
 namespace {
 
 using Visit = VisitSegment;
@@ -116,9 +117,6 @@ PreprocessingOptions of_this_source(PreprocessingOptions options, const std::str
   parts.erase(std::remove_if(parts.begin(), parts.end(),
                              [&](const ExcludedInterval& part) { return part.source != source; }),
               parts.end());
-  const auto weights = options.weights.find(source);
-  if (weights == options.weights.end()) options.weights.clear();
-  else options.weights = {*weights};
   return options;
 }
 
@@ -184,6 +182,7 @@ CompressedRecording run_compress(const Model& arm, const std::string& source,
   out.period = period;
   const int n = arm.joints();
   const PreprocessingOptions mine = of_this_source(options, source);
+  g_source = source;
   const RegressorColumns columns(arm, mine);
   Blocks blocks(columns, n, period.seconds, numbers);
   PeriodFold fold(n, period.seconds, numbers);

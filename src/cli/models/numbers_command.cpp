@@ -37,7 +37,7 @@ std::vector<NumberTable> number_tables() {
           number_table("fleet", "src/identification/fleet/fleet_numbers.hpp", fleet_numbers()),
           number_table("compare", "src/diagnosis/comparison/comparison_numbers.hpp", comparison_numbers()),
           number_table("watch", "src/diagnosis/watch/watch_numbers.hpp", watch_numbers()),
-          {"search", "src/diagnosis/search/numbers.hpp", {{"errors", search::kErrors}, {"repeated", search::kRepeated}, {"smallest", search::kSmallest}, {"seldom", search::kSeldom},
+          {"search", "src/diagnosis/search/numbers.hpp", {{"errors", search::kErrors}, {"smallest", search::kSmallest}, {"seldom", search::kSeldom},
            {"constant", search::kConstant}, {"imitator", search::kImitator}, {"curve", search::kCurve}, {"curve_of_two", search::kCurveOfTwo},
            {"polished", search::kPolished}, {"day", search::kDay}}}};
 }

@@ -18,16 +18,6 @@ struct Base {
   std::vector<MatrixXd> X;  ///< (rows x directions) of every joint
   VectorXd ridge;           ///< of every direction
   bool prior = false;
-  /// Levels that cannot be negative: value + row . u >= 0.
-  MatrixXd nonnegative;
-  VectorXd value;
-};
-
-/// A term of a set.
-struct SetTerm {
-  const Columns* columns;
-  VectorXd ridge;
-  bool nonnegative;
 };
 
 /// The columns of the directions T at other rows of the same arm.
@@ -59,8 +49,7 @@ struct Cross {
   std::vector<VectorXd> d;
 };
 
-/// Base and some of the chosen terms, factored on the rows outside of every fold and on all. Solutions are those without
-/// bounds.
+/// Base and some of the chosen terms, factored on the rows outside of every fold and on all.
 struct Subset {
   std::vector<int> columns;
   std::vector<Eigen::LLT<MatrixXd>> fold;
@@ -87,7 +76,8 @@ Gain gain_on(const Rows& rows, const MatrixXd& with, const MatrixXd& without, co
 class Round {
  public:
   /// @param weights  (rows x n) of the round before, or empty; replaced.
-  Round(const Rows& rows, const Folds& folds, const Base& base, const std::vector<SetTerm>& chosen, MatrixXd& weights);
+  Round(const Rows& rows, const Folds& folds, const Base& base, std::vector<const Columns*> chosen,
+        std::vector<VectorXd> ridges, MatrixXd& weights);
 
   const VectorXd& scale() const { return scale_; }
   const VectorXd& samples() const { return samples_; }
@@ -108,8 +98,6 @@ class Round {
   MatrixXd covariance(const Subset& s, const Fitted& fit) const;
 
  private:
-  struct Bordered;
-  void within_bounds(const Subset& s, const Eigen::LLT<MatrixXd>& factor, const Bordered* border, VectorXd& x, VectorXd& z) const;
   void weigh(const MatrixXd& residual);
   void gram();
   VectorXd losses(const MatrixXd& residual, VectorXd& scale) const;
@@ -122,8 +110,6 @@ class Round {
   std::vector<MatrixXd> X_;                  // per joint, sorted
   std::vector<std::pair<Eigen::Index, Eigen::Index>> ranges_;  // of every chosen term
   MatrixXd y_, used_, a_, weights_;          // sorted
-  MatrixXd bounds_;    // (bounds x columns): value + row . x >= 0
-  VectorXd value_;
   VectorXd ridge_, scale_, samples_, rows_of_, floor_;
   std::vector<MatrixXd> G_;
   std::vector<VectorXd> g_;

@@ -45,7 +45,6 @@ class Search {
   Search(const Model& arm, const SearchRequest& request) : arm_(arm), request_(request) {
     rows_ = std::make_shared<Rows>(arm, request.recordings, request.preprocessing);
     folds_ = folds_of(*rows_, request.periods, request.preprocessing.cutoff);
-    folds_.errors = request.test.empty() ? kErrors : kRepeated;
     values_ = VectorXd(rows_->names().size());
     const std::vector<StandardParameter> all = standard_parameters(arm);
     for (Eigen::Index p = 0; p < values_.size(); ++p) values_[p] = all[p].value;
@@ -63,18 +62,15 @@ class Search {
       // A curve can do what any name on its joint does: names come first, then curves beside them, or in the place of all
       // names of a joint.
       int round = 0;
-      const int most = kRounds + request_.most;
-      const auto has_room = [&] { return static_cast<int>(chosen_.size()) < request_.most && round < most; };
       do {
-        do {
-          for (; has_room(); ++round) {
-            if (request_.progress) request_.progress(round, most);
-            if (!add(false)) break;
-            exchange();
-          }
-        } while (clean() && has_room());
-        for (; has_room() && add(true); ++round) stand_for_names();
-      } while (clean() && has_room());
+        for (; round < kRounds + request_.most && static_cast<int>(chosen_.size()) < request_.most; ++round) {
+          if (request_.progress) request_.progress(round, kRounds + request_.most);
+          if (!add(false)) break;
+          exchange();
+        }
+      } while (clean() && round < kRounds + request_.most);
+      while (static_cast<int>(chosen_.size()) < request_.most && add(true)) stand_for_names();
+      clean();
     }
     return finish();
   }
@@ -82,11 +78,17 @@ class Search {
  private:
   Base base_of(const Rows& rows) const { return request_.scope.changes ? prior_base(rows, arm_) : fitted_base(rows, directions_); }
 
-  Round round() {
-    std::vector<SetTerm> set;
-    for (const Chosen& c : chosen_) set.push_back({&c.columns, c.ridge, c.term.nonnegative});
-    return Round(*rows_, folds_, base_, set, weights_);
+  std::vector<const Columns*> columns() const {
+    std::vector<const Columns*> out;
+    for (const Chosen& c : chosen_) out.push_back(&c.columns);
+    return out;
   }
+  std::vector<VectorXd> ridges() const {
+    std::vector<VectorXd> out;
+    for (const Chosen& c : chosen_) out.push_back(c.ridge);
+    return out;
+  }
+  Round round() { return Round(*rows_, folds_, base_, columns(), ridges(), weights_); }
 
   static std::vector<int> all_but(size_t count, const std::set<size_t>& without) {
     std::vector<int> out;
@@ -298,6 +300,19 @@ class Search {
       return !is_chosen(t) && aside_.count(t.place) == 0 && (t.kind == TermKind::kCurve) == curves;
     });
     if (!curves) add_far_gravities(now, fit, options);
+    if (getenv("SD")) {
+      fprintf(stderr, "-- add %s, set of %zu, scale", curves ? "curve" : "name", chosen_.size());
+      for (int i = 0; i < rows_->joints(); ++i) fprintf(stderr, " %.3g(%.0f)", now.scale()[i], now.samples()[i]);
+      fprintf(stderr, "\n");
+      for (Option& o : options) {
+        const Gain g = now.gain(o.fit, fit);
+        fprintf(stderr, "   %-40s gain %.1f limit %.1f price %.1f share %.3f %s %s", o.term.place.c_str(), g.sum, g.limit, o.term.price, g.share, passes(g, o.term) ? "pass" : "-", std::isfinite(o.value) ? "" : "impossible");
+        for (auto& [k, v] : o.term.effect.values) fprintf(stderr, " %s %.4g", k.c_str(), v);
+        fprintf(stderr, " :");
+        for (int i = 0; i < rows_->joints(); ++i) fprintf(stderr, " %.1f", g.of_joint[i]);
+        fprintf(stderr, "\n");
+      }
+    }
     for (Option& o : options) {
       if (!(o.value < fit.score)) break;
       if (!passes(now.gain(o.fit, fit), o.term)) continue;
@@ -574,7 +589,7 @@ class Search {
     return {out.begin(), out.end()};
   }
 
-  // The last curve in the place of all names of its joint, where these do less than half of what it does alone.
+  // The last curve in the place of all names of its joint, where these do less than it does alone.
   void stand_for_names() {
     const size_t last = chosen_.size() - 1;
     std::set<size_t> names;
@@ -590,10 +605,6 @@ class Search {
     for (const size_t k : names) paid -= chosen_[k].term.price;
     const Gain g = now.gain(with_curve, with_names);
     if (g.sum <= std::max(g.limit, paid)) return;
-    std::set<size_t> both = names;
-    both.insert(last);
-    const Fitted neither = now.evaluate(now.subset(all_but(chosen_.size(), both)));
-    if (now.gain(with_names, neither).sum > kHalf * now.gain(with_curve, neither).sum) return;
     std::vector<Chosen> kept;
     for (size_t k = 0; k <= last; ++k) {
       if (names.count(k) == 0) kept.push_back(std::move(chosen_[k]));
@@ -702,13 +713,13 @@ class Search {
     out.with = now.evaluate(with);
     const bool is_tested = !request_.test.empty();
     MatrixXd test_with, test_without;
-    if (is_tested) test_with = left_on_test(out.with.x, set);
+    if (is_tested) test_with = left_on_test(with.x, set);
     aside.insert(k);
     if (!chosen_[k].term.is_linearised()) {
       const std::vector<int> rest = all_but(chosen_.size(), aside);
       const Subset s = now.subset(rest);
       out.fit = now.evaluate(s);
-      if (is_tested) test_without = left_on_test(out.fit.x, rest);
+      if (is_tested) test_without = left_on_test(s.x, rest);
     } else {
       const std::vector<Chosen> before = chosen_;
       const State state = kept();
@@ -718,7 +729,7 @@ class Search {
         const std::vector<int> rest = all_but(chosen_.size(), {});
         const Subset all = then.subset(rest);
         out.fit = then.evaluate(all);
-        if (is_tested) test_without = left_on_test(out.fit.x, rest);
+        if (is_tested) test_without = left_on_test(all.x, rest);
         if (rivals != nullptr) take_rivals(then, all, out.fit, then.gain(out.with, out.fit).sum, before[k].term, *rivals);
       } else {
         out.fit = out.with;
@@ -760,9 +771,9 @@ class Search {
     return residual;
   }
 
-  // Held-out recordings do not repeat what a term gains.
+  // Held-out recordings are predicted worse with a term than without it.
   static bool is_contradicted(const Gain& on_test) {
-    return on_test.of_joint.size() > 0 && on_test.sum < on_test.limit;
+    return on_test.of_joint.size() > 0 && on_test.sum < -on_test.error;
   }
 
   // What does not pass beside all others goes, the least first; true if anything did. What went twice stays away.
@@ -776,6 +787,7 @@ class Search {
       for (size_t k = 0; k < chosen_.size(); ++k) {
         const Without w = without(k, now);
         const bool refuted = is_contradicted(w.on_test);
+        if (getenv("SD") && w.on_test.of_joint.size()) fprintf(stderr, "   clean %-40s gain %.1f limit %.1f test %.1f +- %.1f%s\n", chosen_[k].term.place.c_str(), w.gain.sum, w.gain.limit, w.on_test.sum, w.on_test.error, refuted ? " REFUTED" : "");
         const double margin = refuted ? w.on_test.sum / std::max(w.on_test.error, numerics::kNoise) - numerics::kHuge : w.gain.sum / std::max(w.gain.error, numerics::kNoise);
         if ((refuted || !passes(w.gain, chosen_[k].term) || makes_worse(w.gain)) && (!gone || margin < least)) {
           gone = k;
@@ -879,7 +891,7 @@ class Search {
       if (again) at_test_ = std::make_unique<Round>(round());
       std::vector<int> some(m);
       std::iota(some.begin(), some.end(), 0);
-      const MatrixXd residual = left_on_test(at_test_->evaluate(at_test_->subset(some)).x, some);
+      const MatrixXd residual = left_on_test(at_test_->subset(some).x, some);
       out.test_error.row(static_cast<Eigen::Index>(m)) = residual.colwise().norm() / std::sqrt(static_cast<double>(std::max<Eigen::Index>(1, residual.rows())));
       if (m < chosen_.size()) continue;
       out.test = test_rows();

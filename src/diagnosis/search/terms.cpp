@@ -126,7 +126,6 @@ class Builder {
     t.price = odds_of(effect);
     const std::vector<EffectParameter> parameters = effect.parameters();
     const bool slides = !c.axis.coefficients.isZero(0.0) && is_prismatic(arm_, c.axis);
-    t.price += kPolished * std::max(0.0, static_cast<double>(parameters.size()) - 1.0);
     t.nonnegative = parameters.size() == 1 && parameters[0].sign == ParameterSign::kNonnegative;
     t.largest.resize(parameters.size());
     for (size_t p = 0; p < parameters.size(); ++p)
