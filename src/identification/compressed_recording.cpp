@@ -15,7 +15,6 @@
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
-extern std::string g_source;
 namespace {
 
 using Visit = VisitSegment;
@@ -182,7 +181,6 @@ CompressedRecording run_compress(const Model& arm, const std::string& source,
   out.period = period;
   const int n = arm.joints();
   const PreprocessingOptions mine = of_this_source(options, source);
-  g_source = source;
   const RegressorColumns columns(arm, mine);
   Blocks blocks(columns, n, period.seconds, numbers);
   PeriodFold fold(n, period.seconds, numbers);

@@ -8,17 +8,7 @@
 #include "veridyn/effects/channel_effect.hpp"
 #include "math/zero_phase_filter.hpp"
 
-#include <map>
-#include <string>
 namespace veridyn {
-struct SampleWeightsX { std::vector<double> time; MatrixXd of; };
-std::map<std::string, SampleWeightsX> g_weights;
-std::string g_source;
-static double weight_at(const SampleWeightsX& w, int i, double t) {
-  auto at = std::lower_bound(w.time.begin(), w.time.end(), t - 1e-6);
-  if (at == w.time.end()) return 1.0;
-  return w.of(at - w.time.begin(), i);
-}
 namespace {
 
 constexpr Eigen::Index kGroupEntries = 1 << 19;  // entries of columns in memory at once
@@ -240,13 +230,6 @@ std::vector<JointRows> RegressorColumns::rows(const Segment& s, Joints joints) c
     for (Eigen::Index k = 0; k < rows; ++k) {
       of.b[k] = b(kept[k], 0);
       of.time[k] = s.time[kept[k]] - s.start;
-    }
-    if (const auto w = g_weights.find(g_source); w != g_weights.end()) {
-      for (Eigen::Index k = 0; k < rows; ++k) {
-        const double root = std::sqrt(weight_at(w->second, i, of.time[k]));
-        of.A.row(k) *= root;
-        of.b[k] *= root;
-      }
     }
     out.push_back(std::move(of));
     mine.resize(0, 0);

@@ -22,10 +22,6 @@
 #include "veridyn/identification/pseudo_inertia.hpp"
 #include "veridyn/regressor/standard_parameters.hpp"
 
-namespace veridyn {
-struct SampleWeightsX { std::vector<double> time; MatrixXd of; };
-extern std::map<std::string, SampleWeightsX> g_weights;
-}
 namespace veridyn::search {
 namespace {
 
@@ -115,13 +111,6 @@ class Explanation {
     found_ = search(*x_.start.model, request);
     d_.hypotheses = found_.asked;
     d_.remarks = x_.remarks;
-    if (!getenv("NOW")) for (size_t r = 0; r < x_.train.size(); ++r) {
-      SampleWeightsX w;
-      std::vector<Eigen::Index> own;
-      for (Eigen::Index k = 0; k < found_.rows->rows(); ++k) if (found_.rows->recording()[k] == r) { own.push_back(k); w.time.push_back(found_.rows->time()[k]); }
-      w.of = found_.weights(own, Eigen::all);
-      g_weights[x_.train[r]] = std::move(w);
-    }
     add_findings();
     fit();
     add_moments();

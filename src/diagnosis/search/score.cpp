@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numeric>
 
 #include "diagnosis/evidence/numerics.hpp"
@@ -428,59 +427,33 @@ Fitted Round::evaluate(const Subset& s, const Cross* c) const {
   return out;
 }
 
-namespace {
-
-// From residuals with their scales, and the block of every row; -1: the row does not count.
-Gain gain_between(const MatrixXd& with, const VectorXd& with_scale, const MatrixXd& without, const VectorXd& without_scale,
-                  const MatrixXd& used, const VectorXd& weight, const std::vector<int>& block, int count) {
+Round::Gain Round::gain(const Fitted& with, const Fitted& without) const {
   Gain out;
-  const Eigen::Index n = with.cols();
-  MatrixXd blocks = MatrixXd::Zero(count, n);
+  const auto n = static_cast<Eigen::Index>(X_.size());
+  MatrixXd blocks = MatrixXd::Zero(folds_.blocks, n);
   out.rise = VectorXd::Zero(n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    if (weight[i] == 0.0) continue;
-    const Eigen::ArrayXd d = (losses_of(without.col(i), without_scale[i]) - losses_of(with.col(i), with_scale[i])) * used.col(i).array() * weight[i];
+    if (rows_of_[i] == 0.0) continue;
+    const Eigen::ArrayXd d = (losses_of(without.residual.col(i), without.scale[i]) - losses_of(with.residual.col(i), with.scale[i])) *
+                             rows_.used.col(i).array() * samples_[i] / rows_of_[i];
     for (Eigen::Index r = 0; r < d.size(); ++r) {
-      if (block[r] >= 0) blocks(block[r], i) += d[r];
+      if (folds_.of_row[r] >= 0) blocks(folds_.block[r], i) += d[r];
     }
-    out.rise[i] = std::pow(with_scale[i] / without_scale[i], 2) - 1.0;
+    out.rise[i] = std::pow(with.scale[i] / without.scale[i], 2) - 1.0;
     out.share = std::max(out.share, -out.rise[i]);
   }
-  const double few = std::max(1.0, count - 1.0);
-  const auto scatter = [&](const VectorXd& x) { return std::sqrt((x.array() - x.mean()).square().sum() * count / few); };
+  const auto scatter = [&](const VectorXd& x) {
+    const double mean = x.mean();
+    return std::sqrt((x.array() - mean).square().sum() * folds_.blocks / std::max(1.0, folds_.blocks - 1.0));
+  };
   out.of_joint = blocks.colwise().sum().transpose();
   out.error_of_joint.resize(n);
   for (Eigen::Index i = 0; i < n; ++i) out.error_of_joint[i] = scatter(blocks.col(i));
-  out.sum = out.of_joint.sum();
-  out.error = scatter(blocks.rowwise().sum());
-  out.limit = out.error * (count < kManyBlocks ? student_t_quantile(2.0 * (1.0 - kPassed), few) : kErrors);
-  return out;
-}
-
-}  // namespace
-
-Gain gain_on(const Rows& rows, const MatrixXd& with, const MatrixXd& without, const VectorXd& weight) {
-  VectorXd scale_with(with.cols()), scale_without(with.cols());
-  for (Eigen::Index i = 0; i < with.cols(); ++i) {
-    const double least = std::max(numerics::kNoise, kLeastScale * rows.measured.col(i).norm() / std::sqrt(static_cast<double>(std::max<Eigen::Index>(1, rows.rows()))));
-    scale_with[i] = student_scale(with.col(i), rows.used.col(i), least);
-    scale_without[i] = student_scale(without.col(i), rows.used.col(i), least);
-  }
-  std::vector<int> block;
-  std::map<std::pair<size_t, int>, int> known;
-  for (Eigen::Index r = 0; r < rows.rows(); ++r) {
-    const std::pair<size_t, int> at(rows.recording()[r], static_cast<int>(rows.time()[r] / kBlockSeconds));
-    block.push_back(known.emplace(at, static_cast<int>(known.size())).first->second);
-  }
-  return gain_between(with, scale_with, without, scale_without, rows.used, weight, block, static_cast<int>(known.size()));
-}
-
-Gain Round::gain(const Fitted& with, const Fitted& without) const {
-  std::vector<int> block = folds_.block;
-  for (size_t r = 0; r < block.size(); ++r) block[r] = folds_.of_row[r] < 0 ? -1 : block[r];
-  Gain out = gain_between(with.residual, with.scale, without.residual, without.scale, rows_.used, samples_of_row(), block, folds_.blocks);
   out.prior = without.prior - with.prior;
-  out.sum += out.prior;
+  out.sum = out.of_joint.sum() + out.prior;
+  out.error = scatter(blocks.rowwise().sum());
+  const double errors = folds_.blocks < kManyBlocks ? student_t_quantile(2.0 * (1.0 - kPassed), std::max(1.0, folds_.blocks - 1.0)) : kErrors;
+  out.limit = errors * out.error;
   return out;
 }
 

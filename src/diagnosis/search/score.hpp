@@ -58,19 +58,6 @@ struct Subset {
   VectorXd x;
 };
 
-/// Gain of one set over another, and its standard error over blocks.
-struct Gain {
-  double sum = 0.0, error = 0.0, limit = 0.0;  ///< limit: errors * standard error
-  VectorXd of_joint, error_of_joint;
-  double share = 0.0;  ///< largest fall of a joint's mean square
-  VectorXd rise;       ///< (n) of every joint's mean square, as a share of it
-  double prior = 0.0;  ///< part of the sum that a MODEL's prior no longer pays
-};
-
-/// The same on rows that no set was fitted to.
-/// @param weight  (n) independent samples of a row.
-Gain gain_on(const Rows& rows, const MatrixXd& with, const MatrixXd& without, const VectorXd& weight);
-
 /// What stays fixed while terms are added, polished and exchanged: the weights of the Student-t loss, the scale and the
 /// number of independent samples of every joint, from the present set.
 class Round {
@@ -81,8 +68,6 @@ class Round {
 
   const VectorXd& scale() const { return scale_; }
   const VectorXd& samples() const { return samples_; }
-  /// (n) independent samples of one row.
-  VectorXd samples_of_row() const { return samples_.cwiseQuotient(rows_of_.cwiseMax(1.0)); }
   const MatrixXd& weights() const { return weights_; }
 
   Subset subset(const std::vector<int>& chosen) const;
@@ -92,6 +77,14 @@ class Round {
   double training_gain(const Subset& s, const Cross& c) const;
   Fitted evaluate(const Subset& s, const Cross* c = nullptr) const;
 
+  /// Gain of `with` over `without`, and its standard error over blocks.
+  struct Gain {
+    double sum = 0.0, error = 0.0, limit = 0.0;  ///< limit: errors * standard error
+    VectorXd of_joint, error_of_joint;
+    double share = 0.0;  ///< largest fall of a joint's mean square
+    VectorXd rise;       ///< (n) of every joint's mean square, as a share of it
+    double prior = 0.0;  ///< part of the sum that a MODEL's prior no longer pays
+  };
   Gain gain(const Fitted& with, const Fitted& without) const;
 
   /// Covariance of the values of a fit, from the scatter of its blocks.

@@ -1,7 +1,5 @@
 #include "diagnosis/search/search.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -232,7 +230,7 @@ class Search {
     // What gains much in a few blocks only does not take the places of what gains everywhere.
     const Fitted without = round.evaluate(s);
     out.erase(std::remove_if(out.begin(), out.end(), [&](const Option& o) {
-                const Gain g = round.gain(o.fit, without);
+                const Round::Gain g = round.gain(o.fit, without);
                 return without.score - o.value + o.term.price < kWorthPolish * needed || g.sum < kWorthPolish * g.limit;
               }), out.end());
     std::sort(out.begin(), out.end(), better);
@@ -266,14 +264,14 @@ class Search {
     return false;
   }
 
-  static bool makes_worse(const Gain& g) {
+  static bool makes_worse(const Round::Gain& g) {
     for (Eigen::Index i = 0; i < g.of_joint.size(); ++i) {
       if (g.rise[i] > kSmallest && g.of_joint[i] < -kErrors * g.error_of_joint[i]) return true;
     }
     return false;
   }
 
-  bool passes(const Gain& g, const Term& t) const {
+  bool passes(const Round::Gain& g, const Term& t) const {
     // Against a MODEL its own numbers may move a little. Of what moves as they do, what they would have to pay counts as
     // well as the error.
     const bool moves_as_model = t.kind == TermKind::kChange || t.kind == TermKind::kLoad;
@@ -300,19 +298,6 @@ class Search {
       return !is_chosen(t) && aside_.count(t.place) == 0 && (t.kind == TermKind::kCurve) == curves;
     });
     if (!curves) add_far_gravities(now, fit, options);
-    if (getenv("SD")) {
-      fprintf(stderr, "-- add %s, set of %zu, scale", curves ? "curve" : "name", chosen_.size());
-      for (int i = 0; i < rows_->joints(); ++i) fprintf(stderr, " %.3g(%.0f)", now.scale()[i], now.samples()[i]);
-      fprintf(stderr, "\n");
-      for (Option& o : options) {
-        const Gain g = now.gain(o.fit, fit);
-        fprintf(stderr, "   %-40s gain %.1f limit %.1f price %.1f share %.3f %s %s", o.term.place.c_str(), g.sum, g.limit, o.term.price, g.share, passes(g, o.term) ? "pass" : "-", std::isfinite(o.value) ? "" : "impossible");
-        for (auto& [k, v] : o.term.effect.values) fprintf(stderr, " %s %.4g", k.c_str(), v);
-        fprintf(stderr, " :");
-        for (int i = 0; i < rows_->joints(); ++i) fprintf(stderr, " %.1f", g.of_joint[i]);
-        fprintf(stderr, "\n");
-      }
-    }
     for (Option& o : options) {
       if (!(o.value < fit.score)) break;
       if (!passes(now.gain(o.fit, fit), o.term)) continue;
@@ -494,7 +479,7 @@ class Search {
       // Torques without gravity are as good as any direction that no joint feels.
       if (gravity != Eigen::Vector3d::Zero()) o.term.price += std::log(static_cast<double>(all.size()));
       o.fit = then.evaluate(then.subset(all_but(chosen_.size(), {})));
-      const Gain gain = now.gain(o.fit, fit);
+      const Round::Gain gain = now.gain(o.fit, fit);
       o.value = fit.score - gain.sum + o.term.price;
       o.columns = std::make_shared<Columns>(columns_of(o.term, *rows_));
       o.ridge = VectorXd::Constant(o.columns->count(), kNoMass);
@@ -545,7 +530,7 @@ class Search {
       std::vector<Option> options = best_terms(now, s, crossed, more, gained, [&](const Term& t) { return t.kind != TermKind::kCurve && !is_chosen(t, {k}) && shares_joint(t, {k}); });
       for (Option& o : options) {
         if (o.value + price_of(rest) >= value - kBetter) break;
-        const Gain g = now.gain(o.fit, full);
+        const Round::Gain g = now.gain(o.fit, full);
         // A dearer name replaces a cheaper one only by the same margins as a term is added.
         if (o.term.price > chosen_[k].term.price + kGramRidge && g.sum < g.limit) continue;
         if (!passes(now.gain(o.fit, without), o.term)) continue;
@@ -603,7 +588,7 @@ class Search {
     const Fitted with_curve = now.evaluate(now.subset(all_but(chosen_.size(), names)));
     double paid = chosen_[last].term.price;
     for (const size_t k : names) paid -= chosen_[k].term.price;
-    const Gain g = now.gain(with_curve, with_names);
+    const Round::Gain g = now.gain(with_curve, with_names);
     if (g.sum <= std::max(g.limit, paid)) return;
     std::vector<Chosen> kept;
     for (size_t k = 0; k <= last; ++k) {
@@ -689,91 +674,32 @@ class Search {
     }
   }
 
-  // The curves of a joint on which a name acts. A curve can do what a name does: names are judged without it.
-  std::set<size_t> curves_beside(size_t k) const {
-    std::set<size_t> out;
-    const Term& t = chosen_[k].term;
-    for (size_t c = 0; t.kind != TermKind::kCurve && t.joint && c < chosen_.size(); ++c) {
-      if (chosen_[c].term.kind == TermKind::kCurve && chosen_[c].term.joint == t.joint) out.insert(c);
-    }
-    return out;
-  }
-
   // The set without one term, at the arm without it.
   struct Without {
-    Fitted with, fit;
-    Gain gain;
-    Gain on_test;  // of the held-out recordings; empty without any
+    Fitted fit;
+    Round::Gain gain;
   };
-  Without without(size_t k, const Round& now, std::vector<Chosen::RivalTerm>* rivals = nullptr) {
+  Without without(size_t k, const Round& now, const Fitted& full, std::vector<Chosen::RivalTerm>* rivals = nullptr) {
     Without out;
-    std::set<size_t> aside = curves_beside(k);
-    const std::vector<int> set = all_but(chosen_.size(), aside);
-    const Subset with = now.subset(set);
-    out.with = now.evaluate(with);
-    const bool is_tested = !request_.test.empty();
-    MatrixXd test_with, test_without;
-    if (is_tested) test_with = left_on_test(with.x, set);
-    aside.insert(k);
     if (!chosen_[k].term.is_linearised()) {
-      const std::vector<int> rest = all_but(chosen_.size(), aside);
-      const Subset s = now.subset(rest);
-      out.fit = now.evaluate(s);
-      if (is_tested) test_without = left_on_test(s.x, rest);
+      out.fit = now.evaluate(now.subset(all_but(chosen_.size(), {k})));
     } else {
       const std::vector<Chosen> before = chosen_;
       const State state = kept();
       chosen_.erase(chosen_.begin() + static_cast<long>(k));
       if (move_to(arm_of(chosen_))) {
         const Round then = round();
-        const std::vector<int> rest = all_but(chosen_.size(), {});
-        const Subset all = then.subset(rest);
+        const Subset all = then.subset(all_but(chosen_.size(), {}));
         out.fit = then.evaluate(all);
-        if (is_tested) test_without = left_on_test(all.x, rest);
-        if (rivals != nullptr) take_rivals(then, all, out.fit, then.gain(out.with, out.fit).sum, before[k].term, *rivals);
+        if (rivals != nullptr) take_rivals(then, all, out.fit, then.gain(full, out.fit).sum, before[k].term, *rivals);
       } else {
-        out.fit = out.with;
-        test_without = test_with;
+        out.fit = full;
       }
       chosen_ = before;
       restore(state);
     }
-    out.gain = now.gain(out.with, out.fit);
-    if (is_tested && test_with.rows() == test_without.rows()) out.on_test = gain_on(*test_rows(), test_with, test_without, now.samples_of_row());
+    out.gain = now.gain(full, out.fit);
     return out;
-  }
-
-  // Rows of the held-out recordings at the present arm.
-  const std::shared_ptr<const Rows>& test_rows() {
-    if (test_of_ != rows_) {
-      test_ = std::make_shared<Rows>(rows_->arm(), request_.test, request_.test_preprocessing);
-      test_columns_.clear();
-      test_of_ = rows_;
-    }
-    return test_;
-  }
-
-  // What terms of the present set leave of them.
-  MatrixXd left_on_test(const VectorXd& x, const std::vector<int>& set) {
-    const Rows& test = *test_rows();
-    MatrixXd residual = test.residual;
-    for (int i = 0; i < rows_->joints(); ++i) residual.col(i) -= base_columns(test, i, base_.T) * x.head(base_.T.cols());
-    for (const int k : set) {
-      const auto [begin, count] = range(static_cast<size_t>(k));
-      const Term& t = chosen_[k].term;
-      std::string key = t.place;
-      for (const auto& [name, value] : t.effect.values) key += fmt::format(" {} {:.17g}", name, value);
-      for (int e = 0; e < 3; ++e) key += fmt::format(" {:.17g}", t.centre[e]);
-      auto at = test_columns_.find(key);
-      if (at == test_columns_.end()) at = test_columns_.emplace(key, columns_of(t, test)).first;
-      for (size_t j = 0; j < at->second.joints.size(); ++j) residual.col(at->second.joints[j]) -= at->second.of[j] * x.segment(begin, count);
-    }
-    return residual;
-  }
-
-  // Held-out recordings are predicted worse with a term than without it.
-  static bool is_contradicted(const Gain& on_test) {
-    return on_test.of_joint.size() > 0 && on_test.sum < -on_test.error;
   }
 
   // What does not pass beside all others goes, the least first; true if anything did. What went twice stays away.
@@ -781,23 +707,26 @@ class Search {
     bool any = false;
     while (!chosen_.empty()) {
       const Round now = round();
+      const Fitted full = now.evaluate(now.subset(all_but(chosen_.size(), {})));
       std::optional<size_t> gone;
       double least = 0.0;
-      bool is_refuted = false;
       for (size_t k = 0; k < chosen_.size(); ++k) {
-        const Without w = without(k, now);
-        const bool refuted = is_contradicted(w.on_test);
-        if (getenv("SD") && w.on_test.of_joint.size()) fprintf(stderr, "   clean %-40s gain %.1f limit %.1f test %.1f +- %.1f%s\n", chosen_[k].term.place.c_str(), w.gain.sum, w.gain.limit, w.on_test.sum, w.on_test.error, refuted ? " REFUTED" : "");
-        const double margin = refuted ? w.on_test.sum / std::max(w.on_test.error, numerics::kNoise) - numerics::kHuge : w.gain.sum / std::max(w.gain.error, numerics::kNoise);
-        if ((refuted || !passes(w.gain, chosen_[k].term) || makes_worse(w.gain)) && (!gone || margin < least)) {
+        const Without w = without(k, now, full);
+        const Round::Gain& g = w.gain;
+        // Beside curves a name needs no proof of its own.
+        const bool has_curve = std::any_of(chosen_.begin(), chosen_.end(), [&](const Chosen& c) {
+          return c.term.kind == TermKind::kCurve && c.term.joint == chosen_[k].term.joint;
+        });
+        if (has_curve && chosen_[k].term.kind != TermKind::kCurve) continue;
+        const double margin = g.sum / std::max(g.error, numerics::kNoise);
+        if ((!passes(g, chosen_[k].term) || makes_worse(g)) && (!gone || margin < least)) {
           gone = k;
           least = margin;
-          is_refuted = refuted;
         }
       }
       if (!gone) return any;
       any = true;
-      if (++cleaned_[chosen_[*gone].term.place] > 1 || is_refuted) aside_.insert(chosen_[*gone].term.place);
+      if (++cleaned_[chosen_[*gone].term.place] > 1) aside_.insert(chosen_[*gone].term.place);
       const bool moved = chosen_[*gone].term.is_linearised();
       chosen_.erase(chosen_.begin() + static_cast<long>(*gone));
       if (moved) move_to(arm_of(chosen_));
@@ -832,17 +761,18 @@ class Search {
       }
       return e;
     };
+    const VectorXd after = relative(full);
     for (size_t k = 0; k < chosen_.size(); ++k) {
       const auto [first, count] = range(k);
       std::vector<Chosen::RivalTerm> rivals;
-      const Without w = without(k, now, &rivals);
+      const Without w = without(k, now, full, &rivals);
       Chosen& c = chosen_[k];
       c.rivals = std::move(rivals);
       c.gain = w.gain.sum;
       c.error = w.gain.error;
       c.of_joint = w.gain.of_joint;
       c.folds_before = relative(w.fit);
-      c.folds_after = relative(w.with);
+      c.folds_after = after;
       c.values = full.x.segment(first, count);
       for (size_t p = 0; p < c.offset.size() && !c.gravity; ++p)
         c.values[static_cast<Eigen::Index>(p)] = scales(c.term) ? (1.0 + c.offset[p]) * (1.0 + c.values[static_cast<Eigen::Index>(p)]) - 1.0
@@ -856,9 +786,6 @@ class Search {
     out.rows = rows_;
     out.residual = full.residual;
     out.scale = now.scale();
-    out.weights = MatrixXd::Ones(full.residual.rows(), full.residual.cols());
-    for (Eigen::Index i = 0; i < out.weights.cols(); ++i)
-      out.weights.col(i) = (kFreedom + 1.0) / (kFreedom + (full.residual.col(i).array() / out.scale[i]).square());
     out.values = values_ + base_.T * full.x.head(base_.T.cols());
     out.fitted = rows_->residual;
     for (int i = 0; i < rows_->joints(); ++i) out.fitted.col(i) -= base_.X[i] * full.x.head(base_.T.cols());
@@ -888,13 +815,22 @@ class Search {
         out.test_error.row(static_cast<Eigen::Index>(m)) = out.test_error.row(static_cast<Eigen::Index>(m) + 1);
         continue;
       }
+      if (again) test_ = std::make_shared<Rows>(rows_->arm(), request_.test, request_.test_preprocessing);
       if (again) at_test_ = std::make_unique<Round>(round());
       std::vector<int> some(m);
       std::iota(some.begin(), some.end(), 0);
-      const MatrixXd residual = left_on_test(at_test_->subset(some).x, some);
+      const VectorXd x = at_test_->subset(some).x;
+      MatrixXd residual = test_->residual;
+      for (int i = 0; i < rows_->joints(); ++i) residual.col(i) -= base_columns(*test_, i, base_.T) * x.head(base_.T.cols());
+      for (size_t k = 0; k < m; ++k) {
+        const auto [begin, count] = range(k);
+        const Columns columns = columns_of(chosen_[k].term, *test_);
+        for (size_t at = 0; at < columns.joints.size(); ++at)
+          residual.col(columns.joints[at]) -= columns.of[at] * x.segment(begin, count);
+      }
       out.test_error.row(static_cast<Eigen::Index>(m)) = residual.colwise().norm() / std::sqrt(static_cast<double>(std::max<Eigen::Index>(1, residual.rows())));
       if (m < chosen_.size()) continue;
-      out.test = test_rows();
+      out.test = test_;
       out.test_residual = residual;
     }
   }
@@ -926,7 +862,7 @@ class Search {
   void take_rivals(const Round& then, const Subset& all, const Fitted& fit, double gained, const Term& term, std::vector<Chosen::RivalTerm>& out) {
     const std::map<size_t, Cross> crossed = crosses(then);
     for (const Option& o : best_terms(then, all, crossed, {}, kHalf * gained, [&](const Term& t) { return !same_place(t, term) && t.kind != TermKind::kCurve; })) {
-      const Gain g = then.gain(o.fit, fit);
+      const Round::Gain g = then.gain(o.fit, fit);
       if (!std::isfinite(o.value) || gained - g.sum + o.term.price - term.price > 2.0 * g.error) continue;
       out.push_back({o.term, gained - g.sum, g.sum});
     }
@@ -941,7 +877,7 @@ class Search {
            return !is_chosen(t) && t.kind != TermKind::kCurve && shares_joint(t, {k});
          })) {
       if (!std::isfinite(o.value)) break;
-      const Gain g = now.gain(full, o.fit);
+      const Round::Gain g = now.gain(full, o.fit);
       if (g.sum + o.term.price - c.term.price < 2.0 * g.error && without.score - o.fit.score > 0.0)
         c.rivals.push_back({o.term, g.sum, without.score - o.fit.score});
     }
@@ -965,7 +901,7 @@ class Search {
     parallel_for(static_cast<int>(shown.size()), request_.threads, [&](int k) {
       if (shown[k].collinear) return;
       const Option o = option(now, s, shown[k].term, nullptr);
-      const Gain g = now.gain(o.fit, full);
+      const Round::Gain g = now.gain(o.fit, full);
       shown[k].impossible = !std::isfinite(o.value);
       shown[k].gain = g.sum;
       shown[k].error = g.error;
@@ -990,8 +926,7 @@ class Search {
   std::vector<std::shared_ptr<Columns>> cache_;
   std::vector<Chosen> chosen_;
   bool far_asked_ = false;
-  std::shared_ptr<const Rows> test_, test_of_;
-  std::map<std::string, Columns> test_columns_;
+  std::shared_ptr<const Rows> test_;
   std::unique_ptr<Round> at_test_;
 };
 
