@@ -84,7 +84,7 @@ std::vector<NumberCase> number_cases() {
       {"decimal commas between tabs", with_decimal_commas('\t'), 0, ""},
       {"decimal commas between commas", with_decimal_commas(','), 3, "fields, expected 7"},
       {"UTF-16", "\xFF\xFE" + rows(same), 3, "UTF-16"},
-      {"one torque of 1e305", at_50("1e305"), 0, "1 number beyond"},
+      {"one torque of 1e305", at_50("1e305"), 0, "filled in from the rows beside"},
       {"one torque beyond all numbers", at_50("1e999"), 0, "1 number beyond"},
       {"one infinite torque", at_50("-inf"), 0, "1 number beyond"},
       {"torques of 1e305", with_column(5, [](int, double) { return "-1e305"; }), 3, "no usable rows"},
