@@ -36,6 +36,7 @@ struct Said {
 
   void collect(const json& value) {
     if (value.is_number()) numbers.push_back(std::abs(value.get<double>()));
+    if (value.is_structured()) numbers.push_back(static_cast<double>(value.size()));  // "21 base parameters"
     if (value.is_string()) sentences.push_back(value.get<std::string>());
     if (!value.is_structured()) return;
     for (const auto& item : value.items()) {
