@@ -139,7 +139,7 @@ TEST(StillJoints, AreNamedTogether) {
     if (prior) options.prior = planar();
     const Identification id = identify(planar(), std::vector<Recording>{r, r, r}, {}, options);
     EXPECT_EQ(id.status, IdentificationStatus::kRankDeficient);
-    EXPECT_NE(id.reason.find("synthetic and 2 more: joints shoulder, elbow never move; gravity, offsets and forces of position of an arm at rest are identified with --at-rest"), std::string::npos) << id.reason;
+    EXPECT_NE(id.reason.find("synthetic and 2 more: joints shoulder, elbow never move (--fix shoulder=VALUE holds a joint there); gravity, offsets and forces of position of an arm at rest are identified with --at-rest"), std::string::npos) << id.reason;
   }
 }
 
