@@ -253,8 +253,8 @@ TEST_F(Identify, ARecordingInDegreesIsWarnedOf) {
   EXPECT_NE(done.err.find("degrees or millimetres"), std::string::npos) << done.err;
 }
 
-// What `check` calls a fault is told where a recording is learned from, too.
-TEST_F(Identify, ANumberThatNoArmReachesIsWarnedOf) {
+// What is mended in a row is reported where a recording is learned from, too.
+TEST_F(Identify, ANumberThatNoArmReachesIsReported) {
   std::string spoilt = content_of(train_);
   const size_t row = spoilt.find("\n4.00,") + 1;
   ASSERT_NE(row, 0U);
@@ -265,7 +265,7 @@ TEST_F(Identify, ANumberThatNoArmReachesIsWarnedOf) {
     const ToolRun done = run_tool(command + Words{train, "--quiet"});
     EXPECT_EQ(done.status, 0) << done.err;
     EXPECT_EQ(done.error_lines(), 1) << done.err;
-    EXPECT_EQ(done.err.find("veridyn: warning: " + train + ": "), 0U) << done.err;
+    EXPECT_EQ(done.err.find("veridyn: " + train + ": tau2 (elbow) leaves its range for a single row"), 0U) << done.err;
   }
 }
 
