@@ -272,7 +272,7 @@ TEST_F(RealRecordings, FrictionOfTheInsertionAlone) {
   EXPECT_EQ(states["stribeck_friction"], "not_supported") << done.out;
 }
 
-// What these arms lack is no other direction of gravity and no other convention of the file.
+// These real arms are mounted upright and their files are right: whatever error is left, gravity and DH convention are not blamed for it.
 TEST_F(RealRecordings, OfArmsWithFrictionInCablesAreNotMendedByAnotherRobotFile) {
   const std::vector<std::pair<std::string, std::string>> recordings = {
       {"psm-wrist", "psm-wrist/one.csv"}, {"psm-3dof", "psm1-thesis/fourier-1.csv"}, {"psm-3dof", "psm1-thesis/fourier-2.csv"}};

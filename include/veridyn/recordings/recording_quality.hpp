@@ -81,6 +81,7 @@ const char* name_of(Severity severity);
 ///                       the time)
 ///   velocity_quantised  dq is quantised coarsely; value: step; share: step by the signal's range
 ///   torque_quantised    torque or current is quantised coarsely; value: step; share: step by the signal's range
+///  velocity_unrelated  dq is not the derivative of q; value: their correlation
 ///  velocity_delay      dq lags the derivative of q (cross-correlation); value [s]
 ///   joint_at_rest       q stays within 5 mrad or 5 mm; value: its range
 ///   no_motion           no joint moves

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <iterator>
 #include <ostream>
 
 #include "identification/identification_numbers.hpp"
@@ -39,47 +41,50 @@ IdentifiedState state_of(const IdentifiedJoint& j, const IdentificationNumbers& 
   return IdentifiedState::kUnexplained;
 }
 
-// "a, b and c VERB 2.1, 3 and 4 WHAT; " of the joints in one state; {} are the figures.
-std::string listed_in(const IdentificationVerdict& v, IdentifiedState state, const char* one, const char* several,
-                      const std::string& what,
-                      const std::function<std::string(const IdentifiedJoint&)>& figure) {
-  std::vector<const IdentifiedJoint*> in;
-  for (const IdentifiedJoint& j : v.joints)
-    if (j.state == state) in.push_back(&j);
+std::string in_percent(double share) { return fmt::format("{:.2g} %", 100.0 * share); }
+
+std::vector<IdentifiedJoint> joints_in(const IdentificationVerdict& v, IdentifiedState state) {
+  std::vector<IdentifiedJoint> out;
+  std::copy_if(v.joints.begin(), v.joints.end(), std::back_inserter(out), [state](const IdentifiedJoint& j) { return j.state == state; });
+  return out;
+}
+
+// "a, b and c VERB 2.1, 3 and 4 WHAT; " of some joints; {} are the figures.
+std::string listed(const std::vector<IdentifiedJoint>& in, const char* one, const char* several, const std::string& what,
+                   const std::function<std::string(const IdentifiedJoint&)>& figure) {
   if (in.empty()) return "";
   std::string names, figures;
   for (size_t k = 0; k < in.size(); ++k) {
     const std::string between = k == 0 ? "" : k + 1 == in.size() ? " and " : ", ";
-    names += between + in[k]->joint;
-    figures += between + figure(*in[k]);
+    names += between + in[k].joint;
+    figures += between + figure(in[k]);
   }
   return names + " " + (in.size() == 1 ? one : several) + " " +
          fmt::format(fmt::runtime(what), figures) + "; ";
 }
 
-std::string sentence_of(const IdentificationVerdict& v, bool repaired) {
-  const std::string whose = std::string(v.held_out ? "held out" : "on the training recordings") + (repaired ? ", late rows repaired" : "");
-  const auto error = [](const IdentifiedJoint& j) { return fmt::format("{:.2g} %", 100.0 * j.error); };
-  std::string out = listed_in(v, IdentifiedState::kHardlyMoved,
-                              "moved", "moved", "over {} of the range: record again with a motion of `veridyn excite`",
-                              [](const IdentifiedJoint& j) { return fmt::format("{:.2g} %", 100.0 * j.range); });
-  out += listed_in(v, IdentifiedState::kUnexplained,
-                   "leaves", "leave", "{} times the noise " + whose + ": `veridyn diagnose` says why",
-                   [](const IdentifiedJoint& j) {
-                     return j.error > identifying::kLargestRatio * j.floor ? fmt::format("over {:.0f}", identifying::kLargestRatio)
-                                                              : fmt::format("{:.2g}", j.error / j.floor);
-                   });
-  out += listed_in(v, IdentifiedState::kNoTorque, "has", "have", "no torque " + whose + ": it was not recorded, or nothing drove the joint",
-                   [](const IdentifiedJoint&) { return ""; });
-  IdentificationVerdict quiet = v, loud = v;
-  const auto is_loud = [](const IdentifiedJoint& j) { return j.floor > identifying::kLoud; };
-  quiet.joints.erase(std::remove_if(quiet.joints.begin(), quiet.joints.end(), is_loud), quiet.joints.end());
-  loud.joints.erase(std::remove_if(loud.joints.begin(), loud.joints.end(), [&](const IdentifiedJoint& j) { return !is_loud(j); }), loud.joints.end());
-  out += listed_in(quiet, IdentifiedState::kAtFloor, "is", "are", "at the noise (error {} " + whose + ")", error);
-  out += listed_in(loud, IdentifiedState::kAtFloor, "leaves", "leave",
-                   "{} " + whose + ", about what its repetitions differ by: `veridyn check` names noise, spikes and wrong times, `veridyn diagnose` what drifts", error);
-  out += listed_in(v, IdentifiedState::kCannotTell,
-                   "leaves", "leave", "{} " + whose + ", and as no motion is repeated, the noise is not known", error);
+// `whose` says on which rows the errors are.
+std::string sentence_of(const IdentificationVerdict& v, const std::string& whose) {
+  const auto error = [](const IdentifiedJoint& j) { return in_percent(j.error); };
+  std::string out = listed(joints_in(v, IdentifiedState::kHardlyMoved), "moved", "moved",
+                           "over {} of the range: record again with a motion of `veridyn excite`",
+                           [](const IdentifiedJoint& j) { return in_percent(j.range); });
+  out += listed(joints_in(v, IdentifiedState::kUnexplained), "leaves", "leave", "{} times the noise " + whose + ": `veridyn diagnose` says why",
+                [](const IdentifiedJoint& j) {
+                  return j.error > identifying::kLargestRatio * j.floor ? fmt::format("over {:.0f}", identifying::kLargestRatio)
+                                                                        : fmt::format("{:.2g}", j.error / j.floor);
+                });
+  out += listed(joints_in(v, IdentifiedState::kNoTorque), "has", "have", "no torque " + whose + ": it was not recorded, or nothing drove the joint",
+                [](const IdentifiedJoint&) { return ""; });
+  std::vector<IdentifiedJoint> quiet = joints_in(v, IdentifiedState::kAtFloor), loud;
+  const auto first_loud = std::stable_partition(quiet.begin(), quiet.end(), [](const IdentifiedJoint& j) { return j.floor <= identifying::kLoud; });
+  loud.assign(first_loud, quiet.end());
+  quiet.erase(first_loud, quiet.end());
+  out += listed(quiet, "is", "are", "at the noise (error {} " + whose + ")", error);
+  out += listed(loud, "leaves", "leave",
+                "{} " + whose + ", about what its repetitions differ by: `veridyn check` names noise, spikes and wrong times, `veridyn diagnose` what drifts", error);
+  out += listed(joints_in(v, IdentifiedState::kCannotTell), "leaves", "leave",
+                "{} " + whose + ", and as no motion is repeated, the noise is not known", error);
   out.erase(out.size() - std::min<size_t>(out.size(), 2));
   return out;
 }
@@ -120,7 +125,9 @@ IdentificationVerdict verdict_of(const Identification& id, const IdentificationN
   out.held_out = id.test_error.relative.size() > 0;
   // Rows that came late are no error of the model.
   const VectorXd& repaired = (out.held_out ? id.test_repaired : id.train_repaired).relative;
-  const VectorXd& error = repaired.size() > 0 ? repaired : (out.held_out ? id.test_error : id.train_error).relative;
+  const VectorXd& as_recorded = (out.held_out ? id.test_error : id.train_error).relative;
+  const VectorXd& error = repaired.size() > 0 ? repaired : as_recorded;
+  bool is_another = false;  // in the digits that are printed
   const std::vector<Coordinate>& joints = id.model->coordinates();
   for (size_t i = 0; i < joints.size() && static_cast<Eigen::Index>(i) < error.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
@@ -131,9 +138,10 @@ IdentificationVerdict verdict_of(const Identification& id, const IdentificationN
     j.range = share_of_range(id, joints[i], i);
     j.speed = share_of_speed(id, joints[i], i);
     j.state = state_of(j, numbers);
+    is_another = is_another || in_percent(j.error) != in_percent(as_recorded[k]);
     out.joints.push_back(j);
   }
-  out.sentence = sentence_of(out, repaired.size() > 0);
+  out.sentence = sentence_of(out, std::string(out.held_out ? "held out" : "on the training recordings") + (is_another ? ", late rows repaired" : ""));
   return out;
 }
 

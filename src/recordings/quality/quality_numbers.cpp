@@ -43,6 +43,7 @@ const std::vector<TableNumber<QualityNumbers>>& quality_numbers() {
       number_of<&T::fewest_windows>("fewest_windows"),
       number_of<&T::outlying>("outlying"),
       number_of<&T::agree>("agree"),
+      number_of<&T::related>("related"),
       number_of<&T::scale_error>("scale_error"),
       number_of<&T::clock_error>("clock_error"),
       number_of<&T::sign_error>("sign_error"),

@@ -79,6 +79,8 @@ struct QualityNumbers {
   double outlying = 6.0;
   /// spread < agree * |factor|: the factor is clear.
   double agree = 0.2;
+  /// |correlation of both over the windows with motion| < related: dq is no derivative of this q.
+  double related = 0.5;
   /// |factor - 1| > scale_error: reported; clock_error on a single joint, whose own sensor may be off.
   double scale_error = 0.025, clock_error = 0.1;
   /// |factor + 1| < sign_error: the opposite sign.

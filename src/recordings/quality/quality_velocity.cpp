@@ -221,7 +221,7 @@ void check_velocities(const Head& head, Findings* findings) {
     const double* const dq = head.rows.dq.col(j).data();
     const double range = between_quantiles({dq, dq + head.rows.rows()}, head.numbers.ends, 1.0 - head.numbers.ends);
     check_quantised(head, j, fit, range, findings);
-    if (!fit.clear && std::abs(fit.correlation) < 0.5 && goes_on(head, j)) {
+    if (!fit.clear && std::abs(fit.correlation) < head.numbers.related && goes_on(head, j)) {
       const Place place{"dq", j + 1};
       findings->add(Severity::kFault, "velocity_unrelated", place, {kNone, fit.correlation, ""},
                     text("The velocity of ", named(place), " is not the derivative of its position (correlation ", number(fit.correlation),
