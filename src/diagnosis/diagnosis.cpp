@@ -53,8 +53,8 @@ void run_stages(DiagnosisState& x, const Tell& tell) {
   exclude_rests(x);
   check_torque_signs(x);
   check_errors_in_variables(x);
-  const bool model_is_given = x.options.method == DiagnosisMethod::kAutomatic && x.d.changes;
-  if (x.options.method == DiagnosisMethod::kSearch || model_is_given) {
+  const bool is_search = x.options.method != DiagnosisMethod::kStages;
+  if (is_search) {
     tell("searching");
     search::explain(x);
     x.d.small_apart = x.options.extended == ExtendedModel::kConfirmedOnly;

@@ -116,6 +116,9 @@ PreprocessingOptions of_this_source(PreprocessingOptions options, const std::str
   parts.erase(std::remove_if(parts.begin(), parts.end(),
                              [&](const ExcludedInterval& part) { return part.source != source; }),
               parts.end());
+  const auto weights = options.weights.find(source);
+  if (weights == options.weights.end()) options.weights.clear();
+  else options.weights = {*weights};
   return options;
 }
 

@@ -231,6 +231,11 @@ std::vector<JointRows> RegressorColumns::rows(const Segment& s, Joints joints) c
       of.b[k] = b(kept[k], 0);
       of.time[k] = s.time[kept[k]] - s.start;
     }
+    for (Eigen::Index k = 0; !options_.weights.empty() && k < rows; ++k) {
+      const double root = std::sqrt(options_.weights.begin()->second->at(i, of.time[k]));
+      of.A.row(k) *= root;
+      of.b[k] *= root;
+    }
     out.push_back(std::move(of));
     mine.resize(0, 0);
   }

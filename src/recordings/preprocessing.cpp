@@ -181,6 +181,12 @@ PreparationFacts for_each_stretch_of(const Model& arm, const std::string& name,
 
 }  // namespace
 
+double SampleWeights::at(int joint, double seconds) const {
+  constexpr double kSameInstant = 1e-6;  // [s]
+  const auto next = std::lower_bound(time.begin(), time.end(), seconds - kSameInstant);
+  return next == time.end() ? 1.0 : of_joint(next - time.begin(), joint);
+}
+
 std::vector<WantedJoint> joints_of(const Model& arm) {
   std::vector<WantedJoint> joints;
   for (const Coordinate& c : arm.coordinates()) joints.push_back({c.name, c.prismatic, c.limits.lower, c.limits.upper, c.limits.effort});

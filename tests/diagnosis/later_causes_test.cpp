@@ -65,7 +65,6 @@ class NamesAndCurves : public Stages {
     DiagnosisOptions options;
     options.identification.threads = 1;
     options.max_effects = most;
-    options.method = DiagnosisMethod::kStages;
     return diagnose(read_model("planar-2r"), train, {test}, options);
   }
 

@@ -91,7 +91,6 @@ TEST_F(NameRules, OfAPairThatCancelsOneGoesAndTheOtherIsFittedAlone) {
 TEST_F(NameRules, FrictionBelowZeroIsNoWarmUp) {
   DiagnosisOptions options;
   options.effects = {"warm_up"};
-  options.method = DiagnosisMethod::kStages;
   for (const double size : {1.5, -1.5}) {
     const Diagnosis d = diagnosed({}, options, [size](Recording& r) {
       r.tau.col(0).array() += size * r.dq.col(0).array() * (-r.time.array() / 6.0).exp();

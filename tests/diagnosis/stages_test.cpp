@@ -74,7 +74,6 @@ TEST_F(Stages, WhatOnlyALeanShowsIsNoLoad) {
   const std::string test = record(5, {});
   DiagnosisOptions options;
   options.effects = {"gravity_tilt", "payload"};
-  options.method = DiagnosisMethod::kStages;
   options.identification.threads = 1;
   const Diagnosis found = diagnose(Model(std::move(d)), train, {test}, options);
   ASSERT_EQ(found.findings.size(), 1U);
@@ -270,7 +269,6 @@ TEST_F(Stages, EveryRecordingIsOpenedAndParsedOnce) {
 TEST_F(Stages, ProgressCountsTheHypothesesAndNeverGoesBack) {
   DiagnosisOptions options;
   options.effects = {"quadratic_drag", "joint_spring"};
-  options.method = DiagnosisMethod::kStages;
   std::vector<double> shares;
   std::set<std::string> told;
   options.identification.progress = [&](const std::string& what, double share) {

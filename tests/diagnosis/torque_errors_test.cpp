@@ -33,7 +33,6 @@ Model truth() {
 
 TEST(TorqueCrosstalk, TakesThePlaceOfTheCurveOverTheOtherTorque) {
   DiagnosisOptions how;
-  how.method = DiagnosisMethod::kStages;
   const Diagnosis d = diagnosed(truth(), "torque_crosstalk:2:from=1,share=0.15", how);
   ASSERT_EQ(d.findings.size(), 1U) << d.report();
   const Finding& f = d.findings[0];

@@ -108,7 +108,6 @@ Diagnosis scara_with(const std::function<void(Recording&, unsigned seed)>& chang
   DiagnosisOptions options;
   options.unnamed = unnamed;
   options.identification.threads = 1;
-  options.method = DiagnosisMethod::kStages;  // whose curves these are
   return diagnose(scara, {recordings[0], recordings[1], recordings[2]}, recordings[3], options);
 }
 

@@ -42,6 +42,14 @@ struct ExcludedInterval {
   std::string why;
 };
 
+/// Weights of the samples of one recording in the fit of every joint, as a robust loss gives them.
+struct SampleWeights {
+  std::vector<double> time;  ///< [s] since the recording began, increasing
+  MatrixXd of_joint;         ///< (times x n) >= 0
+  /// Of the first of the times that is not earlier; one beyond the last.
+  double at(int joint, double seconds) const;
+};
+
 /// Options for turning a recording into samples.
 struct PreprocessingOptions {
   double cutoff = 5.0;  ///< [Hz] of the low-pass; 0: no filter
@@ -68,6 +76,8 @@ struct PreprocessingOptions {
   /// Keeps one sample in this many after the filter; 0: as many as four times the cut-off needs.
   int decimation = 0;
   std::vector<ExcludedInterval> excluded_intervals;
+  /// By source; samples of other recordings weigh one. Errors are measured without weights.
+  std::map<std::string, std::shared_ptr<const SampleWeights>> weights;
   /// [s] by source: known periods of the motion (0: it does not repeat), which are then not
   /// detected again.
   std::map<std::string, double> known_periods;

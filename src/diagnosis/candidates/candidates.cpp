@@ -86,8 +86,7 @@ class Enumeration {
     const bool whole_arm = 2 * (arm_.joints() - still) >= arm_.joints();
     for (const ChannelEffect* channel : channel_effects()) {
       const bool of_arm = channel->whole_arm() || channel->can_be_common();
-      const bool asked = !is_asked_later(*channel, arm_) || !scope_.wanted.empty();
-      if (whole_arm && of_arm && asked && is_wanted(channel->name()))
+      if (whole_arm && of_arm && is_asked(*channel))
         out_.push_back(on_channel(arm_, *channel, std::nullopt));
     }
     for (const Axis& axis : axes_of(arm_)) {
@@ -97,7 +96,7 @@ class Enumeration {
         continue;
       for (const AxisEffect* effect : axis_effects()) add(*effect, axis, joint);
       for (const ChannelEffect* channel : channel_effects()) {
-        if (is_plain(axis) && !channel->whole_arm() && is_wanted(channel->name())) add(*channel, joint);
+        if (is_plain(axis) && !channel->whole_arm() && is_asked(*channel)) add(*channel, joint);
       }
     }
     if (whole_arm && scope_.changes && is_wanted(AddedLoad::kName)) {
@@ -112,8 +111,12 @@ class Enumeration {
     return some.empty() || std::find(some.begin(), some.end(), name) != some.end();
   }
 
+  // With more parameters than joints an error of the arm would be nearly any function of the positions.
+  bool is_asked(const ChannelEffect& channel) const {
+    return is_wanted(channel.name()) && (!scope_.wanted.empty() || static_cast<int>(channel.parameters().size()) <= arm_.joints());
+  }
+
   void add(const ChannelEffect& channel, JointIndex joint) {
-    if (scope_.wanted.empty() && is_asked_later(channel, arm_)) return;
     if (!channel.traits().uses_source) {
       out_.push_back(on_channel(arm_, channel, joint));
       return;
@@ -128,7 +131,6 @@ class Enumeration {
   // beside it is a cause if there can be several (memories), or if the first one is a fact.
   void add(const AxisEffect& effect, const Axis& axis, JointIndex joint) {
     const EffectTraits traits = effect.traits();
-    if (scope_.wanted.empty() && is_asked_later(effect, arm_)) return;
     if (!is_wanted(effect.name()) || (!is_plain(axis) && !traits.mixed_axes)) return;
     const std::optional<TermIndex> own = own_term(arm_, effect.name(), axis);
     const bool changes = own && scope_.changes && !traits.uses_source;

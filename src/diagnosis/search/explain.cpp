@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
+#include <utility>
 
 #include "diagnosis/candidates/row_constants.hpp"
 #include "diagnosis/causes/contacts.hpp"
@@ -111,6 +113,7 @@ class Explanation {
     found_ = search(*x_.start.model, request);
     d_.hypotheses = found_.asked;
     d_.remarks = x_.remarks;
+    weigh_rows();
     add_findings();
     fit();
     add_moments();
@@ -121,6 +124,21 @@ class Explanation {
   }
 
  private:
+  // The fit under physical conditions weighs rows as the search did.
+  void weigh_rows() {
+    for (size_t r = 0; r < x_.train.size() && found_.weights.rows() > 0; ++r) {
+      auto weights = std::make_shared<SampleWeights>();
+      std::vector<Eigen::Index> own;
+      for (Eigen::Index k = 0; k < found_.rows->rows(); ++k) {
+        if (found_.rows->recording()[k] != r) continue;
+        own.push_back(k);
+        weights->time.push_back(found_.rows->time()[k]);
+      }
+      weights->of_joint = found_.weights(own, Eigen::all);
+      x_.options.identification.preprocessing.weights[x_.train[r]] = std::move(weights);
+    }
+  }
+
   // Several memories or waves of one cause on one axis are one finding.
   void add_findings() {
     VectorXd first = d_.baseline.test_error.relative;
@@ -254,8 +272,8 @@ class Explanation {
       MatrixXd mean = MatrixXd::Zero(count, n_);
       for (int j = 0; j < n_; ++j) {
         if (found_.scale.size() <= j || found_.scale[j] <= 0.0) continue;
-        for (std::ptrdiff_t k = 0; k < count; ++k) {
-          const auto low = std::max<std::ptrdiff_t>(0, k - half), high = std::min<std::ptrdiff_t>(count - 1, k + half);
+        for (std::ptrdiff_t k = half; k + half < count; ++k) {
+          const auto low = k - half, high = k + half;
           double sum = 0.0;
           for (auto at = low; at <= high; ++at) sum += residual(own[at], j);
           mean(k, j) = sum / static_cast<double>(high - low + 1) / found_.scale[j];
@@ -309,7 +327,10 @@ class Explanation {
                    }), contacts.end());
     if (contacts.empty()) return;
     leave_out(excluded_intervals(contacts), x_);
+    auto& weights = x_.options.identification.preprocessing.weights;
+    const auto kept = std::exchange(weights, {});
     const Identification without = x_.fit(x_.arm);
+    weights = kept;
     if (without.model) d_.baseline = without;
     const Identification extended = x_.fit(extended_arm(before(), named(), d_.changes));
     if (extended.model) d_.extended = extended;

@@ -6,21 +6,25 @@ namespace veridyn::search {
 
 // Numbers of the search. Those that decide come first.
 
-/// gain of a term >= kErrors * its standard error over blocks (kPassed of Student's distribution below kManyBlocks).
-constexpr double kErrors = 2.0, kPassed = 0.97725;
+/// gain of a term >= kErrors * its standard error over blocks (kPassed of Student's distribution below kManyBlocks), where
+/// no held-out recording can repeat the test; else
+/// >= kRepeated * its standard error, and once more on the held-out recordings, to which no term is fitted. A joint that
+/// gets worse by kErrors * the standard error refutes a term.
+constexpr double kErrors = 2.0, kPassed = 0.97725, kRepeated = 1.0;
 constexpr int kManyBlocks = 30;
 /// fall of the mean square of the joint that a term helps most >= kSmallest: less is not worth a name.
 constexpr double kSmallest = 0.02;
 /// ln of the prior odds of a name that often is the cause against one that seldom is, a constant of the robot file, one
 /// that can imitate many others, and curves of one and of two signals; the priors of a dictionary sum to one.
 constexpr double kSeldom = 2.0, kConstant = 4.0, kImitator = 3.5, kCurve = 5.0, kCurveOfTwo = 6.5;
-/// nats of a number that is polished.
+/// nats of a number that is polished, and of every parameter beyond the first.
 constexpr double kPolished = 1.0;
 /// deviation of friction levels and offsets from day to day, as a share of the level.
 constexpr double kDay = 0.1;
 /// part of a MODEL's covariance without its correlations.
 constexpr double kUncorrelatedPart = 0.05;
-/// gain of another term >= kHalf * that of a linearised term: it is compared as a rival.
+/// gain of another term >= kHalf * that of a linearised term: it is compared as a rival; gain of names >= kHalf * that of a
+/// curve: it does not stand for them.
 constexpr double kHalf = 0.5;
 /// mean of half a second of what is left over >= kMomentSize scales, its peak >= kPeak scales and kTorqueShare of the
 /// joint's largest torque, for kShortest [s] or more, in less than kMostOfTime of the recording: a push.
@@ -39,6 +43,8 @@ constexpr int kMostLags = 200;               ///< rows over which the autocorrel
 constexpr double kLargestPart = 10.0;        ///< rms of one parameter's torque, in those of the joint's torque
 constexpr double kDependent = 1e-10;         ///< smallest eigenvalue of scaled columns that count as independent
 constexpr double kLeastScale = 1e-4;         ///< smallest residual, as a share of the joint's rms torque
+constexpr int kBoundTurns = 5;               ///< of the levels that cannot be negative
+constexpr double kAtBound = 1e-9;            ///< below zero: of the largest level
 constexpr int kFixedPoints = 15;             ///< steps of the scale of a Student-t distribution
 constexpr int kReweighted = 3;               ///< fits of a round with new weights
 constexpr double kInSpan = 1e-7;             ///< share of a column that other columns do not span: less is none

@@ -34,6 +34,7 @@ struct Folds {
   std::vector<int> of_row;    ///< in order of time; -1: at a border between two folds, left out
   std::vector<int> block;     ///< of every row
   int blocks = 0;
+  double errors = 0.0;        ///< standard errors over blocks that a gain must exceed
 };
 
 /// The rows of recordings as one arm takes them: filtered and decimated as identification does it.

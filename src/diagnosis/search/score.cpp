@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
+#include <optional>
 
 #include "diagnosis/evidence/numerics.hpp"
 #include "diagnosis/search/numbers.hpp"
-#include "math/student_t.hpp"
 #include "math/decompositions.hpp"
 #include "veridyn/regressor/standard_parameters.hpp"
 #include "veridyn/effects/effect.hpp"
@@ -53,6 +54,23 @@ MatrixXd base_columns(const Rows& rows, int joint, const MatrixXd& T) {
   return rows.own[joint] * of_joint;
 }
 
+namespace {
+
+void add_bounds(const Rows& rows, Base& base) {
+  const std::vector<StandardParameter> all = standard_parameters(rows.arm());
+  for (size_t p = 0; p < all.size(); ++p) {
+    const auto at = static_cast<Eigen::Index>(p);
+    if (!all[p].effect || all[p].lower != 0.0 || base.T.row(at).isZero(0.0)) continue;
+    const Eigen::Index next = base.value.size();
+    base.nonnegative.conservativeResize(next + 1, base.T.cols());
+    base.nonnegative.row(next) = base.T.row(at);
+    base.value.conservativeResize(next + 1);
+    base.value[next] = std::max(all[p].value, 0.0);
+  }
+}
+
+}  // namespace
+
 Base fitted_base(const Rows& rows, Eigen::Index most) {
   const auto all = static_cast<Eigen::Index>(rows.names().size());
   MatrixXd G = MatrixXd::Zero(all, all);
@@ -76,6 +94,7 @@ Base fitted_base(const Rows& rows, Eigen::Index most) {
   // No parameter makes many times the torque that there is, only to be cancelled by others.
   out.ridge = (kLargestPart * kLargestPart * static_cast<double>(rows.rows()) * size.tail(kept)).cwiseInverse();
   for (int i = 0; i < rows.joints(); ++i) out.X.push_back(base_columns(rows, i, out.T));
+  add_bounds(rows, out);
   return out;
 }
 
@@ -140,8 +159,7 @@ Base prior_base(const Rows& rows, const Model& model) {
   return out;
 }
 
-Round::Round(const Rows& rows, const Folds& folds, const Base& base, std::vector<const Columns*> chosen,
-             std::vector<VectorXd> ridges, MatrixXd& weights)
+Round::Round(const Rows& rows, const Folds& folds, const Base& base, const std::vector<SetTerm>& chosen, MatrixXd& weights)
     : rows_(rows), folds_(folds), base_(base.T.cols()), prior_(base.prior) {
   const int n = rows.joints();
   order_.resize(rows.rows());
@@ -158,13 +176,23 @@ Round::Round(const Rows& rows, const Folds& folds, const Base& base, std::vector
   const Eigen::Index count = begin_.back();
   order_.resize(count);
   Eigen::Index p = base_;
-  for (const Columns* c : chosen) {
-    ranges_.emplace_back(p, c->count());
-    p += c->count();
+  for (const SetTerm& c : chosen) {
+    ranges_.emplace_back(p, c.columns->count());
+    p += c.columns->count();
   }
   ridge_ = VectorXd::Zero(p);
   ridge_.head(base_) = base.ridge;
-  for (size_t k = 0; k < chosen.size(); ++k) ridge_.segment(ranges_[k].first, ranges_[k].second) = ridges[k];
+  for (size_t k = 0; k < chosen.size(); ++k) ridge_.segment(ranges_[k].first, ranges_[k].second) = chosen[k].ridge;
+  Eigen::Index levels = 0;
+  for (const SetTerm& c : chosen) levels += static_cast<Eigen::Index>(c.nonnegative.size());
+  Eigen::Index next = base.value.size();
+  bounds_ = MatrixXd::Zero(next + levels, p);
+  value_ = VectorXd::Zero(next + levels);
+  if (next > 0) bounds_.topLeftCorner(next, base_) = base.nonnegative;
+  value_.head(next) = base.value;
+  for (size_t k = 0; k < chosen.size(); ++k) {
+    for (const Eigen::Index column : chosen[k].nonnegative) bounds_(next++, ranges_[k].first + column) = 1.0;
+  }
   y_.resize(count, n);
   used_.resize(count, n);
   X_.assign(n, MatrixXd::Zero(count, p));
@@ -178,10 +206,10 @@ Round::Round(const Rows& rows, const Folds& folds, const Base& base, std::vector
     }
   }
   for (size_t t = 0; t < chosen.size(); ++t) {
-    for (size_t at = 0; at < chosen[t]->joints.size(); ++at) {
-      MatrixXd& X = X_[chosen[t]->joints[at]];
+    for (size_t at = 0; at < chosen[t].columns->joints.size(); ++at) {
+      MatrixXd& X = X_[chosen[t].columns->joints[at]];
       for (Eigen::Index c = 0; c < ranges_[t].second; ++c) {
-        for (Eigen::Index k = 0; k < count; ++k) X(k, ranges_[t].first + c) = chosen[t]->of[at](order_[k], c);
+        for (Eigen::Index k = 0; k < count; ++k) X(k, ranges_[t].first + c) = chosen[t].columns->of[at](order_[k], c);
       }
     }
   }
@@ -204,7 +232,9 @@ Round::Round(const Rows& rows, const Folds& folds, const Base& base, std::vector
   for (int turn = 0; turn < kReweighted; ++turn) {
     gram();
     const Subset s = subset(all);
-    for (int i = 0; i < n; ++i) residual.col(i) = y_.col(i) - X_[i] * s.x;
+    VectorXd x = s.x, none;
+    within_bounds(s, *s.all, nullptr, x, none);
+    for (int i = 0; i < n; ++i) residual.col(i) = y_.col(i) - X_[i] * x;
     weigh(residual);
   }
   gram();
@@ -323,26 +353,76 @@ Cross Round::cross(const Columns& columns, const VectorXd& ridge) const {
   return out;
 }
 
-namespace {
+// Further columns beside factored ones.
+struct Round::Bordered {
+  MatrixXd half;            // L^-1 C
+  Eigen::LDLT<MatrixXd> S;  // of their Schur complement
+  VectorXd z, dx;           // their coefficients, and what they change of the others
+  double gain = 0.0;
+  bool in_span = false;
 
-// Coefficients of further columns beside factored ones; false if they are in their span.
-bool border(const Eigen::LLT<MatrixXd>& factor, const VectorXd& x, const MatrixXd& C, MatrixXd D, const VectorXd& d,
-            const VectorXd& ridge, VectorXd& z, VectorXd& dx, double* gain = nullptr) {
-  const MatrixXd half = factor.matrixL().solve(C);
-  const VectorXd size = D.diagonal();
-  D -= half.transpose() * half;
-  if ((D.diagonal().array() <= kInSpan * size.array()).all()) return false;
-  D.diagonal() += ridge;
-  D.diagonal() += kColumnRidge * size;
-  D.diagonal().array() += numerics::kTiny;
-  const VectorXd e = d - C.transpose() * x;
-  z = Eigen::LDLT<MatrixXd>(D).solve(e);
-  if (gain != nullptr) *gain = 0.5 * e.dot(z);
-  dx = -factor.matrixU().solve(half * z);
-  return z.allFinite();
+  Bordered(const Eigen::LLT<MatrixXd>& factor, const VectorXd& x, const MatrixXd& C, MatrixXd D, const VectorXd& d, const VectorXd& ridge)
+      : half(factor.matrixL().solve(C)) {
+    const VectorXd size = D.diagonal();
+    D -= half.transpose() * half;
+    z = VectorXd::Zero(d.size());
+    dx = VectorXd::Zero(x.size());
+    in_span = (D.diagonal().array() <= kInSpan * size.array()).all();
+    if (in_span) return;
+    D.diagonal() += ridge;
+    D.diagonal() += kColumnRidge * size;
+    D.diagonal().array() += numerics::kTiny;
+    const VectorXd e = d - C.transpose() * x;
+    S.compute(D);
+    const VectorXd own = S.solve(e);
+    in_span = !own.allFinite();
+    if (in_span) return;
+    z = own;
+    gain = 0.5 * e.dot(z);
+    dx = -factor.matrixU().solve(half * z);
+  }
+};
+
+// Moves a solution onto the levels that cannot be negative, by an active set: x + H^-1 A' mu with mu >= 0.
+void Round::within_bounds(const Subset& s, const Eigen::LLT<MatrixXd>& factor, const Bordered* border, VectorXd& x, VectorXd& z) const {
+  if (bounds_.rows() == 0) return;
+  const MatrixXd A = bounds_(Eigen::all, s.columns);
+  const VectorXd start = x(s.columns), start_z = z;
+  std::vector<int> active;
+  VectorXd own = start;
+  for (int turn = 0; turn < kBoundTurns; ++turn) {
+    const VectorXd now = A * own + value_;
+    const double least = -kAtBound * (1.0 + value_.cwiseAbs().maxCoeff());
+    bool grew = false;
+    for (Eigen::Index k = 0; k < now.size(); ++k) {
+      if (now[k] >= least || A.row(k).isZero(0.0) || std::find(active.begin(), active.end(), k) != active.end()) continue;
+      active.push_back(static_cast<int>(k));
+      grew = true;
+    }
+    if (!grew) break;
+    for (;;) {
+      const MatrixXd some = A(active, Eigen::all).transpose();
+      MatrixXd step = factor.solve(some), step_z;
+      if (border != nullptr && !border->in_span) {
+        step_z = -border->S.solve(border->half.transpose() * MatrixXd(factor.matrixL().solve(some)));
+        step -= factor.matrixU().solve(border->half * step_z);
+      }
+      MatrixXd M = some.transpose() * step;
+      M.diagonal().array() *= 1.0 + kGramRidge;
+      M.diagonal().array() += numerics::kTiny;
+      const VectorXd mu = Eigen::LDLT<MatrixXd>(M).solve(-(A(active, Eigen::all) * start + value_(active)));
+      Eigen::Index worst = 0;
+      if (mu.minCoeff(&worst) < 0.0 && active.size() > 1) {
+        active.erase(active.begin() + worst);
+        continue;
+      }
+      own = start + step * mu;
+      if (step_z.size() > 0) z = start_z + step_z * mu;
+      break;
+    }
+  }
+  x(s.columns) = own;
 }
-
-}  // namespace
 
 double Round::training_gain(const Subset& s, const Cross& c) const {
   MatrixXd C = c.C[0], D = c.D[0];
@@ -352,10 +432,8 @@ double Round::training_gain(const Subset& s, const Cross& c) const {
     D += c.D[f];
     d += c.d[f];
   }
-  VectorXd z, dx;
-  double gain = 0.0;
-  if (!border(*s.all, VectorXd(s.x(s.columns)), MatrixXd(C(s.columns, Eigen::all)), D, d, c.ridge, z, dx, &gain)) return -1.0;
-  return gain;
+  const Bordered with(*s.all, VectorXd(s.x(s.columns)), MatrixXd(C(s.columns, Eigen::all)), D, d, c.ridge);
+  return with.in_span ? -1.0 : with.gain;
 }
 
 VectorXd Round::losses(const MatrixXd& residual, VectorXd& scale) const {
@@ -386,18 +464,17 @@ Fitted Round::evaluate(const Subset& s, const Cross* c) const {
     }
   }
   for (int f = 0; f < folds_.count; ++f) {
-    VectorXd x = s.x_fold[f], z;
+    VectorXd x = s.x_fold[f], z = VectorXd::Zero(k);
+    std::optional<Bordered> with;
     if (c != nullptr) {
       const bool one = folds_.count == 1;
       const MatrixXd C = one ? C_all : MatrixXd(C_all - c->C[f]);
-      VectorXd dx;
-      if (border(s.fold[f], VectorXd(x(s.columns)), MatrixXd(C(s.columns, Eigen::all)), one ? D_all : MatrixXd(D_all - c->D[f]),
-                 one ? d_all : VectorXd(d_all - c->d[f]), c->ridge, z, dx)) {
-        x(s.columns) += dx;
-      } else {
-        z = VectorXd::Zero(k);
-      }
+      with.emplace(s.fold[f], VectorXd(x(s.columns)), MatrixXd(C(s.columns, Eigen::all)), one ? D_all : MatrixXd(D_all - c->D[f]),
+                   one ? d_all : VectorXd(d_all - c->d[f]), c->ridge);
+      x(s.columns) += with->dx;
+      z = with->z;
     }
+    within_bounds(s, s.fold[f], with ? &*with : nullptr, x, z);
     const Eigen::Index first = begin_[f], count = begin_[f + 1] - first;
     for (Eigen::Index i = 0; i < n; ++i) sorted.col(i).segment(first, count).noalias() -= X_[i].middleRows(first, count) * x;
     for (size_t at = 0; c != nullptr && at < c->columns->joints.size(); ++at) {
@@ -411,15 +488,16 @@ Fitted Round::evaluate(const Subset& s, const Cross* c) const {
   }
   out.loss = losses(sorted, out.scale);
   out.x = s.x;
+  VectorXd z = VectorXd::Zero(k);
+  std::optional<Bordered> with;
   if (c != nullptr) {
-    VectorXd z, dx;
-    out.x.conservativeResize(out.x.size() + k);
-    out.x.tail(k).setZero();
-    if (border(*s.all, VectorXd(s.x(s.columns)), MatrixXd(C_all(s.columns, Eigen::all)), D_all, d_all, c->ridge, z, dx)) {
-      out.x(s.columns) += dx;
-      out.x.tail(k) = z;
-    }
+    with.emplace(*s.all, VectorXd(s.x(s.columns)), MatrixXd(C_all(s.columns, Eigen::all)), D_all, d_all, c->ridge);
+    out.x(s.columns) += with->dx;
+    z = with->z;
   }
+  within_bounds(s, *s.all, with ? &*with : nullptr, out.x, z);
+  out.x.conservativeResize(s.x.size() + k);
+  out.x.tail(k) = z;
   if (prior_) out.prior = 0.5 * out.x.head(base_).squaredNorm();
   out.score = samples_.dot(out.loss) + out.prior;
   out.residual = MatrixXd::Zero(rows_.rows(), n);
@@ -427,33 +505,59 @@ Fitted Round::evaluate(const Subset& s, const Cross* c) const {
   return out;
 }
 
-Round::Gain Round::gain(const Fitted& with, const Fitted& without) const {
+namespace {
+
+// From residuals with their scales, and the block of every row; -1: the row does not count.
+Gain gain_between(const MatrixXd& with, const VectorXd& with_scale, const MatrixXd& without, const VectorXd& without_scale,
+                  const MatrixXd& used, const VectorXd& weight, const std::vector<int>& block, int count, double errors) {
   Gain out;
-  const auto n = static_cast<Eigen::Index>(X_.size());
-  MatrixXd blocks = MatrixXd::Zero(folds_.blocks, n);
+  const Eigen::Index n = with.cols();
+  MatrixXd blocks = MatrixXd::Zero(count, n);
   out.rise = VectorXd::Zero(n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    if (rows_of_[i] == 0.0) continue;
-    const Eigen::ArrayXd d = (losses_of(without.residual.col(i), without.scale[i]) - losses_of(with.residual.col(i), with.scale[i])) *
-                             rows_.used.col(i).array() * samples_[i] / rows_of_[i];
+    if (weight[i] == 0.0) continue;
+    const Eigen::ArrayXd d = (losses_of(without.col(i), without_scale[i]) - losses_of(with.col(i), with_scale[i])) * used.col(i).array() * weight[i];
     for (Eigen::Index r = 0; r < d.size(); ++r) {
-      if (folds_.of_row[r] >= 0) blocks(folds_.block[r], i) += d[r];
+      if (block[r] >= 0) blocks(block[r], i) += d[r];
     }
-    out.rise[i] = std::pow(with.scale[i] / without.scale[i], 2) - 1.0;
+    out.rise[i] = std::pow(with_scale[i] / without_scale[i], 2) - 1.0;
     out.share = std::max(out.share, -out.rise[i]);
   }
-  const auto scatter = [&](const VectorXd& x) {
-    const double mean = x.mean();
-    return std::sqrt((x.array() - mean).square().sum() * folds_.blocks / std::max(1.0, folds_.blocks - 1.0));
-  };
+  const double few = std::max(1.0, count - 1.0);
+  const auto scatter = [&](const VectorXd& x) { return std::sqrt((x.array() - x.mean()).square().sum() * count / few); };
   out.of_joint = blocks.colwise().sum().transpose();
   out.error_of_joint.resize(n);
   for (Eigen::Index i = 0; i < n; ++i) out.error_of_joint[i] = scatter(blocks.col(i));
-  out.prior = without.prior - with.prior;
-  out.sum = out.of_joint.sum() + out.prior;
+  out.sum = out.of_joint.sum();
   out.error = scatter(blocks.rowwise().sum());
-  const double errors = folds_.blocks < kManyBlocks ? student_t_quantile(2.0 * (1.0 - kPassed), std::max(1.0, folds_.blocks - 1.0)) : kErrors;
   out.limit = errors * out.error;
+  return out;
+}
+
+}  // namespace
+
+Gain gain_on(const Rows& rows, const MatrixXd& with, const MatrixXd& without, const VectorXd& weight) {
+  VectorXd scale_with(with.cols()), scale_without(with.cols());
+  for (Eigen::Index i = 0; i < with.cols(); ++i) {
+    const double least = std::max(numerics::kNoise, kLeastScale * rows.measured.col(i).norm() / std::sqrt(static_cast<double>(std::max<Eigen::Index>(1, rows.rows()))));
+    scale_with[i] = student_scale(with.col(i), rows.used.col(i), least);
+    scale_without[i] = student_scale(without.col(i), rows.used.col(i), least);
+  }
+  std::vector<int> block;
+  std::map<std::pair<size_t, int>, int> known;
+  for (Eigen::Index r = 0; r < rows.rows(); ++r) {
+    const std::pair<size_t, int> at(rows.recording()[r], static_cast<int>(rows.time()[r] / kBlockSeconds));
+    block.push_back(known.emplace(at, static_cast<int>(known.size())).first->second);
+  }
+  return gain_between(with, scale_with, without, scale_without, rows.used, weight, block, static_cast<int>(known.size()), kRepeated);
+}
+
+Gain Round::gain(const Fitted& with, const Fitted& without) const {
+  std::vector<int> block = folds_.block;
+  for (size_t r = 0; r < block.size(); ++r) block[r] = folds_.of_row[r] < 0 ? -1 : block[r];
+  Gain out = gain_between(with.residual, with.scale, without.residual, without.scale, rows_.used, samples_of_row(), block, folds_.blocks, folds_.errors);
+  out.prior = without.prior - with.prior;
+  out.sum += out.prior;
   return out;
 }
 

@@ -18,6 +18,16 @@ struct Base {
   std::vector<MatrixXd> X;  ///< (rows x directions) of every joint
   VectorXd ridge;           ///< of every direction
   bool prior = false;
+  /// Levels that cannot be negative: value + row . u >= 0. Of a MODEL none: its prior says how far they move.
+  MatrixXd nonnegative;
+  VectorXd value;
+};
+
+/// A term of a set.
+struct SetTerm {
+  const Columns* columns;
+  VectorXd ridge;
+  std::vector<Eigen::Index> nonnegative;  ///< its columns whose coefficients cannot be negative
 };
 
 /// The columns of the directions T at other rows of the same arm.
@@ -49,7 +59,8 @@ struct Cross {
   std::vector<VectorXd> d;
 };
 
-/// Base and some of the chosen terms, factored on the rows outside of every fold and on all.
+/// Base and some of the chosen terms, factored on the rows outside of every fold and on all. Solutions are those without
+/// bounds.
 struct Subset {
   std::vector<int> columns;
   std::vector<Eigen::LLT<MatrixXd>> fold;
@@ -58,16 +69,30 @@ struct Subset {
   VectorXd x;
 };
 
+/// Gain of one set over another, and its standard error over blocks.
+struct Gain {
+  double sum = 0.0, error = 0.0, limit = 0.0;  ///< limit: errors * standard error
+  VectorXd of_joint, error_of_joint;
+  double share = 0.0;  ///< largest fall of a joint's mean square
+  VectorXd rise;       ///< (n) of every joint's mean square, as a share of it
+  double prior = 0.0;  ///< part of the sum that a MODEL's prior no longer pays
+};
+
+/// The same on rows that no set was fitted to.
+/// @param weight  (n) independent samples of a row.
+Gain gain_on(const Rows& rows, const MatrixXd& with, const MatrixXd& without, const VectorXd& weight);
+
 /// What stays fixed while terms are added, polished and exchanged: the weights of the Student-t loss, the scale and the
 /// number of independent samples of every joint, from the present set.
 class Round {
  public:
   /// @param weights  (rows x n) of the round before, or empty; replaced.
-  Round(const Rows& rows, const Folds& folds, const Base& base, std::vector<const Columns*> chosen,
-        std::vector<VectorXd> ridges, MatrixXd& weights);
+  Round(const Rows& rows, const Folds& folds, const Base& base, const std::vector<SetTerm>& chosen, MatrixXd& weights);
 
   const VectorXd& scale() const { return scale_; }
   const VectorXd& samples() const { return samples_; }
+  /// (n) independent samples of one row.
+  VectorXd samples_of_row() const { return samples_.cwiseQuotient(rows_of_.cwiseMax(1.0)); }
   const MatrixXd& weights() const { return weights_; }
 
   Subset subset(const std::vector<int>& chosen) const;
@@ -77,20 +102,14 @@ class Round {
   double training_gain(const Subset& s, const Cross& c) const;
   Fitted evaluate(const Subset& s, const Cross* c = nullptr) const;
 
-  /// Gain of `with` over `without`, and its standard error over blocks.
-  struct Gain {
-    double sum = 0.0, error = 0.0, limit = 0.0;  ///< limit: errors * standard error
-    VectorXd of_joint, error_of_joint;
-    double share = 0.0;  ///< largest fall of a joint's mean square
-    VectorXd rise;       ///< (n) of every joint's mean square, as a share of it
-    double prior = 0.0;  ///< part of the sum that a MODEL's prior no longer pays
-  };
   Gain gain(const Fitted& with, const Fitted& without) const;
 
   /// Covariance of the values of a fit, from the scatter of its blocks.
   MatrixXd covariance(const Subset& s, const Fitted& fit) const;
 
  private:
+  struct Bordered;
+  void within_bounds(const Subset& s, const Eigen::LLT<MatrixXd>& factor, const Bordered* border, VectorXd& x, VectorXd& z) const;
   void weigh(const MatrixXd& residual);
   void gram();
   VectorXd losses(const MatrixXd& residual, VectorXd& scale) const;
@@ -103,6 +122,8 @@ class Round {
   std::vector<MatrixXd> X_;                  // per joint, sorted
   std::vector<std::pair<Eigen::Index, Eigen::Index>> ranges_;  // of every chosen term
   MatrixXd y_, used_, a_, weights_;          // sorted
+  MatrixXd bounds_;    // (bounds x columns): value + row . x >= 0
+  VectorXd value_;
   VectorXd ridge_, scale_, samples_, rows_of_, floor_;
   std::vector<MatrixXd> G_;
   std::vector<VectorXd> g_;

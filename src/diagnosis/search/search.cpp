@@ -1,5 +1,7 @@
 #include "diagnosis/search/search.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +12,7 @@
 #include "diagnosis/evidence/numerics.hpp"
 #include "diagnosis/search/numbers.hpp"
 #include "math/parallel.hpp"
+#include "math/student_t.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/identification/base_parameters.hpp"
@@ -43,6 +46,7 @@ class Search {
   Search(const Model& arm, const SearchRequest& request) : arm_(arm), request_(request) {
     rows_ = std::make_shared<Rows>(arm, request.recordings, request.preprocessing);
     folds_ = folds_of(*rows_, request.periods, request.preprocessing.cutoff);
+    folds_.errors = is_repeated() ? kRepeated : errors_of(folds_.blocks);
     values_ = VectorXd(rows_->names().size());
     const std::vector<StandardParameter> all = standard_parameters(arm);
     for (Eigen::Index p = 0; p < values_.size(); ++p) values_[p] = all[p].value;
@@ -60,33 +64,38 @@ class Search {
       // A curve can do what any name on its joint does: names come first, then curves beside them, or in the place of all
       // names of a joint.
       int round = 0;
+      const int most = kRounds + request_.most;
+      const auto has_room = [&] { return static_cast<int>(chosen_.size()) < request_.most && round < most; };
       do {
-        for (; round < kRounds + request_.most && static_cast<int>(chosen_.size()) < request_.most; ++round) {
-          if (request_.progress) request_.progress(round, kRounds + request_.most);
+        for (; has_room(); ++round) {
+          if (request_.progress) request_.progress(round, most);
           if (!add(false)) break;
           exchange();
         }
-      } while (clean() && round < kRounds + request_.most);
-      while (static_cast<int>(chosen_.size()) < request_.most && add(true)) stand_for_names();
+      } while (clean() && has_room());
+      while (has_room() && add(true)) {
+        if (chosen_.back().term.kind == TermKind::kCurve) stand_for_names();
+      }
       clean();
     }
     return finish();
   }
 
  private:
+  // What changed since a MODEL may differ from one recording to the next: the held-out ones are not asked there.
+  bool is_repeated() const { return !request_.test.empty() && !request_.scope.changes; }
+
+  static double errors_of(int blocks) {
+    return blocks < kManyBlocks ? student_t_quantile(2.0 * (1.0 - kPassed), std::max(1.0, blocks - 1.0)) : kErrors;
+  }
+
   Base base_of(const Rows& rows) const { return request_.scope.changes ? prior_base(rows, arm_) : fitted_base(rows, directions_); }
 
-  std::vector<const Columns*> columns() const {
-    std::vector<const Columns*> out;
-    for (const Chosen& c : chosen_) out.push_back(&c.columns);
-    return out;
+  Round round() {
+    std::vector<SetTerm> set;
+    for (const Chosen& c : chosen_) set.push_back({&c.columns, c.ridge, c.term.nonnegative});
+    return Round(*rows_, folds_, base_, set, weights_);
   }
-  std::vector<VectorXd> ridges() const {
-    std::vector<VectorXd> out;
-    for (const Chosen& c : chosen_) out.push_back(c.ridge);
-    return out;
-  }
-  Round round() { return Round(*rows_, folds_, base_, columns(), ridges(), weights_); }
 
   static std::vector<int> all_but(size_t count, const std::set<size_t>& without) {
     std::vector<int> out;
@@ -113,11 +122,14 @@ class Search {
     return out;
   }
 
-  // A parameter with an impossible sign, or a factor that turns a torque round, is no answer.
-  static bool is_possible(const Term& t, const VectorXd& z) {
-    if (t.nonnegative && z[0] < 0.0) return false;
-    if (scales(t) && z[0] <= kGainOfNothing) return false;
-    return true;
+  // A torque that is mostly of an impossible sign, or a factor that turns one round, is no answer.
+  static bool is_possible(const Term& t, const Columns& columns, const VectorXd& z) {
+    VectorXd size = VectorXd::Zero(z.size());
+    for (const MatrixXd& of : columns.of) size += of.colwise().squaredNorm().transpose();
+    Eigen::Index largest = 0;
+    size.cwiseProduct(z.cwiseAbs2()).maxCoeff(&largest);
+    if (z[largest] < 0.0 && std::count(t.nonnegative.begin(), t.nonnegative.end(), largest) > 0) return false;
+    return !scales(t) || z[0] > kGainOfNothing;
   }
 
   const Columns& columns_at(size_t k) {
@@ -133,7 +145,7 @@ class Search {
     out.ridge = ridge_of(term, out.columns->count(), round.scale());
     const Cross cross = round.cross(*out.columns, out.ridge);
     out.fit = round.evaluate(s, &cross);
-    if (is_possible(term, out.fit.x.tail(out.columns->count()))) out.value = out.fit.score + term.price;
+    if (is_possible(term, *out.columns, out.fit.x.tail(out.columns->count()))) out.value = out.fit.score + term.price;
     return out;
   }
 
@@ -230,7 +242,7 @@ class Search {
     // What gains much in a few blocks only does not take the places of what gains everywhere.
     const Fitted without = round.evaluate(s);
     out.erase(std::remove_if(out.begin(), out.end(), [&](const Option& o) {
-                const Round::Gain g = round.gain(o.fit, without);
+                const Gain g = round.gain(o.fit, without);
                 return without.score - o.value + o.term.price < kWorthPolish * needed || g.sum < kWorthPolish * g.limit;
               }), out.end());
     std::sort(out.begin(), out.end(), better);
@@ -264,14 +276,20 @@ class Search {
     return false;
   }
 
-  static bool makes_worse(const Round::Gain& g) {
+  // What can do what any name does comes after all names: curves, and where no held-out recording refutes it, what imitates
+  // many others.
+  bool comes_late(const Term& t) const { return t.kind == TermKind::kCurve || (t.imitates && !is_repeated()); }
+  // What was refuted stays away.
+  bool is_name(const Term& t) const { return !comes_late(t) && aside_.count(t.place) == 0; }
+
+  static bool makes_worse(const Gain& g) {
     for (Eigen::Index i = 0; i < g.of_joint.size(); ++i) {
       if (g.rise[i] > kSmallest && g.of_joint[i] < -kErrors * g.error_of_joint[i]) return true;
     }
     return false;
   }
 
-  bool passes(const Round::Gain& g, const Term& t) const {
+  bool passes(const Gain& g, const Term& t) const {
     // Against a MODEL its own numbers may move a little. Of what moves as they do, what they would have to pay counts as
     // well as the error.
     const bool moves_as_model = t.kind == TermKind::kChange || t.kind == TermKind::kLoad;
@@ -295,7 +313,7 @@ class Search {
     const Fitted fit = now.evaluate(s);
     const std::map<size_t, Cross> all = crosses(now);
     std::vector<Option> options = best_terms(now, s, all, curves ? std::vector<Further>() : further(now, ripple_terms(fit.residual)), 1.0, [&](const Term& t) {
-      return !is_chosen(t) && aside_.count(t.place) == 0 && (t.kind == TermKind::kCurve) == curves;
+      return !is_chosen(t) && aside_.count(t.place) == 0 && comes_late(t) == curves;
     });
     if (!curves) add_far_gravities(now, fit, options);
     for (Option& o : options) {
@@ -401,6 +419,9 @@ class Search {
       const std::vector<Chosen> before = chosen_;
       const State state = kept();
       bool better = false;
+      // What is taken from the recorded torque of another joint brings its noise: it need not do all that the model's torque does.
+      double least = moved ? 0.0 : -kBetter;
+      if (!moved && chosen_[k].term.candidate.from) least = -kHalf * now.gain(fit, now.evaluate(now.subset(all_but(chosen_.size(), {k})))).sum;
       for (double scale = 1.0; scale > kShortestStep && !better; scale *= 0.5) {
         std::vector<double> trial(static_cast<size_t>(count));
         for (Eigen::Index c = 0; c < count; ++c) trial[static_cast<size_t>(c)] = scale * z[c];
@@ -414,7 +435,7 @@ class Search {
           const Round then = round();
           const Fitted after = then.evaluate(then.subset(all_but(chosen_.size(), {})));
           const double gained = now.gain(after, fit).sum;
-          better = gained > (moved ? 0.0 : -kBetter);
+          better = gained > least;
           if (better && gained < kLittle && step > 0) return true;
         }
         if (!better) {
@@ -479,7 +500,7 @@ class Search {
       // Torques without gravity are as good as any direction that no joint feels.
       if (gravity != Eigen::Vector3d::Zero()) o.term.price += std::log(static_cast<double>(all.size()));
       o.fit = then.evaluate(then.subset(all_but(chosen_.size(), {})));
-      const Round::Gain gain = now.gain(o.fit, fit);
+      const Gain gain = now.gain(o.fit, fit);
       o.value = fit.score - gain.sum + o.term.price;
       o.columns = std::make_shared<Columns>(columns_of(o.term, *rows_));
       o.ridge = VectorXd::Constant(o.columns->count(), kNoMass);
@@ -527,10 +548,10 @@ class Search {
       }
       more.push_back(further(now, chosen_[k].term));
       const double gained = without.score - full.score;
-      std::vector<Option> options = best_terms(now, s, crossed, more, gained, [&](const Term& t) { return t.kind != TermKind::kCurve && !is_chosen(t, {k}) && shares_joint(t, {k}); });
+      std::vector<Option> options = best_terms(now, s, crossed, more, gained, [&](const Term& t) { return is_name(t) && !is_chosen(t, {k}) && shares_joint(t, {k}); });
       for (Option& o : options) {
         if (o.value + price_of(rest) >= value - kBetter) break;
-        const Round::Gain g = now.gain(o.fit, full);
+        const Gain g = now.gain(o.fit, full);
         // A dearer name replaces a cheaper one only by the same margins as a term is added.
         if (o.term.price > chosen_[k].term.price + kGramRidge && g.sum < g.limit) continue;
         if (!passes(now.gain(o.fit, without), o.term)) continue;
@@ -545,7 +566,7 @@ class Search {
       const std::vector<int> rest = all_but(count, some);
       const Subset s = now.subset(rest);
       const Fitted without = now.evaluate(s);
-      std::vector<Option> options = best_terms(now, s, crossed, more, without.score - full.score, [&](const Term& t) { return t.kind != TermKind::kCurve && !is_chosen(t, some) && shares_joint(t, some); });
+      std::vector<Option> options = best_terms(now, s, crossed, more, without.score - full.score, [&](const Term& t) { return is_name(t) && !is_chosen(t, some) && shares_joint(t, some); });
       for (Option& o : options) {
         if (o.value + price_of(rest) >= value) break;
         if (!passes(now.gain(o.fit, without), o.term)) continue;
@@ -574,7 +595,7 @@ class Search {
     return {out.begin(), out.end()};
   }
 
-  // The last curve in the place of all names of its joint, where these do less than it does alone.
+  // The last curve in the place of all names of its joint, where these do less than half of what it does alone.
   void stand_for_names() {
     const size_t last = chosen_.size() - 1;
     std::set<size_t> names;
@@ -588,8 +609,12 @@ class Search {
     const Fitted with_curve = now.evaluate(now.subset(all_but(chosen_.size(), names)));
     double paid = chosen_[last].term.price;
     for (const size_t k : names) paid -= chosen_[k].term.price;
-    const Round::Gain g = now.gain(with_curve, with_names);
+    const Gain g = now.gain(with_curve, with_names);
     if (g.sum <= std::max(g.limit, paid)) return;
+    std::set<size_t> both = names;
+    both.insert(last);
+    const Fitted neither = now.evaluate(now.subset(all_but(chosen_.size(), both)));
+    if (now.gain(with_names, neither).sum > kHalf * now.gain(with_curve, neither).sum) return;
     std::vector<Chosen> kept;
     for (size_t k = 0; k <= last; ++k) {
       if (names.count(k) == 0) kept.push_back(std::move(chosen_[k]));
@@ -618,7 +643,7 @@ class Search {
     const Subset s = now.subset(all_but(before.size(), local));
     const std::map<size_t, Cross> crossed = crosses(now);
     std::vector<Option> options = best_terms(now, s, crossed, {}, 1.0, [&](const Term& t) {
-      return !t.joint && !is_chosen(t) && tried_.count(t.place + std::to_string(before.size())) == 0;
+      return is_name(t) && !t.joint && !is_chosen(t) && tried_.count(t.place + std::to_string(before.size())) == 0;
     });
     options.resize(std::min(options.size(), kMostWholeArm));
     for (const Option& o : options) {
@@ -674,32 +699,91 @@ class Search {
     }
   }
 
+  // The curves of a joint on which a name acts. A curve can do what a name does: names are judged without it.
+  std::set<size_t> curves_beside(size_t k) const {
+    std::set<size_t> out;
+    const Term& t = chosen_[k].term;
+    for (size_t c = 0; t.kind != TermKind::kCurve && t.joint && c < chosen_.size(); ++c) {
+      if (chosen_[c].term.kind == TermKind::kCurve && chosen_[c].term.joint == t.joint) out.insert(c);
+    }
+    return out;
+  }
+
   // The set without one term, at the arm without it.
   struct Without {
-    Fitted fit;
-    Round::Gain gain;
+    Fitted with, fit;
+    Gain gain;
+    Gain on_test;  // of the held-out recordings; empty without any
   };
-  Without without(size_t k, const Round& now, const Fitted& full, std::vector<Chosen::RivalTerm>* rivals = nullptr) {
+  Without without(size_t k, const Round& now, std::vector<Chosen::RivalTerm>* rivals = nullptr) {
     Without out;
+    std::set<size_t> aside = curves_beside(k);
+    const std::vector<int> set = all_but(chosen_.size(), aside);
+    const Subset with = now.subset(set);
+    out.with = now.evaluate(with);
+    const bool is_tested = is_repeated();
+    MatrixXd test_with, test_without;
+    if (is_tested) test_with = left_on_test(out.with.x, set);
+    aside.insert(k);
     if (!chosen_[k].term.is_linearised()) {
-      out.fit = now.evaluate(now.subset(all_but(chosen_.size(), {k})));
+      const std::vector<int> rest = all_but(chosen_.size(), aside);
+      const Subset s = now.subset(rest);
+      out.fit = now.evaluate(s);
+      if (is_tested) test_without = left_on_test(out.fit.x, rest);
     } else {
       const std::vector<Chosen> before = chosen_;
       const State state = kept();
       chosen_.erase(chosen_.begin() + static_cast<long>(k));
       if (move_to(arm_of(chosen_))) {
         const Round then = round();
-        const Subset all = then.subset(all_but(chosen_.size(), {}));
+        const std::vector<int> rest = all_but(chosen_.size(), {});
+        const Subset all = then.subset(rest);
         out.fit = then.evaluate(all);
-        if (rivals != nullptr) take_rivals(then, all, out.fit, then.gain(full, out.fit).sum, before[k].term, *rivals);
+        if (is_tested) test_without = left_on_test(out.fit.x, rest);
+        if (rivals != nullptr) take_rivals(then, all, out.fit, then.gain(out.with, out.fit).sum, before[k].term, *rivals);
       } else {
-        out.fit = full;
+        out.fit = out.with;
+        test_without = test_with;
       }
       chosen_ = before;
       restore(state);
     }
-    out.gain = now.gain(full, out.fit);
+    out.gain = now.gain(out.with, out.fit);
+    if (is_tested && test_with.rows() == test_without.rows()) out.on_test = gain_on(*test_rows(), test_with, test_without, now.samples_of_row());
     return out;
+  }
+
+  // Rows of the held-out recordings at the present arm.
+  const std::shared_ptr<const Rows>& test_rows() {
+    if (test_of_ != rows_) {
+      test_ = std::make_shared<Rows>(rows_->arm(), request_.test, request_.test_preprocessing);
+      test_columns_.clear();
+      test_of_ = rows_;
+    }
+    return test_;
+  }
+
+  // What terms of the present set leave of them.
+  MatrixXd left_on_test(const VectorXd& x, const std::vector<int>& set) {
+    const Rows& test = *test_rows();
+    MatrixXd residual = test.residual;
+    for (int i = 0; i < rows_->joints(); ++i) residual.col(i) -= base_columns(test, i, base_.T) * x.head(base_.T.cols());
+    for (const int k : set) {
+      const auto [begin, count] = range(static_cast<size_t>(k));
+      const Term& t = chosen_[k].term;
+      std::string key = t.place;
+      for (const auto& [name, value] : t.effect.values) key += fmt::format(" {} {:.17g}", name, value);
+      for (int e = 0; e < 3; ++e) key += fmt::format(" {:.17g}", t.centre[e]);
+      auto at = test_columns_.find(key);
+      if (at == test_columns_.end()) at = test_columns_.emplace(key, columns_of(t, test)).first;
+      for (size_t j = 0; j < at->second.joints.size(); ++j) residual.col(at->second.joints[j]) -= at->second.of[j] * x.segment(begin, count);
+    }
+    return residual;
+  }
+
+  // Held-out recordings do not repeat what a term gains.
+  static bool is_contradicted(const Gain& on_test) {
+    return on_test.of_joint.size() > 0 && on_test.sum < on_test.limit;
   }
 
   // What does not pass beside all others goes, the least first; true if anything did. What went twice stays away.
@@ -707,26 +791,22 @@ class Search {
     bool any = false;
     while (!chosen_.empty()) {
       const Round now = round();
-      const Fitted full = now.evaluate(now.subset(all_but(chosen_.size(), {})));
       std::optional<size_t> gone;
       double least = 0.0;
+      bool is_refuted = false;
       for (size_t k = 0; k < chosen_.size(); ++k) {
-        const Without w = without(k, now, full);
-        const Round::Gain& g = w.gain;
-        // Beside curves a name needs no proof of its own.
-        const bool has_curve = std::any_of(chosen_.begin(), chosen_.end(), [&](const Chosen& c) {
-          return c.term.kind == TermKind::kCurve && c.term.joint == chosen_[k].term.joint;
-        });
-        if (has_curve && chosen_[k].term.kind != TermKind::kCurve) continue;
-        const double margin = g.sum / std::max(g.error, numerics::kNoise);
-        if ((!passes(g, chosen_[k].term) || makes_worse(g)) && (!gone || margin < least)) {
+        const Without w = without(k, now);
+        const bool refuted = is_contradicted(w.on_test);
+        const double margin = refuted ? w.on_test.sum / std::max(w.on_test.error, numerics::kNoise) - numerics::kHuge : w.gain.sum / std::max(w.gain.error, numerics::kNoise);
+        if ((refuted || !passes(w.gain, chosen_[k].term) || makes_worse(w.gain)) && (!gone || margin < least)) {
           gone = k;
           least = margin;
+          is_refuted = refuted;
         }
       }
       if (!gone) return any;
       any = true;
-      if (++cleaned_[chosen_[*gone].term.place] > 1) aside_.insert(chosen_[*gone].term.place);
+      if (++cleaned_[chosen_[*gone].term.place] > 1 || is_refuted) aside_.insert(chosen_[*gone].term.place);
       const bool moved = chosen_[*gone].term.is_linearised();
       chosen_.erase(chosen_.begin() + static_cast<long>(*gone));
       if (moved) move_to(arm_of(chosen_));
@@ -761,18 +841,17 @@ class Search {
       }
       return e;
     };
-    const VectorXd after = relative(full);
     for (size_t k = 0; k < chosen_.size(); ++k) {
       const auto [first, count] = range(k);
       std::vector<Chosen::RivalTerm> rivals;
-      const Without w = without(k, now, full, &rivals);
+      const Without w = without(k, now, &rivals);
       Chosen& c = chosen_[k];
       c.rivals = std::move(rivals);
       c.gain = w.gain.sum;
       c.error = w.gain.error;
       c.of_joint = w.gain.of_joint;
       c.folds_before = relative(w.fit);
-      c.folds_after = after;
+      c.folds_after = relative(w.with);
       c.values = full.x.segment(first, count);
       for (size_t p = 0; p < c.offset.size() && !c.gravity; ++p)
         c.values[static_cast<Eigen::Index>(p)] = scales(c.term) ? (1.0 + c.offset[p]) * (1.0 + c.values[static_cast<Eigen::Index>(p)]) - 1.0
@@ -786,6 +865,9 @@ class Search {
     out.rows = rows_;
     out.residual = full.residual;
     out.scale = now.scale();
+    out.weights = MatrixXd::Ones(full.residual.rows(), full.residual.cols());
+    for (Eigen::Index i = 0; i < out.weights.cols(); ++i)
+      out.weights.col(i) = (kFreedom + 1.0) / (kFreedom + (full.residual.col(i).array() / out.scale[i]).square());
     out.values = values_ + base_.T * full.x.head(base_.T.cols());
     out.fitted = rows_->residual;
     for (int i = 0; i < rows_->joints(); ++i) out.fitted.col(i) -= base_.X[i] * full.x.head(base_.T.cols());
@@ -815,22 +897,13 @@ class Search {
         out.test_error.row(static_cast<Eigen::Index>(m)) = out.test_error.row(static_cast<Eigen::Index>(m) + 1);
         continue;
       }
-      if (again) test_ = std::make_shared<Rows>(rows_->arm(), request_.test, request_.test_preprocessing);
       if (again) at_test_ = std::make_unique<Round>(round());
       std::vector<int> some(m);
       std::iota(some.begin(), some.end(), 0);
-      const VectorXd x = at_test_->subset(some).x;
-      MatrixXd residual = test_->residual;
-      for (int i = 0; i < rows_->joints(); ++i) residual.col(i) -= base_columns(*test_, i, base_.T) * x.head(base_.T.cols());
-      for (size_t k = 0; k < m; ++k) {
-        const auto [begin, count] = range(k);
-        const Columns columns = columns_of(chosen_[k].term, *test_);
-        for (size_t at = 0; at < columns.joints.size(); ++at)
-          residual.col(columns.joints[at]) -= columns.of[at] * x.segment(begin, count);
-      }
+      const MatrixXd residual = left_on_test(at_test_->evaluate(at_test_->subset(some)).x, some);
       out.test_error.row(static_cast<Eigen::Index>(m)) = residual.colwise().norm() / std::sqrt(static_cast<double>(std::max<Eigen::Index>(1, residual.rows())));
       if (m < chosen_.size()) continue;
-      out.test = test_;
+      out.test = test_rows();
       out.test_residual = residual;
     }
   }
@@ -862,7 +935,7 @@ class Search {
   void take_rivals(const Round& then, const Subset& all, const Fitted& fit, double gained, const Term& term, std::vector<Chosen::RivalTerm>& out) {
     const std::map<size_t, Cross> crossed = crosses(then);
     for (const Option& o : best_terms(then, all, crossed, {}, kHalf * gained, [&](const Term& t) { return !same_place(t, term) && t.kind != TermKind::kCurve; })) {
-      const Round::Gain g = then.gain(o.fit, fit);
+      const Gain g = then.gain(o.fit, fit);
       if (!std::isfinite(o.value) || gained - g.sum + o.term.price - term.price > 2.0 * g.error) continue;
       out.push_back({o.term, gained - g.sum, g.sum});
     }
@@ -877,7 +950,7 @@ class Search {
            return !is_chosen(t) && t.kind != TermKind::kCurve && shares_joint(t, {k});
          })) {
       if (!std::isfinite(o.value)) break;
-      const Round::Gain g = now.gain(full, o.fit);
+      const Gain g = now.gain(full, o.fit);
       if (g.sum + o.term.price - c.term.price < 2.0 * g.error && without.score - o.fit.score > 0.0)
         c.rivals.push_back({o.term, g.sum, without.score - o.fit.score});
     }
@@ -901,7 +974,7 @@ class Search {
     parallel_for(static_cast<int>(shown.size()), request_.threads, [&](int k) {
       if (shown[k].collinear) return;
       const Option o = option(now, s, shown[k].term, nullptr);
-      const Round::Gain g = now.gain(o.fit, full);
+      const Gain g = now.gain(o.fit, full);
       shown[k].impossible = !std::isfinite(o.value);
       shown[k].gain = g.sum;
       shown[k].error = g.error;
@@ -926,7 +999,8 @@ class Search {
   std::vector<std::shared_ptr<Columns>> cache_;
   std::vector<Chosen> chosen_;
   bool far_asked_ = false;
-  std::shared_ptr<const Rows> test_;
+  std::shared_ptr<const Rows> test_, test_of_;
+  std::map<std::string, Columns> test_columns_;
   std::unique_ptr<Round> at_test_;
 };
 

@@ -46,6 +46,7 @@ struct SearchResult {
   MatrixXd residual;                  ///< (rows x n) held out, with all terms
   MatrixXd fitted;                    ///< (rows x n) the same of the fit to all rows
   VectorXd scale;                     ///< (n) of the residual
+  MatrixXd weights;                   ///< (rows x n) of the Student-t loss
   VectorXd values;                    ///< standard parameters of the arm beside the terms
   /// (terms + 1) x n: rms of what the first so many terms, fitted to all training rows, leave of the held-out recordings.
   MatrixXd test_error;

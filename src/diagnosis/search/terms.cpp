@@ -124,15 +124,15 @@ class Builder {
     t.effect.axis = c.axis;
     if (c.from) t.effect.from = Axis{VectorXd::Unit(arm_.joints(), c.from->value), 0.0};
     t.price = odds_of(effect);
+    t.imitates = !effect.asked_unnamed();
     const std::vector<EffectParameter> parameters = effect.parameters();
     const bool slides = !c.axis.coefficients.isZero(0.0) && is_prismatic(arm_, c.axis);
-    t.nonnegative = parameters.size() == 1 && parameters[0].sign == ParameterSign::kNonnegative;
+    t.price += kPolished * std::max(0.0, static_cast<double>(parameters.size()) - 1.0);
     t.largest.resize(parameters.size());
     for (size_t p = 0; p < parameters.size(); ++p)
       t.largest[static_cast<Eigen::Index>(p)] = slides ? parameters[p].largest_prismatic : parameters[p].largest_revolute;
     if (is_channel(c)) {
       t.kind = TermKind::kChannel;
-      t.nonnegative = false;
       const auto* channel = channel_effect(effect.name());
       if (channel->whole_arm() || !c.joint || acts_on_several(*channel, c)) t.joint.reset();
       out_.push_back(std::move(t));
@@ -140,7 +140,6 @@ class Builder {
     }
     if (is_change(c)) {
       t.kind = TermKind::kChange;
-      t.nonnegative = false;
       t.effect = arm_.effects()[c.own->value];
       out_.push_back(std::move(t));
       return;
@@ -148,6 +147,9 @@ class Builder {
     // Against a MODEL nothing else takes up where a spring is without load.
     const EffectTraits traits = effect.traits();
     t.with_rest = scope_.changes && traits.affine && traits.holds_at_rest && (traits.uses_position || traits.uses_source);
+    for (size_t p = 0; p < parameters.size(); ++p) {
+      if (parameters[p].sign == ParameterSign::kNonnegative) t.nonnegative.push_back(static_cast<Eigen::Index>(p));
+    }
     const AxisMotion motion = motion_along(c.axis);
     if (is_other_constant(c)) return;
     for (const ShapeChoice& choice : effect.grid(motion)) {

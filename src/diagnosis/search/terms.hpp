@@ -56,7 +56,8 @@ struct Term {
   std::vector<SmoothBasis> bases;
   double price = 0.0;        ///< ln 1/prior, with its grid and its polished numbers
   bool with_rest = false;    ///< a constant more: the place at which it is without load
-  bool nonnegative = false;  ///< its only parameter is physically >= 0, like a Coulomb level
+  bool imitates = false;     ///< many other causes: see Effect::asked_unnamed()
+  std::vector<Eigen::Index> nonnegative;  ///< parameters that cannot be negative
   VectorXd largest;          ///< of each parameter, beyond which it is not plausible; empty: none
 
   /// True if its columns are derivatives at the present arm.
