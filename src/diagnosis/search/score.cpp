@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "diagnosis/evidence/numerics.hpp"
+#include "diagnosis/numerics.hpp"
 #include "diagnosis/search/numbers.hpp"
 #include "math/student_t.hpp"
 #include "math/decompositions.hpp"
