@@ -1,4 +1,4 @@
-#include "diagnosis/candidates/candidates.hpp"
+#include "diagnosis/candidates.hpp"
 
 #include <gtest/gtest.h>
 

@@ -24,7 +24,6 @@ class WholeDiagnosis : public Stages {
     DiagnosisOptions options;
     options.identification.threads = 1;
     options.effects = effects;
-    options.method = DiagnosisMethod::kStages;
     return diagnose(robot, {all[0], all[1], all[2], all[3]}, all[4], options);
   }
 };
