@@ -74,7 +74,7 @@ auto identity(const Candidate& c) {
   const VectorXd& axis = c.axis.coefficients;
   return std::make_tuple(c.cause.index(), effect_of(c.cause), number(joint_of(c.cause)),
                          number(frame_of(c.cause)), std::vector<double>(axis.begin(), axis.end()), number(c.from),
-                         is_other_constant(c), c.signal);
+                         is_other_constant(c));
 }
 
 class Enumeration {
@@ -204,22 +204,6 @@ std::vector<Candidate> sudden_candidates(const Model& arm, const std::vector<Fra
     for (int j = 0; j < n; ++j) out.push_back(on_channel(arm, *sensor, JointIndex{j}));
   }
   for (const FrameIndex frame : loads) out.push_back(load_on(arm, frame));
-  return out;
-}
-
-std::vector<std::string> elementary_effects() {
-  std::vector<const AxisEffect*> found;
-  for (const AxisEffect* effect : axis_effects()) {
-    if (effect->traits().elementary) found.push_back(effect);
-  }
-  const auto rank = [](const AxisEffect* effect) {
-    const EffectTraits traits = effect->traits();
-    return std::make_pair(traits.stage, traits.dry == DryFriction::kNone);
-  };
-  std::stable_sort(found.begin(), found.end(),
-                   [&rank](const AxisEffect* a, const AxisEffect* b) { return rank(a) < rank(b); });
-  std::vector<std::string> out;
-  for (const AxisEffect* effect : found) out.push_back(effect->name());
   return out;
 }
 

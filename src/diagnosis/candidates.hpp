@@ -14,8 +14,7 @@ struct TermIndex {
   size_t value = 0;
 };
 
-/// A possible cause, independent of shape constants. Diagnosis, watch and payload test these
-/// candidates and no others.
+/// A possible cause, independent of shape constants. Diagnosis and watch test these candidates and no others.
 struct Candidate {
   Cause cause;
   std::optional<JointIndex> joint;  ///< acting_joint(); nothing: the whole arm
@@ -24,7 +23,6 @@ struct Candidate {
   /// The arm's own effect that has changed, or has another constant than in its file. The latter is
   /// no cause: if accepted, it becomes a remark and no finding.
   std::optional<TermIndex> own = {};
-  std::string signal = {};  ///< what a table is a function of; empty for all others
 };
 
 /// Candidates are values: equal where they are the same cause on the same axis, whatever constants
@@ -51,18 +49,13 @@ struct Scope {
 /// each axis, loads.
 std::vector<Candidate> candidates(const Model& arm, const Scope& scope);
 
-/// True if it is tested by name only, or where a joint's error depends on positions without a name: what
-/// Effect::asked_unnamed() says, and a channel effect with more parameters than the arm has joints.
-/// Each further candidate demands more certainty from all others.
+/// True if it is tested by name only: what Effect::asked_unnamed() says, and a channel effect with more parameters than
+/// the arm has joints.
 bool is_asked_later(const Effect& effect, const Model& arm);
 
 /// Those that may begin while the arm moves: what every joint has and no day has from the day before,
 /// sensor errors that begin suddenly, a load on these frames.
 std::vector<Candidate> sudden_candidates(const Model& arm, const std::vector<FrameIndex>& loads);
-
-/// Effects that every joint has and that vary from day to day, in the order of the tests: offset,
-/// level, damping. A load must be separated from them.
-std::vector<std::string> elementary_effects();
 
 /// Friction along an axis.
 bool is_friction(const std::string& effect);

@@ -32,8 +32,6 @@ TEST(EffectFacts, ComeFromTheEffects) {
   EXPECT_TRUE(is_friction("coulomb_friction"));
   EXPECT_FALSE(is_friction("joint_spring"));
   EXPECT_FALSE(is_friction("payload"));
-  EXPECT_EQ(elementary_effects(), (std::vector<std::string>{"torque_offset", "coulomb_friction",
-                                                            "viscous_friction"}));
 }
 
 // A slide's zero is a length, a hinge's an angle.
