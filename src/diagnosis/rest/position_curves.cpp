@@ -65,7 +65,7 @@ double predicted_by_positions(const Identification& at_rest, int joint, const Th
   const std::vector<SmoothTerm> terms = terms_of(rows, *at_rest.model, limits);
   std::vector<MatrixXd> columns;
   for (const SmoothTerm& term : terms) columns.push_back(term.columns(rows.signals));
-  const AdditiveOptions how{static_cast<int>(limits.unnamed_terms), limits.unnamed_gain, limits.tie, limits.significance};
+  const AdditiveOptions how{static_cast<int>(limits.unnamed_terms), limits.unnamed_gain, limits.significance};
   const EstimationNumbers numbers;
   const AdditiveModel found = additive_regression(rows, terms, columns, how, numbers);
   if (found.chosen.empty()) return 0.0;
