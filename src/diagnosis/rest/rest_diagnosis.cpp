@@ -141,7 +141,7 @@ class RestDiagnosis {
     if (!out.id.model) return out;
     how.weights = JointWeights::kRange;
     how.prior = *out.id.model;  // of what no pose determines
-    out.folds = fold_errors(out.id, how, FoldValues::kFitted, hold_out(limits_));
+    out.folds = fold_errors(out.id, how, hold_out(limits_));
     return out;
   }
 
