@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "cli/tool.hpp"
+#include "diagnosis/search/row_constants.hpp"
 #include "simulation/simulation_support.hpp"
 #include "files/output_file.hpp"
 #include "support/random.hpp"
