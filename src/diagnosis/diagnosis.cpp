@@ -1,15 +1,15 @@
 #include "veridyn/diagnosis/diagnosis.hpp"
 
-#include <algorithm>
 #include <chrono>
 #include <functional>
 #include <string>
 #include <utility>
 
-#include "diagnosis/search/explain.hpp"
-#include "diagnosis/stages/diagnosis_state.hpp"
-#include "recordings/named_recordings.hpp"
+#include "diagnosis/findings/summary.hpp"
 #include "diagnosis/of_identification.hpp"
+#include "diagnosis/preparation/diagnosis_state.hpp"
+#include "diagnosis/search/explain.hpp"
+#include "recordings/named_recordings.hpp"
 #include "identification/identification_numbers.hpp"
 #include "identification/many_recordings.hpp"
 
@@ -27,23 +27,10 @@ Model robot_of(const Model& file, const DiagnosisOptions& options) {
   return Model(std::move(d));
 }
 
-// Says which stage runs.
-using Tell = std::function<void(const char* stage)>;
+// Says which step runs.
+using Tell = std::function<void(const char* step)>;
 
-void test_all_candidates(DiagnosisState& x, const Tell& tell) {
-  begin_tests(x);
-  tell("trying constants of the robot file");
-  correct_constants(x);
-  tell("trying causes");
-  select_causes(x);
-}
-
-void conclude(DiagnosisState& x) {
-  summarize(x.d, x.options);
-  if (!x.d.friction_remark.empty()) x.d.friction = plain_friction_of(*x.d.extended.model);
-}
-
-void run_stages(DiagnosisState& x, const Tell& tell) {
+void run(DiagnosisState& x, const Tell& tell) {
   tell("checking the recordings");
   check_quality(x);
   tell("fitting the model as it is");
@@ -53,54 +40,33 @@ void run_stages(DiagnosisState& x, const Tell& tell) {
   exclude_rests(x);
   check_torque_signs(x);
   check_errors_in_variables(x);
-  const bool is_search = x.options.method != DiagnosisMethod::kStages;
-  if (is_search) {
-    tell("searching");
-    search::explain(x);
-    x.d.small_apart = x.options.extended == ExtendedModel::kConfirmedOnly;
-    return conclude(x);
-  }
-  // Beside a gravity of another direction no joint is known well enough to stick in places.
-  const bool leans = std::any_of(x.d.data_quality.begin(), x.d.data_quality.end(), [](const RecordingQuality& q) {
-    return std::any_of(q.findings.begin(), q.findings.end(), [](const QualityFinding& f) { return f.finding == "gravity"; });
-  });
-  if (!leans) exclude_snags(x.start, x);
-  test_all_candidates(x, tell);
-  // Contacts and small snags are visible once the model's own errors are corrected; then everything
-  // is repeated without these intervals.
-  const Identification extended = x.d.extended;
-  const bool snags = exclude_snags(extended, x);
-  const bool contacts = exclude_contacts(extended, x);
-  if (snags || contacts) {
-    tell("once more, without snags and contacts");
-    test_all_candidates(x, tell);
-  }
-  tell("accounting for what is left over");
-  account_for_errors(x);
-  test_names_together(x);
-  conclude(x);
+  tell("searching");
+  search::explain(x);
+  x.d.small_apart = x.options.extended == ExtendedModel::kConfirmedOnly;
+  summarize(x.d, x.options);
+  if (!x.d.friction_remark.empty()) x.d.friction = plain_friction_of(*x.d.extended.model);
 }
 
-// Progress of stages and rounds of tests whose number is not known before: each stage advances the
-// bar by half of the rest, and each round by half of the rest of its stage.
+// Progress of steps and rounds of tests whose number is not known before: each step advances the
+// bar by half of the rest, and each round by half of the rest of its step.
 class Halving {
  public:
   using Listener = std::function<void(const std::string&, double)>;
 
   explicit Halving(Listener listener) : listener_(std::move(listener)) {}
 
-  void begin(const char* stage) {
+  void begin(const char* step) {
     begun_ += width_;
     width_ = 0.5 * (1.0 - begun_);
     rounds_left_ = 1.0;
-    stage_ = stage;
-    tell(stage_, begun_);
+    step_ = step;
+    tell(step_, begun_);
   }
 
   void test(int tested, int of) {
     const double round = 0.5 * rounds_left_;
     const double done = 1.0 - rounds_left_ + round * tested / of;
-    tell(stage_ + ": testing hypothesis " + std::to_string(tested) + " of " + std::to_string(of),
+    tell(step_ + ": testing hypothesis " + std::to_string(tested) + " of " + std::to_string(of),
          begun_ + width_ * done);
     if (tested == of) rounds_left_ -= round;
   }
@@ -113,7 +79,7 @@ class Halving {
   }
 
   Listener listener_;
-  std::string stage_;
+  std::string step_;
   double begun_ = 0.0, width_ = 0.0, rounds_left_ = 1.0;
 };
 
@@ -128,7 +94,7 @@ Diagnosis diagnose(const Model& arm, const Recordings& train, const Recordings& 
                    const DiagnosisOptions& options, const Identification* fitted) {
   const auto begin = std::chrono::steady_clock::now();
   const NamedRecordings<IdentificationOptions> named(train, test, options.identification);
-  DiagnosisState x{robot_of(arm, options), named.train, named.test, options, {}, {}, 0, {}, {}, {}};
+  DiagnosisState x{robot_of(arm, options), named.train, named.test, options, {}};
   x.options.identification = named.how;
   keep_recordings(x.options.identification, KeptRecordings::kManyQuestions);
   for (std::string& one : x.options.effects) one = normalized_cause(arm, one);
@@ -138,11 +104,9 @@ Diagnosis diagnose(const Model& arm, const Recordings& train, const Recordings& 
     x.d.baseline = identify_compressed(x.arm, fitted->factors, {}, x.test, x.options.identification, IdentificationNumbers());
   }
   x.d.provisional = named.train.size() == 1;
-  Thresholds& limits = x.options.thresholds;
-  if (x.d.changes) limits.smallest_gain = std::max(limits.smallest_gain, limits.smallest_change);
   Halving progress(std::exchange(x.options.identification.progress, {}));
   x.options.testing = [&progress](int tested, int of) { progress.test(tested, of); };
-  run_stages(x, [&progress](const char* stage) { progress.begin(stage); });
+  run(x, [&progress](const char* step) { progress.begin(step); });
   progress.end();
   const Identification& found = x.d.extended.model ? x.d.extended : x.d.baseline;
   if (found.model) x.d.model = *found.model;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "diagnosis/evidence/numerics.hpp"
+#include "diagnosis/numerics.hpp"
 #include "math/correlated_columns.hpp"
 #include "math/digits.hpp"
 #include "veridyn/identification/robot_check.hpp"
@@ -46,7 +46,6 @@ std::string share_words(double share) {
 }
 
 std::string status_words(const Finding& f) {
-  if (!f.why_not.empty()) return "NOT CONFIRMED: " + f.why_not;
   if (f.status == FindingStatus::kNotConfirmed)
     return "NOT CONFIRMED: parts of the training recordings that are held out are predicted no better with it";
   if (f.held_out() == Agreement::kContradicts)

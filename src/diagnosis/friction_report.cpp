@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "diagnosis/evidence/numerics.hpp"
+#include "diagnosis/numerics.hpp"
 #include "math/digits.hpp"
 #include "math/median.hpp"
 #include "veridyn/diagnosis/friction_study.hpp"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "diagnosis/evidence/numerics.hpp"
+#include "diagnosis/numerics.hpp"
 #include "effects/plain_friction.hpp"
 #include "recordings/breakaway_ramps.hpp"
 #include "recordings/named_recordings.hpp"

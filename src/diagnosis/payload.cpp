@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "diagnosis/load_fit.hpp"
-#include "diagnosis/evidence/numerics.hpp"
+#include "diagnosis/numerics.hpp"
 #include "diagnosis/load_numbers.hpp"
 #include "effects/plain_friction.hpp"
 #include "identification/many_recordings.hpp"

@@ -27,7 +27,6 @@ void SensorError::apply(ModelDescription& arm, std::optional<JointIndex> joint, 
 EffectTraits ArmEffect::traits(const ShapeValues& /*shape*/) const {
   EffectTraits t;
   t.role = EffectRole::kArm;
-  t.stage = DiagnosisStage::kChannel;
   t.depends_on_position = true;
   t.lasting = true;
   return t;

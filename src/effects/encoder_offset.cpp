@@ -21,7 +21,6 @@ class EncoderOffset final : public SensorError {
   EffectTraits traits(const ShapeValues& /*shape*/) const override {
     EffectTraits t;
     t.role = EffectRole::kSensor;
-    t.stage = DiagnosisStage::kChannel;
     t.depends_on_position = true;
     t.same_as_wrong_constant = true;  // namely of this joint's zero in the robot file
     t.lasting = true;

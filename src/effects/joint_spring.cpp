@@ -31,7 +31,6 @@ class JointSpring final : public AxisEffect, public WrittenInC {
   }
   EffectTraits traits(const ShapeValues& shape) const override {
     EffectTraits t;
-    t.stage = DiagnosisStage::kInertia;
     t.uses_position = true;
     t.affine = shape[0] == 0.0;
     t.depends_on_position = true;

@@ -15,7 +15,6 @@ class RotorInertia final : public AxisEffect, public WrittenInC {
   EffectTraits traits(const ShapeValues& /*shape*/) const override {
     EffectTraits t;
     t.role = EffectRole::kInertia;
-    t.stage = DiagnosisStage::kInertia;
     t.uses_acceleration = true;
     t.affine = true;
     t.lasting = true;

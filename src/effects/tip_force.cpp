@@ -39,7 +39,6 @@ class TipForce final : public ArmEffect {
   }
   EffectTraits traits(const ShapeValues& shape) const override {
     EffectTraits t = ArmEffect::traits(shape);
-    t.stage = DiagnosisStage::kFriction;  // after errors of the measurement, which are commoner
     t.forward_simulable = false;
     t.not_simulable_because = "it acts at a frame and along no axis";
     t.holds_at_rest = true;

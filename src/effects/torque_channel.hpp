@@ -10,7 +10,6 @@ class TorqueChannel : public SensorError {
   EffectTraits traits(const ShapeValues& /*shape*/) const final {
     EffectTraits t;
     t.role = EffectRole::kSensor;
-    t.stage = DiagnosisStage::kChannel;
     t.lasting = true;
     return t;
   }

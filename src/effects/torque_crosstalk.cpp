@@ -18,7 +18,6 @@ class TorqueCrosstalk final : public SensorError {
   EffectTraits traits(const ShapeValues& /*shape*/) const override {
     EffectTraits t;
     t.role = EffectRole::kSensor;
-    t.stage = DiagnosisStage::kChannel;
     t.uses_source = true;
     t.lasting = true;
     return t;

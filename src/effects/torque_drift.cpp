@@ -14,7 +14,6 @@ class TorqueDrift final : public AxisEffect {
   }
   EffectTraits traits(const ShapeValues& /*shape*/) const override {
     EffectTraits t;
-    t.stage = DiagnosisStage::kChannel;
     t.depends_on_time = true;
     return t;
   }

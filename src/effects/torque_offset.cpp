@@ -15,7 +15,6 @@ class TorqueOffset final : public AxisEffect, public WrittenInC {
   }
   EffectTraits traits(const ShapeValues& /*shape*/) const override {
     EffectTraits t;
-    t.stage = DiagnosisStage::kChannel;
     t.affine = true;
     t.holds_at_rest = true;
     t.elementary = true;

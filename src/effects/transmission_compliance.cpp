@@ -32,7 +32,6 @@ class TransmissionCompliance final : public AxisEffect {
   }
   EffectTraits traits(const ShapeValues& /*shape*/) const override {
     EffectTraits t;
-    t.stage = DiagnosisStage::kInertia;
     t.uses_load = true;
     t.memory = true;
     t.lasting = true;

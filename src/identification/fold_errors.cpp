@@ -97,16 +97,13 @@ VectorXd squared_torques(const Identification& id, const VectorXd& rows) {
 
 }  // namespace
 
-FoldErrors fold_errors(const Identification& fitted, const IdentificationOptions& options,
-                       FoldValues values, const HoldOut& hold_out) {
+FoldErrors fold_errors(const Identification& fitted, const IdentificationOptions& options, const HoldOut& hold_out) {
   const Model& arm = *fitted.model;
   const std::vector<std::string> names = parameter_names(standard_parameters(arm));
   const std::vector<BlockList> parts = parts_of(fitted.factors, hold_out);
-  const BaseParameters base =
-      values == FoldValues::kFitted ? identifiable_base_parameters(arm) : BaseParameters();
   VectorXd weights = range_weights(fitted.factors);
-  if (values == FoldValues::kFitted && options.weights == JointWeights::kResidual)
-    weights = residual_weights(joint_totals(fitted.factors), weights, base, names);
+  if (options.weights == JointWeights::kResidual)
+    weights = residual_weights(joint_totals(fitted.factors), weights, identifiable_base_parameters(arm), names);
   FoldErrors out;
   out.error2.resize(static_cast<Eigen::Index>(parts.size()), arm.joints());
   VectorXd rows = VectorXd::Zero(arm.joints());
@@ -128,15 +125,13 @@ FoldErrors fold_errors(const Identification& fitted, const IdentificationOptions
   for (size_t part = 0; part < parts.size(); ++part) {
     Identification without;
     without.parameters = VectorXd::Zero(names.size());
-    if (values == FoldValues::kFitted) {
-      SquareRootInformation rest(names);
-      for (size_t other = 0; other < parts.size(); ++other) {
-        if (other != part || parts.size() == 1) rest.merge(factors[other]);
-      }
-      rest.absorb(anchor, anchor * fitted.parameters);
-      without.unconstrained_objective = fitted.unconstrained_objective;
-      solve_feasible(arm, rest, options, without);
+    SquareRootInformation rest(names);
+    for (size_t other = 0; other < parts.size(); ++other) {
+      if (other != part || parts.size() == 1) rest.merge(factors[other]);
     }
+    rest.absorb(anchor, anchor * fitted.parameters);
+    without.unconstrained_objective = fitted.unconstrained_objective;
+    solve_feasible(arm, rest, options, without);
     out.error2.row(part) =
         squared_errors(parts[part], by_name(names, without.parameters)).transpose();
   }

@@ -16,11 +16,7 @@ struct FoldErrors {
   VectorXd relative() const { return (error2.colwise().sum().transpose().array() / torque2.array().max(1e-300)).sqrt(); }
 };
 
-/// Whether an arm's values are fitted anew without each part.
-enum class FoldValues { kFitted, kFacts };
-
 /// @param fitted  with factors and series of its training recordings, and a model.
-FoldErrors fold_errors(const Identification& fitted, const IdentificationOptions& options,
-                       FoldValues values, const HoldOut& hold_out);
+FoldErrors fold_errors(const Identification& fitted, const IdentificationOptions& options, const HoldOut& hold_out);
 
 }  // namespace veridyn

@@ -22,13 +22,6 @@ inline MatrixXd jackknife_factor(const MatrixXd& without) {
   return (without.colwise() - mean) * std::sqrt((g - 1.0) / g);
 }
 
-/// Covariance, (k x k).
-inline MatrixXd jackknife_covariance(const MatrixXd& without) {
-  const auto g = static_cast<double>(without.cols());
-  const MatrixXd centred = without.colwise() - without.rowwise().mean();
-  return centred * centred.transpose() * ((g - 1.0) / g);
-}
-
 /// Standard deviations, (k).
 inline VectorXd jackknife_deviations(const MatrixXd& without) {
   const auto g = static_cast<double>(without.cols());

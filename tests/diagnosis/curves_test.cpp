@@ -3,8 +3,8 @@
 #include <cmath>
 #include <functional>
 
-#include "diagnosis/unnamed/dependence.hpp"
-#include "diagnosis/unnamed/tables.hpp"
+#include "diagnosis/search/shape_words.hpp"
+#include "diagnosis/search/tables.hpp"
 #include "effects/tabulated_force.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/files/model_file.hpp"
@@ -136,7 +136,7 @@ TEST(CurveTables, OfADirectionAreOneCurveForEach) {
   }
 }
 
-// A table has one other joint, and no history, time, or acceleration.
+// A table has one other joint, and no history or time.
 TEST(CurveTables, AreOfSignalsThatATableHas) {
   const Model arm = read_model("psm-3dof");
   const UnnamedShape shape = surface([](double a, double b) { return a * b; });
@@ -146,7 +146,6 @@ TEST(CurveTables, AreOfSignalsThatATableHas) {
   EXPECT_FALSE(tables_of(arm, {0}, shape, {own_signal(SignalKind::kPosition), third}).empty());
   EXPECT_TRUE(tables_of(arm, {0}, shape, {second, third}).empty());
   EXPECT_TRUE(tables_of(arm, {0}, shape, {own_signal(SignalKind::kPosition), own_signal(SignalKind::kHistory)}).empty());
-  EXPECT_TRUE(tables_of(arm, {0}, shape, {own_signal(SignalKind::kAcceleration)}).empty());
   EXPECT_TRUE(tables_of(arm, {0}, shape, {}).empty());
 }
 

@@ -49,7 +49,7 @@ class ErrorsInVariables : public Stages {
 
   // The arm as the file says, on two recordings.
   DiagnosisState investigated(unsigned seed, double velocity_noise, double torque_noise) const {
-    DiagnosisState x{read_model("planar-2r"), {}, {}, {}, {}, {}, 0, {}, {}, {}};
+    DiagnosisState x{read_model("planar-2r"), {}, {}, {}, {}};
     for (unsigned k = 0; k < 2; ++k)
       x.train.push_back(repeated(2 * seed + k, velocity_noise, torque_noise));
     x.options.identification.threads = 1;
@@ -104,7 +104,7 @@ TEST_F(ErrorsInVariables, NoiseInVelocitiesIsToldWithTheBetterEstimate) {
 
 // A joint without torque says nothing, and does not silence the others.
 TEST_F(ErrorsInVariables, AJointWithoutTorqueDoesNotSilenceTheOthers) {
-  DiagnosisState x{read_model("planar-2r"), {}, {}, {}, {}, {}, 0, {}, {}, {}};
+  DiagnosisState x{read_model("planar-2r"), {}, {}, {}, {}};
   for (unsigned k = 2; k <= 3; ++k) {
     x.train.push_back(repeated(k, 0.2, 0.1));
     Recording r = read_recording(x.train.back());

@@ -1,4 +1,4 @@
-#include "diagnosis/evidence/instruments.hpp"
+#include "diagnosis/preparation/instruments.hpp"
 
 #include <gtest/gtest.h>
 

@@ -3,12 +3,9 @@
 #include <cmath>
 #include <limits>
 
-#include "diagnosis/evidence/folds.hpp"
-#include "diagnosis/evidence/held_out.hpp"
 #include "diagnosis/findings/finding_words.hpp"
+#include "diagnosis/findings/held_out.hpp"
 #include "diagnosis/stage_support.hpp"
-#include "diagnosis/unnamed/motion_signals.hpp"
-#include "veridyn/diagnosis/rest_diagnosis.hpp"
 
 // Joints without torque, and diagnoses without held-out recordings: errors that are no share of anything.
 
@@ -19,7 +16,6 @@ constexpr double kNoShare = std::numeric_limits<double>::infinity();
 
 TEST(WithoutTorque, AJointCountsForNothingInTheMeasuresOfOthers) {
   const Eigen::Vector2d before(0.2, kNoShare), after(0.1, kNoShare);
-  EXPECT_NEAR(log_fall(before, after), std::log(2.0), 1e-12);
   Identification baseline;
   baseline.test_error.relative = before;
   EXPECT_NEAR(explained_share(before, after, baseline), 0.75, 1e-12);
@@ -174,23 +170,6 @@ TEST_F(Silent, AnArmThatTheOtherJointsDoNotDetermineIsNotAskedAbout) {
   EXPECT_TRUE(d.findings.empty()) << d.report();
   EXPECT_FALSE(d.baseline.model.has_value());
   EXPECT_NE(d.baseline.reason.find("the torque of shoulder is zero throughout, and the other joints alone do not determine the arm"), std::string::npos) << d.baseline.reason;
-}
-
-// A recording of one row, such as a file of one pose, is wholly in its first part.
-TEST(MotionRowsOfOneRow, AreAPart) {
-  Identification id;
-  id.model = read_model("planar-2r");
-  RecordingError r;
-  r.source = "one";
-  r.series.time = {0.0};
-  for (auto* table : {&r.series.q, &r.series.dq, &r.series.ddq, &r.series.measured, &r.series.modelled})
-    *table = {{0.1}, {0.2}};
-  id.train = {r, r};
-  const MotionRows rows = motion_rows(id, id.train, {}, {});
-  EXPECT_EQ(rows.phase, (std::vector<double>{0.0, 0.0}));
-  const HoldOut how = hold_out({});
-  EXPECT_EQ(folds_of(rows, {}), (std::vector<int>{0, static_cast<int>(how.parts_of_each(2))}));
-  EXPECT_TRUE(folds_of(motion_rows(id, {}, {}, {}), {}).empty());
 }
 
 }  // namespace

@@ -6,10 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "diagnosis/candidates/row_constants.hpp"
 #include "cli/tool.hpp"
-#include "diagnosis/evidence/payload_fit.hpp"
-#include "diagnosis/shapes/candidate_data.hpp"
+#include "diagnosis/search/row_constants.hpp"
 #include "simulation/simulation_support.hpp"
 #include "files/output_file.hpp"
 #include "support/random.hpp"
@@ -188,29 +186,6 @@ TEST_F(Payload, AHeightBelowTheNoiseIsZero) {
       EXPECT_LT(std::abs(found.links[0].com[2]), 0.1) << seed << ", " << lean;
     }
   }
-}
-
-// Ten free parameters of a body can follow a rotor's inertia; a load of whatever mass cannot.
-TEST_F(Payload, ARotorsInertiaIsNoCompactLoad) {
-  const std::string last = arm_.frames().back().name;
-  // Of the torques that the columns of a load on the last link explain.
-  const auto share = [&](const std::string& hidden) {
-    const std::vector<std::string> recordings = {
-        recording_with(hidden, 3, two_waves(arm_.joints()))};
-    CandidateList list;
-    list.changes = true;
-    list.wanted = {"payload"};
-    const CandidateData q = prepare(evaluate(arm_, recordings, {}), recordings, {}, list, {});
-    const NormalBlocks data(q.train, q.columns);
-    for (const Hypothesis& h : q.augmented.hypotheses) {
-      if (words_of(arm_, h.cause).frame == last)
-        return compact_share(data, h, {}, VectorXd::Ones(arm_.joints()));
-    }
-    ADD_FAILURE() << "nobody asked about " << last;
-    return 0.0;
-  };
-  EXPECT_GT(share("payload:" + last + ":mass=1.5,x=0.05,y=-0.02,z=0.08"), 0.95);
-  EXPECT_LT(share("rotor_inertia:3:inertia=2"), 0.7);
 }
 
 // What the model has and the arm does not is a load below zero.

@@ -12,7 +12,7 @@ namespace {
 class OfRecordings : public Stages {
  protected:
   DiagnosisState recorded() const {
-    DiagnosisState x{read_model("planar-2r"), {}, {}, {}, {}, {}, 0, {}, {}, {}};
+    DiagnosisState x{read_model("planar-2r"), {}, {}, {}, {}};
     for (unsigned k = 1; k <= 4; ++k) x.train.push_back(record(k, {}));
     x.test = {record(5, {})};
     x.options.identification.threads = 1;
@@ -84,33 +84,6 @@ TEST_F(OfRecordings, OnlyJointsThatAreBetterForItTakeTheirVelocityFromThePositio
   EXPECT_NE(x.remarks[0].find("joint 2"), std::string::npos) << x.remarks[0];
 }
 
-// Friction at one place of one recording: told of that recording, left out, and known from then on.
-TEST_F(OfRecordings, ASnagIsLeftOutOnceAndToldOfItsRecording) {
-  DiagnosisState x = recorded();
-  rewrite(x.train[2], [](Recording& r) {
-    const double middle = 0.5 * (r.q.col(1).maxCoeff() + r.q.col(1).minCoeff());
-    for (Eigen::Index k = 0; k < r.tau.rows(); ++k) {
-      if (std::abs(r.q(k, 1) - middle) < 0.15) r.tau(k, 1) += std::copysign(6.0, r.dq(k, 1));
-    }
-  });
-  check_quality(x);
-  ASSERT_TRUE(fit_baseline(x));
-  const double before = log_training_error(x.start);
-  ASSERT_TRUE(exclude_snags(x.start, x));
-  EXPECT_EQ(x.snags.size(), 1U);
-  const std::vector<QualityFinding> found = told(x, x.train[2], "snag");
-  ASSERT_EQ(found.size(), 1U);
-  EXPECT_EQ(found[0].joint, 2);
-  EXPECT_EQ(found[0].severity, Severity::kWarning);
-  for (const std::string& path : {x.train[0], x.train[1], x.train[3]})
-    EXPECT_TRUE(told(x, path, "snag").empty());
-  ASSERT_FALSE(x.d.excluded_intervals.empty());
-  for (const ExcludedInterval& part : x.d.excluded_intervals) EXPECT_EQ(part.source, x.train[2]);
-  EXPECT_EQ(x.options.identification.preprocessing.excluded_intervals.size(), x.d.excluded_intervals.size());
-  EXPECT_LT(log_training_error(x.start), before - 0.5);
-  EXPECT_FALSE(exclude_snags(x.start, x));
-}
-
 // A push in the held-out recording: told with its time, and the error without it is told beside the other.
 TEST_F(OfRecordings, APushIsAFindingAndItsMomentsAreLeftOut) {
   DiagnosisState x = recorded();
@@ -119,22 +92,18 @@ TEST_F(OfRecordings, APushIsAFindingAndItsMomentsAreLeftOut) {
       if (r.time[k] > 5.0 && r.time[k] < 6.0) r.tau(k, 1) += 15.0;
     }
   });
-  x.options.identification.test_preprocessing = x.options.identification.preprocessing;
-  ASSERT_TRUE(fit_baseline(x));
-  x.options.effects = {"joint_spring"};
-  EXPECT_FALSE(exclude_contacts(x.start, x));
-  x.options.effects.clear();
-  x.d.findings.resize(1);  // of the questions before
-  ASSERT_TRUE(exclude_contacts(x.start, x));
-  EXPECT_EQ(x.contacts, 1U);
-  ASSERT_EQ(x.d.findings.size(), 1U);
-  const Finding& f = x.d.findings[0];
+  const auto diagnosed = [&] { return diagnose(x.arm, x.train, x.test, x.options); };
+  const Diagnosis d = diagnosed();
+  ASSERT_EQ(d.findings.size(), 1U) << d.report();
+  const Finding& f = d.findings[0];
   EXPECT_TRUE(std::holds_alternative<ExternalContact>(f.cause));
   EXPECT_EQ(f.source, x.test[0]);
   EXPECT_NEAR(f.parameters[1].value, 5.0, 0.2);
   EXPECT_NEAR(f.parameters[2].value, 6.0, 0.2);
   EXPECT_LT(f.test_outside[1], 0.5 * f.test_before[1]);
-  EXPECT_EQ(x.options.identification.test_preprocessing->excluded_intervals.size(), 1U);
+  EXPECT_EQ(d.excluded_intervals.size(), 1U);
+  x.options.effects = {"joint_spring"};
+  EXPECT_TRUE(diagnosed().findings.empty());  // nobody asked about it
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ class AtTheEnds : public Stages {
   }
 
   DiagnosisState resting(double before, double after) const {
-    DiagnosisState x{read_model("planar-2r"), {}, {}, {}, {}, {}, 0, {}, {}, {}};
+    DiagnosisState x{read_model("planar-2r"), {}, {}, {}, {}};
     for (unsigned k = 1; k <= 3; ++k) x.train.push_back(record(k, {}));
     x.test = {record(4, {})};
     write_recording(with_rests(read_recording(x.train[1]), before, after), x.train[1]);

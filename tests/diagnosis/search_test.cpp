@@ -33,7 +33,6 @@ class OneSearch : public Stages {
   Diagnosis diagnosed(const Model& robot, const std::vector<std::string>& hidden, unsigned first = 1) const {
     const std::vector<std::string> all = recorded(first, hidden);
     DiagnosisOptions options;
-    options.method = DiagnosisMethod::kSearch;
     options.identification.threads = 1;
     return diagnose(robot, {all[0], all[1], all[2]}, {all[3]}, options);
   }

@@ -8,7 +8,7 @@
 
 #include "support/simulated.hpp"
 #include "cli/tool.hpp"
-#include "diagnosis/stages/diagnosis_state.hpp"
+#include "diagnosis/preparation/diagnosis_state.hpp"
 #include "simulation/simulation_support.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 
@@ -50,7 +50,7 @@ class Stages : public testing::Test {
 
   // Baseline of this robot file on four recordings, one held out.
   DiagnosisState investigation(const Model& robot, const std::vector<std::string>& hidden) const {
-    DiagnosisState x{robot, {}, {}, {}, {}, {}, 0, {}, {}, {}};
+    DiagnosisState x{robot, {}, {}, {}, {}};
     for (unsigned k = 1; k <= 4; ++k) x.train.push_back(record(k, hidden));
     x.test = {record(5, hidden)};
     x.options.identification.threads = 1;

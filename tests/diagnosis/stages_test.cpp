@@ -4,8 +4,6 @@
 #include <set>
 
 #include "diagnosis/stage_support.hpp"
-#include "diagnosis/stages/channel_correction.hpp"
-#include "diagnosis/stages/newly_visible.hpp"
 #include "effects/plain_friction.hpp"
 #include "identification/velocity_choice.hpp"
 #include "recordings/files/byte_stream.hpp"
@@ -13,7 +11,7 @@
 #include "veridyn/identification/robot_check.hpp"
 #include "veridyn/math/require.hpp"
 
-// Stages of a diagnosis on a simulated arm of two joints whose truth is known.
+// A diagnosis of a simulated arm of two joints whose truth is known, and how often its recordings are read.
 
 namespace veridyn {
 namespace {
@@ -24,42 +22,13 @@ Model with_gravity(const Model& arm, const Eigen::Vector3d& gravity) {
   return Model(std::move(d));
 }
 
-// Questions are those that were asked for, with the limits that were asked for.
-TEST_F(Stages, TheListAsksWhatTheOptionsSay) {
-  DiagnosisState x{truth_, {}, {}, {}, {}, {}, 0, {}, {}, {}};
-  EXPECT_TRUE(x.list().wanted.empty());
+// Questions are those that were asked for.
+TEST_F(Stages, AnEffectIsAskedAboutWhereTheOptionsSaySo) {
+  DiagnosisState x{truth_, {}, {}, {}, {}};
   EXPECT_TRUE(x.tests_effect("backlash"));
   x.options.effects = {"joint_spring"};
-  x.options.thresholds.smallest_gain = 0.7;
-  x.d.changes = true;
-  EXPECT_EQ(x.list().wanted, x.options.effects);
-  EXPECT_EQ(x.list().limits.smallest_gain, 0.7);
-  EXPECT_TRUE(x.list().changes);
   EXPECT_TRUE(x.tests_effect("joint_spring"));
   EXPECT_FALSE(x.tests_effect("backlash"));
-}
-
-// Errors count where the fit looked: without excluded rows, else on repaired ones, else on all.
-TEST_F(Stages, TrainingErrorsAreThoseOfTheRowsThatWereFitted) {
-  Identification id;
-  id.train_error.relative = Eigen::Vector2d(0.3, 0.5);
-  EXPECT_NEAR(log_training_error(id), 2.0 * std::log(0.3 * 0.5), 1e-12);
-  id.train_repaired.relative = Eigen::Vector2d(0.2, 0.4);
-  EXPECT_NEAR(log_training_error(id), 2.0 * std::log(0.2 * 0.4), 1e-12);
-  id.train_without_excluded.relative = Eigen::Vector2d(0.1, 0.2);
-  EXPECT_NEAR(log_training_error(id), 2.0 * std::log(0.1 * 0.2), 1e-12);
-}
-
-// Both joints turn about the vertical: gravity does nothing. Once the base leans the first link's first
-// moments act; its inertia counts together with one of them before, and alone then.
-TEST_F(Stages, ALeanShowsTheFirstMomentsOfAnArmThatStoodUpright) {
-  const Eigen::Vector3d upright(0.0, 0.0, -9.81);
-  const Eigen::Vector3d leaning(0.25, -0.15, -9.8);
-  const std::vector<std::string> names = newly_visible(with_gravity(truth_, leaning), upright);
-  EXPECT_EQ(names, (std::vector<std::string>{"hx_upper", "hy_upper", "Lzz_upper"}));
-  EXPECT_TRUE(newly_visible(with_gravity(truth_, upright), upright).empty());
-  const Eigen::Vector3d in_the_plane(1.0, -9.7, 0.0);
-  EXPECT_TRUE(newly_visible(with_gravity(truth_, in_the_plane), truth_.gravity()).empty());
 }
 
 // The model of the upright arm cannot know them; that they are wrong is no load.
@@ -112,9 +81,9 @@ TEST_F(Stages, PlainFrictionOfAllJointsIsFoundTogether) {
   const Model bare = without_effects(read_model("planar-2r"));
   ASSERT_TRUE(has_no_friction(bare));
   DiagnosisState x = investigation(bare, {});
-  add_plain_friction(x);
+  const Diagnosis d = diagnose(bare, x.train, x.test, x.options);
   int friction = 0;
-  for (const Finding& f : x.d.findings) {
+  for (const Finding& f : d.findings) {
     ASSERT_FALSE(f.parameters.empty());
     const FoundParameter& p = f.parameters.front();
     const std::string effect = effect_of(f.cause);
@@ -129,41 +98,17 @@ TEST_F(Stages, PlainFrictionOfAllJointsIsFoundTogether) {
     EXPECT_EQ(f.status, FindingStatus::kConfirmed) << f.phrase;
   }
   EXPECT_EQ(friction, 4);
-  EXPECT_EQ(x.fitted_by_start.size(), x.d.findings.size());
-  EXPECT_LT(x.start.test_error.relative.norm(), 0.5 * x.d.baseline.test_error.relative.norm());
-}
-
-// What is left out of the fit is not left out of held-out errors, and few recordings keep enough blocks.
-TEST_F(Stages, HeldOutErrorsAreThoseOfEveryRow) {
-  const DiagnosisState x = investigation(read_model("planar-2r"), {});
-  CandidateList list;
-  list.wanted = {"joint_spring"};
-  const auto rows = [&](const std::vector<ExcludedInterval>& parts) {
-    IdentificationOptions how = x.options.identification;
-    how.preprocessing.excluded_intervals = parts;
-    const CandidateData q = prepare(x.start, x.train, x.test, list, how);
-    Eigen::Vector2d out(0.0, 0.0);  // of the first training recording, of the held-out one
-    for (const auto& block : q.train[0].blocks) out[0] += block[0].rows();
-    for (const auto& block : q.test[0].blocks) out[1] += block[0].rows();
-    return out;
-  };
-  const Eigen::Vector2d all = rows({});
-  const Eigen::Vector2d some =
-      rows({{x.train[0], {}, 2.0, 6.0, "a test"}, {x.test[0], {}, 2.0, 6.0, "a test"}});
-  EXPECT_LT(some[0], 0.7 * all[0]);
-  EXPECT_EQ(some[1], all[1]);
-  EXPECT_GE(blocks_that_fit(x.arm, 1), 8);
-  EXPECT_GE(blocks_that_fit(x.arm, 1000000), 1);
+  EXPECT_LT(d.extended.test_error.relative.norm(), 0.5 * d.baseline.test_error.relative.norm());
 }
 
 // Of a joint that has friction in the file nothing is asked here.
 TEST_F(Stages, PlainFrictionIsAskedWhereTheFileHasNone) {
   ModelDescription d = read_model("planar-2r").description();
   d.effects.resize(2);  // the shoulder's
-  DiagnosisState x = investigation(Model(std::move(d)), {});
-  add_plain_friction(x);
+  const Model file(std::move(d));
+  DiagnosisState x = investigation(file, {});
   std::set<std::string> found;
-  for (const Finding& f : x.d.findings) {
+  for (const Finding& f : diagnose(file, x.train, x.test, x.options).findings) {
     EXPECT_EQ(f.joint, JointIndex{1}) << f.phrase;
     found.insert(effect_of(f.cause));
   }
@@ -173,26 +118,19 @@ TEST_F(Stages, PlainFrictionIsAskedWhereTheFileHasNone) {
 // 40 ms is twice what anybody expects, and two joints have it: one cause, undone completely.
 TEST_F(Stages, ALargeDelayOfTheWholeArmIsUndone) {
   DiagnosisState x = investigation(read_model("planar-2r"), {"time_delay:arm:seconds=0.04"});
-  CandidateList list = x.list();
-  list.wanted = {"time_delay"};
-  const CandidateTests asked = prepare_tests(x, list, x.start);
-  const Hypothesis* common = nullptr;
-  for (const Hypothesis& h : asked.q.augmented.hypotheses) {
-    if (!h.joint) common = &h;
-  }
-  ASSERT_NE(common, nullptr);
-  const auto corrected = correct_channel(x, asked, *common);
-  ASSERT_TRUE(corrected.has_value());
-  EXPECT_NEAR(corrected->values[0], 0.04, 0.001);
-  for (const Coordinate& c : corrected->corrected.model->coordinates())
-    EXPECT_NEAR(c.recorded.torque_delay, 0.04, 0.001);
+  x.options.effects = {"time_delay"};
+  const Diagnosis d = diagnose(read_model("planar-2r"), x.train, x.test, x.options);
+  ASSERT_EQ(d.findings.size(), 1U) << d.report();
+  EXPECT_FALSE(d.findings[0].joint.has_value()) << d.report();
+  EXPECT_NEAR(d.findings[0].parameters[0].value, 0.04, 0.001);
+  for (const Coordinate& c : d.extended.model->coordinates()) EXPECT_NEAR(c.recorded.torque_delay, 0.04, 0.001);
 }
 
 // The velocity of an encoder's differences over one row. Friction made of its sign flutters where
 // the arm turns round; the position knows better.
 TEST_F(Stages, AVelocityOfMuchNoiseIsTakenFromThePosition) {
   for (const double noise : {1e-5, 0.3}) {
-    DiagnosisState x{read_model("planar-2r"), {}, {}, {}, {}, {}, 0, {}, {}, {}};
+    DiagnosisState x{read_model("planar-2r"), {}, {}, {}, {}};
     for (unsigned k = 1; k <= 2; ++k) x.train.push_back(record(k, {}, noise));
     x.options.identification.threads = 1;
     check_quality(x);
@@ -202,51 +140,6 @@ TEST_F(Stages, AVelocityOfMuchNoiseIsTakenFromThePosition) {
     EXPECT_EQ(x.remarks.size(), expected) << noise;
     EXPECT_LT(x.start.train_error.relative.maxCoeff(), 0.02) << noise;
   }
-}
-
-// Friction whose sign changes over some speeds, as a drive's own compensation makes it: Stribeck
-// friction and a power law explain it together, another constant of the model's own friction alone.
-TEST_F(Stages, ASmoothStepOfTheModelsOwnFrictionIsARemarkAndNoCause) {
-  ModelDescription d = truth_.description();
-  for (EffectTerm& term : d.effects) {
-    if (term.effect == "coulomb_friction") term.values["slope"] = 20.0;
-  }
-  truth_ = Model(std::move(d));
-  DiagnosisState x = investigation(read_model("planar-2r"), {});
-  select_causes(x);
-  EXPECT_TRUE(x.d.findings.empty()) << x.d.findings.front().phrase;
-  EXPECT_EQ(x.d.remarks.size(), 2U);
-  EXPECT_LT(x.d.extended.test_error.relative.norm(), 0.8 * x.start.test_error.relative.norm());
-}
-
-// What is left of a delay after one correction is no second finding.
-TEST_F(Stages, OneChannelHasOneError) {
-  DiagnosisState x = investigation(read_model("planar-2r"), {"time_delay:arm:seconds=0.04"});
-  Finding half;
-  half.cause = ChannelError{"time_delay", std::nullopt};
-  half.parameters = {{"seconds", "s", 0.01, 0.009, 0.011}};
-  half.test_before = half.test_after = x.start.test_error.relative;
-  x.d.findings.push_back(half);
-  select_causes(x);
-  ASSERT_EQ(x.d.findings.size(), 1U) << x.d.findings.back().phrase;
-  EXPECT_NEAR(x.d.findings[0].parameters[0].value, 0.05, 0.001);
-}
-
-// A hypothesis that the data do not ask for is refused once it is applied, or moves nothing.
-TEST_F(Stages, ADelayThatIsNotThereIsNotCorrected) {
-  DiagnosisState x = investigation(read_model("planar-2r"), {});
-  CandidateList list = x.list();
-  list.wanted = {"time_delay"};
-  const CandidateTests asked = prepare_tests(x, list, x.start);
-  for (const Hypothesis& h : asked.q.augmented.hypotheses) {
-    const auto corrected = correct_channel(x, asked, h);
-    if (corrected) {
-      EXPECT_LT(std::abs(corrected->values[0]), 1e-3);
-    }
-  }
-  x.refused.insert(asked.q.augmented.hypotheses.front());
-  EXPECT_EQ(prepare_tests(x, list, x.start).q.augmented.hypotheses.size(),
-            asked.q.augmented.hypotheses.size() - 1);
 }
 
 // However many questions are asked of a recording, its file is opened once.
@@ -277,8 +170,7 @@ TEST_F(Stages, ProgressCountsTheHypothesesAndNeverGoesBack) {
   };
   diagnose(read_model("planar-2r"), {record(1, {"quadratic_drag:elbow"}), record(2, {"quadratic_drag:elbow"})},
            {record(3, {"quadratic_drag:elbow"})}, options);
-  for (const char* number : {"1", "2", "3", "4"})
-    EXPECT_EQ(told.count(std::string("trying causes: testing hypothesis ") + number + " of 4"), 1U) << number;
+  EXPECT_TRUE(std::any_of(told.begin(), told.end(), [](const std::string& what) { return what.find("searching: testing hypothesis ") == 0; }));
   EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
   EXPECT_EQ(shares.back(), 1.0);
 }

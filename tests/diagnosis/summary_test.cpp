@@ -1,7 +1,8 @@
 #include <gtest/gtest.h>
 
 #include "diagnosis/findings/finding_words.hpp"
-#include "diagnosis/stages/diagnosis_state.hpp"
+#include "diagnosis/findings/held_out.hpp"
+#include "diagnosis/findings/summary.hpp"
 
 // What a reader sees first, and what the held-out recordings hold against a finding.
 
@@ -111,6 +112,18 @@ TEST(Summary, JointsThatAreWorseAreNamedInTheVerdict) {
   EXPECT_NE(d.verdict().find("do not confirm"), std::string::npos) << d.verdict();
   d.findings.clear();
   EXPECT_EQ(d.verdict(), "none");
+}
+
+TEST(HeldOut, TheShareIsOfWhatLiesAboveTheNoise) {
+  Identification baseline;
+  baseline.test_error.relative = (VectorXd(2) << 0.5, 0.1).finished();
+  baseline.noise_floor = VectorXd::Constant(2, 0.1);
+  const VectorXd after = (VectorXd(2) << 0.3, 0.1).finished();
+  EXPECT_NEAR(explained_share(baseline.test_error.relative, after, baseline), 0.16 / 0.24, 1e-12);
+  EXPECT_NEAR(explained_share(after, baseline.test_error.relative, baseline), -0.16 / 0.24, 1e-12);
+  EXPECT_EQ(explained_share(after, {}, baseline), 0.0);
+  baseline.noise_floor = VectorXd::Constant(2, 0.6);
+  EXPECT_EQ(explained_share(baseline.test_error.relative, after, baseline), 0.0);
 }
 
 // The held-out recordings say something else here, and it counts for nothing.

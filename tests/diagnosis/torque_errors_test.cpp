@@ -8,7 +8,7 @@
 #include "veridyn/files/model_file.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 
-// Crosstalk between torque channels, asked about only where a joint's error depends on the torque of another one; torques at the
+// Crosstalk between torque channels; torques at the
 // limit of their channel.
 
 namespace veridyn {
@@ -32,8 +32,7 @@ Model truth() {
 }
 
 TEST(TorqueCrosstalk, TakesThePlaceOfTheCurveOverTheOtherTorque) {
-  DiagnosisOptions how;
-  const Diagnosis d = diagnosed(truth(), "torque_crosstalk:2:from=1,share=0.15", how);
+  const Diagnosis d = diagnosed(truth(), "torque_crosstalk:2:from=1,share=0.15");
   ASSERT_EQ(d.findings.size(), 1U) << d.report();
   const Finding& f = d.findings[0];
   EXPECT_EQ(to_text(truth(), f.cause), "torque_crosstalk:elbow");

@@ -3,17 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <tuple>
 
 #include "support/simulated.hpp"
-#include "diagnosis/findings/right_to_a_name.hpp"
-#include "diagnosis/unnamed/dependence.hpp"
-#include "diagnosis/unnamed/motion_signals.hpp"
-#include "diagnosis/unnamed/shared_residual.hpp"
-#include "diagnosis/unnamed/tables.hpp"
-#include "diagnosis/unnamed/vibration.hpp"
+#include "diagnosis/search/shape_words.hpp"
+#include "diagnosis/search/tables.hpp"
+#include "diagnosis/search/vibration.hpp"
 #include "math/correlated_columns.hpp"
-#include "math/random_numbers.hpp"
 #include "simulation/simulation_support.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 #include "veridyn/effects/effect.hpp"
@@ -224,42 +219,6 @@ TEST(Unnamed, AVibrationIsNoFloor) {
   for (const JointVerdict& one : still.joints) EXPECT_EQ(one.state, JointState::kAtFloor) << still.report();
 }
 
-// A joint that swings as a sine has travelled twice the amplitude at most since it reversed, one way and the other. Rows
-// within a part that is left out are those of its joint and of no other time.
-TEST(MotionSignals, AreOfTravelSinceAReversalAndOfPartsThatCount) {
-  constexpr double kAmplitude = 0.4, kRadians = M_PI;  // [rad], [rad/s]
-  Identification id;
-  id.model = read_model("planar-2r");
-  id.preprocessing.cutoff = 0.0;
-  RecordingError r;
-  r.source = "waves";
-  PredictionSeries& x = r.series;
-  x.q = x.dq = x.ddq = x.measured = x.modelled = std::vector<std::vector<double>>(2, std::vector<double>(1000, 0.0));
-  for (int row = 0; row < 1000; ++row) {
-    const double angle = kRadians * 0.01 * row;
-    x.time.push_back(0.01 * row);
-    x.q[0][row] = kAmplitude * std::sin(angle);
-    x.dq[0][row] = kAmplitude * kRadians * std::cos(angle);
-  }
-  id.train = {r};
-  const std::vector<MotionSignal> signals = motion_signals(id, {});
-  const auto history = std::find_if(signals.begin(), signals.end(), [](const MotionSignal& s) { return s.kind == SignalKind::kHistory; });
-  ASSERT_NE(history, signals.end());
-  EXPECT_NEAR(travel_of_history(history->high, history->unit_travel), 2.0 * kAmplitude, 0.01 * kAmplitude);
-  EXPECT_NEAR(travel_of_history(history->low, history->unit_travel), -2.0 * kAmplitude, 0.01 * kAmplitude);
-  ExcludedInterval part;
-  part.source = r.source;
-  part.joint = 0;
-  part.from = 2.0 - 1e-6;
-  part.to = 4.0 + 1e-6;
-  const MotionRows rows = motion_rows(id, id.train, {part}, signals);
-  ASSERT_EQ(rows.used.rows(), 1000);
-  for (int row = 0; row < 1000; ++row) {
-    EXPECT_EQ(rows.used(row, 0), row < 200 || row > 400) << row;
-    EXPECT_TRUE(rows.used(row, 1)) << row;
-  }
-}
-
 // Of a line that a joint of the arm moves with as well, its motion may be the reason.
 TEST(Unnamed, ALineOfTheMotionIsNoVibration) {
   const auto seen = [](double of_motion) {
@@ -289,102 +248,6 @@ TEST(Unnamed, ALineOfTheMotionIsNoVibration) {
   EXPECT_FALSE(seen(1.3).has_value());
 }
 
-// Independent signals, four folds, and what the first joint's residual is of them.
-MotionRows independent_rows(const std::vector<std::tuple<SignalKind, int, const char*>>& signals,
-                            const std::function<double(const Eigen::RowVectorXd&)>& residual) {
-  MotionRows rows;
-  for (const auto& [kind, joint, name] : signals) {
-    MotionSignal s = signal(kind, -1.0, 1.0);
-    s.joint = joint;
-    s.name = name;
-    rows.signals.push_back(std::move(s));
-  }
-  constexpr int kDrawn = 1200;
-  RandomNumbers random(5);
-  rows.values = MatrixXd(kDrawn, static_cast<Eigen::Index>(signals.size()));
-  rows.residual = rows.measured = MatrixXd(kDrawn, 2);
-  for (int r = 0; r < kDrawn; ++r) {
-    for (Eigen::Index s = 0; s < rows.values.cols(); ++s) rows.values(r, s) = random.uniform(-1.0, 1.0);
-    rows.residual.row(r).setConstant(residual(rows.values.row(r)) + 0.05 * random.normal());
-    rows.recording.push_back(r * 4 / kDrawn);
-    rows.phase.push_back(0.0);
-  }
-  rows.measured.setOnes();
-  rows.used.setConstant(kDrawn, 2, true);
-  rows.recordings = 4;
-  return rows;
-}
-
-// A torque on joint 1 of two joints' velocities, which is a function of neither alone.
-TEST(Unnamed, AProductOfTwoVelocitiesIsFound) {
-  const MotionRows rows = independent_rows({{SignalKind::kPosition, 0, "q1"}, {SignalKind::kVelocity, 0, "dq1"},
-                                            {SignalKind::kPosition, 1, "q2"}, {SignalKind::kVelocity, 1, "dq2"}},
-                                           [](const Eigen::RowVectorXd& x) { return x[1] * x[3]; });
-  const Thresholds limits;
-  const std::vector<SmoothTerm> terms = smooth_terms(rows.signals, 0, limits);
-  const Dependence found = find_dependence(0, rows, rows, terms, limits);
-  ASSERT_EQ(found.model.chosen.size(), 1u);
-  EXPECT_EQ(terms[found.model.chosen.front().term].signals, (std::vector<int>{1, 3}));
-  EXPECT_GT(found.predicted_of_test.front(), 0.9);
-}
-
-// A spring whose stiffness drifts, and an amplifier whose gain does: torques of the time and of another signal, which are
-// functions of neither alone.
-TEST(Unnamed, AProductWithTheTimeIsFound) {
-  for (const int other : {0, 1}) {
-    const MotionRows rows = independent_rows({{SignalKind::kPosition, 0, "q1"}, {SignalKind::kTorque, 0, "tau1"},
-                                              {SignalKind::kVelocity, 0, "dq1"}, {SignalKind::kTime, 0, "t"}},
-                                             [other](const Eigen::RowVectorXd& x) { return x[other] * x[3]; });
-    const Thresholds limits;
-    const std::vector<SmoothTerm> terms = smooth_terms(rows.signals, 0, limits);
-    const Dependence found = find_dependence(0, rows, rows, terms, limits);
-    ASSERT_EQ(found.model.chosen.size(), 1u) << other;
-    EXPECT_EQ(terms[found.model.chosen.front().term].signals, (std::vector<int>{other, 3}));
-    EXPECT_GT(found.predicted_of_test.front(), 0.9);
-  }
-}
-
-// Weight that turns with positions and with a lean that follows another joint's torque: the one with the own position
-// alone, the other with the own one and another.
-TEST(Unnamed, AGainOnATorqueThatVariesWithPositionsIsFound) {
-  const auto seen = [](const std::function<double(const Eigen::RowVectorXd&)>& residual, const std::vector<std::string>& of) {
-    const MotionRows rows = independent_rows({{SignalKind::kPosition, 0, "q1"}, {SignalKind::kTorque, 0, "tau1"},
-                                              {SignalKind::kPosition, 1, "q2"}, {SignalKind::kTorque, 1, "tau2"}}, residual);
-    const Thresholds limits;
-    const std::vector<SmoothTerm> terms = smooth_terms(rows.signals, 0, limits);
-    const Dependence found = find_dependence(0, rows, rows, terms, limits);
-    ASSERT_EQ(found.model.chosen.size(), 1u);
-    EXPECT_GT(found.predicted_of_test.front(), 0.7);
-    const UnnamedShape shape = shape_of(found, 0, rows, terms, "N m");
-    EXPECT_EQ(shape.signals, of);
-    EXPECT_EQ(shape.words.find("in proportion to tau2, at its largest: "), 0u) << shape.words;
-    EXPECT_EQ(shape.curve.front().at.back(), 1.0);
-    std::vector<MotionSignal> kept;
-    for (const int s : terms[found.model.chosen.front().term].signals) kept.push_back(rows.signals[s]);
-    EXPECT_TRUE(tables_of(read_model("planar-2r"), {0}, shape, kept).empty());
-  };
-  seen([](const Eigen::RowVectorXd& x) { return 0.2 * std::sin(2.0 * x[0]) * x[3]; }, {"q1", "tau2"});
-  seen([](const Eigen::RowVectorXd& x) { return 0.2 * std::sin(2.0 * (x[0] + x[2])) * x[3]; }, {"q1", "q2", "tau2"});
-}
-
-// What is left on two joints comes from one source where it goes together in every fold.
-TEST(Unnamed, AResidualThatTwoJointsShareIsSeen) {
-  MotionRows rows = independent_rows({{SignalKind::kPosition, 0, "q1"}}, [](const Eigen::RowVectorXd& x) { return x[0]; });
-  rows.residual.col(1) *= -2.0;
-  const std::optional<SharedResidual> both = shared_residual(rows, 0, Thresholds{});
-  ASSERT_TRUE(both.has_value());
-  EXPECT_EQ(both->with, 1);
-  EXPECT_NEAR(both->correlation, -1.0, 1e-9);
-  MotionRows differ = rows;
-  for (int r = 0; r < differ.residual.rows(); ++r) {
-    if (differ.recording[r] == 2) differ.residual(r, 1) *= -1.0;
-  }
-  EXPECT_FALSE(shared_residual(differ, 0, Thresholds{}).has_value());
-  RandomNumbers random(9);
-  for (int r = 0; r < rows.residual.rows(); ++r) rows.residual(r, 1) = random.normal();
-  EXPECT_FALSE(shared_residual(rows, 0, Thresholds{}).has_value());
-}
-
 // The same arm in which joints 1 and 3 follow one sine, 2 another one.
 TEST(CorrelatedColumns, FindsStraightLinesOfOneAnother) {
   MatrixXd q(500, 4);
@@ -396,35 +259,6 @@ TEST(CorrelatedColumns, FindsStraightLinesOfOneAnother) {
   ASSERT_EQ(groups.size(), 1u);
   EXPECT_EQ(groups[0], (std::vector<int>{0, 2}));
   EXPECT_EQ(numbers_from_one({0, 2, 3}), "1, 3 and 4");
-}
-
-Finding found(const std::string& effect, const std::string& parameter, double value, double half) {
-  Finding f;
-  f.cause = NewEffect{effect, {0}};
-  f.joint = JointIndex{0};
-  f.parameters = {{parameter, "N m", value, value - half, value + half}};
-  return f;
-}
-
-TEST(RightToAName, IsLostByAnIntervalWithZeroAndByASizeBeyondTheJoint) {
-  Identification fitted;
-  CompressedRecording recording;
-  recording.joints.resize(1);
-  recording.joints[0].minimum = -0.43;
-  recording.joints[0].maximum = 0.40;
-  fitted.factors = {recording};
-  EXPECT_EQ(why_no_finding(found("coulomb_friction", "level", 0.3, 0.1), fitted), "");
-  EXPECT_NE(why_no_finding(found("coulomb_friction", "level", 0.1, 0.2), fitted).find("zero"), std::string::npos);
-  EXPECT_NE(why_no_finding(found("position_force", "chebyshev_2", 12.0, 1.0), fitted).find("more than"), std::string::npos);
-}
-
-TEST(RightToAName, ALoadHasAMassOrAMoment) {
-  Finding load;
-  load.cause = AddedLoad{FrameIndex{0}};
-  load.parameters = {{"mass", "kg", 0.1, 0.0, 0.4}, {"moment", "kg m", 0.02, 0.01, 0.03}};
-  EXPECT_EQ(why_no_finding(load, {}), "");
-  load.parameters[1].low = 0.0;
-  EXPECT_NE(why_no_finding(load, {}).find("neither its mass nor its moment"), std::string::npos);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "diagnosis/findings/finding_words.hpp"
 #include "diagnosis/findings/next_experiment.hpp"
 #include "veridyn/files/model_file.hpp"
+#include "veridyn/regressor/standard_parameters.hpp"
 
 // What is said of a finding, and what is proposed to do next.
 
@@ -41,17 +42,6 @@ TEST(FindingWords, PlaceAndPhraseMakeASentenceForEveryKindOfCause) {
   Finding large = finding(ChannelError{"time_delay", {}}, "a delay");
   large.remark = "That is large.";
   EXPECT_EQ(sentence(arm, large), "The arm has a delay. That is large.");
-}
-
-TEST(FindingWords, AFindingOfAHypothesisStandsWhereItDoes) {
-  Hypothesis h;
-  h.cause = NewEffect{"backlash", {1}};
-  h.joint = JointIndex{1};
-  h.largest_value = 2.0;
-  EXPECT_TRUE(alike(finding_at(h).cause, h.cause));
-  EXPECT_EQ(finding_at(h).joint, h.joint);
-  EXPECT_TRUE(remark_on_size(h, {1.9, -1.9}).empty());
-  EXPECT_FALSE(remark_on_size(h, {0.0, -2.1}).empty());
 }
 
 // The interval keeps its width where the new fit claims to know more.
@@ -106,65 +96,6 @@ TEST(FindingWords, AStatusAsksTheJointThatACauseActsOn) {
   EXPECT_EQ(status(ChannelError{"torque_gain", JointIndex{0}}), FindingStatus::kNotConfirmed);
   EXPECT_EQ(status(ChannelError{"encoder_offset", JointIndex{0}}), FindingStatus::kConfirmed);
   EXPECT_EQ(status(KinematicError{JointZero{{0}}}), FindingStatus::kConfirmed);
-}
-
-std::vector<std::string> names_of(const std::vector<FoundParameter>& all) {
-  std::vector<std::string> out;
-  for (const FoundParameter& p : all) out.push_back(p.name);
-  return out;
-}
-
-// A mass of 0.5 kg at (0.1, 0.2, 0.3) m, whose height no torque sees.
-PayloadEstimate load_without_height() {
-  PayloadEstimate out;
-  out.mass = 0.5;
-  out.mass_low = 0.4;
-  out.mass_high = 0.6;
-  out.com = Eigen::Vector3d(0.1, 0.2, 0.3);
-  out.com_half_width = Eigen::Vector3d(0.01, 0.02, 1.0);
-  out.moment = out.mass * out.com;
-  out.moment_half_width = Eigen::Vector3d(0.003, 0.004, 0.6);
-  out.seen = {true, true, false};
-  return out;
-}
-
-TEST(LoadWords, ALoadHasACentreWhereTorquesSeeItAndItsMassIsSure) {
-  PayloadEstimate load = load_without_height();
-  const std::vector<FoundParameter> sure = load_parameters(load);
-  ASSERT_EQ(names_of(sure), (std::vector<std::string>{"mass", "x", "y", "moment"}));
-  EXPECT_DOUBLE_EQ(sure[2].value, 0.2);
-  EXPECT_DOUBLE_EQ(sure[2].low, 0.18);
-  EXPECT_NEAR(sure[3].value, load.moment.norm(), 1e-12);
-  EXPECT_NEAR(sure[3].high - sure[3].value, 0.005, 1e-12);  // of what is seen
-  EXPECT_EQ(load_phrase(sure), "a load of 0.5 kg (95 %: 0.4 to 0.6)");
-  load.mass_low = 0.0;
-  const std::vector<FoundParameter> vague = load_parameters(load);
-  EXPECT_EQ(names_of(vague), (std::vector<std::string>{"mass", "moment"}));
-  EXPECT_EQ(load_phrase(vague),
-            "a load with a moment of 0.187 kg m (95 %: 0.182 to 0.192) and a mass that may be zero (at most 0.6 kg)");
-}
-
-// Beside friction the mass may be zero, alone it is not: of both fits together it has no centre. Each interval holds
-// that of its own name.
-TEST(LoadWords, OfTwoFitsBothMustKnowAParameter) {
-  const PayloadEstimate alone = load_without_height();
-  PayloadEstimate beside = alone;
-  beside.mass_low = 0.0;
-  beside.mass_high = 0.9;
-  const std::vector<FoundParameter> vague = known_to_both(load_parameters(alone), load_parameters(beside));
-  ASSERT_EQ(names_of(vague), (std::vector<std::string>{"mass", "moment"}));
-  EXPECT_DOUBLE_EQ(vague[0].value, 0.5);
-  EXPECT_DOUBLE_EQ(vague[0].low, 0.0);
-  EXPECT_DOUBLE_EQ(vague[0].high, 0.9);
-  EXPECT_NEAR(vague[1].value, alone.moment.norm(), 1e-12);
-  beside = alone;
-  beside.seen = {false, true, true};
-  beside.com[1] = 0.25;
-  const std::vector<FoundParameter> some = known_to_both(load_parameters(alone), load_parameters(beside));
-  ASSERT_EQ(names_of(some), (std::vector<std::string>{"mass", "y", "moment"}));
-  EXPECT_DOUBLE_EQ(some[1].value, 0.2);
-  EXPECT_DOUBLE_EQ(some[1].low, 0.18);
-  EXPECT_DOUBLE_EQ(some[1].high, 0.27);
 }
 
 Diagnosis with_rival(Cause cause, Cause rival) {

@@ -20,7 +20,7 @@ struct Played {
 };
 
 // `recordings` to learn from (0: all), of motions with this share of the usual amplitude.
-Played play(const CaseRequest& request, size_t recordings = 0, double reach = 1.0, DiagnosisMethod method = DiagnosisMethod::kAutomatic) {
+Played play(const CaseRequest& request, size_t recordings = 0, double reach = 1.0) {
   namespace fs = std::filesystem;
   const fs::path folder =
       fs::path(testing::TempDir()) / ("hide-and-seek-" + request.arm + "-" +
@@ -31,7 +31,6 @@ Played play(const CaseRequest& request, size_t recordings = 0, double reach = 1.
   if (recordings > 0) files.train.resize(recordings);
   DiagnosisOptions options;
   options.identification.threads = 2;
-  options.method = method;
   out.diagnosis = seek_causes(out.hidden, files, folder.string(), options);
   out.verdict = judge(out.hidden, out.diagnosis);
   fs::remove_all(folder);
@@ -225,7 +224,7 @@ TEST(HideAndSeek, AStopTakesThePlaceOfTheNamesOnItsJoint) {
 
 // A stop on one joint is compared with the curve of that joint; a curve of another joint stays beside it.
 TEST(HideAndSeek, AStopIsNamedBesideACurveOfAnotherJoint) {
-  const Played played = play({"planar-2r", {"end_stop"}, 1502, 0.1, Mode::kChanged}, 0, 1.0, DiagnosisMethod::kStages);
+  const Played played = play({"planar-2r", {"end_stop"}, 1502, 0.1, Mode::kChanged});
   EXPECT_TRUE(played.verdict.first) << played.diagnosis.report();
 }
 

@@ -520,7 +520,7 @@ TEST(HeldOutFits, KeepWhatTheOtherPartsDoNotDetermine) {
   }
   const Identification id = identify(arm, {all[0], all[1], all[2], all[3]});
   ASSERT_TRUE(id.model);
-  const FoldErrors folds = fold_errors(id, {}, FoldValues::kFitted, {4, 1e-6});
+  const FoldErrors folds = fold_errors(id, {}, {4, 1e-6});
   ASSERT_EQ(folds.error2.rows(), 4);
   EXPECT_LT(folds.error2(3, 1), 1e-4 * folds.torque2[1]);  // one per cent of the torque
 }

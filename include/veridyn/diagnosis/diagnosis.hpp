@@ -26,15 +26,6 @@ enum class UnnamedForces {
   kKept,      ///< those that can be a force become tables (tabulated_force) of the extended model
 };
 
-/// How causes are found.
-enum class DiagnosisMethod {
-  kAutomatic,  ///< kSearch against a MODEL, kStages for the arm of a robot file
-  kStages,     ///< one test after another
-  /// One dictionary of terms with prices, one held-out score, one search: names, loads of either sign, the direction of
-  /// gravity, constants and curves compete, and a MODEL is a prior.
-  kSearch,
-};
-
 struct DiagnosisOptions {
   DiagnosisOptions() { identification.weights = JointWeights::kResidual; }
 
@@ -46,15 +37,9 @@ struct DiagnosisOptions {
   int max_effects = 20;  ///< findings at most; contacts and plain friction do not count
   ExtendedModel extended = ExtendedModel::kConfirmedOnly;
   UnnamedForces unnamed = UnnamedForces::kReported;
-  DiagnosisMethod method = DiagnosisMethod::kAutomatic;
   /// Provenance of the robot's values; nullopt: as its file says.
   std::optional<RobotValues> values{};
-  /// An effect is accepted when the sum over joints of ln(held-out mean square error) falls by more
-  /// than `smallest_gain` in the mean over the folds (recordings, or phases of the period of a
-  /// single one), falls in all folds but one or significantly by a signed-rank test, and when the p
-  /// value of its parameters over clusters (phases of the period, repeats merged) is below
-  /// `significance` divided by the number of candidates. With a single recording only causes that
-  /// depend on position are held to this correction, and their names are provisional.
+  /// Around the search, which decides by its own numbers; with a single recording names are provisional.
   Thresholds thresholds;
   /// Called with (tested, of how many) during every round of tests, from any thread but one at a
   /// time; diagnose() sets it, and reports through identification.progress.
@@ -80,7 +65,7 @@ struct Rival {
 /// recordings take no part in it: they measure what was chosen without them, see Agreement.
 enum class FindingStatus {
   kConfirmed,     ///< the parts are predicted better with it, its own joint too
-  kNotConfirmed,  ///< they are not, or it lost its name after the last fit
+  kNotConfirmed,  ///< they are not
 };
 const char* name_of(FindingStatus status);
 
@@ -98,10 +83,8 @@ struct CurvePoint {
 /// Dependence of a residual on signals, where no known cause has that shape.
 struct UnnamedShape {
   static constexpr const char* kName = "unnamed";
-  /// One to three of "q1".., "dq1".., "ddq1".., "tau1".. (the model's torque), "history1".. (signed
-  /// travel since the last reversal) and "t" (since the recording began). Where the last of two or three is a torque and
-  /// `words` begin with "in proportion to", the residual is that torque times a function of the other signals; the curve
-  /// is the one at the largest torque.
+  /// One or two of "q1".., "dq1".., "tau1".. (the model's torque), "history1".. (signed travel since the last reversal)
+  /// and "t" (since the recording began).
   std::vector<std::string> signals;
   std::vector<std::string> units;
   /// The second signal is a velocity of which only the sign counts: one curve for each direction.
@@ -111,8 +94,6 @@ struct UnnamedShape {
   std::vector<CurvePoint> curve;
   bool kept = false;   ///< the extended model has it as a table
   double share = 0.0;  ///< of the mean square that is left over, on the held-out recordings
-  /// Other signals that predict equally well in their place: the recordings cannot separate them.
-  std::vector<std::vector<std::string>> as_good;
 };
 
 struct Finding {
@@ -141,7 +122,6 @@ struct Finding {
 
   Agreement held_out() const;
   FindingStatus status = FindingStatus::kConfirmed;
-  std::string why_not;  ///< of one that is not confirmed although its error on the parts fell
   bool main = true;  ///< false: one of the small ones, see DiagnosisSummary
   std::vector<Rival> rivals;
   std::optional<UnnamedShape> shape;  ///< set for a finding without a named cause
@@ -270,16 +250,14 @@ void save(const Diagnosis& diagnosis, const std::string& path, const std::string
 /// Asks which physical causes the recordings accept beyond the robot's own model. Causes are
 /// selected, confirmed and fitted on the training recordings only, and so is the extended model; the
 /// test recordings measure the gain. A test recording itself is checked for faults only: contacts,
-/// local sticking, a velocity that is not the derivative of its position (which is then used instead).
+/// a velocity that is not the derivative of its position (which is then used instead).
 ///
 /// An arm without values is identified first, and every fit leaves its parameters free. The values
 /// of a MODEL are kept fixed, and findings say **what changed since**: a payload, a drive gain, an
 /// encoder's zero, a change of friction.
 ///
-/// Order of the tests: disturbances of a recording (contacts, local sticking), plain friction of
-/// joints for which the file has none (all together), errors of the channels and wrong constants of
-/// the robot file, and then all other causes together; channels come first among equals. No prior
-/// range decides between causes: an unusual size is a remark.
+/// One search explains what the fit leaves: effects, errors of channels, constants of the robot file, the direction of
+/// gravity, loads and curves without a name compete by one held-out score and their prices; an unusual size is a remark.
 ///
 /// @throws InvalidInput  as identify(). If the robot cannot be identified, baseline.status has the
 /// reason and nothing else is filled.

@@ -11,10 +11,6 @@ enum class EffectRole {
   kArm,       ///< no force along an axis: a fact about the whole arm, see ArmEffect
 };
 
-/// Order in which a diagnosis tests effects. Errors of the measurement come first, because every
-/// other effect is judged on the measured torque.
-enum class DiagnosisStage { kChannel = 0, kInertia = 1, kFriction = 2 };
-
 /// Form of friction at rest: a single force or a whole interval of forces.
 enum class DryFriction {
   kNone,      ///< one force in every state
@@ -27,7 +23,6 @@ enum class DryFriction {
 /// property with the columns.
 struct EffectTraits {
   EffectRole role = EffectRole::kForce;
-  DiagnosisStage stage = DiagnosisStage::kFriction;
 
   // Inputs of the columns: entries of AxisSample.
   bool uses_position = false;      ///< s

@@ -12,7 +12,7 @@
 #include "veridyn/tool/sound_arguments.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 #include "veridyn/diagnosis/rest_diagnosis.hpp"
-#include "diagnosis/stages/diagnosis_state.hpp"
+#include "diagnosis/preparation/diagnosis_state.hpp"
 #include "files/output_file.hpp"
 #include "effects/effect_names.hpp"
 #include "veridyn/files/model_file.hpp"
@@ -138,9 +138,6 @@ void add_diagnose_command(CLI::App& tool, Outcome& outcome) {
   command.add_flag_callback(
       "--all-findings", [request] { request->options.extended = ExtendedModel::kAllFindings; },
       "Write every accepted finding into the extended model");
-  command.add_flag_callback(
-      "--search", [request] { request->options.method = DiagnosisMethod::kSearch; },
-      "Find the causes of a robot file's error, too, by the one search that finds what changed since a MODEL was made");
   command.add_flag_callback(
       "--keep-unnamed", [request] { request->options.unnamed = UnnamedForces::kKept; },
       "Write unnamed findings into the extended model, as tabulated forces");

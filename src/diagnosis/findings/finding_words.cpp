@@ -1,19 +1,15 @@
 #include "diagnosis/findings/finding_words.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "diagnosis/evidence/effect_facts.hpp"
-#include "diagnosis/evidence/payload_fit.hpp"
-#include "diagnosis/evidence/folds.hpp"
-#include "diagnosis/evidence/numerics.hpp"
+#include "diagnosis/numerics.hpp"
+#include "math/student_t.hpp"
 #include "veridyn/effects/cause.hpp"
 #include "veridyn/effects/channel_effect.hpp"
-#include "math/student_t.hpp"
 #include "veridyn/effects/effect_facts.hpp"
+#include "veridyn/regressor/standard_parameters.hpp"
 
 namespace veridyn {
 namespace {
@@ -24,20 +20,7 @@ std::string place_of(const CauseWords& w) {
   return "Joint " + std::to_string(w.joint) + " (" + w.coordinate + ")";
 }
 
-const FoundParameter* find_parameter(const std::vector<FoundParameter>& all, const std::string& name) {
-  const auto found = std::find_if(all.begin(), all.end(), [&name](const FoundParameter& p) { return p.name == name; });
-  return found == all.end() ? nullptr : &*found;
-}
-
 }  // namespace
-
-Finding finding_at(const Hypothesis& h) {
-  Finding f;
-  f.cause = h.cause;
-  f.joint = h.joint;
-  f.from = h.from;
-  return f;
-}
 
 std::string sentence(const Model& arm, const Finding& f) {
   const CauseWords w = words_of(arm, f.cause);
@@ -52,87 +35,6 @@ std::string sentence(const Model& arm, const Finding& f) {
     out = "The robot file has a wrong constant: " + f.phrase + ".";
   if (std::holds_alternative<ExternalContact>(f.cause)) out = f.source + ": " + f.phrase + ".";
   return f.remark.empty() ? out : out + " " + f.remark;
-}
-
-std::string remark_on_size(const Hypothesis& h, const std::vector<double>& values) {
-  const bool large = std::any_of(values.begin(), values.end(), [&h](double value) {
-    return std::abs(value) > h.largest_value;
-  });
-  return large ? "That is unusually large for an error of this kind." : "";
-}
-
-Finding channel_finding(const CandidateData& asked, const Hypothesis& h,
-                        const std::vector<double>& values, const VectorXd& half_widths) {
-  const Model& arm = asked.augmented.model;
-  const EffectTerm& term = term_of(arm, h);
-  Finding f = finding_at(h);
-  const std::vector<EffectParameter> parameters = find_effect(term.effect).parameters();
-  const bool slides = h.joint && is_prismatic(arm, term.axis);
-  for (size_t p = 0; p < values.size(); ++p) {
-    const double half = half_widths[static_cast<Eigen::Index>(p)];
-    f.parameters.push_back(
-        {parameters[p].name, slides ? parameters[p].unit_prismatic : parameters[p].unit_revolute,
-         values[p], values[p] - half, values[p] + half});
-  }
-  f.unit = f.parameters.front().unit;
-  f.phrase = channel_phrase(arm, term, values);
-  f.remark = remark_on_size(h, values);
-  return f;
-}
-
-std::vector<Rival> rivals_of(const CandidateData& asked, const NormalBlocks& data, const Hypothesis& h,
-                             const Accepted& accepted, bool changes) {
-  std::vector<Rival> out;
-  for (const Evidence& e : accepted.rivals) {
-    const Hypothesis& other = asked.augmented.hypotheses[e.hypothesis];
-    const bool same = is_load(h) && is_load(other) && same_torques(data, h, other);
-    out.push_back({other.cause,
-                   same ? "moves so alike that torques cannot tell which link carries it"
-                        : fmt::format("gains {:.0f} % as much on held-out data",
-                                      numerics::kPercent * e.gain /
-                                          std::max(numerics::kNoise, accepted.evidence.gain))});
-  }
-  const bool constant =
-      !is_load(h) && find_effect(effect_of(h.cause)).traits().same_as_wrong_constant;
-  if (constant && h.joint && !changes) {
-    out.push_back({KinematicError{JointZero{*h.joint}},
-                   "a wrong zero of this joint in the robot file does exactly the same"});
-  }
-  return out;
-}
-
-std::vector<FoundParameter> load_parameters(const PayloadEstimate& load) {
-  std::vector<FoundParameter> out = {{"mass", "kg", load.mass, load.mass_low, load.mass_high}};
-  double half = 0.0;
-  for (int c = 0; c < 3; ++c) {
-    if (!load.seen[static_cast<size_t>(c)]) continue;
-    half = std::hypot(half, load.moment_half_width[c]);
-    if (load.mass_low <= 0.0) continue;
-    out.push_back({std::string(1, "xyz"[c]), "m", load.com[c], load.com[c] - load.com_half_width[c],
-                   load.com[c] + load.com_half_width[c]});
-  }
-  const double lever = load.moment.norm();
-  out.push_back({"moment", "kg m", lever, std::max(0.0, lever - half), lever + half});
-  return out;
-}
-
-std::string load_phrase(const std::vector<FoundParameter>& of) {
-  const FoundParameter& mass = *find_parameter(of, "mass");
-  if (mass.low > 0.0)
-    return fmt::format("a load of {:.3g} kg (95 %: {:.3g} to {:.3g})", mass.value, mass.low, mass.high);
-  const FoundParameter& moment = *find_parameter(of, "moment");
-  return fmt::format("a load with a moment of {:.3g} kg m (95 %: {:.3g} to {:.3g}) and a mass that may be zero (at most {:.3g} kg)",
-                     moment.value, moment.low, moment.high, mass.high);
-}
-
-std::vector<FoundParameter> known_to_both(const std::vector<FoundParameter>& first,
-                                          const std::vector<FoundParameter>& second) {
-  std::vector<FoundParameter> out;
-  for (const FoundParameter& p : first) {
-    const FoundParameter* other = find_parameter(second, p.name);
-    if (other != nullptr) out.push_back({p.name, p.unit, p.value, std::min(p.low, other->low), std::max(p.high, other->high)});
-  }
-  return out;
 }
 
 namespace {
@@ -173,7 +75,9 @@ void refresh(const Identification& id, const std::vector<std::string>& names, Fi
 }
 
 bool falls(const VectorXd& before, const VectorXd& after, std::optional<JointIndex> joint) {
-  return log_fall(before, after) > 0.0 && (!joint || after[joint->value] <= before[joint->value]);
+  // The error of a joint without torque is an infinite share of it, before and after, and counts for nothing.
+  const auto sum = [](const VectorXd& errors) { return errors.array().max(numerics::kTiny).min(numerics::kHuge).log().sum(); };
+  return sum(before) > sum(after) && (!joint || after[joint->value] <= before[joint->value]);
 }
 
 // The joint whose torque alone depends on the cause: a wrong zero of one encoder shows on all joints.

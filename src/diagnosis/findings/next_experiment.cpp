@@ -1,4 +1,4 @@
-#include "next_experiment.hpp"
+#include "diagnosis/findings/next_experiment.hpp"
 
 #include "veridyn/effects/cause.hpp"
 #include "veridyn/effects/channel_effect.hpp"

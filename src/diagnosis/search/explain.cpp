@@ -8,16 +8,15 @@
 #include <memory>
 #include <utility>
 
-#include "diagnosis/candidates/row_constants.hpp"
-#include "diagnosis/causes/contacts.hpp"
-#include "diagnosis/causes/snags.hpp"
-#include "diagnosis/evidence/held_out.hpp"
-#include "diagnosis/evidence/numerics.hpp"
+#include "diagnosis/search/row_constants.hpp"
+#include "diagnosis/findings/contacts.hpp"
+#include "diagnosis/findings/held_out.hpp"
+#include "diagnosis/numerics.hpp"
 #include "diagnosis/findings/finding_words.hpp"
 #include "diagnosis/findings/next_experiment.hpp"
 #include "diagnosis/search/numbers.hpp"
-#include "diagnosis/unnamed/tables.hpp"
-#include "diagnosis/unnamed/vibration.hpp"
+#include "diagnosis/search/tables.hpp"
+#include "diagnosis/search/vibration.hpp"
 #include "math/eigen_pose.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/effects/effect_facts.hpp"

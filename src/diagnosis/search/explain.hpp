@@ -1,7 +1,7 @@
 #pragma once
 
 #include "diagnosis/search/search.hpp"
-#include "diagnosis/stages/diagnosis_state.hpp"
+#include "diagnosis/preparation/diagnosis_state.hpp"
 
 namespace veridyn::search {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "diagnosis/evidence/numerics.hpp"
+#include "diagnosis/numerics.hpp"
 #include "diagnosis/search/numbers.hpp"
 #include "math/zero_phase_filter.hpp"
 #include "regressor/effect_along.hpp"

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <optional>
 
-#include "diagnosis/evidence/numerics.hpp"
+#include "diagnosis/numerics.hpp"
 #include "diagnosis/search/numbers.hpp"
 #include "math/decompositions.hpp"
 #include "veridyn/regressor/standard_parameters.hpp"

@@ -9,7 +9,7 @@
 #include <mutex>
 #include <numeric>
 
-#include "diagnosis/evidence/numerics.hpp"
+#include "diagnosis/numerics.hpp"
 #include "diagnosis/search/numbers.hpp"
 #include "math/parallel.hpp"
 #include "math/student_t.hpp"

@@ -5,8 +5,8 @@
 #include <map>
 #include <numeric>
 
-#include "diagnosis/candidates/row_constants.hpp"
-#include "diagnosis/evidence/numerics.hpp"
+#include "diagnosis/search/row_constants.hpp"
+#include "diagnosis/numerics.hpp"
 #include "diagnosis/search/numbers.hpp"
 #include "math/median.hpp"
 #include "math/spectral_lines.hpp"

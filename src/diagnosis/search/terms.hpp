@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "diagnosis/candidates/candidates.hpp"
+#include "diagnosis/candidates.hpp"
 #include "diagnosis/search/rows.hpp"
 #include "identification/estimation/smooth_basis.hpp"
 #include "effects/kinematic_error.hpp"

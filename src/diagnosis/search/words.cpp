@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "diagnosis/candidates/row_constants.hpp"
-#include "diagnosis/evidence/effect_facts.hpp"
-#include "diagnosis/evidence/numerics.hpp"
+#include "diagnosis/search/row_constants.hpp"
+#include "diagnosis/search/channel_words.hpp"
+#include "diagnosis/numerics.hpp"
 #include "diagnosis/search/explain.hpp"
 #include "diagnosis/search/numbers.hpp"
-#include "diagnosis/unnamed/dependence.hpp"
+#include "diagnosis/search/shape_words.hpp"
 #include "math/student_t.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/effects/effect_facts.hpp"

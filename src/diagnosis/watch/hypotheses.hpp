@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "diagnosis/candidates/candidates.hpp"
+#include "diagnosis/candidates.hpp"
 #include "veridyn/dynamics/torque_regressor.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 #include "regressor/effect_along.hpp"

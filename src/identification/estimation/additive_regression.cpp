@@ -88,16 +88,12 @@ class Regression {
     return Eigen::LDLT<MatrixXd>(A).solve(b);
   }
 
-  // Mean square of every fold, predicted from the fit to the others; returns these fits on request.
-  std::vector<double> held_out(const std::vector<Sums>& sums, const MatrixXd& P,
-                               MatrixXd* fits = nullptr) const {
+  // Mean square of every fold, predicted from the fit to the others.
+  std::vector<double> held_out(const std::vector<Sums>& sums, const MatrixXd& P) const {
     const auto [A, b, y2, rows] = total(sums);
-    if (fits != nullptr) fits->resize(b.size(), static_cast<Eigen::Index>(sums.size()));
     std::vector<double> out;
     for (size_t f = 0; f < sums.size(); ++f) {
-      const VectorXd x = solve(A - sums[f].A, b - sums[f].b, P);
-      out.push_back(mean_square(sums[f], x));
-      if (fits != nullptr) fits->col(static_cast<Eigen::Index>(f)) = x;
+      out.push_back(mean_square(sums[f], solve(A - sums[f].A, b - sums[f].b, P)));
     }
     return out;
   }
@@ -214,14 +210,7 @@ class Regression {
     const auto best = std::max_element(good.begin(), good.end(), [&](const Try& a, const Try& b) {
       return worth(a) < worth(b);
     });
-    ChosenTerm chosen{best->term, best->smoothing, best->gain, {}};
-    const size_t signals = terms_[best->term].signals.size();
-    for (const Try& t : good) {
-      if (t.term != best->term && t.gain >= options_.as_good * best->gain &&
-          terms_[t.term].signals.size() == signals)
-        chosen.as_good.push_back(t.term);
-    }
-    model_.chosen.push_back(std::move(chosen));
+    model_.chosen.push_back({best->term, best->smoothing, best->gain});
     reset();
     return true;
   }
@@ -243,17 +232,15 @@ class Regression {
   }
 
   void finish() {
-    const std::vector<double> after = held_out(sums_, P_, &model_.without);
+    const std::vector<double> after = held_out(sums_, P_);
     const std::vector<ChosenTerm> chosen = std::move(model_.chosen);
     const Sums all = total(sums_);
     model_.coefficients = solve(all.A, all.b, P_);
-    MatrixXd without = std::move(model_.without);
     model_.chosen.clear();
     reset();  // gains are relative to the model with a constant alone
     model_.falls = falls_to(after);
     model_.gain = mean(model_.falls);
     model_.chosen = chosen;
-    model_.without = std::move(without);
   }
 
   const FoldedRows& rows_;

@@ -34,16 +34,14 @@ struct FoldedRows {
 struct AdditiveOptions {
   int most_terms;
   double smallest_gain;  ///< of a further term: decrease of ln(held-out mean square)
-  double as_good;        ///< share of the best gain above which a term is equivalent
   double significance;   ///< of the signed-rank test over the folds
 };
 
-/// A chosen term of an additive model, and the alternatives that would have done as well.
+/// A chosen term of an additive model.
 struct ChosenTerm {
   int term = 0;
   double smoothing = 0.0;
   double gain = 0.0;          ///< when it was chosen
-  std::vector<int> as_good;   ///< equivalent terms
 };
 
 /// Y = a_0 + f_1(x) + f_2(x) + ... by forward selection of the terms that lower the held-out error;
@@ -54,7 +52,6 @@ struct AdditiveModel {
   double gain = 0.0;           ///< decrease of ln(held-out mean square), mean over the folds
   std::vector<double> falls;   ///< the same for each fold
   VectorXd coefficients;       ///< a_0, then those of the chosen terms
-  MatrixXd without;            ///< (coefficients x folds) with each fold left out
 
   /// Index of the first coefficient of term k.
   Eigen::Index first_of(const std::vector<SmoothTerm>& terms, size_t k) const;

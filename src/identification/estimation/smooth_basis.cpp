@@ -11,7 +11,6 @@ SmoothBasis::SmoothBasis(BasisKind kind, double low, double high, int intervals,
 
 Eigen::Index SmoothBasis::size() const {
   if (kind_ == BasisKind::kSides) return 2;
-  if (kind_ == BasisKind::kProportional) return 1;
   return intervals_ + estimating::kDegree + (kind_ == BasisKind::kSided ? 1 : 0);
 }
 
@@ -20,10 +19,6 @@ void SmoothBasis::values(double x, double* out) const {
   if (kind_ == BasisKind::kSides) {
     out[0] = 0.5 * (1.0 - direction);
     out[1] = 0.5 * (1.0 + direction);
-    return;
-  }
-  if (kind_ == BasisKind::kProportional) {
-    out[0] = x / std::max(std::abs(low_), std::abs(high_));
     return;
   }
   std::fill(out, out + size(), 0.0);
@@ -40,7 +35,7 @@ void SmoothBasis::values(double x, double* out) const {
 
 MatrixXd SmoothBasis::penalty() const {
   MatrixXd out = MatrixXd::Zero(size(), size());
-  if (kind_ == BasisKind::kSides || kind_ == BasisKind::kProportional) return out;
+  if (kind_ == BasisKind::kSides) return out;
   const Eigen::Index splines = intervals_ + estimating::kDegree;
   for (Eigen::Index k = 0; k + 2 < splines; ++k) {
     const Eigen::Vector3d difference(1.0, -2.0, 1.0);

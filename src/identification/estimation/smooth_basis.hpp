@@ -10,9 +10,6 @@ enum class BasisKind {
   /// A smooth function and a step at zero: for velocities and displacements since a reversal.
   kSided,
   kSides,  ///< one value on either side of zero: for directions
-  /// The signal itself, as a share of its largest size: a smooth function of other signals times it is a gain that
-  /// varies with them (varying coefficients: Hastie and Tibshirani, J. R. Stat. Soc. B 55(4), 1993).
-  kProportional,
 };
 
 /// Cubic B-splines over equal intervals of a signal's range, constant outside of it, with a penalty
@@ -23,7 +20,7 @@ enum class BasisKind {
 /// Source: Eilers and Marx, Statistical Science 11(2), 1996 (P-splines).
 class SmoothBasis {
  public:
-  /// @param low, high   range of the signal; low < high. Ignored for kSides; kProportional divides by the larger one.
+  /// @param low, high   range of the signal; low < high. Ignored for kSides.
   /// @param intervals   number of spline intervals.
   /// @param step        half the width of the step at zero, in the signal's unit.
   SmoothBasis(BasisKind kind, double low, double high, int intervals, double step);

@@ -80,7 +80,6 @@ void add_shape(const UnnamedShape& shape, Json& out) {
   out["shape"] = shape.words;
   out["share"] = shape.share;
   out["kept"] = shape.kept;
-  if (!shape.as_good.empty()) out["as_good"] = shape.as_good;
   out["curve"] = Json::array();
   for (const CurvePoint& p : shape.curve)
     out["curve"].push_back({{"at", p.at}, {"value", p.value}, {"band", Json::array({p.low, p.high})}});
@@ -106,7 +105,6 @@ Json finding_json(const Diagnosis& d, const Finding& f) {
   out["unit"] = f.unit;
   out["status"] = name_of(f.status);
   out["held_out"] = name_of(f.held_out());
-  if (!f.why_not.empty()) out["why_not"] = f.why_not;
   out["main"] = f.main;
   if (f.from && d.baseline.model) out["from"] = d.baseline.model->coordinates()[f.from->value].name;
   if (!f.source.empty()) out["recording"] = f.source;

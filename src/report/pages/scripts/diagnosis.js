@@ -166,7 +166,7 @@ function findingRow(finding, k) {
   const extra = finding.effect === 'unnamed' && finding.signals ? ' Depends on ' + listed(finding.signals) + '.' : '';
   return [
     element('div', {}, element('strong', {class: 'cause'}, number(place + '/rank', 'whole'), '\u2002' + words(finding.effect)), element('span', {class: 'where'}, ', ' + where),
-            paragraph('', typeset(finding.remark ? phrase + ' ' + finding.remark : phrase) + extra), finding.why_not ? paragraph('small', typeset(finding.why_not)) : null, rivalList(finding)),
+            paragraph('', typeset(finding.remark ? phrase + ' ' + finding.remark : phrase) + extra), rivalList(finding)),
     element('ul', {class: 'parameters'}, Object.keys(finding.parameters || {}).map((name) => element(
         'li', {}, element('span', {class: 'name'}, words(name)), ' ', sizeWithInterval(place + '/parameters/' + pointerKey(name))))),
     number(place + '/p_value', 'chance'), finding.gain ? heldOutChange(finding, k) : null,

@@ -1,0 +1,235 @@
+#include "diagnosis/candidates.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+#include "veridyn/effects/channel_effect.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr double kSameDirection = 1e-9;  // 1 - cosine of axes that are one
+
+bool is_plain(const Axis& axis) {
+  return (axis.coefficients.array() != 0.0).count() == 1;
+}
+
+bool are_parallel(const VectorXd& a, const VectorXd& b) {
+  return std::abs(a.normalized().dot(b.normalized())) > 1.0 - kSameDirection;
+}
+
+// Every coordinate, every other axis on which the model has friction already, and the joint variables
+// that are mixtures of coordinates.
+std::vector<Axis> axes_of(const Model& arm) {
+  std::vector<Axis> out;
+  const auto add = [&out](const Axis& axis) {
+    if (std::none_of(out.begin(), out.end(), [&axis](const Axis& a) {
+          return are_parallel(a.coefficients, axis.coefficients);
+        }))
+      out.push_back(axis);
+  };
+  for (int i = 0; i < arm.joints(); ++i) out.push_back({VectorXd::Unit(arm.joints(), i), 0.0});
+  for (const EffectTerm& term : arm.effects()) {
+    if (is_friction(term.effect)) add(term.axis);
+  }
+  for (const Frame& frame : arm.frames()) {
+    const Axis axis{frame.variable.coefficients, 0.0};
+    if (frame.type != JointType::kFixed && !axis.coefficients.isZero(0.0) && !is_plain(axis)) add(axis);
+  }
+  return out;
+}
+
+std::optional<TermIndex> own_term(const Model& arm, const std::string& effect, const Axis& axis) {
+  for (size_t k = 0; k < arm.effects().size(); ++k) {
+    const EffectTerm& term = arm.effects()[k];
+    if (term.effect == effect && term.axis.coefficients == axis.coefficients) return TermIndex{k};
+  }
+  return std::nullopt;
+}
+
+Candidate on_channel(const Model& arm, const ChannelEffect& channel, std::optional<JointIndex> joint,
+                     std::optional<JointIndex> from = {}) {
+  VectorXd axis = VectorXd::Zero(arm.joints());
+  if (joint) axis[joint->value] = 1.0;
+  return {ChannelError{channel.name(), joint}, joint, {std::move(axis), 0.0}, from};
+}
+
+Candidate load_on(const Model& arm, FrameIndex frame) {
+  const Cause cause = AddedLoad{frame};
+  return {cause, acting_joint(arm, cause), {VectorXd::Zero(arm.joints()), 0.0}, std::nullopt};
+}
+
+// The frame that a link's frames are fixed to, itself if it moves; nothing: it is fixed to the world.
+std::optional<FrameIndex> link_of(const Model& arm, FrameIndex of) {
+  std::optional<FrameIndex> frame = of;
+  while (frame && arm.frames()[frame->value].type == JointType::kFixed) frame = arm.frames()[frame->value].parent;
+  return frame;
+}
+
+// Identity of a candidate, for comparisons.
+auto identity(const Candidate& c) {
+  const auto number = [](const auto& index) { return index ? index->value : -1; };
+  const VectorXd& axis = c.axis.coefficients;
+  return std::make_tuple(c.cause.index(), effect_of(c.cause), number(joint_of(c.cause)),
+                         number(frame_of(c.cause)), std::vector<double>(axis.begin(), axis.end()), number(c.from),
+                         is_other_constant(c));
+}
+
+class Enumeration {
+ public:
+  Enumeration(const Model& arm, const Scope& scope) : arm_(arm), scope_(scope) {}
+
+  std::vector<Candidate> all() {
+    const long still = std::count(scope_.still.begin(), scope_.still.end(), true);
+    const bool whole_arm = 2 * (arm_.joints() - still) >= arm_.joints();
+    for (const ChannelEffect* channel : channel_effects()) {
+      const bool of_arm = channel->whole_arm() || channel->can_be_common();
+      if (whole_arm && of_arm && is_asked(*channel))
+        out_.push_back(on_channel(arm_, *channel, std::nullopt));
+    }
+    for (const Axis& axis : axes_of(arm_)) {
+      const JointIndex joint{main_coordinate(axis)};
+      if (static_cast<size_t>(joint.value) < scope_.still.size() &&
+          scope_.still[joint.value])
+        continue;
+      for (const AxisEffect* effect : axis_effects()) add(*effect, axis, joint);
+      for (const ChannelEffect* channel : channel_effects()) {
+        if (is_plain(axis) && !channel->whole_arm() && is_asked(*channel)) add(*channel, joint);
+      }
+    }
+    if (whole_arm && scope_.changes && is_wanted(AddedLoad::kName)) {
+      for (const FrameIndex frame : payload_frames(arm_)) out_.push_back(load_on(arm_, frame));
+    }
+    return std::move(out_);
+  }
+
+ private:
+  bool is_wanted(const std::string& name) const {
+    const std::vector<std::string>& some = scope_.wanted;
+    return some.empty() || std::find(some.begin(), some.end(), name) != some.end();
+  }
+
+  // With more parameters than joints an error of the arm would be nearly any function of the positions.
+  bool is_asked(const ChannelEffect& channel) const {
+    return is_wanted(channel.name()) && (!scope_.wanted.empty() || static_cast<int>(channel.parameters().size()) <= arm_.joints());
+  }
+
+  void add(const ChannelEffect& channel, JointIndex joint) {
+    if (!channel.traits().uses_source) {
+      out_.push_back(on_channel(arm_, channel, joint));
+      return;
+    }
+    for (int from = 0; from < arm_.joints(); ++from) {
+      const bool still = static_cast<size_t>(from) < scope_.still.size() && scope_.still[from];
+      if (from != joint.value && !still) out_.push_back(on_channel(arm_, channel, joint, JointIndex{from}));
+    }
+  }
+
+  // An effect of the arm may have changed, or have another constant than in its file. A second one
+  // beside it is a cause if there can be several (memories), or if the first one is a fact.
+  void add(const AxisEffect& effect, const Axis& axis, JointIndex joint) {
+    const EffectTraits traits = effect.traits();
+    if (!is_wanted(effect.name()) || (!is_plain(axis) && !traits.mixed_axes)) return;
+    const std::optional<TermIndex> own = own_term(arm_, effect.name(), axis);
+    const bool changes = own && scope_.changes && !traits.uses_source;
+    if (changes) out_.push_back({ChangedEffect{effect.name(), joint}, joint, axis, std::nullopt, own});
+    if (changes && effect.shapes().empty()) return;
+    const Cause cause = NewEffect{effect.name(), joint};
+    if (own && !scope_.changes) {
+      out_.push_back({cause, joint, axis, std::nullopt, own});
+      if (!traits.memory) return;
+    }
+    if (!traits.uses_source) {
+      out_.push_back({cause, joint, axis, std::nullopt});
+      return;
+    }
+    for (int from = 0; from < arm_.joints(); ++from) {
+      if (axis.coefficients[from] == 0.0) out_.push_back({cause, joint, axis, JointIndex{from}});
+    }
+  }
+
+  const Model& arm_;
+  const Scope& scope_;
+  std::vector<Candidate> out_;
+};
+
+}  // namespace
+
+bool operator==(const Candidate& a, const Candidate& b) {
+  return a.joint == b.joint && a.cause.index() == b.cause.index() && identity(a) == identity(b);
+}
+
+bool operator<(const Candidate& a, const Candidate& b) {
+  return identity(a) < identity(b);
+}
+
+bool is_load(const Candidate& c) {
+  return std::holds_alternative<AddedLoad>(c.cause);
+}
+
+bool is_change(const Candidate& c) {
+  return std::holds_alternative<ChangedEffect>(c.cause);
+}
+
+bool is_other_constant(const Candidate& c) {
+  return c.own && !is_change(c);
+}
+
+bool is_channel(const Candidate& c) {
+  return std::holds_alternative<ChannelError>(c.cause);
+}
+
+bool is_asked_later(const Effect& effect, const Model& arm) {
+  const bool of_arm = dynamic_cast<const ChannelEffect*>(&effect) != nullptr;
+  // With more parameters than joints it would be nearly any function of the positions.
+  return !effect.asked_unnamed() ||
+         (of_arm && static_cast<int>(effect.parameters().size()) > arm.joints());
+}
+
+std::vector<Candidate> candidates(const Model& arm, const Scope& scope) {
+  return Enumeration(arm, scope).all();
+}
+
+std::vector<Candidate> sudden_candidates(const Model& arm, const std::vector<FrameIndex>& loads) {
+  std::vector<Candidate> out;
+  const int n = arm.joints();
+  for (const AxisEffect* effect : axis_effects()) {
+    for (int j = 0; j < n && effect->traits().elementary; ++j)
+      out.push_back({NewEffect{effect->name(), {j}}, JointIndex{j}, {VectorXd::Unit(n, j), 0.0}, std::nullopt});
+  }
+  for (const ChannelEffect* channel : channel_effects()) {
+    const auto* sensor = dynamic_cast<const SensorError*>(channel);
+    if (sensor == nullptr || !sensor->may_begin_suddenly()) continue;
+    if (sensor->can_be_common() && n > 1) out.push_back(on_channel(arm, *sensor, std::nullopt));
+    for (int j = 0; j < n; ++j) out.push_back(on_channel(arm, *sensor, JointIndex{j}));
+  }
+  for (const FrameIndex frame : loads) out.push_back(load_on(arm, frame));
+  return out;
+}
+
+bool is_friction(const std::string& effect) {
+  return has_effect(effect) && find_effect(effect).traits().role == EffectRole::kFriction;
+}
+
+std::vector<FrameIndex> payload_frames(const Model& arm) {
+  std::vector<FrameIndex> out;
+  for (int k = 0; k < static_cast<int>(arm.frames().size()); ++k) {
+    if (!link_of(arm, {k})) continue;
+    const auto same = std::find_if(out.begin(), out.end(),
+                                   [&](FrameIndex other) { return same_link(arm, other, {k}); });
+    if (same == out.end()) {
+      out.push_back({k});
+    } else {
+      *same = {k};
+    }
+  }
+  return out;
+}
+
+bool same_link(const Model& arm, FrameIndex a, FrameIndex b) {
+  return link_of(arm, a) == link_of(arm, b);
+}
+
+}  // namespace veridyn

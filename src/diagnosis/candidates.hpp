@@ -1,0 +1,69 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "veridyn/effects/cause.hpp"
+#include "veridyn/effects/effect.hpp"
+
+namespace veridyn {
+
+/// Index among a model's effects.
+struct TermIndex {
+  size_t value = 0;
+};
+
+/// A possible cause, independent of shape constants. Diagnosis and watch test these candidates and no others.
+struct Candidate {
+  Cause cause;
+  std::optional<JointIndex> joint;  ///< acting_joint(); nothing: the whole arm
+  Axis axis;                        ///< of an effect; zero where it is of the whole arm, and of a load
+  std::optional<JointIndex> from;   ///< second coordinate of a coupling
+  /// The arm's own effect that has changed, or has another constant than in its file. The latter is
+  /// no cause: if accepted, it becomes a remark and no finding.
+  std::optional<TermIndex> own = {};
+};
+
+/// Candidates are values: equal where they are the same cause on the same axis, whatever constants
+/// a hypothesis gives them.
+bool operator==(const Candidate& a, const Candidate& b);
+bool operator<(const Candidate& a, const Candidate& b);
+
+bool is_load(const Candidate& c);
+bool is_change(const Candidate& c);
+bool is_other_constant(const Candidate& c);
+bool is_channel(const Candidate& c);  ///< the error of a sensor, or of the arm as a whole
+
+/// Selection of candidates.
+struct Scope {
+  std::vector<std::string> wanted;  ///< names; empty: all that are tested by default
+  /// The arm's values are facts: its own effects may have changed, and a load may sit on every link.
+  bool changes = false;
+  /// For every joint true if it is always at rest; empty: none is. Friction at rest is
+  /// undetermined, so that the torque of such a joint has no information.
+  std::vector<bool> still;
+};
+
+/// The candidates in the order of the tests: errors of all channels and of the arm, effects along
+/// each axis, loads.
+std::vector<Candidate> candidates(const Model& arm, const Scope& scope);
+
+/// True if it is tested by name only: what Effect::asked_unnamed() says, and a channel effect with more parameters than
+/// the arm has joints.
+bool is_asked_later(const Effect& effect, const Model& arm);
+
+/// Those that may begin while the arm moves: what every joint has and no day has from the day before,
+/// sensor errors that begin suddenly, a load on these frames.
+std::vector<Candidate> sudden_candidates(const Model& arm, const std::vector<FrameIndex>& loads);
+
+/// Friction along an axis.
+bool is_friction(const std::string& effect);
+
+/// Frames on which a payload would make a difference: the last frame of every link that moves.
+std::vector<FrameIndex> payload_frames(const Model& arm);
+
+/// True if the two frames are fixed to one link.
+bool same_link(const Model& arm, FrameIndex a, FrameIndex b);
+
+}  // namespace veridyn

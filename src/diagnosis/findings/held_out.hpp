@@ -1,0 +1,19 @@
+#pragma once
+
+#include "identification/hold_out.hpp"
+#include "veridyn/diagnosis/thresholds.hpp"
+#include "veridyn/identification/identification.hpp"
+
+namespace veridyn {
+
+HoldOut hold_out(const Thresholds& limits);
+
+/// Share of the removable error (held out, above the noise floor) that disappears between two
+/// held-out errors, (n) each; negative if it grows.
+double explained_share(const VectorXd& before, const VectorXd& after,
+                       const Identification& baseline);
+
+/// The same above another floor than that between repeats, (n).
+double explained_share(const VectorXd& before, const VectorXd& after, const VectorXd& errors, const VectorXd& floor);
+
+}  // namespace veridyn

@@ -1,0 +1,95 @@
+#include "diagnosis/findings/summary.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "diagnosis/findings/held_out.hpp"
+#include "veridyn/effects/cause.hpp"
+#include "veridyn/effects/channel_effect.hpp"
+
+namespace veridyn {
+namespace {
+
+// True for a wrong gain of a joint whose error without a name depends on the same torque: the recorded torque
+// is no constant multiple of the true one, as behind a limit or a dead zone.
+bool is_no_factor(const Diagnosis& d, const Finding& gain) {
+  if (!std::holds_alternative<ChannelError>(gain.cause) || !gain.joint) return false;
+  const auto* sensor = dynamic_cast<const SensorError*>(&find_effect(effect_of(gain.cause)));
+  if (sensor == nullptr || !sensor->scales_torque()) return false;
+  const std::string torque = "tau" + std::to_string(gain.joint->value + 1);
+  return std::any_of(d.findings.begin(), d.findings.end(), [&](const Finding& f) {
+    return f.shape && f.joint == gain.joint &&
+           std::find(f.shape->signals.begin(), f.shape->signals.end(), torque) != f.shape->signals.end();
+  });
+}
+
+// The fewest findings that together explain most of the total; always the first one that training
+// confirms and held-out recordings do not contradict, and findings that do not concern the model's
+// torque. Of what changed since a MODEL the first one: a load need not be the same in all recordings.
+std::vector<char> main_ones(const Diagnosis& d, double share) {
+  std::vector<char> out(d.findings.size(), 0);
+  std::vector<size_t> order(d.findings.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&d](size_t a, size_t b) {
+    return d.findings[a].explains > d.findings[b].explains;
+  });
+  double all = 0.0;
+  for (const Finding& f : d.findings) all += std::max(f.explains, 0.0);
+  double so_far = 0.0;
+  for (const size_t k : order) {
+    if (so_far >= share * all) break;
+    so_far += std::max(d.findings[k].explains, 0.0);
+    out[k] = 1;
+  }
+  const auto is_contact = [](const Finding& f) { return f.test_outside.size() > 0; };
+  for (size_t k = 0; k < out.size(); ++k) out[k] = out[k] != 0 || is_contact(d.findings[k]) ? 1 : 0;
+  auto first = std::find_if(d.findings.begin(), d.findings.end(), [&](const Finding& f) {
+    const bool supported = f.status != FindingStatus::kNotConfirmed && f.held_out() != Agreement::kContradicts;
+    return !is_contact(f) && (d.changes || supported);
+  });
+  if (first == d.findings.end()) first = std::find_if_not(d.findings.begin(), d.findings.end(), is_contact);
+  if (first != d.findings.end()) out[first - d.findings.begin()] = 1;
+  return out;
+}
+
+}  // namespace
+
+void summarize(Diagnosis& d, const DiagnosisOptions& options) {
+  const Thresholds& thresholds = options.thresholds;
+  for (Finding& f : d.findings) {
+    if (is_no_factor(d, f))
+      f.phrase += " in the mean, in no constant proportion: what is left depends on the same torque, as behind a limit or a dead zone";
+  }
+  const std::vector<char> main = main_ones(d, thresholds.main_share);
+  for (size_t k = 0; k < d.findings.size(); ++k) d.findings[k].main = main[k] != 0;
+  std::stable_partition(d.findings.begin(), d.findings.end(),
+                        [](const Finding& f) { return f.main; });
+  DiagnosisSummary& s = d.summary;
+  for (size_t k = 0; k < d.findings.size(); ++k) {
+    Finding& f = d.findings[k];
+    f.rank = static_cast<int>(k) + 1;
+    s.main += static_cast<int>(f.main);
+    // What is not confirmed is in no extended model, unless all are.
+    const bool counts = f.status == FindingStatus::kConfirmed || options.extended == ExtendedModel::kAllFindings;
+    if (f.main && counts) s.explained_by_main += f.explains;
+  }
+  const VectorXd& before = d.baseline.test_error.relative;
+  const VectorXd& after = d.extended.test_error.relative;
+  if (before.size() == 0 || after.size() != before.size()) return;
+  // Curves without a name are in no model: what they leave is in their findings, and what they predict of the
+  // difference between repeats is no noise.
+  VectorXd left = after, floor = d.baseline.noise_floor;
+  for (const Finding& f : d.findings) {
+    if (!f.shape || !f.joint || f.test_after.size() != left.size()) continue;
+    const int j = f.joint->value;
+    left[j] = std::min(left[j], f.test_after[j]);
+    if (floor.size() > j) floor[j] = std::min(floor[j], left[j]);
+  }
+  s.explained_by_all = explained_share(before, left, before, floor);
+  for (Eigen::Index j = 0; j < before.size(); ++j) {
+    if (after[j] > (1.0 + thresholds.held_out_worse) * before[j])
+      s.worse_joints.push_back(static_cast<int>(j) + 1);
+  }
+}
+
+}  // namespace veridyn

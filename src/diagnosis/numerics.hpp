@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstddef>
+
+namespace veridyn::numerics {
+
+/// Numbers that keep arithmetic sound, resolutions, and what text needs. What evidence must reach before a cause is
+/// named is in Thresholds and in search/numbers.hpp.
+
+constexpr double kTiny = 1e-300;  ///< smallest divisor, smallest argument of a logarithm
+constexpr double kHuge = 1e300;   ///< stands for a bound that is never reached
+constexpr double kNoise = 1e-12;  ///< a share that rounding may leave
+constexpr double kOutside = 0.05;  ///< probability outside of an interval that is printed
+constexpr double kPercent = 100.0;
+constexpr double kWhole = 0.995;  ///< share that is printed as 100 %: what names take above it, they take whole
+constexpr double kDegrees = 57.29577951308232;  ///< Degrees of a radian
+
+constexpr double kContactMargin = 0.25;   ///< [s] left out in addition on either side of a contact
+constexpr double kContactFreedom = 10.0;  ///< scatter of a residual is known from some tens of independent moments
+
+// Curves in words.
+constexpr double kShapeFlat = 0.15;  ///< share of a curve's range within which a part of it counts as constant
+constexpr double kShapeMost = 0.8;   ///< share of a curve's mean square, beyond which it counts as odd, or even
+
+// Resolution.
+constexpr int kPhases = 8;               ///< phases of a period, compared across recordings
+constexpr double kVibrationWaves = 3.0;  ///< waves in a recording; fewer cannot be told from drift
+constexpr double kVibrationStep = 0.25;  ///< step of the frequency grid, in waves of the longest recording
+constexpr int kIntervals = 20;           ///< spline intervals over one position
+constexpr int kIntervalsOfTwo = 3;       ///< spline intervals along each of two positions
+constexpr int kCurvePoints = 41;         ///< points of a printed curve
+constexpr int kCurvePointsOfTwo = 9;     ///< points along each side of a printed surface
+constexpr int kWindows = 5;              ///< curves that a table over two signals is made of
+
+// Text.
+constexpr std::size_t kNamedParameters = 3;
+constexpr std::size_t kNumberWidth = 8;
+
+}  // namespace veridyn::numerics

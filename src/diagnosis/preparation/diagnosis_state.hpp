@@ -1,0 +1,79 @@
+#pragma once
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "veridyn/diagnosis/diagnosis.hpp"
+
+namespace veridyn {
+
+/// Normalises an entry of DiagnosisOptions::effects: a cause with the names of its joint or frame,
+/// or the name of an effect. @throws InvalidInput  there is no such cause, or only a simulation
+/// supports it.
+std::string normalized_cause(const Model& arm, const std::string& words);
+
+/// True for a cause that these words (normalized_cause()) name, alone or by its effect; empty: all.
+bool is_among(const std::vector<std::string>& wanted, const Model& arm, const Cause& cause);
+
+/// State of a diagnosis, passed from step to step; diagnosis.cpp defines their order.
+struct DiagnosisState {
+  Model arm;
+  std::vector<std::string> train, test;
+  DiagnosisOptions options;
+  Diagnosis d;
+
+  /// The arm that the search begins with, fitted to the rows that are left.
+  Identification start = {};
+
+  /// Remarks on the recordings.
+  std::vector<std::string> remarks = {};
+
+  /// Joints whose rows at the limit of their torque are left out.
+  std::set<int> saturated = {};
+
+  /// Joints without torque in all training recordings: nothing is asked about them.
+  std::set<int> silent = {};
+
+  /// True if the effect is among those to test, at any place.
+  bool tests_effect(const std::string& effect) const;
+
+  /// True if the cause is among those to test, at its place.
+  bool tests_cause(const Cause& cause) const;
+
+  /// Fits an arm to the recordings, or evaluates it if its values are facts.
+  Identification fit(const Model& any) const;
+};
+
+/// Checks the quality of the recordings, and excludes channels that it finds faulty, and torques at their limits.
+void check_quality(DiagnosisState& x);
+
+/// Fits the arm of the file. False if the data do not suffice: d.baseline.status has the reason.
+bool fit_baseline(DiagnosisState& x);
+
+/// Excludes rests at either end of the training recordings, reports joints whose motions are
+/// collinear, and fits the arm again if anything was excluded.
+void exclude_rests(DiagnosisState& x);
+
+/// Leaves out parts of recordings from now on.
+void leave_out(const std::vector<ExcludedInterval>& parts, DiagnosisState& x);
+
+/// Adds what is wrong with the signals of a recording or with the robot file to its quality, where the arm explains little:
+/// see check_against(). The diagnosis goes on.
+void ask_questions(DiagnosisState& x);
+
+/// Leaves out the rows of joints without torque, and fits the arm again from the others. False if these do not determine
+/// it: every joint's verdict says so.
+bool leave_silent_joints_out(DiagnosisState& x);
+
+/// Ends a diagnosis that asks nothing: every joint cannot_tell, for this reason.
+void cannot_tell_of_all(DiagnosisState& x, const std::string& why);
+
+/// Reports joints with significantly negative friction, which indicates a torque of the wrong sign.
+void check_torque_signs(DiagnosisState& x);
+
+/// Reports parameters that noise in the motion biases: the instrumental-variable estimate from
+/// repeats of the motion differs from least squares.
+void check_errors_in_variables(DiagnosisState& x);
+
+}  // namespace veridyn

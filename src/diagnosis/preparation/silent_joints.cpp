@@ -1,0 +1,32 @@
+#include <algorithm>
+#include <utility>
+
+#include "diagnosis/preparation/diagnosis_state.hpp"
+#include "identification/silent_joints.hpp"
+#include "math/correlated_columns.hpp"
+
+// A joint without torque: it says nothing, and its zeros would bend what it shares with the others.
+
+namespace veridyn {
+
+bool leave_silent_joints_out(DiagnosisState& x) {
+  const std::vector<ExcludedInterval> rows = silent_rows(x.d.baseline.factors);
+  if (rows.empty()) return true;
+  x.silent = silent_joints(x.d.baseline.factors);
+  const size_t parts = x.d.excluded_intervals.size();
+  leave_out(rows, x);
+  const Model arm = x.d.changes ? x.arm : without_effects_of(x.silent, x.arm);
+  Identification without = x.fit(arm);
+  if (without.model) {
+    x.arm = arm;
+    x.d.baseline = std::move(without);
+    x.start = x.d.baseline;
+    return true;
+  }
+  x.d.excluded_intervals.resize(parts);
+  const std::vector<int> silent(x.silent.begin(), x.silent.end());
+  cannot_tell_of_all(x, "joints without torque: " + numbers_from_one(silent) + ", and the others alone do not determine the arm");
+  return false;
+}
+
+}  // namespace veridyn
