@@ -45,6 +45,10 @@ void add_contacts(const std::vector<Contact>& contacts, const Identification& se
     f.parameters = {{"effort", f.unit, effort, effort - half, effort + half},
                     {"from", "s", c.from, c.from, c.from},
                     {"to", "s", c.to, c.to, c.to}};
+    for (int i = 0; i < c.last_joint; ++i) {
+      const Coordinate& inner = arm.coordinates()[i];
+      f.parameters.push_back({"effort_" + inner.name, effort_unit(inner), c.effort[i], c.effort[i], c.effort[i]});
+    }
     f.p_value = student_t_two_sided(c.peak, numerics::kContactFreedom);
     // A push is no error of the model: gives the held-out error with and without these intervals.
     f.test_before = seen.test_error.relative;

@@ -115,7 +115,8 @@ FindingStatus status_of(const Finding& f) {
 }
 
 Agreement Finding::held_out() const {
-  if (test_before.size() == 0 || test_after.size() != test_before.size())
+  // A push is no property of the arm that other recordings could show.
+  if (test_before.size() == 0 || test_after.size() != test_before.size() || std::holds_alternative<ExternalContact>(cause))
     return Agreement::kNotMeasured;
   return falls(test_before, test_after, only_joint(*this)) ? Agreement::kAgrees : Agreement::kContradicts;
 }

@@ -97,7 +97,6 @@ class Explanation {
     request.scope.changes = d_.changes;
     request.scope.wanted = x_.options.effects;
     request.scope.silent = x_.silent;
-    request.scope.curves = x_.options.effects.empty();
     request.recordings = x_.train;
     for (const CompressedRecording& r : x_.start.factors) request.periods.push_back(r.period.seconds);
     request.preprocessing = x_.options.identification.preprocessing;
@@ -317,7 +316,8 @@ class Explanation {
   }
 
   void add_moments() {
-    if (!x_.tests_effect(ExternalContact::kName) || found_.chosen.size() > 1000 || found_.fitted.rows() == 0) return;
+    const bool has_room = static_cast<int>(named().size()) < x_.options.max_effects;
+    if (!x_.tests_effect(ExternalContact::kName) || !has_room || found_.fitted.rows() == 0) return;
     std::vector<Contact> contacts;
     moments_in(*found_.rows, found_.fitted, x_.train, contacts);
     if (found_.test) moments_in(*found_.test, found_.test_residual, x_.test, contacts);
@@ -336,6 +336,7 @@ class Explanation {
     // One finding for the pushes on one link.
     std::vector<Finding> found;
     std::map<int, size_t> of_joint;
+    std::vector<int> count;
     Diagnosis one;
     for (const Contact& c : contacts) {
       one.findings.clear();
@@ -344,18 +345,26 @@ class Explanation {
       const auto at = of_joint.find(c.last_joint);
       if (at == of_joint.end()) {
         of_joint.emplace(c.last_joint, found.size());
+        count.push_back(1);
         found.push_back(std::move(f));
         continue;
       }
       Finding& own = found[at->second];
       own.phrase += fmt::format("; {}: from {:.1f} to {:.1f} s", c.source, c.from, c.to);
       own.p_value = std::min(own.p_value, f.p_value);
+      ++count[at->second];
+      for (FoundParameter& p : f.parameters) {
+        p.name += fmt::format("_{}", count[at->second]);
+        own.parameters.push_back(std::move(p));
+      }
     }
     d_.findings.insert(d_.findings.begin(), std::make_move_iterator(found.begin()), std::make_move_iterator(found.end()));
   }
 
   void add_the_rest() {
     for (const Refused& r : found_.refused) {
+      const bool is_found = std::any_of(found_.chosen.begin(), found_.chosen.end(), [&r](const Chosen& c) { return same_place(c.term, r.term); });
+      if (is_found) continue;  // there may be several memories
       if (r.collinear) {
         d_.cannot_tell.push_back({effect_of(r.term.cause), r.term.cause, "its torque is a combination of parameters that the model has already, or it never acts in these recordings"});
         continue;
@@ -378,7 +387,9 @@ class Explanation {
       if (!finding.shape) continue;
       const std::vector<EffectTerm> tables = tables_of(x_.arm, *finding.joint, *finding.shape, signals_of(finding));
       if (tables.empty()) {
-        d_.remarks.push_back("Joint " + std::to_string(finding.joint->value + 1) + ": a table holds signals of the joint itself and of one other, no accelerations, histories or times.");
+        d_.remarks.push_back(fmt::format("Not in the model: the curve of joint {} over {}: a table holds signals of the joint itself and of one other, "
+                                         "no torques, histories or times.",
+                                         finding.joint->value + 1, fmt::join(finding.shape->signals, " and ")));
         continue;
       }
       description.effects.insert(description.effects.end(), tables.begin(), tables.end());
@@ -431,23 +442,46 @@ class Explanation {
     v.floor = repeats ? std::min(d_.baseline.noise_floor[j], other) : other;
     const auto& known = x_.arm.description().identified;
     if (d_.changes && known && known->error.size() > j) v.floor = std::max(v.floor, std::min(other, known->error[j]));
+    // Neither a vibration nor what signals predict and nobody asked about is a floor.
+    const std::optional<Vibration> vibration = vibration_of(d_.extended, j, x_.options.thresholds);
+    const double unasked = found_.unasked.size() > j ? found_.unasked[j] : -1.0;
+    const double predicted = std::max(vibration && !unnamed ? vibration->share : 0.0, unasked);
+    if (predicted > 0.0 && v.left * std::sqrt(1.0 - predicted) < v.floor) {
+      v.floor = v.left * std::sqrt(1.0 - predicted);
+      v.source = FloorSource::kRegression;
+    }
     v.removable = v.held_out - v.floor;
     const bool at_floor = v.left <= kAtFloor * v.floor;
     const bool mostly = v.held_out - v.extended > 0.5 * v.removable;
     if (named && v.extended < v.held_out && (mostly || (at_floor && !unnamed))) v.state = JointState::kNamed;
     else if (unnamed) v.state = JointState::kUnnamed;
     else if (named) v.state = JointState::kNamed;
-    else if (v.held_out <= kAtFloor * v.floor) v.state = JointState::kAtFloor;
+    else if (v.held_out <= kAtFloor * v.floor && unasked < 0.0) v.state = JointState::kAtFloor;
     else if (at_floor && !found_.chosen.empty()) v.state = JointState::kNamed;  // what acts elsewhere bent its parameters
     else {
       v.state = JointState::kCannotTell;
-      const std::optional<Vibration> vibration = vibration_of(d_.extended, j, x_.options.thresholds);
       v.why = vibration ? fmt::format("{:.0f} % of what is left over is a vibration of {:.3g} Hz and {:.3g} {} that the motion does not have: something shakes the arm, or a part of it swings",
                                       numerics::kPercent * vibration->share, vibration->frequency, vibration->amplitude, effort_unit(x_.arm.coordinates()[j]))
-              : repeats ? "it comes back with the motion, yet no signal of the recordings predicts it on rows that were held out"
-                        : "what the findings leave over is no function of one or two signals of the recordings";
+              : words_of_steps(j) + why_not(unasked, repeats);
     }
     return v;
+  }
+
+  // Coarse steps of a recorded torque, which no model predicts.
+  std::string words_of_steps(int j) const {
+    for (const RecordingQuality& q : d_.data_quality) {
+      const QualityFinding* steps = q.find("torque_quantised", j + 1);
+      if (steps == nullptr) continue;
+      return fmt::format("its torque is recorded in steps of {:.3g} {}; ", steps->value, steps->signal == "tau" ? effort_unit(x_.arm.coordinates()[j]) : steps->unit);
+    }
+    return "";
+  }
+
+  static std::string why_not(double unasked, bool repeats) {
+    if (unasked >= 0.0)
+      return fmt::format("not all causes were asked about; signals of the motion predict {:.0f} % of what is left over", numerics::kPercent * unasked);
+    return repeats ? "it comes back with the motion, yet no signal of the recordings predicts it on rows that were held out"
+                   : "what the findings leave over is no function of one or two signals of the recordings";
   }
 
   DiagnosisState& x_;

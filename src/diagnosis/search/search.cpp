@@ -73,12 +73,16 @@ class Search {
           exchange();
         }
       } while (clean() && has_room());
-      while (has_room() && add(true)) {
+      const size_t with_curves = static_cast<size_t>(request_.most + rows_->joints());
+      while (request_.scope.wanted.empty() && chosen_.size() < with_curves && add(true)) {
         if (chosen_.back().term.kind == TermKind::kCurve) stand_for_names();
       }
       clean();
     }
-    return finish();
+    const VectorXd unasked = predicted_by_curves();
+    SearchResult out = finish();
+    out.unasked = unasked;
+    return out;
   }
 
  private:
@@ -784,6 +788,30 @@ class Search {
   // Held-out recordings do not repeat what a term gains.
   static bool is_contradicted(const Gain& on_test) {
     return on_test.of_joint.size() > 0 && on_test.sum < on_test.limit;
+  }
+
+  // What curves predict of the held-out recordings beside the causes that were asked about.
+  VectorXd predicted_by_curves() {
+    if (request_.scope.wanted.empty() || folds_.count == 0 || rows_->rows() == 0) return {};
+    const auto left = [&] {
+      const Round now = round();
+      const std::vector<int> all = all_but(chosen_.size(), {});
+      const Fitted fit = now.evaluate(now.subset(all));
+      return request_.test.empty() ? fit.residual : left_on_test(fit.x, all);
+    };
+    const std::vector<Chosen> names = chosen_;
+    const State state = kept();
+    const MatrixXd before = left();
+    while (chosen_.size() < names.size() + static_cast<size_t>(rows_->joints()) && add(true)) {}
+    const MatrixXd after = left();
+    VectorXd out = VectorXd::Constant(rows_->joints(), -1.0);
+    for (size_t k = names.size(); k < chosen_.size(); ++k) {
+      const int j = chosen_[k].term.joint.value_or(JointIndex{0}).value;
+      out[j] = std::max(0.0, 1.0 - after.col(j).squaredNorm() / std::max(before.col(j).squaredNorm(), numerics::kTiny));
+    }
+    chosen_ = names;
+    restore(state);
+    return out;
   }
 
   // What does not pass beside all others goes, the least first; true if anything did. What went twice stays away.

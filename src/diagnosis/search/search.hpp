@@ -52,6 +52,8 @@ struct SearchResult {
   MatrixXd test_error;
   std::shared_ptr<const Rows> test;   ///< their rows, null without any
   MatrixXd test_residual;             ///< (rows x n) with all terms
+  /// (n) share of the mean square that curves predict where not all causes were asked about; -1: none does. Empty: all were.
+  VectorXd unasked;
   std::vector<Refused> refused;
   int asked = 0;
   int degrees_of_freedom = 1;

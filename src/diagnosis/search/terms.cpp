@@ -60,7 +60,7 @@ class Builder {
       if (is_wanted(c.cause)) add(c);
     }
     if (!scope_.changes) add_constants();
-    if (scope_.curves && scope_.wanted.empty()) add_curves();
+    add_curves();
     // The priors of all places sum to one.
     std::map<std::string, double> least;
     for (const Term& t : out_) {

@@ -72,7 +72,6 @@ struct TermScope {
   bool changes = false;
   std::vector<std::string> wanted;  ///< effects or causes as text; empty: all
   std::set<int> silent;             ///< joints about which nothing is asked
-  bool curves = true;
 };
 
 /// Largest change of a constant of the robot file: an optimum beyond it is none.
