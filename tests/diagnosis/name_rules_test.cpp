@@ -97,11 +97,11 @@ TEST_F(NameRules, TheVerdictSaysThatMoreOfTheErrorHasNoName) {
   };
   DiagnosisOptions options;
   options.values = RobotValues::kPrior;
-  const Diagnosis d = diagnosed({"quadratic_drag:shoulder"}, options, dead_zone);
-  const auto drag = std::find_if(d.findings.begin(), d.findings.end(), [](const Finding& f) {
-    return effect_of(f.cause) == "quadratic_drag";
-  });
-  ASSERT_NE(drag, d.findings.end()) << d.report();
+  const Diagnosis d = diagnosed({"quadratic_drag:elbow:coefficient=0.05"}, options, dead_zone);
+  ASSERT_EQ(d.findings.size(), 2U) << d.report();
+  EXPECT_EQ(effect_of(d.findings[0].cause), "quadratic_drag");
+  EXPECT_EQ(d.findings[0].joint, JointIndex{1});
+  EXPECT_TRUE(d.findings[1].shape) << d.report();
   EXPECT_NE(d.verdict().find("has no name"), std::string::npos) << d.verdict();
 }
 

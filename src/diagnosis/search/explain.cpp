@@ -95,6 +95,8 @@ class Explanation {
   void write() {
     SearchRequest request;
     request.scope.changes = d_.changes;
+    // Facts that no recording was fitted to may have wrong constants and no friction.
+    request.scope.constants = !d_.changes || !x_.arm.description().identified;
     request.scope.wanted = x_.options.effects;
     request.scope.silent = x_.silent;
     request.recordings = x_.train;
@@ -104,7 +106,7 @@ class Explanation {
     request.test_preprocessing = x_.options.identification.test_preprocessing.value_or(request.preprocessing);
     request.test_preprocessing.stale_rows = StaleRows::kKept;
     request.test_preprocessing.excluded_intervals.clear();
-    if (!d_.changes) request.without_friction = joints_without_friction(*x_.start.model);
+    if (request.scope.constants) request.without_friction = joints_without_friction(*x_.start.model);
     request.most = x_.options.max_effects + static_cast<int>(3 * request.without_friction.size());
     request.threads = x_.options.identification.threads;
     request.progress = x_.options.testing;
@@ -198,10 +200,17 @@ class Explanation {
   // The arm with everything that has a name, fitted under physical conditions. A size that ends at its bound is none.
   void fit() {
     std::set<size_t> gone;
-    for (int turn = 0; turn < 3; ++turn) {
+    for (size_t turn = 0; turn <= of_finding_.size(); ++turn) {
       const std::vector<Chosen> some = named(gone);
       d_.extended = some.empty() && x_.start.model ? x_.start : x_.fit(extended_arm(before(), some, d_.changes));
       if (!d_.extended.model || d_.changes || some.empty()) break;
+      // What leaves more under physical conditions than nothing at all is no answer: the least of its names goes.
+      if (d_.extended.train_error.relative.norm() > d_.baseline.train_error.relative.norm()) {
+        for (size_t f = of_finding_.size(); f-- > 0;) {
+          if (found_.chosen[of_finding_[f].front()].term.kind != TermKind::kCurve && gone.insert(f).second) break;
+        }
+        continue;
+      }
       bool again = false;
       for (size_t f = 0; f < of_finding_.size(); ++f) {
         const Chosen& c = found_.chosen[of_finding_[f].front()];
@@ -245,7 +254,10 @@ class Explanation {
         ++k;
       }
     }
-    for (Finding& f : d_.findings) f.explains = explained_share(f.test_before, f.test_after, d_.baseline);
+    // What is predicted of the difference between repeats is no noise.
+    VectorXd floor = d_.baseline.noise_floor;
+    if (floor.size() == n_ && left_.size() == n_) floor = floor.cwiseMin(left_);
+    for (Finding& f : d_.findings) f.explains = explained_share(f.test_before, f.test_after, d_.baseline.test_error.relative, floor);
   }
 
   void erase(size_t f) {
@@ -286,6 +298,22 @@ class Explanation {
         }
         auto end = k;
         while (end < count && (mean.row(end).cwiseAbs().array() >= kMomentSize).any()) ++end;
+        const auto next = end;
+        // Means reach half a window beyond a push, and filters ring: it lasts as long as half of its height.
+        VectorXd height = VectorXd::Zero(n_);
+        for (auto at = k; at < end; ++at) height = height.cwiseMax(residual.row(own[at]).cwiseAbs().transpose());
+        const auto is_pushed = [&](std::ptrdiff_t row) {
+          for (int j = 0; j < n_; ++j) {
+            if (height[j] >= kPeak * found_.scale[j] && std::abs(residual(own[row], j)) >= kHalf * height[j]) return true;
+          }
+          return false;
+        };
+        while (k < end && !is_pushed(k)) ++k;
+        while (end > k && !is_pushed(end - 1)) --end;
+        if (k == end) {
+          k = next;
+          continue;
+        }
         Contact c;
         c.source = sources[r];
         c.from = rows.time()[own[k]];
@@ -301,7 +329,7 @@ class Explanation {
         }
         pushed += c.to - c.from;
         if (c.peak > 0.0 && c.to - c.from >= kShortest && !is_at_limit(c)) here.push_back(std::move(c));
-        k = end;
+        k = next;
       }
       if (pushed < kMostOfTime * step * static_cast<double>(count)) out.insert(out.end(), here.begin(), here.end());
     }
@@ -450,6 +478,10 @@ class Explanation {
       v.floor = v.left * std::sqrt(1.0 - predicted);
       v.source = FloorSource::kRegression;
     }
+    // What the training recordings do not leave is no floor of the held-out ones.
+    const VectorXd& trained = d_.extended.train_error.relative;
+    const bool differs = trained.size() > j && v.floor > kDiffers * trained[j];
+    if (differs) v.floor = trained[j];
     v.removable = v.held_out - v.floor;
     const bool at_floor = v.left <= kAtFloor * v.floor;
     const bool mostly = v.held_out - v.extended > 0.5 * v.removable;
@@ -462,7 +494,9 @@ class Explanation {
       v.state = JointState::kCannotTell;
       v.why = vibration ? fmt::format("{:.0f} % of what is left over is a vibration of {:.3g} Hz and {:.3g} {} that the motion does not have: something shakes the arm, or a part of it swings",
                                       numerics::kPercent * vibration->share, vibration->frequency, vibration->amplitude, effort_unit(x_.arm.coordinates()[j]))
-              : words_of_steps(j) + why_not(unasked, repeats);
+              : differs ? fmt::format("the training recordings leave {:.3g} % of its torque, the held-out ones {:.3g} %: something is different in them",
+                                      numerics::kPercent * trained[j], numerics::kPercent * v.extended)
+                        : words_of_steps(j) + why_not(unasked, repeats);
     }
     return v;
   }

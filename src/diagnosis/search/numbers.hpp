@@ -29,6 +29,8 @@ constexpr double kHalf = 0.5;
 /// mean of half a second of what is left over >= kMomentSize scales, its peak >= kPeak scales and kTorqueShare of the
 /// joint's largest torque, for kShortest [s] or more, in less than kMostOfTime of the recording: a push.
 constexpr double kMomentSeconds = 0.5, kMomentSize = 2.2, kPeak = 4.0, kTorqueShare = 0.04, kShortest = 0.4, kMostOfTime = 0.2;
+/// error of the held-out recordings >= kDiffers * that of the training recordings: no floor.
+constexpr double kDiffers = 3.0;
 /// error of a joint <= kAtFloor * its floor: at the floor.
 constexpr double kAtFloor = 1.15;
 

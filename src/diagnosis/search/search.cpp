@@ -54,7 +54,8 @@ class Search {
     base_ = base_of(*rows_);
     dictionary_ = dictionary(*rows_, request.scope);
     for (Term& t : dictionary_) {
-      if (t.place.find(" other") == std::string::npos) places_.insert(t.place);
+      const bool is_asked = t.kind != TermKind::kCurve || request.scope.wanted.empty();
+      if (is_asked && t.place.find(" other") == std::string::npos) places_.insert(t.place);
     }
   }
 
@@ -78,6 +79,10 @@ class Search {
         if (chosen_.back().term.kind == TermKind::kCurve) stand_for_names();
       }
       clean();
+    }
+    // Values of the last set.
+    for (size_t k = 0; k < chosen_.size(); ++k) {
+      if (chosen_[k].term.is_linearised()) linearise(k);
     }
     const VectorXd unasked = predicted_by_curves();
     SearchResult out = finish();
@@ -280,9 +285,8 @@ class Search {
     return false;
   }
 
-  // What can do what any name does comes after all names: curves, and where no held-out recording refutes it, what imitates
-  // many others.
-  bool comes_late(const Term& t) const { return t.kind == TermKind::kCurve || (t.imitates && !is_repeated()); }
+  // What can do what any name does comes after all names: curves, and what imitates many others.
+  static bool comes_late(const Term& t) { return t.kind == TermKind::kCurve || t.imitates; }
   // What was refuted stays away.
   bool is_name(const Term& t) const { return !comes_late(t) && aside_.count(t.place) == 0; }
 
@@ -316,8 +320,9 @@ class Search {
     const Subset s = now.subset(all_but(chosen_.size(), {}));
     const Fitted fit = now.evaluate(s);
     const std::map<size_t, Cross> all = crosses(now);
+    const bool has_room = std::count_if(chosen_.begin(), chosen_.end(), [](const Chosen& c) { return c.term.kind != TermKind::kCurve; }) < request_.most;
     std::vector<Option> options = best_terms(now, s, all, curves ? std::vector<Further>() : further(now, ripple_terms(fit.residual)), 1.0, [&](const Term& t) {
-      return !is_chosen(t) && aside_.count(t.place) == 0 && comes_late(t) == curves;
+      return !is_chosen(t) && aside_.count(t.place) == 0 && comes_late(t) == curves && (has_room || t.kind == TermKind::kCurve);
     });
     if (!curves) add_far_gravities(now, fit, options);
     for (Option& o : options) {
@@ -363,14 +368,19 @@ class Search {
     VectorXd values;
     MatrixXd weights;
     std::vector<std::shared_ptr<Columns>> cache;
+    std::shared_ptr<const Rows> test, test_of;
+    std::map<std::string, std::shared_ptr<const Columns>> test_columns;
   };
-  State kept() const { return {rows_, base_, values_, weights_, cache_}; }
+  State kept() const { return {rows_, base_, values_, weights_, cache_, test_, test_of_, test_columns_}; }
   void restore(const State& s) {
     rows_ = s.rows;
     base_ = s.base;
     values_ = s.values;
     weights_ = s.weights;
     cache_ = s.cache;
+    test_ = s.test;
+    test_of_ = s.test_of;
+    test_columns_ = s.test_columns;
   }
 
   std::vector<Term> ripple_terms(const MatrixXd& residual) const {
@@ -779,8 +789,9 @@ class Search {
       for (const auto& [name, value] : t.effect.values) key += fmt::format(" {} {:.17g}", name, value);
       for (int e = 0; e < 3; ++e) key += fmt::format(" {:.17g}", t.centre[e]);
       auto at = test_columns_.find(key);
-      if (at == test_columns_.end()) at = test_columns_.emplace(key, columns_of(t, test)).first;
-      for (size_t j = 0; j < at->second.joints.size(); ++j) residual.col(at->second.joints[j]) -= at->second.of[j] * x.segment(begin, count);
+      if (at == test_columns_.end()) at = test_columns_.emplace(key, std::make_shared<Columns>(columns_of(t, test))).first;
+      const Columns& columns = *at->second;
+      for (size_t j = 0; j < columns.joints.size(); ++j) residual.col(columns.joints[j]) -= columns.of[j] * x.segment(begin, count);
     }
     return residual;
   }
@@ -1028,7 +1039,7 @@ class Search {
   std::vector<Chosen> chosen_;
   bool far_asked_ = false;
   std::shared_ptr<const Rows> test_, test_of_;
-  std::map<std::string, Columns> test_columns_;
+  std::map<std::string, std::shared_ptr<const Columns>> test_columns_;
   std::unique_ptr<Round> at_test_;
 };
 

@@ -59,7 +59,7 @@ class Builder {
     for (const Candidate& c : candidates(arm_, scope)) {
       if (is_wanted(c.cause)) add(c);
     }
-    if (!scope_.changes) add_constants();
+    if (scope_.constants) add_constants();
     add_curves();
     // The priors of all places sum to one.
     std::map<std::string, double> least;

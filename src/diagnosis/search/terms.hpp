@@ -70,6 +70,7 @@ bool same_place(const Term& a, const Term& b);
 /// Which terms are asked about.
 struct TermScope {
   bool changes = false;
+  bool constants = true;            ///< of the robot file
   std::vector<std::string> wanted;  ///< effects or causes as text; empty: all
   std::set<int> silent;             ///< joints about which nothing is asked
 };
