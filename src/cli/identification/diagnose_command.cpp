@@ -137,7 +137,7 @@ void add_diagnose_command(CLI::App& tool, Outcome& outcome) {
       "default)");
   command.add_flag_callback(
       "--all-findings", [request] { request->options.extended = ExtendedModel::kAllFindings; },
-      "Write every accepted finding into the extended model");
+      "List every finding, also small ones, and write all into the extended model");
   command.add_flag_callback(
       "--keep-unnamed", [request] { request->options.unnamed = UnnamedForces::kKept; },
       "Write unnamed findings into the extended model, as tabulated forces");

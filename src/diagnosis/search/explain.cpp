@@ -185,8 +185,9 @@ class Explanation {
   std::vector<Chosen> named(const std::set<size_t>& without = {}) const {
     std::vector<Chosen> out;
     for (size_t f = 0; f < of_finding_.size(); ++f) {
+      const bool is_written = x_.options.extended == ExtendedModel::kAllFindings || d_.findings[f].status == FindingStatus::kConfirmed;
       for (const size_t k : of_finding_[f]) {
-        if (found_.chosen[k].term.kind != TermKind::kCurve && without.count(f) == 0) out.push_back(found_.chosen[k]);
+        if (is_written && found_.chosen[k].term.kind != TermKind::kCurve && without.count(f) == 0) out.push_back(found_.chosen[k]);
       }
     }
     return out;
@@ -349,8 +350,12 @@ class Explanation {
     std::vector<Contact> contacts;
     moments_in(*found_.rows, found_.fitted, x_.train, contacts);
     if (found_.test) moments_in(*found_.test, found_.test_residual, x_.test, contacts);
+    // What a curve of the joint leaves over is no push.
     contacts.erase(std::remove_if(contacts.begin(), contacts.end(), [&](const Contact& c) {
-                     return !x_.tests_cause(ExternalContact{JointIndex{c.last_joint}});
+                     const bool has_curve = std::any_of(found_.chosen.begin(), found_.chosen.end(), [&c](const Chosen& t) {
+                       return t.term.kind == TermKind::kCurve && t.term.joint->value == c.last_joint;
+                     });
+                     return has_curve || !x_.tests_cause(ExternalContact{JointIndex{c.last_joint}});
                    }), contacts.end());
     if (contacts.empty()) return;
     leave_out(excluded_intervals(contacts), x_);

@@ -1,5 +1,6 @@
 #include "veridyn/report/diagnosis_json.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "report/json/json_value.hpp"
@@ -118,6 +119,8 @@ Json finding_json(const Diagnosis& d, const Finding& f) {
   out["gain"] = {{"test_relative_error",
                   {{"before", json_list(f.test_before)}, {"after", json_list(f.test_after)}}},
                  {"log_mean_square", f.gain}};
+  if (f.test_before.size() > 0 && f.test_after.size() == f.test_before.size())
+    out["gain"]["largest_fall"] = std::max(0.0, (f.test_before - f.test_after).maxCoeff());
   if (f.test_outside.size() > 0)
     out["outside"] = {{"relative_error", json_list(f.test_outside)}};
   out["explains"] = f.explains;
