@@ -133,11 +133,10 @@ void add_diagnose_command(CLI::App& tool, Outcome& outcome) {
       ->check(CLI::Range(0, 100));
   command.add_flag_callback(
       "--confirmed-only", [request] { request->options.extended = ExtendedModel::kConfirmedOnly; },
-      "Write only findings that cross-validation on the training recordings confirms (the "
-      "default)");
+      "List the findings that together explain nine tenths, and count the others (the default)");
   command.add_flag_callback(
       "--all-findings", [request] { request->options.extended = ExtendedModel::kAllFindings; },
-      "List every finding, also small ones, and write all into the extended model");
+      "List every finding, also the small ones");
   command.add_flag_callback(
       "--keep-unnamed", [request] { request->options.unnamed = UnnamedForces::kKept; },
       "Write unnamed findings into the extended model, as tabulated forces");

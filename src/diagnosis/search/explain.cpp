@@ -185,9 +185,8 @@ class Explanation {
   std::vector<Chosen> named(const std::set<size_t>& without = {}) const {
     std::vector<Chosen> out;
     for (size_t f = 0; f < of_finding_.size(); ++f) {
-      const bool is_written = x_.options.extended == ExtendedModel::kAllFindings || d_.findings[f].status == FindingStatus::kConfirmed;
       for (const size_t k : of_finding_[f]) {
-        if (is_written && found_.chosen[k].term.kind != TermKind::kCurve && without.count(f) == 0) out.push_back(found_.chosen[k]);
+        if (found_.chosen[k].term.kind != TermKind::kCurve && without.count(f) == 0) out.push_back(found_.chosen[k]);
       }
     }
     return out;
