@@ -57,17 +57,6 @@ class ReportPage : public testing::Test {
 
   static std::string path(const std::string& name) { return folder_->path(name); }
 
-  static void make_hooked() {
-    std::vector<std::string> changed;
-    for (const char* k : {"1", "2", "3"}) {
-      Recording r = read_recording(path(std::string("recording") + k + ".csv"));
-      for (int row = r.rows() / 2; row < r.rows(); ++row) r.tau(row, 0) += 2.0 * r.q(row, 0);
-      changed.push_back(path(std::string("hooked") + k + ".csv"));
-      write_recording(r, changed.back());
-    }
-    run({"diagnose", "psm-3dof", "--train", changed[0], changed[1], "--test", changed[2], "--quiet", "--report", path("hooked.html")});
-  }
-
   static TemporaryFolder* folder_;
 };
 
@@ -186,22 +175,6 @@ TEST_P(OpenedReport, ADiagnosisDrawsEverySampleOfThreeJoints) {
   EXPECT_EQ(kinds["arm"], 1);
   EXPECT_GE(kinds["cause"], 1);
   expect_all_samples(page, 0);
-}
-
-// A spring that is hooked on half-way depends on position and time: three curves over the position, none beyond the axes.
-TEST_P(OpenedReport, AFunctionOfTwoSignalsIsDrawnAtThreeValuesOfTheSecond) {
-  if (!std::filesystem::exists(path("hooked.html"))) make_hooked();
-  const OpenedPage& page = opened("hooked.html");
-  expect_sound(page, GetParam());
-  int drawn = 0;
-  for (const PageElement& plot : page.with("data-plot")) {
-    if (plot.at("data-plot") != "cause" || plot.at("data-joint") != "1") continue;
-    const std::map<std::string, long> curves = counts(plot.at("data-points"));
-    drawn += static_cast<int>(std::count_if(curves.begin(), curves.end(), [](const auto& curve) {
-      return curve.first.rfind("t = ", 0) == 0 && curve.first.find("95 %") == std::string::npos;
-    }));
-  }
-  EXPECT_EQ(drawn, 3);
 }
 
 TEST_P(OpenedReport, AnIdentificationShowsTheNumbersOfItsJson) {
