@@ -79,6 +79,20 @@ TEST_F(Stages, GravityThatPointsElsewhereIsATurnAndNoLean) {
   EXPECT_NE(f.phrase.find("gravity along (0, -9.81, 0) m/s^2"), std::string::npos) << f.phrase;
 }
 
+// Without physical conditions another direction of gravity does what a length that is wrong in the file does; no possible arm
+// does.
+TEST_F(Stages, WhatNoPossibleArmBearsOutIsNoFinding) {
+  ModelFileOptions longer;
+  longer.constants["l1"] = 0.6;
+  const Model file = read_model("planar-2r", longer);
+  DiagnosisState x = investigation(file, {});
+  x.options.values = RobotValues::kPrior;
+  const Diagnosis d = diagnose(file, x.train, x.test, x.options);
+  EXPECT_LE(d.extended.train_error.relative.norm(), d.baseline.train_error.relative.norm()) << d.report();
+  for (const Finding& f : d.findings) EXPECT_NE(effect_of(f.cause), "gravity_tilt") << d.report();
+  for (const JointVerdict& v : d.joints) EXPECT_TRUE(v.state != JointState::kNamed || !d.findings.empty()) << d.report();
+}
+
 TEST_F(Stages, AnEncodersZeroGoesBeforeTheAngleThatDoesTheSame) {
   const DiagnosisState x = investigation(read_model("planar-2r"), {"encoder_offset:shoulder:offset=0.1"});
   const Diagnosis d = diagnose(read_model("planar-2r"), x.train, x.test, x.options);

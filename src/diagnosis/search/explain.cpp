@@ -141,7 +141,6 @@ class Explanation {
 
   // Several memories or waves of one cause on one axis are one finding.
   void add_findings() {
-    VectorXd first = d_.baseline.test_error.relative;
     std::map<std::string, size_t> known;
     for (size_t k = 0; k < found_.chosen.size(); ++k) {
       const Chosen& c = found_.chosen[k];
@@ -461,11 +460,13 @@ class Explanation {
     v.extended = held_out(d_.extended, j);
     v.left = v.extended;
     bool named = false, unnamed = false;
-    for (size_t k = 0; k < found_.chosen.size(); ++k) {
-      const Chosen& c = found_.chosen[k];
-      const bool acts = std::find(c.columns.joints.begin(), c.columns.joints.end(), j) != c.columns.joints.end();
-      const bool helps = c.of_joint.size() > j && c.of_joint[j] > 0.0;
-      (c.term.kind == TermKind::kCurve ? unnamed : named) |= acts && (helps || c.term.joint);
+    for (const std::vector<size_t>& finding : of_finding_) {
+      for (const size_t k : finding) {
+        const Chosen& c = found_.chosen[k];
+        const bool acts = std::find(c.columns.joints.begin(), c.columns.joints.end(), j) != c.columns.joints.end();
+        const bool helps = c.of_joint.size() > j && c.of_joint[j] > 0.0;
+        (c.term.kind == TermKind::kCurve ? unnamed : named) |= acts && (helps || c.term.joint);
+      }
     }
     if (unnamed && left_.size() > j) v.left = std::min(v.left, v.extended * left_[j] / std::max(d_.extended.test_error.relative[j], numerics::kTiny));
     const bool repeats = d_.baseline.noise_floor.size() > j;
@@ -493,7 +494,7 @@ class Explanation {
     else if (unnamed) v.state = JointState::kUnnamed;
     else if (named) v.state = JointState::kNamed;
     else if (v.held_out <= kAtFloor * v.floor && unasked < 0.0) v.state = JointState::kAtFloor;
-    else if (at_floor && !found_.chosen.empty()) v.state = JointState::kNamed;  // what acts elsewhere bent its parameters
+    else if (at_floor && !of_finding_.empty()) v.state = JointState::kNamed;  // what acts elsewhere bent its parameters
     else {
       v.state = JointState::kCannotTell;
       v.why = vibration ? fmt::format("{:.0f} % of what is left over is a vibration of {:.3g} Hz and {:.3g} {} that the motion does not have: something shakes the arm, or a part of it swings",
