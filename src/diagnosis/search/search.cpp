@@ -263,15 +263,20 @@ class Search {
     return out;
   }
 
-  std::map<size_t, Cross> crosses(const Round& round) {
+  // Of the terms of the dictionary that may enter.
+  std::map<size_t, Cross> crosses(const Round& round, const std::function<bool(const Term&)>& is_asked) {
     if (cache_.size() != dictionary_.size()) cache_.resize(dictionary_.size());
-    std::vector<Cross> all(dictionary_.size());
-    parallel_for(static_cast<int>(dictionary_.size()), request_.threads, [&](int k) {
-      const Columns& columns = columns_at(k);
-      all[k] = round.cross(columns, ridge_of(dictionary_[k], columns.count(), round.scale()));
+    std::vector<size_t> some;
+    for (size_t k = 0; k < dictionary_.size(); ++k) {
+      if (is_asked(dictionary_[k])) some.push_back(k);
+    }
+    std::vector<Cross> all(some.size());
+    parallel_for(static_cast<int>(some.size()), request_.threads, [&](int k) {
+      const Columns& columns = columns_at(some[k]);
+      all[k] = round.cross(columns, ridge_of(dictionary_[some[k]], columns.count(), round.scale()));
     });
     std::map<size_t, Cross> out;
-    for (size_t k = 0; k < all.size(); ++k) out.emplace(k, std::move(all[k]));
+    for (size_t k = 0; k < all.size(); ++k) out.emplace(some[k], std::move(all[k]));
     return out;
   }
 
@@ -319,11 +324,11 @@ class Search {
     const Round now = round();
     const Subset s = now.subset(all_but(chosen_.size(), {}));
     const Fitted fit = now.evaluate(s);
-    const std::map<size_t, Cross> all = crosses(now);
     const bool has_room = std::count_if(chosen_.begin(), chosen_.end(), [](const Chosen& c) { return c.term.kind != TermKind::kCurve; }) < request_.most;
-    std::vector<Option> options = best_terms(now, s, all, curves ? std::vector<Further>() : further(now, ripple_terms(fit.residual)), 1.0, [&](const Term& t) {
+    const auto may_enter = [&](const Term& t) {
       return !is_chosen(t) && aside_.count(t.place) == 0 && comes_late(t) == curves && (has_room || t.kind == TermKind::kCurve);
-    });
+    };
+    std::vector<Option> options = best_terms(now, s, crosses(now, may_enter), curves ? std::vector<Further>() : further(now, ripple_terms(fit.residual)), 1.0, may_enter);
     if (!curves) add_far_gravities(now, fit, options);
     for (Option& o : options) {
       if (!(o.value < fit.score)) break;
@@ -549,7 +554,7 @@ class Search {
     const std::vector<int> all = all_but(count, {});
     const Fitted full = now.evaluate(now.subset(all));
     const double value = full.score + price_of(all);
-    const std::map<size_t, Cross> crossed = crosses(now);
+    const std::map<size_t, Cross> crossed = crosses(now, [&](const Term& t) { return is_name(t); });
     std::vector<Further> more = further(now, ripple_terms(full.residual));
     for (size_t k = 0; k < count; ++k) {
       if (chosen_[k].term.is_linearised()) continue;
@@ -655,10 +660,10 @@ class Search {
       if (before[k].term.joint) local.insert(k);
     }
     const Subset s = now.subset(all_but(before.size(), local));
-    const std::map<size_t, Cross> crossed = crosses(now);
-    std::vector<Option> options = best_terms(now, s, crossed, {}, 1.0, [&](const Term& t) {
+    const auto may_enter = [&](const Term& t) {
       return is_name(t) && !t.joint && !is_chosen(t) && tried_.count(t.place + std::to_string(before.size())) == 0;
-    });
+    };
+    std::vector<Option> options = best_terms(now, s, crosses(now, may_enter), {}, 1.0, may_enter);
     options.resize(std::min(options.size(), kMostWholeArm));
     for (const Option& o : options) {
       tried_.insert(o.term.place + std::to_string(before.size()));
@@ -866,7 +871,7 @@ class Search {
     const Subset s = now.subset(all_but(chosen_.size(), {}));
     const Fitted full = now.evaluate(s);
     const MatrixXd covariance = now.covariance(s, full);
-    const std::map<size_t, Cross> crossed = crosses(now);
+    const std::map<size_t, Cross> crossed = crosses(now, [](const Term& t) { return t.kind != TermKind::kCurve; });
     const auto relative = [&](const Fitted& f) {
       VectorXd e(rows_->joints());
       for (Eigen::Index i = 0; i < e.size(); ++i) {
@@ -972,8 +977,8 @@ class Search {
 
   // Of a linearised term, at the arm without it: what gains nearly as much to first order.
   void take_rivals(const Round& then, const Subset& all, const Fitted& fit, double gained, const Term& term, std::vector<Chosen::RivalTerm>& out) {
-    const std::map<size_t, Cross> crossed = crosses(then);
-    for (const Option& o : best_terms(then, all, crossed, {}, kHalf * gained, [&](const Term& t) { return !same_place(t, term) && t.kind != TermKind::kCurve; })) {
+    const auto is_rival = [&](const Term& t) { return !same_place(t, term) && t.kind != TermKind::kCurve; };
+    for (const Option& o : best_terms(then, all, crosses(then, is_rival), {}, kHalf * gained, is_rival)) {
       const Gain g = then.gain(o.fit, fit);
       if (!std::isfinite(o.value) || gained - g.sum + o.term.price - term.price > 2.0 * g.error) continue;
       out.push_back({o.term, gained - g.sum, g.sum});
