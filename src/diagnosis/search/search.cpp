@@ -147,12 +147,16 @@ class Search {
     return *cache_[k];
   }
 
-  Option option(const Round& round, const Subset& s, const Term& term, std::shared_ptr<Columns> columns) const {
+  Option option(const Round& round, const Subset& s, const Term& term) const {
+    const auto columns = std::make_shared<Columns>(columns_of(term, *rows_));
+    return option(round, s, term, columns, round.cross(*columns, ridge_of(term, columns->count(), round.scale())));
+  }
+
+  static Option option(const Round& round, const Subset& s, const Term& term, const std::shared_ptr<Columns>& columns, const Cross& cross) {
     Option out;
     out.term = term;
-    out.columns = columns ? std::move(columns) : std::make_shared<Columns>(columns_of(term, *rows_));
-    out.ridge = ridge_of(term, out.columns->count(), round.scale());
-    const Cross cross = round.cross(*out.columns, out.ridge);
+    out.columns = columns;
+    out.ridge = cross.ridge;
     out.fit = round.evaluate(s, &cross);
     if (is_possible(term, *out.columns, out.fit.x.tail(out.columns->count()))) out.value = out.fit.score + term.price;
     return out;
@@ -171,7 +175,7 @@ class Search {
           const double value = shape.logarithmic ? centre * std::pow(shape.step, u) : centre + shape.step * u;
           Option out = best;
           out.term.effect.values[shape.name] = std::clamp(value, shape.lower, shape.upper);
-          return option(round, s, out.term, nullptr);
+          return option(round, s, out.term);
         };
         double low = -reach, high = reach;
         Option a = at(low + kSearchGolden * (high - low)), b = at(high - kSearchGolden * (high - low));
@@ -200,7 +204,7 @@ class Search {
       Term t = best.term;
       t.centre = z.tail<3>() / z[0];
       if (t.centre.norm() > 2.0 * kReach || (t.centre - best.term.centre).norm() < kSameCentre) return;
-      Option next = option(round, s, t, nullptr);
+      Option next = option(round, s, t);
       if (next.value >= best.value) return;
       best = std::move(next);
     }
@@ -229,6 +233,7 @@ class Search {
       double value;
       const Term* term;
       std::shared_ptr<Columns> columns;
+      const Cross* cross;
     };
     std::map<std::string, Screened> by_place;
     const auto screen = [&](const Term& t, const Cross& c, const std::shared_ptr<Columns>& columns) {
@@ -236,8 +241,8 @@ class Search {
       const double gain = round.training_gain(s, c) - t.price - 0.5 * static_cast<double>(c.columns->count());
       if (gain + t.price <= kWorthPolish * needed) return;
       const auto at = by_place.find(t.place);
-      if (at == by_place.end()) by_place.emplace(t.place, Screened{gain, &t, columns});
-      else if (gain > at->second.value) at->second = {gain, &t, columns};
+      if (at == by_place.end()) by_place.emplace(t.place, Screened{gain, &t, columns, &c});
+      else if (gain > at->second.value) at->second = {gain, &t, columns, &c};
     };
     for (const auto& [k, cross] : crosses) screen(dictionary_[k], cross, cache_[k]);
     for (const Further& f : more) screen(f.term, f.cross, f.columns);
@@ -246,7 +251,7 @@ class Search {
     std::sort(order.begin(), order.end(), [](const Screened& a, const Screened& b) { return a.value > b.value; });
     order.resize(std::min<size_t>(order.size(), kScreened));
     std::vector<Option> out(order.size());
-    parallel_for(static_cast<int>(order.size()), request_.threads, [&](int k) { out[k] = option(round, s, *order[k].term, order[k].columns); });
+    parallel_for(static_cast<int>(order.size()), request_.threads, [&](int k) { out[k] = option(round, s, *order[k].term, order[k].columns, *order[k].cross); });
     const auto better = [](const Option& a, const Option& b) { return a.value < b.value; };
     // What gains much in a few blocks only does not take the places of what gains everywhere.
     const Fitted without = round.evaluate(s);
@@ -958,12 +963,12 @@ class Search {
     for (const TermShape& shape : c.term.shapes) {
       const double value = c.term.effect.values.at(shape.name);
       double deviation = std::numeric_limits<double>::quiet_NaN();
-      const double centre = option(now, rest, c.term, nullptr).value;
+      const double centre = option(now, rest, c.term).value;
       for (double step = kFirstProfile; step < 2.0; step *= 2.0) {
         const auto at = [&](double side) {
           Term t = c.term;
           t.effect.values[shape.name] = shape.logarithmic ? value * std::exp(side * step) : value + side * step * shape.step;
-          return option(now, rest, t, nullptr).value;
+          return option(now, rest, t).value;
         };
         const double rise = 0.5 * (at(1.0) + at(-1.0)) - centre;
         if (rise < 0.5) continue;
@@ -1013,11 +1018,11 @@ class Search {
     }
     std::vector<Refused> all;
     for (auto& [place, one] : best) all.push_back(one);
-    std::sort(all.begin(), all.end(), [](const Refused& a, const Refused& b) { return a.gain > b.gain; });
+    std::stable_sort(all.begin(), all.end(), [](const Refused& a, const Refused& b) { return a.gain > b.gain; });
     std::vector<Refused> shown(all.begin(), all.begin() + static_cast<long>(std::min(all.size(), kMostRefused)));
     parallel_for(static_cast<int>(shown.size()), request_.threads, [&](int k) {
       if (shown[k].collinear) return;
-      const Option o = option(now, s, shown[k].term, nullptr);
+      const Option o = option(now, s, shown[k].term);
       const Gain g = now.gain(o.fit, full);
       shown[k].impossible = !std::isfinite(o.value);
       shown[k].gain = g.sum;
