@@ -309,9 +309,15 @@ std::string Diagnosis::report(const std::string& next_command) const {
     out += "next experiment, to show " + next_experiment.shows;
     out += next_command.empty() ? "\n" : ":\n  " + next_command + "\n";
   }
-  for (const CannotTell& c : cannot_tell) {
-    const std::string place = c.cause ? place_of_joint(words_of(*baseline.model, *c.cause)) : "";
-    out += fmt::format("cannot tell: {}{}: {}\n", c.effect, place, c.why);
+  // One line for an effect in several places.
+  for (size_t k = 0; k < cannot_tell.size();) {
+    const CannotTell& first = cannot_tell[k];
+    std::vector<std::string> places;
+    for (; k < cannot_tell.size() && cannot_tell[k].effect == first.effect && cannot_tell[k].why == first.why; ++k) {
+      const std::string place = cannot_tell[k].cause ? place_of_joint(words_of(*baseline.model, *cannot_tell[k].cause)) : "";
+      if (std::find(places.begin(), places.end(), place) == places.end()) places.push_back(place);
+    }
+    out += fmt::format("cannot tell: {}{}: {}\n", first.effect, fmt::join(places, ","), first.why);
   }
   return out;
 }

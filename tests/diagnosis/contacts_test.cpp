@@ -36,15 +36,14 @@ TEST(Contacts, FindingsSayWhenWhereAndHowHard) {
   id.model = read_model("planar-2r");
   id.test_error.relative = Eigen::Vector2d(0.3, 0.2);
   id.test_without_excluded.relative = Eigen::Vector2d(0.1, 0.1);
-  Diagnosis d;
-  add_contacts({push(1, 12.0, 13.0, -1.4), push(0, 21.0, 21.6, -2.0)}, id, d);
-  ASSERT_EQ(d.findings.size(), 2U);
-  EXPECT_EQ(d.findings[0].rank, 1);
-  EXPECT_EQ(d.findings[1].rank, 2);
-  const Finding& f = d.findings[0];
+  const std::vector<Finding> findings = findings_of({push(1, 12.0, 13.0, -1.4), push(0, 21.0, 21.6, -2.0), push(1, 30.0, 31.0, -1.0)}, id);
+  ASSERT_EQ(findings.size(), 2U);  // one of each link
+  const Finding& f = findings[0];
   EXPECT_EQ(f.joint, JointIndex{1});
   EXPECT_EQ(f.source, "push.csv");
-  ASSERT_EQ(f.parameters.size(), 4U);
+  ASSERT_EQ(f.parameters.size(), 8U);
+  EXPECT_EQ(f.parameters[5].name, "from_2");
+  EXPECT_EQ(f.parameters[5].value, 30.0);
   EXPECT_LT(f.parameters[0].low, -1.4);
   EXPECT_GT(f.parameters[0].high, -1.4);
   EXPECT_GT(f.parameters[0].low, -2.0);

@@ -21,8 +21,8 @@ struct Contact {
 /// The rows of these moments, for all joints.
 std::vector<ExcludedInterval> excluded_intervals(const std::vector<Contact>& contacts);
 
-/// Adds a finding for every contact: time, link, efforts, and the held-out error outside of these
-/// intervals. @param seen  the arm on the recordings without these intervals.
-void add_contacts(const std::vector<Contact>& contacts, const Identification& seen, Diagnosis& d);
+/// One finding for the contacts on one link: times, efforts, and the held-out error outside of these intervals.
+/// @param seen  the arm on the recordings without these intervals.
+std::vector<Finding> findings_of(const std::vector<Contact>& contacts, const Identification& seen);
 
 }  // namespace veridyn

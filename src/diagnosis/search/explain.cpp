@@ -9,74 +9,22 @@
 #include <utility>
 
 #include "diagnosis/search/row_constants.hpp"
-#include "diagnosis/findings/contacts.hpp"
 #include "diagnosis/findings/held_out.hpp"
 #include "diagnosis/numerics.hpp"
 #include "diagnosis/findings/finding_words.hpp"
 #include "diagnosis/findings/next_experiment.hpp"
+#include "diagnosis/search/moments.hpp"
 #include "diagnosis/search/numbers.hpp"
 #include "diagnosis/search/tables.hpp"
 #include "diagnosis/search/vibration.hpp"
-#include "math/eigen_pose.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/effects/effect_facts.hpp"
-#include "veridyn/identification/pseudo_inertia.hpp"
 #include "veridyn/regressor/standard_parameters.hpp"
 
 namespace veridyn::search {
 namespace {
 
-// The fixed transform from a frame to the body that moves with it.
-std::optional<std::pair<int, Posed>> body_of(const Model& arm, FrameIndex frame) {
-  const auto root = [&](int k) {
-    Posed T = identity_pose();
-    while (arm.frames()[k].type == JointType::kFixed && arm.frames()[k].parent) {
-      T = arm.frames()[k].A * arm.frames()[k].B * T;
-      k = arm.frames()[k].parent->value;
-    }
-    return std::make_pair(k, T);
-  };
-  const auto [own, T_root_frame] = root(frame.value);
-  for (const int b : arm.bodies()) {
-    const auto [other, T_root_body] = root(b);
-    if (other == own) return std::make_pair(b, inverse(T_root_body) * T_root_frame);
-  }
-  return std::nullopt;
-}
-
-// Of a load, with what its inertia is beyond that of a point.
-InertialParameters load_of(const Chosen& c) {
-  InertialParameters phi = InertialParameters::Zero();
-  phi.head<4>() = c.values.head<4>();
-  phi.tail<6>() = c.values.tail<6>();
-  const Eigen::Vector3d& p = c.term.centre;
-  const Eigen::Vector3d h = c.values.segment<3>(1);
-  static const int kRow[6] = {0, 0, 1, 0, 1, 2}, kColumn[6] = {0, 1, 1, 2, 2, 2};
-  for (int e = 0; e < 6; ++e) {
-    const int i = kRow[e], j = kColumn[e];
-    const double same = i == j ? 1.0 : 0.0;
-    phi[4 + e] += -c.values[0] * (p.squaredNorm() * same - p[i] * p[j]) + 2.0 * p.dot(h) * same - h[i] * p[j] - h[j] * p[i];
-  }
-  return phi;
-}
-
-// Parameters of a body, written in another frame that moves with it.
-InertialParameters moved(const InertialParameters& phi, const Posed& T) {
-  const Eigen::Matrix3d R = eigen(T.R);
-  const Eigen::Vector3d p = eigen(T.p), h = phi.segment<3>(1);
-  Eigen::Matrix3d L;
-  L << phi[4], phi[5], phi[7], phi[5], phi[6], phi[8], phi[7], phi[8], phi[9];
-  // Second moments are a quadratic form: Sigma' = R Sigma R' + R h p' + p h' R' + m p p'.
-  const Eigen::Matrix3d S = 0.5 * L.trace() * Eigen::Matrix3d::Identity() - L;
-  const Eigen::Vector3d Rh = R * h;
-  const Eigen::Matrix3d moved_S = R * S * R.transpose() + Rh * p.transpose() + p * Rh.transpose() + phi[0] * p * p.transpose();
-  const Eigen::Matrix3d moved_L = moved_S.trace() * Eigen::Matrix3d::Identity() - moved_S;
-  InertialParameters out;
-  out << phi[0], Rh + phi[0] * p, moved_L(0, 0), moved_L(0, 1), moved_L(1, 1), moved_L(0, 2), moved_L(1, 2), moved_L(2, 2);
-  return out;
-}
-
-// The words "joint 2, 3" of joints without friction of their own in the file.
+// Joints without friction of their own in the file.
 std::set<int> joints_without_friction(const Model& arm) {
   std::set<int> out;
   for (int i = 0; i < arm.joints(); ++i) {
@@ -265,74 +213,6 @@ class Explanation {
     count_.erase(count_.begin() + static_cast<long>(f));
   }
 
-  // Half a second and more of residual of one sign that the final set leaves: something pushed or held the arm. What comes
-  // back in most of a recording is a property of the arm.
-  void moments_in(const Rows& rows, const MatrixXd& residual, const std::vector<std::string>& sources, std::vector<Contact>& out) const {
-    for (size_t r = 0; r < sources.size(); ++r) {
-      std::vector<Eigen::Index> own;
-      for (Eigen::Index k = 0; k < rows.rows(); ++k) {
-        if (rows.recording()[k] == r) own.push_back(k);
-      }
-      if (own.size() < 50) continue;
-      const double step = (rows.time()[own.back()] - rows.time()[own.front()]) / static_cast<double>(own.size() - 1);
-      const auto half = std::max<std::ptrdiff_t>(1, std::lround(0.5 * kMomentSeconds / step));
-      const auto count = static_cast<std::ptrdiff_t>(own.size());
-      MatrixXd mean = MatrixXd::Zero(count, n_);
-      for (int j = 0; j < n_; ++j) {
-        if (found_.scale.size() <= j || found_.scale[j] <= 0.0) continue;
-        for (std::ptrdiff_t k = half; k + half < count; ++k) {
-          const auto low = k - half, high = k + half;
-          double sum = 0.0;
-          for (auto at = low; at <= high; ++at) sum += residual(own[at], j);
-          mean(k, j) = sum / static_cast<double>(high - low + 1) / found_.scale[j];
-        }
-      }
-      std::vector<Contact> here;
-      double pushed = 0.0;
-      for (std::ptrdiff_t k = 0; k < count;) {
-        if ((mean.row(k).cwiseAbs().array() < kMomentSize).all()) {
-          ++k;
-          continue;
-        }
-        auto end = k;
-        while (end < count && (mean.row(end).cwiseAbs().array() >= kMomentSize).any()) ++end;
-        const auto next = end;
-        // Means reach half a window beyond a push, and filters ring: it lasts as long as half of its height.
-        VectorXd height = VectorXd::Zero(n_);
-        for (auto at = k; at < end; ++at) height = height.cwiseMax(residual.row(own[at]).cwiseAbs().transpose());
-        const auto is_pushed = [&](std::ptrdiff_t row) {
-          for (int j = 0; j < n_; ++j) {
-            if (height[j] >= kPeak * found_.scale[j] && std::abs(residual(own[row], j)) >= kHalf * height[j]) return true;
-          }
-          return false;
-        };
-        while (k < end && !is_pushed(k)) ++k;
-        while (end > k && !is_pushed(end - 1)) --end;
-        if (k == end) {
-          k = next;
-          continue;
-        }
-        Contact c;
-        c.source = sources[r];
-        c.from = rows.time()[own[k]];
-        c.to = rows.time()[own[end - 1]];
-        c.effort = VectorXd::Zero(n_);
-        for (int j = 0; j < n_; ++j) {
-          for (auto at = k; at < end; ++at) c.effort[j] += residual(own[at], j) / static_cast<double>(end - k);
-          const double peak = mean.block(k, j, end - k, 1).cwiseAbs().maxCoeff();
-          if (peak < kPeak || std::abs(c.effort[j]) < kTorqueShare * rows.measured.col(j).cwiseAbs().maxCoeff()) continue;
-          c.last_joint = j;
-          c.deviation = found_.scale[j];
-          c.peak = std::max(c.peak, peak);
-        }
-        pushed += c.to - c.from;
-        if (c.peak > 0.0 && c.to - c.from >= kShortest && !is_at_limit(c)) here.push_back(std::move(c));
-        k = next;
-      }
-      if (pushed < kMostOfTime * step * static_cast<double>(count)) out.insert(out.end(), here.begin(), here.end());
-    }
-  }
-
   bool is_at_limit(const Contact& c) const {
     return std::any_of(d_.data_quality.begin(), d_.data_quality.end(), [&c](const RecordingQuality& q) {
       return q.file == c.source && std::any_of(q.saturated.begin(), q.saturated.end(), [&c](const SaturatedInterval& at) {
@@ -345,14 +225,14 @@ class Explanation {
     const bool has_room = static_cast<int>(named().size()) < x_.options.max_effects;
     if (!x_.tests_effect(ExternalContact::kName) || !has_room || found_.fitted.rows() == 0) return;
     std::vector<Contact> contacts;
-    moments_in(*found_.rows, found_.fitted, x_.train, contacts);
-    if (found_.test) moments_in(*found_.test, found_.test_residual, x_.test, contacts);
+    add_moments_in(*found_.rows, found_.fitted, found_.scale, x_.train, contacts);
+    if (found_.test) add_moments_in(*found_.test, found_.test_residual, found_.scale, x_.test, contacts);
     // What a curve of the joint leaves over is no push.
     contacts.erase(std::remove_if(contacts.begin(), contacts.end(), [&](const Contact& c) {
                      const bool has_curve = std::any_of(found_.chosen.begin(), found_.chosen.end(), [&c](const Chosen& t) {
                        return t.term.kind == TermKind::kCurve && t.term.joint->value == c.last_joint;
                      });
-                     return has_curve || !x_.tests_cause(ExternalContact{JointIndex{c.last_joint}});
+                     return has_curve || is_at_limit(c) || !x_.tests_cause(ExternalContact{JointIndex{c.last_joint}});
                    }), contacts.end());
     if (contacts.empty()) return;
     leave_out(excluded_intervals(contacts), x_);
@@ -363,40 +243,18 @@ class Explanation {
     if (without.model) d_.baseline = without;
     const Identification extended = x_.fit(extended_arm(before(), named(), d_.changes));
     if (extended.model) d_.extended = extended;
-    // One finding for the pushes on one link.
-    std::vector<Finding> found;
-    std::map<int, size_t> of_joint;
-    std::vector<int> count;
-    Diagnosis one;
-    for (const Contact& c : contacts) {
-      one.findings.clear();
-      add_contacts({c}, d_.baseline, one);
-      Finding f = std::move(one.findings.front());
-      const auto at = of_joint.find(c.last_joint);
-      if (at == of_joint.end()) {
-        of_joint.emplace(c.last_joint, found.size());
-        count.push_back(1);
-        found.push_back(std::move(f));
-        continue;
-      }
-      Finding& own = found[at->second];
-      own.phrase += fmt::format("; {}: from {:.1f} to {:.1f} s", c.source, c.from, c.to);
-      own.p_value = std::min(own.p_value, f.p_value);
-      ++count[at->second];
-      for (FoundParameter& p : f.parameters) {
-        p.name += fmt::format("_{}", count[at->second]);
-        own.parameters.push_back(std::move(p));
-      }
-    }
+    std::vector<Finding> found = findings_of(contacts, d_.baseline);
     d_.findings.insert(d_.findings.begin(), std::make_move_iterator(found.begin()), std::make_move_iterator(found.end()));
   }
 
   void add_the_rest() {
+    std::set<std::string> unseen;
     for (const Refused& r : found_.refused) {
       const bool is_found = std::any_of(found_.chosen.begin(), found_.chosen.end(), [&r](const Chosen& c) { return same_place(c.term, r.term); });
       if (is_found) continue;  // there may be several memories
       if (r.collinear) {
-        d_.cannot_tell.push_back({effect_of(r.term.cause), r.term.cause, "its torque is a combination of parameters that the model has already, or it never acts in these recordings"});
+        if (unseen.insert(to_text(x_.arm, r.term.cause)).second)
+          d_.cannot_tell.push_back({effect_of(r.term.cause), r.term.cause, "its torque is a combination of parameters that the model has already, or it never acts in these recordings"});
         continue;
       }
       const double p = r.error > 0.0 ? 0.5 * std::erfc(r.gain / r.error / std::sqrt(2.0)) : 1.0;
@@ -496,13 +354,18 @@ class Explanation {
     else if (at_floor && !of_finding_.empty()) v.state = JointState::kNamed;  // what acts elsewhere bent its parameters
     else {
       v.state = JointState::kCannotTell;
-      v.why = vibration ? fmt::format("{:.0f} % of what is left over is a vibration of {:.3g} Hz and {:.3g} {} that the motion does not have: something shakes the arm, or a part of it swings",
-                                      numerics::kPercent * vibration->share, vibration->frequency, vibration->amplitude, effort_unit(x_.arm.coordinates()[j]))
-              : differs ? fmt::format("the training recordings leave {:.3g} % of its torque, the held-out ones {:.3g} %: something is different in them",
-                                      numerics::kPercent * trained[j], numerics::kPercent * v.extended)
-                        : words_of_steps(j) + why_not(unasked, repeats);
+      if (vibration) v.why = words_of(*vibration, j);
+      else if (differs)
+        v.why = fmt::format("the training recordings leave {:.3g} % of its torque, the held-out ones {:.3g} %: something is different in them",
+                            numerics::kPercent * trained[j], numerics::kPercent * v.extended);
+      else v.why = words_of_steps(j) + why_not(unasked, repeats);
     }
     return v;
+  }
+
+  std::string words_of(const Vibration& vibration, int j) const {
+    return fmt::format("{:.0f} % of what is left over is a vibration of {:.3g} Hz and {:.3g} {} that the motion does not have: something shakes the arm, or a part of it swings",
+                       numerics::kPercent * vibration.share, vibration.frequency, vibration.amplitude, effort_unit(x_.arm.coordinates()[j]));
   }
 
   // Coarse steps of a recorded torque, which no model predicts.
@@ -532,52 +395,6 @@ class Explanation {
 };
 
 }  // namespace
-
-Model extended_arm(const Model& arm, const std::vector<Chosen>& chosen, bool changes) {
-  ModelDescription d = corrected(arm, chosen).description();
-  if (changes && !chosen.empty()) d.identified.reset();  // the statistics belong to values that have changed
-  for (const Chosen& c : chosen) {
-    if (c.term.kind == TermKind::kLoad) {
-      // Inertia beyond that of a point is known less well than mass and moments: it goes where no body has the sum.
-      InertialParameters load = load_of(c);
-      const FrameIndex frame = *frame_of(c.term.cause);
-      const auto body = body_of(arm, frame);
-      const auto& known = body ? d.frames[body->first].body->phi : std::nullopt;
-      const InertialParameters sum = load[0] < 0.0 && known ? InertialParameters(*known + moved(load, body->second)) : load;
-      if (smallest_eigenvalue(pseudo_inertia(sum)) < 0.0) load.tail<6>() -= c.values.tail<6>();
-      if (load[0] < 0.0 && body) {
-        Body& own = *d.frames[body->first].body;
-        if (own.phi) *own.phi += moved(load, body->second);
-        continue;
-      }
-      Frame f;
-      f.name = AddedLoad::kName;
-      for (int count = 2; std::any_of(d.frames.begin(), d.frames.end(), [&](const Frame& other) { return other.name == f.name; }); ++count)
-        f.name = std::string(AddedLoad::kName) + "_" + std::to_string(count);
-      f.parent = frame;
-      f.variable.coefficients = VectorXd::Zero(arm.joints());
-      f.body = Body{};
-      f.body->phi = load;
-      d.frames.push_back(std::move(f));
-    } else if (c.term.kind == TermKind::kChange) {
-      EffectTerm& own = d.effects[c.term.candidate.own->value];
-      const std::vector<EffectParameter> parameters = find_effect(own.effect).parameters();
-      for (size_t p = 0; p < parameters.size(); ++p) {
-        double& value = own.values[parameters[p].name];
-        value += c.values[static_cast<Eigen::Index>(p)];
-        if (parameters[p].sign == ParameterSign::kNonnegative) value = std::max(value, 0.0);
-      }
-      own.deviations.clear();
-    } else if (c.term.kind == TermKind::kEffect) {
-      EffectTerm term = c.term.effect;
-      if (c.term.with_rest && !term.from) term.axis.offset += c.values[c.values.size() - 1] / c.values[0];
-      const std::vector<EffectParameter> parameters = find_effect(term.effect).parameters();
-      for (size_t p = 0; changes && p < parameters.size(); ++p) term.values[parameters[p].name] = c.values[static_cast<Eigen::Index>(p)];
-      d.effects.push_back(std::move(term));
-    }
-  }
-  return Model(std::move(d));
-}
 
 void explain(DiagnosisState& x) {
   Explanation(x).write();

@@ -73,6 +73,8 @@ constexpr double kAlongJoint = 0.999;        ///< cosine of an axis that is a jo
 constexpr double kFirstProfile = 0.02;       ///< first step of the profile of a shape
 constexpr std::size_t kMostRivals = 4, kMostRefused = 60, kMostWholeArm = 3;
 
+constexpr std::size_t kFewestRows = 50;      ///< of a recording in which pushes are sought
+
 // The dictionary.
 constexpr double kStill = 5e-3, kStillLength = 5e-4;  ///< [rad], [m] travel of a joint that counts as at rest
 constexpr double kRestShare = 0.02;          ///< of the largest speed: slower is no reversal

@@ -47,7 +47,7 @@ Rows::Rows(const Model& arm, const std::vector<std::string>& recordings, const P
   for (Eigen::Index p = 0; p < values.size(); ++p) values[p] = columns.parameters()[p].value;
   phi_ = arm.inertial_values().value_or(VectorXd::Zero(kBodyParameters * static_cast<Eigen::Index>(arm.bodies().size())));
   std::vector<std::vector<JointRows>> pieces;
-  std::vector<RegressorColumns::Prediction> predictions;
+  std::vector<MatrixXd> torques;
   for (size_t r = 0; r < recordings.size(); ++r) {
     for_each_segment(arm, recordings[r], all, [&](const Segment& s) {
       Stretch one{s, r, kept_samples(s, decimation(all, s.dt)), rows_, {}, {}};
@@ -59,7 +59,7 @@ Rows::Rows(const Model& arm, const std::vector<std::string>& recordings, const P
       raw.cutoff = 0.0;
       one.torque = RegressorColumns(arm, raw).predict(s, values).modelled;
       pieces.push_back(columns.rows(s));
-      predictions.push_back(columns.predict(s, values));
+      torques.push_back(columns.filtered_torque(s));
       rows_ += static_cast<Eigen::Index>(one.kept.size());
       for (const Eigen::Index k : one.kept) {
         time_.push_back(s.time[k] - s.start);
@@ -85,10 +85,10 @@ Rows::Rows(const Model& arm, const std::vector<std::string>& recordings, const P
       // A wrong gain of the recorded torque is undone in the rows; errors are compared as recorded.
       const double gain = arm.coordinates()[i].recorded.torque_gain;
       own[i].middleRows(one.first, count) = gain * rows.A;
+      residual.col(i).segment(one.first, count) = gain * (rows.b - rows.A * values(rows.parameters));
       for (Eigen::Index k = 0; k < count; ++k) {
         const Eigen::Index at = one.kept[k];
-        measured(one.first + k, i) = gain * predictions[p].measured(at, i);
-        residual(one.first + k, i) = gain * (predictions[p].measured(at, i) - predictions[p].modelled(at, i));
+        measured(one.first + k, i) = gain * torques[p](at, i);
         const double time = time_[one.first + k];
         if (is_left_out(how, recordings[one.recording], i, time) || std::abs(one.segment.dq(at, i)) < how.min_speed)
           used(one.first + k, i) = 0.0;

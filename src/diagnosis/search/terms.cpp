@@ -57,7 +57,7 @@ class Builder {
     for (const std::string& one : scope_.wanted) scope.wanted.push_back(split_cause(one).effect);
     for (int i = 0; i < arm_.joints(); ++i) scope.still.push_back(!moves(i) || scope_.silent.count(i) != 0);
     for (const Candidate& c : candidates(arm_, scope)) {
-      if (is_wanted(c.cause)) add(c);
+      if (scope_.is_wanted(arm_, c.cause)) add(c);
     }
     if (scope_.constants) add_constants();
     add_curves();
@@ -79,13 +79,6 @@ class Builder {
   }
 
  private:
-  bool is_wanted(const Cause& cause) const {
-    const std::vector<std::string>& some = scope_.wanted;
-    return some.empty() || std::any_of(some.begin(), some.end(), [&](const std::string& one) {
-             return one == effect_of(cause) || one == to_text(arm_, cause);
-           });
-  }
-
   bool moves(int joint) const {
     return range_[joint].travel() > (arm_.coordinates()[joint].prismatic ? kStillLength : kStill);
   }
@@ -192,12 +185,12 @@ class Builder {
   }
 
   void add_constants() {
-    if (!scope_.wanted.empty() && !is_wanted(KinematicError{JointZero{JointIndex{0}}})) return;
+    if (!scope_.wanted.empty() && !scope_.is_wanted(arm_, KinematicError{JointZero{JointIndex{0}}})) return;
     for (const FrameConstant& c : row_constants(arm_)) {
       Term t;
       t.kind = TermKind::kConstant;
       t.cause = KinematicError{c};
-      if (!is_wanted(t.cause)) continue;
+      if (!scope_.is_wanted(arm_, t.cause)) continue;
       t.constant = c;
       t.place = to_text(arm_, t.cause);
       t.price = kConstant;
@@ -428,6 +421,10 @@ Columns curve_columns_at(const Term& term, const Rows& rows) {
 }
 
 }  // namespace
+
+bool TermScope::is_wanted(const Model& arm, const Cause& cause) const {
+  return wanted.empty() || std::any_of(wanted.begin(), wanted.end(), [&](const std::string& one) { return one == effect_of(cause) || one == to_text(arm, cause); });
+}
 
 double reach_of(const FrameConstant& constant) {
   return unit_of(constant) == "m" ? kLengthReach : kAngleReach;

@@ -73,6 +73,8 @@ struct TermScope {
   bool constants = true;            ///< of the robot file
   std::vector<std::string> wanted;  ///< effects or causes as text; empty: all
   std::set<int> silent;             ///< joints about which nothing is asked
+
+  bool is_wanted(const Model& arm, const Cause& cause) const;
 };
 
 /// Largest change of a constant of the robot file: an optimum beyond it is none.

@@ -1,0 +1,121 @@
+#include "diagnosis/search/moments.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+#include "diagnosis/search/numbers.hpp"
+
+namespace veridyn::search {
+namespace {
+
+// The rows of one recording.
+class OneRecording {
+ public:
+  OneRecording(const Rows& rows, const MatrixXd& residual, const VectorXd& scale, size_t recording, const std::string& source)
+      : rows_(rows), residual_(residual), scale_(scale), source_(source) {
+    for (Eigen::Index k = 0; k < rows.rows(); ++k) {
+      if (rows.recording()[k] == recording) own_.push_back(k);
+    }
+  }
+
+  std::vector<Contact> moments() {
+    if (own_.size() < kFewestRows) return {};
+    const double step = (time(count() - 1) - time(0)) / static_cast<double>(count() - 1);
+    average(std::max<std::ptrdiff_t>(1, std::lround(0.5 * kMomentSeconds / step)));
+    std::vector<Contact> out;
+    double pushed = 0.0;
+    for (std::ptrdiff_t k = 0; k < count();) {
+      if (!is_large(k)) {
+        ++k;
+        continue;
+      }
+      auto end = k;
+      while (end < count() && is_large(end)) ++end;
+      const auto [first, last] = shortened(k, end);
+      if (first < last) {
+        Contact c = contact(first, last);
+        pushed += c.to - c.from;
+        if (c.peak > 0.0 && c.to - c.from >= kShortest) out.push_back(std::move(c));
+      }
+      k = end;
+    }
+    if (pushed >= kMostOfTime * step * static_cast<double>(count())) out.clear();
+    return out;
+  }
+
+ private:
+  std::ptrdiff_t count() const { return static_cast<std::ptrdiff_t>(own_.size()); }
+  double time(std::ptrdiff_t k) const { return rows_.time()[own_[k]]; }
+  bool is_large(std::ptrdiff_t k) const { return (mean_.row(k).cwiseAbs().array() >= kMomentSize).any(); }
+
+  // Running means over 2 * half + 1 rows, in scales.
+  void average(std::ptrdiff_t half) {
+    const int n = rows_.joints();
+    mean_ = MatrixXd::Zero(count(), n);
+    for (int j = 0; j < n; ++j) {
+      if (scale_.size() <= j || scale_[j] <= 0.0) continue;
+      for (std::ptrdiff_t k = half; k + half < count(); ++k) {
+        double sum = 0.0;
+        for (auto at = k - half; at <= k + half; ++at) sum += residual_(own_[at], j);
+        mean_(k, j) = sum / static_cast<double>(2 * half + 1) / scale_[j];
+      }
+    }
+  }
+
+  // Means reach half a window beyond a push, and filters ring: it lasts as long as half of its height.
+  std::pair<std::ptrdiff_t, std::ptrdiff_t> shortened(std::ptrdiff_t first, std::ptrdiff_t end) const {
+    VectorXd height = VectorXd::Zero(rows_.joints());
+    for (auto at = first; at < end; ++at) {
+      for (int j = 0; j < rows_.joints(); ++j) height[j] = std::max(height[j], std::abs(residual_(own_[at], j)));
+    }
+    const auto is_pushed = [&](std::ptrdiff_t row) {
+      for (int j = 0; j < rows_.joints(); ++j) {
+        if (height[j] >= kPeak * scale_[j] && std::abs(residual_(own_[row], j)) >= kHalf * height[j]) return true;
+      }
+      return false;
+    };
+    while (first < end && !is_pushed(first)) ++first;
+    while (end > first && !is_pushed(end - 1)) --end;
+    return {first, end};
+  }
+
+  // Its peak is zero where no joint feels it.
+  Contact contact(std::ptrdiff_t first, std::ptrdiff_t end) const {
+    const int n = rows_.joints();
+    Contact c;
+    c.source = source_;
+    c.from = time(first);
+    c.to = time(end - 1);
+    c.effort = VectorXd::Zero(n);
+    for (int j = 0; j < n; ++j) {
+      for (auto at = first; at < end; ++at) c.effort[j] += residual_(own_[at], j) / static_cast<double>(end - first);
+      const double peak = mean_.block(first, j, end - first, 1).cwiseAbs().maxCoeff();
+      if (peak < kPeak || std::abs(c.effort[j]) < kTorqueShare * rows_.measured.col(j).cwiseAbs().maxCoeff()) continue;
+      c.last_joint = j;
+      c.deviation = scale_[j];
+      c.peak = std::max(c.peak, peak);
+    }
+    return c;
+  }
+
+  const Rows& rows_;
+  const MatrixXd& residual_;
+  const VectorXd& scale_;
+  const std::string& source_;
+  std::vector<Eigen::Index> own_;
+  MatrixXd mean_;  // (rows x n)
+};
+
+}  // namespace
+
+void add_moments_in(const Rows& rows, const MatrixXd& residual, const VectorXd& scale, const std::vector<std::string>& sources,
+                    std::vector<Contact>& out) {
+  for (size_t r = 0; r < sources.size(); ++r) {
+    std::vector<Contact> own = OneRecording(rows, residual, scale, r, sources[r]).moments();
+    out.insert(out.end(), std::make_move_iterator(own.begin()), std::make_move_iterator(own.end()));
+  }
+}
+
+}  // namespace veridyn::search

@@ -1,0 +1,295 @@
+#include "diagnosis/search/present.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "diagnosis/numerics.hpp"
+#include "diagnosis/search/numbers.hpp"
+#include "math/student_t.hpp"
+#include "veridyn/effects/channel_effect.hpp"
+#include "veridyn/identification/base_parameters.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn::search {
+namespace {
+
+double errors_of(int blocks) {
+  return blocks < kManyBlocks ? student_t_quantile(2.0 * (1.0 - kPassed), std::max(1.0, blocks - 1.0)) : kErrors;
+}
+
+}  // namespace
+
+bool is_tilt(const Term& t) {
+  return t.kind == TermKind::kChannel && dynamic_cast<const ArmEffect*>(&find_effect(t.effect.effect)) != nullptr &&
+         !dynamic_cast<const ArmEffect&>(find_effect(t.effect.effect)).far_values().empty();
+}
+
+bool scales(const Term& t) {
+  if (t.kind != TermKind::kChannel) return false;
+  const auto* sensor = dynamic_cast<const SensorError*>(&find_effect(t.effect.effect));
+  return sensor != nullptr && sensor->scales_torque();
+}
+
+Present::Present(const Model& arm, const SearchRequest& request) : arm_(arm), request_(request) {
+  rows_ = std::make_shared<Rows>(arm, request.recordings, request.preprocessing);
+  folds_ = folds_of(*rows_, request.periods, request.preprocessing.cutoff);
+  folds_.errors = is_repeated() ? kRepeated : errors_of(folds_.blocks);
+  values_ = VectorXd(rows_->names().size());
+  const std::vector<StandardParameter> all = standard_parameters(arm);
+  for (Eigen::Index p = 0; p < values_.size(); ++p) values_[p] = all[p].value;
+  directions_ = base_parameters(arm).size();
+  base_ = base_of(*rows_);
+  dictionary_ = search::dictionary(*rows_, request.scope);
+  cache_.resize(dictionary_.size());
+}
+
+std::vector<int> Present::all_but(const std::set<size_t>& without) const {
+  std::vector<int> out;
+  for (size_t k = 0; k < terms.size(); ++k) {
+    if (without.count(k) == 0) out.push_back(static_cast<int>(k));
+  }
+  return out;
+}
+
+Base Present::base_of(const Rows& rows) const { return request_.scope.changes ? prior_base(rows, arm_) : fitted_base(rows, directions_); }
+
+double Present::price_of(const std::vector<int>& some) const {
+  double sum = 0.0;
+  for (const int k : some) sum += terms[k].term.price;
+  return sum;
+}
+
+// The curves of a joint on which a name acts. A curve can do what a name does: names are judged without it.
+std::set<size_t> Present::curves_beside(size_t k) const {
+  std::set<size_t> out;
+  const Term& t = terms[k].term;
+  for (size_t c = 0; t.kind != TermKind::kCurve && t.joint && c < terms.size(); ++c) {
+    if (terms[c].term.kind == TermKind::kCurve && terms[c].term.joint == t.joint) out.insert(c);
+  }
+  return out;
+}
+
+Present::State Present::kept() const { return {terms, rows_, base_, values_, weights_, cache_, test_, test_of_, test_columns_}; }
+
+const std::shared_ptr<const Columns>& Present::columns_at(size_t k) {
+  if (!cache_[k]) cache_[k] = std::make_shared<Columns>(columns_of(dictionary_[k], *rows_));
+  return cache_[k];
+}
+
+Round Present::round() {
+  std::vector<SetTerm> set;
+  for (const Chosen& c : terms) set.push_back({&c.columns, c.ridge, c.term.nonnegative});
+  return Round(*rows_, folds_, base_, set, weights_);
+}
+
+VectorXd Present::ridge_of(const Term& t, Eigen::Index count, const VectorXd& scale) const {
+  VectorXd out = VectorXd::Zero(count);
+  if (t.kind == TermKind::kCurve) out.setConstant(1.0 / std::pow(kCurveSize * scale[t.joint->value], 2));
+  if (t.kind == TermKind::kLoad) {
+    out.setConstant(1.0 / std::pow(kInertia, 2));
+    out.segment<3>(1).setConstant(1.0 / std::pow(kMassOfArm * kReach, 2));
+    out[0] = 1.0 / std::pow(kMassOfArm, 2);
+  }
+  return out;
+}
+
+bool Present::is_chosen(const Term& t, const std::set<size_t>& without) const {
+  for (size_t k = 0; k < terms.size(); ++k) {
+    if (without.count(k) != 0 || !same_place(terms[k].term, t)) continue;
+    // Several memories or waves may act on one axis.
+    if (t.kind == TermKind::kEffect && !t.shapes.empty() && find_effect(t.effect.effect).traits().memory) continue;
+    return true;
+  }
+  return false;
+}
+
+bool Present::shares_joint(const Term& t, const std::set<size_t>& with) const {
+  return !t.joint || std::any_of(with.begin(), with.end(), [&](size_t k) {
+    return !terms[k].term.joint || terms[k].term.joint == t.joint;
+  });
+}
+
+void Present::restore(const State& s) {
+  terms = s.terms;
+  rows_ = s.rows;
+  base_ = s.base;
+  values_ = s.values;
+  weights_ = s.weights;
+  cache_ = s.cache;
+  test_ = s.test;
+  test_of_ = s.test_of;
+  test_columns_ = s.test_columns;
+}
+
+// The arm with values and the corrections of a set.
+Model Present::arm_of(const std::vector<Chosen>& some) const {
+  return corrected(request_.scope.changes ? arm_ : with_values(arm_, values_, VectorXd()), some);
+}
+
+// Rows, base and columns at another arm; false if they are not the same rows.
+bool Present::move_to(const Model& arm) {
+  std::shared_ptr<Rows> rows;
+  try {
+    rows = std::make_shared<Rows>(arm, request_.recordings, request_.preprocessing);
+  } catch (const InvalidInput&) {
+    return false;  // no arm
+  }
+  if (rows->rows() != static_cast<Eigen::Index>(folds_.of_row.size()) || !rows->residual.allFinite()) return false;
+  rows_ = std::move(rows);
+  base_ = base_of(*rows_);
+  cache_.assign(dictionary_.size(), nullptr);
+  for (Chosen& c : terms) c.columns = columns_of(c.term, *rows_);
+  return true;
+}
+
+// Steps of the k-th term, which is exact at the present arm only; false if even the first one makes it worse.
+bool Present::linearise(size_t k) {
+  bool moved = terms[k].gravity.has_value();
+  if (moved && !move_to(arm_of(terms))) return false;
+  for (int step = 0; step < kSteps; ++step) {
+    const Round now = round();
+    const Subset s = now.subset(all_but({}));
+    const Fitted fit = now.evaluate(s);
+    const auto [first, count] = range(k);
+    const VectorXd z = fit.x.segment(first, count);
+    const MatrixXd covariance = now.covariance(s, fit).block(first, first, count, count);
+    bool small = true;
+    for (Eigen::Index c = 0; c < count; ++c) small = small && std::abs(z[c]) < kSettled * std::sqrt(std::max(covariance(c, c), numerics::kTiny));
+    if (small) return true;
+    const State state = kept();
+    bool better = false;
+    // What is taken from the recorded torque of another joint brings its noise: it need not do all that the model's torque does.
+    double least = moved ? 0.0 : -kBetter;
+    if (!moved && terms[k].term.candidate.from) least = -kHalf * now.gain(fit, now.evaluate(now.subset(all_but({k})))).sum;
+    for (double scale = 1.0; scale > kShortestStep && !better; scale *= 0.5) {
+      std::vector<double> trial(static_cast<size_t>(count));
+      for (Eigen::Index c = 0; c < count; ++c) trial[static_cast<size_t>(c)] = scale * z[c];
+      if (!take_step(k, trial)) {
+        terms = state.terms;
+        continue;
+      }
+      if (!request_.scope.changes) values_ = state.values + state.base.T * fit.x.head(state.base.T.cols());
+      better = move_to(arm_of(terms));
+      if (better) {
+        const Round then = round();
+        const Fitted after = then.evaluate(then.subset(all_but({})));
+        const double gained = now.gain(after, fit).sum;
+        better = gained > least;
+        if (better && gained < kLittle && step > 0) return true;
+      }
+      if (!better) restore(state);
+    }
+    if (!better) return moved;
+    moved = true;
+  }
+  return true;
+}
+
+// Adds a step to the offset of a term.
+bool Present::take_step(size_t k, const std::vector<double>& step) {
+  Chosen& c = terms[k];
+  if (is_tilt(c.term)) {
+    const Model now = with_step(rows_->arm(), c.term, step);
+    c.gravity = now.gravity();
+    return true;
+  }
+  const auto& parameters = c.term.kind == TermKind::kChannel ? find_effect(c.term.effect.effect).parameters() : std::vector<EffectParameter>(1);
+  for (size_t p = 0; p < step.size(); ++p) {
+    double& offset = c.offset[p];
+    offset = scales(c.term) ? (1.0 + offset) * (1.0 + step[p]) - 1.0 : offset + step[p];
+    if (parameters[p].sign == ParameterSign::kNonnegative && c.term.kind == TermKind::kChannel) offset = std::max(offset, 0.0);
+    if (scales(c.term) && offset < kGainOfNothing) return false;
+    if (c.term.kind == TermKind::kConstant && std::abs(offset) > reach_of(*c.term.constant)) return false;
+  }
+  return true;
+}
+
+std::pair<Eigen::Index, Eigen::Index> Present::range(size_t k) const {
+  Eigen::Index at = base_.T.cols();
+  for (size_t c = 0; c < k; ++c) at += terms[c].columns.count();
+  return {at, terms[k].columns.count()};
+}
+
+Present::Without Present::without(size_t k, const Round& now, const AtArmWithout& look) {
+  Without out;
+  std::set<size_t> aside = curves_beside(k);
+  const std::vector<int> set = all_but(aside);
+  const Subset with = now.subset(set);
+  out.with = now.evaluate(with);
+  const bool is_tested = is_repeated();
+  MatrixXd test_with, test_without;
+  if (is_tested) test_with = left_on_test(out.with.x, set);
+  aside.insert(k);
+  if (!terms[k].term.is_linearised()) {
+    const std::vector<int> rest = all_but(aside);
+    const Subset s = now.subset(rest);
+    out.fit = now.evaluate(s);
+    if (is_tested) test_without = left_on_test(out.fit.x, rest);
+  } else {
+    const State state = kept();
+    terms.erase(terms.begin() + static_cast<long>(k));
+    if (move_to(arm_of(terms))) {
+      const Round then = round();
+      const std::vector<int> rest = all_but({});
+      const Subset all = then.subset(rest);
+      out.fit = then.evaluate(all);
+      if (is_tested) test_without = left_on_test(out.fit.x, rest);
+      if (look) look(then, all, out.fit, then.gain(out.with, out.fit).sum);
+    } else {
+      out.fit = out.with;
+      test_without = test_with;
+    }
+    restore(state);
+  }
+  out.gain = now.gain(out.with, out.fit);
+  if (is_tested && test_with.rows() == test_without.rows()) out.on_test = gain_on(*test_rows(), test_with, test_without, now.samples_of_row());
+  return out;
+}
+
+// Rows of the held-out recordings at the present arm.
+const std::shared_ptr<const Rows>& Present::test_rows() {
+  if (test_of_ != rows_) {
+    test_ = std::make_shared<Rows>(rows_->arm(), request_.test, request_.test_preprocessing);
+    test_columns_.clear();
+    test_of_ = rows_;
+  }
+  return test_;
+}
+
+// What terms of the present set leave of them.
+MatrixXd Present::left_on_test(const VectorXd& x, const std::vector<int>& set) {
+  const Rows& test = *test_rows();
+  MatrixXd residual = test.residual;
+  for (int i = 0; i < rows_->joints(); ++i) residual.col(i) -= base_columns(test, i, base_.T) * x.head(base_.T.cols());
+  for (const int k : set) {
+    const auto [begin, count] = range(static_cast<size_t>(k));
+    const Term& t = terms[k].term;
+    std::string key = t.place;
+    for (const auto& [name, value] : t.effect.values) key += fmt::format(" {} {:.17g}", name, value);
+    for (int e = 0; e < 3; ++e) key += fmt::format(" {:.17g}", t.centre[e]);
+    auto at = test_columns_.find(key);
+    if (at == test_columns_.end()) at = test_columns_.emplace(key, std::make_shared<Columns>(columns_of(t, test))).first;
+    const Columns& columns = *at->second;
+    for (size_t j = 0; j < columns.joints.size(); ++j) residual.col(columns.joints[j]) -= columns.of[j] * x.segment(begin, count);
+  }
+  return residual;
+}
+
+Model corrected(const Model& arm, const std::vector<Chosen>& chosen) {
+  Model out = arm;
+  for (const Chosen& c : chosen) {
+    if (!c.term.is_linearised()) continue;
+    if (c.gravity) {
+      ModelDescription d = out.description();
+      d.gravity = *c.gravity;
+      out = Model(std::move(d));
+    } else if (std::any_of(c.offset.begin(), c.offset.end(), [](double x) { return x != 0.0; })) {
+      out = with_step(out, c.term, c.offset);
+    }
+  }
+  return out;
+}
+
+}  // namespace veridyn::search

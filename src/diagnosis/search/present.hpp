@@ -1,0 +1,107 @@
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "diagnosis/search/search.hpp"
+
+namespace veridyn::search {
+
+/// True for the direction of gravity.
+bool is_tilt(const Term& t);
+
+/// True for a factor of the recorded torque.
+bool scales(const Term& t);
+
+/// The present set of terms at the arm with their corrections, where everything that a search compares is evaluated.
+class Present {
+ public:
+  Present(const Model& arm, const SearchRequest& request);
+
+  std::vector<Chosen> terms;
+
+  const Rows& rows() const { return *rows_; }
+  const std::shared_ptr<const Rows>& shared_rows() const { return rows_; }
+  const Folds& folds() const { return folds_; }
+  const Base& base() const { return base_; }
+  const Eigen::Vector3d& gravity() const { return arm_.gravity(); }  ///< of the file
+  const std::vector<Term>& dictionary() const { return dictionary_; }
+  bool is_empty() const { return folds_.count == 0 || rows_->rows() == 0; }
+  /// True if held-out recordings judge every term. What changed since a MODEL may differ from one recording to the next.
+  bool is_repeated() const { return !request_.test.empty() && !request_.scope.changes; }
+
+  /// Of the present set; its weights begin where those of the last round ended.
+  Round round();
+  /// First column in a fit, and number of columns.
+  std::pair<Eigen::Index, Eigen::Index> range(size_t k) const;
+  std::vector<int> all_but(const std::set<size_t>& without) const;
+  double price_of(const std::vector<int>& some) const;
+  VectorXd ridge_of(const Term& t, Eigen::Index count, const VectorXd& scale) const;
+  bool is_chosen(const Term& t, const std::set<size_t>& without = {}) const;
+  bool shares_joint(const Term& t, const std::set<size_t>& with) const;
+  /// Columns of an entry of the dictionary. Entries may be evaluated in parallel, each by one thread.
+  const std::shared_ptr<const Columns>& columns_at(size_t k);
+
+  struct State {
+    std::vector<Chosen> terms;
+    std::shared_ptr<const Rows> rows;
+    Base base;
+    VectorXd values;
+    MatrixXd weights;
+    std::vector<std::shared_ptr<const Columns>> cache;
+    std::shared_ptr<const Rows> test, test_of;
+    std::map<std::string, std::shared_ptr<const Columns>> test_columns;
+  };
+  State kept() const;
+  void restore(const State& s);
+
+  /// The arm with values and the corrections of a set.
+  Model arm_of(const std::vector<Chosen>& some) const;
+  /// Rows, base and columns at another arm; false if they are not the same rows.
+  bool move_to(const Model& arm);
+  /// Steps of the k-th term, which is exact at the present arm only; false if even the first one makes it worse.
+  bool linearise(size_t k);
+
+  /// The set without one term, at the arm without it.
+  struct Without {
+    Fitted with, fit;
+    Gain gain;
+    Gain on_test;  ///< of the held-out recordings; empty without any
+  };
+  /// Called at the arm without a linearised term, with what the term gained there.
+  using AtArmWithout = std::function<void(const Round&, const Subset&, const Fitted&, double gained)>;
+  Without without(size_t k, const Round& now, const AtArmWithout& look = {});
+
+  /// Rows of the held-out recordings at the present arm.
+  const std::shared_ptr<const Rows>& test_rows();
+  /// What terms of the present set leave of them.
+  MatrixXd left_on_test(const VectorXd& x, const std::vector<int>& set);
+
+  /// Standard parameters of the arm with a fit.
+  VectorXd values_of(const Fitted& fit) const { return values_ + base_.T * fit.x.head(base_.T.cols()); }
+
+ private:
+  Base base_of(const Rows& rows) const;
+  bool take_step(size_t k, const std::vector<double>& step);
+  std::set<size_t> curves_beside(size_t k) const;
+
+  const Model& arm_;
+  const SearchRequest& request_;
+  std::shared_ptr<const Rows> rows_;
+  Folds folds_;
+  Eigen::Index directions_ = 0;  // base parameters of the arm
+  Base base_;
+  VectorXd values_;
+  MatrixXd weights_;
+  std::vector<Term> dictionary_;
+  std::vector<std::shared_ptr<const Columns>> cache_;
+  std::shared_ptr<const Rows> test_, test_of_;
+  std::map<std::string, std::shared_ptr<const Columns>> test_columns_;
+};
+
+}  // namespace veridyn::search
