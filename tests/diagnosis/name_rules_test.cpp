@@ -118,7 +118,7 @@ TEST_F(NameRules, SentencesNameTheSourceOfACableAndTheSignalOfFriction) {
   EXPECT_EQ(text.substr(text.find(" along ")), " along joint 1 - 0.5 joint 2");
 }
 
-// To first order presliding of two joints looks like two different delays.
+// To first order presliding looks like delays that differ from joint to joint.
 TEST_F(NameRules, PreslidingIsNotNamedAsADelay) {
   DiagnosisOptions options;
   options.effects = {"time_delay", "presliding_hysteresis", "backlash"};
