@@ -66,7 +66,7 @@ class RobotCheck {
     }
     const auto [determined, all, condition] = fitter_.determined(recording_);
     if (determined >= all && condition < checking::kWorstCondition) return true;
-    // Signals in another unit have other columns: units alone are asked.
+    // Signals in another unit have other columns: only units are tested.
     if (determined >= all && find_unit()) return true;
     add("not_compared", 0, determined,
         text("Signs, order and units of the joints are not compared with ", given_.name(),
