@@ -1,14 +1,18 @@
 #!/usr/bin/env python3
 """The pictures of causes.md: what each cause adds to a joint's torque, over the signal that it acts through.
 
-    docs/causes.py TOOL [NAME...]      writes docs/causes/NAME.svg, by `veridyn simulate` of examples/own_robot/true-arm.yaml
+    docs/causes.py TOOL            writes docs/causes/NAME.svg, by `veridyn simulate` of examples/own_robot/true-arm.yaml
+    docs/causes.py TOOL --check    compares the files with what it would write; exit status 1 names what differs
 
 Each dot is a row: the torque that the arm with the cause records, minus that of the arm without it at the recorded motion. Blue:
-the joint moves forwards, orange: backwards. The arm has no friction but the cause, and moves slowly, so that shapes stand out.
+the joint moves forwards, orange: backwards. The arm has no friction but the cause, and moves slowly, so that shapes stand out;
+of a cause of several signals one joint moves alone.
 """
 
 import csv
+import math
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -17,7 +21,12 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 ARM = ROOT / "examples/own_robot/true-arm.yaml"
 JOINT = {"base_yaw": 1, "shoulder": 2, "elbow": 3, "wrist_roll": 4}
 WIDTH, HEIGHT, DOTS = 170, 84, 420
+FOLDER = ROOT / "docs/causes"
 OFFSET = 0.05  # of the encoder [rad]
+# (amplitude [rad], frequency [Hz], phase) of the two sines of each joint; position of one that does not move.
+MOTION = [[(1.2, 0.05, 0.3), (0.3, 0.17, 1.0)], [(0.8, 0.07, 0.5), (0.25, 0.19, 0.0)], [(1.0, 0.11, 2.0), (0.35, 0.06, 1.0)], [(1.5, 0.09, 0.0), (0.3, 0.2, 2.0)]]
+RESTS = [0.4, 0.5, 0.6, 0.0]
+ALONE = {"gravity_tilt": 0, "tip_force": 0, "base_compliance": 1}  # index of the joint that moves
 BLUE, ORANGE = "#0072b2", "#d55e00"
 
 FOREARM = "angle of the forearm"
@@ -59,6 +68,20 @@ CAUSES = {
 }
 
 
+def write_motion(file, alone):
+    """34 s of MOTION at 100 Hz, of all joints or of one, with velocities and accelerations."""
+    still = [[(rest, 0.0, math.pi / 2)] for rest in RESTS]
+    motion = [sines if alone in (None, j) else still[j] for j, sines in enumerate(MOTION)]
+    rows = ["t," + ",".join(f"{kind}{j + 1}" for kind in ("q", "dq", "ddq") for j in range(len(MOTION)))]
+    for k in range(3401):
+        t, row = k / 100, [f"{k / 100}"]
+        for order in range(3):
+            for sines in motion:
+                row.append(f"{sum(a * (2 * math.pi * f) ** order * math.sin(2 * math.pi * f * t + p + order * math.pi / 2) for a, f, p in sines):.15g}")
+        rows.append(",".join(row))
+    file.write_text("\n".join(rows) + "\n", encoding="utf-8")
+
+
 def columns(path):
     with open(path, encoding="utf-8") as file:
         rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
@@ -91,9 +114,10 @@ def travel(q):
     return out
 
 
-def derivative(values, times):
-    inner = [(values[k + 1] - values[k - 1]) / (times[k + 1] - times[k - 1]) for k in range(1, len(values) - 1)]
-    return [inner[0], *inner, inner[-1]]
+def derivative(values, times, half=5):
+    """Differences over 0.1 s, as values are rounded."""
+    inner = [(values[k + half] - values[k - half]) / (times[k + half] - times[k - half]) for k in range(half, len(values) - half)]
+    return [inner[0]] * half + inner + [inner[-1]] * half
 
 
 def signal_of(rows, name):
@@ -116,6 +140,7 @@ def span(values):
 
 
 def picture(name, x, y, forwards, words):
+    """The text of a picture."""
     (left, right), (low, high) = span(x), span(y)
     if words == REVERSAL:
         right = 0.6
@@ -139,28 +164,49 @@ def picture(name, x, y, forwards, words):
         if marks:
             lines.append(f'<path d="{"".join(sorted(set(marks)))}" stroke="{colour}" stroke-width="2" stroke-linecap="round" fill="none"/>')
     lines.append(f'<text x="{WIDTH / 2:.0f}" y="{HEIGHT - 3}" font-family="sans-serif" font-size="9" text-anchor="middle" fill="#333">{words}</text></svg>')
-    folder = ROOT / "docs/causes"
-    folder.mkdir(exist_ok=True)
-    (folder / f"{name}.svg").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return "\n".join(lines) + "\n"
+
+
+def same(a, b):
+    """True for equal words, and dots of which 95 % have one of the other picture's within a pixel, as on another machine."""
+    def parts(text):
+        colours = re.findall('d="([^"]*)" stroke="(#[0-9a-f]+)" stroke-width="2"', text)
+        return re.findall(">([^<]+)<", text), {c: {tuple(map(int, m)) for m in re.findall(r"M(\d+) (\d+)", d)} for d, c in colours}
+
+    def near(dots, others):
+        return sum(any((x + i, y + j) in others for i in (-1, 0, 1) for j in (-1, 0, 1)) for x, y in dots) >= 0.95 * len(dots)
+
+    (words, dots), (other_words, other_dots) = parts(a), parts(b)
+    return words == other_words and dots.keys() == other_dots.keys() and all(
+        near(dots[c], other_dots[c]) and near(other_dots[c], dots[c]) for c in dots)
 
 
 def main():
-    tool, names = sys.argv[1], sys.argv[2:] or CAUSES
+    tool, check, differ = sys.argv[1], "--check" in sys.argv, []
+    FOLDER.mkdir(exist_ok=True)
     with tempfile.TemporaryDirectory() as temporary:
         folder = pathlib.Path(temporary)
-        motion = folder / "motion.csv"
         rigid = ARM.read_text(encoding="utf-8").split("effects:")[0]
         (folder / "arm.yaml").write_text(rigid, encoding="utf-8")
-        subprocess.run([tool, "excite", ARM, "-o", motion, "--seed", "1", "--frequency", "0.06", "--duration", "34", "--rate", "100", "--quiet"],
-                       check=True, stdout=subprocess.DEVNULL)
-        without = recorded(tool, folder, motion)
-        without["ddq3"] = derivative(without["dq3"], without["t"])
-        for name in names:
-            cause, joint, signal, words = CAUSES[name]
-            tau = f"tau{JOINT[joint]}"
+        motions, clean = {}, {}
+        for alone in {None, *ALONE.values()}:
+            motions[alone] = folder / f"motion-{alone}.csv"
+            write_motion(motions[alone], alone)
+            clean[alone] = recorded(tool, folder, motions[alone])
+            clean[alone]["ddq3"] = derivative(clean[alone]["dq3"], clean[alone]["t"])
+        for name, (cause, joint, signal, words) in CAUSES.items():
+            alone, tau = ALONE.get(name), f"tau{JOINT[joint]}"
+            motion, without = motions[alone], clean[alone]
+            speed = without[f"dq{JOINT[joint] if alone is None else alone + 1}"]
             model = recorded(tool, folder, shifted(motion)) if name == "encoder_offset" else without
             added = [a - b for a, b in zip(recorded(tool, folder, motion, cause)[tau], model[tau])]
-            picture(name, signal_of(without, signal), added, [v > 0 for v in without[f"dq{JOINT[joint]}"]], words)
+            text, file = picture(name, signal_of(without, signal), added, [v > 0 for v in speed], words), FOLDER / f"{name}.svg"
+            if not check:
+                file.write_text(text, encoding="utf-8")
+            elif not file.exists() or not same(file.read_text(encoding="utf-8"), text):
+                differ.append(name)
+    if differ:
+        sys.exit(f"docs/causes: {', '.join(differ)}: no longer what the tool draws; `make causes` draws them anew")
 
 
 main()

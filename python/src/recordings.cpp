@@ -158,7 +158,7 @@ void bind_recordings(py::module_& m) {
         std::vector<QualityFinding> findings =
             there != nullptr ? check_against(*robot, *there)
                              : check_against(*robot, read_recording(name, options));
-        seen.back().findings = with_answers(std::move(findings), seen.back().findings);
+        seen.back().findings = merged_findings(std::move(findings), seen.back().findings);
       }
       std::string report;
       for (const RecordingQuality& quality : seen) report += quality.report();

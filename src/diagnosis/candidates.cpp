@@ -181,13 +181,6 @@ bool is_channel(const Candidate& c) {
   return std::holds_alternative<ChannelError>(c.cause);
 }
 
-bool is_asked_later(const Effect& effect, const Model& arm) {
-  const bool of_arm = dynamic_cast<const ChannelEffect*>(&effect) != nullptr;
-  // With more parameters than joints it would be nearly any function of the positions.
-  return !effect.asked_unnamed() ||
-         (of_arm && static_cast<int>(effect.parameters().size()) > arm.joints());
-}
-
 std::vector<Candidate> candidates(const Model& arm, const Scope& scope) {
   return Enumeration(arm, scope).all();
 }

@@ -49,10 +49,6 @@ struct Scope {
 /// each axis, loads.
 std::vector<Candidate> candidates(const Model& arm, const Scope& scope);
 
-/// True if it is tested by name only: what Effect::asked_unnamed() says, and a channel effect with more parameters than
-/// the arm has joints.
-bool is_asked_later(const Effect& effect, const Model& arm);
-
 /// Those that may begin while the arm moves: what every joint has and no day has from the day before,
 /// sensor errors that begin suddenly, a load on these frames.
 std::vector<Candidate> sudden_candidates(const Model& arm, const std::vector<FrameIndex>& loads);

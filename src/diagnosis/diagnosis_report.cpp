@@ -195,13 +195,13 @@ const char* name_of(FloorSource source) {
 }
 
 std::string Diagnosis::verdict() const {
-  std::string asked;  // what the signals or the robot file have wrong comes first
+  std::string wrong;  // contradictions between recordings and robot file come first
   for (const RecordingQuality& q : data_quality) {
     for (const QualityFinding& f : q.findings) {
-      if (answers_question(f) && asked.find(f.sentence) == std::string::npos) asked += f.sentence + " ";
+      if (is_contradiction(f) && wrong.find(f.sentence) == std::string::npos) wrong += f.sentence + " ";
     }
   }
-  if (!asked.empty()) asked += "As recorded: ";
+  if (!wrong.empty()) wrong += "As recorded: ";
   if (findings.empty()) {
     std::string left, unknown;
     for (const JointVerdict& v : joints) {
@@ -209,11 +209,11 @@ std::string Diagnosis::verdict() const {
       std::string& list = std::isfinite(v.held_out) ? left : unknown;
       list += (list.empty() ? "" : ", ") + std::to_string(v.joint.value + 1);
     }
-    if (left.empty() && unknown.empty()) return changes && small_apart ? "nothing has changed" : "none";
-    return asked + "no cause was found" + (left.empty() ? "" : "; joints above their floor: " + left) +
+    if (left.empty() && unknown.empty()) return changes ? "nothing has changed" : "none";
+    return wrong + "no cause was found" + (left.empty() ? "" : "; joints above their floor: " + left) +
            (unknown.empty() ? "" : "; joints without a held-out error: " + unknown);
   }
-  std::string out = asked + sentence(findings.front());
+  std::string out = wrong + sentence(findings.front());
   if (findings.front().status == FindingStatus::kNotConfirmed)
     out += " The training recordings do not confirm it.";
   if (findings.front().held_out() == Agreement::kContradicts)

@@ -67,7 +67,7 @@ class MassCost {
 
   /// Covariance of mass and centre.
   Eigen::Matrix4d covariance(const PlacedMass& at) const;
-  /// True for each axis along which torques tell the place better than the reach does.
+  /// True for each axis along which torques determine the place better than the reach does.
   std::array<bool, 3> seen(const PlacedMass& at) const;
   bool at_bound(const PlacedMass& at) const;
 

@@ -4,9 +4,9 @@
 
 namespace veridyn::loads {
 
-// Numbers of the fit of a load and of what is said about it.
+// Numbers of the fit of a load and of its report.
 
-constexpr double kReach = 1.0;          // [m] of a load's centre from its frame, where the robot file says nothing
+constexpr double kReach = 1.0;          // [m] of a load's centre from its frame, if the robot file has no bound
 constexpr double kSameSpan = 1e-5;      // of squares: two loads whose columns span the same torques
 constexpr double kFelt = 1e-12;         // of squares: a column below it acts nowhere
 constexpr double kOutside = 0.05;       // probability outside of an interval that is printed
@@ -23,7 +23,7 @@ constexpr double kNoGravity = 1e-12;    // of the largest squared torque: roundi
 constexpr double kNothingToExplain = 1e6;  // relative, of such a joint
 constexpr std::size_t kNumberWidth = 8;
 constexpr double kAtEnd = 0.999;  // of the heaviest load: the search ended there
-constexpr double kWidestMass = 1.5;  // of a mass: an interval wider than from half to twice of it tells none
+constexpr double kWidestMass = 1.5;  // of a mass: with an interval wider than from half to twice of it the mass is undetermined
 constexpr double kUniform = 3.0;         // variance of a uniform distribution = half its width squared / 3
 
 // Of its descent.
@@ -35,7 +35,7 @@ constexpr double kStartPlace = 0.3;   // of the reach: places from which descent
 constexpr double kStartMasses[] = {0.03, 0.15, 0.6, 2.5, 10.0};  // [kg] that give the moment a lever
 constexpr double kMoreDamping = 8.0, kLessDamping = 0.2, kMostDamping = 1e8;
 constexpr double kAtBound = 0.999;    // of the reach
-constexpr double kSeen = 0.5;         // of the reach: a deviation below it tells a place
+constexpr double kSeen = 0.5;         // of the reach: with a deviation below it the place is determined
 constexpr double kGrowth = 1.25;      // of masses tried on the way to the end of an interval
 constexpr int kBisections = 40;
 constexpr double kNearZero = 1e-3;    // of the best mass: nearer to zero the load is none

@@ -139,7 +139,7 @@ Asked asked_arm(const Model& model, const std::vector<int>& places) {
 // The fit of one load beside friction.
 class LoadFit {
  public:
-  // @param sample  rows for each independent one. @param band  (n) of dry friction that nobody knows the side of.
+  // @param sample  rows for each independent one. @param band  (n) of dry friction of unknown direction.
   LoadFit(const Model& model, const LoadRows& rows, const Asked& asked, int place, int first, double sample, VectorXd band)
       : model_(model), rows_(rows), place_(place), first_(first), reach_(model.description().box.com_reach) {
     if (!(reach_ > 0.0)) reach_ = kReach;
@@ -318,7 +318,7 @@ std::vector<std::string> unexplained(const Model& model, const PayloadEstimate& 
   return out;
 }
 
-// [kg] of the bodies of one link: of the drawing where there is one, since torques alone tell no masses.
+// [kg] of the bodies of one link: of the prior if there is one, since torques alone determine no masses.
 double mass_on(const Model& model, const std::string& frame) {
   const std::optional<FrameIndex> own = mover(model, FrameIndex{model.find_frame(frame)});
   double drawn = 0.0, valued = 0.0;

@@ -76,7 +76,7 @@ class BaseCompliance final : public ArmEffect {
   }
 
   // On five real recordings of a PSM it was found in all, and worsened the prediction of three.
-  bool asked_unnamed() const override { return false; }
+  bool imitates_others() const override { return true; }
 
   std::vector<MatrixXd> columns(const ChannelMotion& motion, std::optional<JointIndex> /*joint*/) const override {
     const TorqueRegressor bodies(Model(on_free_base(motion.arm.description())));

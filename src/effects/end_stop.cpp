@@ -40,7 +40,7 @@ class EndStop final : public AxisEffect, public WrittenInC {
     return t;
   }
   // A bend of any force of position looks like one.
-  bool asked_unnamed() const override { return false; }
+  bool imitates_others() const override { return true; }
   void columns(const AxisSample& x, const ShapeValues& shape, EffectState& /*state*/,
                EffectColumns& row) const noexcept override {
     row[0] = shape[2] * std::max(0.0, shape[2] * (x.s - shape[0]) - shape[1]);

@@ -45,7 +45,7 @@ class TipForce final : public ArmEffect {
     return t;
   }
   // Along few paths it is what springs, cables and wrong zeros are, too.
-  bool asked_unnamed() const override { return false; }
+  bool imitates_others() const override { return true; }
   std::vector<MatrixXd> columns(const ChannelMotion& motion, std::optional<JointIndex> /*joint*/) const override {
     ModelDescription d = motion.arm.description();
     d.effects.clear();

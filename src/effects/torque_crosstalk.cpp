@@ -23,7 +23,7 @@ class TorqueCrosstalk final : public SensorError {
     return t;
   }
   // One torque of another joint imitates cables, springs and offsets.
-  bool asked_unnamed() const override { return false; }
+  bool imitates_others() const override { return true; }
   bool acts_on(int i, std::optional<JointIndex> joint) const override { return i == joint->value; }
   std::vector<MatrixXd> columns(const ChannelMotion& motion, std::optional<JointIndex> joint) const override {
     MatrixXd out = MatrixXd::Zero(motion.effort.rows(), motion.effort.cols());

@@ -376,7 +376,7 @@ Identification identify_compressed(const Model& file, std::vector<CompressedReco
     merge_blocks(r, blocks_of_each(static_cast<int>(trained.size()), numbers));
   id.seconds.compress = seconds_since(begin);
   say("solving", identifying::kSolving);
-  // Zeros that nobody measured are no torques; with all joints silent there is nothing to identify.
+  // Torques that are zero throughout were not recorded; if that holds for all joints there is nothing to identify.
   std::set<int> silent = silent_joints(trained);
   if (static_cast<int>(silent.size()) == file.joints()) silent.clear();
   std::string names;

@@ -59,7 +59,7 @@ struct IdentificationNumbers {
   int fewest_rows = 5;
   /// blocks of poses <= rest_blocks: the clusters of the standard deviations.
   int rest_blocks = 8;
-  /// singular value <= rest_rank * the largest: poses that hardly differ tell nothing.
+  /// singular value <= rest_rank * the largest: poses that hardly differ determine nothing.
   double rest_rank = 1e-6;
 
   // Gains of drives from a known mass.

@@ -187,7 +187,7 @@ RecordingError error_on(const Model& arm, const RestPoses& poses, const VectorXd
   return out;
 }
 
-// Bodies that weigh what nobody knows, to keep what rest does not tell within reason.
+// Plausible bodies, as a prior for parameters that poses at rest do not determine.
 Model balls(const Model& arm) {
   ModelDescription d = arm.description();
   for (Frame& frame : d.frames) {

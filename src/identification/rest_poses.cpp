@@ -58,7 +58,7 @@ Recording corrected(const Model& arm, const Recording& r) {
 }
 
 // Segments in which nothing moves, one pose each. A velocity that is not there is no rest; and where rows
-// were left out, or recordings joined, another position begins another pose, approached nobody knows how.
+// were left out, or recordings joined, another position begins another pose with an unknown approach.
 RestPoses poses_between_motions(const Model& arm, const Recording& r, const IdentificationNumbers& numbers) {
   const int n = arm.joints();
   const auto still = [&](int j) {
@@ -140,7 +140,7 @@ bool is_at_rest(const Model& arm, const std::string& path, const PreprocessingOp
   Recording piece = rows.next(identifying::kRestPiece);
   if (piece.rows() == 0 || piece.dq.size() == 0) return false;
   const Eigen::RowVectorXd first = piece.q.row(0);
-  bool one_pose = true;  // which tells nothing about gravity
+  bool one_pose = true;  // which does not determine gravity
   while (piece.rows() > 0 && all_zero(piece.dq)) {
     one_pose = one_pose && all_zero(piece.q.rowwise() - first);
     piece = rows.next(identifying::kRestPiece);

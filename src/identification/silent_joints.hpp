@@ -13,7 +13,7 @@ std::set<int> silent_joints(const std::vector<CompressedRecording>& recordings);
 /// The rows of every joint in every recording that has no torque of it: zeros that nobody measured are no torques.
 std::vector<ExcludedInterval> silent_rows(const std::vector<CompressedRecording>& recordings);
 
-/// The arm without effects that these joints alone would show: nobody knows their friction.
+/// The arm without effects that act on these joints alone, whose parameters are undetermined.
 Model without_effects_of(const std::set<int>& joints, const Model& arm);
 
 /// Empties the factors of these joints: zeros that nobody measured are no torques.

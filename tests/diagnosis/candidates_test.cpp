@@ -8,7 +8,7 @@
 #include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/files/model_file.hpp"
 
-// Diagnosis, payload and watch ask about one list of causes.
+// The causes that diagnosis, payload and watch test.
 
 namespace veridyn {
 namespace {
@@ -19,7 +19,7 @@ std::multiset<std::string> texts(const Model& arm, const std::vector<Candidate>&
   return out;
 }
 
-TEST(Candidates, AreEachThereOnceAndEqualToThemselvesAlone) {
+TEST(Candidates, AreListedOnceAndDifferFromEachOther) {
   const Model arm = read_model("psm-3dof");
   for (const bool changes : {false, true}) {
     const std::vector<Candidate> all = candidates(arm, {{}, changes, {}});
@@ -32,7 +32,7 @@ TEST(Candidates, AreEachThereOnceAndEqualToThemselvesAlone) {
   }
 }
 
-TEST(Candidates, OfAnotherAxisSourceOrRelationAreOthers) {
+TEST(Candidates, DifferIfAxisSourceOrCauseDiffers) {
   Candidate a;
   a.cause = NewEffect{"viscous_friction", {1}};
   a.joint = JointIndex{1};
@@ -58,7 +58,7 @@ TEST(Candidates, OfAnotherAxisSourceOrRelationAreOthers) {
   EXPECT_TRUE(differs(b));
 }
 
-TEST(Candidates, LeaveJointsAtRestOut) {
+TEST(Candidates, DoNotActOnJointsAtRest) {
   const Model arm = read_model("planar-2r");
   const Scope all{{"joint_spring", "time_delay"}, false, {}};
   EXPECT_EQ(texts(arm, candidates(arm, all)),
@@ -72,8 +72,8 @@ TEST(Candidates, LeaveJointsAtRestOut) {
   EXPECT_TRUE(candidates(arm, some).empty());
 }
 
-// A load is a cause only where the values of the bodies are facts.
-TEST(Candidates, AreLoadsWhereValuesAreFacts) {
+// A load is a cause only if the values of the bodies are known.
+TEST(Candidates, ContainLoadsOnlyAgainstAModel) {
   const Model arm = read_model("planar-2r");
   EXPECT_TRUE(candidates(arm, {{AddedLoad::kName}, false, {}}).empty());
   const std::vector<Candidate> loads = candidates(arm, {{AddedLoad::kName}, true, {}});
@@ -81,8 +81,8 @@ TEST(Candidates, AreLoadsWhereValuesAreFacts) {
   EXPECT_TRUE(std::all_of(loads.begin(), loads.end(), [](const Candidate& c) { return is_load(c); }));
 }
 
-// What a watch follows: of every joint what differs from day to day and what a sensor may do at once.
-TEST(Candidates, ThatBeginSuddenlyAreOfTheSameList) {
+// A watch tests the effects that differ from day to day, and sensor errors that begin suddenly.
+TEST(Candidates, ThatBeginSuddenlyAreAmongAllCandidates) {
   const Model arm = read_model("psm-3dof");
   const std::vector<FrameIndex> loads = payload_frames(arm);
   const std::vector<Candidate> all = candidates(arm, {{}, true, {}});

@@ -25,7 +25,7 @@ TEST(Jackknife, OfAMeanIsItsStandardError) {
   EXPECT_NEAR(jackknife_deviations(without)[0], s / std::sqrt(12.0), 1e-12);
 }
 
-TEST(SolveScaled, SolvesWhatIsRegularAndSurvivesEqualColumns) {
+TEST(SolveScaled, SolvesRegularSystemsAndToleratesEqualColumns) {
   MatrixXd A(2, 2);
   A << 4.0, 1.0, 1.0, 3.0;
   const VectorXd b = VectorXd::LinSpaced(2, 1.0, 2.0);

@@ -4,7 +4,7 @@
 
 #include "veridyn/files/model_file.hpp"
 
-// Moments in which something pushed the arm: what is left out, and what is said.
+// Contacts: rows that are left out, and the words of the finding.
 
 namespace veridyn {
 namespace {
@@ -31,7 +31,7 @@ TEST(Contacts, RowsAroundTheContactAreLeftOut) {
   EXPECT_GT(rows[0].to, 13.0);
 }
 
-TEST(Contacts, FindingsSayWhenWhereAndHowHard) {
+TEST(Contacts, FindingsGiveTimePlaceAndForce) {
   Identification id;
   id.model = read_model("planar-2r");
   id.test_error.relative = Eigen::Vector2d(0.3, 0.2);

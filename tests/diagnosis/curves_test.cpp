@@ -9,7 +9,7 @@
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/files/model_file.hpp"
 
-// Curves without a name: what their words say, and the tables that two signals make.
+// Curves without a name: their description, and tables over two signals.
 
 namespace veridyn {
 namespace {
@@ -26,7 +26,7 @@ MotionSignal own_signal(SignalKind kind) {
 
 using OfOne = std::function<double(double)>;
 
-// Of 41 points from `low` to 1; a second one on the other side of the direction.
+// A curve of 41 points from `low` to 1, or one for each direction.
 UnnamedShape curves(double low, const std::vector<OfOne>& sides) {
   UnnamedShape out;
   out.effort = "N m";
@@ -51,7 +51,7 @@ std::string said_of_sides(const OfOne& back, const OfOne& forth) {
   return shape_words(curves(-1.0, {back, forth}), {own_signal(SignalKind::kPosition), own_signal(SignalKind::kVelocity)});
 }
 
-TEST(CurveWords, TellHumpsFromWhatRisesOrFalls) {
+TEST(CurveWords, DistinguishHumpsFromMonotonicCurves) {
   EXPECT_EQ(said([](double x) { return std::exp(-8.0 * x * x); }).find("one hump, 1 N m from"), 0U);
   EXPECT_EQ(said([](double x) { return std::sin(4.0 * x); }).find("two humps, 2 N m from"), 0U);
   EXPECT_EQ(said([](double x) { return x * x; }, 0.0).find("rising, 1 N m from"), 0U);
@@ -60,8 +60,8 @@ TEST(CurveWords, TellHumpsFromWhatRisesOrFalls) {
   EXPECT_EQ(shape_words({}, {own_signal(SignalKind::kPosition)}), "");
 }
 
-// The square of a position grows the faster the farther it is: it is flat at one end only.
-TEST(CurveWords, WhatSaturatesIsFlatterThanALineAtBothEnds) {
+// A square is flat at one end only.
+TEST(CurveWords, SaturatingCurvesAreFlatAtBothEnds) {
   const auto saturates = [](const OfOne& curve, double low) { return said(curve, low).find("saturating") != std::string::npos; };
   EXPECT_TRUE(saturates([](double x) { return std::tanh(2.0 * x); }, -1.0));
   EXPECT_TRUE(saturates([](double x) { return std::sin(0.5 * M_PI * x); }, -1.0));
@@ -69,7 +69,7 @@ TEST(CurveWords, WhatSaturatesIsFlatterThanALineAtBothEnds) {
   EXPECT_FALSE(saturates([](double x) { return std::exp(x); }, -1.0));
 }
 
-TEST(CurveWords, SayWhatADirectionChanges) {
+TEST(CurveWords, DescribeTheDifferenceOfTheDirections) {
   const OfOne rises = [](double x) { return std::exp(x); };
   const OfOne falls = [](double x) { return -std::exp(x); };
   const OfOne nothing = [](double) { return 0.0; };
@@ -96,7 +96,7 @@ UnnamedShape surface(double (*value)(double, double)) {
   return out;
 }
 
-TEST(CurveTables, OfTwoPositionsAreTheSurfaceBetweenItsWindows) {
+TEST(CurveTables, OfTwoPositionsReproduceTheSurface) {
   const Model arm = read_model("planar-2r");
   const auto value = [](double a, double b) { return 2.0 * a + 3.0 * b + 5.0 * a * b; };
   MotionSignal other = own_signal(SignalKind::kPosition);
@@ -136,8 +136,8 @@ TEST(CurveTables, OfADirectionAreOneCurveForEach) {
   }
 }
 
-// A table has one other joint, and no history or time.
-TEST(CurveTables, AreOfSignalsThatATableHas) {
+// A table has at most one other joint, and neither history nor time.
+TEST(CurveTables, ExistOnlyForSignalsOfATabulatedForce) {
   const Model arm = read_model("psm-3dof");
   const UnnamedShape shape = surface([](double a, double b) { return a * b; });
   MotionSignal second = own_signal(SignalKind::kPosition), third = second;

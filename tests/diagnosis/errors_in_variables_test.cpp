@@ -3,12 +3,12 @@
 #include <regex>
 
 #include "support/simulated.hpp"
-#include "diagnosis/stage_support.hpp"
+#include "diagnosis/two_joint_arm.hpp"
 #include "veridyn/identification/base_parameters.hpp"
 #include "veridyn/regressor/standard_parameters.hpp"
 
-// Noise in the recorded motion biases least squares, noise in the torques does not. The stage tells them
-// apart where the motion repeats.
+// Noise in the recorded motion biases least squares, noise in the torques does not. The test distinguishes them
+// if the motion repeats.
 
 namespace veridyn {
 namespace {
@@ -16,7 +16,7 @@ namespace {
 constexpr double kPeriod = 5.0;
 constexpr int kSeconds = 40;
 
-class ErrorsInVariables : public Stages {
+class ErrorsInVariables : public TwoJointArm {
  protected:
   static void add_wave(int joint, double size, double w, double phase, MotionSamples& m) {
     const Eigen::ArrayXd angle = w * m.time.array() + phase;
@@ -25,7 +25,7 @@ class ErrorsInVariables : public Stages {
     m.ddq.col(joint).array() -= size * w * w * angle.sin();
   }
 
-  // A motion that repeats as well as a controller lets it: no two periods are quite the same.
+  // A periodic motion with the tracking error of a controller: no two periods are equal.
   std::string repeated(unsigned seed, double velocity_noise, double torque_noise) const {
     const Eigen::Index rows = 100 * kSeconds + 1;
     MotionSamples m{VectorXd::LinSpaced(rows, 0.0, kSeconds), MatrixXd::Zero(rows, 2),
@@ -47,7 +47,7 @@ class ErrorsInVariables : public Stages {
     return path;
   }
 
-  // The arm as the file says, on two recordings.
+  // The arm of the file on two recordings.
   DiagnosisState investigated(unsigned seed, double velocity_noise, double torque_noise) const {
     DiagnosisState x{read_model("planar-2r"), {}, {}, {}, {}};
     for (unsigned k = 0; k < 2; ++k)
@@ -67,16 +67,15 @@ class ErrorsInVariables : public Stages {
   }
 };
 
-// Noise in the torques alone is no bias, however large. One diagnosis in twenty may say otherwise; of 200
-// seeds four did, for ten parameters that are tested one by one are not independent.
+// The level of the test is 5 %; of 200 seeds four were significant, because the ten parameters are not independent.
 TEST_F(ErrorsInVariables, NoiseInTorquesIsNoBias) {
   int told = 0;
   for (unsigned seed = 1; seed <= 40; ++seed) told += static_cast<int>(!found(seed, 0.0, 0.5).empty());
   EXPECT_LE(told, 4);
 }
 
-// Noise in the velocities is, and the other estimate that the sentence gives is nearer to the truth.
-TEST_F(ErrorsInVariables, NoiseInVelocitiesIsToldWithTheBetterEstimate) {
+// The second estimate in the sentence is nearer to the truth.
+TEST_F(ErrorsInVariables, NoiseInVelocitiesIsReportedWithTheBetterEstimate) {
   const BaseParameters base = base_parameters(truth_);
   const VectorXd truth = base.K * standard_values(truth_);
   const std::vector<std::string> names = parameter_names(standard_parameters(truth_));
@@ -102,8 +101,7 @@ TEST_F(ErrorsInVariables, NoiseInVelocitiesIsToldWithTheBetterEstimate) {
   }
 }
 
-// A joint without torque says nothing, and does not silence the others.
-TEST_F(ErrorsInVariables, AJointWithoutTorqueDoesNotSilenceTheOthers) {
+TEST_F(ErrorsInVariables, AJointWithoutTorqueDoesNotPreventTheTestOfTheOthers) {
   DiagnosisState x{read_model("planar-2r"), {}, {}, {}, {}};
   for (unsigned k = 2; k <= 3; ++k) {
     x.train.push_back(repeated(k, 0.2, 0.1));
@@ -120,8 +118,8 @@ TEST_F(ErrorsInVariables, AJointWithoutTorqueDoesNotSilenceTheOthers) {
   EXPECT_EQ(x.d.data_quality[0].findings[0].sentence.find("elbow"), std::string::npos) << x.d.data_quality[0].findings[0].sentence;
 }
 
-// Without repeats there are no instruments, and of a MODEL nothing was fitted.
-TEST_F(ErrorsInVariables, NothingIsToldWhereNothingRepeatsOrNothingWasFitted) {
+// Without repeats there are no instruments; the parameters of a MODEL are not fitted.
+TEST_F(ErrorsInVariables, NothingIsReportedWithoutRepeatsOrAgainstAModel) {
   DiagnosisState x = investigated(1, 0.2, 0.1);
   for (CompressedRecording& r : x.start.factors) r.period.seconds = 0.0;
   check_errors_in_variables(x);
@@ -132,9 +130,8 @@ TEST_F(ErrorsInVariables, NothingIsToldWhereNothingRepeatsOrNothingWasFitted) {
   EXPECT_TRUE(x.d.data_quality[0].findings.empty());
 }
 
-// What a diagnosis leaves out, the comparison leaves out as well, here all rows but one period's; of the
-// recording that is meant.
-TEST_F(ErrorsInVariables, RowsThatAreLeftOutAreNotCompared) {
+// Excluded intervals belong to one recording; here they leave one period of it.
+TEST_F(ErrorsInVariables, ExcludedRowsAreNotCompared) {
   DiagnosisState x = investigated(1, 0.2, 0.1);
   x.options.identification.preprocessing.excluded_intervals = {{"another", {}, 0.0, kSeconds, "a test"}};
   check_errors_in_variables(x);

@@ -4,7 +4,7 @@
 #include <set>
 #include <utility>
 
-#include "diagnosis/stage_support.hpp"
+#include "diagnosis/two_joint_arm.hpp"
 #include "veridyn/files/model_file.hpp"
 
 // Faults of recordings and of the robot file, and their names.
@@ -21,7 +21,7 @@ const QualityFinding* quality(const Diagnosis& d, const std::string& name) {
   return nullptr;
 }
 
-TEST_F(Stages, ATorqueWithTheWrongSignIsAFault) {
+TEST_F(TwoJointArm, ATorqueWithTheWrongSignIsAFault) {
   double deviations = 0.0;
   for (const double sign : {1.0, -1.0, -100.0}) {
     DiagnosisState x = investigation(read_model("planar-2r"), {});
@@ -48,8 +48,8 @@ TEST_F(Stages, ATorqueWithTheWrongSignIsAFault) {
   }
 }
 
-// What the signals have wrong is said first, and causes are asked about all the same.
-TEST_F(Stages, ExchangedTorquesAreSaidFirst) {
+// A contradiction between signals and robot file comes first in the verdict; causes are searched all the same.
+TEST_F(TwoJointArm, ExchangedTorquesComeFirstInTheVerdict) {
   for (const bool exchanged : {false, true}) {
     DiagnosisState x = investigation(truth_, {});
     for (size_t k = 0; k < x.train.size(); ++k) {
@@ -65,8 +65,8 @@ TEST_F(Stages, ExchangedTorquesAreSaidFirst) {
   }
 }
 
-// Of an arm in a plane the zero of the first encoder does the same: only gravity is asked about.
-TEST_F(Stages, GravityThatPointsElsewhereIsATurnAndNoLean) {
+// For a planar arm the zero of the first encoder has the same torques: only gravity is tested here.
+TEST_F(TwoJointArm, AnotherDirectionOfGravityIsNamedAsGravity) {
   DiagnosisState x = investigation(truth_, {});
   x.options.effects = {"gravity_tilt"};
   ModelDescription turned = truth_.description();
@@ -79,9 +79,8 @@ TEST_F(Stages, GravityThatPointsElsewhereIsATurnAndNoLean) {
   EXPECT_NE(f.phrase.find("gravity along (0, -9.81, 0) m/s^2"), std::string::npos) << f.phrase;
 }
 
-// Without physical conditions another direction of gravity does what a length that is wrong in the file does; no possible arm
-// does.
-TEST_F(Stages, WhatNoPossibleArmBearsOutIsNoFinding) {
+// Without physical consistency another direction of gravity fits as well as the wrong length of the file; with it, it does not.
+TEST_F(TwoJointArm, ACauseWithoutAPhysicallyConsistentArmIsNoFinding) {
   ModelFileOptions longer;
   longer.constants["l1"] = 0.6;
   const Model file = read_model("planar-2r", longer);
@@ -93,7 +92,7 @@ TEST_F(Stages, WhatNoPossibleArmBearsOutIsNoFinding) {
   for (const JointVerdict& v : d.joints) EXPECT_TRUE(v.state != JointState::kNamed || !d.findings.empty()) << d.report();
 }
 
-TEST_F(Stages, AnEncodersZeroGoesBeforeTheAngleThatDoesTheSame) {
+TEST_F(TwoJointArm, AnEncodersZeroIsReportedBeforeTheEquivalentAngleOfTheFile) {
   const DiagnosisState x = investigation(read_model("planar-2r"), {"encoder_offset:shoulder:offset=0.1"});
   const Diagnosis d = diagnose(read_model("planar-2r"), x.train, x.test, x.options);
   ASSERT_EQ(d.findings.size(), 1U) << d.report();
@@ -108,9 +107,9 @@ TEST_F(Stages, AnEncodersZeroGoesBeforeTheAngleThatDoesTheSame) {
   EXPECT_NEAR(d.extended.model->coordinates()[0].recorded.position_offset, 0.1, 0.003);
 }
 
-// Friction with a memory and a spring, against what a broken sensor gives: what changed since a MODEL is chosen by the training
-// recordings alone; of a robot file, nothing is found that the held-out recording contradicts.
-TEST_F(Stages, HeldOutRowsChangeNothingAgainstAModelAndRefuteCausesOfARobotFile) {
+// The held-out recording comes from a broken sensor. Against a MODEL causes are selected on the training recordings alone; of a
+// robot file a cause that the held-out recording contradicts is no finding.
+TEST_F(TwoJointArm, HeldOutRowsRefuteCausesOfARobotFileAndNotChangesOfAModel) {
   const std::vector<std::string> hidden = {"presliding_hysteresis:shoulder:level=3,distance=0.04",
                                            "joint_spring:2"};
   std::vector<std::string> train;

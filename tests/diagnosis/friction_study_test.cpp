@@ -10,7 +10,7 @@
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 
-// One joint of a simulated arm at constant speeds, to and fro, while the others rest.
+// One joint of a simulated arm at constant speeds in both directions, while the others rest.
 
 namespace veridyn {
 namespace {
@@ -44,8 +44,7 @@ class OneJoint : public testing::Test {
  protected:
   OneJoint() : arm_(plausible_model(read_model("psm-3dof"), 1).arm) {}
 
-  // The yaw rests under a torque that grows to `breakaway` beyond what holds it, and then slides: twice forwards, once
-  // backwards.
+  // The yaw rests under a torque that grows by `breakaway`, and then slides: twice forwards, once backwards.
   Recording ramps(double breakaway) const {
     const int resting = static_cast<int>(2.0 * kRate), sliding = static_cast<int>(0.5 * kRate);
     Recording r;
@@ -71,7 +70,7 @@ class OneJoint : public testing::Test {
     return r;
   }
 
-  // Slides with these hidden effects, in recordings beside others; the robot file without values is asked.
+  // Recordings with these hidden effects, studied with the robot file without values.
   FrictionStudy study(const std::vector<std::string>& hidden, const Model& asked, std::vector<Recording> recordings = {}) const {
     for (unsigned seed : {1u, 2u}) {
       SimulationOptions options;
@@ -101,7 +100,7 @@ const FrictionVerdict* find(const FrictionStudy& study, const std::string& effec
   return nullptr;
 }
 
-TEST_F(OneJoint, TheCurveIsThatOfTheArmAndJointsAtRestAreLeftOut) {
+TEST_F(OneJoint, TheCurveIsTheFrictionOfTheArmAndJointsAtRestAreLeftOut) {
   const FrictionStudy found = study({}, read_model("psm-3dof"));
   ASSERT_EQ(found.reason, "");
   EXPECT_EQ(found.resting, (std::vector<std::string>{"insertion", "pitch"}));
@@ -124,7 +123,7 @@ TEST_F(OneJoint, TheCurveIsThatOfTheArmAndJointsAtRestAreLeftOut) {
   for (const FrictionVerdict& v : yaw.verdicts) EXPECT_NE(v.state, FrictionState::kConfirmed) << v.effect;
 }
 
-TEST_F(OneJoint, FrictionThatIsHiddenIsConfirmedByName) {
+TEST_F(OneJoint, HiddenFrictionIsConfirmed) {
   const FrictionStudy found = study({"position_dependent_friction:yaw:slope=0.3"}, read_model("psm-3dof"));
   ASSERT_EQ(found.joints.size(), 1u);
   const FrictionVerdict* verdict = find(found, "position_dependent_friction");
@@ -134,7 +133,7 @@ TEST_F(OneJoint, FrictionThatIsHiddenIsConfirmedByName) {
   EXPECT_LT(found.joints.front().error, 0.7 * found.joints.front().error_plain);
 }
 
-TEST_F(OneJoint, BodiesOfAModelAreFactsAndItsFrictionIsMeasuredAnew) {
+TEST_F(OneJoint, BodiesOfAModelAreKeptAndItsFrictionIsEstimated) {
   ModelDescription d = arm_.description();
   for (EffectTerm& term : d.effects)
     for (auto& [name, value] : term.values) value *= 2.0;
@@ -145,7 +144,7 @@ TEST_F(OneJoint, BodiesOfAModelAreFactsAndItsFrictionIsMeasuredAnew) {
               level + 0.1 * parameter("viscous_friction", "coefficient"), 0.05 * level);
 }
 
-TEST_F(OneJoint, NothingThatMovesIsAnAnswer) {
+TEST_F(OneJoint, RecordingsWithoutMotionGiveAReason) {
   Recording still;
   still.source = "still";
   still.time = VectorXd::LinSpaced(1000, 0.0, 9.99);
@@ -155,7 +154,7 @@ TEST_F(OneJoint, NothingThatMovesIsAnAnswer) {
   EXPECT_TRUE(found.joints.empty());
 }
 
-// Torques at which the joint begins to slide are measured, in recordings that say nothing of its friction in motion.
+// The recordings contain no steady motion.
 TEST_F(OneJoint, BreakawaysAreTorquesBeyondGravityWithTheirDirection) {
   constexpr double breakaway = 20.0;  // [N m], far beyond what holds the joint
   const FrictionStudy found = study({}, read_model("psm-3dof"), {ramps(breakaway)});
@@ -175,8 +174,8 @@ TEST_F(OneJoint, BreakawaysAreTorquesBeyondGravityWithTheirDirection) {
   EXPECT_NE(alone.report().find("no friction curve: all recordings rest"), std::string::npos) << alone.report();
 }
 
-// Of one recording the last third is held out; recordings that are given for it are taken whole.
-TEST_F(OneJoint, WhatIsHeldOutIsSaid) {
+// Of a single recording the last third is held out; given test recordings are used as a whole.
+TEST_F(OneJoint, TheReportNamesTheHeldOutRows) {
   std::vector<Recording> recordings;
   for (unsigned seed : {1u, 2u}) {
     SimulationOptions options;
@@ -192,7 +191,7 @@ TEST_F(OneJoint, WhatIsHeldOutIsSaid) {
   EXPECT_EQ(study_friction(arm_, recordings, {}, options).held_out, std::vector<std::string>{"run 2"});
 }
 
-TEST(SteadyRuns, StretchesOfConstantSpeedAreFoundAndNothingElse) {
+TEST(SteadyRuns, AreTheSegmentsOfConstantSpeed) {
   std::vector<double> time, dq;
   for (int k = 0; k < 1000; ++k) {
     time.push_back(0.01 * k);

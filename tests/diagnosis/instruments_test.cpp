@@ -31,7 +31,7 @@ RepeatedRows rows(double noise_in_column, unsigned seed) {
 }
 
 // Noise of half the column's size attenuates by 1 / (1 + 0.25).
-TEST(Instruments, UndoTheAttenuationThatNoiseInAColumnBrings) {
+TEST(Instruments, RemoveTheAttenuationByNoiseInAColumn) {
   const InstrumentalEstimate e = compare_with_instruments({rows(0.5, 1)}, VectorXd::Ones(1));
   EXPECT_NEAR(e.least_squares[1], kSecond / 1.25, 0.03);
   EXPECT_NEAR(e.instrumental[1], kSecond, 0.04);
@@ -40,7 +40,7 @@ TEST(Instruments, UndoTheAttenuationThatNoiseInAColumnBrings) {
   EXPECT_GT(e.p_value[0], 1e-3);
 }
 
-// Without noise in the columns the two agree; one test in twenty may say otherwise.
+// The level of the test is 5 %.
 TEST(Instruments, AgreeWithLeastSquaresWhereColumnsAreExact) {
   int rejected = 0;
   for (unsigned seed = 1; seed <= 20; ++seed) {

@@ -16,8 +16,7 @@
 #include "math/student_t.hpp"
 #include "veridyn/files/model_file.hpp"
 
-// Statistics by hand on models that were never identified: what the files would say is written into
-// them.
+// Models that were not identified, with statistics written into them by hand.
 
 namespace veridyn {
 namespace {
@@ -124,7 +123,7 @@ TEST(TheComparison, GivesWelchsTestOfTheClusters) {
 }
 
 // k-th smallest times m - k + 1, running maximum.
-TEST(TheComparison, CorrectsForTheNumberOfQuestions) {
+TEST(TheComparison, CorrectsForTheNumberOfTests) {
   const ModelComparison c =
       compare(with_statistics(planar(), 0.05, 8, 3),
               with_statistics(with_effect(kShoulderCoulomb, "level", 1.3), 0.05, 8, 4));
@@ -180,8 +179,7 @@ TEST(TheComparison, PairsTheClustersOfOneMotion) {
   EXPECT_FALSE(named(other.parameters, kShoulderLevel).significant);
 }
 
-// The second file may be written in other combinations: what is compared is the combination itself.
-TEST(TheComparison, DoesNotDependOnTheCombinationsThatAFileIsWrittenIn) {
+TEST(TheComparison, DoesNotDependOnTheBaseParametersOfTheSecondFile) {
   const Model before = with_statistics(planar(), 0.02, 8, 6);
   const Model after = with_statistics(with_effect(kShoulderCoulomb, "level", 1.2), 0.02, 8, 7);
   ModelDescription d = after.description();
@@ -207,8 +205,8 @@ TEST(TheComparison, DoesNotDependOnTheCombinationsThatAFileIsWrittenIn) {
   }
 }
 
-// Closed forms of what a joint feels, from the textbook arm.
-TEST(TheComparison, SaysWhatTheJointsFeel) {
+// Closed forms of the textbook arm.
+TEST(TheComparison, GivesFrictionWeightAndInertiaOfTheJoints) {
   ModelDescription heavier = planar().description();
   Body& fore = *heavier.frames[1].body;
   const double added = 0.5;  // [kg], at the frame's origin, 0.4 m from the elbow
@@ -239,7 +237,7 @@ TEST(TheComparison, SaysWhatTheJointsFeel) {
 }
 
 // A step of friction differs by its level at every instant.
-TEST(TheComparison, MeasuresWhatADifferenceMeansInTorque) {
+TEST(TheComparison, GivesTheTorqueOfADifference) {
   const ModelComparison c =
       compare(with_statistics(planar(), 0.01, 8, 1),
               with_statistics(with_effect(kShoulderCoulomb, "level", 1.5), 0.01, 8, 2));
@@ -253,7 +251,7 @@ TEST(TheComparison, MeasuresWhatADifferenceMeansInTorque) {
   EXPECT_NEAR(named(c.parameters, kShoulderLevel).torque[0], 0.6, 2e-3);
 }
 
-TEST(TheComparison, SpeaksOfFrictionThatGrewAndOfMomentsThatChanged) {
+TEST(TheComparison, DescribesGrownFrictionAndChangedMoments) {
   ModelDescription changed = with_effect(kShoulderCoulomb, "level", 1.5).description();
   (*changed.frames[1].body->phi)[1] += 0.1;
   const ModelComparison c =
@@ -273,7 +271,7 @@ TEST(TheComparison, SpeaksOfFrictionThatGrewAndOfMomentsThatChanged) {
   EXPECT_NE(report.find(moment), std::string::npos) << report;
 }
 
-TEST(TheComparison, ComparesWhatBothHaveWhereAnEffectIsInOneOnly) {
+TEST(TheComparison, ComparesCommonParametersIfOneModelHasAnotherEffect) {
   ModelDescription d = with_effect(kShoulderCoulomb, "level", 1.3).description();
   EffectTerm offset;
   offset.effect = "torque_offset";
@@ -291,7 +289,7 @@ TEST(TheComparison, ComparesWhatBothHaveWhereAnEffectIsInOneOnly) {
   ASSERT_EQ(c.only_after.size(), 1U);
   EXPECT_EQ(c.only_after[0], "torque_offset(shoulder).offset");
   EXPECT_TRUE(named(c.parameters, kShoulderLevel).significant);
-  // What the joint feels can be compared all the same.
+  // The quantities of the joint are compared all the same.
   EXPECT_NEAR(quantity(c.joints, "offset", 1).difference, 0.4, 1e-9);
 }
 
@@ -348,7 +346,7 @@ TEST(TheComparison, RefusesAnArmWithOneMoreJointFrame) {
   EXPECT_THROW(compare(planar(), Model(d)), InvalidInput);
 }
 
-TEST(TheComparison, ComparesNoMassesWhereFramesStandElsewhere) {
+TEST(TheComparison, ComparesNoMassesIfFramesAreElsewhere) {
   ModelFileOptions other;
   other.constants["l1"] = 0.6;
   const ModelComparison c = compare(with_statistics(planar(), 0.01, 8, 1),
@@ -377,7 +375,7 @@ TEST(TheComparison, TakesAFileWithoutStatisticsAsExact) {
 }
 
 // Somebody edited the file after the identification.
-TEST(TheComparison, DoesNotTrustStatisticsThatDoNotBelongToTheValues) {
+TEST(TheComparison, IgnoresStatisticsThatContradictTheValues) {
   const Model before = with_statistics(planar(), 0.02, 8, 1);
   ModelDescription edited = before.description();
   edited.effects[kShoulderCoulomb].values["level"] = 9.0;
@@ -444,9 +442,8 @@ TEST(TheComparison, MeasuresWeightAndInertiaOverTheStandardMotion) {
   }
 }
 
-// Of what is below zero nobody agrees on what falls; a joint that slides has no angle; the interval
-// is of the difference, and says so.
-TEST(TheComparison, SpeaksOfValuesBelowZeroAndOfSlidingJoints) {
+// "Falls" is ambiguous for negative values; a prismatic joint has no angle; the interval is that of the difference.
+TEST(TheComparison, DescribesNegativeValuesAndPrismaticJoints) {
   ModelDifference d;
   d.joint = 3;
   d.unit = "N";
@@ -463,8 +460,7 @@ TEST(TheComparison, SpeaksOfValuesBelowZeroAndOfSlidingJoints) {
   EXPECT_EQ(words.find("-100"), std::string::npos) << words;
 }
 
-// Of many differences the surest come first, and the rest is counted.
-TEST(TheComparison, AListOfManyIsSortedAndCut) {
+TEST(TheComparison, ListsTheMostSignificantDifferencesAndCountsTheOthers) {
   ModelComparison c;
   c.verdict = ComparisonVerdict::kDiffer;
   for (int k = 0; k < 20; ++k) {

@@ -2,14 +2,14 @@
 
 #include <algorithm>
 
-#include "diagnosis/stage_support.hpp"
+#include "diagnosis/two_joint_arm.hpp"
 
-// How many names there may be.
+// The largest number of findings.
 
 namespace veridyn {
 namespace {
 
-class NamesAndCurves : public Stages {
+class NamesAndCurves : public TwoJointArm {
  protected:
   Diagnosis diagnosed(const std::vector<std::string>& hidden, int most) const {
     std::vector<std::string> train;
@@ -31,8 +31,7 @@ class NamesAndCurves : public Stages {
   }
 };
 
-// Where no name may be given, what a cause would explain is a curve.
-TEST_F(NamesAndCurves, WithoutNamesACurveStands) {
+TEST_F(NamesAndCurves, WithoutNamesACurveExplainsTheError) {
   const std::vector<std::string> hidden = {"end_stop:shoulder:stiffness=60,centre=0,reach=0.7,side=1"};
   const Diagnosis one = diagnosed(hidden, 1);
   EXPECT_EQ(names(one), Words{"end_stop:shoulder"}) << one.report();
@@ -41,7 +40,7 @@ TEST_F(NamesAndCurves, WithoutNamesACurveStands) {
   EXPECT_EQ(none.joints[0].state, JointState::kUnnamed) << none.report();
 }
 
-TEST_F(NamesAndCurves, AreAsManyAsTheUserWantsAtMost) {
+TEST_F(NamesAndCurves, AreNotMoreThanTheOptionAllows) {
   const std::vector<std::string> hidden = {"end_stop:shoulder:stiffness=60,centre=0,reach=0.7,side=1",
                                            "quadratic_drag:elbow:coefficient=0.6"};
   EXPECT_EQ(names(diagnosed(hidden, 2)), (Words{"end_stop:shoulder", "quadratic_drag:elbow"}));

@@ -2,15 +2,15 @@
 
 #include <algorithm>
 
-#include "diagnosis/stage_support.hpp"
+#include "diagnosis/two_joint_arm.hpp"
 #include "veridyn/files/model_file.hpp"
 
-// What a name must have to be said, and to be in the model that is written.
+// Conditions on a finding, and on the model that is written.
 
 namespace veridyn {
 namespace {
 
-class NameRules : public Stages {
+class NameRules : public TwoJointArm {
  protected:
   Diagnosis diagnosed(const std::vector<std::string>& hidden, DiagnosisOptions options,
                       const std::function<void(Recording&)>& change = {}) const {
@@ -35,8 +35,8 @@ class NameRules : public Stages {
   }
 };
 
-// Viscosity that is lower in the first seconds, as rests at the ends of a recording make it.
-TEST_F(NameRules, FrictionBelowZeroIsNoWarmUp) {
+// Rests at the ends of a recording look like a viscosity that is lower in the first seconds.
+TEST_F(NameRules, NegativeFrictionIsNoWarmUp) {
   DiagnosisOptions options;
   options.effects = {"warm_up"};
   for (const double size : {1.5, -1.5}) {
@@ -47,9 +47,8 @@ TEST_F(NameRules, FrictionBelowZeroIsNoWarmUp) {
   }
 }
 
-// Terms of the written model that the file has not are confirmed
-// findings, each with its effect on its joint, and confirmed findings are in it.
-TEST_F(NameRules, TheWrittenModelHasWhatIsConfirmedAndNothingElse) {
+// The effects of the written model beyond those of the file are the confirmed findings.
+TEST_F(NameRules, TheWrittenModelContainsTheConfirmedFindingsAndNothingElse) {
   DiagnosisOptions options;
   options.effects = {"joint_spring", "quadratic_drag", "asymmetric_friction", "stribeck_friction", "torque_drift",
                      "rotor_inertia", "sublinear_viscous", "position_force"};
@@ -75,7 +74,7 @@ TEST_F(NameRules, TheWrittenModelHasWhatIsConfirmedAndNothingElse) {
   }
 }
 
-TEST_F(NameRules, TheLastStepEndsAtTheErrorOfTheExtendedModel) {
+TEST_F(NameRules, TheErrorAfterTheLastFindingIsThatOfTheExtendedModel) {
   DiagnosisOptions options;
   options.effects = {"joint_spring", "quadratic_drag", "presliding_hysteresis"};
   const Diagnosis d = diagnosed({"joint_spring:elbow:stiffness=4", "presliding_hysteresis:shoulder:level=3,distance=0.04"}, options);
@@ -88,9 +87,8 @@ TEST_F(NameRules, TheLastStepEndsAtTheErrorOfTheExtendedModel) {
   })) << d.report();
 }
 
-// A dead zone of the shoulder's torque channel, which is on no list: the larger part of the error has no name, and the
-// verdict says so.
-TEST_F(NameRules, TheVerdictSaysThatMoreOfTheErrorHasNoName) {
+// A dead zone of the shoulder's torque channel is no cause of the dictionary.
+TEST_F(NameRules, TheVerdictSaysThatMostOfTheErrorHasNoName) {
   const auto dead_zone = [](Recording& r) {
     const double width = 0.25 * std::sqrt(r.tau.col(0).squaredNorm() / r.rows());
     for (double& tau : r.tau.col(0)) tau = tau > 0.0 ? std::max(0.0, tau - width) : std::min(0.0, tau + width);
@@ -105,7 +103,7 @@ TEST_F(NameRules, TheVerdictSaysThatMoreOfTheErrorHasNoName) {
   EXPECT_NE(d.verdict().find("has no name"), std::string::npos) << d.verdict();
 }
 
-TEST_F(NameRules, SentencesSayWhereACableComesFromAndAlongWhatFrictionActs) {
+TEST_F(NameRules, SentencesNameTheSourceOfACableAndTheSignalOfFriction) {
   const Model arm = read_model("planar-2r");
   EffectTerm term;
   term.effect = "cable_coupling";
@@ -120,8 +118,8 @@ TEST_F(NameRules, SentencesSayWhereACableComesFromAndAlongWhatFrictionActs) {
   EXPECT_EQ(text.substr(text.find(" along ")), " along joint 1 - 0.5 joint 2");
 }
 
-// Delays that differ from joint to joint are what friction with a memory looks like to first order.
-TEST_F(NameRules, AMemoryOfFrictionIsNoDelayOfOneJoint) {
+// To first order presliding looks like delays that differ from joint to joint.
+TEST_F(NameRules, PreslidingIsNotNamedAsADelay) {
   DiagnosisOptions options;
   options.effects = {"time_delay", "presliding_hysteresis", "backlash"};
   const Diagnosis d = diagnosed({"presliding_hysteresis:shoulder:level=3,distance=0.1"}, options);
@@ -130,8 +128,7 @@ TEST_F(NameRules, AMemoryOfFrictionIsNoDelayOfOneJoint) {
   for (const Finding& f : d.findings) EXPECT_NE(effect_of(f.cause), "time_delay") << d.report();
 }
 
-// The distance that one half of the recordings gives lies in the interval of the other half.
-TEST_F(NameRules, TheIntervalOfADistanceHoldsWhatTheOtherHalfGives) {
+TEST_F(NameRules, TheIntervalOfADistanceContainsTheEstimateFromOtherRecordings) {
   const auto found = [&](const std::vector<unsigned>& seeds) {
     std::vector<std::string> train;
     for (const unsigned k : seeds) train.push_back(record(k, {"presliding_hysteresis:shoulder:level=1.5,distance=0.04"}));

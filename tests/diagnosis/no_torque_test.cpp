@@ -5,16 +5,16 @@
 
 #include "diagnosis/findings/finding_words.hpp"
 #include "diagnosis/findings/held_out.hpp"
-#include "diagnosis/stage_support.hpp"
+#include "diagnosis/two_joint_arm.hpp"
 
-// Joints without torque, and diagnoses without held-out recordings: errors that are no share of anything.
+// Joints without torque, and diagnoses without held-out errors.
 
 namespace veridyn {
 namespace {
 
 constexpr double kNoShare = std::numeric_limits<double>::infinity();
 
-TEST(WithoutTorque, AJointCountsForNothingInTheMeasuresOfOthers) {
+TEST(WithoutTorque, AJointDoesNotCountInSumsOverJoints) {
   const Eigen::Vector2d before(0.2, kNoShare), after(0.1, kNoShare);
   Identification baseline;
   baseline.test_error.relative = before;
@@ -29,7 +29,7 @@ TEST(WithoutTorque, AJointCountsForNothingInTheMeasuresOfOthers) {
   EXPECT_EQ(f.held_out(), Agreement::kContradicts);
 }
 
-class NotHeldOut : public Stages {
+class NotHeldOut : public TwoJointArm {
  protected:
   Diagnosis of_a_spring(bool held_out, bool elbow_has_torque = true) const {
     std::vector<std::string> files;
@@ -48,8 +48,8 @@ class NotHeldOut : public Stages {
   }
 };
 
-// The elbow's torque was not recorded in the held-out recording: what the shoulder has is judged by the shoulder.
-TEST_F(NotHeldOut, AFindingIsJudgedByTheJointsThatHaveTorque) {
+// The elbow's torque is missing in the held-out recording.
+TEST_F(NotHeldOut, AFindingIsValidatedOnTheJointsWithTorque) {
   const Diagnosis d = of_a_spring(true, false);
   ASSERT_EQ(d.findings.size(), 1U) << d.report();
   EXPECT_EQ(d.findings[0].held_out(), Agreement::kAgrees) << d.report();
@@ -59,7 +59,7 @@ TEST_F(NotHeldOut, AFindingIsJudgedByTheJointsThatHaveTorque) {
   EXPECT_EQ(d.joints.at(1).state, JointState::kCannotTell) << d.report();
 }
 
-// The training recordings confirm the spring; how large the errors are elsewhere, nobody knows.
+// The training recordings confirm the spring; there is no held-out error.
 TEST_F(NotHeldOut, WithoutHeldOutRecordingsNoJointIsAtItsFloor) {
   const Diagnosis d = of_a_spring(false);
   ASSERT_EQ(d.findings.size(), 1U) << d.report();
@@ -73,7 +73,7 @@ TEST_F(NotHeldOut, WithoutHeldOutRecordingsNoJointIsAtItsFloor) {
   EXPECT_EQ(d.report().find("nan"), std::string::npos) << d.report();
 }
 
-TEST_F(NotHeldOut, TheVerdictTellsJointsThatCannotBeJudgedFromThoseAboveTheirFloor) {
+TEST_F(NotHeldOut, TheVerdictListsJointsWithoutErrorApartFromThoseAboveTheirFloor) {
   Diagnosis d;
   d.baseline.model = truth_;
   d.joints = {not_judged({0}, kNoShare, d.baseline)};
@@ -90,11 +90,11 @@ TEST_F(NotHeldOut, TheVerdictTellsJointsThatCannotBeJudgedFromThoseAboveTheirFlo
   EXPECT_EQ(d.verdict(), "none");
 }
 
-// The elbow's torque was recorded nowhere: its zeros are no torques. What the shoulder has is found as if there were
-// no zeros, nothing is named on the elbow or after it, and one line says so.
-class Silent : public Stages {
+// The elbow's torque is zero in all recordings: it was not recorded. The shoulder's cause is found all the same, nothing is named
+// on the elbow, and one line says so.
+class TorqueNotRecorded : public TwoJointArm {
  protected:
-  // @param only  the recording, from 1, in which the joint is silent; 0: all.
+  // @param only  number of the recording without the joint's torque, from 1; 0: all.
   std::vector<std::string> recorded(const std::vector<std::string>& hidden, int silent, unsigned only) const {
     std::vector<std::string> files;
     for (unsigned k = 1; k <= 4; ++k) {
@@ -128,7 +128,7 @@ class Silent : public Stages {
   }
 };
 
-TEST_F(Silent, AJointHasNoNameAndBendsNoOther) {
+TEST_F(TorqueNotRecorded, TheJointHasNoFindingAndDoesNotChangeThoseOfOthers) {
   for (const RobotValues values : {RobotValues::kPrior, RobotValues::kFacts}) {
     for (const bool spring : {false, true}) {
       values_ = values;
@@ -147,8 +147,7 @@ TEST_F(Silent, AJointHasNoNameAndBendsNoOther) {
   }
 }
 
-// What the elbow has is learnt from the recordings that have its torque.
-TEST_F(Silent, AJointInOneRecordingIsKnownFromTheOthers) {
+TEST_F(TorqueNotRecorded, InOneRecordingTheCauseIsFoundInTheOthers) {
   const Diagnosis d = diagnosed(read_model("planar-2r"), {"joint_spring:elbow:stiffness=8"}, 1, {}, 2);
   ASSERT_EQ(d.findings.size(), 1U) << d.report();
   EXPECT_EQ(to_text(truth_, d.findings[0].cause), "joint_spring:elbow");
@@ -156,16 +155,16 @@ TEST_F(Silent, AJointInOneRecordingIsKnownFromTheOthers) {
   for (const JointVerdict& v : d.joints) EXPECT_TRUE(v.state == JointState::kNamed || v.state == JointState::kAtFloor) << d.report();
 }
 
-// Nothing is asked of it even by name, and of no channel what its torque does to it.
-TEST_F(Silent, AJointIsNotAskedAboutByName) {
+// Neither causes on the joint that the user names nor crosstalk from its torque are tested.
+TEST_F(TorqueNotRecorded, NoCauseOnTheJointIsTestedEvenByName) {
   const Diagnosis d = diagnosed(read_model("planar-2r"), {}, 1, {"joint_spring:elbow", "torque_gain:elbow", "torque_crosstalk"});
   EXPECT_TRUE(d.findings.empty()) << d.report();
   EXPECT_TRUE(d.not_supported.empty());
   EXPECT_EQ(d.hypotheses, 0);
 }
 
-// The elbow knows nothing of the shoulder's own inertia: the arm is not determined, and nothing is asked.
-TEST_F(Silent, AnArmThatTheOtherJointsDoNotDetermineIsNotAskedAbout) {
+// The elbow's torque does not depend on the shoulder's own inertia.
+TEST_F(TorqueNotRecorded, AnArmThatTheOtherJointsDoNotDetermineIsNotDiagnosed) {
   const Diagnosis d = diagnosed(read_model("planar-2r"), {"joint_spring:elbow:stiffness=8"}, 0);
   EXPECT_TRUE(d.findings.empty()) << d.report();
   EXPECT_FALSE(d.baseline.model.has_value());

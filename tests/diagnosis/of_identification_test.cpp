@@ -11,12 +11,12 @@
 #include "veridyn/math/require.hpp"
 #include "veridyn/files/model_file.hpp"
 
-// From an identification on: nothing is read or fitted twice.
+// diagnose() of an identification reads and fits nothing twice.
 
 namespace veridyn {
 namespace {
 
-// Two rods whose values nobody knows.
+// Two rods without values.
 Model unknown_arm() {
   ModelDescription d = read_model("planar-2r").description();
   for (Frame& frame : d.frames) {
@@ -43,7 +43,7 @@ std::vector<std::string> recorded(int count) {
   return out;
 }
 
-TEST(OfIdentification, FromFilesToASavedModelNothingIsReadAgain) {
+TEST(OfIdentification, FromFilesToASavedModelEveryFileIsReadOnce) {
   const std::vector<std::string> files = recorded(3);
   const Model robot = unknown_arm();
   const Recordings train = read_recordings(robot, {files[0], files[1]});
@@ -52,7 +52,7 @@ TEST(OfIdentification, FromFilesToASavedModelNothingIsReadAgain) {
   const Identification fit = identify(robot, train);
   ASSERT_TRUE(fit.model) << fit.reason;
   EXPECT_NE(fit.verdict(), "");
-  // The same figures as those of held-out recordings that identify() is given.
+  // The same errors as of test recordings given to identify().
   const VectorXd held_out = identify(robot, train, test).test_error.relative;
   const std::vector<JointScore> scores = validate(fit, test);
   ASSERT_EQ(scores.size(), 2U);
@@ -70,7 +70,7 @@ TEST(OfIdentification, FromFilesToASavedModelNothingIsReadAgain) {
   EXPECT_TRUE(std::any_of(effects.begin(), effects.end(), [](const EffectTerm& e) { return e.effect == "joint_spring"; }));
   EXPECT_LT(validate(why.model, test)[1].error, 0.5 * scores[1].error);
 
-  // Its first fit is the one that it would make itself.
+  // The baseline equals that of a diagnosis of the robot file.
   const Diagnosis direct = diagnose(robot, train, test, options);
   ASSERT_EQ(direct.baseline.parameters.size(), why.baseline.parameters.size());
   EXPECT_LT((direct.baseline.parameters - why.baseline.parameters).cwiseAbs().maxCoeff(), 1e-6);

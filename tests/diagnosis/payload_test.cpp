@@ -21,7 +21,7 @@
 namespace veridyn {
 namespace {
 
-// Of one wave alone a spring, gravity and inertia would look alike.
+// With a single wave a spring, gravity and inertia would be collinear.
 MotionSamples two_waves(int joints) {
   MotionSamples m = waves(joints, 0.4);
   for (int i = 0; i < joints; ++i) {
@@ -47,7 +47,7 @@ Model with_point(const Model& arm, const std::string& on, double mass, const Eig
   return Model(std::move(d));
 }
 
-// What effects hold a joint with at rest, as its offset.
+// The torques of effects at rest, as offsets of the joints.
 double held_torque(const Model& arm, int joint, const VectorXd& q) {
   double sum = 0.0;
   for (const EffectTerm& term : arm.effects()) {
@@ -97,7 +97,7 @@ TEST_F(Payload, MassAndCentreOnTheLastLinkAreFound) {
   EXPECT_NEAR(best.moment.x(), 1.5 * 0.05, 0.02);
   EXPECT_NEAR(best.moment.y(), 1.5 * -0.02, 0.02);
   EXPECT_NEAR(best.moment.z(), 1.5 * 0.08, 0.02);
-  // What friction and offsets may do alone is told apart from what the load does.
+  // The error with changed friction and offsets alone is reported apart from that with the load.
   EXPECT_LT(report.error_with_drift.norm(), report.error_before.norm());
   EXPECT_LT(report.error_after.norm(), 0.5 * report.error_with_drift.norm());
   for (Eigen::Index i = 0; i < report.error_before.size(); ++i)
@@ -115,8 +115,8 @@ TEST_F(Payload, AVelocityInDegreesIsNoLoad) {
   EXPECT_NEAR(found.links[0].mass, 1.5, 0.075);
 }
 
-// The torque of the fifth joint was not recorded: its zeros lift no load.
-TEST_F(Payload, AJointWithoutTorqueCarriesNothing) {
+// The torque of the fifth joint was not recorded.
+TEST_F(Payload, AJointWithoutTorqueDoesNotChangeTheLoad) {
   const std::string last = arm_.frames().back().name;
   MotionSamples motion{VectorXd::LinSpaced(3000, 0.0, 29.99), MatrixXd(3000, 6), {}, {}};
   for (int i = 0; i < 6; ++i)
@@ -133,9 +133,8 @@ TEST_F(Payload, AJointWithoutTorqueCarriesNothing) {
   EXPECT_LT((load.com - Eigen::Vector3d(0.05, -0.02, 0.08)).norm(), 0.02) << report.report();
 }
 
-// A load on the axis of the last joint can be held by the link before it as well; the noise of a
-// recording does not decide which of them is named.
-TEST_F(Payload, OfATieTheOutermostLinkIsNamed) {
+// A load on the axis of the last joint has the same torques on the link before it.
+TEST_F(Payload, OfEquivalentLinksTheOutermostIsNamed) {
   arm_ = plausible_model(read_model("planar-2r"), 4).arm;
   const Frame& last = arm_.frames().back();
   int inner_gains_more = 0;
@@ -151,9 +150,8 @@ TEST_F(Payload, OfATieTheOutermostLinkIsNamed) {
   EXPECT_GT(inner_gains_more, 0);  // else nothing is tested here
 }
 
-// The axes of a SCARA are all vertical: no torque tells at which height a load hangs, and an interval
-// that says so cannot be narrow.
-TEST_F(Payload, AHeightThatNoTorqueSeesIsBoundedByTheReachOnly) {
+// The axes of a SCARA are all vertical: torques do not depend on the height of a load.
+TEST_F(Payload, AnUndeterminedHeightHasTheIntervalOfTheReach) {
   arm_ = plausible_model(read_model("scara"), 4).arm;
   const std::string frame = arm_.frames().back().name;
   const std::string path =
@@ -168,8 +166,8 @@ TEST_F(Payload, AHeightThatNoTorqueSeesIsBoundedByTheReachOnly) {
   EXPECT_NEAR(load.com[0], 0.02, 0.02);
 }
 
-// An elbow whose axis leans a little shows the height in torques far below the noise: the load is placed at height zero
-// rather than wherever noise puts it. (A base that leans shows nothing: all axes lean with it.)
+// The axis of the elbow leans a little, so that torques depend on the height far below the noise. (With a leaning base they do
+// not depend on it: all axes lean alike.)
 TEST_F(Payload, AHeightBelowTheNoiseIsZero) {
   const Model upright = plausible_model(read_model("scara"), 4).arm;
   for (const double lean : {1e-6, 1e-5, 1e-4}) {
@@ -188,8 +186,7 @@ TEST_F(Payload, AHeightBelowTheNoiseIsZero) {
   }
 }
 
-// What the model has and the arm does not is a load below zero.
-TEST_F(Payload, WhatWasTakenOffIsNegative) {
+TEST_F(Payload, ALoadTakenOffIsNegative) {
   const std::string last = arm_.frames().back().name;
   const Model bare = arm_;
   const std::string path = recording_with("", 6, two_waves(arm_.joints()));
@@ -209,15 +206,14 @@ TEST_F(Payload, WhatWasTakenOffIsNegative) {
   EXPECT_LT((report.links[0].com - Eigen::Vector3d(0.0, 0.0, 0.05)).norm(), 0.02) << report.report();
 }
 
-// A spring is no load: the joint that it holds stays unexplained.
-TEST_F(Payload, ASpringIsNoLoad) {
+TEST_F(Payload, ASpringIsNoLoadAndItsJointStaysUnexplained) {
   arm_ = plausible_model(read_model("planar-2r"), 4).arm;
   const PayloadReport report = find_payload(arm_, {recording_with("joint_spring:1:stiffness=60", 7, two_waves(arm_.joints()))});
   EXPECT_FALSE(report.found()) << report.report();
 }
 
-// Poses at rest tell a load by gravity; dry friction of which nobody knows the side widens the interval.
-TEST_F(Payload, PosesAtRestTellALoadWithinTheirFriction) {
+// Dry friction of unknown direction widens the interval.
+TEST_F(Payload, PosesAtRestDetermineALoadWithinTheirFriction) {
   const std::string last = arm_.frames().back().name;
   const Model loaded = with_point(arm_, last, 1.5, {0.05, -0.02, 0.08});
   const VectorXd friction = dry_friction(arm_);
@@ -256,7 +252,7 @@ TEST_F(Payload, PosesAtRestTellALoadWithinTheirFriction) {
   EXPECT_LT(sure.links[0].mass_high - sure.links[0].mass_low, load.mass_high - load.mass_low);
 }
 
-TEST_F(Payload, OneLinkOnlyIfAskedSo) {
+TEST_F(Payload, OnlyTheGivenLinkIsTested) {
   const std::string last = arm_.frames().back().name;
   const std::string path = recording_with("payload:" + last + ":mass=1", 2);
   const PayloadReport report = find_payload(arm_, {path}, {}, last);
@@ -265,8 +261,7 @@ TEST_F(Payload, OneLinkOnlyIfAskedSo) {
   EXPECT_THROW(find_payload(arm_, {path}, {}, "no_such_frame"), InvalidInput);
 }
 
-// A CAD model: masses, and friction that has yet to be found.
-TEST_F(Payload, FrictionThatACadModelLacksIsFittedFirst) {
+TEST_F(Payload, FrictionThatACadModelDoesNotHaveIsFittedFirst) {
   ModelDescription d = arm_.description();
   for (EffectTerm& term : d.effects) {
     for (const EffectParameter& p : find_effect(term.effect).parameters()) term.values.erase(p.name);
@@ -285,8 +280,8 @@ TEST_F(Payload, AnArmWithoutValuesIsRefused) {
   EXPECT_THROW(find_payload(read_model("psm-3dof"), {"none.csv"}), InvalidInput);
 }
 
-// A mass whose interval holds zero is not determined, and where it sits means nothing.
-TEST(PayloadTable, ShowsWhatItIsOrderedByAndNoCentreOfNothing) {
+// A mass whose interval contains zero is not determined, and has no centre.
+TEST(PayloadTable, ShowsTheGainAndNoCentreOfAnUndeterminedMass) {
   PayloadReport report;
   report.robot = "arm";
   PayloadEstimate sure;
@@ -313,7 +308,7 @@ TEST(PayloadTable, ShowsWhatItIsOrderedByAndNoCentreOfNothing) {
     EXPECT_EQ(text.find(part), std::string::npos) << part << "\n" << text;
 }
 
-// A load is found by a mass, or by a moment, that is surely not zero, where it gains enough and weighs what a load can.
+// A load is found if the interval of its mass or moment excludes zero, its gain is large enough and its mass is possible.
 TEST(PayloadTable, SaysWhetherALoadIsFound) {
   PayloadReport report;
   report.robot = "arm";

@@ -9,7 +9,7 @@
 #include "effects/kinematic_error.hpp"
 #include "veridyn/files/model_file.hpp"
 
-// What is asked of an arm: links, channels, constants of its file.
+// Links, channels and constants of an arm that a diagnosis tests.
 
 namespace veridyn {
 namespace {
@@ -34,8 +34,7 @@ TEST(EffectFacts, ComeFromTheEffects) {
   EXPECT_FALSE(is_friction("payload"));
 }
 
-// A slide's zero is a length, a hinge's an angle.
-TEST(EffectFacts, PhrasesOfChannelsKnowSlidesFromHinges) {
+TEST(EffectFacts, ZerosAreLengthsOfPrismaticAndAnglesOfRevoluteJoints) {
   const Model arm = read_model("psm-3dof");
   int slides = 0;
   for (int i = 0; i < arm.joints(); ++i) {
@@ -50,7 +49,7 @@ TEST(EffectFacts, PhrasesOfChannelsKnowSlidesFromHinges) {
   EXPECT_EQ(slides, 1);
 }
 
-TEST(Geometry, NumbersOfTheRowsAndTheArmWithAnother) {
+TEST(Geometry, ConstantsOfRowsAreReadAndReplaced) {
   const Model arm = read_model("planar-2r");
   const std::vector<FrameConstant> constants = row_constants(arm);
   ASSERT_EQ(constants.size(), 8U);  // four for each of two frames

@@ -46,7 +46,7 @@ Diagnosis of_poses(double stiffness, bool pitch_moves = true) {
                           {hanging_poses(3, stiffness, pitch_moves)});
 }
 
-// A cable that pulls towards the middle from either side is no spring and no gravity.
+// The cable pulls towards the middle from both sides.
 TEST(DiagnosisAtRest, NamesACableOnItsJoint) {
   const Diagnosis d = of_poses(kStiffness);
   ASSERT_FALSE(d.findings.empty());
@@ -57,14 +57,13 @@ TEST(DiagnosisAtRest, NamesACableOnItsJoint) {
   EXPECT_LT(d.extended.test_error.relative[1], 0.5 * d.baseline.test_error.relative[1]);
 }
 
-TEST(DiagnosisAtRest, NamesNothingWhereThereIsGravityAndFriction) {
+TEST(DiagnosisAtRest, NamesNothingIfThereIsOnlyGravityAndFriction) {
   const Diagnosis d = of_poses(0.0);
   EXPECT_TRUE(d.findings.empty()) << d.report();
   for (const JointVerdict& v : d.joints) EXPECT_EQ(v.state, JointState::kAtFloor) << d.report();
 }
 
-// A joint that stands still is asked about nothing, and the others are diagnosed.
-TEST(DiagnosisAtRest, AsksNothingOfAJointThatStandsStill) {
+TEST(DiagnosisAtRest, TestsNothingOnAJointThatDoesNotMove) {
   const Diagnosis all = of_poses(0.0);
   const Diagnosis some = of_poses(kStiffness, false);
   ASSERT_TRUE(some.baseline.model.has_value()) << some.baseline.reason;
@@ -72,8 +71,8 @@ TEST(DiagnosisAtRest, AsksNothingOfAJointThatStandsStill) {
   for (const Finding& f : some.findings) EXPECT_NE(f.joint->value, 1) << some.report();
 }
 
-// Who asks about one cause hears of no other, and that others were not asked about.
-TEST(DiagnosisAtRest, AsksAboutWhatIsWantedOnly) {
+// The verdict says that other causes were not tested.
+TEST(DiagnosisAtRest, TestsOnlyTheGivenCauses) {
   const std::vector<RestPoses> train = {hanging_poses(1, kStiffness), hanging_poses(2, kStiffness)};
   const auto asked = [&train](const std::string& cause) {
     DiagnosisOptions options;
@@ -92,7 +91,7 @@ TEST(DiagnosisAtRest, AsksAboutWhatIsWantedOnly) {
   EXPECT_THROW(asked("position_farce"), InvalidInput);
 }
 
-TEST(DiagnosisAtRest, JudgesNoJointWithoutAHeldOutError) {
+TEST(DiagnosisAtRest, CannotTellAboutAJointWithoutAHeldOutError) {
   const std::vector<RestPoses> train = {hanging_poses(1, 0.0), hanging_poses(2, 0.0)};
   const Diagnosis nothing_held_out = diagnose_at_rest(read_model("psm-3dof"), train, {});
   ASSERT_EQ(nothing_held_out.joints.size(), 3U);

@@ -5,19 +5,19 @@
 #include <map>
 
 #include "diagnosis/search/explain.hpp"
-#include "diagnosis/stage_support.hpp"
+#include "diagnosis/two_joint_arm.hpp"
 #include "veridyn/files/model_file.hpp"
 
-// One dictionary, one score, one search: what it names, and that it names nothing where nothing is hidden.
+// The search of a diagnosis: hidden causes are named, and nothing is named if nothing is hidden.
 
 namespace veridyn {
 namespace {
 
-class OneSearch : public Stages {
+class OneSearch : public TwoJointArm {
  protected:
   OneSearch() : bare_(as_prior(read_model("planar-2r"))) {}
 
-  // The file of a robot whose values are not known.
+  // The robot file without values.
   static Model as_prior(const Model& arm) {
     ModelDescription d = arm.description();
     d.values = RobotValues::kPrior;
@@ -37,7 +37,7 @@ class OneSearch : public Stages {
     return diagnose(robot, {all[0], all[1], all[2]}, {all[3]}, options);
   }
 
-  // A MODEL of the arm as it is now.
+  // A MODEL of the arm.
   Model model() const {
     const std::vector<std::string> all = recorded(21, {});
     const Identification id = identify(bare_, all);
@@ -73,14 +73,14 @@ class OneSearch : public Stages {
   Model bare_;
 };
 
-TEST_F(OneSearch, NothingHiddenIsNothingFound) {
+TEST_F(OneSearch, FindsNothingIfNothingIsHidden) {
   const Diagnosis d = diagnosed(bare_, {});
   EXPECT_TRUE(d.findings.empty()) << d.report();
   for (const JointVerdict& v : d.joints) EXPECT_EQ(v.state, JointState::kAtFloor) << d.report();
   EXPECT_EQ(d.verdict(), "none");
 }
 
-TEST_F(OneSearch, ASpringIsItsStiffnessAndNothingElse) {
+TEST_F(OneSearch, FindsASpringWithItsStiffnessAndNothingElse) {
   const Diagnosis d = diagnosed(bare_, {"joint_spring:elbow:stiffness=4"});
   ASSERT_EQ(d.findings.size(), 1U) << d.report();
   const FoundParameter& stiffness = parameter(d.findings[0], "stiffness");
@@ -91,22 +91,22 @@ TEST_F(OneSearch, ASpringIsItsStiffnessAndNothingElse) {
   EXPECT_LT(d.extended.test_error.relative[1], 0.5 * d.baseline.test_error.relative[1]);
 }
 
-// The shape lies between the values of the grid.
-TEST_F(OneSearch, AShapeIsPolished) {
+// The true constant lies between the values of the grid.
+TEST_F(OneSearch, RefinesAShapeConstantBetweenTheGridValues) {
   const Diagnosis d = diagnosed(bare_, {"presliding_hysteresis:shoulder:level=3,distance=0.037"});
   const Finding* f = find(d, "presliding_hysteresis");
   ASSERT_NE(f, nullptr) << d.report();
   EXPECT_NEAR(parameter(*f, "distance").value, 0.037, 0.005) << d.report();
 }
 
-TEST_F(OneSearch, AnUnchangedArmHasNotChanged) {
+TEST_F(OneSearch, FindsNoChangeOfAnUnchangedArm) {
   const Diagnosis d = diagnosed(model(), {});
   EXPECT_TRUE(d.findings.empty()) << d.report();
   EXPECT_EQ(d.verdict(), "nothing has changed") << d.report();
 }
 
-// Against a MODEL a load has either sign, and the extended model predicts with it.
-TEST_F(OneSearch, ALoadIsAddedAndTakenOff) {
+// The extended model contains the load.
+TEST_F(OneSearch, FindsALoadOfEitherSignAgainstAModel) {
   const Model before = model();
   for (const double mass : {0.4, -0.4}) {
     const Model as_it_was = truth_;
@@ -120,8 +120,8 @@ TEST_F(OneSearch, ALoadIsAddedAndTakenOff) {
   }
 }
 
-// A spring that is without load elsewhere than at zero is one term: the offset of the MODEL does not take it up.
-TEST_F(OneSearch, ASpringAgainstAModelHasItsRestAngle) {
+// The offset of the MODEL cannot absorb the constant part of a spring.
+TEST_F(OneSearch, FindsASpringWithItsRestAngleAgainstAModel) {
   const Model before = model();
   change([](ModelDescription& d) {
     EffectTerm spring;
@@ -137,8 +137,8 @@ TEST_F(OneSearch, ASpringAgainstAModelHasItsRestAngle) {
   EXPECT_NEAR(parameter(d.findings[0], "stiffness").value, 5.0, 0.3) << d.report();
 }
 
-// Far from the file's direction no derivative leads there.
-TEST_F(OneSearch, TorquesWithoutGravityAreSaidToBeThat) {
+// The linearisation at the direction of the file does not lead to zero gravity.
+TEST_F(OneSearch, FindsTorquesWithoutGravity) {
   ASSERT_GT(truth_.gravity().norm(), 0.0);
   change([](ModelDescription& d) { d.gravity.setZero(); });
   const Diagnosis d = diagnosed(bare_, {});
@@ -150,8 +150,8 @@ TEST_F(OneSearch, TorquesWithoutGravityAreSaidToBeThat) {
   EXPECT_LT(d.extended.test_error.relative.maxCoeff(), 0.1 * d.baseline.test_error.relative.maxCoeff()) << d.report();
 }
 
-// The prior probabilities of all causes, each over its grid, sum to one.
-TEST_F(OneSearch, PricesArePriorsThatSumToOne) {
+// Each cause is summed over its grid.
+TEST_F(OneSearch, PriorProbabilitiesOfAllCausesSumToOne) {
   DiagnosisState x = investigation(bare_, {});
   const search::Rows rows(*x.start.model, x.train, x.options.identification.preprocessing);
   const std::vector<search::Term> all = search::dictionary(rows, {});

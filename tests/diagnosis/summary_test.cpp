@@ -4,7 +4,7 @@
 #include "diagnosis/findings/held_out.hpp"
 #include "diagnosis/findings/summary.hpp"
 
-// What a reader sees first, and what the held-out recordings hold against a finding.
+// The order of findings, and their errors on held-out recordings.
 
 namespace veridyn {
 namespace {
@@ -28,7 +28,7 @@ Diagnosis diagnosis(const VectorXd& before, const VectorXd& after) {
   return d;
 }
 
-TEST(Summary, TheFewThatExplainMostComeFirst) {
+TEST(Summary, FindingsThatExplainMostComeFirst) {
   Diagnosis d = diagnosis(errors(0.2, 0.2), errors(0.05, 0.05));
   d.findings = {finding("first found", 0, 0.01), finding("small", 0, 0.02),
                 finding("large", 1, 0.6), finding("middling", 0, 0.3)};
@@ -38,27 +38,14 @@ TEST(Summary, TheFewThatExplainMostComeFirst) {
   EXPECT_EQ(effect_of(d.findings[1].cause), "large");
   EXPECT_EQ(effect_of(d.findings[2].cause), "middling");
   EXPECT_FALSE(d.findings[3].main);
+  EXPECT_TRUE(d.small_apart);
   for (int k = 0; k < 4; ++k) EXPECT_EQ(d.findings[k].rank, k + 1);
   EXPECT_NEAR(d.summary.explained_by_main, 0.91, 1e-12);
   EXPECT_NEAR(d.summary.explained_by_all, 1.0 - 0.05 * 0.05 / 0.04, 1e-12);
   EXPECT_TRUE(d.summary.worse_joints.empty());
 }
 
-// What is not confirmed is not in the extended model, by which all of them are judged, unless it holds all.
-TEST(Summary, WhatIsNotConfirmedExplainsNothing) {
-  Diagnosis d = diagnosis(errors(0.2, 0.2), errors(0.2, 0.2));
-  d.findings = {finding("confirmed", 0, 0.01), finding("not confirmed", 0, 0.14), finding("another", 1, 0.001)};
-  d.findings[1].status = FindingStatus::kNotConfirmed;
-  Diagnosis with_all = d;
-  summarize(d, {});
-  EXPECT_NEAR(d.summary.explained_by_main, 0.01, 1e-12);
-  DiagnosisOptions all;
-  all.extended = ExtendedModel::kAllFindings;
-  summarize(with_all, all);
-  EXPECT_NEAR(with_all.summary.explained_by_main, 0.15, 1e-12);
-}
-
-// A curve that predicts what repeats differ by: the extended model is no better, and what is left is below the noise floor.
+// The curve predicts the difference between repeats, so that the remaining error is below the noise floor.
 TEST(Summary, CurvesWithoutANameCountAmongAllFindings) {
   Diagnosis d = diagnosis(errors(0.2, 0.1), errors(0.2, 0.1));
   d.baseline.noise_floor = errors(0.19, 0.1);
@@ -70,7 +57,7 @@ TEST(Summary, CurvesWithoutANameCountAmongAllFindings) {
   EXPECT_NEAR(d.summary.explained_by_all, 1.0, 1e-12);
 }
 
-TEST(Summary, TheVerdictBeginsWithWhatTrainingConfirmsAndHeldOutRecordingsDoNotContradict) {
+TEST(Summary, TheFirstFindingIsConfirmedAndNotContradicted) {
   Diagnosis d = diagnosis(errors(0.2, 0.2), errors(0.1, 0.1));
   d.findings = {finding("not confirmed", 0, 0.0), finding("contradicted", 0, 0.0),
                 finding("agrees", 1, 0.01), finding("large", 0, 0.6)};
@@ -87,8 +74,8 @@ TEST(Summary, TheVerdictBeginsWithWhatTrainingConfirmsAndHeldOutRecordingsDoNotC
   EXPECT_EQ(effect_of(since_a_model.findings[0].cause), "not confirmed");
 }
 
-// A gain beside a curve over its own torque is a mean; beside a curve of its joint over anything else it is a factor.
-TEST(Summary, AGainThatIsNoFactorSaysSo) {
+// Beside a curve over the same torque a gain is a mean of a nonlinear relation.
+TEST(Summary, AGainBesideACurveOverItsTorqueIsNotCalledAConstantFactor) {
   for (const char* signal : {"tau2", "tau1", "q2"}) {
     Diagnosis d = diagnosis(errors(0.2, 0.2), errors(0.1, 0.1));
     d.findings = {finding("unnamed", 1, 0.3), finding("unnamed", 1, 0.3)};
@@ -101,7 +88,7 @@ TEST(Summary, AGainThatIsNoFactorSaysSo) {
   }
 }
 
-TEST(Summary, JointsThatAreWorseAreNamedInTheVerdict) {
+TEST(Summary, TheVerdictNamesJointsWithALargerError) {
   Diagnosis d = diagnosis(errors(0.2, 0.1), errors(0.1, 0.15));
   d.findings = {finding("backlash", 1, -0.1)};
   d.findings[0].phrase = "a gap";
@@ -114,7 +101,7 @@ TEST(Summary, JointsThatAreWorseAreNamedInTheVerdict) {
   EXPECT_EQ(d.verdict(), "none");
 }
 
-TEST(HeldOut, TheShareIsOfWhatLiesAboveTheNoise) {
+TEST(HeldOut, TheShareRefersToTheErrorAboveTheNoiseFloor) {
   Identification baseline;
   baseline.test_error.relative = (VectorXd(2) << 0.5, 0.1).finished();
   baseline.noise_floor = VectorXd::Constant(2, 0.1);
@@ -126,8 +113,8 @@ TEST(HeldOut, TheShareIsOfWhatLiesAboveTheNoise) {
   EXPECT_EQ(explained_share(baseline.test_error.relative, after, baseline), 0.0);
 }
 
-// The held-out recordings say something else here, and it counts for nothing.
-TEST(Status, AsksForASmallerErrorOfHeldOutPartsInSumAndOnTheFindingsOwnJoint) {
+// The test recordings contradict the findings here; the status does not depend on them.
+TEST(Status, IsConfirmedIfTheCrossValidatedErrorFallsInSumAndOnTheFindingsJoint) {
   Finding f = finding("backlash", 0, 0.0);
   const auto status = [&f](const VectorXd& before, const VectorXd& after) {
     f.folds_before = f.test_after = before;

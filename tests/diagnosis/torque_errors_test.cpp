@@ -8,8 +8,7 @@
 #include "veridyn/files/model_file.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 
-// Crosstalk between torque channels; torques at the
-// limit of their channel.
+// Crosstalk between torque channels; torques at the limit of their channel.
 
 namespace veridyn {
 namespace {
@@ -44,8 +43,8 @@ TEST(TorqueCrosstalk, TakesThePlaceOfTheCurveOverTheOtherTorque) {
   EXPECT_TRUE(d.extended.model->coordinates()[0].recorded.torque_crosstalk.empty());
 }
 
-// What the channel of the pitch adds bends parameters that both joints share: the yaw is off before, and at its floor after.
-TEST(TorqueCrosstalk, NamesTheErrorOfAJointThatItBends) {
+// Crosstalk into the pitch biases parameters that both joints share, and so raises the error of the yaw.
+TEST(TorqueCrosstalk, ExplainsTheErrorOfAJointWithSharedParameters) {
   const Model arm = plausible_model(read_model("psm-3dof"), 2).arm;
   std::vector<Recording> rows;
   for (const unsigned seed : {1U, 2U, 3U}) {
@@ -71,7 +70,7 @@ TEST(TorqueCrosstalk, NamesTheErrorOfAJointThatItBends) {
   EXPECT_EQ(d.joints[2].state, JointState::kAtFloor);
 }
 
-TEST(TorqueCrosstalk, IsNotThereWithoutIt) {
+TEST(TorqueCrosstalk, IsNotNamedIfThereIsNone) {
   DiagnosisOptions asked;
   asked.effects = {"torque_crosstalk"};
   for (const DiagnosisOptions& how : {DiagnosisOptions(), asked})
@@ -99,7 +98,7 @@ bool says(const Diagnosis& d, const std::string& words) {
                      [&words](const std::string& r) { return r.find(words) != std::string::npos; });
 }
 
-TEST(ATorqueAtItsLimit, IsLeftOutAndBendsNothing) {
+TEST(ATorqueAtItsLimit, IsLeftOutAndBiasesNothing) {
   const Diagnosis plain = diagnosed_between_limits(2.0);
   EXPECT_FALSE(says(plain, "stands at its limit"));
   EXPECT_TRUE(plain.excluded_intervals.empty());
@@ -116,7 +115,7 @@ TEST(ATorqueAtItsLimit, IsLeftOutAndBendsNothing) {
   EXPECT_LT(d.joints[0].held_out, 1.2 * plain.joints[0].held_out);
 }
 
-TEST(ATorqueAtItsLimit, MostOfTheTimeIsSaidAndKept) {
+TEST(ATorqueAtItsLimit, IsKeptWithARemarkIfItIsThereMostOfTheTime) {
   const Diagnosis d = diagnosed_between_limits(0.1);
   EXPECT_TRUE(says(d, "too much to be left out")) << d.report();
   for (const ExcludedInterval& part : d.excluded_intervals) EXPECT_NE(part.why, "torque at its limit");

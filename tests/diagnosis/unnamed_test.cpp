@@ -14,7 +14,7 @@
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/files/model_file.hpp"
 
-// What a residual depends on, in words and as a table of the model.
+// Dependence of a residual on signals, in words and as a table of the model.
 
 namespace veridyn {
 namespace {
@@ -44,7 +44,7 @@ std::string words(SignalKind kind, double low, double high, double (*curve)(doub
   return shape_words(shape_along(low, high, curve), {signal(kind, low, high)});
 }
 
-TEST(ShapeWords, SayWhatTheCurveLooksLike) {
+TEST(ShapeWords, DescribeTheCurve) {
   const auto starts = [](const std::string& text, const char* with) { return text.find(with) != std::string::npos; };
   EXPECT_TRUE(starts(words(SignalKind::kPosition, -1, 1, [](double x) { return std::max(0.0, x - 0.5); }), "one-sided: nothing below 0."));
   EXPECT_TRUE(starts(words(SignalKind::kPosition, -1, 1, [](double x) { return std::min(0.0, x + 0.5); }), "one-sided: nothing above -0."));
@@ -56,7 +56,7 @@ TEST(ShapeWords, SayWhatTheCurveLooksLike) {
   EXPECT_TRUE(starts(words(SignalKind::kHistory, -1, 1, [](double x) { return x; }), "with a memory"));
 }
 
-TEST(Tables, AreTheCurve) {
+TEST(Tables, ReproduceTheCurve) {
   const Model arm = read_model("planar-2r");
   const UnnamedShape shape = shape_along(-0.5, 1.1, [](double x) { return 2.0 * x + 0.3; });
   const std::vector<EffectTerm> terms = tables_of(arm, {0}, shape, {signal(SignalKind::kPosition, -0.5, 1.1)});
@@ -133,8 +133,7 @@ TEST(Unnamed, ACurveThatIsNotKeptSaysWhy) {
   EXPECT_EQ(remarks(scara_with(squared)), 0);
 }
 
-// An amplifier with a dead zone: whatever stands for it on its joint, no name is a constant factor.
-TEST(Unnamed, ADeadZoneIsNoFactor) {
+TEST(Unnamed, ADeadZoneIsNotNamedAsAConstantFactor) {
   const Diagnosis d = scara_with([](Recording& r, unsigned) {
     for (double& t : r.tau.col(1)) t = std::copysign(std::max(0.0, std::abs(t) - 1.1), t);  // of 1.5 N m
   });
@@ -149,8 +148,8 @@ TEST(Unnamed, ADeadZoneIsNoFactor) {
   EXPECT_TRUE(curve) << d.report();
 }
 
-// A spring, which has a name and takes most of the error, beside friction that depends on another joint, which has none.
-TEST(Unnamed, AJointWithACurveIsNamedWhereNamesTakeMost) {
+// A spring explains most of the error; friction that depends on another joint is in no dictionary.
+TEST(Unnamed, AJointWithACurveIsNamedIfNamesExplainMost) {
   for (const double spring : {0.0, 12.0}) {
     const Diagnosis d = scara_with([spring](Recording& r, unsigned) {
       for (int k = 0; k < r.rows(); ++k)
@@ -163,9 +162,8 @@ TEST(Unnamed, AJointWithACurveIsNamedWhereNamesTakeMost) {
   }
 }
 
-// A spring that is hooked on, and an amplifier whose factor grows, half-way through each recording: repeats differ by as
-// much as the model is wrong, and that is no floor.
-TEST(Unnamed, WhatChangesBetweenRepeatsIsNoNoise) {
+// A spring and a larger gain are added half-way through each recording, so that repeats differ.
+TEST(Unnamed, AChangeBetweenRepeatsIsNoNoiseFloor) {
   const auto half_way = [](const std::function<double(const Recording&, int)>& change) {
     return scara_with(
         [&change](Recording& r, unsigned) {
@@ -180,7 +178,7 @@ TEST(Unnamed, WhatChangesBetweenRepeatsIsNoNoise) {
     ASSERT_EQ(d->baseline.noise_floor.size(), 4) << d->report();
     ASSERT_GT(d->baseline.noise_floor[0], 0.05) << d->report();
     EXPECT_LT(v.floor, 0.7 * d->baseline.noise_floor[0]) << d->report();
-    // Half of the spring is there on average; what is left of it, and the factor, depend on the time.
+    // The mean of the spring is half of it; the rest, and the gain, depend on time.
     EXPECT_EQ(v.state, d == &spring ? JointState::kNamed : JointState::kUnnamed) << d->report();
     EXPECT_TRUE(std::any_of(d->findings.begin(), d->findings.end(), [](const Finding& f) {
       return f.shape && f.joint == JointIndex{0} && f.explains > 0.2 &&
@@ -189,8 +187,8 @@ TEST(Unnamed, WhatChangesBetweenRepeatsIsNoNoise) {
   }
 }
 
-// Torques of a few values, others in each recording: no signal predicts what the steps leave, and the verdict says why.
-TEST(Unnamed, CoarseStepsOfATorqueAreTheReason) {
+// No signal predicts the error by quantisation.
+TEST(Unnamed, TheVerdictGivesCoarseStepsOfATorqueAsTheReason) {
   const Diagnosis d = scara_with(
       [](Recording& r, unsigned seed) {
         const double step = (r.tau.col(1).maxCoeff() - r.tau.col(1).minCoeff()) / (3.1 + 1.3 * seed);
@@ -203,8 +201,8 @@ TEST(Unnamed, CoarseStepsOfATorqueAreTheReason) {
   EXPECT_NE(v.why.find(" N m; "), std::string::npos) << v.why;
 }
 
-// Something shakes the shoulder, at a phase of its own in each recording: no joint at its floor says "none".
-TEST(Unnamed, AVibrationIsNoFloor) {
+// A vibration of the shoulder, with another phase in each recording.
+TEST(Unnamed, AJointWithAVibrationIsNotAtItsFloor) {
   const auto shaken = [](double frequency) {
     return scara_with([frequency](Recording& r, unsigned seed) {
       r.tau.col(0).array() += 0.5 * (2.0 * M_PI * frequency * r.time.array() + 1.7 * seed).sin();
@@ -218,8 +216,8 @@ TEST(Unnamed, AVibrationIsNoFloor) {
   for (const JointVerdict& one : still.joints) EXPECT_EQ(one.state, JointState::kAtFloor) << still.report();
 }
 
-// Of a line that a joint of the arm moves with as well, its motion may be the reason.
-TEST(Unnamed, ALineOfTheMotionIsNoVibration) {
+// The motion of a joint contains the same frequency.
+TEST(Unnamed, AFrequencyOfTheMotionIsNoVibration) {
   const auto seen = [](double of_motion) {
     Identification id;
     for (int k = 0; k < 3; ++k) {
@@ -248,7 +246,7 @@ TEST(Unnamed, ALineOfTheMotionIsNoVibration) {
 }
 
 // The same arm in which joints 1 and 3 follow one sine, 2 another one.
-TEST(CorrelatedColumns, FindsStraightLinesOfOneAnother) {
+TEST(CorrelatedColumns, FindsCollinearColumns) {
   MatrixXd q(500, 4);
   for (int k = 0; k < 500; ++k) {
     const double t = 0.02 * k;

@@ -2,15 +2,15 @@
 
 #include <algorithm>
 
-#include "diagnosis/stage_support.hpp"
+#include "diagnosis/two_joint_arm.hpp"
 #include "veridyn/files/model_file.hpp"
 
-// Diagnoses from the recordings to the report: answers that single stages do not give.
+// Diagnoses from recordings to report.
 
 namespace veridyn {
 namespace {
 
-class WholeDiagnosis : public Stages {
+class WholeDiagnosis : public TwoJointArm {
  protected:
   // The last of five recordings is held out.
   Diagnosis diagnosed(const Model& robot, const std::vector<std::string>& hidden, const std::vector<std::string>& effects,
@@ -28,7 +28,7 @@ class WholeDiagnosis : public Stages {
   }
 };
 
-TEST_F(WholeDiagnosis, RecordingsThatGiveNoModelAreAnAnswer) {
+TEST_F(WholeDiagnosis, RecordingsThatGiveNoModelGiveAReason) {
   const Diagnosis d = diagnosed(read_model("planar-2r"), {}, {}, [](Recording& r, unsigned) { r = rows_of(r, 0, 50); });
   EXPECT_FALSE(d.baseline.model.has_value());
   EXPECT_NE(d.baseline.reason.find("no usable samples"), std::string::npos) << d.baseline.reason;
@@ -37,8 +37,8 @@ TEST_F(WholeDiagnosis, RecordingsThatGiveNoModelAreAnAnswer) {
   EXPECT_TRUE(d.joints.empty());
 }
 
-// What pushed the arm is said first, and what the arm has is found beside it as if nobody had pushed.
-TEST_F(WholeDiagnosis, APushBesideASpringLeavesTheSpringAsItIs) {
+// The push is the first finding.
+TEST_F(WholeDiagnosis, APushDoesNotChangeTheEstimateOfASpring) {
   const std::vector<std::string> hidden = {"joint_spring:elbow:stiffness=4"}, effects = {"joint_spring", "external_contact"};
   const auto spring_of = [](const Diagnosis& d) {
     const auto found = std::find_if(d.findings.begin(), d.findings.end(), [](const Finding& f) { return effect_of(f.cause) == "joint_spring"; });
@@ -59,9 +59,8 @@ TEST_F(WholeDiagnosis, APushBesideASpringLeavesTheSpringAsItIs) {
   EXPECT_LT(pushed.extended.test_error.relative.maxCoeff(), 1.1 * alone.extended.test_error.relative.maxCoeff());
 }
 
-// A force of the shoulder's position that no asked cause has: the joint is above its floor, whether the held-out recording
-// bears it out or has the other sign. A share is no negative number.
-TEST_F(WholeDiagnosis, WhatWasNotAskedAboutIsNoFloor) {
+// The shoulder has a force of position that no tested cause describes, in the held-out recording with either sign.
+TEST_F(WholeDiagnosis, AJointWithACauseThatWasNotTestedIsNotAtItsFloor) {
   for (const double sign : {1.0, -1.0}) {
     const Diagnosis d = diagnosed(read_model("planar-2r"), {}, {"viscous_friction"}, [sign](Recording& r, unsigned k) {
       r.tau.col(0).array() += (k < 5 ? 4.0 : 4.0 * sign) * (3.0 * r.q.col(0).array()).sin();
@@ -76,8 +75,8 @@ TEST_F(WholeDiagnosis, WhatWasNotAskedAboutIsNoFloor) {
   }
 }
 
-// A manufacturer's file has no friction: it is added, told in a table, and is no finding.
-TEST_F(WholeDiagnosis, FrictionThatAFileLacksIsATable) {
+// The robot file has no friction.
+TEST_F(WholeDiagnosis, AddedFrictionIsReportedInATableAndIsNoFinding) {
   ModelDescription bare = without_effects(read_model("planar-2r")).description();
   bare.values = RobotValues::kPrior;
   const Diagnosis d = diagnosed(Model(std::move(bare)), {}, {"joint_spring"});

@@ -9,7 +9,7 @@
 #include "veridyn/files/model_file.hpp"
 #include "veridyn/regressor/standard_parameters.hpp"
 
-// What is said of a finding, and what is proposed to do next.
+// The words of findings, and the next experiment.
 
 namespace veridyn {
 namespace {
@@ -22,7 +22,7 @@ Finding finding(Cause cause, const std::string& phrase) {
   return f;
 }
 
-TEST(FindingWords, PlaceAndPhraseMakeASentenceForEveryKindOfCause) {
+TEST(FindingWords, EveryKindOfCauseHasASentence) {
   const Model arm = read_model("planar-2r");
   const auto said = [&arm](Cause cause, const std::string& phrase) {
     return sentence(arm, finding(std::move(cause), phrase));
@@ -44,8 +44,8 @@ TEST(FindingWords, PlaceAndPhraseMakeASentenceForEveryKindOfCause) {
   EXPECT_EQ(sentence(arm, large), "The arm has a delay. That is large.");
 }
 
-// The interval keeps its width where the new fit claims to know more.
-TEST(FindingWords, AnotherFitMovesValuesAndTheirIntervals) {
+// An interval does not become narrower by another fit.
+TEST(FindingWords, AnotherFitChangesValuesAndTheirIntervals) {
   Identification id;
   id.model = read_model("planar-2r");
   const std::vector<std::string> names = parameter_names(standard_parameters(*id.model));
@@ -63,8 +63,7 @@ TEST(FindingWords, AnotherFitMovesValuesAndTheirIntervals) {
   EXPECT_NEAR(f.parameters[0].high, 5.0 + 1.96, 0.01);
 }
 
-// What a fit does not know moves nothing.
-TEST(FindingWords, AFitWithoutThatParameterMovesNothing) {
+TEST(FindingWords, AFitWithoutTheParameterChangesNothing) {
   Finding f = finding(NewEffect{"viscous_friction", {0}}, "as before");
   f.parameters = {{"coefficient", "", 0.3, 0.2, 0.4}};
   Identification id;
@@ -83,8 +82,8 @@ TEST(FindingWords, AFitWithoutThatParameterMovesNothing) {
   EXPECT_EQ(f.phrase, "as before");
 }
 
-// Of a cause that acts on one joint that joint decides with the sum; of a wrong zero or constant the sum alone.
-TEST(FindingWords, AStatusAsksTheJointThatACauseActsOn) {
+// For a cause on one joint the sum and that joint count; for a wrong zero or constant the sum alone.
+TEST(FindingWords, TheStatusDependsOnTheJointThatACauseActsOn) {
   const auto status = [](Cause cause) {
     Finding f = finding(std::move(cause), "");
     f.folds_before = Eigen::Vector2d(0.2, 0.2);
@@ -106,7 +105,7 @@ Diagnosis with_rival(Cause cause, Cause rival) {
   return d;
 }
 
-TEST(NextExperiment, AsksForTheFirstPairThatAMotionCanSeparate) {
+TEST(NextExperiment, IsForTheFirstPairThatAMotionCanSeparate) {
   const Model arm = read_model("planar-2r");
   const NextExperiment load =
       next_experiment(with_rival(AddedLoad{{1}}, ChannelError{"torque_gain", JointIndex{1}}));
@@ -120,7 +119,7 @@ TEST(NextExperiment, AsksForTheFirstPairThatAMotionCanSeparate) {
                                        NewEffect{"presliding_hysteresis", {0}}))
                 .slow_passes,
             0);
-  // The same cause elsewhere, and what no motion of joints can show.
+  // The same cause on another joint, and causes that no motion can separate.
   EXPECT_TRUE(next_experiment(with_rival(NewEffect{"backlash", {0}}, NewEffect{"backlash", {1}}))
                   .between.empty());
   EXPECT_TRUE(next_experiment(with_rival(ChannelError{"encoder_offset", JointIndex{0}},
@@ -128,8 +127,8 @@ TEST(NextExperiment, AsksForTheFirstPairThatAMotionCanSeparate) {
                   .between.empty());
 }
 
-// A curve over positions, or over the travel since a reversal, shows at low speed.
-TEST(NextExperiment, ShowsTheFirstCurveWhereNothingIsToBeSeparated) {
+// A curve over positions, or over the travel since a reversal, needs slow motion.
+TEST(NextExperiment, IsForTheFirstCurveIfThereIsNothingToSeparate) {
   Diagnosis d = with_rival(NewEffect{"backlash", {0}}, NewEffect{"backlash", {1}});
   EXPECT_TRUE(next_experiment(d).shows.empty());
   for (const char* signal : {"q2", "history1", "dq1", "tau1"}) {
@@ -148,7 +147,7 @@ TEST(NextExperiment, ShowsTheFirstCurveWhereNothingIsToBeSeparated) {
   EXPECT_TRUE(next_experiment(d).shows.empty());  // what is to be separated goes first
 }
 
-TEST(DiagnosisReport, SaysWhatTheRecordingsLimit) {
+TEST(DiagnosisReport, NamesTheLimitsOfTheRecordings) {
   Diagnosis d = with_rival(NewEffect{"backlash", {0}}, NewEffect{"backlash", {1}});
   EXPECT_EQ(d.report().find("provisional"), std::string::npos);
   d.provisional = true;
@@ -171,8 +170,8 @@ TEST(DiagnosisReport, SaysWhatTheRecordingsLimit) {
   EXPECT_EQ(report.find("a fact"), std::string::npos);
 }
 
-// A push is no error of the model: its errors are those outside of it, and of no share of anything.
-TEST(DiagnosisReport, OfAContactSaysTheErrorsOutsideOfIt) {
+// A contact is no error of the model and has no share of the removable error.
+TEST(DiagnosisReport, GivesTheErrorsOutsideOfAContact) {
   Diagnosis d = with_rival(NewEffect{"backlash", {0}}, NewEffect{"backlash", {1}});
   d.findings = {finding(ExternalContact{{1}}, "something pushes")};
   d.findings[0].source = "one.csv";
@@ -185,7 +184,7 @@ TEST(DiagnosisReport, OfAContactSaysTheErrorsOutsideOfIt) {
   EXPECT_EQ(report.find("removable"), std::string::npos) << report;
 }
 
-TEST(DiagnosisReport, SaysFindingsRivalsAndWhatIsLeftOpen) {
+TEST(DiagnosisReport, ListsFindingsRivalsAndOpenQuestions) {
   Diagnosis d = with_rival(NewEffect{"backlash", {1}}, AddedLoad{{1}});
   d.findings[0].rank = 1;
   d.findings[0].explains = 0.25;
@@ -203,7 +202,7 @@ TEST(DiagnosisReport, SaysFindingsRivalsAndWhatIsLeftOpen) {
   EXPECT_EQ(d.verdict(), "Joint 2 (elbow): something.");
 }
 
-TEST(DiagnosisReport, AWordForAJointDoesNotContradictItsNumbers) {
+TEST(DiagnosisReport, TheStateOfAJointAgreesWithItsNumbers) {
   Diagnosis d = with_rival(NewEffect{"backlash", {1}}, AddedLoad{{1}});
   JointVerdict v;
   v.joint = {1};
@@ -219,8 +218,8 @@ TEST(DiagnosisReport, AWordForAJointDoesNotContradictItsNumbers) {
   EXPECT_NE(d.report().find("19.54: named (19.54 with names, 0.00 without, 0.00 left)"), std::string::npos) << d.report();
 }
 
-// No "explains 0 %" of what is confirmed, and a word where a small finding lies between two others.
-TEST(DiagnosisReport, SaysWhereErrorsJumpAndGivesNoShareOfZero) {
+// A small finding between two main ones makes the errors of the latter jump.
+TEST(DiagnosisReport, ExplainsJumpsOfErrorsAndPrintsNoShareOfZero) {
   Diagnosis d = with_rival(NewEffect{"backlash", {1}}, AddedLoad{{1}});
   d.findings[0].status = FindingStatus::kConfirmed;
   d.findings[0].explains = 0.004;
@@ -239,7 +238,6 @@ TEST(DiagnosisReport, SaysWhereErrorsJumpAndGivesNoShareOfZero) {
   EXPECT_NE(d.report().find("\nsmall ones, which came between"), std::string::npos) << d.report();
 }
 
-// A cause of no joint is not one of "joint 0".
 TEST(DiagnosisReport, PlacesAreJointsFramesOrTheWholeArm) {
   Diagnosis d = with_rival(NewEffect{"backlash", {1}}, ChannelError{"time_delay", {}});
   d.findings[0].rivals.push_back({ChannelError{"time_delay", JointIndex{0}}, "as good"});
@@ -260,8 +258,7 @@ std::vector<std::string> lines_of(const std::string& report, size_t from) {
   return out;
 }
 
-// Names and numbers end in the same columns, and no name touches its neighbour, however long it is.
-TEST(DiagnosisReport, ColumnsOfTheErrorsStandUnderTheNamesOfTheirJoints) {
+TEST(DiagnosisReport, ErrorsAreAlignedWithTheNamesOfTheirJointsHoweverLong) {
   for (const char* robot : {"planar-2r", "ur10e"}) {
     Diagnosis d;
     d.baseline.model = read_model(robot);

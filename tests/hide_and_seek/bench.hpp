@@ -13,17 +13,17 @@ namespace veridyn::seek {
 
 constexpr double kRate = 200.0;  // [Hz] of the recordings
 
-/// Recordings of the arm before anything happened, numbered from 1, where a model is made first; the
-/// first one after that has this number, so that no motion is made twice.
+/// Number of the first recording with the causes, where a model is identified first; recordings
+/// without them are numbered from 1, so that no motion occurs twice.
 constexpr int kCleanRecordings = 4;
 constexpr int kFirstChanged = 100;
 
-/// The how manyth recording a number is, in the order in which they are made.
+/// Position of a recording in the order in which they are made.
 constexpr int place_in_time(int number) {
   return number < kFirstChanged ? number : number - kFirstChanged + kCleanRecordings + 1;
 }
 
-/// What every joint has beside the rigid bodies, as the robot files of the bench say.
+/// Friction and offset of one joint, which the robot files of the bench declare.
 struct JointFriction {
   double viscous = 0.0, coulomb = 0.0, offset = 0.0;
 };
@@ -35,9 +35,9 @@ struct JointSensors {
   double velocity_noise = 0.0;
 };
 
-/// An arm whose truth is known: a robot file without values, bodies and friction drawn at random.
+/// An arm with known parameters: a robot file without values, bodies and friction drawn at random.
 struct Bench {
-  Model robot;      ///< what the tool gets to see
+  Model robot;      ///< the robot file
   LagrangeArm arm;  ///< with moments
   std::vector<JointFriction> friction;
   std::vector<JointSensors> sensors;
@@ -45,7 +45,7 @@ struct Bench {
   Trouble trouble = Trouble::kNone;  ///< that all its recordings suffer from
 };
 
-/// What would be recorded without noise, and what really happened.
+/// A recording without noise, and the true motion and torques.
 struct IdealRecording {
   Motion::Rows rows;    ///< true motion
   MatrixXd rigid;       ///< (rows x n) true torque of the rigid bodies
@@ -77,7 +77,7 @@ void draw_contact_time(std::map<std::string, double>& values, double duration, u
 void write_recording(const Bench& bench, const IdealRecording& ideal, unsigned seed, int number,
                      const std::string& path);
 
-/// What the sensors add, (rows): half of the power white, half first-order low-pass at 2 Hz.
+/// Noise of the sensors, (rows): half of the power white, half first-order low-pass at 2 Hz.
 VectorXd torque_noise(double rms, Eigen::Index rows, Draw& draw);
 
 }  // namespace veridyn::seek

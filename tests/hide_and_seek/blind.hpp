@@ -12,11 +12,11 @@ using Json = nlohmann::ordered_json;
 
 /// A benchmark that any tool can enter; the format of its files is in docs/measure.md.
 
-/// What is hidden in a case, with all its numbers.
+/// Hidden causes of a case with all parameters, as JSON.
 Json truth_json(const HiddenCase& hidden);
 
 /// Writes the recordings and robot files of all observable cases to `folder`, with a list of them in
-/// folder/cases.json, and what is hidden in them to the file `truth`.
+/// folder/cases.json, and the hidden causes to the file `truth`.
 /// @throws InvalidInput  the folder holds cases already, or a file cannot be written.
 void export_cases(const BoardRequest& request, const std::string& folder, const std::string& truth);
 

@@ -53,7 +53,7 @@ TEST_F(Blind, CasesHoldRecordingsAndNoTruth) {
   EXPECT_THROW(export_cases({}, folder_, folder_ + ".truth.json"), InvalidInput);
 }
 
-TEST_F(Blind, TheTruthAsAnAnswerIsRightAndAnythingElseIsNot) {
+TEST_F(Blind, OnlyTheTruthScoresAsRight) {
   Json right = {{"answers", Json::object()}};
   const Json sealed = truth();
   for (const auto& [id, one] : sealed["cases"].items()) {
@@ -78,8 +78,8 @@ TEST_F(Blind, TheTruthAsAnAnswerIsRightAndAnythingElseIsNot) {
   EXPECT_EQ(t.extras, 2);
 }
 
-// The whole way: what was exported is answered from the files alone, and the answers are judged.
-TEST_F(Blind, DiagnoseAnswersWhatWasExported) {
+// From exported files alone to the score of the answers.
+TEST_F(Blind, DiagnoseAnswersExportedCases) {
   DiagnosisOptions options;
   options.identification.threads = 2;
   const Json answers = answer_cases(folder_, options);
@@ -90,9 +90,8 @@ TEST_F(Blind, DiagnoseAnswersWhatWasExported) {
   EXPECT_EQ(t.extras, 0);
 }
 
-// The baseline answers in the same format and is judged by the same code. It names something on a
-// joint where something is hidden.
-TEST_F(Blind, TheBaselineAnswersWhatWasExported) {
+// The answers have the same format and are scored by the same code; one finding is on the joint of the hidden cause.
+TEST_F(Blind, TheBaselineAnswersExportedCases) {
   const Json sealed = truth();
   Json list = Json::parse(std::ifstream(folder_ + "/cases.json"));
   Json hidden = Json::array();  // one case is enough
@@ -115,7 +114,7 @@ TEST_F(Blind, TheBaselineAnswersWhatWasExported) {
   }
 }
 
-TEST_F(Blind, AnswersOfAnotherFormAreToldWhere) {
+TEST_F(Blind, MalformedAnswersAreRefusedWithTheirPlace) {
   try {
     score_of({{"answers", {{"case-001", {{"findings", Json::array({{{"joint", 1}}})}}}}}});
     FAIL() << "an answer without an effect was judged";
@@ -125,8 +124,8 @@ TEST_F(Blind, AnswersOfAnotherFormAreToldWhere) {
   }
 }
 
-// A logistic curve of known half and steepness, sampled finely: its own parameters are found.
-TEST(DetectionLimit, IsThatOfTheCurveThatTheCasesFollow) {
+// Cases sampled finely from a logistic curve with known parameters.
+TEST(DetectionLimit, RecoversTheParametersOfALogisticCurve) {
   std::vector<SizedCase> cases;
   Draw draw(5, "detection limit");
   for (int k = 0; k < 4000; ++k) {

@@ -9,13 +9,13 @@
 
 namespace veridyn::seek {
 
-/// Best gain of amplitudes about three times those that an oracle sees beyond doubt.
+/// Visibility::best_gain of amplitudes three times as large as the smallest that are beyond doubt.
 constexpr double kWellVisible = 0.27;
 
-/// Which cases are played, and how.
+/// Selection of cases and settings of a run.
 struct BoardRequest {
   std::vector<std::string> arms = bench_arms();
-  std::vector<std::string> effects;  ///< empty: all that a mode knows, and `none`
+  std::vector<std::string> effects;  ///< empty: all effects of the mode, and `none`
   std::vector<unsigned> seeds = {1, 2};
   double share = 0.1;
   std::string mode = "bare";               ///< bare, changed or both
@@ -31,7 +31,7 @@ struct BoardRequest {
   DiagnosisOptions options;
 };
 
-/// A case with the line of the table that it counts in.
+/// A case with the line of the table in which it is counted.
 struct BoardCase {
   CaseRequest request;
   std::string group;

@@ -10,7 +10,7 @@
 
 namespace veridyn::seek {
 
-/// What is hidden in recordings, with all its numbers.
+/// A hidden cause with all its parameters.
 struct Cause {
   std::string effect;    ///< name in CONTRACT.md
   int joint = -1;        ///< coordinate, from 0; -1: the whole arm, or a frame
@@ -25,7 +25,7 @@ const std::vector<std::string>& all_causes();
 
 /// True for causes that change the bodies, the geometry or gravity.
 bool is_structural(const std::string& effect);
-/// True for causes that change what sensors say.
+/// True for causes that change recorded signals only.
 bool is_channel(const std::string& effect);
 
 /// Parameters in which the torque of an additive cause is linear.

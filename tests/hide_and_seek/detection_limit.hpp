@@ -24,7 +24,7 @@ struct DetectionLimit {
 ///
 ///   P(named) = 1 / (1 + (half / share)^steepness),   0.5 <= steepness <= 8
 ///
-/// NaN where no case, or every case, was named: the limit lies outside of the sizes that were tried.
+/// NaN if no case or every case was named: the limit lies outside of the sizes that were tried.
 DetectionLimit detection_limit(const std::vector<SizedCase>& cases);
 
 /// Plays every effect of a board on every arm at these sizes and prints the limits, in percent of

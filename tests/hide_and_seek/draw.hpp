@@ -9,10 +9,10 @@
 
 namespace veridyn::seek {
 
-/// Random numbers that are the same on every machine; one stream for every purpose.
+/// Random numbers that are equal on every machine, in one stream for every purpose.
 class Draw {
  public:
-  /// @param purpose  words that name the stream: changing one leaves the others as they were.
+  /// @param purpose  name of the stream; streams do not depend on each other.
   Draw(unsigned seed, const std::string& purpose) {
     std::uint64_t hash = 1469598103934665603ULL + seed;  // FNV-1a
     for (const char c : purpose) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ULL;

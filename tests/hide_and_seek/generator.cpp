@@ -58,7 +58,7 @@ class Hider {
     return out;
   }
 
-  // The file knows of no effect; a good half of the joints have plain friction.
+  // The file declares no effect; a good half of the joints have plain friction.
   HiddenCase without_friction() {
     ModelDescription d = hidden_.bench.robot.description();
     d.effects.clear();
@@ -210,7 +210,7 @@ class Hider {
     }
   }
 
-  // Linear parameters of equal weight that together have the wanted rms.
+  // Linear parameters of equal weight whose sum has the requested rms.
   void draw_additive(Cause& cause, const Bench& bench) {
     Reach reach = reach_of(cause.joint);
     if (cause.effect == "cable_coupling") reach.middle = reach_of(cause.from).middle;
@@ -246,7 +246,7 @@ class Hider {
     if (is_declared(cause.effect) && request_.mode == Mode::kChanged) keep_positive(cause, bench);
   }
 
-  // Friction that changes may fall as well, but not below nothing.
+  // Changed friction may fall as well, but not below zero.
   void keep_positive(Cause& cause, const Bench& bench) {
     const JointFriction& f = bench.friction[cause.joint];
     if (cause.effect == "torque_offset") return;

@@ -8,7 +8,7 @@
 
 namespace veridyn::seek {
 
-/// How the question is asked.
+/// What a diagnosis starts from.
 enum class Mode {
   kBare,  ///< the robot file has no values: `diagnose ROBOT`, trained on recordings with the causes
   kChanged  ///< a MODEL of the clean arm, then recordings with the causes: what changed since?
@@ -26,20 +26,20 @@ struct CaseRequest {
   bool one_joint = false;  ///< the second of two effects is on the joint of the first
 };
 
-/// A case before its recordings are written: what is hidden, and how well it can be seen.
+/// A case before its recordings are written: hidden causes and their visibility.
 struct HiddenCase {
   CaseRequest request;
   Bench bench;
   std::vector<Cause> causes;
-  /// What is true as well and was not asked for: viscosity that the trouble lets fall from one
-  /// recording to the next has changed since the model was made.
+  /// Further true causes that were not requested: viscosity that falls from one recording to the
+  /// next has changed since the model was identified.
   std::vector<Cause> also_true;
   std::vector<double> shares;  ///< true rms share of each cause at its joint
   Visibility visible;
-  bool observable = true;  ///< false: on no joint of this arm is enough of it left over
+  bool observable = true;  ///< false: the arm's own parameters absorb it on every joint
 };
 
-/// Names that are asked for beside those of the contract:
+/// Names beside those of the contract:
 ///
 ///   common_delay  a time_delay of the whole arm, 10 to 45 ms
 ///   large_zero    an encoder_offset of 0.2 to 0.4 rad
@@ -49,9 +49,9 @@ struct HiddenCase {
 ///                 friction
 const std::vector<std::string>& special_cases();
 
-/// Draws causes on random joints (of pairs: on different ones), of the wanted size. Joints are
-/// passed over where the robot's own parameters would absorb more than nine tenths of a cause, or
-/// where the torque that is left over drowns in the sensors' noise, see Visibility::beyond_doubt.
+/// Draws causes of the requested size on random joints (pairs on different ones). A joint is skipped
+/// if the robot's own parameters absorb more than nine tenths of the cause, or if the remaining
+/// torque is below the sensors' noise, see Visibility::beyond_doubt.
 HiddenCase hide(const CaseRequest& request);
 
 /// Paths of the written recordings.

@@ -113,9 +113,9 @@ MatrixXd library_columns(const Bench& bench, const Cause& cause, const Motion::R
   return out;
 }
 
-// Two codes of one definition. What they may differ by: the sign within a milliradian per second of
+// Two implementations of one definition. They differ by the sign within a milliradian per second of
 // rest, memories at 1 ms against 5 ms, a second derivative that is one row late.
-TEST(Causes, MeanWhatTheLibrarysEffectsMean) {
+TEST(Causes, HaveTheTorquesOfTheLibrarysEffects) {
   const Bench bench = scara();
   const Motion motion(bench.robot, 9, 1);
   const IdealRecording plain = ideal_recording(bench, {}, motion, 1);
@@ -145,7 +145,7 @@ TEST(Causes, MeanWhatTheLibrarysEffectsMean) {
   }
 }
 
-TEST(Generator, HidesTheSizeThatWasAskedFor) {
+TEST(Generator, HidesCausesOfTheRequestedSize) {
   for (const double share : {0.1, 0.03}) {
     const HiddenCase one = hide({"pick-scara", {"quadratic_drag"}, 1, share, Mode::kBare});
     ASSERT_EQ(one.causes.size(), 1U);
@@ -153,13 +153,13 @@ TEST(Generator, HidesTheSizeThatWasAskedFor) {
   }
 }
 
-TEST(Generator, KnowsWhatCannotBeSeen) {
+TEST(Generator, MarksCausesThatAreNotObservable) {
   EXPECT_LT(hide({"psm-3dof", {}, 1, 0.1, Mode::kBare}).visible.best_gain, 1e-9);
   EXPECT_FALSE(hide({"pick-scara", {"payload"}, 1, 0.1, Mode::kBare}).observable);
   EXPECT_TRUE(hide({"pick-scara", {"payload"}, 1, 0.1, Mode::kChanged}).observable);
 }
 
-// The rotor of the first joint is part of its link's inertia: never chosen.
+// The rotor of the first joint cannot be separated from its link and is never chosen.
 TEST(Generator, HidesRotorInertiaWhereItIsNoBaseParameter) {
   for (const unsigned seed : {1U, 2U, 3U, 4U}) {
     const HiddenCase one = hide({"bench-6r", {"rotor_inertia"}, seed, 0.1, Mode::kBare});
@@ -179,7 +179,7 @@ TEST(Generator, TheSameRequestIsTheSameCaseAndAnotherSeedIsNot) {
   EXPECT_NE(a.bench.arm.links[1].moments, hide(other).bench.arm.links[1].moments);
 }
 
-TEST(Generator, TwoCausesStandOnDifferentJoints) {
+TEST(Generator, TwoCausesAreOnDifferentJoints) {
   const HiddenCase two = hide({"pallet-4", {"backlash", "quadratic_drag"}, 2, 0.1, Mode::kBare});
   ASSERT_EQ(two.causes.size(), 2U);
   EXPECT_NE(two.causes[0].joint, two.causes[1].joint);

@@ -7,8 +7,8 @@
 #include "hide_and_seek/outside.hpp"
 #include "veridyn/files/model_file.hpp"
 
-// A few cases of the scoreboard that must never be lost: different arms, different effects, and
-// nothing hidden. The whole board is veridyn-hide-and-seek.
+// A few cases of the benchmark: different arms and effects, and nothing hidden. The whole benchmark is
+// the program veridyn-hide-and-seek.
 
 namespace veridyn::seek {
 namespace {
@@ -19,7 +19,8 @@ struct Played {
   Verdict verdict;
 };
 
-// `recordings` to learn from (0: all), of motions with this share of the usual amplitude.
+// @param recordings  number of training recordings; 0: all.
+// @param reach       share of the usual amplitude.
 Played play(const CaseRequest& request, size_t recordings = 0, double reach = 1.0) {
   namespace fs = std::filesystem;
   const fs::path folder =
@@ -37,8 +38,8 @@ Played play(const CaseRequest& request, size_t recordings = 0, double reach = 1.
   return out;
 }
 
-// Named first with joint, nothing else named, its size right to 15 %, and a smaller error on the
-// recording that took no part.
+// The cause and its joint are the only finding, its size is right to 15 %, and the error on the
+// held-out recording falls.
 void expect_found(const Played& played, const std::string& parameter) {
   const std::string report = played.diagnosis.report();
   ASSERT_TRUE(played.verdict.first) << report;
@@ -54,53 +55,52 @@ void expect_found(const Played& played, const std::string& parameter) {
   EXPECT_EQ(found, 1) << parameter << " is no parameter of the finding\n" << report;
 }
 
-TEST(HideAndSeek, DriftOnASixJointArm) {
+TEST(HideAndSeek, FindsDriftOnASixJointArm) {
   expect_found(play({"bench-6r", {"torque_drift"}, 1, 0.1, Mode::kBare}), "rate");
 }
 
-TEST(HideAndSeek, FrictionThatDiffersByDirectionOnAScara) {
+TEST(HideAndSeek, FindsAsymmetricFrictionOnAScara) {
   expect_found(play({"pick-scara", {"asymmetric_friction"}, 2, 0.1, Mode::kBare}),
                "viscous_difference");
 }
 
-// Presliding, which looks alike, is the first choice as long as only its constants are refined.
-TEST(HideAndSeek, BacklashIsNotTakenForPreslidingOnOneNarrowRecording) {
+// Presliding looks alike and would win if only its constants were refined.
+TEST(HideAndSeek, BacklashIsNotNamedAsPreslidingOnOneNarrowRecording) {
   const Played played = play({"pick-scara", {"backlash"}, 2, 0.1, Mode::kBare}, 1, 0.4);
   EXPECT_TRUE(played.verdict.first) << played.diagnosis.report();
 }
 
-// Where a motion is narrow, the noise of the accelerations is large: an elastic transmission, made
-// of their derivatives, would cancel some of it.
-TEST(HideAndSeek, NoiseOfAccelerationsIsNoElasticTransmission) {
+// In a small motion the noise of accelerations is large; the columns of an elastic transmission,
+// which are their derivatives, correlate with it.
+TEST(HideAndSeek, NoiseOfAccelerationsIsNotNamedAsAnElasticTransmission) {
   const Played played =
       play({"pick-scara", {"load_dependent_friction"}, 19, 0.1, Mode::kBare}, 0, 0.4);
   EXPECT_TRUE(played.verdict.first) << played.diagnosis.report();
   EXPECT_EQ(played.verdict.extras, 0) << played.diagnosis.report();
 }
 
-// A load can follow a rotor there, with more numbers: it is a rival at most.
-TEST(HideAndSeek, ARotorsInertiaIsNotTakenForALoadOnOneNarrowRecording) {
+// A load, with more parameters, fits as well and may be a rival.
+TEST(HideAndSeek, RotorInertiaIsNotNamedAsALoadOnOneNarrowRecording) {
   const Played played = play({"pallet-4", {"rotor_inertia"}, 2, 0.1, Mode::kChanged}, 1, 0.4);
   EXPECT_TRUE(played.verdict.first) << played.diagnosis.report();
 }
 
-TEST(HideAndSeek, ACableOnAPalletizer) {
+TEST(HideAndSeek, FindsACableOnAPalletizer) {
   expect_found(play({"pallet-4", {"cable_coupling"}, 2, 0.1, Mode::kBare}), "drag");
 }
 
-TEST(HideAndSeek, ViscosityThatChangesAlongTheWayOnThePsm) {
+TEST(HideAndSeek, FindsPositionDependentViscosityOnThePsm) {
   expect_found(play({"psm-3dof", {"position_dependent_viscosity"}, 1, 0.1, Mode::kBare}), "slope");
 }
 
-TEST(HideAndSeek, NothingHiddenGivesNoName) {
+TEST(HideAndSeek, FindsNothingIfNothingIsHidden) {
   for (const char* arm : {"psm-3dof", "bench-6r"}) {
     const Played played = play({arm, {}, 1, 0.1, Mode::kBare});
     EXPECT_TRUE(played.diagnosis.findings.empty()) << played.diagnosis.report();
   }
 }
 
-// The judge itself: what it must and must not let pass.
-TEST(Judge, CountsRightNamesStandInsAndWrongOnes) {
+TEST(Judge, CountsRightFindingsRivalsAndExtras) {
   HiddenCase hidden{{"psm-3dof", {"backlash"}, 1, 0.1, Mode::kBare},
                     make_bench("psm-3dof", 1),
                     {{"backlash", 1, -1, "", "", {{"level", 2.0}}}},
@@ -129,7 +129,7 @@ TEST(Judge, CountsRightNamesStandInsAndWrongOnes) {
   d.findings = {stand_in};
   v = judge(hidden, d);
   EXPECT_TRUE(!v.first && v.first_rival && v.named_rival == 1 && v.extras == 0);
-  d.findings = {stand_in, right};  // the stand-in is one too many
+  d.findings = {stand_in, right};  // the stand-in counts as an extra
   v = judge(hidden, d);
   EXPECT_TRUE(!v.first && v.first_rival && v.named == 1 && v.extras == 1);
   d.findings = {right};
@@ -142,8 +142,8 @@ TEST(Judge, CountsRightNamesStandInsAndWrongOnes) {
   EXPECT_EQ(judge(hidden, d).named, 1);
 }
 
-// The arm warms up by 1 to 3 % from one recording to the next, and the model is of the first four.
-TEST(TemperatureDrift, IsSmallFromTheModelToTodayAndNoMistakeToName) {
+// Viscous friction falls by 1 to 3 % from one recording to the next; the model is identified from the first four.
+TEST(TemperatureDrift, IsSmallAndIsNoFalseFindingAgainstAModel) {
   for (const unsigned seed : {1U, 2U, 3U}) {
     CaseRequest asked{"psm-3dof", {}, seed, 0.1, Mode::kChanged, Trouble::kTemperatureDrift};
     const HiddenCase hidden = hide(asked);
@@ -159,85 +159,79 @@ TEST(TemperatureDrift, IsSmallFromTheModelToTodayAndNoMistakeToName) {
   }
 }
 
-// Crosstalk looks like a cable from the other joint until its torque is asked about, and a damper that acts
-// above a speed looks like pushes at the fastest moments.
-TEST(HideAndSeek, CausesThatAreOnNoListBringNoOtherName) {
+// Crosstalk looks like a cable from the other joint, and a damper that acts above a speed looks like contacts at
+// the fastest moments.
+TEST(HideAndSeek, CausesOutsideOfTheDictionaryAreNotNamedAsOthers) {
   for (const char* cause : {"crosstalk", "one_way_damper"}) {
     const OutsideScore score = outside_score({}, "pallet-4", cause, 31);
     EXPECT_TRUE(score.joint && (score.signals || score.worded)) << cause;
     EXPECT_EQ(score.false_names, 0) << cause;
-    // A damper that ends within a few degrees of turning back is more than a curve of the speed has intervals for.
+    // The curve over the speed has too few intervals to resolve the onset of the damper.
     EXPECT_GT(score.explained, std::string(cause) == "crosstalk" ? 0.8 : 0.35) << cause;
   }
 }
 
-// A force on the tip is asked about only because a joint's error depends on positions without a name; then it
-// takes the place of the curve.
-TEST(HideAndSeek, AForceOnTheTipIsNamedAfterTheCurveThatItExplains) {
+TEST(HideAndSeek, AForceOnTheTipReplacesTheCurveThatItExplains) {
   const OutsideScore score = outside_score({}, "pick-scara", "tip_force", 1);
   EXPECT_TRUE(score.worded);
   EXPECT_EQ(score.false_names, 0);
   EXPECT_GT(score.explained, 0.98);
 }
 
-// A torque that is recorded with a dead zone is in no constant proportion to the true one: what grows with the load is
-// a part of that curve and no friction.
-TEST(HideAndSeek, BesideACurveOfTheTorqueNothingElseGrowsWithIt) {
+// The error of a torque channel with a dead zone depends on the torque, as load-dependent friction does.
+TEST(HideAndSeek, ADeadZoneOfTheTorqueIsNotNamedAsFriction) {
   const OutsideScore score = outside_score({}, "psm-3dof", "torque_dead_zone", 1531);
   EXPECT_TRUE(score.signals);
   EXPECT_EQ(score.false_names, 0);
 }
 
-// The end of the palletizer is its flange, and the last frame of its file its balance weight.
-TEST(HideAndSeek, AForceAtTheEndOfATreeOfLinksIsNamed) {
+// The tip of the palletizer is its flange; the last frame of its file is the balance weight.
+TEST(HideAndSeek, AForceOnTheTipOfABranchedArmIsNamed) {
   const OutsideScore score = outside_score({}, "pallet-4", "tip_force", 1573);
   EXPECT_TRUE(score.worded);
   EXPECT_EQ(score.false_names, 0);
 }
 
-// Names that came before it (a cable, springs, a lean of the base) are asked about anew beside it.
-TEST(HideAndSeek, ALaterCauseTakesThePlaceOfTheNamesThatStoodForIt) {
+// A cable, springs and a lean of the base, which explain it in part, are removed.
+TEST(HideAndSeek, AForceOnTheTipReplacesTheCausesThatImitateIt) {
   const OutsideScore score = outside_score({}, "psm-3dof", "tip_force", 1);
   EXPECT_TRUE(score.worded);
   EXPECT_EQ(score.false_names, 0);
   EXPECT_GT(score.explained, 0.98);
 }
 
-// Crosstalk on another joint, which is accepted before, is asked about again beside a stop.
 TEST(HideAndSeek, AStopAndCrosstalkOnAnotherJointAreNamedTogether) {
   const Played played = play({"pick-scara", {"end_stop", "torque_crosstalk"}, 1601, 0.1, Mode::kBare});
   EXPECT_EQ(played.verdict.named, 2) << played.diagnosis.report();
   EXPECT_EQ(played.verdict.extras, 0) << played.diagnosis.report();
 }
 
-// A wrong constant of the robot file acts through positions, as a base that gives way does.
-TEST(HideAndSeek, AnElasticBaseTakesThePlaceOfAWrongConstantThatStoodForIt) {
+// The error by a wrong constant of the robot file depends on positions, as that by an elastic base does.
+TEST(HideAndSeek, AnElasticBaseReplacesTheWrongConstantThatImitatesIt) {
   const OutsideScore score = outside_score({}, "bench-6r", "elastic_base", 1601);
   EXPECT_TRUE(score.worded);
   EXPECT_EQ(score.false_names, 0);
 }
 
-// Without the question about a stop, this joint has a spring and a force of position; one stop predicts held-out parts
-// better.
-TEST(HideAndSeek, AStopTakesThePlaceOfTheNamesOnItsJoint) {
+// A spring and a force of position together fit nearly as well.
+TEST(HideAndSeek, AStopReplacesTheCausesOnItsJointThatImitateIt) {
   expect_found(play({"psm-3dof", {"end_stop"}, 1502, 0.1, Mode::kBare}), "stiffness");
 }
 
-// A stop on one joint is compared with the curve of that joint; a curve of another joint stays beside it.
 TEST(HideAndSeek, AStopIsNamedBesideACurveOfAnotherJoint) {
   const Played played = play({"planar-2r", {"end_stop"}, 1502, 0.1, Mode::kChanged});
   EXPECT_TRUE(played.verdict.first) << played.diagnosis.report();
 }
 
-// A counterbalance on a lever is no end stop, whose error still depends on the same position; crosstalk is no
-// cable, whose error still depends on the velocity of the joint that it comes from.
-TEST(HideAndSeek, ANameWhoseOwnSignalsStillPredictTheErrorHasAnotherShape) {
+// With an end stop in place of a counterbalance the error still depends on the same position; with a cable in place of
+// crosstalk it still depends on the velocity of the other joint.
+TEST(HideAndSeek, ACauseIsNotNamedIfTheErrorStillDependsOnItsSignals) {
   EXPECT_EQ(outside_score({}, "pallet-4", "counterbalance_lever", 1).false_names, 0);
   EXPECT_EQ(outside_score({}, "psm-3dof", "crosstalk", 1).false_names, 0);
 }
 
-// No gain below zero is asked for: a joint's torque with the wrong sign is said, and nothing is thrown.
-TEST(HideAndSeek, ATorqueWithTheWrongSignIsSaid) {
+// Negative gains are no candidates of the search.
+TEST(HideAndSeek, ATorqueWithTheWrongSignIsReported) {
   namespace fs = std::filesystem;
   const fs::path folder = fs::path(testing::TempDir()) / "hide-and-seek-wrong-sign";
   fs::create_directories(folder);
@@ -260,19 +254,19 @@ TEST(HideAndSeek, ATorqueWithTheWrongSignIsSaid) {
   fs::remove_all(folder);
 }
 
-// The yaw axis of the PSM is fixed to the base: a lean about it has the same torques as a wrong zero of its
-// encoder, and a second parameter that says nothing.
-TEST(HideAndSeek, AWrongZeroComesBeforeALeanOfTheBaseWithTheSameTorques) {
+// The yaw axis of the PSM is fixed to the base: a lean about it has the torques of a wrong zero of its encoder, and
+// one parameter more.
+TEST(HideAndSeek, AWrongZeroIsPreferredToALeanWithTheSameTorques) {
   const Played played = play({"psm-3dof", {"large_zero"}, 211, 0.1, Mode::kChanged});
   expect_found(played, "offset");
-  bool lean = false;  // a rival, or the answer of a question about the recording
+  bool lean = false;  // as a rival, or as a finding on the recording
   for (const Rival& r : played.diagnosis.findings.front().rivals) lean |= effect_of(r.cause) == "gravity_tilt";
   for (const RecordingQuality& q : played.diagnosis.data_quality) lean |= q.find("gravity") != nullptr;
   EXPECT_TRUE(lean) << played.diagnosis.report();
 }
 
-// Without the question that comes after the names, the base's torques are those of a spring of the second joint.
-TEST(HideAndSeek, AnElasticBaseTakesThePlaceOfTheSpringThatStoodForIt) {
+// A spring of the second joint has similar torques.
+TEST(HideAndSeek, AnElasticBaseReplacesTheSpringThatImitatesIt) {
   const Played played = play({"pick-scara", {}, 214, 0.1, Mode::kBare, Trouble::kElasticBase});
   ASSERT_EQ(played.diagnosis.findings.size(), 1U) << played.diagnosis.report();
   EXPECT_EQ(effect_of(played.diagnosis.findings[0].cause), "base_compliance");

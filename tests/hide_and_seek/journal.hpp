@@ -6,14 +6,14 @@
 
 namespace veridyn::seek {
 
-/// Results of cases in a file, one line each, so that a run that was killed goes on where it ended.
-/// A line that a kill cut short counts as none.
+/// Results of cases in a file, one line each, from which a run that was killed continues. An
+/// incomplete last line is ignored.
 class Journal {
  public:
   /// @throws InvalidInput  the file cannot be read or written.
   explicit Journal(std::string path);
 
-  /// The result of a case with exactly these settings; null: it has to be played.
+  /// The result of a case with exactly these settings; null: there is none.
   const nlohmann::json* find(const nlohmann::json& settings) const;
   void keep(const nlohmann::json& settings, const nlohmann::json& result);
 

@@ -26,7 +26,7 @@ long size_of(const std::string& path) {
   return missing ? 0 : static_cast<long>(size);
 }
 
-TEST_F(AJournal, HoldsAllThatWasWrittenBeforeAKill) {
+TEST_F(AJournal, ContainsEverythingWrittenBeforeAKill) {
   int held = 0;
   for (int kill = 0; kill < 8; ++kill) {
     const long before = size_of(path_);
@@ -52,7 +52,7 @@ TEST_F(AJournal, HoldsAllThatWasWrittenBeforeAKill) {
   EXPECT_GE(lines, held);
 }
 
-TEST_F(AJournal, TakesALineThatWasCutShortForNone) {
+TEST_F(AJournal, IgnoresAnIncompleteLine) {
   Journal(path_).keep("a", 1);
   std::ofstream(path_, std::ios::app) << R"({"settings":"b","res)";
   Journal(path_).keep("c", 3);
@@ -64,8 +64,8 @@ TEST_F(AJournal, TakesALineThatWasCutShortForNone) {
   EXPECT_THROW(Journal("/no-such-folder/journal"), InvalidInput);
 }
 
-// The case in the journal is taken as it is there, and only the other one is played.
-TEST_F(AJournal, LetsABoardGoOn) {
+// The case in the journal is not repeated.
+TEST_F(AJournal, LetsARunContinue) {
   BoardRequest request;
   request.arms = {"pick-scara"};
   request.effects = {"none", "viscous_friction"};
@@ -74,7 +74,7 @@ TEST_F(AJournal, LetsABoardGoOn) {
   request.journal = std::make_shared<Journal>(path_);
   const std::vector<BoardCase> cases = cases_of(request);
   ASSERT_EQ(cases.size(), 2U);
-  // As if the run had been killed behind the first case.
+  // The journal of a run that was killed after the first case.
   request.effects = {"none"};
   const std::vector<Outcome> before = play_all(request);
   ASSERT_EQ(before.size(), 1U);
@@ -89,7 +89,7 @@ TEST_F(AJournal, LetsABoardGoOn) {
   EXPECT_EQ(all[0].group, before[0].group);
   EXPECT_EQ(all[0].verdict.extras, before[0].verdict.extras);
   EXPECT_NE(request.journal->find(settings_of(cases[1], request)), nullptr);
-  // Any other number, and it is another case.
+  // With any other setting it is another case.
   request.options.thresholds.smallest_gain *= 2.0;
   EXPECT_EQ(request.journal->find(settings_of(cases[0], request)), nullptr);
 }

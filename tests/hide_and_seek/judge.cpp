@@ -27,7 +27,7 @@ bool matches(const Cause& cause, const NamedFinding& f) {
   return f.joint == cause.joint + 1;  // 0: the whole arm
 }
 
-// Rivals of tools that give them no frame of their own name it in the reason.
+// Rivals without a frame of their own have its name in the reason.
 bool matches_rival(const Cause& cause, const Named& r) {
   if (r.effect != cause.effect) return false;
   if (is_on_a_frame(cause.effect))
@@ -48,7 +48,7 @@ bool is_part_of(const Cause& cause, const NamedFinding& f) {
 
 void compare_intervals(const Cause& cause, const NamedFinding& f, Verdict& v) {
   for (const FoundParameter& p : f.parameters) {
-    // Of friction that changed, the change and what it is now are both right answers.
+    // For changed friction, the change and the new value are both right.
     std::vector<double> truths;
     const auto found = cause.values.find(p.name);
     if (found != cause.values.end()) truths.push_back(found->second);

@@ -8,7 +8,7 @@
 
 namespace veridyn::seek {
 
-/// How well a diagnosis fits what was hidden.
+/// Comparison of a diagnosis with the hidden causes.
 struct Verdict {
   int hidden = 0;            ///< causes
   bool first = false;        ///< the first finding is one of them
@@ -16,7 +16,7 @@ struct Verdict {
   int named = 0;             ///< causes that a finding names
   int named_rival = 0;       ///< causes that a finding names or has among its rivals
   int named_loosely = 0;     ///< causes whose effect is named, on whatever joint or frame
-  int extras = 0;            ///< findings that are none of the causes and no stand-in for one
+  int extras = 0;            ///< findings that neither are a hidden cause nor have one as rival
   int intervals = 0;         ///< parameters of right findings whose truth is known
   int covered = 0;           ///< of these, inside the 95 % interval
   double error_ratio = 1.0;  ///< held-out error after / before, at the joint of the first cause
@@ -36,17 +36,17 @@ struct NamedFinding : Named {
   std::vector<Named> rivals;
 };
 
-/// What this tool names.
+/// The findings of a diagnosis.
 std::vector<NamedFinding> named_by(const Diagnosis& d);
 
 Verdict judge(const HiddenCase& hidden, const Diagnosis& d);
 
 /// The same for the findings of any tool; `error_ratio` stays 1.
-/// @param also_true  what is no mistake to name, and was not asked for.
+/// @param also_true  further true causes, which do not count as extras.
 Verdict judge(const std::vector<Cause>& hidden, const std::vector<NamedFinding>& findings,
               const std::vector<Cause>& also_true = {});
 
-/// What the tool starts from: the robot file, or in kChanged a MODEL of the clean arm.
+/// The robot file, or in kChanged a MODEL of the arm without the causes.
 Model known_arm(const HiddenCase& hidden, const CaseFiles& files, const std::string& folder,
                 const IdentificationOptions& options);
 

@@ -14,8 +14,7 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-/// One row of Denavit and Hartenberg with what moves it. Of the robot file only these numbers are
-/// taken, no matrix and no algorithm.
+/// One DH row with its joint variable: the only data that are taken from the robot file.
 struct Link {
   std::string name;
   int parent = -1;
@@ -34,8 +33,8 @@ struct Link {
 ///
 ///   tau_i = sum_b trace( dT_b/dq_i  J_b  (d2T_b/dt2 - [0 g])' )
 ///
-/// It knows nothing of angular velocities, inertia tensors or recursions, and so shares no code and
-/// no formula with src/dynamics. Fourth-order differences: about 1e-8 of the torque.
+/// It uses no angular velocities, inertia tensors or recursions, and so shares no code and no
+/// formula with src/dynamics. Error of the fourth-order differences: about 1e-8 of the torque.
 struct LagrangeArm {
   std::vector<Link> links;
   Vector3d gravity{0.0, 0.0, -9.81};

@@ -10,7 +10,7 @@
 #include "support/random.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 
-// The generator's bodies: known torques first, then the engine that they are to test.
+// Closed forms of the generator's dynamics, then comparison with the library's.
 
 namespace veridyn::seek {
 namespace {
@@ -39,7 +39,7 @@ TEST(LagrangeArm, APendulumFollowsItsTextbookEquation) {
   }
 }
 
-// What moves turns and slides on one point: m r^2 ddq + 2 m r dr dq across, m (ddr - r dq^2) along.
+// A mass on a turning rail: m r^2 ddq + 2 m r dr dq across, m (ddr - r dq^2) along.
 TEST(LagrangeArm, ATurningRailHasCoriolisAndCentrifugalForces) {
   Link turn;
   turn.name = "turn";
@@ -81,7 +81,7 @@ VectorXd inertial_values(const LagrangeArm& arm) {
 
 class OnEveryBench : public testing::TestWithParam<std::string> {};
 
-TEST_P(OnEveryBench, TheEngineAgreesToAMillionth) {
+TEST_P(OnEveryBench, TheLibrarysTorquesAgreeToAMillionth) {
   for (const unsigned seed : {1U, 2U, 3U}) {
     const Bench bench = make_bench(GetParam(), seed);
     RigidBodyDynamics engine(bench.robot, inertial_values(bench.arm));
@@ -110,7 +110,7 @@ TEST_P(OnEveryBench, TheRegressorTimesTheMomentsIsTheTorque) {
   EXPECT_TRUE(near(bench.arm.regressor(s.q, s.dq, s.ddq) * x, tau, 1e-10 * (1.0 + tau.norm())));
 }
 
-TEST_P(OnEveryBench, BodiesCouldExist) {
+TEST_P(OnEveryBench, BodiesArePhysicallyConsistent) {
   const Bench bench = make_bench(GetParam(), 5);
   for (const Link& link : bench.arm.links) {
     if (!link.has_body) continue;

@@ -24,8 +24,8 @@ class Motion {
     MatrixXd q, dq, ddq;  ///< (rows x n)
   };
 
-  /// The arm is asked to follow given rows, evenly spaced from time zero on, and deviates from them
-  /// as above. Between the rows: polynomials of fifth order.
+  /// The arm follows given rows, evenly spaced from time zero on, with the same deviation. Between
+  /// the rows: polynomials of fifth order.
   Motion(const Model& arm, Rows wanted, unsigned seed, int number);
 
   double duration() const { return duration_; }  ///< [s]
@@ -45,7 +45,7 @@ class Motion {
   void add_deviation(Joint& joint, bool prismatic, Draw& draw) const;
 
   std::vector<Joint> joints_;
-  Rows given_;  ///< empty: the waves say it all
+  Rows given_;  ///< empty: the motion is the Fourier series
   double duration_ = 0.0;
 };
 

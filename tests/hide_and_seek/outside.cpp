@@ -20,7 +20,7 @@ namespace {
 
 constexpr int kTrain = 4;
 constexpr double kStep = 1e-5;  // of numerical derivatives of positions
-constexpr double kSoftest = 2.5;  // times 3 to 8 mrad: a base that leans by more than a degree is no spring
+constexpr double kSoftest = 2.5;  // times 3 to 8 mrad: the linear model of the base holds up to about a degree
 
 double rms(const VectorXd& x) {
   return std::sqrt(x.squaredNorm() / static_cast<double>(x.size()));
@@ -30,7 +30,7 @@ std::string signal(const char* letter, int joint) {
   return letter + std::to_string(joint + 1);
 }
 
-// A spring between a point of the link and one of the frame before it, shorter at rest than ever.
+// A spring between a point of the link and one of the frame before it, always under tension.
 double lever(double angle) {
   const double a = 0.35;
   const double b = 1.0;
@@ -38,7 +38,7 @@ double lever(double angle) {
   return -a * b * std::sin(angle) * (1.0 - 0.55 / length);
 }
 
-// The end of the longest chain: of a tree of links the last one may be a balance weight.
+// The end of the longest chain; the last link of a tree may be a balance weight.
 size_t tip_of(const LagrangeArm& arm) {
   std::vector<int> depth;
   for (const Link& link : arm.links) depth.push_back(link.parent < 0 ? 0 : depth[static_cast<size_t>(link.parent)] + 1);
@@ -176,7 +176,7 @@ OutsideCause draw_outside(const Bench& bench, const std::string& name, unsigned 
   } else if (!whole) {
     c.signals = {signal("q", c.joint)};
   }
-  // Of the wanted size: by bisection, for not all are linear in theirs.
+  // The requested size by bisection, since not all torques are linear in it.
   const auto size_of = [&](double size) {
     OutsideCause trial = c;
     trial.size = size;

@@ -8,11 +8,11 @@
 
 namespace veridyn::seek {
 
-/// Causes that no class of the product describes: what a diagnosis says of them is not their name,
-/// but the joint, the signals, and how much of the error these predict.
+/// Causes that no class of the library describes. A diagnosis can report the joint, the signals and the
+/// share of the error that these predict, but no name.
 const std::vector<std::string>& outside_causes();
 
-/// One of them at its place, with all its numbers.
+/// One of these causes with its place and all parameters.
 struct OutsideCause {
   std::string name;
   int joint = -1;  ///< -1: the whole arm
@@ -21,13 +21,13 @@ struct OutsideCause {
   double place = 0.0, width = 0.0;  ///< on the signal, in its unit
   /// Signals in the words of a verdict, one of which is right; empty: any of positions and torques.
   std::vector<std::string> signals;
-  std::vector<std::string> words;  ///< effects of the list that say nearly the same
+  std::vector<std::string> words;  ///< effects of the library with nearly the same torque
 };
 
 /// Draws a place and numbers, so that its torque has `share` of its joint's rms torque.
 OutsideCause draw_outside(const Bench& bench, const std::string& name, unsigned seed, double share);
 
-/// What would be recorded with it.
+/// Adds the cause to a recording without noise.
 void apply_outside(const Bench& bench, const OutsideCause& cause, IdealRecording& ideal);
 
 /// An arm, recordings with the cause and the same without it; the last of each is held out.
@@ -49,16 +49,16 @@ struct OutsideFiles {
 OutsideFiles write_outside(const std::string& arm, const std::string& name, unsigned seed, double share,
                            const std::string& folder, int train);
 
-/// How a diagnosis did.
+/// Comparison of a diagnosis with one of these causes.
 struct OutsideScore {
   std::string state;       ///< of its joint, or of the joint with most removable error
-  bool silent = false;     ///< nothing is said of a joint that is clearly above its floor
+  bool silent = false;     ///< there is no finding on a joint that is clearly above its floor
   bool joint = false;      ///< its joint is among the findings
-  bool signals = false;    ///< without a name, on the right signals
-  bool worded = false;     ///< with a name that fits
-  int false_names = 0;     ///< findings with names that do not fit
+  bool signals = false;    ///< a curve over the right signals was found
+  bool worded = false;     ///< an effect of OutsideCause::words was found
+  int false_names = 0;     ///< findings with other names
   double explained = 0.0;  ///< share of the removable error, measured on the same arm without it
-  bool observable = true;  ///< false: the arm's own parameters absorb it or noise drowns it, and it is no case
+  bool observable = true;  ///< false: the arm's own parameters absorb it or it is below the noise; not counted
 };
 OutsideScore score_outside(const OutsideCause& cause, const Diagnosis& d, const VectorXd& clean);
 

@@ -6,7 +6,7 @@
 namespace veridyn::seek {
 namespace {
 
-// Links that carry a body or bear one that does.
+// Links with a body, or with a descendant that has one.
 std::vector<char> loaded(const LagrangeArm& arm) {
   std::vector<char> out(arm.links.size(), 0);
   for (size_t k = arm.links.size(); k-- > 0;) {
@@ -16,7 +16,7 @@ std::vector<char> loaded(const LagrangeArm& arm) {
   return out;
 }
 
-// How many links a coordinate moves by itself.
+// Number of links that depend on a coordinate alone.
 std::vector<int> uses(const LagrangeArm& arm) {
   std::vector<int> out(arm.joints, 0);
   for (const Link& link : arm.links) {

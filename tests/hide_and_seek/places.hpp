@@ -15,8 +15,8 @@ std::vector<Cause> places_for(const std::string& effect, const Bench& bench,
 /// True for friction and offsets that the robot files of the bench declare.
 bool is_declared(const std::string& effect);
 
-/// A robot file that does not know of the friction that is hidden, and an arm without other such
-/// friction on that joint.
+/// Removes the friction that is to be hidden from the robot file, and other friction of that kind on
+/// that joint from the arm.
 void forget_friction(Bench& bench, const Cause& cause);
 
 }  // namespace veridyn::seek

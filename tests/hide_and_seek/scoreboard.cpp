@@ -1,5 +1,5 @@
-// How often diagnose finds what is hidden in recordings of arms whose dynamics and effects share no
-// code with it. Not a test; see hide_and_seek_test.cpp for those, and docs/measure.md.
+// Measures how often diagnose finds hidden causes in recordings of arms whose dynamics and effects share no code
+// with the library. See docs/measure.md; the tests are in hide_and_seek_test.cpp.
 
 #include <fmt/format.h>
 

@@ -9,8 +9,8 @@
 
 namespace veridyn::seek {
 
-/// What laboratories' recordings suffer from although nothing is wrong with the arm's model in the
-/// sense of docs/contract.md: a diagnosis of such recordings must name nothing.
+/// Common defects of recordings. The arm's model has no error in the sense of docs/contract.md, so
+/// that a diagnosis of such recordings must name nothing.
 enum class Trouble {
   kNone,
   kLateRows,           ///< a tenth of the rows repeats the row before
@@ -32,8 +32,8 @@ Trouble trouble_of(const std::string& name);
 /// @param width  [rad/s] or [m/s] of the step.
 double smooth_direction(double speed, double width);
 
-/// What viscous friction is multiplied with in one recording.
-/// @param place  the how manyth it is.
+/// Factor of the viscous friction in one recording.
+/// @param place  position of the recording in their order.
 double viscosity_factor(Trouble trouble, unsigned seed, int place);
 
 /// Width of the step of Coulomb friction of one joint; zero: a sharp step.

@@ -10,7 +10,7 @@ namespace {
 constexpr Eigen::Index kStride = 20;  // 10 Hz
 constexpr double kBand = 5.0;         // [Hz]
 constexpr double kInBand = 0.40;      // share of the sensors' noise power below it
-constexpr double kDoubt = 4.0;        // standard deviations: one chance in 16,000
+constexpr double kDoubt = 4.0;        // standard deviations: a probability of 1 / 16,000
 // Samples at 10 Hz count for so many independent ones: the correlation of the coloured half of the
 // noise (2 Hz) from one to the next is r = exp(-2 pi 0.2) = 0.28, and (1 - r) / (1 + r) = 0.56.
 constexpr double kIndependent = 0.56;
@@ -95,7 +95,7 @@ MatrixXd fitted_columns(const Bench& bench, const IdealRecording& ideal,
   return out;
 }
 
-// The rows of b that the columns of A cannot make.
+// The part of b outside of the span of the columns of A.
 VectorXd left_over(MatrixXd A, const VectorXd& b) {
   for (Eigen::Index c = 0; c < A.cols(); ++c) A.col(c) /= std::max(A.col(c).norm(), 1e-12);
   Eigen::ColPivHouseholderQR<MatrixXd> qr(A);

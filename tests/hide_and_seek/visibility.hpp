@@ -6,19 +6,18 @@
 
 namespace veridyn::seek {
 
-/// What no choice of the robot file's own parameters can explain of hidden causes, without noise.
+/// The part of the torque of hidden causes that the robot file's own parameters cannot absorb, without noise.
 struct Visibility {
   double share = 0.0;           ///< of the causes' torque (rms over noise, all joints) that is left
   std::vector<double> residue;  ///< per joint: rms of what is left, share of the joint's rms torque
-  /// Sum over joints of ln(1 + residue^2 / noise^2) in the band below 5 Hz: what `gain` of a
-  /// finding can be at best. FINDINGS 6 accepts above 0.03; amplitudes three times as large give
-  /// 0.27.
+  /// Sum over joints of ln(1 + residue^2 / noise^2) in the band below 5 Hz: upper bound of the
+  /// `gain` of a finding.
   double best_gain = 0.0;
-  /// Size of the left-over torque over its standard deviation for someone who knows its course
-  /// exactly and looks for nothing else: sqrt(sum residue^2 / noise^2) over independent samples.
+  /// Signal-to-noise ratio of a matched filter that knows the exact shape of the remaining torque:
+  /// sqrt(sum residue^2 / noise^2) over independent samples.
   double oracle_t = 0.0;
-  /// oracle_t is so large that chance alone brings it once in 16,000 recordings. Smaller causes
-  /// cannot be named by anybody, and are no cases.
+  /// The probability of this oracle_t by chance is below 1 / 16,000. Smaller causes are not
+  /// detectable and are no cases.
   bool beyond_doubt = false;
 
   /// True for a case: beyond doubt, and the robot's own parameters absorb less than nine tenths of it.

@@ -13,6 +13,7 @@
 #include "veridyn/regressor/standard_parameters.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/files/model_file.hpp"
+#include "veridyn/report/diagnosis_json.hpp"
 #include "veridyn/report/pages.hpp"
 #include "veridyn/report/robot_info.hpp"
 
@@ -315,6 +316,18 @@ TEST_F(OpenedInMemory, WhatChangedSinceAndWhatWasLeftOutIsShown) {
 }
 
 // What a joint's torque takes from another one is drawn over the torque that it is a share of.
+TEST(DiagnosisJson, SmallFindingsAreAListOfTheirOwnUnlessAllAreListed) {
+  Diagnosis d = diagnosis();
+  d.findings.push_back(d.findings.front());
+  d.findings.back().main = false;
+  for (const bool apart : {true, false}) {
+    d.small_apart = apart;
+    const json out = json::parse(to_json(d));
+    EXPECT_EQ(out["findings"].size(), apart ? 1U : 2U);
+    EXPECT_EQ(out.contains("small"), apart);
+  }
+}
+
 TEST(DiagnosisPage, CrosstalkIsDrawnOverTheTorqueThatItComesFrom) {
   Diagnosis d = diagnosis();
   EXPECT_EQ(series_of(to_page(d))["causes"], json({"q2"}));

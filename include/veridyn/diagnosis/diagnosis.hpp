@@ -1,4 +1,4 @@
-// diagnosis/: what a model leaves unexplained, and why; changes against a model, loads, a running arm, two models.
+// diagnosis/: causes of a model's residual; changes since a MODEL, loads, a running arm, differences of two models.
 #pragma once
 
 #include <functional>
@@ -13,12 +13,6 @@
 #include "veridyn/recordings/recording_quality.hpp"
 
 namespace veridyn {
-
-/// Findings that are listed; the extended model contains all with a name.
-enum class ExtendedModel {
-  kAllFindings,    ///< every finding
-  kConfirmedOnly,  ///< those that together explain nine tenths; the others stand apart
-};
 
 /// Treatment of dependences without a named cause.
 enum class UnnamedForces {
@@ -35,14 +29,13 @@ struct DiagnosisOptions {
   /// Candidates to test: names of effects, or causes as EFFECT:PLACE (see Cause); empty: all.
   std::vector<std::string> effects;
   int max_effects = 20;  ///< findings at most; contacts and plain friction do not count
-  ExtendedModel extended = ExtendedModel::kConfirmedOnly;
   UnnamedForces unnamed = UnnamedForces::kReported;
   /// Provenance of the robot's values; nullopt: as its file says.
   std::optional<RobotValues> values{};
-  /// Around the search, which decides by its own numbers; with a single recording names are provisional.
+  /// Thresholds of the steps before and after the search; those of the search itself cannot be set.
   Thresholds thresholds;
-  /// Called with (tested, of how many) during every round of tests, from any thread but one at a
-  /// time; diagnose() sets it, and reports through identification.progress.
+  /// Called with (number tested, total) in every round of tests, by one thread at a time. diagnose()
+  /// sets it; users set identification.progress.
   std::function<void(int, int)> testing{};
 };
 
@@ -61,20 +54,20 @@ struct Rival {
   std::string why;
 };
 
-/// What held-out parts of the training recordings say of a finding beside all others. A search accepts only what is
-/// confirmed; of a robot file, what the held-out recordings contradict is no finding either, so that the gain on them is
-/// that of causes which passed on them once. A diagnosis of poses at rest reports both.
+/// Result of cross-validation on the training recordings, with all other findings in the model. All findings of
+/// diagnose() are confirmed; those of diagnose_at_rest() need not be.
 enum class FindingStatus {
-  kConfirmed,     ///< the parts are predicted better with it
-  kNotConfirmed,  ///< they are not
+  kConfirmed,     ///< the finding lowers the error of parts that were held out
+  kNotConfirmed,  ///< it does not
 };
 const char* name_of(FindingStatus status);
 
-/// Whether the held-out recordings are predicted better with a finding, on its own joint too.
+/// Effect of a finding on the error of the test recordings. kAgrees: it falls, on the finding's own joint too. Without a
+/// MODEL diagnose() removes causes that the test recordings contradict; against a MODEL it reports them.
 enum class Agreement { kAgrees, kContradicts, kNotMeasured };
 const char* name_of(Agreement agreement);
 
-/// A point of a curve: where on its signals, the torque there and its 95 % band.
+/// A point of a curve: values of the signals, torque, 95 % band.
 struct CurvePoint {
   std::vector<double> at;  ///< one value per signal
   double value = 0.0;      ///< [N m] or [N], relative to its mean over the training recordings
@@ -90,11 +83,11 @@ struct UnnamedShape {
   std::vector<std::string> units;
   /// The second signal is a velocity of which only the sign counts: one curve for each direction.
   bool on_sides = false;
-  std::string words;  ///< "one-sided: nothing below 0.43 rad, ..."
+  std::string words;  ///< description: "one-sided: nothing below 0.43 rad, ..."
   std::string effort;  ///< unit of the values
   std::vector<CurvePoint> curve;
   bool kept = false;   ///< the extended model has it as a table
-  double share = 0.0;  ///< of the mean square that is left over, on the held-out recordings
+  double share = 0.0;  ///< share of the test recordings' mean square residual that it predicts
 };
 
 struct Finding {
@@ -108,22 +101,22 @@ struct Finding {
   std::string unit;                 ///< unit of the first parameter
   std::vector<FoundParameter> parameters;
   double p_value = 1.0;
-  /// Decrease of the sum over joints of ln(mean square) on held-out folds of the training
+  /// Decrease of the sum over joints of ln(mean square residual) in cross-validation on the training
   /// recordings.
   double gain = 0.0;
-  /// (n) relative error on every row of the test recordings as recorded, without and with the
-  /// finding, in order of discovery.
+  /// (n) relative error on every row of the test recordings as recorded, before and after the
+  /// finding was added to those above it.
   VectorXd test_before, test_after;
-  /// (n) relative error on held-out parts of the training recordings, without and with it: what its
-  /// status is made of.
+  /// (n) relative error in cross-validation on the training recordings, without and with it; the
+  /// status follows from it.
   VectorXd folds_before, folds_after;
-  /// For a contact: (n) the same on the rows outside of all contacts.
+  /// For a contact: (n) relative error of the test recordings outside of all contacts.
   VectorXd test_outside;
   double explains = 0.0;  ///< share of the removable held-out error; negative where it grows
 
   Agreement held_out() const;
   FindingStatus status = FindingStatus::kConfirmed;
-  bool main = true;  ///< false: one of the small ones, see DiagnosisSummary
+  bool main = true;  ///< one of DiagnosisSummary::main
   std::vector<Rival> rivals;
   std::optional<UnnamedShape> shape;  ///< set for a finding without a named cause
   std::string text;  ///< sentence() of it
@@ -131,7 +124,7 @@ struct Finding {
 
 /// Place and phrase of a finding in one sentence.
 std::string sentence(const Model& arm, const Finding& finding);
-/// The sentence, as diagnose() wrote it down.
+/// Finding::text.
 std::ostream& operator<<(std::ostream& out, const Finding& finding);
 
 struct NotSupported {
@@ -142,7 +135,7 @@ struct NotSupported {
 
 struct CannotTell {
   std::string effect;
-  std::optional<Cause> cause;  ///< nothing: wherever it were
+  std::optional<Cause> cause;  ///< nullopt: at any place
   std::string why;
 };
 
@@ -150,10 +143,10 @@ struct CannotTell {
 /// dependence.
 struct NextExperiment {
   std::vector<Cause> between;  ///< the two causes to separate; empty: none
-  std::string shows;  ///< "what joint 1 depends on over q1"; empty unless `between` is empty
+  std::string shows;  ///< "what joint 1 depends on over q1", where `between` is empty
   int slow_passes = 0;         ///< ExcitationOptions::slow_passes that it needs
 
-  /// One of the two as text: "payload on wrist", "torque_gain on joint 2".
+  /// Cause k of `between` as text: "payload on wrist", "torque_gain on joint 2".
   std::string words(const Model& arm, size_t k) const;
 };
 
@@ -190,7 +183,7 @@ struct JointVerdict {
 
 /// Overview of a diagnosis.
 struct DiagnosisSummary {
-  int main = 0;                    ///< findings that matter; they come first
+  int main = 0;  ///< number of findings that together explain nine tenths of the error; they come first
   double explained_by_main = 0.0;  ///< share of the removable held-out error
   double explained_by_all = 0.0;
   std::vector<int> worse_joints;   ///< from 1: the extended model predicts them worse than the
@@ -200,7 +193,8 @@ struct DiagnosisSummary {
 /// Result of a diagnosis. Plain data: text, JSON and page show exactly this.
 struct Diagnosis {
   bool changes = false;  ///< the robot was a MODEL: findings are changes since its identification
-  /// Findings that are not main stand apart: a list of their own in JSON, one line in text.
+  /// Findings that are not main are a list of their own in JSON and counted in one line of the report; false: listed
+  /// behind the others.
   bool small_apart = false;
   DiagnosisSummary summary;
   Identification baseline;  ///< the unmodified robot; the values of a MODEL are not fitted
@@ -214,8 +208,8 @@ struct Diagnosis {
   std::vector<CannotTell> cannot_tell;
   std::vector<RecordingQuality> data_quality;
   std::vector<ExcludedInterval> excluded_intervals;   ///< intervals excluded because of a disturbance of the recording
-  /// Actions of the diagnosis beside naming causes: velocities derived from positions, and
-  /// constants of the model's own effects that changed in the extended model.
+  /// Sentences on velocities that were derived from positions, and on constants of the model's own effects that
+  /// changed in the extended model.
   std::vector<std::string> remarks;
   NextExperiment next_experiment;  ///< empty if there is nothing to separate
   bool provisional = false;        ///< one training recording only: names are provisional
@@ -248,26 +242,25 @@ std::ostream& operator<<(std::ostream& out, const Diagnosis& diagnosis);
 void save(const Diagnosis& diagnosis, const std::string& path, const std::string& command = "diagnose",
           const std::string& robot = {});
 
-/// Asks which physical causes the recordings accept beyond the robot's own model. Causes are
-/// selected, confirmed and fitted on the training recordings only, and so is the extended model; the
-/// test recordings measure the gain. A test recording itself is checked for faults only: contacts,
-/// a velocity that is not the derivative of its position (which is then used instead).
+/// Finds the physical causes of what the robot's model leaves unexplained. Causes are selected and fitted on the training
+/// recordings, and so is the extended model. The test recordings measure the gain; of a robot file, causes that they
+/// contradict are removed.
 ///
-/// An arm without values is identified first, and every fit leaves its parameters free. The values
-/// of a MODEL are kept fixed, and findings say **what changed since**: a payload, a drive gain, an
-/// encoder's zero, a change of friction.
+/// An arm without values is identified first, and every fit estimates its parameters anew. Of a MODEL the findings are
+/// **changes since its identification**, such as a payload, a drive gain, an encoder's zero, a change of friction: its
+/// parameters move only as far as their covariance allows.
 ///
-/// One search explains what the fit leaves: effects, errors of channels, constants of the robot file, the direction of
-/// gravity, loads and curves without a name compete by one held-out score and their prices; an unusual size is a remark.
+/// One search compares effects, errors of channels, constants of the robot file, the direction of gravity, loads and
+/// curves without a name by one score: the cross-validated error and the prior probability of a cause (docs/diagnosis.md).
 ///
 /// @throws InvalidInput  as identify(). If the robot cannot be identified, baseline.status has the
 /// reason and nothing else is filled.
 Diagnosis diagnose(const Model& arm, const Recordings& train, const Recordings& test,
                    const DiagnosisOptions& options = {});
 
-/// Asks what an identification leaves unexplained, on its recordings, with its preparation of them and
-/// the friction that it added. Recordings in memory are not read again, and the first fit is solved from
-/// the identification's factors. An identification without a model comes back as the baseline.
+/// diagnose() of an identification, with its training recordings, their preprocessing and the friction that it added.
+/// Recordings in memory are not read again, and the first fit uses the identification's factors. An identification
+/// without a model is returned as the baseline.
 /// @throws InvalidInput  it was made of factors alone; as identify().
 Diagnosis diagnose(const Identification& fit, const Recordings& test, const DiagnosisOptions& options = {});
 

@@ -15,11 +15,11 @@ struct FrictionAtSpeed {
   double velocity = 0.0;   ///< mean [rad/s], [m/s]
   double torque = 0.0;     ///< measured torque without that of bodies and offset [N m], [N]
   double deviation = 0.0;  ///< scatter of that torque within the segments
-  double seconds = 0.0;    ///< in all
+  double seconds = 0.0;    ///< total duration of the segments
   int runs = 0;
 };
 
-/// One breakaway: the joint rested under a slowly growing torque until it began to slide.
+/// One breakaway: a joint at rest under a slowly growing torque begins to slide.
 struct FrictionBreakaway {
   std::string source;
   double time = 0.0;    ///< [s] since the recording began
@@ -28,10 +28,10 @@ struct FrictionBreakaway {
 };
 
 enum class FrictionState {
-  kConfirmed,     ///< held-out rows are predicted better with it
-  kNotConfirmed,  ///< chosen on the training rows, and contradicted by those held out
-  kNotSupported,  ///< it predicts no better, or its value would be impossible
-  kCannotTell,    ///< the motion does not show it
+  kConfirmed,     ///< it lowers the error of held-out rows
+  kNotConfirmed,  ///< it was selected on the training rows and raises the error of held-out rows
+  kNotSupported,  ///< it does not lower the error, or its value is impossible
+  kCannotTell,    ///< the motion does not determine it
 };
 const char* name_of(FrictionState state);
 
@@ -40,8 +40,8 @@ struct FrictionVerdict {
   std::string effect;
   FrictionState state = FrictionState::kCannotTell;
   std::optional<double> p_value;
-  std::vector<FoundParameter> parameters;  ///< where it was found
-  std::string words;                       ///< size, or why not
+  std::vector<FoundParameter> parameters;  ///< empty unless it was found
+  std::string words;                       ///< its size, or the reason against it
 };
 
 struct JointFrictionStudy {
@@ -60,11 +60,11 @@ struct JointFrictionStudy {
 struct FrictionStudy {
   std::string robot;
   std::vector<std::string> resting;  ///< coordinates that are left out
-  std::vector<std::string> held_out; ///< recordings, or parts of them, that judged the verdicts
+  std::vector<std::string> held_out; ///< recordings, or parts of them, that the verdicts were validated on
   std::vector<JointFrictionStudy> joints;
   Diagnosis diagnosis;    ///< of the arm without the joints at rest
-  Identification fitted;  ///< the same arm with what was confirmed, on all rows: its curves
-  std::string reason;     ///< why there is no answer; empty otherwise
+  Identification fitted;  ///< the same arm with all confirmed effects, fitted to all rows; the curves are its own
+  std::string reason;     ///< reason for which there is no result; empty otherwise
 
   std::string report() const;
 };
@@ -72,11 +72,11 @@ struct FrictionStudy {
 /// Measures friction against speed for every joint that moves, and decides which kinds of friction
 /// the joint has.
 ///
-/// Joints that travel less than 20 mrad or 2 mm in all recordings are held where they are
-/// (with_fixed()), so that neither their errors nor their parameters count. Bodies are facts where
-/// the robot is a MODEL, and identified otherwise; friction and offsets are identified in either
-/// case. diagnose() tests the kinds beyond viscous and Coulomb friction. Recordings that rest
-/// during most of their time yield breakaways only.
+/// Joints that travel less than 20 mrad or 2 mm in all recordings are fixed at their position
+/// (with_fixed()); their errors and parameters do not count. Bodies keep the values of a MODEL, and
+/// are identified otherwise; friction and offsets are identified in either case. diagnose() tests
+/// the kinds beyond viscous and Coulomb friction. Recordings in which the joint rests most of the
+/// time give breakaways only.
 ///
 /// @param test     held out; empty: the last recording, or the last third of a single one.
 /// @param options  of the diagnosis; `effects` empty: all kinds of friction.

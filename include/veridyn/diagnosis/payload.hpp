@@ -10,7 +10,7 @@
 
 namespace veridyn {
 
-/// [kg] as far as a load is searched, to either side of zero.
+/// [kg] largest magnitude of a load in the search.
 constexpr double kHeaviestLoad = 200.0;
 
 /// A load that the model lacks, or has and the arm does not (a negative mass), assumed on one link.
@@ -19,11 +19,11 @@ struct PayloadEstimate {
   /// Frames of other links with indistinguishable motion, any of which may carry it.
   std::vector<std::string> others;
   double mass = 0.0;                ///< [kg] of a point mass
-  double mass_low = 0.0;            ///< 95 % interval, along the valley in which mass and lever exchange
+  double mass_low = 0.0;            ///< 95 % interval; mass and lever arm are strongly correlated
   double mass_high = 0.0;
   Eigen::Vector3d com = Eigen::Vector3d::Zero();  ///< [m]
   /// In a direction that the torques do not determine (along parallel axes without gravity) it is
-  /// the reach of a load, for want of another bound.
+  /// the largest distance of a load.
   Eigen::Vector3d com_half_width = Eigen::Vector3d::Zero();
   std::array<bool, 3> seen = {true, true, true};  ///< directions that the torques determine
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();  ///< mass times centre [kg m]
@@ -35,9 +35,9 @@ struct PayloadEstimate {
   InertialParameters phi = InertialParameters::Zero();  ///< parameters of the point mass
   double gain = 0.0;       ///< decrease of the sum over joints of ln(held-out mean square residual)
   double explained = 0.0;  ///< share of the model's residual that it explains, over all joints
-  double most_off = kHeaviestLoad;  ///< [kg] that the link has: no more can be taken off it
-  bool at_bound = false;   ///< mass or centre lies at the end of what was searched: no finding
-  std::vector<std::string> unexplained{};  ///< joints that the load acts on and that it leaves far above the model's own error
+  double most_off = kHeaviestLoad;  ///< [kg] mass of the link, the most that can be taken off
+  bool at_bound = false;   ///< mass or centre lies at a bound of the search: no finding
+  std::vector<std::string> unexplained{};  ///< joints that the load acts on and whose error stays far above that of the model
   /// True if the interval of the mass excludes zero.
   bool has_mass() const;
   /// Residual per joint divided by that of the unmodified model, (n): with friction and offsets of
@@ -54,12 +54,12 @@ struct PayloadReport {
   /// carry the best load fitted again; with that load in addition. All fitted to these recordings.
   VectorXd error_before, error_with_drift, error_after;
   std::string reason;  ///< reason why there is no estimate; empty otherwise
-  std::vector<std::string> remarks{};  ///< sentences on what the values and intervals stand on
+  std::vector<std::string> remarks{};  ///< sentences on the assumptions of the values and intervals
   double smallest_gain = 0.0;  ///< Thresholds::smallest_change, the bound on the gain in found()
   double seconds = 0.0;
 
-  /// True if the best load improves the prediction of held-out torques beyond the model's own
-  /// errors, explains every joint that it acts on, and its mass or its moment surely is not zero.
+  /// True if the best load lowers the held-out error by more than the model's own error, explains every joint that it
+  /// acts on, and the interval of its mass or its moment excludes zero.
   bool found() const;
   std::string headline() const;  ///< one line: the load, with its interval, or why there is none
 
@@ -70,8 +70,8 @@ struct PayloadReport {
 ///
 /// The load is modelled as a point mass, because on a link that turns about a fixed point torques
 /// determine only mass times lever and the inertia. Friction and offsets of the joints that carry
-/// it may have changed with the load; this drift is fitted as well and is included in the
-/// intervals, together with the scatter between phases of the motion (jackknife).
+/// it may have changed with the load; this drift is estimated as well and is part of the
+/// intervals, as is the scatter between phases of the motion (jackknife).
 ///
 /// @param model       an arm with values.
 /// @param recordings  all of them with the load.
@@ -81,8 +81,8 @@ PayloadReport find_payload(const Model& model, const Recordings& recordings,
                            const IdentificationOptions& options = {}, const std::string& link = {},
                            const Thresholds& limits = {});
 
-/// The same from poses at rest, which tell mass and centre by gravity alone. Where it is not known from which
-/// side the joints came, the model's dry friction widens the intervals.
+/// The same from poses at rest, whose gravity determines mass and centre. Where the direction of approach is
+/// unknown, the model's dry friction widens the intervals.
 PayloadReport find_payload_at_rest(const Model& model, const std::vector<RestPoses>& poses, const std::string& link = {},
                                    const Thresholds& limits = {});
 

@@ -7,13 +7,12 @@
 
 namespace veridyn {
 
-/// diagnose() from poses at rest: the forces of position that gravity, offsets and dry friction leave
-/// over, as springs, cables and harnesses exert them. Joints that stand still are asked about nothing.
+/// diagnose() from poses at rest: forces of position beside gravity, offsets and dry friction, such as those of
+/// springs, cables and harnesses. Joints that do not move between the poses are left out.
 ///
-/// A cause is accepted where the sum over joints of ln(mean square) on held-out parts of the training
-/// poses falls by more than `smallest_gain`, that of its own joint in every part (of four or more in all
-/// but one), and an F test over the poses is significant among as many questions. What only moves is in the
-/// remarks.
+/// A cause is accepted if three conditions hold. In cross-validation on the training poses the sum over joints of
+/// ln(mean square residual) falls by more than `smallest_gain`; the error of the cause's own joint falls in every part
+/// (of four or more parts in all but one); an F test over the poses is significant after Bonferroni's correction.
 ///
 /// @throws InvalidInput  the poses do not fit the arm.
 Diagnosis diagnose_at_rest(const Model& arm, const std::vector<RestPoses>& train,

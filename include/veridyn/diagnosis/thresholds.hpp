@@ -5,11 +5,11 @@
 
 namespace veridyn {
 
-/// Numbers that decide around the search of a diagnosis, and in a diagnosis of poses at rest; those of the search are in
-/// src/diagnosis/search/numbers.hpp. threshold_table() gives the inequality and the reason of each;
-/// `veridyn-hide-and-seek --set NAME=VALUE` plays a board at another value.
+/// Thresholds of a diagnosis before and after its search, and of a diagnosis of poses at rest; those of the search are
+/// in src/diagnosis/search/numbers.hpp. threshold_table() gives the inequality and the reason of each;
+/// `veridyn-hide-and-seek --set NAME=VALUE` runs the benchmark with another value.
 struct Thresholds {
-  // Fits that are compared.
+  // Comparison of fits.
   double smallest_gain = 0.04;
   double smallest_change = 0.1;
   double significance = 0.05;
@@ -36,11 +36,11 @@ struct Thresholds {
   double still(bool prismatic) const { return prismatic ? still_prismatic : still_revolute; }
 };
 
-/// Role of one of these numbers.
+/// Inequality and reason of one threshold.
 struct ThresholdEntry {
   std::string name;
   double Thresholds::* value;
-  std::string inequality;  ///< inequality that holds for the first of the two verdicts
+  std::string inequality;  ///< condition, with its consequence
   std::string reason;      ///< reason for the value
   std::string seeds;       ///< seeds of hide-and-seek on which it was chosen; empty: none
 };

@@ -13,12 +13,12 @@ namespace veridyn {
 struct WatchNumbers;
 
 struct WatchOptions {
-  /// [s] quiet beginning in which the noise is learned and nothing is reported
+  /// [s] at the beginning, in which the noise is estimated and nothing is reported
   double learn = 4.0;
-  double learn_more = 32.0; ///< [s] until which learning continues while nothing changes
+  double learn_more = 32.0; ///< [s] until which the noise estimate is refined while nothing changes
   double false_alarms = 1.0;  ///< false alarms per hour on an arm without changes
   double step = 0.1;          ///< [s] over which residuals are averaged
-  /// [s] from an alarm until a cause is isolated, or reported as doubtful
+  /// [s] after an alarm, within which the best cause is reported in any case
   double longest_naming = 5.0;
   double refine = 5.0;  ///< [s] after the isolation, in which the size of the cause is refined
   /// Frames that a load may be added to; empty: bodies and last frames.
@@ -31,16 +31,16 @@ enum class WatchStage {
   kNamed,      ///< isolated: one cause explains it
   kRefined,    ///< the same size estimated from more data
   kOver,       ///< a contact that has ended
-  kPresent,    ///< there when the watch began: learned, and no reason for an alarm
-  kWithdrawn,  ///< the name was wrong: another one explains more, and follows with the same id
-  /// Nothing can be watched since: no rows, no finite numbers, times that do not rise, rows or a torque that
-  /// stand still while the arm moves. Or the rows' clock was set back: later events have its new times. No
-  /// change and no cause; the id is that of a change that was suspected since then, or 0.
+  kPresent,    ///< a difference from the MODEL at the beginning; it is part of the reference and raises no alarm
+  kWithdrawn,  ///< the isolated cause was wrong: another one explains more, and follows with the same id
+  /// The rows are unusable from this time on: none arrive, they are not finite, their times do not increase, or
+  /// rows or a torque stay constant while the arm moves. Also if their clock was set back; later events have the
+  /// new times. It has no cause; its id is that of a change that was suspected at this time, or 0.
   kBlind,
 };
 const char* name_of(WatchStage stage);
 
-/// An alternative cause that explains a change about as well.
+/// An alternative cause with nearly the same likelihood.
 struct WatchRival {
   Cause cause;
   std::string text;        ///< its text form, "payload:tool"
@@ -54,7 +54,7 @@ struct WatchEvent {
   double time = 0.0;   ///< [s] of the report
   double since = 0.0;  ///< [s] estimated onset
   double until = 0.0;  ///< [s] kOver: estimated end
-  Cause cause;         ///< the most likely one; ExternalContact for a push
+  Cause cause;         ///< the most likely cause; ExternalContact for a push
   std::string text;    ///< its text form, "viscous_friction:yaw"
   double value = 0.0, low = 0.0, high = 0.0;  ///< size with its 95 % interval
   std::string unit;
@@ -84,9 +84,9 @@ struct WatchState {
 ///
 /// Rows are resampled on a uniform grid and smoothed; in every step the residual torque and the
 /// columns of all hypotheses (offset, friction, gain, encoder zero of every joint; a mass on every
-/// link) are averaged. A quiet beginning gives the parameters that vary from day to day (offset and
+/// link) are averaged. The first seconds give the parameters that vary from day to day (offset and
 /// friction), the spectrum of the residual (an autoregression for every joint) and the
-/// overdispersion of its innovations. From then on every hypothesis has least squares in
+/// overdispersion of its innovations. Afterwards every hypothesis is fitted by least squares in
 /// information form with three forgetting factors,
 ///
 ///   A <- f A + x' x,   b <- f b + x' e,   S = b^2 / A
@@ -112,13 +112,13 @@ class Watch {
   Watch(Watch&&) noexcept;
   Watch& operator=(Watch&&) noexcept;
 
-  /// Learns the noise from quiet recordings without reporting anything. Call it before add(), each
-  /// time with a whole recording.
+  /// Estimates the noise from a recording without changes; reports nothing. Call it before add(), once for each
+  /// whole recording.
   void learn(const Recording& quiet);
 
-  /// Watches the next rows and returns the events that they bring. Rows whose time does not rise, or
-  /// which are repeated, are skipped; a pause of more than half a second begins a new segment, and so does a
-  /// clock that was set back, which takes a quarter of a second to be known. What was learned and named stays.
+  /// Processes the next rows and returns their events. Rows whose time does not increase, and repeated rows, are
+  /// skipped. A pause of more than half a second begins a new segment, and so does a clock that was set back, which
+  /// is recognised after a quarter of a second. The noise estimate and the isolated changes are kept.
   /// @throws InvalidInput  another number of joints, neither torques nor currents with drive gains, other
   /// signals than in the rows before.
   std::vector<WatchEvent> add(const Recording& rows);
@@ -130,8 +130,8 @@ class Watch {
   /// Sets a function that is called after every step with the state of the watch; for plots.
   void on_step(std::function<void(const WatchState&)> call);
   const Model& arm() const;
-  /// Joints whose recorded velocity is no derivative of the position, in words. They are found in
-  /// the first half of the learning time; the watch then derives all velocities from the positions.
+  /// Sentences on joints whose recorded velocity is not the derivative of the position. They are found in the first
+  /// half of the learning time; all velocities are then derived from the positions.
   const std::vector<std::string>& remarks() const;
   /// All events so far.
   const std::vector<WatchEvent>& events() const;

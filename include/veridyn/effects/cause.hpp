@@ -39,8 +39,8 @@ struct ChannelError {
   std::optional<JointIndex> joint;  ///< nullopt: an error of the whole arm
 };
 
-/// The numbers by which a robot file places a frame: those of a DH row, those of a joint's origin as
-/// in URDF, and the ratio of a joint in the frame's variable.
+/// The numbers that place a frame in a robot file: those of a DH row, those of a joint's origin as
+/// in URDF, and the ratio of a coordinate in the frame's joint variable.
 enum class FrameNumber { kA, kAlpha, kD, kTheta, kX, kY, kZ, kRoll, kPitch, kYaw, kRatio };
 
 /// One number of one frame.
@@ -72,8 +72,8 @@ struct ExternalContact {
   JointIndex joint;
 };
 
-/// One thing that may be wrong with a model, with its place. Diagnosis finds causes, excitation
-/// separates them, simulation injects them: all with this type.
+/// A possible error of a model, with its place. Diagnosis finds causes, excitation separates them,
+/// simulation injects them; all use this type.
 ///
 /// Its text form is EFFECT:PLACE, where PLACE is a joint (name or number from 1), the frame of a
 /// load, "arm", or a constant, by its name or after its frame or joint: "backlash:2",
@@ -120,10 +120,10 @@ std::optional<FrameIndex> frame_of(const Cause& cause);
 /// that moves the frame; nullopt: the whole arm.
 std::optional<JointIndex> acting_joint(const Model& arm, const Cause& cause);
 
-/// True if both name the same effect at the same joint or frame; a new effect and a changed one do.
+/// True if both are the same effect at the same joint or frame; a new effect equals a changed one.
 bool alike(const Cause& a, const Cause& b);
 
-/// The parts of a cause as reports print them.
+/// The parts of a cause, for reports.
 struct CauseWords {
   std::string effect;
   int joint = 0;           ///< number of acting_joint() from 1; 0: the whole arm

@@ -53,15 +53,15 @@ class ChannelEffect : public Effect {
   /// nothing where all have the same one (can_be_common()).
   virtual bool acts_on(int i, std::optional<JointIndex> joint) const = 0;
 
-  /// Torque per unit of every parameter, (rows x n) each; columns of joints that acts_on() denies
-  /// are not read.
+  /// Torque per unit of every parameter, (rows x n) each; columns of joints for which acts_on() is
+  /// false are not read.
   virtual std::vector<MatrixXd> columns(const ChannelMotion& motion, std::optional<JointIndex> joint) const = 0;
 
-  /// True if the columns are torques of the arm's bodies; an excitation can be designed for these
-  /// only.
+  /// True if the columns are torques of the arm's bodies. An excitation can be designed only for
+  /// effects with such columns.
   virtual bool has_rigid_columns() const { return false; }
 
-  /// Those columns; empty where the arm has none, such as without gravity.
+  /// These columns; empty if they vanish for this arm, for example without gravity.
   virtual std::vector<RigidColumn> rigid_columns(const Model& arm, std::optional<JointIndex> joint) const;
 
   /// Adds the error to an arm. @param joint  nothing: all joints. @param from  the other joint of an error
@@ -95,8 +95,8 @@ class SensorError : public ChannelEffect {
   /// True if it is a factor on the recorded torque and nothing else.
   virtual bool scales_torque() const { return false; }
 
-  /// True if it may begin while the arm moves, as when an encoder slips; a watch tests for such
-  /// errors.
+  /// True if it may begin while the arm moves, for example when an encoder slips. Watch tests such
+  /// errors only.
   virtual bool may_begin_suddenly() const { return false; }
 };
 
@@ -113,19 +113,18 @@ class ArmEffect : public ChannelEffect {
   /// values.
   virtual void change(ModelDescription& arm, const std::vector<double>& values) const = 0;
 
-  /// Values far from zero to begin with where the tangent at zero leads beyond the largest plausible size.
+  /// Further starting points of the iteration, for effects that the linearisation at zero does not describe.
   virtual std::vector<std::vector<double>> far_values() const { return {}; }
 
-  /// The values that lead from one arm to the other. @param sum  of successive changes, which is the
-  /// answer unless these do not add.
+  /// The values that change one arm into the other. @param sum  of all successive changes: the
+  /// default result; override it if changes do not add.
   virtual std::vector<double> values_between(const ModelDescription& /*without*/, const ModelDescription& /*with*/,
                                              std::vector<double> sum) const {
     return sum;
   }
 
   /// The arm with the states that the effect adds to its motion: passive coordinates after the
-  /// arm's own, which engines integrate without a motor. An effect without states returns the arm
-  /// unchanged.
+  /// arm's own, without a motor. An effect without states returns the arm unchanged.
   virtual ModelDescription with_states(const ModelDescription& arm,
                                        const std::vector<double>& /*values*/) const {
     return arm;

@@ -40,8 +40,7 @@ struct EffectParameter {
   std::string unit_revolute;
   std::string unit_prismatic;
   ParameterSign sign = ParameterSign::kAny;
-  /// Magnitudes beyond this lie outside the range in which the columns hold; a diagnosis rejects
-  /// them.
+  /// Largest magnitude for which the columns are valid; a diagnosis rejects larger estimates.
   double largest_revolute = 1e300;
   double largest_prismatic = 1e300;
 };
@@ -128,20 +127,19 @@ class Effect {
   /// Properties with the initial constants.
   EffectTraits traits() const;
 
-  /// Candidate values of the shape constants for an axis that moves like this: all combinations of
-  /// the constants' own grids. One empty choice where the effect has no searched constant; none
-  /// where the spectrum has no significant wave.
+  /// Initial values of the shape constants for an axis with this motion: all combinations of the
+  /// constants' own grids. One empty choice if the effect has no searched constant; none if the
+  /// spectrum has no significant wave.
   virtual std::vector<ShapeChoice> grid(const AxisMotion& motion) const;
 
-  /// Ranges that the motion must visit to make the columns distinguishable; empty: any motion will
-  /// do.
+  /// Ranges that a motion must reach for the columns to be independent; empty: any motion.
   virtual std::vector<ActiveRange> active_ranges(const ShapeValues& /*shape*/) const { return {}; }
 
-  /// False if it can imitate many other causes: a diagnosis asks about it after all others, unless the user names it.
-  virtual bool asked_unnamed() const { return true; }
+  /// True if it can imitate many other causes: a diagnosis tests it after all others, unless the user names it.
+  virtual bool imitates_others() const { return false; }
 
-  /// Describes the identified effect for a technician, to continue "Joint 3 has": "0.50 N of
-  /// friction with memory: after a reversal it builds up over 0.14 mm".
+  /// Description of the identified effect for a technician, as printed after "Joint 3 has": "0.50 N
+  /// of friction with memory: after a reversal it builds up over 0.14 mm".
   ///
   /// @param values  one for each of parameters().
   /// @param type    kPrismatic for newtons and metres, anything else for newton metres and radians.

@@ -23,9 +23,8 @@ struct BaseParameters {
   std::vector<Identifiability> classes;  ///< class of every standard parameter
   std::vector<std::string> names;        ///< "beta1 ..": named after the independent parameter
   std::vector<std::string> expressions;  ///< "m_tool + 0.25 m_counterweight"
-  VectorXd singular_values;              ///< Singular values of the scaled columns, largest first
-  double rank_gap =
-      0.0;  ///< last kept over first dropped singular value; infinite if none was dropped
+  VectorXd singular_values;              ///< of the scaled columns, largest first
+  double rank_gap = 0.0;  ///< last kept over first dropped singular value; infinite if none was dropped
 
   int size() const { return static_cast<int>(independent.size()); }
 };
@@ -33,14 +32,13 @@ struct BaseParameters {
 /// Base parameters of the arm, from the regressor at random states within its limits (fixed seed).
 BaseParameters base_parameters(const Model& arm);
 
-/// Base parameters without those that the robot file declares as facts: the unknowns of an
-/// identification, and the list that an excitation reports.
+/// Base parameters without those that the robot file declares as known: the unknowns of an
+/// identification.
 BaseParameters identifiable_base_parameters(const Model& arm);
 
-/// Base parameters of any factor over standard parameters. Columns are scaled to norm one first;
-/// singular values
-/// below `tolerance` times the largest are zero. Independent columns are those that come first in
-/// `preference`.
+/// Base parameters of any factor over standard parameters. Columns are scaled to norm one; singular
+/// values below `tolerance` times the largest count as zero. Independent columns are chosen in the
+/// order of `preference`.
 BaseParameters base_parameters(const SquareRootInformation& factor,
                                const std::vector<int>& preference, double tolerance = 1e-8);
 
@@ -48,18 +46,18 @@ BaseParameters base_parameters(const SquareRootInformation& factor,
 /// inertias, masses last.
 std::vector<int> preferred_columns(const std::vector<StandardParameter>& parameters);
 
-/// The two-step reduction of thesis 5.1 by singular value decompositions; for comparison. Same rank
-/// and span.
+/// The two-step reduction of thesis 5.1 by singular value decompositions, for comparison; it has the
+/// same rank and span.
 BaseParameters base_parameters_by_svd(const SquareRootInformation& factor, double tolerance = 1e-8);
 
 /// The factor of the regressor at random states within the arm's limits; joints without limits move
-/// within 1 rad or 0.1 m.
-/// Effects with memory see the states as one path.
+/// within 1 rad or 0.1 m. For effects with memory the states are one trajectory.
 /// @param still  names of coordinates that are held at rest.
 SquareRootInformation random_state_factor(const Model& arm, int states, unsigned seed,
                                           const std::vector<std::string>& still = {});
 
-/// Like random_state_factor(), with zero columns for facts, as the factors of recordings have them.
+/// Like random_state_factor(), with zero columns for known parameters, as in the factors of
+/// recordings.
 SquareRootInformation identifiable_factor(const Model& arm, unsigned seed,
                                           const std::vector<std::string>& still = {});
 

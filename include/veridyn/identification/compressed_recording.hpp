@@ -32,7 +32,7 @@ struct CompressedRecording {
   /// (n) relative error of a perfect model, from repeated periods; empty without repeats
   VectorXd noise_floor;
   double rows = 0.0;     ///< over all joints
-  bool detached = false;  ///< known by its factor only: its samples are elsewhere
+  bool detached = false;  ///< only the factor is available, not the samples
 };
 
 /// @param path     a recording; read twice, its first minutes for the period and then as a whole.
@@ -43,7 +43,7 @@ CompressedRecording compress(const Model& arm, const std::string& path,
 CompressedRecording compress(const Model& arm, const Recording& recording,
                              const PreprocessingOptions& options);
 
-/// Compresses every recording of a list, in parallel. @param threads  0: one per core.
+/// Compresses all recordings of a list in parallel. @param threads  0: one per core.
 std::vector<CompressedRecording> compress_all(const Model& arm,
                                               const std::vector<std::string>& paths,
                                               const PreprocessingOptions& options, int threads);
@@ -56,10 +56,10 @@ struct PredictionError {
                              ///< largest speed)
 };
 
-/// Motion of a joint at a sample, which decides about moving_relative.
+/// Whether a joint moves at a sample, for moving_relative.
 enum class MovingSample { kNo, kYes };
 
-/// Sums behind PredictionError, which add up over recordings.
+/// The sums from which PredictionError is computed; they add up over recordings.
 struct ErrorSums {
   explicit ErrorSums(int joints);
   void add(const ErrorSums& other);

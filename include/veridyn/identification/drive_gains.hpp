@@ -26,7 +26,7 @@ struct DriveGain {
   bool identifiable = false;
   std::string reason;      ///< reason why it is not identifiable
   double value = 0.0;      ///< best estimate, identifiable or not
-  /// Standard deviation, from clusters; infinite where the data contain nothing about it.
+  /// Standard deviation, from clusters; infinite where the data do not determine it.
   double deviation = 0.0;
   double low = 0.0;        ///< 95 % interval; infinite ends where the data leave them open
   double high = 0.0;

@@ -20,9 +20,9 @@ struct FactorSet {
   std::vector<CompressedRecording> recordings;
 };
 
-/// Compresses recordings, in parallel; among many recordings the blocks of each are merged, as
-/// identify() does. An arm whose file has no friction gets plain friction (JointFriction::kAuto);
-/// an identification may drop it again.
+/// Compresses recordings in parallel; of many recordings the blocks of each are merged, as in
+/// identify(). An arm whose file has no friction gets plain friction (JointFriction::kAuto), which an
+/// identification may drop.
 /// @throws InvalidInput  as compress().
 FactorSet compress(const Model& arm, const std::vector<std::string>& paths,
                    const PreprocessingOptions& options = {}, int threads = 0);

@@ -47,9 +47,9 @@ struct FleetOutlier {
   double deviations = 0.0;  ///< robust standard deviations away from the fleet
 };
 
-/// An arm that the shared bodies were not fitted to, because bodies of its own explain more of its
-/// torques than for the other arms. It may carry a tool or be another type; or effects that the
-/// robot file lacks are larger on it. Its own values are still found.
+/// An arm that was left out of the fit of the shared bodies, because individual bodies improve its
+/// fit more than that of the other arms. It may carry a tool, be of another type, or have larger
+/// effects that the robot file does not contain. Its individual values are estimated all the same.
 struct FleetLeftOut {
   std::string arm;
   int joint = 0;                ///< from 1: the joint of the largest deviation
@@ -60,8 +60,8 @@ struct FleetLeftOut {
   double deviations = 0.0;      ///< robust standard deviations from that median
 };
 
-/// An arm whose recordings do not determine its base parameters. It takes no part, because its
-/// bodies cannot be compared with the fleet's.
+/// An arm whose recordings do not determine its base parameters. It is left out, because its
+/// bodies cannot be compared with those of the fleet.
 struct UndeterminedArm {
   std::string arm;
   std::string why;
@@ -87,7 +87,7 @@ struct Fleet {
   std::vector<FleetMember> members;
   std::vector<FleetOutlier> outliers;     ///< largest deviation first
   std::vector<FleetLeftOut> other_bodies; ///< arms that the shared bodies were not fitted to
-  std::vector<UndeterminedArm> undetermined;  ///< arms that took no part
+  std::vector<UndeterminedArm> undetermined;  ///< arms that were left out
   std::vector<UnusedRecording> unusable_recordings;  ///< files that could not be used
   std::vector<std::string> remarks;       ///< files whose velocities were taken from the positions
   std::optional<Model> model;  ///< the arm with `parameters`; nullopt where there is a reason

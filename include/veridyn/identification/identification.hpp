@@ -19,8 +19,8 @@ enum class Method {
   kOls,       ///< ordinary least squares on the base parameters
   kWls,       ///< the rows of each joint weighted
   kFeasible,  ///< weighted, and every body physically possible
-  kIv,     ///< instrumental variables from the motion without noise; identify() of recordings alone
-  kDidim,  ///< least squares along the motion without noise alone; identify() of recordings alone
+  kIv,     ///< instrumental variables from a simulated motion; not from factors
+  kDidim,  ///< least squares along a simulated motion alone; not from factors
 };
 
 /// Weighting of the joints' rows by kWls and kFeasible.
@@ -43,10 +43,9 @@ struct IdentificationOptions {
   /// Friction that is identified beside that of the robot file; Identification::remarks name it.
   JointFriction friction = JointFriction::kAuto;
   PreprocessingOptions preprocessing;
-  std::optional<PreprocessingOptions>
-      test_preprocessing;  ///< Preprocessing of held-out recordings; empty: the same
-  /// KFeasible: regularises towards this model's inertial parameters by the entropic divergence;
-  /// its bodies need values.
+  std::optional<PreprocessingOptions> test_preprocessing;  ///< of the test recordings; nullopt: the same
+  /// For kFeasible: regularises towards the inertial parameters of this model, by the entropic
+  /// divergence; its bodies need values.
   std::optional<Model> prior;
   /// Weight of the prior, as a share of the weighted residual per body.
   double prior_weight = 1e-3;
@@ -54,10 +53,10 @@ struct IdentificationOptions {
   /// find_drive_gains(), and the arm is then identified from the recordings without a load.
   std::vector<KnownMass> known_masses;
   /// For identify() of recordings: a recorded velocity that is noisier than its position's
-  /// derivative, or wrong in scale, is replaced by that derivative where this improves the
-  /// prediction of the joint's torque by at least 2 % of its error on the training recordings;
-  /// Identification::preprocessing then says so. Factors keep what was chosen when they were made;
-  /// Filtering::kSignals, which filters the velocity itself, keeps the recorded velocity.
+  /// derivative, or wrong in scale, is replaced by that derivative if this lowers the error of the
+  /// joint's torque on the training recordings by at least 2 %; Identification::preprocessing has
+  /// the choice. Factors keep the choice made when they were compressed; Filtering::kSignals, which
+  /// filters the velocity itself, keeps the recorded velocity.
   bool choose_velocities = true;
   int threads = 0;  ///< recordings are read in parallel; 0: one thread per core
   /// Called with (current activity, share done) between recordings.
@@ -92,7 +91,7 @@ struct RecordingError {
   /// none of this recording.
   PredictionError without_excluded;
   FilledRows filled;
-  long rows = 0;         ///< Rows of the file
+  long rows = 0;         ///< rows of the file
   VectorXd noise_floor;  ///< relative, (n); empty where nothing repeats
   double period = 0.0;   ///< [s] of the motion; 0: no repetition
   PredictionSeries series;
@@ -115,8 +114,7 @@ struct UnusedRecording {
 };
 
 struct StageSeconds {
-  double read = 0.0;  ///< reading, filtering and building columns of the training recordings
-                      ///< included in compress
+  double read = 0.0;  ///< reading, filtering and building columns of the training recordings; part of compress
   double compress = 0.0;
   double solve = 0.0;
   double validate = 0.0;
@@ -142,8 +140,7 @@ struct Identification {
   double effective_samples = 0.0;  ///< effective sample size: rows corrected for autocorrelation
   bool feasible = false;           ///< every body's pseudo-inertia is positive definite
   double objective = 0.0;          ///< weighted sum of squares
-  double unconstrained_objective =
-      0.0;  ///< objective of unconstrained least squares on the same rows: never above `objective`
+  double unconstrained_objective = 0.0;  ///< of unconstrained least squares on the same rows: <= objective
   double duality_gap = 0.0;
   /// The duality gap is rigorous, because the robot file bounds all parameters.
   bool certified = false;
@@ -160,8 +157,7 @@ struct Identification {
   VectorXd parameters;            ///< all standard parameters
   VectorXd parameter_deviations;  ///< NaN where only a combination is determined
   std::optional<Model> model;     ///< the arm with these values
-  std::vector<CompressedRecording>
-      factors;  ///< the training recordings, for further computations without their samples
+  std::vector<CompressedRecording> factors;  ///< of the training recordings, for computations without their samples
   /// Sentences on friction added to that of the robot file, and on every velocity that was replaced
   /// by the derivative of the position, see choose_velocities.
   std::vector<std::string> remarks;
@@ -177,8 +173,8 @@ struct Identification {
 /// The report.
 std::ostream& operator<<(std::ostream& out, const Identification& id);
 
-/// Identifies the arm from training recordings and validates it on test recordings, which take no
-/// part in the fit.
+/// Identifies the arm from training recordings and validates it on test recordings, which are not
+/// used in the fit.
 ///
 /// @param train, test  paths of recordings, or recordings in memory.
 /// @throws InvalidInput  a file is bad or does not fit the arm. Data that do not suffice are a
@@ -205,8 +201,8 @@ Identification identify(const Model& arm, const Recording& recording,
 /// Writes the identified model as YAML, with date, version and the hashes of the input files (see
 /// ModelOrigin). @throws InvalidInput  there is no model (see status), or the file cannot be
 /// written.
-/// @param command  name of the command, for readers of the file. @param robot    path of the robot
-/// file, if known.
+/// @param command  name of the command, kept in the file.
+/// @param robot    path of the robot file, if known.
 void save(const Identification& id, const std::string& path,
           const std::string& command = "identify", const std::string& robot = {});
 

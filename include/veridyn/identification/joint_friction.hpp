@@ -10,7 +10,7 @@ namespace veridyn {
 /// Friction model of the joints for identification, diagnosis and excitation. Every real joint has
 /// friction, and manufacturers' files seldom contain it.
 enum class JointFriction {
-  /// KPlain for a manufacturer's file (URDF, values are a prior) without friction, else kFile.
+  /// kPlain for a file without friction whose values are a prior (URDF, MJCF, SDF); else kFile.
   kAuto,
   kPlain,  ///< viscous and Coulomb friction and a torque offset of every joint
   kFile,   ///< only the friction of the robot file

@@ -20,20 +20,21 @@ class Communicator {
   virtual std::string receive(int from) = 0;
 };
 
-/// identify() with the recordings spread over ranks; every rank calls it with the same arguments.
+/// Receives factors to be stored. `whole` is true for those of all ranks together.
+using KeepFactors = std::function<void(const FactorSet& factors, bool whole)>;
+
+/// identify() with the recordings distributed over ranks; every rank calls it with the same arguments.
 ///
 /// Each rank compresses its share, the factors are merged at rank 0 in a fixed binary tree and in
 /// the order of the list, and each rank measures the errors of its own recordings. The result is
 /// that of identify() on one machine, for any number of ranks. A recording that
-/// cannot be read or used is skipped and named in `unusable_recordings` of the result.
+/// cannot be read or used is skipped and listed in `unusable_recordings` of the result.
 ///
-/// @param keep  called on every rank with its factors so far, from time to time, so that they
-/// survive the failure of a rank; and on rank 0 once with those of all ranks, `whole` is then true.
-/// May be empty.
+/// @param keep  called repeatedly on every rank with its factors so far, so that they survive the
+/// failure of a rank, and on rank 0 once with those of all ranks. May be empty.
 /// @returns  the result at rank 0; on other ranks only status and reason are valid.
-/// @throws InvalidInput  on every rank alike: no recording could be used, known masses were given, or
-/// whatever else identify() refuses, such as a prior of another arm.
-using KeepFactors = std::function<void(const FactorSet& factors, bool whole)>;
+/// @throws InvalidInput  on every rank: no recording could be used, known masses were given, or
+/// identify() refuses the arguments.
 Identification identify(const Model& arm, const std::vector<std::string>& train,
                         const std::vector<std::string>& test, const IdentificationOptions& options,
                         Communicator& ranks, const KeepFactors& keep = {});

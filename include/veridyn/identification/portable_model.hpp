@@ -13,7 +13,7 @@ struct PortableBody {
   std::string frame;
   double mass_before = 0.0;               ///< [kg] in the MODEL file
   double mass = 0.0;                      ///< [kg] as exported
-  /// Those of m, hx, ... Lzz that the torques do not determine.
+  /// Names among m, hx, ... Lzz that the torques do not determine.
   std::vector<std::string> undetermined;
 };
 
@@ -26,26 +26,26 @@ struct PortableModel {
   std::string remark;    ///< reason for which no values were chosen, one line; empty otherwise
 };
 
-/// Place that a file's format has for what torques do not tell from the bodies.
+/// Place of rotor inertia in a file format, where torques do not separate it from the bodies.
 enum class RotorPlace {
-  kBodies,    ///< none beside the rotor inertias that the model has: URDF, SDF
+  kBodies,    ///< rotor inertias of the model only: URDF, SDF
   kArmatures  ///< a rotor inertia on every joint: MJCF
 };
 
-/// Torques determine combinations of inertial parameters and not each of them; an identification
-/// leaves the rest arbitrary, at worst at the bounds of its robot file. Other programs show these
-/// numbers as masses and centres. This function chooses them anew:
+/// Chooses values for the inertial parameters that torques determine in combination only. An
+/// identification leaves them arbitrary, at worst at the bounds of its robot file, while other
+/// programs show them as masses and centres:
 ///
 ///   minimise   sum over bodies of entropic_divergence(J(phi_b), J(prior_b)) + w (m_b / m_prior_b - 1)^2
 ///   subject to K phi = K phi_model,   rotor inertias >= 0
 ///
 /// All torques are unchanged up to rounding; every body is physically consistent, and as close to
-/// the prior as the torques allow. The prior is the given model (a CAD model of the same frames),
-/// else the robot file's bodies, whose masses are held (w) since a drawing knows them best; else a rod of
-/// 5 cm diameter and the density of water along every link (w = 0). With kArmatures phi holds a rotor
-/// inertia for every joint too: that of a first joint turns nothing but what its link turns as well, and
-/// would make the link as heavy as a gear feels. Other effects, bodies that are facts, and models that
-/// were not identified are unchanged.
+/// the prior as the torques allow. The prior is the given model (a CAD model of the same frames);
+/// else the bodies of the robot file, whose masses have the weight w; else a rod of 5 cm diameter
+/// with the density of water along every link (w = 0). With kArmatures phi contains a rotor inertia
+/// for every joint too, since that of a first joint cannot be separated from its link and would
+/// appear as mass of the link. Other effects, known bodies, and models that were not identified are
+/// unchanged.
 PortableModel portable_model(const Model& arm, const std::optional<Model>& prior = std::nullopt,
                              RotorPlace rotors = RotorPlace::kBodies);
 

@@ -19,11 +19,9 @@ struct JointRows {
   VectorXd time;                ///< (samples) [s] since the recording began
 };
 
-/// Turns segments of samples into rows of least squares, filtered and decimated according to the
-/// options.
-///
-/// Parameters that the robot file declares as known have no column: their torque is subtracted from
-/// b.
+/// Computes rows of least squares from segments of samples, filtered and decimated according to the
+/// options. Parameters that the robot file declares as known have no column: their torque is
+/// subtracted from b.
 class RegressorColumns {
  public:
   RegressorColumns(const Model& arm, const PreprocessingOptions& options);
@@ -50,8 +48,8 @@ class RegressorColumns {
   /// Measured torque with the filter of rows() and predict(), (rows x n).
   MatrixXd filtered_torque(const Segment& segment) const;
 
-  /// Modelled and measured torque, both with the same filter, for given parameters; rows outside
-  /// the core or excluded ones are present. (rows x n) each.
+  /// Modelled and measured torque, both with the same filter, for given parameters, on all rows:
+  /// also outside of the core and in excluded intervals. (rows x n) each.
   struct Prediction {
     MatrixXd measured;
     MatrixXd modelled;

@@ -8,7 +8,7 @@
 
 namespace veridyn {
 
-/// Poses at which an arm stood still while a controller held it, and the torques of that.
+/// Poses at which a controller holds an arm at rest, with the torques.
 struct RestPoses {
   std::string source;
   MatrixXd q;         ///< (poses x n) [rad], [m]
@@ -18,21 +18,21 @@ struct RestPoses {
   Eigen::Index poses() const { return q.rows(); }
 };
 
-/// The poses of a recording. Where its velocities are those of a motion, moments at which no joint
-/// moves are one pose each, the mean over them, approached as the joints moved last. Where there are
-/// none, or all are zero, every row is a pose. Where all are -1, 0 or 1 they say from which side each
-/// joint came. A file needs no time.
+/// The poses of a recording. If it contains velocities of a motion, each interval without motion is
+/// one pose, the mean over its rows, approached in the direction of the last motion. If there are no
+/// velocities, or all are zero, every row is a pose. Velocities that are all -1, 0 or 1 are directions
+/// of approach. A file needs no time.
 ///
-/// @param approach  of all joints and poses, in place of what the recording says.
+/// @param approach  of all joints and poses, in place of that of the recording.
 /// @throws InvalidInput  the file is bad, does not fit the arm, or has no pose.
 RestPoses read_rest_poses(const Model& arm, const std::string& path,
                           const PreprocessingOptions& how, std::optional<double> approach = {});
 
-/// True if a recording is of poses: it has velocities, they are never anything but zero, and the
-/// positions are no motion whose velocities were not recorded.
+/// True if a recording consists of poses: it has velocities, all are zero, and the positions do not
+/// change like those of a motion.
 bool is_at_rest(const Model& arm, const std::string& path, const PreprocessingOptions& how);
 
-/// The arm without effects that need motion; dry friction stays where poses are `approached` from known sides.
+/// The arm without effects that act in motion only; dry friction is kept if the poses are `approached` from known sides.
 Model with_effects_at_rest(const Model& arm, bool approached);
 
 /// [N m], [N] level of constant dry friction that the values of an arm give each coordinate, (n).
@@ -45,11 +45,10 @@ CompressedRecording compress(const Model& arm, const RestPoses& poses);
 ///
 ///   tau = g(q) + offsets + forces of position + level * approach
 ///
-/// The base parameters are those that the training poses determine; joints that stand still, and
-/// whatever else they leave open, determine fewer. What moves only (inertia, viscous friction) is not
-/// in the model, and bodies have the inertia of a prior: that of the options, of the robot file, or a
-/// ball. Dry friction is identified where the approach of poses is known; elsewhere the remarks say how
-/// far it spreads the torques of each joint.
+/// The base parameters are those that the training poses determine. Effects that act in motion only
+/// (inertia, viscous friction) are not in the model, and bodies have the inertia of a prior: that of
+/// the options, of the robot file, or of a ball. Dry friction is identified if the direction of
+/// approach is known; else the remarks state the scatter that it causes in the torque of each joint.
 ///
 /// Preprocessing is not used: nothing is filtered, dropped or differentiated.
 /// @throws InvalidInput  the poses do not fit the arm.

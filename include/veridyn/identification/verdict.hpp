@@ -14,8 +14,8 @@ constexpr double kHardlyMoves = 0.05;
 /// Quality of an identification for one joint.
 enum class IdentifiedState {
   kAtFloor,      ///< the residual is little above the noise floor
-  kUnexplained,  ///< the residual is far above it: the model lacks something
-  kHardlyMoved,  ///< the recordings hardly move the joint: record them again
+  kUnexplained,  ///< the residual is far above it: the model is incomplete
+  kHardlyMoved,  ///< the joint hardly moves in the recordings
   kNoTorque,     ///< its torque is zero throughout: it was not recorded, or the joint was not driven
   kCannotTell,   ///< the motion does not repeat, so that the noise floor is unknown
 };
@@ -39,7 +39,7 @@ struct IdentificationVerdict {
   std::string sentence;   ///< joints by state, with the recommendation
 };
 
-/// "noise floor", or, where the repetitions of the motion differ by more than the model errs, "repetitions differ by".
+/// "noise floor", or "repetitions differ by" if the repetitions of the motion differ by more than the error of the model.
 const char* floor_name(const Identification& id);
 
 /// @param id  result with a model.

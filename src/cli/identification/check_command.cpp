@@ -72,7 +72,7 @@ void run(CheckRequest& request, Outcome& outcome) {
     if (arm && !how.row_count) how.kept = std::make_shared<KeptRecordings>(KeptRecordings::kFewPasses);
     checked[at] = check_rows(recordings[at], open_rows(recordings[at], reading, how.kept.get()));
     if (!arm) return;
-    checked[at].findings = with_answers(check_against(*arm, recordings[at], how), checked[at].findings);
+    checked[at].findings = merged_findings(check_against(*arm, recordings[at], how), checked[at].findings);
   });
   write_results(request.common, checked, outcome.command_line);
   busy.reset();

@@ -29,6 +29,7 @@ struct DiagnoseRequest {
   std::optional<RowRange> test_rows;
   std::string model_out;
   std::string values;
+  bool small_apart = true;
   RestRequest rest;
   DiagnosisOptions options;
   CommonOptions common;
@@ -95,7 +96,8 @@ ExitStatus run(DiagnoseRequest& request, const std::string& command_line) {
     how.test_preprocessing->first_row = request.test_rows->first;
     how.test_preprocessing->row_count = request.test_rows->count;
   }
-  const Diagnosis d = diagnosed(request, arm);
+  Diagnosis d = diagnosed(request, arm);
+  d.small_apart = request.small_apart;
   if (!d.baseline.model) {
     say(d.baseline.reason);
     return kDataCannotAnswer;
@@ -132,10 +134,10 @@ void add_diagnose_command(CLI::App& tool, Outcome& outcome) {
   command.add_option("--max-effects", request->options.max_effects, "Largest number of findings")
       ->check(CLI::Range(0, 100));
   command.add_flag_callback(
-      "--confirmed-only", [request] { request->options.extended = ExtendedModel::kConfirmedOnly; },
+      "--confirmed-only", [request] { request->small_apart = true; },
       "List the findings that together explain nine tenths, and count the others (the default)");
   command.add_flag_callback(
-      "--all-findings", [request] { request->options.extended = ExtendedModel::kAllFindings; },
+      "--all-findings", [request] { request->small_apart = false; },
       "List every finding, also the small ones");
   command.add_flag_callback(
       "--keep-unnamed", [request] { request->options.unnamed = UnnamedForces::kKept; },

@@ -64,14 +64,13 @@ void summarize(Diagnosis& d, const DiagnosisOptions& options) {
   for (size_t k = 0; k < d.findings.size(); ++k) d.findings[k].main = main[k] != 0;
   std::stable_partition(d.findings.begin(), d.findings.end(),
                         [](const Finding& f) { return f.main; });
+  d.small_apart = true;
   DiagnosisSummary& s = d.summary;
   for (size_t k = 0; k < d.findings.size(); ++k) {
     Finding& f = d.findings[k];
     f.rank = static_cast<int>(k) + 1;
     s.main += static_cast<int>(f.main);
-    // What is not confirmed is in no extended model, unless all are.
-    const bool counts = f.status == FindingStatus::kConfirmed || options.extended == ExtendedModel::kAllFindings;
-    if (f.main && counts) s.explained_by_main += f.explains;
+    if (f.main) s.explained_by_main += f.explains;
   }
   const VectorXd& before = d.baseline.test_error.relative;
   const VectorXd& after = d.extended.test_error.relative;

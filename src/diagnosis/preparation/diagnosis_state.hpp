@@ -32,7 +32,7 @@ struct DiagnosisState {
   /// Joints whose rows at the limit of their torque are left out.
   std::set<int> saturated = {};
 
-  /// Joints without torque in all training recordings: nothing is asked about them.
+  /// Joints without torque in all training recordings: no cause on them is tested.
   std::set<int> silent = {};
 
   /// True if the effect is among those to test, at any place.
@@ -66,7 +66,7 @@ void ask_questions(DiagnosisState& x);
 /// it: every joint's verdict says so.
 bool leave_silent_joints_out(DiagnosisState& x);
 
-/// Ends a diagnosis that asks nothing: every joint cannot_tell, for this reason.
+/// Ends a diagnosis without tests: every joint is cannot_tell, for this reason.
 void cannot_tell_of_all(DiagnosisState& x, const std::string& why);
 
 /// Reports joints with significantly negative friction, which indicates a torque of the wrong sign.

@@ -5,7 +5,7 @@
 #include "identification/silent_joints.hpp"
 #include "math/correlated_columns.hpp"
 
-// A joint without torque: it says nothing, and its zeros would bend what it shares with the others.
+// Joints without recorded torque are left out: their zeros would bias the parameters that they share with other joints.
 
 namespace veridyn {
 

@@ -141,7 +141,7 @@ void ask_questions(DiagnosisState& x) {
   const PreprocessingOptions& how = x.options.identification.preprocessing;
   VectorXd errors = x.d.baseline.train_error.relative;
   if (errors.size() == 0) errors = x.d.baseline.test_error.relative;
-  for (QualityFinding& f : questions_answered(x.arm, x.train, how, errors)) {
+  for (QualityFinding& f : contradictions_in(x.arm, x.train, how, errors)) {
     for (RecordingQuality& q : x.d.data_quality) {
       if (q.file == f.file) q.findings.insert(q.findings.begin(), std::move(f));
     }

@@ -22,8 +22,8 @@
 namespace veridyn {
 namespace {
 
-// Effects that hold a joint at rest; waves along the travel ask for a spectrum that poses do not have.
-std::vector<std::string> forces_of_position(const Model& arm) {
+// Effects that exert a force at rest. Waves along the travel are left out: their grid needs a spectrum, which poses do not give.
+std::vector<std::string> forces_of_position() {
   std::vector<std::string> out;
   for (const AxisEffect* effect : axis_effects()) {
     const EffectTraits traits = effect->traits();
@@ -31,8 +31,7 @@ std::vector<std::string> forces_of_position(const Model& arm) {
     const bool waves = std::any_of(shapes.begin(), shapes.end(), [](const EffectShape& shape) {
       return shape.scale == ShapeScale::kWaves;
     });
-    if (traits.holds_at_rest && traits.depends_on_position && !traits.tabulated && !waves &&
-        !is_asked_later(*effect, arm))
+    if (traits.holds_at_rest && traits.depends_on_position && !traits.tabulated && !waves && !effect->imitates_others())
       out.push_back(effect->name());
   }
   return out;
@@ -107,7 +106,7 @@ class RestDiagnosis {
 
   std::vector<RestQuestion> questions() const {
     Scope scope;
-    scope.wanted = forces_of_position(arm_);
+    scope.wanted = forces_of_position();
     for (int i = 0; i < arm_.joints(); ++i) {
       const auto [low, high] = range(i);
       scope.still.push_back(high - low <= limits_.still(arm_.coordinates()[i].prismatic));

@@ -42,7 +42,6 @@ void run(DiagnosisState& x, const Tell& tell) {
   check_errors_in_variables(x);
   tell("searching");
   search::explain(x);
-  x.d.small_apart = x.options.extended == ExtendedModel::kConfirmedOnly;
   summarize(x.d, x.options);
   if (!x.d.friction_remark.empty()) x.d.friction = plain_friction_of(*x.d.extended.model);
 }

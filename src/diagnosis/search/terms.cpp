@@ -38,7 +38,7 @@ std::vector<Range> ranges_of(const Rows& rows) {
 // Prices without the part that all have in common.
 double odds_of(const Effect& effect) {
   const EffectTraits traits = effect.traits();
-  if (!effect.asked_unnamed()) return kImitator;
+  if (effect.imitates_others()) return kImitator;
   const std::vector<EffectShape> shapes = effect.shapes();
   const bool waves = std::any_of(shapes.begin(), shapes.end(), [](const EffectShape& s) { return s.scale == ShapeScale::kWaves; });
   const bool seldom = traits.depends_on_time || traits.uses_source || waves || traits.role == EffectRole::kArm || !traits.forward_simulable || effect.parameters().size() > 2;
@@ -117,7 +117,7 @@ class Builder {
     t.effect.axis = c.axis;
     if (c.from) t.effect.from = Axis{VectorXd::Unit(arm_.joints(), c.from->value), 0.0};
     t.price = odds_of(effect);
-    t.imitates = !effect.asked_unnamed();
+    t.imitates = effect.imitates_others();
     const std::vector<EffectParameter> parameters = effect.parameters();
     const bool slides = !c.axis.coefficients.isZero(0.0) && is_prismatic(arm_, c.axis);
     t.price += kPolished * std::max(0.0, static_cast<double>(parameters.size()) - 1.0);

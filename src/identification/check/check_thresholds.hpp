@@ -34,7 +34,7 @@ constexpr double kFrictionAboveRest = 0.3;
 constexpr double kFrictionSignificance = 0.25;
 /// A joint whose friction gives energy adds kGivesEnergy > kBetter to the misfit.
 constexpr double kGivesEnergy = 1.5;
-/// unexplained share with the file's values < kTelling * that without: their ratio to the torques says something.
+/// unexplained share with the file's values < kTelling * that without: their ratio to the torques is used.
 constexpr double kTelling = 0.5;
 /// |ln(ratio)| > ln(kTorqueFactor): the misfit grows by one for every further such factor, up to kMostOff, which is
 /// also what a ratio of the other sign adds.
@@ -65,10 +65,10 @@ constexpr int kFolds = 4;
 constexpr double kGrid = 50.0, kRowsAWave = 10.0;
 /// Square of the second difference of white noise = kSecondDifference * its variance.
 constexpr double kSecondDifference = 6.0;
-/// share of a spring's torque that gravity cannot take over < kSpringApart: a spring and a load cannot be told apart.
+/// share of a spring's torque that gravity cannot take over < kSpringApart: a spring and a load cannot be separated.
 /// and the joint moves over a share < kWeakly of its range, so that other angles are to be expected.
 constexpr double kSpringApart = 0.03, kWeakly = 0.25;
-/// error left < kLess * that without: the fit says so.
+/// error left < kLess * that without: the fit counts.
 constexpr double kLess = 0.98;
 /// sets of answers that are followed <= kBeam.
 constexpr int kBeam = 3;
@@ -80,11 +80,11 @@ constexpr double kFitted = 0.5;
 constexpr double kOfPosition = 0.3;
 /// Cost of a question with a number of its own - cost of one without = kOfNumber.
 constexpr double kOfNumber = 0.6;
-/// relative error of some joint > kAskedAbove: questions are asked of recordings that were identified.
+/// relative error of some joint > kAskedAbove: identified recordings are checked.
 constexpr double kAskedAbove = 0.08;
 /// largest gain > kEqualGains * smallest gain: currents are no torques in another unit.
 constexpr double kEqualGains = 1.05;
-/// drive gain < kLeastGain [N m/A] of some joint: small efforts say nothing about their unit.
+/// drive gain < kLeastGain [N m/A] of some joint: small efforts do not determine their unit.
 constexpr double kLeastGain = 2.0;
 /// recorded torque < kBehindGear * that of the file's values, on all joints: in front of gears.
 constexpr double kBehindGear = 0.2;

@@ -71,7 +71,7 @@ QuickFitter::QuickFitter(const Model& arm, const PreprocessingOptions& options)
 }
 
 std::tuple<int, int, double> QuickFitter::determined(const Recording& recording) const {
-  // Without rotor inertia, which a motion hardly tells from that of the first links.
+  // Without rotor inertia, which a motion hardly separates from the inertia of the first links.
   const Model plain = with_everything_open(with_plain_friction(given_));
   const std::vector<CompressedRecording> c = {compress(plain, recording, options_)};
   const std::vector<StandardParameter> parameters = standard_parameters(plain);

@@ -66,7 +66,7 @@ class RobotCheck {
     }
     const auto [determined, all, condition] = fitter_.determined(recording_);
     if (determined >= all && condition < checking::kWorstCondition) return true;
-    // Signals in another unit have other columns: units alone are asked.
+    // Signals in another unit have other columns: only units are tested.
     if (determined >= all && find_unit()) return true;
     add("not_compared", 0, determined,
         text("Signs, order and units of the joints are not compared with ", given_.name(),
@@ -468,7 +468,7 @@ std::vector<QualityFinding> check_against(const Model& arm, Recording recording,
   return RobotCheck(arm, std::move(recording), options).run();
 }
 
-bool answers_question(const QualityFinding& finding) {
+bool is_contradiction(const QualityFinding& finding) {
   static const char* const kNames[] = {"torque_sign", "position_sign", "swapped_joints", "degrees", "millimetres", "counts", "share_of_range",
                                        "motor_side", "torque_unit", "current", "gravity", "dh_convention"};
   // Degrees that velocities alone show belong to a joint.
@@ -476,22 +476,22 @@ bool answers_question(const QualityFinding& finding) {
          std::find(std::begin(kNames), std::end(kNames), finding.finding) != std::end(kNames);
 }
 
-std::vector<QualityFinding> with_answers(std::vector<QualityFinding> answers, const std::vector<QualityFinding>& quality) {
+std::vector<QualityFinding> merged_findings(std::vector<QualityFinding> contradictions, const std::vector<QualityFinding>& quality) {
   const auto of_motion = [](const QualityFinding& f) {
-    return answers_question(f) && f.finding.rfind("torque", 0) != 0 && f.finding != "current" && f.finding != "gravity" && f.finding != "dh_convention";
+    return is_contradiction(f) && f.finding.rfind("torque", 0) != 0 && f.finding != "current" && f.finding != "gravity" && f.finding != "dh_convention";
   };
-  const bool explained = std::any_of(answers.begin(), answers.end(), of_motion);
+  const bool explained = std::any_of(contradictions.begin(), contradictions.end(), of_motion);
   for (const QualityFinding& f : quality) {
     const bool same = f.finding == "degrees" || f.finding == "velocity_scale" || f.finding == "velocity_sign" || f.finding == "rate_contradiction";
-    if (!explained || !same) answers.push_back(f);
+    if (!explained || !same) contradictions.push_back(f);
   }
-  std::stable_sort(answers.begin(), answers.end(), [](const auto& a, const auto& b) { return a.severity > b.severity; });
-  return answers;
+  std::stable_sort(contradictions.begin(), contradictions.end(), [](const auto& a, const auto& b) { return a.severity > b.severity; });
+  return contradictions;
 }
 
 namespace {
 
-// One answer for all recordings that give it; where they answer otherwise about one joint, what most of them say.
+// Each finding once; of contradicting findings about one joint the most frequent one.
 std::vector<QualityFinding> once_each(const std::vector<QualityFinding>& all) {
   using Key = std::pair<std::string, int>;
   std::map<Key, int> votes;
@@ -508,7 +508,7 @@ std::vector<QualityFinding> once_each(const std::vector<QualityFinding>& all) {
 
 }  // namespace
 
-std::vector<QualityFinding> questions_answered(const Model& arm, const std::vector<std::string>& recordings, const PreprocessingOptions& options,
+std::vector<QualityFinding> contradictions_in(const Model& arm, const std::vector<std::string>& recordings, const PreprocessingOptions& options,
                                                const VectorRef& errors) {
   std::vector<QualityFinding> out;
   if (errors.size() == 0 || !(errors.maxCoeff() > checking::kAskedAbove)) return out;

@@ -12,7 +12,7 @@ namespace veridyn {
 /// All numbers that can change what `fleet` says, each with its inequality, and with its reason where
 /// one is known.
 struct FleetNumbers {
-  /// arms of a quantity >= fewest, else nobody is compared: of two nobody knows which one is odd.
+  /// arms of a quantity >= fewest, else no arm is compared: of two it is unknown which one is odd.
   int fewest = 3;
   /// |value - median| > noticeable * |median|, else not reported, however narrow the fleet is (an
   /// argument, not measured).

@@ -46,8 +46,8 @@ struct Quantity {
   double usual = 0.0;  // median of `uncertain`
 };
 
-// What the spreads of quantities of one kind say of the spread of each: a scaled inverse chi-square
-// prior of its square, where few arms say little of a spread by themselves. Spreads are compared in
+// Prior for the spread of each quantity, from the spreads of all quantities of its kind: a scaled inverse chi-square
+// distribution of its square, since few arms determine a spread badly. Spreads are compared in
 // units of their noise (equal arms) or of their medians (arms that vary by some percent), whichever
 // makes them more alike. Source: Smyth, Statistical Applications in Genetics and Molecular Biology
 // 3(1), 2004 (moderated t).

@@ -14,12 +14,12 @@
 
 namespace veridyn {
 
-/// A simulated arm of two joints whose truth is known, and its recordings.
-class Stages : public testing::Test {
+/// A simulated arm of two joints with known parameters, and its recordings.
+class TwoJointArm : public testing::Test {
  protected:
-  Stages() : truth_(plausible_model(read_model("planar-2r"), 3).arm) {}
+  TwoJointArm() : truth_(plausible_model(read_model("planar-2r"), 3).arm) {}
 
-  // Several waves in each joint, other ones in each recording.
+  // Several waves of each joint, different in each recording.
   static MotionSamples motion(unsigned seed) {
     MotionSamples m = waves(2, 0.5);
     std::mt19937 random(seed);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "diagnosis/stage_support.hpp"
+#include "diagnosis/two_joint_arm.hpp"
 #include "effects/plain_friction.hpp"
 #include "identification/velocity_choice.hpp"
 #include "recordings/files/byte_stream.hpp"
@@ -22,8 +22,7 @@ Model with_gravity(const Model& arm, const Eigen::Vector3d& gravity) {
   return Model(std::move(d));
 }
 
-// Questions are those that were asked for.
-TEST_F(Stages, AnEffectIsAskedAboutWhereTheOptionsSaySo) {
+TEST_F(TwoJointArm, OnlyEffectsOfTheOptionsAreTested) {
   DiagnosisState x{truth_, {}, {}, {}, {}};
   EXPECT_TRUE(x.tests_effect("backlash"));
   x.options.effects = {"joint_spring"};
@@ -31,8 +30,8 @@ TEST_F(Stages, AnEffectIsAskedAboutWhereTheOptionsSaySo) {
   EXPECT_FALSE(x.tests_effect("backlash"));
 }
 
-// A model that was identified on an upright arm cannot know them; that they show is no load.
-TEST_F(Stages, WhatOnlyALeanShowsIsNoLoad) {
+// Some parameters are undetermined on an upright arm and act on a leaning one.
+TEST_F(TwoJointArm, ParametersThatActOnlyUnderALeanAreNoLoad) {
   const Model leaning = with_gravity(truth_, {0.25, -0.15, -9.8});
   truth_ = with_gravity(truth_, {0.0, 0.0, -9.81});
   std::vector<std::string> upright, train;
@@ -53,8 +52,8 @@ TEST_F(Stages, WhatOnlyALeanShowsIsNoLoad) {
   EXPECT_LT(found.extended.test_error.relative.maxCoeff(), 0.02);
 }
 
-// Two springs are hidden. Who asks about the elbow's hears of the elbow's alone.
-TEST_F(Stages, ACauseAtOnePlaceIsAskedAboutThereOnly) {
+// Two springs are hidden, and the option names one of them.
+TEST_F(TwoJointArm, ACauseWithAPlaceIsTestedThereOnly) {
   const std::vector<std::string> hidden = {"joint_spring:1", "joint_spring:2"};
   std::vector<std::string> train;
   for (unsigned k = 1; k <= 4; ++k) train.push_back(record(k, hidden));
@@ -79,8 +78,8 @@ TEST_F(Stages, ACauseAtOnePlaceIsAskedAboutThereOnly) {
   EXPECT_THROW(found("joint_sprung"), InvalidInput);
 }
 
-// A file without friction: what the joints have is found together, with its size, and nothing else.
-TEST_F(Stages, PlainFrictionOfAllJointsIsFoundTogether) {
+// The robot file has no friction.
+TEST_F(TwoJointArm, PlainFrictionOfAllJointsIsFoundTogether) {
   const Model bare = without_effects(read_model("planar-2r"));
   ASSERT_TRUE(has_no_friction(bare));
   DiagnosisState x = investigation(bare, {});
@@ -104,8 +103,7 @@ TEST_F(Stages, PlainFrictionOfAllJointsIsFoundTogether) {
   EXPECT_LT(d.extended.test_error.relative.norm(), 0.5 * d.baseline.test_error.relative.norm());
 }
 
-// Of a joint that has friction in the file nothing is asked here.
-TEST_F(Stages, PlainFrictionIsAskedWhereTheFileHasNone) {
+TEST_F(TwoJointArm, PlainFrictionIsAddedOnlyToJointsWithoutFriction) {
   ModelDescription d = read_model("planar-2r").description();
   d.effects.resize(2);  // the shoulder's
   const Model file(std::move(d));
@@ -118,8 +116,8 @@ TEST_F(Stages, PlainFrictionIsAskedWhereTheFileHasNone) {
   EXPECT_EQ(found.count("viscous_friction") + found.count("coulomb_friction"), 2U);
 }
 
-// 40 ms is twice what anybody expects, and two joints have it: one cause, undone completely.
-TEST_F(Stages, ALargeDelayOfTheWholeArmIsUndone) {
+// 40 ms on both joints are one cause.
+TEST_F(TwoJointArm, ALargeDelayOfTheWholeArmIsCorrected) {
   DiagnosisState x = investigation(read_model("planar-2r"), {"time_delay:arm:seconds=0.04"});
   x.options.effects = {"time_delay"};
   const Diagnosis d = diagnose(read_model("planar-2r"), x.train, x.test, x.options);
@@ -129,9 +127,8 @@ TEST_F(Stages, ALargeDelayOfTheWholeArmIsUndone) {
   for (const Coordinate& c : d.extended.model->coordinates()) EXPECT_NEAR(c.recorded.torque_delay, 0.04, 0.001);
 }
 
-// The velocity of an encoder's differences over one row. Friction made of its sign flutters where
-// the arm turns round; the position knows better.
-TEST_F(Stages, AVelocityOfMuchNoiseIsTakenFromThePosition) {
+// The recorded velocity is the encoder's difference over one row; its sign is noisy at reversals.
+TEST_F(TwoJointArm, ANoisyVelocityIsReplacedByTheDerivativeOfThePosition) {
   for (const double noise : {1e-5, 0.3}) {
     DiagnosisState x{read_model("planar-2r"), {}, {}, {}, {}};
     for (unsigned k = 1; k <= 2; ++k) x.train.push_back(record(k, {}, noise));
@@ -145,8 +142,7 @@ TEST_F(Stages, AVelocityOfMuchNoiseIsTakenFromThePosition) {
   }
 }
 
-// However many questions are asked of a recording, its file is opened once.
-TEST_F(Stages, EveryRecordingIsOpenedAndParsedOnce) {
+TEST_F(TwoJointArm, EveryRecordingIsOpenedAndParsedOnce) {
   std::vector<std::string> train;
   for (unsigned k = 1; k <= 2; ++k) train.push_back(record(k, {"quadratic_drag:elbow"}));
   const std::string test = record(3, {"quadratic_drag:elbow"});
@@ -161,8 +157,7 @@ TEST_F(Stages, EveryRecordingIsOpenedAndParsedOnce) {
   EXPECT_EQ(files_opened() - opened, 3);
 }
 
-// One bar for all of the work, which counts the hypotheses and never goes back.
-TEST_F(Stages, ProgressCountsTheHypothesesAndNeverGoesBack) {
+TEST_F(TwoJointArm, ProgressCountsTheHypothesesAndNeverDecreases) {
   DiagnosisOptions options;
   options.effects = {"quadratic_drag", "joint_spring"};
   std::vector<double> shares;
@@ -178,10 +173,8 @@ TEST_F(Stages, ProgressCountsTheHypothesesAndNeverGoesBack) {
   EXPECT_EQ(shares.back(), 1.0);
 }
 
-// However many questions are asked, a recording is resampled and filtered once for each setting: to be
-// fitted, as recorded to be predicted, and with filtered signals for the constants of the robot file; and what the
-// questions of check_against() take.
-TEST_F(Stages, EveryRecordingIsPreparedOnceForEachSetting) {
+// The settings are those of the fit, of the prediction of rows as recorded, and of check_against().
+TEST_F(TwoJointArm, EveryRecordingIsPreparedOnceForEachSetting) {
   std::vector<std::string> train;
   for (unsigned k = 1; k <= 2; ++k) train.push_back(record(k, {"quadratic_drag:elbow"}));
   const std::string test = record(3, {"quadratic_drag:elbow"});
@@ -196,14 +189,14 @@ TEST_F(Stages, EveryRecordingIsPreparedOnceForEachSetting) {
   EXPECT_LE(recordings_prepared() - before, 9 + questions);
 }
 
-TEST_F(Stages, AnIdentificationOpensEveryRecordingOnce) {
+TEST_F(TwoJointArm, AnIdentificationOpensEveryRecordingOnce) {
   const std::vector<std::string> files = {record(1, {}), record(2, {}), record(3, {})};
   const long before = files_opened();
   EXPECT_TRUE(identify(read_model("planar-2r"), {files[0], files[1]}, {files[2]}).model.has_value());
   EXPECT_EQ(files_opened() - before, 3);
 }
 
-TEST_F(Stages, RecordingsBeyondTheBoundAreStreamed) {
+TEST_F(TwoJointArm, RecordingsBeyondTheBoundAreStreamed) {
   const std::string path = record(1, {});
   KeptRecordings none(10);
   const long before = files_parsed();
@@ -215,7 +208,7 @@ TEST_F(Stages, RecordingsBeyondTheBoundAreStreamed) {
   EXPECT_EQ(second(100).q, a.q);
 }
 
-TEST_F(Stages, KeptRowsAreTheFilesRows) {
+TEST_F(TwoJointArm, KeptRowsAreTheFilesRows) {
   const std::string path = record(1, {});
   const Recording streamed = read_recording(path);
   KeptRecordings kept;

@@ -2,14 +2,14 @@
 
 #include <algorithm>
 
-#include "diagnosis/stage_support.hpp"
+#include "diagnosis/two_joint_arm.hpp"
 
-// Stages that are about recordings: which velocities are taken, which moments left out.
+// Preparation of recordings: the choice of velocities, and intervals that are left out.
 
 namespace veridyn {
 namespace {
 
-class OfRecordings : public Stages {
+class OfRecordings : public TwoJointArm {
  protected:
   DiagnosisState recorded() const {
     DiagnosisState x{read_model("planar-2r"), {}, {}, {}, {}};
@@ -53,7 +53,7 @@ TEST_F(OfRecordings, AVelocityOfAnotherScaleIsTakenFromThePosition) {
   EXPECT_LT(x.start.train_error.relative.maxCoeff(), 0.02);
 }
 
-TEST_F(OfRecordings, ARecordingThatIsLearnedFromAndTestedOnIsJudgedOnce) {
+TEST_F(OfRecordings, QualityIsCheckedOnceForARecordingInBothLists) {
   DiagnosisState x = recorded();
   x.test = {x.train[1], x.train[3], x.test[0]};
   check_quality(x);
@@ -61,9 +61,8 @@ TEST_F(OfRecordings, ARecordingThatIsLearnedFromAndTestedOnIsJudgedOnce) {
   EXPECT_EQ(x.d.data_quality[4].file, x.test[2]);
 }
 
-// Both velocities are noisier than what the position gives, but beside the noise of the first joint's torque
-// that of the velocities does no harm: the other joint, which is predicted better for it, alone is changed.
-TEST_F(OfRecordings, OnlyJointsThatAreBetterForItTakeTheirVelocityFromThePosition) {
+// Both velocities are noisier than the derivatives of the positions, but on the first joint the noise of the torque is larger.
+TEST_F(OfRecordings, AVelocityIsReplacedOnlyIfThatLowersTheErrorOfItsJoint) {
   DiagnosisState x = recorded();
   for (const std::string& path : x.train) {
     rewrite(path, [](Recording& r) {
@@ -84,8 +83,8 @@ TEST_F(OfRecordings, OnlyJointsThatAreBetterForItTakeTheirVelocityFromThePositio
   EXPECT_NE(x.remarks[0].find("joint 2"), std::string::npos) << x.remarks[0];
 }
 
-// A push in the held-out recording: told with its time, and the error without it is told beside the other.
-TEST_F(OfRecordings, APushIsAFindingAndItsMomentsAreLeftOut) {
+// The push is in the held-out recording; the error outside of it is reported as well.
+TEST_F(OfRecordings, APushIsAFindingAndItsTimeIsLeftOut) {
   DiagnosisState x = recorded();
   rewrite(x.test[0], [](Recording& r) {
     for (Eigen::Index k = 0; k < r.tau.rows(); ++k) {

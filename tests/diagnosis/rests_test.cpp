@@ -1,15 +1,15 @@
 #include <gtest/gtest.h>
 
-#include "diagnosis/stage_support.hpp"
+#include "diagnosis/two_joint_arm.hpp"
 
-// Rests at the ends of recordings, in which friction holds a joint against anything, and joints that move as one.
+// Rests at the ends of recordings, in which friction balances any torque, and joints with collinear positions.
 
 namespace veridyn {
 namespace {
 
-class AtTheEnds : public Stages {
+class AtTheEnds : public TwoJointArm {
  protected:
-  // A recording that stands still for some seconds before it begins and after it ends, under any torque.
+  // A motion with some seconds of rest before and after it, under arbitrary torques.
   static Recording with_rests(const Recording& r, double before, double after) {
     const double dt = r.time[1] - r.time[0];
     const auto first = static_cast<int>(before / dt), last = static_cast<int>(after / dt);
@@ -42,7 +42,7 @@ class AtTheEnds : public Stages {
   }
 };
 
-TEST_F(AtTheEnds, RestsAreLeftOutOfTheirRecording) {
+TEST_F(AtTheEnds, RestsAreExcluded) {
   DiagnosisState x = resting(3.0, 2.0);
   const double moving = read_recording(x.train[0]).time.tail(1)[0];
   const double with_rests = x.start.train_error.relative.maxCoeff();
@@ -60,14 +60,13 @@ TEST_F(AtTheEnds, RestsAreLeftOutOfTheirRecording) {
   EXPECT_LT(x.start.train_without_excluded.relative.maxCoeff(), 0.5 * with_rests);
 }
 
-TEST_F(AtTheEnds, AMomentOfRestIsNone) {
+TEST_F(AtTheEnds, AShortRestIsNotExcluded) {
   DiagnosisState x = resting(1.9, 1.2);  // of which the filter's transients are dropped anyway, 1.2 and 0.5 s
   exclude_rests(x);
   EXPECT_TRUE(x.d.excluded_intervals.empty());
 }
 
-// Poses: a recording that never moves has no ends.
-TEST_F(AtTheEnds, ARecordingThatNeverMovesIsKept) {
+TEST_F(AtTheEnds, ARecordingOfPosesIsKept) {
   DiagnosisState x = resting(0.0, 0.0);
   PredictionSeries& still = x.d.baseline.train[1].series;
   for (auto* table : {&still.dq, &still.ddq}) {
@@ -77,8 +76,8 @@ TEST_F(AtTheEnds, ARecordingThatNeverMovesIsKept) {
   EXPECT_TRUE(x.d.excluded_intervals.empty());
 }
 
-// Whoever moves all joints along one line cannot tell them apart; joints that stand still move as nothing.
-TEST_F(AtTheEnds, JointsWhosePositionsAreOneLineMoveAsOne) {
+// Joints that do not move belong to no group.
+TEST_F(AtTheEnds, JointsWithCollinearPositionsMoveAsOne) {
   DiagnosisState x = resting(0.0, 0.0);
   exclude_rests(x);
   EXPECT_TRUE(x.d.moving_as_one.empty());
