@@ -100,9 +100,9 @@ std::string no_sample_left(const CompressedRecording& recording, const Preproces
   return out;
 }
 
-bool without_torque(const CompressedRecording& recording, const IdentificationNumbers& numbers) {
-  return std::all_of(recording.joints.begin(), recording.joints.end(), [&numbers](const TorqueFacts& joint) {
-    return std::max(-joint.minimum, joint.maximum) < numbers.no_torque;
+bool without_torque(const CompressedRecording& recording) {
+  return std::all_of(recording.joints.begin(), recording.joints.end(), [](const TorqueFacts& joint) {
+    return std::max(-joint.minimum, joint.maximum) < identifying::numbers.no_torque;
   });
 }
 
@@ -158,19 +158,18 @@ int series_samples_of_each(int recordings) {
 
 std::vector<CompressedRecording> compress_test(const Model& arm,
                                                const std::vector<std::string>& test,
-                                               const PreprocessingOptions& how, int threads,
-                                               const IdentificationNumbers& numbers) {
+                                               const PreprocessingOptions& how, int threads) {
   std::vector<CompressedRecording> out(test.size());
   const auto count = static_cast<int>(test.size());
   parallel_for(count, threads, [&](int k) {
     const auto at = static_cast<size_t>(k);
-    out[at] = compress_facts(arm, test[at], how, threads_of_each(count, threads), numbers);
+    out[at] = compress_facts(arm, test[at], how, threads_of_each(count, threads));
   });
   for (const CompressedRecording& r : out) {
     require(
         r.rows > 0.0, r.source,
         ": found no usable samples after gaps, edges and row limits, expected some to test on.");
-    require(!without_torque(r, numbers), r.source, ": the torques of all joints are zero throughout, expected some to test on.");
+    require(!without_torque(r), r.source, ": the torques of all joints are zero throughout, expected some to test on.");
   }
   return out;
 }
@@ -213,11 +212,11 @@ void take_errors(const Model& arm, std::vector<MeasuredRecording> train,
 namespace {
 
 // Says of each recording how much of it gaps take away.
-void remark_on_gaps(const std::vector<CompressedRecording>& recordings, const IdentificationNumbers& numbers,
+void remark_on_gaps(const std::vector<CompressedRecording>& recordings,
                     std::vector<std::string>& remarks) {
   for (const CompressedRecording& r : recordings) {
     const double share = static_cast<double>(r.facts.unused) / static_cast<double>(std::max(1L, r.facts.samples));
-    if (share < numbers.few_in_gaps) continue;
+    if (share < identifying::numbers.few_in_gaps) continue;
     remarks.push_back(fmt::format("{}: {:.2g} % of the samples lie in gaps or beside them and are not used",
                                   r.source, 100.0 * share));
   }
@@ -226,11 +225,11 @@ void remark_on_gaps(const std::vector<CompressedRecording>& recordings, const Id
 }  // namespace
 
 void validate(const Model& arm, const std::vector<std::string>& test,
-              const IdentificationOptions& options, const IdentificationNumbers& numbers, Identification& id) {
+              const IdentificationOptions& options, Identification& id) {
   const auto begin = std::chrono::steady_clock::now();
   const std::vector<CompressedRecording>& trained = id.factors;
   const std::vector<CompressedRecording> held_out =
-      compress_test(arm, test, id.test_preprocessing, options.threads, numbers);
+      compress_test(arm, test, id.test_preprocessing, options.threads);
   const auto count = static_cast<int>(trained.size() + held_out.size());
   std::vector<std::optional<MeasuredRecording>> measured(trained.size() + held_out.size());
   parallel_for(count, options.threads, [&](int k) {
@@ -246,7 +245,7 @@ void validate(const Model& arm, const std::vector<std::string>& test,
   for (size_t k = 0; k < measured.size(); ++k)
     (k < trained.size() ? of_train : of_test).push_back(std::move(*measured[k]));
   take_errors(arm, std::move(of_train), std::move(of_test), id);
-  for (const auto* recordings : {&trained, &held_out}) remark_on_gaps(*recordings, numbers, id.remarks);
+  for (const auto* recordings : {&trained, &held_out}) remark_on_gaps(*recordings, id.remarks);
   id.seconds.validate =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
@@ -281,7 +280,6 @@ Identification evaluate_named(const Model& arm, const std::vector<std::string>& 
   id.parameters.resize(static_cast<Eigen::Index>(parameters.size()));
   for (size_t p = 0; p < parameters.size(); ++p)
     id.parameters[static_cast<Eigen::Index>(p)] = parameters[p].value;
-  const IdentificationNumbers numbers;
   id.factors = compress_all(facts, train, id.preprocessing, options.threads);
   for (const CompressedRecording& r : id.factors) {
     id.rows += r.rows;
@@ -289,12 +287,12 @@ Identification evaluate_named(const Model& arm, const std::vector<std::string>& 
     id.reason = no_sample_left(r, id.preprocessing);
     return id;
   }
-  if (std::all_of(id.factors.begin(), id.factors.end(), [&numbers](const CompressedRecording& r) { return without_torque(r, numbers); })) {
+  if (std::all_of(id.factors.begin(), id.factors.end(), [](const CompressedRecording& r) { return without_torque(r); })) {
     id.reason = id.factors.front().source + ": the torques of all joints are zero throughout: not recorded? Record the efforts, or name their columns by --map tau=SOURCE";
     return id;
   }
   id.noise_floor = mean_noise_floor(id.factors, arm.joints());
-  validate(facts, test, options, numbers, id);
+  validate(facts, test, options, id);
   id.status = IdentificationStatus::kDone;
   id.model = arm;
   return id;

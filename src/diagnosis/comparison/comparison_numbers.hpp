@@ -2,7 +2,6 @@
 
 #include <vector>
 
-#include "math/number_table.hpp"
 #include "veridyn/diagnosis/model_comparison.hpp"
 
 namespace veridyn {
@@ -19,9 +18,6 @@ struct ComparisonNumbers {
   /// value before > surely_there deviations: a percentage is printed.
   double surely_there = 3.0;
 };
-
-/// All numbers, in the order of the struct.
-const std::vector<TableNumber<ComparisonNumbers>>& comparison_numbers();
 
 /// compare() with other numbers.
 ModelComparison compare(const Model& before, const Model& after, const ComparisonOptions& options,

@@ -238,15 +238,6 @@ int ModelComparison::significant() const {
                           std::count_if(parameters.begin(), parameters.end(), yes));
 }
 
-const std::vector<TableNumber<ComparisonNumbers>>& comparison_numbers() {
-  using T = ComparisonNumbers;
-  static const std::vector<TableNumber<T>> kAll = {number_of<&T::rounded_away>("rounded_away"),
-                                                   number_of<&T::from_values>("from_values"),
-                                                   number_of<&T::same_motion>("same_motion"),
-                                                   number_of<&T::surely_there>("surely_there")};
-  return kAll;
-}
-
 ModelComparison compare(const Model& first, const Model& second, const ComparisonOptions& options) {
   return compare(first, second, options, ComparisonNumbers());
 }

@@ -257,17 +257,6 @@ class Regression {
 
 }  // namespace
 
-const std::vector<TableNumber<EstimationNumbers>>& estimation_numbers() {
-  using T = EstimationNumbers;
-  static const std::vector<TableNumber<T>> kAll = {number_of<&T::least_smoothing>("least_smoothing"),
-                                                   number_of<&T::smoothing_step>("smoothing_step"),
-                                                   number_of<&T::smoothings>("smoothings"),
-                                                   number_of<&T::as_smooth>("as_smooth"),
-                                                   number_of<&T::ridge>("ridge"),
-                                                   number_of<&T::largest>("largest")};
-  return kAll;
-}
-
 Eigen::Index SmoothTerm::size() const {
   Eigen::Index out = 1;
   for (const SmoothBasis& basis : bases) out *= basis.size();

@@ -1,9 +1,5 @@
 #pragma once
 
-#include <vector>
-
-#include "math/number_table.hpp"
-
 namespace veridyn {
 
 /// All numbers that can change what a regression finds, each with its inequality, and with its reason
@@ -22,9 +18,6 @@ struct EstimationNumbers {
   /// refused on recordings of an arm whose joints move as one (LWR4+); at 2 a memory's force there loses a fifth.
   double largest = 4.0;
 };
-
-/// All numbers, in the order of the struct.
-const std::vector<TableNumber<EstimationNumbers>>& estimation_numbers();
 
 namespace estimating {
 

@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "files/input_file.hpp"
-#include "identification/identification_numbers.hpp"
 #include "identification/many/factor_bytes.hpp"
 #include "identification/many_recordings.hpp"
 #include "files/output_file.hpp"
@@ -222,7 +221,7 @@ FactorSet compress(const Model& file, const std::vector<std::string>& paths,
   out.robot = arm.name();
   out.fingerprint = fingerprint_of(arm);
   out.settings = settings_of(options);
-  out.recordings = compress_many(arm, paths, options, threads, IdentificationNumbers());
+  out.recordings = compress_many(arm, paths, options, threads);
   return out;
 }
 
@@ -286,14 +285,14 @@ Identification identify(const Model& arm, const FactorSet& factors,
           "identify: drive gains need the samples of the recordings, factors do not hold them.");
   require(!factors.recordings.empty() || !train.empty(),
           "identify: there is no factor and no recording to train on.");
-  if (factors.recordings.empty()) return identify_compressed(arm, {}, train, test, options, IdentificationNumbers());
+  if (factors.recordings.empty()) return identify_compressed(arm, {}, train, test, options);
   IdentificationOptions how = options;
   if (how.choose_velocities && how.preprocessing.derive_velocity_of.empty()) {
     const std::vector<int> joints = joints_with_derived_velocities(factors);
     derive_velocities({joints.begin(), joints.end()}, how);
   }
   require_factors_of(with_friction(arm, how.friction), factors, how.preprocessing);
-  return identify_compressed(arm, factors.recordings, train, test, how, IdentificationNumbers());
+  return identify_compressed(arm, factors.recordings, train, test, how);
 }
 
 }  // namespace veridyn

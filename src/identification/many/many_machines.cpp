@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "identification/feasible/feasible_fit.hpp"
-#include "identification/identification_numbers.hpp"
 #include "identification/many/factor_bytes.hpp"
 #include "identification/many_recordings.hpp"
 #include "identification/validation.hpp"
@@ -149,7 +148,7 @@ class Job {
             compress(arm_, train[k], options_.preprocessing, options_.threads);
         require(one.rows > 0.0, train[k],
                 ": found no usable samples after gaps, edges and row limits.");
-        merge_blocks(one, blocks_of_each(static_cast<int>(train.size()), IdentificationNumbers()));
+        merge_blocks(one, blocks_of_each(static_cast<int>(train.size())));
         out.factors.recordings.push_back(std::move(one));
       } catch (const InvalidInput& error) {
         out.unusable_recordings.push_back({train[k], error.what()});
@@ -240,7 +239,7 @@ std::vector<CompressedRecording> compress_held_out(const Model& arm,
   std::vector<CompressedRecording> out;
   for (size_t k = first; k < end; ++k) {
     try {
-      out.push_back(compress_test(arm, {test[k]}, id.test_preprocessing, threads, IdentificationNumbers()).front());
+      out.push_back(compress_test(arm, {test[k]}, id.test_preprocessing, threads).front());
     } catch (const InvalidInput& error) {
       unusable_recordings.push_back({test[k], error.what()});
     }
@@ -256,8 +255,8 @@ void solve(AskedArm& arm, std::vector<CompressedRecording> all, size_t listed,
     id.reason = text("not one of ", listed, " recordings can be used: ", first);
     return;
   }
-  for (CompressedRecording& r : all) merge_blocks(r, blocks_of_each(static_cast<int>(all.size()), IdentificationNumbers()));
-  if (fit_factors(arm, all, options, IdentificationNumbers(), id)) id.factors = std::move(all);
+  for (CompressedRecording& r : all) merge_blocks(r, blocks_of_each(static_cast<int>(all.size())));
+  if (fit_factors(arm, all, options, id)) id.factors = std::move(all);
 }
 
 // Broadcasts bytes from rank 0.
@@ -414,7 +413,7 @@ Identification identify(const Model& file, const std::vector<std::string>& train
   const std::vector<std::string> readable = usable(train, id);
   bool all_know = false;  // of a refusal within a further fit
   try {
-    id = with_chosen_velocities(file, std::move(id), readable, options, IdentificationNumbers(),
+    id = with_chosen_velocities(file, std::move(id), readable, options,
                                 [&](const IdentificationOptions& how) {
                                   broadcast(question(how), ranks);
                                   all_know = true;
