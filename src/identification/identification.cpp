@@ -9,11 +9,10 @@
 
 #include "identification/identification_numbers.hpp"
 #include "identified_base.hpp"
-#include "many_recordings.hpp"
+#include "identification/recording_passes.hpp"
 #include "shortfall.hpp"
 #include "math/numbers.hpp"
 #include "recordings/named_recordings.hpp"
-#include "validation.hpp"
 #include "identification/base_solution.hpp"
 #include "identification/feasible/feasible_fit.hpp"
 #include "identification/instrumental.hpp"
@@ -361,7 +360,7 @@ bool torques_are_none(Identification& id) {
 Identification identify_compressed(const Model& file, std::vector<CompressedRecording> trained,
                                    const std::vector<std::string>& train,
                                    const std::vector<std::string>& test,
-                                   const IdentificationOptions& options) {
+                                   const IdentificationOptions& options, const RecordingPasses& passes) {
   Identification id = described(file, options);
   const auto say = [&options](const std::string& what, double share) {
     if (options.progress) options.progress(what, share);
@@ -369,7 +368,7 @@ Identification identify_compressed(const Model& file, std::vector<CompressedReco
   say("compressing", 0.0);
   const auto begin = std::chrono::steady_clock::now();
   AskedArm arm(file, options.friction);
-  for (CompressedRecording& r : compress_many(arm.used(), train, id.preprocessing, options.threads))
+  for (CompressedRecording& r : passes.compress(arm.used(), train, id.preprocessing, options.threads))
     trained.push_back(std::move(r));
   for (CompressedRecording& r : trained)
     merge_blocks(r, blocks_of_each(static_cast<int>(trained.size())));
@@ -394,11 +393,17 @@ Identification identify_compressed(const Model& file, std::vector<CompressedReco
   refit_with_instruments(arm.used(), trained, options, id);
   say("validating", identifying::kValidating);
   id.factors = std::move(trained);
-  validate(arm.used(), test, options, id);
+  validate(arm.used(), test, options, passes, id);
   if (torques_are_none(id)) return id;
   keep_training_error(id);
   say("done", 1.0);
   return id;
+}
+
+Identification identify_compressed(const Model& arm, std::vector<CompressedRecording> trained,
+                                   const std::vector<std::string>& train, const std::vector<std::string>& test,
+                                   const IdentificationOptions& options) {
+  return identify_compressed(arm, std::move(trained), train, test, options, RecordingPasses());
 }
 
 Identification identify(const Model& arm, const Recordings& train, const Recordings& test,

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "identification/identification_numbers.hpp"
+#include "identification/recording_passes.hpp"
 #include "many_recordings.hpp"
 #include "math/parallel.hpp"
 #include "identification/velocity_choice.hpp"
@@ -224,30 +225,37 @@ void remark_on_gaps(const std::vector<CompressedRecording>& recordings,
 
 }  // namespace
 
-void validate(const Model& arm, const std::vector<std::string>& test,
-              const IdentificationOptions& options, Identification& id) {
-  const auto begin = std::chrono::steady_clock::now();
+MeasuredRecordings RecordingPasses::measure(const Model& arm, const std::vector<std::string>& test, int threads,
+                                            const Identification& id) const {
   const std::vector<CompressedRecording>& trained = id.factors;
-  const std::vector<CompressedRecording> held_out =
-      compress_test(arm, test, id.test_preprocessing, options.threads);
-  const auto count = static_cast<int>(trained.size() + held_out.size());
-  std::vector<std::optional<MeasuredRecording>> measured(trained.size() + held_out.size());
-  parallel_for(count, options.threads, [&](int k) {
+  MeasuredRecordings out{compress_test(arm, test, id.test_preprocessing, threads), {}, {}};
+  const auto count = static_cast<int>(trained.size() + out.held_out.size());
+  std::vector<std::optional<MeasuredRecording>> measured(trained.size() + out.held_out.size());
+  parallel_for(count, threads, [&](int k) {
     const auto at = static_cast<size_t>(k);
     const bool of_training = at < trained.size();
-    measured[at] =
-        measure(arm, of_training ? trained[at] : held_out[at - trained.size()],
-                of_training ? id.preprocessing : id.test_preprocessing, id.parameters,
-                series_samples_of_each(count), threads_of_each(count, options.threads));
+    measured[at] = veridyn::measure(arm, of_training ? trained[at] : out.held_out[at - trained.size()],
+                                    of_training ? id.preprocessing : id.test_preprocessing, id.parameters,
+                                    series_samples_of_each(count), threads_of_each(count, threads));
   });
-  std::vector<MeasuredRecording> of_train;
-  std::vector<MeasuredRecording> of_test;
   for (size_t k = 0; k < measured.size(); ++k)
-    (k < trained.size() ? of_train : of_test).push_back(std::move(*measured[k]));
-  take_errors(arm, std::move(of_train), std::move(of_test), id);
-  for (const auto* recordings : {&trained, &held_out}) remark_on_gaps(*recordings, id.remarks);
+    (k < trained.size() ? out.train : out.test).push_back(std::move(*measured[k]));
+  return out;
+}
+
+void validate(const Model& arm, const std::vector<std::string>& test, const IdentificationOptions& options,
+              const RecordingPasses& passes, Identification& id) {
+  const auto begin = std::chrono::steady_clock::now();
+  MeasuredRecordings measured = passes.measure(arm, test, options.threads, id);
+  take_errors(arm, std::move(measured.train), std::move(measured.test), id);
+  for (const auto* recordings : {&id.factors, &measured.held_out}) remark_on_gaps(*recordings, id.remarks);
   id.seconds.validate =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+void validate(const Model& arm, const std::vector<std::string>& test, const IdentificationOptions& options,
+              Identification& id) {
+  validate(arm, test, options, RecordingPasses(), id);
 }
 
 bool has_all_values(const Model& arm) {
