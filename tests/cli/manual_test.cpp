@@ -176,7 +176,7 @@ TEST(Numbers, StandBelowTheirInequality) {
             std::string::npos) << quality;
   EXPECT_EQ(quality.find("struct"), std::string::npos);
   const std::string all = run_tool({"numbers"}).out;
-  for (const char* table : {"diagnose", "quality", "identify", "estimation", "fleet", "compare", "watch", "search"})
+  for (const char* table : {"diagnose", "quality", "identify", "fleet", "compare", "watch", "search"})
     EXPECT_NE(("\n" + all).find(std::string("\n") + table + " (src/"), std::string::npos) << table;
 }
 
