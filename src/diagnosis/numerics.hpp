@@ -23,7 +23,6 @@ constexpr double kShapeFlat = 0.15;  ///< share of a curve's range within which 
 constexpr double kShapeMost = 0.8;   ///< share of a curve's mean square, beyond which it counts as odd, or even
 
 // Resolution.
-constexpr int kPhases = 8;               ///< phases of a period, compared across recordings
 constexpr double kVibrationWaves = 3.0;  ///< waves in a recording; fewer cannot be told from drift
 constexpr double kVibrationStep = 0.25;  ///< step of the frequency grid, in waves of the longest recording
 constexpr std::size_t kMostPoses = 1000;  ///< poses at rest that curves are fitted to; of more, every second or third
