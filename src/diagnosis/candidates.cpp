@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 #include <utility>
 
 #include "veridyn/effects/channel_effect.hpp"
@@ -66,15 +65,6 @@ std::optional<FrameIndex> link_of(const Model& arm, FrameIndex of) {
   std::optional<FrameIndex> frame = of;
   while (frame && arm.frames()[frame->value].type == JointType::kFixed) frame = arm.frames()[frame->value].parent;
   return frame;
-}
-
-// Identity of a candidate, for comparisons.
-auto identity(const Candidate& c) {
-  const auto number = [](const auto& index) { return index ? index->value : -1; };
-  const VectorXd& axis = c.axis.coefficients;
-  return std::make_tuple(c.cause.index(), effect_of(c.cause), number(joint_of(c.cause)),
-                         number(frame_of(c.cause)), std::vector<double>(axis.begin(), axis.end()), number(c.from),
-                         is_other_constant(c));
 }
 
 class Enumeration {
@@ -156,14 +146,6 @@ class Enumeration {
 };
 
 }  // namespace
-
-bool operator==(const Candidate& a, const Candidate& b) {
-  return a.joint == b.joint && a.cause.index() == b.cause.index() && identity(a) == identity(b);
-}
-
-bool operator<(const Candidate& a, const Candidate& b) {
-  return identity(a) < identity(b);
-}
 
 bool is_load(const Candidate& c) {
   return std::holds_alternative<AddedLoad>(c.cause);

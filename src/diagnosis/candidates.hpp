@@ -25,11 +25,6 @@ struct Candidate {
   std::optional<TermIndex> own = {};
 };
 
-/// Candidates are values: equal where they are the same cause on the same axis, whatever constants
-/// a hypothesis gives them.
-bool operator==(const Candidate& a, const Candidate& b);
-bool operator<(const Candidate& a, const Candidate& b);
-
 bool is_load(const Candidate& c);
 bool is_change(const Candidate& c);
 bool is_other_constant(const Candidate& c);

@@ -23,11 +23,11 @@ constexpr double kShapeFlat = 0.15;  ///< share of a curve's range within which 
 constexpr double kShapeMost = 0.8;   ///< share of a curve's mean square, beyond which it counts as odd, or even
 
 // Resolution.
-constexpr int kPhases = 8;               ///< phases of a period, compared across recordings
 constexpr double kVibrationWaves = 3.0;  ///< waves in a recording; fewer cannot be told from drift
 constexpr double kVibrationStep = 0.25;  ///< step of the frequency grid, in waves of the longest recording
-constexpr int kIntervals = 20;           ///< spline intervals over one position
-constexpr int kIntervalsOfTwo = 3;       ///< spline intervals along each of two positions
+constexpr std::size_t kMostPoses = 1000;  ///< poses at rest that curves are fitted to; of more, every second or third
+constexpr double kCurveWidth = 0.25;      ///< width of a curve's kernel, as a share of a position's range
+constexpr double kCurveRidges[] = {0.01, 0.1, 1.0, 10.0};  ///< noise beside what curves explain, from nearly free to nearly flat
 constexpr int kCurvePoints = 41;         ///< points of a printed curve
 constexpr int kCurvePointsOfTwo = 9;     ///< points along each side of a printed surface
 constexpr int kWindows = 5;              ///< curves that a table over two signals is made of

@@ -1,7 +1,6 @@
 #include "veridyn/identification/base_parameters.hpp"
 
 #include <Eigen/QR>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -152,57 +151,6 @@ BaseParameters base_parameters(const SquareRootInformation& factor,
   for (int i = 0; i < rank; ++i) {
     base.K.col(base.independent[i]).setZero();
     base.K(i, base.independent[i]) = 1.0;
-  }
-  describe(base, norms, factor.columns());
-  return base;
-}
-
-BaseParameters base_parameters_by_svd(const SquareRootInformation& factor, double tolerance) {
-  BaseParameters base;
-  VectorXd norms;
-  const MatrixXd A = scaled(factor.R(), norms);
-  // Step one: zero rows of the null space V2 belong to columns that are identifiable alone.
-  const Eigen::BDCSVD<MatrixXd> svd(A, Eigen::ComputeFullV);
-  base.singular_values = svd.singularValues();
-  const int rank = rank_of(base.singular_values, tolerance, base.rank_gap);
-  const MatrixXd V2 = svd.matrixV().rightCols(A.cols() - rank);
-  std::vector<int> combined;
-  for (int j = 0; j < A.cols(); ++j) {
-    if (norms[j] == 0.0) continue;
-    if (V2.cols() == 0 || V2.row(j).norm() < 1e-6) {
-      base.independent.push_back(j);
-    } else {
-      combined.push_back(j);
-    }
-  }
-  // Step two: a permutation of the others with a regular V22, by pivoting on the rows of V2'.
-  MatrixXd others(A.rows(), static_cast<Eigen::Index>(combined.size()));
-  for (size_t j = 0; j < combined.size(); ++j)
-    others.col(j) = A.col(combined[j]);
-  const int wanted = rank - base.size();
-  if (!combined.empty()) {
-    const Eigen::BDCSVD<MatrixXd> svd2(others, Eigen::ComputeFullV);
-    const MatrixXd W2 = svd2.matrixV().rightCols(others.cols() - wanted);
-    const Eigen::ColPivHouseholderQR<MatrixXd> pivots(W2.transpose());
-    std::vector<char> dependent(combined.size(), 0);
-    for (Eigen::Index j = 0; j < others.cols() - wanted; ++j)
-      dependent[pivots.colsPermutation().indices()[j]] = 1;
-    for (size_t j = 0; j < combined.size(); ++j) {
-      if (dependent[j] == 0) base.independent.push_back(combined[j]);
-    }
-  }
-  std::sort(base.independent.begin(), base.independent.end());
-  MatrixXd independent(A.rows(), rank);
-  for (int i = 0; i < rank; ++i)
-    independent.col(i) = A.col(base.independent[i]);
-  base.K = Eigen::ColPivHouseholderQR<MatrixXd>(independent).solve(A);
-  for (Eigen::Index j = 0; j < A.cols(); ++j) {
-    for (int i = 0; i < rank; ++i) {
-      const double k = base.K(i, j);
-      base.K(i, j) = std::abs(k) < kNegligible
-                         ? 0.0
-                         : k * norms[j] / norms[base.independent[i]];
-    }
   }
   describe(base, norms, factor.columns());
   return base;

@@ -27,8 +27,8 @@ using Pass = StretchPass;
 // of them.
 class Blocks {
  public:
-  Blocks(const RegressorColumns& columns, int joints, double period, const IdentificationNumbers& numbers)
-      : phases_(numbers.phases), most_(numbers.most_blocks), period_(period), duration_(numbers.first_block) {
+  Blocks(const RegressorColumns& columns, int joints, double period)
+      : phases_(identifying::numbers.phases), most_(identifying::numbers.most_blocks), period_(period), duration_(identifying::numbers.first_block) {
     const std::vector<std::string> names = parameter_names(columns.parameters());
     for (int i = 0; i < joints; ++i) {
       std::vector<std::string> mine;
@@ -177,7 +177,7 @@ void add_facts(const Segment& s, const MatrixXd& tau, bool& first, PeriodFold& f
 
 CompressedRecording run_compress(const Model& arm, const std::string& source,
                                  const PreprocessingOptions& options, const MotionPeriod& period,
-                                 const Pass& pass, int threads, const IdentificationNumbers& numbers,
+                                 const Pass& pass, int threads,
                                  Wanted wanted = Wanted::kFactors) {
   CompressedRecording out;
   out.source = source;
@@ -185,8 +185,8 @@ CompressedRecording run_compress(const Model& arm, const std::string& source,
   const int n = arm.joints();
   const PreprocessingOptions mine = of_this_source(options, source);
   const RegressorColumns columns(arm, mine);
-  Blocks blocks(columns, n, period.seconds, numbers);
-  PeriodFold fold(n, period.seconds, numbers);
+  Blocks blocks(columns, n, period.seconds);
+  PeriodFold fold(n, period.seconds);
   out.joints.resize(n);
   bool first = true;
   const Visit visit = [&](const Segment& s) {
@@ -248,10 +248,10 @@ class ThinnedPositions {
 };
 
 Recording first_positions(const Model& arm, const std::string& path,
-                          const PreprocessingOptions& options, const IdentificationNumbers& numbers) {
+                          const PreprocessingOptions& options) {
   const OpenedRows rows = open_rows(path, reading_of(arm, options), options.kept.get());
   ThinnedPositions positions;
-  while (positions.duration() < numbers.period_time) {
+  while (positions.duration() < identifying::numbers.period_time) {
     const Recording piece = rows.next(identifying::kPieceRows);
     if (piece.rows() == 0) break;
     for (Eigen::Index k = 0; k < piece.rows(); ++k) positions.add(piece, k);
@@ -260,7 +260,7 @@ Recording first_positions(const Model& arm, const std::string& path,
 }
 
 MotionPeriod period_of(const Model& arm, const std::string& path,
-                       const PreprocessingOptions& options, const IdentificationNumbers& numbers) {
+                       const PreprocessingOptions& options) {
   const auto known = options.known_periods.find(path);
   if (known != options.known_periods.end()) {
     MotionPeriod period;
@@ -271,11 +271,11 @@ MotionPeriod period_of(const Model& arm, const std::string& path,
   if (there == nullptr && options.kept && options.first_row == 0 && !options.row_count) {
     // The judgement of a short recording has found the period from the same positions.
     const auto seen = options.kept->known_quality(path, rows_looked_at(arm, options));
-    if (seen && seen->rows < identifying::kPeriodRows && seen->duration < numbers.period_time &&
+    if (seen && seen->rows < identifying::kPeriodRows && seen->duration < identifying::numbers.period_time &&
         seen->find("short_recording") == nullptr && seen->find("absurd_numbers") == nullptr)
       return seen->period;
   }
-  return detect_period(there != nullptr ? *there : first_positions(arm, path, options, numbers));
+  return detect_period(there != nullptr ? *there : first_positions(arm, path, options));
 }
 
 // Collects between the wanted number and twice as many samples of a recording of any length: when
@@ -365,37 +365,25 @@ ErrorSums run_prediction(const Model& arm, const std::string& source,
 
 CompressedRecording compress(const Model& arm, const std::string& path,
                              const PreprocessingOptions& options, int threads) {
-  return compress(arm, path, options, threads, IdentificationNumbers());
-}
-
-CompressedRecording compress(const Model& arm, const std::string& path,
-                             const PreprocessingOptions& options, int threads,
-                             const IdentificationNumbers& numbers) {
   return run_compress(
-      arm, path, options, period_of(arm, path, options, numbers),
+      arm, path, options, period_of(arm, path, options),
       [&](const Visit& visit) { return for_each_segment(arm, path, options, visit); },
-      number_of_threads(threads), numbers);
+      number_of_threads(threads));
 }
 
 CompressedRecording compress_facts(const Model& arm, const std::string& path,
-                                   const PreprocessingOptions& options, int threads,
-                                   const IdentificationNumbers& numbers) {
+                                   const PreprocessingOptions& options, int threads) {
   return run_compress(
-      arm, path, options, period_of(arm, path, options, numbers),
+      arm, path, options, period_of(arm, path, options),
       [&](const Visit& visit) { return for_each_segment(arm, path, options, visit); },
-      number_of_threads(threads), numbers, Wanted::kFacts);
+      number_of_threads(threads), Wanted::kFacts);
 }
 
 CompressedRecording compress(const Model& arm, const Recording& recording,
                              const PreprocessingOptions& options) {
-  return compress(arm, recording, options, IdentificationNumbers());
-}
-
-CompressedRecording compress(const Model& arm, const Recording& recording,
-                             const PreprocessingOptions& options, const IdentificationNumbers& numbers) {
   return run_compress(
       arm, recording.source, options, detect_period(recording),
-      [&](const Visit& visit) { return for_each_segment(arm, recording, options, visit); }, 1, numbers);
+      [&](const Visit& visit) { return for_each_segment(arm, recording, options, visit); }, 1);
 }
 
 std::vector<CompressedRecording> compress_all(const Model& arm,

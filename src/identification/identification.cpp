@@ -9,11 +9,10 @@
 
 #include "identification/identification_numbers.hpp"
 #include "identified_base.hpp"
-#include "many_recordings.hpp"
+#include "identification/recording_passes.hpp"
 #include "shortfall.hpp"
 #include "math/numbers.hpp"
 #include "recordings/named_recordings.hpp"
-#include "validation.hpp"
 #include "identification/base_solution.hpp"
 #include "identification/feasible/feasible_fit.hpp"
 #include "identification/instrumental.hpp"
@@ -254,7 +253,7 @@ void forget_other_columns(const Model& arm, std::vector<CompressedRecording>& re
 }
 
 bool fit_arm(const Model& arm, const std::vector<CompressedRecording>& recordings,
-             const IdentificationOptions& options, const IdentificationNumbers& numbers, Identification& id) {
+             const IdentificationOptions& options, Identification& id) {
   for (const CompressedRecording& r : recordings) {
     id.rows += r.rows;
     if (r.rows == 0.0) {
@@ -262,9 +261,9 @@ bool fit_arm(const Model& arm, const std::vector<CompressedRecording>& recording
       return false;
     }
   }
-  id.still_joints = still_joints(arm, recordings, numbers);
+  id.still_joints = still_joints(arm, recordings);
   if (id.still_joints.empty() && std::all_of(recordings.begin(), recordings.end(),
-                                            [&numbers](const CompressedRecording& r) { return without_torque(r, numbers); })) {
+                                            [](const CompressedRecording& r) { return without_torque(r); })) {
     id.reason = recordings.front().source + ": the torques of all joints are zero throughout: not recorded? Record the efforts, or name their columns by --map tau=SOURCE";
     return false;
   }
@@ -283,14 +282,14 @@ bool fit_arm(const Model& arm, const std::vector<CompressedRecording>& recording
 }  // namespace
 
 bool fit_factors(AskedArm& arm, std::vector<CompressedRecording>& recordings,
-                 const IdentificationOptions& options, const IdentificationNumbers& numbers, Identification& id) {
+                 const IdentificationOptions& options, Identification& id) {
   const Identification question = id;
   forget_other_columns(arm.used(), recordings);
-  bool done = fit_arm(arm.used(), recordings, options, numbers, id);
+  bool done = fit_arm(arm.used(), recordings, options, id);
   if (!done && id.status == IdentificationStatus::kRankDeficient && arm.leave_rotors_out()) {
     id = question;
     forget_other_columns(arm.used(), recordings);
-    done = fit_arm(arm.used(), recordings, options, numbers, id);
+    done = fit_arm(arm.used(), recordings, options, id);
   }
   if (std::string remark = arm.remark(); !remark.empty())
     id.remarks.insert(id.remarks.begin(), std::move(remark));
@@ -304,11 +303,10 @@ namespace {
 // Identifies the drive gains first, then the arm from the recordings without a load.
 Identification identify_with_known_masses(const Model& arm, const std::vector<std::string>& train,
                                           const std::vector<std::string>& test,
-                                          const IdentificationOptions& options, const IdentificationNumbers& numbers) {
+                                          const IdentificationOptions& options) {
   if (options.progress) options.progress("finding drive gains", 0.0);
   const DriveGains gains =
-      find_drive_gains(with_friction_alone(arm, options.friction), train, options.known_masses, options.preprocessing, options.threads,
-                       numbers);
+      find_drive_gains(with_friction_alone(arm, options.friction), train, options.known_masses, options.preprocessing, options.threads);
   std::string open = gains.problem;
   for (size_t j = 0; j < gains.joints.size() && open.empty(); ++j) {
     const DriveGain& gain = gains.joints[j];
@@ -321,7 +319,7 @@ Identification identify_with_known_masses(const Model& arm, const std::vector<st
     IdentificationOptions plain = options;
     plain.known_masses.clear();
     plain.choose_velocities = false;  // decided for all recordings together, with the gains
-    id = identify(with_drive_gains(arm, gains), gains.unloaded, test, plain, numbers);
+    id = identify(with_drive_gains(arm, gains), gains.unloaded, test, plain);
   } else {
     id = described(arm, options);
     id.status = IdentificationStatus::kNoDriveGains;
@@ -333,10 +331,10 @@ Identification identify_with_known_masses(const Model& arm, const std::vector<st
 
 Identification identify_named(const Model& arm, const std::vector<std::string>& train,
                               const std::vector<std::string>& test,
-                              const IdentificationOptions& options, const IdentificationNumbers& numbers) {
+                              const IdentificationOptions& options) {
   require(!train.empty(), "identify: there is no recording to train on.");
-  if (!options.known_masses.empty()) return identify_with_known_masses(arm, train, test, options, numbers);
-  return identify_compressed(arm, {}, train, test, options, numbers);
+  if (!options.known_masses.empty()) return identify_with_known_masses(arm, train, test, options);
+  return identify_compressed(arm, {}, train, test, options);
 }
 
 }  // namespace
@@ -362,7 +360,7 @@ bool torques_are_none(Identification& id) {
 Identification identify_compressed(const Model& file, std::vector<CompressedRecording> trained,
                                    const std::vector<std::string>& train,
                                    const std::vector<std::string>& test,
-                                   const IdentificationOptions& options, const IdentificationNumbers& numbers) {
+                                   const IdentificationOptions& options, const RecordingPasses& passes) {
   Identification id = described(file, options);
   const auto say = [&options](const std::string& what, double share) {
     if (options.progress) options.progress(what, share);
@@ -370,10 +368,10 @@ Identification identify_compressed(const Model& file, std::vector<CompressedReco
   say("compressing", 0.0);
   const auto begin = std::chrono::steady_clock::now();
   AskedArm arm(file, options.friction);
-  for (CompressedRecording& r : compress_many(arm.used(), train, id.preprocessing, options.threads, numbers))
+  for (CompressedRecording& r : passes.compress(arm.used(), train, id.preprocessing, options.threads))
     trained.push_back(std::move(r));
   for (CompressedRecording& r : trained)
-    merge_blocks(r, blocks_of_each(static_cast<int>(trained.size()), numbers));
+    merge_blocks(r, blocks_of_each(static_cast<int>(trained.size())));
   id.seconds.compress = seconds_since(begin);
   say("solving", identifying::kSolving);
   // Torques that are zero throughout were not recorded; if that holds for all joints there is nothing to identify.
@@ -388,75 +386,44 @@ Identification identify_compressed(const Model& file, std::vector<CompressedReco
     arm = AskedArm(without_effects_of(silent, arm.used()), JointFriction::kFile);
     leave_joints_out(silent, trained);
   }
-  if (!fit_factors(arm, trained, options, numbers, id)) {
+  if (!fit_factors(arm, trained, options, id)) {
     if (!silent.empty()) id.reason += "; the torque of " + names + " is zero throughout, and the other joints alone do not determine the arm";
     return id;
   }
   refit_with_instruments(arm.used(), trained, options, id);
   say("validating", identifying::kValidating);
   id.factors = std::move(trained);
-  validate(arm.used(), test, options, numbers, id);
+  validate(arm.used(), test, options, passes, id);
   if (torques_are_none(id)) return id;
   keep_training_error(id);
   say("done", 1.0);
   return id;
 }
 
-Identification identify(const Model& arm, const Recordings& train, const Recordings& test,
-                        const IdentificationOptions& options) {
-  Identification id = identify(arm, train, test, options, IdentificationNumbers());
-  id.preprocessing.in_memory = options.preprocessing.in_memory;  // shared with the caller
-  train.placed_in(id.preprocessing.in_memory);
-  return id;
+Identification identify_compressed(const Model& arm, std::vector<CompressedRecording> trained,
+                                   const std::vector<std::string>& train, const std::vector<std::string>& test,
+                                   const IdentificationOptions& options) {
+  return identify_compressed(arm, std::move(trained), train, test, options, RecordingPasses());
 }
 
 Identification identify(const Model& arm, const Recordings& train, const Recordings& test,
-                        const IdentificationOptions& options, const IdentificationNumbers& numbers) {
+                        const IdentificationOptions& options) {
   NamedRecordings<IdentificationOptions> named(train, test, options);
   keep_recordings(named.how, KeptRecordings::kFewPasses);
-  Identification id = identify_named(arm, named.train, named.test, named.how, numbers);
-  id = with_chosen_velocities(arm, std::move(id), named.train, named.how, numbers,
+  Identification id = identify_named(arm, named.train, named.test, named.how);
+  id = with_chosen_velocities(arm, std::move(id), named.train, named.how,
                               [&](const IdentificationOptions& how) {
-                                return identify_named(arm, named.train, named.test, how, numbers);
+                                return identify_named(arm, named.train, named.test, how);
                               });
   forget_recordings(id);
+  id.preprocessing.in_memory = options.preprocessing.in_memory;  // shared with the caller
+  train.placed_in(id.preprocessing.in_memory);
   return id;
 }
 
 Identification identify(const Model& arm, const Recording& recording,
                         const IdentificationOptions& options) {
   return identify(arm, Recordings(recording), {}, options);
-}
-
-const std::vector<TableNumber<IdentificationNumbers>>& identification_numbers() {
-  using T = IdentificationNumbers;
-  static const std::vector<TableNumber<T>> kAll = {
-      number_of<&T::still_revolute>("still_revolute"),
-      number_of<&T::still_prismatic>("still_prismatic"),
-      number_of<&T::velocity_gain>("velocity_gain"),
-      number_of<&T::far_above_floor>("far_above_floor"),
-      number_of<&T::below_any_sensor>("below_any_sensor"),
-      number_of<&T::hardly_moves>("hardly_moves"),
-      number_of<&T::no_torque>("no_torque"),
-      number_of<&T::adjacent>("adjacent"),
-      number_of<&T::few_in_gaps>("few_in_gaps"),
-      number_of<&T::most_blocks>("most_blocks"),
-      number_of<&T::phases>("phases"),
-      number_of<&T::blocks_of_all>("blocks_of_all"),
-      number_of<&T::first_block>("first_block"),
-      number_of<&T::period_time>("period_time"),
-      number_of<&T::still_turning>("still_turning"),
-      number_of<&T::still_sliding>("still_sliding"),
-      number_of<&T::fewest_rows>("fewest_rows"),
-      number_of<&T::rest_blocks>("rest_blocks"),
-      number_of<&T::rest_rank>("rest_rank"),
-      number_of<&T::identifiable>("identifiable"),
-      number_of<&T::heavier>("heavier"),
-      number_of<&T::fewest_clusters>("fewest_clusters"),
-      number_of<&T::unloaded>("unloaded"),
-      number_of<&T::most_divisions>("most_divisions"),
-      number_of<&T::untied>("untied")};
-  return kAll;
 }
 
 void save(const Model& arm, const std::string& path) { save_model(arm, path); }

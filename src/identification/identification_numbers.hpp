@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "math/number_table.hpp"
 #include "veridyn/identification/identification.hpp"
 #include "veridyn/identification/rest_poses.hpp"
 #include "veridyn/identification/verdict.hpp"
@@ -78,28 +77,10 @@ struct IdentificationNumbers {
   double untied = 1e-6;
 };
 
-/// All numbers, in the order of the struct.
-const std::vector<TableNumber<IdentificationNumbers>>& identification_numbers();
-
-/// identify(), identify_at_rest(), read_rest_poses(), find_drive_gains() and verdict_of() with other numbers.
-Identification identify(const Model& arm, const Recordings& train, const Recordings& test,
-                        const IdentificationOptions& options, const IdentificationNumbers& numbers);
-Identification identify_at_rest(const Model& arm, const std::vector<RestPoses>& train, const std::vector<RestPoses>& test,
-                                const IdentificationOptions& options, const IdentificationNumbers& numbers);
-RestPoses read_rest_poses(const Model& arm, const std::string& path, const PreprocessingOptions& how,
-                          std::optional<double> approach, const IdentificationNumbers& numbers);
-DriveGains find_drive_gains(const Model& arm, const std::vector<std::string>& recordings,
-                            const std::vector<KnownMass>& loads, const PreprocessingOptions& preprocessing, int threads,
-                            const IdentificationNumbers& numbers);
-IdentificationVerdict verdict_of(const Identification& id, const IdentificationNumbers& numbers);
-/// compress() of a file or of a recording with other numbers.
-CompressedRecording compress(const Model& arm, const std::string& path, const PreprocessingOptions& options, int threads,
-                             const IdentificationNumbers& numbers);
-CompressedRecording compress(const Model& arm, const Recording& recording, const PreprocessingOptions& options,
-                             const IdentificationNumbers& numbers);
-
 /// What no answer turns on: definitions of what is printed, memory, and sound arithmetic.
 namespace identifying {
+
+constexpr IdentificationNumbers numbers;
 
 // Definitions.
 /// speed > kMovingShare * the joint's largest: a moving row, whose error docs/contract.md counts apart.

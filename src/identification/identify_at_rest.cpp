@@ -78,10 +78,12 @@ std::vector<JointRows> rows_of_poses(const Model& arm, const RestPoses& poses) {
   return out;
 }
 
-CompressedRecording compressed(const Model& arm, const RestPoses& poses, const IdentificationNumbers& numbers) {
+}  // namespace
+
+CompressedRecording compress(const Model& arm, const RestPoses& poses) {
   const std::vector<JointRows> rows = rows_of_poses(arm, poses);
   const std::vector<std::string> names = parameter_names(standard_parameters(arm));
-  const Eigen::Index blocks = std::min<Eigen::Index>(numbers.rest_blocks, poses.poses());
+  const Eigen::Index blocks = std::min<Eigen::Index>(identifying::numbers.rest_blocks, poses.poses());
   CompressedRecording out;
   out.source = poses.source;
   out.facts.dt = 1.0;
@@ -109,10 +111,6 @@ CompressedRecording compressed(const Model& arm, const RestPoses& poses, const I
   out.rows = static_cast<double>(poses.poses() * arm.joints());
   return out;
 }
-
-}  // namespace
-
-CompressedRecording compress(const Model& arm, const RestPoses& poses) { return compressed(arm, poses, IdentificationNumbers()); }
 
 namespace {
 
@@ -233,12 +231,6 @@ void say_bands(const Model& arm, const MatrixXd& residuals, bool approached, Ide
 
 Identification identify_at_rest(const Model& file, const std::vector<RestPoses>& train,
                                 const std::vector<RestPoses>& test, const IdentificationOptions& options) {
-  return identify_at_rest(file, train, test, options, IdentificationNumbers());
-}
-
-Identification identify_at_rest(const Model& file, const std::vector<RestPoses>& train,
-                                const std::vector<RestPoses>& test, const IdentificationOptions& options,
-                                const IdentificationNumbers& numbers) {
   require(!train.empty(), "identify_at_rest: there is no recording to train on.");
   require(options.method != Method::kIv && options.method != Method::kDidim,
           "identify_at_rest: found a method with instruments, which are motions, expected another one.");
@@ -261,12 +253,12 @@ Identification identify_at_rest(const Model& file, const std::vector<RestPoses>&
   if (!how.prior && !has_prior(arm)) how.prior = arm.inertial_values() ? arm : balls(arm);
   Identification id = described(arm, options);
   std::vector<CompressedRecording> factors;
-  for (const RestPoses& poses : train) factors.push_back(compressed(arm, poses, numbers));
+  for (const RestPoses& poses : train) factors.push_back(compress(arm, poses));
   for (const CompressedRecording& r : factors) id.rows += r.rows;
   const std::vector<std::string> names = parameter_names(standard_parameters(arm));
   std::vector<SquareRootInformation> joints = joint_totals(factors);
   const SquareRootInformation total = weighted_total(joints, range_weights(factors), names);
-  const BaseParameters base = base_parameters(total, preferred_columns(standard_parameters(arm)), numbers.rest_rank);
+  const BaseParameters base = base_parameters(total, preferred_columns(standard_parameters(arm)), identifying::numbers.rest_rank);
   if (base.size() == 0) {
     id.reason = "the poses determine no parameter";
     return id;

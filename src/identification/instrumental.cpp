@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "identification/identification_numbers.hpp"
+#include "math/clustered_statistics.hpp"
 #include "math/decompositions.hpp"
 #include "math/student_t.hpp"
 #include "math/zero_phase_filter.hpp"
@@ -14,15 +15,19 @@
 namespace veridyn {
 namespace {
 
-// A whole recording on its uniform grid: low-passed positions with their derivatives.
+// The motion of instruments: low-passed positions with their derivatives, or what the other repeats measured, in which case
+// rows that are not repeated are left out.
+enum class Instruments { kPositions, kRepeats };
+
+// A whole recording on its uniform grid.
 struct SmoothMotion {
   double dt = 0.0, start = 0.0, period = 0.0;
   VectorXd time;
   MatrixXd q, dq, ddq;
   std::vector<char> use;
 
-  // The mean over the same phase of other periods, or the motion itself where there is none.
-  void at(double t, Eigen::Ref<VectorXd> q_out, Eigen::Ref<VectorXd> dq_out, Eigen::Ref<VectorXd> ddq_out) const {
+  // The mean over the same phase of other periods; false, and the motion itself, where there is none.
+  bool at(double t, Eigen::Ref<VectorXd> q_out, Eigen::Ref<VectorXd> dq_out, Eigen::Ref<VectorXd> ddq_out) const {
     q_out.setZero();
     dq_out.setZero();
     ddq_out.setZero();
@@ -44,32 +49,40 @@ struct SmoothMotion {
       q_out /= count;
       dq_out /= count;
       ddq_out /= count;
-      return;
+      return true;
     }
     const auto nearest = std::clamp<Eigen::Index>(std::lround((t - time[0]) / dt), 0, time.size() - 1);
     q_out = q.row(nearest).transpose();
     dq_out = dq.row(nearest).transpose();
     ddq_out = ddq.row(nearest).transpose();
+    return false;
   }
 };
 
-SmoothMotion smooth_motion(const Model& arm, const CompressedRecording& recording, const PreprocessingOptions& how) {
+SmoothMotion smooth_motion(const Model& arm, const CompressedRecording& recording, const PreprocessingOptions& how, Instruments kind) {
   SmoothMotion out;
   out.period = recording.period.seconds;
   std::vector<double> time;
-  std::vector<VectorXd> rows;
+  std::vector<MatrixXd> rows;  // (joints x 3)
   for_each_segment(arm, recording.source, how, [&](const Segment& s) {
     out.dt = s.dt;
     out.start = s.start;
     for (Eigen::Index k = s.core_begin; k < s.core_end; ++k) {
       time.push_back(s.time[k]);
-      rows.push_back(s.q.row(k).transpose());
+      rows.emplace_back(arm.joints(), 3);
+      rows.back() << s.q.row(k).transpose(), s.dq.row(k).transpose(), s.ddq.row(k).transpose();
       out.use.push_back(s.use[k]);
     }
   });
   out.time = VectorXd::Map(time.data(), static_cast<Eigen::Index>(time.size()));
   out.q.resize(out.time.size(), arm.joints());
-  for (Eigen::Index k = 0; k < out.time.size(); ++k) out.q.row(k) = rows[k].transpose();
+  out.dq = out.ddq = out.q;
+  for (Eigen::Index k = 0; k < out.time.size(); ++k) {
+    out.q.row(k) = rows[k].col(0).transpose();
+    out.dq.row(k) = rows[k].col(1).transpose();
+    out.ddq.row(k) = rows[k].col(2).transpose();
+  }
+  if (kind == Instruments::kRepeats) return out;
   const double rate = 1.0 / out.dt;
   if (how.cutoff > 0.0 && how.cutoff < identifying::kBelowNyquist * rate) ZeroPhaseFilter(how.cutoff, how.order, rate).apply(out.q);
   out.dq = differentiate(out.q, out.dt);
@@ -107,14 +120,18 @@ MatrixXd chosen(const JointRows& rows, const JointColumns& joint, const BasePara
 
 using BlocksOfJoints = std::vector<std::vector<SquareRootInformation>>;  // [block][joint]
 
-void absorb(const Model& arm, const CompressedRecording& recording, const IdentificationOptions& options,
+void absorb(const Model& arm, const CompressedRecording& recording, PreprocessingOptions how, Instruments kind,
             const BaseParameters& base, const std::vector<JointColumns>& joints, BlocksOfJoints& blocks) {
-  PreprocessingOptions how = options.preprocessing;
   how.excluded_intervals.erase(std::remove_if(how.excluded_intervals.begin(), how.excluded_intervals.end(),
                                     [&](const ExcludedInterval& part) { return part.source != recording.source; }),
                      how.excluded_intervals.end());
-  const SmoothMotion smooth = smooth_motion(arm, recording, how);
+  SmoothMotion smooth = smooth_motion(arm, recording, how, kind);
   const RegressorColumns columns(arm, how);
+  for (Eigen::Index k = 0; kind == Instruments::kRepeats && k < smooth.time.size(); ++k) {
+    bool excluded = true;
+    for (int i = 0; i < arm.joints(); ++i) excluded = excluded && columns.is_excluded(i, smooth.time[k] - smooth.start);
+    if (excluded) smooth.use[k] = 0;
+  }
   const size_t first = blocks.size();
   const size_t count = recording.blocks.size();  // those of least squares, for the jackknife
   for (size_t b = 0; b < count; ++b) {
@@ -127,15 +144,17 @@ void absorb(const Model& arm, const CompressedRecording& recording, const Identi
     return first + std::min(count - 1, static_cast<size_t>(static_cast<double>(count) * (turns - std::floor(turns))));
   };
   for_each_segment(arm, recording.source, how, [&](const Segment& s) {
+    Segment here = s;
     Segment clean = s;
     VectorXd q(arm.joints()), dq(arm.joints()), ddq(arm.joints());
     for (Eigen::Index k = 0; k < s.time.size(); ++k) {
-      smooth.at(s.time[k], q, dq, ddq);
+      const bool repeated = smooth.at(s.time[k], q, dq, ddq);
+      if (kind == Instruments::kRepeats && !repeated) here.use[k] = clean.use[k] = 0;
       clean.q.row(k) = q.transpose();
       clean.dq.row(k) = dq.transpose();
       clean.ddq.row(k) = ddq.transpose();
     }
-    const std::vector<JointRows> measured = columns.rows(s);
+    const std::vector<JointRows> measured = columns.rows(here);
     const std::vector<JointRows> without = columns.rows(clean);
     for (size_t i = 0; i < joints.size(); ++i) {
       const JointRows& rows = measured[i];
@@ -156,14 +175,16 @@ void absorb(const Model& arm, const CompressedRecording& recording, const Identi
 
 // Moments of a block over all base parameters.
 struct CrossMoments {
-  MatrixXd ZA, ZZ;
-  VectorXd Zb, Zc;
+  MatrixXd AA, ZA, ZZ;
+  VectorXd Ab, Zb, Zc;
 
-  explicit CrossMoments(Eigen::Index k) : ZA(MatrixXd::Zero(k, k)), ZZ(ZA), Zb(VectorXd::Zero(k)), Zc(Zb) {}
+  explicit CrossMoments(Eigen::Index k) : AA(MatrixXd::Zero(k, k)), ZA(AA), ZZ(AA), Ab(VectorXd::Zero(k)), Zb(Ab), Zc(Ab) {}
 
   void add(double sign, const CrossMoments& o) {
+    AA += sign * o.AA;
     ZA += sign * o.ZA;
     ZZ += sign * o.ZZ;
+    Ab += sign * o.Ab;
     Zb += sign * o.Zb;
     Zc += sign * o.Zc;
   }
@@ -183,9 +204,11 @@ CrossMoments cross_moments(const std::vector<SquareRootInformation>& block, cons
       for (Eigen::Index c = 0; c < k; ++c) {
         const int column = joints[i].unknowns[c];
         const double size = scale[row] * scale[column];
+        out.AA(row, column) += w * G(r, c) / size;
         out.ZA(row, column) += w * G(k + r, c) / size;
         out.ZZ(row, column) += w * G(k + r, k + c) / size;
       }
+      out.Ab[row] += w * g[r] / scale[row];
       out.Zb[row] += w * g[k + r] / scale[row];
       out.Zc[row] += w * G(k + r, 2 * k) / scale[row];
     }
@@ -193,11 +216,57 @@ CrossMoments cross_moments(const std::vector<SquareRootInformation>& block, cons
   return out;
 }
 
-VectorXd estimate(const CrossMoments& m, Method method, const VectorXd& scale) {
-  const bool instruments = method == Method::kIv;
-  const Eigen::ColPivHouseholderQR<MatrixXd> qr(instruments ? m.ZA : m.ZZ);
-  return qr.solve(instruments ? m.Zb : m.Zc).cwiseQuotient(scale);
+VectorXd solved(const MatrixXd& A, const VectorXd& b, const VectorXd& scale) {
+  return Eigen::ColPivHouseholderQR<MatrixXd>(A).solve(b).cwiseQuotient(scale);
 }
+
+VectorXd estimate(const CrossMoments& m, Method method, const VectorXd& scale) {
+  return method == Method::kIv ? solved(m.ZA, m.Zb, scale) : solved(m.ZZ, m.Zc, scale);
+}
+
+// Moments of recordings, block by block and together.
+struct AllMoments {
+  std::vector<JointColumns> joints;
+  std::vector<SquareRootInformation> totals;  // of the joints
+  VectorXd scale;                             // of the base parameters' columns
+  std::vector<CrossMoments> blocks;
+  CrossMoments sum;
+  double rows = 0.0;
+
+  AllMoments(const Model& arm, const std::vector<CompressedRecording>& recordings, const BaseParameters& base,
+             const VectorRef& weights, const PreprocessingOptions& how, Instruments kind)
+      : scale(VectorXd::Zero(base.size())), sum(base.size()) {
+    const RegressorColumns columns(arm, how);
+    for (int i = 0; i < arm.joints(); ++i) joints.emplace_back(columns.parameters_of(i), base);
+    BlocksOfJoints factors;
+    for (const CompressedRecording& recording : recordings) absorb(arm, recording, how, kind, base, joints, factors);
+    for (size_t i = 0; i < joints.size(); ++i) {
+      totals.emplace_back(joints[i].names);
+      for (const auto& block : factors) totals.back().merge(block[i]);
+      rows += totals.back().rows();
+      const VectorXd norms = totals.back().column_norms();
+      for (Eigen::Index c = 0; c < joints[i].count(); ++c)
+        scale[joints[i].unknowns[c]] += std::pow(weights[static_cast<Eigen::Index>(i)] * norms[c], 2);
+    }
+    scale = scale.cwiseSqrt().cwiseMax(1e-300);
+    for (const auto& block : factors) {
+      blocks.push_back(cross_moments(block, joints, weights, scale));
+      sum.add(1.0, blocks.back());
+    }
+  }
+
+  // (base x blocks) Estimates that leave one block out each.
+  template <typename Estimate>
+  MatrixXd without_each(const Estimate& estimate) const {
+    MatrixXd out(scale.size(), static_cast<Eigen::Index>(blocks.size()));
+    for (size_t b = 0; b < blocks.size(); ++b) {
+      CrossMoments rest = sum;
+      rest.add(-1.0, blocks[b]);
+      out.col(b) = estimate(rest);
+    }
+    return out;
+  }
+};
 
 // Residual of least squares on some columns of a factor, and their rank.
 std::pair<double, int> residual_on(const SquareRootInformation& factor, const MatrixXd& T) {
@@ -244,49 +313,48 @@ InstrumentalFit fit_with_instruments(const Model& arm, const std::vector<Compres
                                      const IdentificationOptions& options) {
   require(options.preprocessing.min_speed == 0.0,
           "identify: found a least speed together with instruments, whose motion is another one; expected none.");
-  const RegressorColumns columns(arm, options.preprocessing);
-  std::vector<JointColumns> joints;
-  for (int i = 0; i < arm.joints(); ++i) joints.emplace_back(columns.parameters_of(i), base);
-  BlocksOfJoints blocks;
-  for (const CompressedRecording& recording : recordings) {
+  for (const CompressedRecording& recording : recordings)
     require(!recording.detached, recording.source,
             ": found factors alone, expected the recording itself: instruments need its samples.");
-    absorb(arm, recording, options, base, joints, blocks);
-  }
-  VectorXd scale = VectorXd::Zero(base.size());
-  double rows = 0.0;
-  std::vector<SquareRootInformation> totals;
-  for (size_t i = 0; i < joints.size(); ++i) {
-    totals.emplace_back(joints[i].names);
-    for (const auto& block : blocks) totals.back().merge(block[i]);
-    rows += totals.back().rows();
-    const VectorXd norms = totals.back().column_norms();
-    for (Eigen::Index c = 0; c < joints[i].count(); ++c)
-      scale[joints[i].unknowns[c]] += std::pow(weights[static_cast<Eigen::Index>(i)] * norms[c], 2);
-  }
-  scale = scale.cwiseSqrt().cwiseMax(1e-300);
-  std::vector<CrossMoments> moments;
-  CrossMoments all(base.size());
-  for (const auto& block : blocks) {
-    moments.push_back(cross_moments(block, joints, weights, scale));
-    all.add(1.0, moments.back());
-  }
+  const AllMoments all(arm, recordings, base, weights, options.preprocessing, Instruments::kPositions);
+  const auto estimated = [&](const CrossMoments& m) { return estimate(m, options.method, all.scale); };
   const std::vector<std::string> names = parameter_names(standard_parameters(arm));
   InstrumentalFit out;
   out.solution = solve_base(recordings, weights, base, names);
-  out.solution.beta = estimate(all, options.method, scale);
+  out.solution.beta = estimated(all.sum);
   std::vector<std::string> leading;
   for (const int j : base.independent) leading.push_back(names[j]);
   out.objective = weighted_total(joint_totals(recordings), weights, names).restricted(leading).residual2(out.solution.beta);
-  MatrixXd without(base.size(), static_cast<Eigen::Index>(blocks.size()));
-  for (size_t b = 0; b < blocks.size(); ++b) {
-    CrossMoments rest = all;
-    rest.add(-1.0, moments[b]);
-    without.col(b) = estimate(rest, options.method, scale);
+  take_deviations(all.without_each(estimated), out.solution);
+  const double share = std::clamp(out.solution.effective_samples / std::max(1.0, all.rows), 0.0, 1.0);
+  for (size_t i = 0; i < all.joints.size(); ++i) out.tests.push_back(endogeneity(all.totals[i], all.joints[i].count(), share));
+  return out;
+}
+
+InstrumentalContrast contrast_with_repeats(const Model& arm, const std::vector<CompressedRecording>& recordings,
+                                           const BaseParameters& base, const VectorRef& weights,
+                                           const PreprocessingOptions& how) {
+  std::vector<CompressedRecording> repeated;
+  for (const CompressedRecording& r : recordings) {
+    if (r.period.seconds > 0.0 && !r.detached) repeated.push_back(r);
   }
-  take_deviations(without, out.solution);
-  const double share = std::clamp(out.solution.effective_samples / std::max(1.0, rows), 0.0, 1.0);
-  for (size_t i = 0; i < joints.size(); ++i) out.tests.push_back(endogeneity(totals[i], joints[i].count(), share));
+  PreprocessingOptions every_speed = how;
+  every_speed.min_speed = 0.0;  // whether a row is slow is not the same in every repeat
+  const AllMoments all(arm, repeated, base, weights, every_speed, Instruments::kRepeats);
+  InstrumentalContrast out;
+  out.p_value = VectorXd::Ones(base.size());
+  if (all.rows < 2.0 * base.size() * arm.joints() || all.blocks.size() < 2) return out;
+  const auto least_squares = [&](const CrossMoments& m) { return solved(m.AA, m.Ab, all.scale); };
+  const auto instrumental = [&](const CrossMoments& m) { return solved(m.ZA, m.Zb, all.scale); };
+  out.least_squares = least_squares(all.sum);
+  out.instrumental = instrumental(all.sum);
+  const VectorXd deviation =
+      jackknife_deviations(all.without_each([&](const CrossMoments& m) { return VectorXd(instrumental(m) - least_squares(m)); }));
+  for (Eigen::Index k = 0; k < deviation.size(); ++k) {
+    const double contrast = out.instrumental[k] - out.least_squares[k];
+    if (deviation[k] > 0.0 && std::isfinite(contrast))
+      out.p_value[k] = student_t_two_sided(contrast / deviation[k], static_cast<double>(all.blocks.size()) - 1.0);
+  }
   return out;
 }
 

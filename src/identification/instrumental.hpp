@@ -32,4 +32,23 @@ InstrumentalFit fit_with_instruments(const Model& arm, const std::vector<Compres
                                      const BaseParameters& base, const VectorRef& weights,
                                      const IdentificationOptions& options);
 
+/// Least squares and the instrumental-variable estimate of the same base parameters, with the measured columns of the other
+/// repeats of a motion as instruments:
+///
+///   x_ls = (A'WA)^-1 A'Wb,    x_iv = (Z'WA)^-1 Z'Wb
+///
+/// Noise in the columns (encoder steps, noisy velocities and accelerations) pulls x_ls to zero; it is independent of Z, and
+/// x_iv stays consistent. What the model lacks repeats with the motion and moves both alike. The contrast is tested parameter
+/// by parameter, by the jackknife over clusters (Durbin 1954, Wu 1973, Hausman 1978; clustered).
+struct InstrumentalContrast {
+  VectorXd least_squares, instrumental;  ///< (base)
+  VectorXd p_value;                      ///< (base) 1 where undetermined
+};
+
+/// @param recordings  of which those that repeat their motion are read; without any, all p-values are one.
+/// @param weights  of the joints' rows; zero for joints that are left out.
+InstrumentalContrast contrast_with_repeats(const Model& arm, const std::vector<CompressedRecording>& recordings,
+                                           const BaseParameters& base, const VectorRef& weights,
+                                           const PreprocessingOptions& how);
+
 }  // namespace veridyn

@@ -7,8 +7,8 @@
 #include "math/parallel.hpp"
 
 namespace veridyn {
-int blocks_of_each(int recordings, const IdentificationNumbers& numbers) {
-  return std::max(1, numbers.blocks_of_all / std::max(1, recordings));
+int blocks_of_each(int recordings) {
+  return std::max(1, identifying::numbers.blocks_of_all / std::max(1, recordings));
 }
 
 void merge_blocks(CompressedRecording& recording, int most) {
@@ -28,14 +28,13 @@ void merge_blocks(CompressedRecording& recording, int most) {
 
 std::vector<CompressedRecording> compress_many(const Model& arm,
                                                const std::vector<std::string>& paths,
-                                               const PreprocessingOptions& options, int threads,
-                                               const IdentificationNumbers& numbers) {
+                                               const PreprocessingOptions& options, int threads) {
   const auto count = static_cast<int>(paths.size());
   std::vector<CompressedRecording> out(paths.size());
   parallel_for(count, threads, [&](int k) {
     CompressedRecording one = compress(arm, paths[k], options,
-                                       threads_of_each(count, threads), numbers);
-    merge_blocks(one, blocks_of_each(count, numbers));
+                                       threads_of_each(count, threads));
+    merge_blocks(one, blocks_of_each(count));
     out[k] = std::move(one);
   });
   return out;

@@ -7,26 +7,22 @@
 
 namespace veridyn {
 
-struct IdentificationNumbers;
-
 /// compress_all() for identify(): with many recordings the blocks of each are merged until all
 /// recordings together have at most blocks_of_all of them (but at least one each), which bounds the
 /// memory. The clusters of the jackknife are then whole recordings, as is appropriate for many.
 std::vector<CompressedRecording> compress_many(const Model& arm,
                                                const std::vector<std::string>& paths,
-                                               const PreprocessingOptions& options, int threads,
-                                               const IdentificationNumbers& numbers);
+                                               const PreprocessingOptions& options, int threads);
 
 /// compress() without factors: only the facts about a recording.
 CompressedRecording compress_facts(const Model& arm, const std::string& path,
-                                   const PreprocessingOptions& options, int threads,
-                                   const IdentificationNumbers& numbers);
+                                   const PreprocessingOptions& options, int threads);
 
 /// Merges neighbouring blocks of a recording until it has at most `most`.
 void merge_blocks(CompressedRecording& recording, int most);
 
 /// Number of blocks that each of several recordings may keep.
-int blocks_of_each(int recordings, const IdentificationNumbers& numbers);
+int blocks_of_each(int recordings);
 
 /// The arm of a robot file with the chosen friction.
 class AskedArm {
@@ -47,7 +43,7 @@ class AskedArm {
 /// Added rotor inertia that the recordings do not determine is removed from the arm and from the
 /// factors. False if there is no model.
 bool fit_factors(AskedArm& arm, std::vector<CompressedRecording>& recordings,
-                 const IdentificationOptions& options, const IdentificationNumbers& numbers, Identification& id);
+                 const IdentificationOptions& options, Identification& id);
 
 /// From factors to the parameters of an arm and its model, over base parameters that the recordings
 /// determine. Leaves id.model empty where a prior does not let it converge.
@@ -73,6 +69,6 @@ std::vector<int> joints_with_derived_velocities(const FactorSet& factors);
 Identification identify_compressed(const Model& arm, std::vector<CompressedRecording> trained,
                                    const std::vector<std::string>& train,
                                    const std::vector<std::string>& test,
-                                   const IdentificationOptions& options, const IdentificationNumbers& numbers);
+                                   const IdentificationOptions& options);
 
 }  // namespace veridyn

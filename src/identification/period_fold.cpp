@@ -2,9 +2,9 @@
 #include "identification/identification_numbers.hpp"
 
 namespace veridyn {
-PeriodFold::PeriodFold(int joints, double period, const IdentificationNumbers& numbers)
+PeriodFold::PeriodFold(int joints, double period)
     : period_(period),
-      adjacent_(numbers.adjacent),
+      adjacent_(identifying::numbers.adjacent),
       difference2_(VectorXd::Zero(joints)), torque2_(difference2_) {}
 
 void PeriodFold::add(double time, const MatrixXd& tau, Eigen::Index row) {

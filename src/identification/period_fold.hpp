@@ -6,14 +6,12 @@
 
 namespace veridyn {
 
-struct IdentificationNumbers;
-
 /// Compares torques with those one period earlier; the difference between repeats is the error of a
 /// perfect model. Holds one period of samples.
 class PeriodFold {
  public:
   /// @param period  [s]; 0: nothing is compared.
-  PeriodFold(int joints, double period, const IdentificationNumbers& numbers);
+  PeriodFold(int joints, double period);
 
   /// Adds row `row` of tau, at `time` [s]; times increase.
   void add(double time, const MatrixXd& tau, Eigen::Index row);

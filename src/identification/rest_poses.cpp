@@ -59,13 +59,13 @@ Recording corrected(const Model& arm, const Recording& r) {
 
 // Segments in which nothing moves, one pose each. A velocity that is not there is no rest; and where rows
 // were left out, or recordings joined, another position begins another pose with an unknown approach.
-RestPoses poses_between_motions(const Model& arm, const Recording& r, const IdentificationNumbers& numbers) {
+RestPoses poses_between_motions(const Model& arm, const Recording& r) {
   const int n = arm.joints();
   const auto still = [&](int j) {
-    return arm.coordinates()[j].prismatic ? numbers.still_sliding : numbers.still_turning;
+    return arm.coordinates()[j].prismatic ? identifying::numbers.still_sliding : identifying::numbers.still_turning;
   };
   const auto is_elsewhere = [&](Eigen::Index k, int j) {
-    const double travel = arm.coordinates()[j].prismatic ? numbers.still_prismatic : numbers.still_revolute;
+    const double travel = arm.coordinates()[j].prismatic ? identifying::numbers.still_prismatic : identifying::numbers.still_revolute;
     return std::abs(r.q(k, j) - r.q(k - 1, j)) > travel;
   };
   RestPoses out;
@@ -76,7 +76,7 @@ RestPoses poses_between_motions(const Model& arm, const Recording& r, const Iden
   const auto end_at = [&](Eigen::Index k, Eigen::Index next) {
     const Eigen::Index count = k - first;
     first = next;
-    if (count < numbers.fewest_rows) return;
+    if (count < identifying::numbers.fewest_rows) return;
     q.emplace_back(r.q.middleRows(k - count, count).colwise().mean());
     tau.emplace_back(r.tau.middleRows(k - count, count).colwise().mean());
     approach.push_back(last);
@@ -114,11 +114,6 @@ RestPoses poses_between_motions(const Model& arm, const Recording& r, const Iden
 
 RestPoses read_rest_poses(const Model& arm, const std::string& path, const PreprocessingOptions& how,
                           std::optional<double> approach) {
-  return read_rest_poses(arm, path, how, approach, IdentificationNumbers());
-}
-
-RestPoses read_rest_poses(const Model& arm, const std::string& path, const PreprocessingOptions& how,
-                          std::optional<double> approach, const IdentificationNumbers& numbers) {
   const Recording* there = find_in_memory(how.in_memory, path);
   Recording r = corrected(arm, there != nullptr ? *there : read_recording(path, reading_poses(arm, how, 1.0)));
   r.source = path;
@@ -127,7 +122,7 @@ RestPoses read_rest_poses(const Model& arm, const std::string& path, const Prepr
     out = {path, r.q, r.tau, r.dq.size() > 0 ? r.dq : MatrixXd::Zero(r.rows(), arm.joints())};
     out.approach = out.approach.array().isNaN().select(0.0, out.approach);
   } else {
-    out = poses_between_motions(arm, r, numbers);
+    out = poses_between_motions(arm, r);
   }
   require(out.poses() > 0, path, ": found no moment at which all joints rest, expected poses at rest.");
   if (approach) out.approach.setConstant(*approach);

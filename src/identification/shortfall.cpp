@@ -7,14 +7,13 @@
 
 namespace veridyn {
 std::vector<std::string> still_joints(const Model& arm,
-                                      const std::vector<CompressedRecording>& recordings,
-                                      const IdentificationNumbers& numbers) {
+                                      const std::vector<CompressedRecording>& recordings) {
   std::vector<std::string> still;
   for (size_t i = 0; i < arm.coordinates().size(); ++i) {
     const Coordinate& coordinate = arm.coordinates()[i];
     double travel = 0.0;
     for (const CompressedRecording& r : recordings) travel = std::max(travel, r.joints[i].travel());
-    if (travel < (coordinate.prismatic ? numbers.still_prismatic : numbers.still_revolute))
+    if (travel < (coordinate.prismatic ? identifying::numbers.still_prismatic : identifying::numbers.still_revolute))
       still.push_back(coordinate.name);
   }
   return still;

@@ -8,12 +8,9 @@
 
 namespace veridyn {
 
-struct IdentificationNumbers;
-
 /// Names of the coordinates that never move in any recording.
 std::vector<std::string> still_joints(const Model& arm,
-                                      const std::vector<CompressedRecording>& recordings,
-                                      const IdentificationNumbers& numbers);
+                                      const std::vector<CompressedRecording>& recordings);
 
 /// Reason why recordings do not determine the base parameters of their arm: joints that never move,
 /// else the number of determined parameters. Empty if all are determined.

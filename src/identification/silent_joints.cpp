@@ -12,7 +12,7 @@ std::set<int> silent_joints(const std::vector<CompressedRecording>& recordings) 
   const size_t joints = recordings.empty() ? 0 : recordings.front().joints.size();
   for (size_t j = 0; j < joints; ++j) {
     const bool silent = std::all_of(recordings.begin(), recordings.end(), [j](const CompressedRecording& r) {
-      return std::max(-r.joints[j].minimum, r.joints[j].maximum) < IdentificationNumbers().no_torque;
+      return std::max(-r.joints[j].minimum, r.joints[j].maximum) < identifying::numbers.no_torque;
     });
     if (silent) out.insert(static_cast<int>(j));
   }

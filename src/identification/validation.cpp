@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "identification/identification_numbers.hpp"
+#include "identification/recording_passes.hpp"
 #include "many_recordings.hpp"
 #include "math/parallel.hpp"
 #include "identification/velocity_choice.hpp"
@@ -100,9 +101,9 @@ std::string no_sample_left(const CompressedRecording& recording, const Preproces
   return out;
 }
 
-bool without_torque(const CompressedRecording& recording, const IdentificationNumbers& numbers) {
-  return std::all_of(recording.joints.begin(), recording.joints.end(), [&numbers](const TorqueFacts& joint) {
-    return std::max(-joint.minimum, joint.maximum) < numbers.no_torque;
+bool without_torque(const CompressedRecording& recording) {
+  return std::all_of(recording.joints.begin(), recording.joints.end(), [](const TorqueFacts& joint) {
+    return std::max(-joint.minimum, joint.maximum) < identifying::numbers.no_torque;
   });
 }
 
@@ -158,19 +159,18 @@ int series_samples_of_each(int recordings) {
 
 std::vector<CompressedRecording> compress_test(const Model& arm,
                                                const std::vector<std::string>& test,
-                                               const PreprocessingOptions& how, int threads,
-                                               const IdentificationNumbers& numbers) {
+                                               const PreprocessingOptions& how, int threads) {
   std::vector<CompressedRecording> out(test.size());
   const auto count = static_cast<int>(test.size());
   parallel_for(count, threads, [&](int k) {
     const auto at = static_cast<size_t>(k);
-    out[at] = compress_facts(arm, test[at], how, threads_of_each(count, threads), numbers);
+    out[at] = compress_facts(arm, test[at], how, threads_of_each(count, threads));
   });
   for (const CompressedRecording& r : out) {
     require(
         r.rows > 0.0, r.source,
         ": found no usable samples after gaps, edges and row limits, expected some to test on.");
-    require(!without_torque(r, numbers), r.source, ": the torques of all joints are zero throughout, expected some to test on.");
+    require(!without_torque(r), r.source, ": the torques of all joints are zero throughout, expected some to test on.");
   }
   return out;
 }
@@ -213,11 +213,11 @@ void take_errors(const Model& arm, std::vector<MeasuredRecording> train,
 namespace {
 
 // Says of each recording how much of it gaps take away.
-void remark_on_gaps(const std::vector<CompressedRecording>& recordings, const IdentificationNumbers& numbers,
+void remark_on_gaps(const std::vector<CompressedRecording>& recordings,
                     std::vector<std::string>& remarks) {
   for (const CompressedRecording& r : recordings) {
     const double share = static_cast<double>(r.facts.unused) / static_cast<double>(std::max(1L, r.facts.samples));
-    if (share < numbers.few_in_gaps) continue;
+    if (share < identifying::numbers.few_in_gaps) continue;
     remarks.push_back(fmt::format("{}: {:.2g} % of the samples lie in gaps or beside them and are not used",
                                   r.source, 100.0 * share));
   }
@@ -225,30 +225,37 @@ void remark_on_gaps(const std::vector<CompressedRecording>& recordings, const Id
 
 }  // namespace
 
-void validate(const Model& arm, const std::vector<std::string>& test,
-              const IdentificationOptions& options, const IdentificationNumbers& numbers, Identification& id) {
-  const auto begin = std::chrono::steady_clock::now();
+MeasuredRecordings RecordingPasses::measure(const Model& arm, const std::vector<std::string>& test, int threads,
+                                            const Identification& id) const {
   const std::vector<CompressedRecording>& trained = id.factors;
-  const std::vector<CompressedRecording> held_out =
-      compress_test(arm, test, id.test_preprocessing, options.threads, numbers);
-  const auto count = static_cast<int>(trained.size() + held_out.size());
-  std::vector<std::optional<MeasuredRecording>> measured(trained.size() + held_out.size());
-  parallel_for(count, options.threads, [&](int k) {
+  MeasuredRecordings out{compress_test(arm, test, id.test_preprocessing, threads), {}, {}};
+  const auto count = static_cast<int>(trained.size() + out.held_out.size());
+  std::vector<std::optional<MeasuredRecording>> measured(trained.size() + out.held_out.size());
+  parallel_for(count, threads, [&](int k) {
     const auto at = static_cast<size_t>(k);
     const bool of_training = at < trained.size();
-    measured[at] =
-        measure(arm, of_training ? trained[at] : held_out[at - trained.size()],
-                of_training ? id.preprocessing : id.test_preprocessing, id.parameters,
-                series_samples_of_each(count), threads_of_each(count, options.threads));
+    measured[at] = veridyn::measure(arm, of_training ? trained[at] : out.held_out[at - trained.size()],
+                                    of_training ? id.preprocessing : id.test_preprocessing, id.parameters,
+                                    series_samples_of_each(count), threads_of_each(count, threads));
   });
-  std::vector<MeasuredRecording> of_train;
-  std::vector<MeasuredRecording> of_test;
   for (size_t k = 0; k < measured.size(); ++k)
-    (k < trained.size() ? of_train : of_test).push_back(std::move(*measured[k]));
-  take_errors(arm, std::move(of_train), std::move(of_test), id);
-  for (const auto* recordings : {&trained, &held_out}) remark_on_gaps(*recordings, numbers, id.remarks);
+    (k < trained.size() ? out.train : out.test).push_back(std::move(*measured[k]));
+  return out;
+}
+
+void validate(const Model& arm, const std::vector<std::string>& test, const IdentificationOptions& options,
+              const RecordingPasses& passes, Identification& id) {
+  const auto begin = std::chrono::steady_clock::now();
+  MeasuredRecordings measured = passes.measure(arm, test, options.threads, id);
+  take_errors(arm, std::move(measured.train), std::move(measured.test), id);
+  for (const auto* recordings : {&id.factors, &measured.held_out}) remark_on_gaps(*recordings, id.remarks);
   id.seconds.validate =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+void validate(const Model& arm, const std::vector<std::string>& test, const IdentificationOptions& options,
+              Identification& id) {
+  validate(arm, test, options, RecordingPasses(), id);
 }
 
 bool has_all_values(const Model& arm) {
@@ -281,7 +288,6 @@ Identification evaluate_named(const Model& arm, const std::vector<std::string>& 
   id.parameters.resize(static_cast<Eigen::Index>(parameters.size()));
   for (size_t p = 0; p < parameters.size(); ++p)
     id.parameters[static_cast<Eigen::Index>(p)] = parameters[p].value;
-  const IdentificationNumbers numbers;
   id.factors = compress_all(facts, train, id.preprocessing, options.threads);
   for (const CompressedRecording& r : id.factors) {
     id.rows += r.rows;
@@ -289,12 +295,12 @@ Identification evaluate_named(const Model& arm, const std::vector<std::string>& 
     id.reason = no_sample_left(r, id.preprocessing);
     return id;
   }
-  if (std::all_of(id.factors.begin(), id.factors.end(), [&numbers](const CompressedRecording& r) { return without_torque(r, numbers); })) {
+  if (std::all_of(id.factors.begin(), id.factors.end(), [](const CompressedRecording& r) { return without_torque(r); })) {
     id.reason = id.factors.front().source + ": the torques of all joints are zero throughout: not recorded? Record the efforts, or name their columns by --map tau=SOURCE";
     return id;
   }
   id.noise_floor = mean_noise_floor(id.factors, arm.joints());
-  validate(facts, test, options, numbers, id);
+  validate(facts, test, options, id);
   id.status = IdentificationStatus::kDone;
   id.model = arm;
   return id;

@@ -8,8 +8,6 @@
 
 namespace veridyn {
 
-struct IdentificationNumbers;
-
 /// A result with the settings filled in and no values yet.
 Identification described(const Model& arm, const IdentificationOptions& options);
 
@@ -20,7 +18,7 @@ VectorXd mean_noise_floor(const std::vector<CompressedRecording>& recordings, in
 std::string no_sample_left(const CompressedRecording& recording, const PreprocessingOptions& how);
 
 /// True if the torques of all joints are zero throughout, or smaller than any sensor shows.
-bool without_torque(const CompressedRecording& recording, const IdentificationNumbers& numbers);
+bool without_torque(const CompressedRecording& recording);
 
 /// Errors of given parameter values on one recording: on every row as recorded; with interpolated
 /// rows of a late publisher; and of these outside excluded intervals. Equal if there are no such
@@ -56,8 +54,7 @@ int series_samples_of_each(int recordings);
 /// @throws InvalidInput  one has no usable samples, which must not count as an error of 0.
 std::vector<CompressedRecording> compress_test(const Model& arm,
                                                const std::vector<std::string>& test,
-                                               const PreprocessingOptions& how, int threads,
-                                               const IdentificationNumbers& numbers);
+                                               const PreprocessingOptions& how, int threads);
 
 /// Fills train, test and their errors.
 void take_errors(const Model& arm, std::vector<MeasuredRecording> train,
@@ -68,6 +65,6 @@ void take_errors(const Model& arm, std::vector<MeasuredRecording> train,
 /// @throws InvalidInput  a held-out recording has no usable samples, which must not count as an
 /// error of 0.
 void validate(const Model& arm, const std::vector<std::string>& test,
-              const IdentificationOptions& options, const IdentificationNumbers& numbers, Identification& id);
+              const IdentificationOptions& options, Identification& id);
 
 }  // namespace veridyn

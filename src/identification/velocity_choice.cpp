@@ -95,7 +95,7 @@ VelocityTrust trust_in_velocities(const Model& arm, const std::vector<std::strin
 
 Identification with_chosen_velocities(
     const Model& arm, Identification id, const std::vector<std::string>& train,
-    IdentificationOptions how, const IdentificationNumbers& numbers,
+    IdentificationOptions how,
     const std::function<Identification(const IdentificationOptions&)>& again) {
   const VelocityTrust trust = trust_in_velocities(arm, train, how);
   if (!id.model) {
@@ -111,7 +111,7 @@ Identification with_chosen_velocities(
   for (const RecordingError& r : id.train)
     how.preprocessing.known_periods.emplace(r.source, r.period);
   VelocityChoice choice =
-      choose_velocities(id, doubted, numbers.velocity_gain, [&](const std::set<int>& joints) {
+      choose_velocities(id, doubted, identifying::numbers.velocity_gain, [&](const std::set<int>& joints) {
         derive_velocities(joints, how);
         return again(how);
       });

@@ -12,8 +12,6 @@
 
 namespace veridyn {
 
-struct IdentificationNumbers;
-
 /// ln(mean square) per joint on the training recordings, over the fitted rows, (n).
 VectorXd log_training_errors(const Identification& id);
 
@@ -59,7 +57,7 @@ VelocityTrust trust_in_velocities(const Model& arm, const std::vector<std::strin
 /// @param again  repeats it with other options. @returns  the better fit, with remarks.
 Identification with_chosen_velocities(
     const Model& arm, Identification id, const std::vector<std::string>& train,
-    IdentificationOptions how, const IdentificationNumbers& numbers,
+    IdentificationOptions how,
     const std::function<Identification(const IdentificationOptions&)>& again);
 
 /// Replaces the velocities of a joint by those derived from its position, in `how`, if the velocities

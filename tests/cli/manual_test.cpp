@@ -167,5 +167,18 @@ TEST(Manual, HelpFitsTheTerminalAndShowsDefaults) {
   EXPECT_NE(run_tool({"help", "payload"}).out.find("MODEL REC..."), std::string::npos);
 }
 
+// A number stands below its inequality and its reason, as in the header.
+TEST(Numbers, StandBelowTheirInequality) {
+  const std::string quality = run_tool({"numbers", "quality"}).out;
+  EXPECT_EQ(quality.rfind("quality (src/", 0), 0U) << quality;
+  EXPECT_NE(quality.find("  share of stale rows >= few_stale: reported; > many_stale: a warning; > frozen: a fault.\n"
+                         "      few_stale = 0.001, many_stale = 0.02, frozen = 0.5;\n"),
+            std::string::npos) << quality;
+  EXPECT_EQ(quality.find("struct"), std::string::npos);
+  const std::string all = run_tool({"numbers"}).out;
+  for (const char* table : {"diagnose", "quality", "identify", "fleet", "compare", "watch", "search"})
+    EXPECT_NE(("\n" + all).find(std::string("\n") + table + " (src/"), std::string::npos) << table;
+}
+
 }  // namespace
 }  // namespace veridyn

@@ -414,8 +414,7 @@ TEST(TheComparison, MeasuresWeightAndInertiaOverTheStandardMotion) {
   ModelDescription leaning = planar().description();
   leaning.gravity = {-6.0, -7.0, 0.0};
   const Model arm(std::move(leaning));
-  const ComparisonNumbers numbers;
-  const StandardTorque standard(arm, numbers);
+  const StandardTorque standard(arm);
   VectorXd values(standard.parameters().size());
   for (Eigen::Index p = 0; p < values.size(); ++p) values[p] = standard.parameters()[p].value;
   RigidBodyDynamics bodies(arm, *arm.inertial_values());
@@ -453,7 +452,7 @@ TEST(TheComparison, DescribesNegativeValuesAndPrismaticJoints) {
   d.deviation = 0.06;
   d.low = 8.6;
   d.high = 8.85;
-  const std::string words = joint_sentence(read_model("psm-3dof"), JointQuantity::kWeightSlope, d, ComparisonNumbers());
+  const std::string words = joint_sentence(read_model("psm-3dof"), JointQuantity::kWeightSlope, d);
   for (const char* part : {"follows the position of joint 3 (insertion) went from -8.75", "by +8.7",
                            " N, 95 %: +8.6", " to +8.85"})
     EXPECT_NE(words.find(part), std::string::npos) << words;

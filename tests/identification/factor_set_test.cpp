@@ -16,7 +16,6 @@
 #include <thread>
 #include <vector>
 
-#include "identification/identification_numbers.hpp"
 #include "identification/many_recordings.hpp"
 #include "identification/synthetic_recording.hpp"
 #include "recordings/kept_recordings.hpp"
@@ -229,8 +228,8 @@ TEST(ManyRecordings, KeepEveryRowInFewBlocks) {
   }
   EXPECT_NEAR(after, before, 1e-12 * before);
   EXPECT_EQ(rows, r.rows);
-  EXPECT_EQ(blocks_of_each(1000, IdentificationNumbers()), 1);
-  EXPECT_GE(blocks_of_each(10, IdentificationNumbers()), 16);  // as many as a recording has
+  EXPECT_EQ(blocks_of_each(1000), 1);
+  EXPECT_GE(blocks_of_each(10), 16);  // as many as a recording has
 }
 
 // ---- ranks, as threads --------------------------------------------------------------------------

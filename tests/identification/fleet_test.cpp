@@ -258,8 +258,7 @@ TEST(AFleet, IsTheLeastSquaresSolutionOfTheBlockArrow) {
     }
     arms.push_back(one);
   }
-  const FleetNumbers numbers;
-  const FleetProblem problem(arm, arms, numbers);
+  const FleetProblem problem(arm, arms);
   const VectorXd weights = VectorXd::LinSpaced(arm.joints(), 0.5, 2.0);
   SquareRootInformation total(problem.shared());
   std::vector<SquareRootInformation> factors;

@@ -4,7 +4,6 @@
 #include <stdexcept>
 #include <vector>
 
-#include "identification/identification_numbers.hpp"
 #include "identification/period_fold.hpp"
 #include "identification/read_ahead.hpp"
 
@@ -63,7 +62,7 @@ TEST(ReadingAhead, PassesOnWhatFails) {
 // Relative floor of a joint with a period of a second, of which the second repeat differs by `difference`; the rows
 // between `from` and `to` [s] are missing.
 VectorXd floor_of(double difference, double from = -1.0, double to = -1.0) {
-  PeriodFold fold(1, 1.0, IdentificationNumbers());
+  PeriodFold fold(1, 1.0);
   MatrixXd tau(1, 1);
   for (int k = 0; k < 200; ++k) {
     const double t = 0.01 * k;
@@ -86,7 +85,7 @@ TEST(Repeats, AreComparedWhereNoGapIs) {
 }
 
 TEST(Repeats, AreNoneWithoutAPeriod) {
-  PeriodFold fold(2, 0.0, IdentificationNumbers());
+  PeriodFold fold(2, 0.0);
   fold.add(0.0, MatrixXd::Ones(1, 2), 0);
   fold.add(1.0, MatrixXd::Ones(1, 2), 0);
   EXPECT_EQ(fold.relative_floor().size(), 0);

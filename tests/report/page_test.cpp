@@ -298,7 +298,7 @@ TEST_F(OpenedInMemory, WhatChangedSinceAndWhatWasLeftOutIsShown) {
       R"("changes_since": true,
          "next_experiment": {"separates": ["payload on fore", "torque_gain on joint 2"],
                              "trajectory": "veridyn excite planar-2r"},
-         "left_out": [{"file": "test.csv", "joint": 1, "from": 2.5, "to": 3.25, "why": "a contact"}],
+         "excluded_intervals": [{"file": "test.csv", "joint": 1, "from": 2.5, "to": 3.25, "why": "a contact"}],
          )";
   page.insert(page.rfind(before), added);
   const OpenedPage opened = open(page);
@@ -310,7 +310,7 @@ TEST_F(OpenedInMemory, WhatChangedSinceAndWhatWasLeftOutIsShown) {
   int ends = 0;
   for (const PageElement& n : opened.with("data-from")) {
     expect_number(n, result);
-    if (n.at("data-from").rfind("/left_out/0/", 0) == 0) ++ends;
+    if (n.at("data-from").rfind("/excluded_intervals/0/", 0) == 0) ++ends;
   }
   EXPECT_EQ(ends, 2);
 }

@@ -20,10 +20,7 @@ struct Thresholds {
   double main_share = 0.9;
   double negative_friction = 6.0;
   // Dependences without a named cause.
-  double unnamed_gain = 0.05;
-  double unnamed_terms = 4.0;
   double unnamed_share = 0.2;
-  double unnamed_two_signals = 0.85;
   double line_of_motion = 0.5;
   // Smallest motion.
   double still_revolute = 5e-3;
@@ -42,7 +39,6 @@ struct ThresholdEntry {
   double Thresholds::* value;
   std::string inequality;  ///< condition, with its consequence
   std::string reason;      ///< reason for the value
-  std::string seeds;       ///< seeds of hide-and-seek on which it was chosen; empty: none
 };
 
 /// The table of all thresholds, in the order of the struct.

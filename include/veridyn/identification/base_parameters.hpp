@@ -46,10 +46,6 @@ BaseParameters base_parameters(const SquareRootInformation& factor,
 /// inertias, masses last.
 std::vector<int> preferred_columns(const std::vector<StandardParameter>& parameters);
 
-/// The two-step reduction of thesis 5.1 by singular value decompositions, for comparison; it has the
-/// same rank and span.
-BaseParameters base_parameters_by_svd(const SquareRootInformation& factor, double tolerance = 1e-8);
-
 /// The factor of the regressor at random states within the arm's limits; joints without limits move
 /// within 1 rad or 0.1 m. For effects with memory the states are one trajectory.
 /// @param still  names of coordinates that are held at rest.

@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "veridyn/model/suggestion.hpp"
@@ -10,21 +9,14 @@
 namespace veridyn::cli {
 
 /// An option whose value is one of several words: name_of(choice) of every choice.
-/// @param former  words of earlier versions with their present meaning; not shown in the help.
 template <typename T>
 CLI::Option* add_choice(CLI::App& command, const std::string& option, T& target,
-                        const std::vector<T>& choices, const std::string& help,
-                        const std::vector<std::pair<std::string, T>>& former = {}) {
+                        const std::vector<T>& choices, const std::string& help) {
   std::vector<std::string> words;
   for (const T& choice : choices) words.emplace_back(name_of(choice));
   const auto choose = [=, &target](const std::string& word) {
     for (const T& choice : choices) {
       if (word != name_of(choice)) continue;
-      target = choice;
-      return;
-    }
-    for (const auto& [old, choice] : former) {
-      if (word != old) continue;
       target = choice;
       return;
     }

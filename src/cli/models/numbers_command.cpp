@@ -1,46 +1,22 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
+#include <string_view>
 
 #include "cli/commands.hpp"
 #include "veridyn/tool/common_options.hpp"
 #include "veridyn/tool/option_checks.hpp"
-#include "diagnosis/comparison/comparison_numbers.hpp"
-#include "diagnosis/search/numbers.hpp"
-#include "identification/estimation/estimation_numbers.hpp"
-#include "identification/fleet/fleet_numbers.hpp"
-#include "identification/identification_numbers.hpp"
-#include "recordings/quality/quality_numbers.hpp"
 #include "veridyn/diagnosis/thresholds.hpp"
-#include "diagnosis/watch/watch_numbers.hpp"
 
-namespace veridyn::cli {
+namespace veridyn {
+
+std::string_view number_file(std::string_view name);  // a header, made by cmake/embed_files.cmake
+
+namespace cli {
 namespace {
 
-/// The numbers of one folder. The file has the inequality and the reason of each.
-struct NumberTable {
-  std::string name, file;
-  std::vector<std::pair<std::string, double>> numbers;
-};
-
-template <typename Numbers>
-NumberTable number_table(const char* name, const char* file, const std::vector<TableNumber<Numbers>>& numbers) {
-  NumberTable out{name, file, {}};
-  for (const TableNumber<Numbers>& one : numbers) out.numbers.emplace_back(one.name, one.in(Numbers()));
-  return out;
-}
-
-std::vector<NumberTable> number_tables() {
-  return {number_table("quality", "src/recordings/quality/quality_numbers.hpp", quality_numbers()),
-          number_table("identify", "src/identification/identification_numbers.hpp", identification_numbers()),
-          number_table("estimation", "src/identification/estimation/estimation_numbers.hpp", estimation_numbers()),
-          number_table("fleet", "src/identification/fleet/fleet_numbers.hpp", fleet_numbers()),
-          number_table("compare", "src/diagnosis/comparison/comparison_numbers.hpp", comparison_numbers()),
-          number_table("watch", "src/diagnosis/watch/watch_numbers.hpp", watch_numbers()),
-          {"search", "src/diagnosis/search/numbers.hpp", {{"errors", search::kErrors}, {"smallest", search::kSmallest}, {"seldom", search::kSeldom},
-           {"constant", search::kConstant}, {"imitator", search::kImitator}, {"curve", search::kCurve}, {"curve_of_two", search::kCurveOfTwo},
-           {"polished", search::kPolished}, {"day", search::kDay}}}};
-}
+constexpr std::string_view kTypes[] = {"double ", "int ", "long ", "std::size_t "};
 
 void print_numbers_of_diagnosis() {
   fmt::print("diagnose (src/diagnosis/thresholds.cpp)\n");
@@ -49,16 +25,38 @@ void print_numbers_of_diagnosis() {
     fmt::print("  {:<28} {:<8g} {}\n  {:<37} because {}\n", one.name, defaults.*one.value, one.inequality, "", one.reason);
 }
 
+// The numbers of a header, each below the comment that has its inequality and its reason.
+void print_numbers_in(std::string_view header) {
+  std::string comment;
+  while (!header.empty()) {
+    std::string_view line = header.substr(0, header.find('\n'));
+    header.remove_prefix(std::min(line.size() + 1, header.size()));
+    line.remove_prefix(std::min(line.find_first_not_of(' '), line.size()));
+    const size_t type = line.rfind("constexpr ", 0) == 0 ? line.find(' ') + 1 : 0;
+    const bool number = std::any_of(std::begin(kTypes), std::end(kTypes), [&](std::string_view t) { return line.compare(type, t.size(), t) == 0; });
+    if (line.rfind("//", 0) == 0) {
+      comment += fmt::format("  {}\n", line.substr(std::min(line.find_first_not_of("/ "), line.size())));
+    } else if (number && line.find(" = ") != line.npos) {
+      fmt::print("{}      {}\n", comment, line.substr(line.find(' ', type) + 1));
+    }
+    if (line.rfind("//", 0) != 0) comment.clear();
+  }
+}
+
 void print_numbers(const std::string& wanted) {
-  const std::vector<NumberTable> tables = number_tables();
-  std::vector<std::string> names{"diagnose"};
-  for (const NumberTable& one : tables) names.push_back(one.name);
+  std::vector<std::string> names{"diagnose"}, files{""};
+  for (const std::string& table : CLI::detail::split(VERIDYN_NUMBER_TABLES, ' ')) {
+    const size_t colon = table.find(':');
+    if (colon == table.npos) continue;
+    names.push_back(table.substr(0, colon));
+    files.push_back(table.substr(colon + 1));
+  }
   if (!wanted.empty()) expect_one_of("TABLE", wanted, names);
   if (wanted.empty() || wanted == "diagnose") print_numbers_of_diagnosis();
-  for (const NumberTable& one : tables) {
-    if (!wanted.empty() && one.name != wanted) continue;
-    fmt::print("{} ({})\n", one.name, one.file);
-    for (const auto& [name, value] : one.numbers) fmt::print("  {:<28} {:g}\n", name, value);
+  for (size_t k = 1; k < names.size(); ++k) {
+    if (!wanted.empty() && names[k] != wanted) continue;
+    fmt::print("{} ({})\n", names[k], files[k]);
+    print_numbers_in(number_file(names[k]));
   }
 }
 
@@ -71,4 +69,5 @@ void add_numbers_command(CLI::App& tool) {
   command.callback([wanted] { print_numbers(*wanted); });
 }
 
-}  // namespace veridyn::cli
+}  // namespace cli
+}  // namespace veridyn

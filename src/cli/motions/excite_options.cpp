@@ -153,7 +153,7 @@ void add_search_options(CLI::App& command, ExcitationOptions& o) {
   add_choice(command, "--solver", o.solver,
              {ExcitationSolver::kInteriorPoint, ExcitationSolver::kIpopt, ExcitationSolver::kNlopt,
               ExcitationSolver::kRandom},
-             "Optimiser", {{"nlopt-derivative-free", ExcitationSolver::kNlopt}})
+             "Optimiser")
       ->group(group);
   add_value(command, "--starts N", o.starts, "Number of independent starts (2)",
             CLI::Range(1, 100000))

@@ -1,10 +1,5 @@
 #pragma once
 
-#include <vector>
-
-#include "math/number_table.hpp"
-#include "veridyn/diagnosis/model_comparison.hpp"
-
 namespace veridyn {
 
 /// All numbers that can change what `compare` says, each with its inequality, and with its
@@ -20,15 +15,10 @@ struct ComparisonNumbers {
   double surely_there = 3.0;
 };
 
-/// All numbers, in the order of the struct.
-const std::vector<TableNumber<ComparisonNumbers>>& comparison_numbers();
-
-/// compare() with other numbers.
-ModelComparison compare(const Model& before, const Model& after, const ComparisonOptions& options,
-                        const ComparisonNumbers& numbers);
-
 /// What no answer turns on: rounding, a moment of the normal distribution, and how numbers are printed.
 namespace comparing {
+
+constexpr ComparisonNumbers numbers;
 
 /// fourth moment of a normal distribution = kKurtosis of its squared variance, less what equal clusters
 /// would give by chance.

@@ -1,13 +1,11 @@
 #pragma once
 
-#include "diagnosis/comparison/comparison_numbers.hpp"
 #include "veridyn/diagnosis/model_comparison.hpp"
 
 namespace veridyn {
 
 /// Rule for combining the scatters of two models.
 struct ClusterStatistics {
-  const ComparisonNumbers& numbers;
   int clusters_before, clusters_after;  ///< 0: no statistics, the model counts as exact
   bool paired;  ///< the same motion: model errors in a phase of it are common to both
 };

@@ -22,12 +22,12 @@ std::string signed_text(double value, double resolution) {
 }
 
 // "from 0.40 to 0.48 N m (+20 %; by +0.08 N m, 95 %: +0.05 to +0.11)"
-std::string sizes(const ModelDifference& d, const ComparisonNumbers& numbers) {
+std::string sizes(const ModelDifference& d) {
   const double resolution = std::isfinite(d.deviation) ? d.deviation : comparing::kDigits * std::abs(d.before);
   std::string out = fmt::format("from {} to {} {}", number_text(d.before, resolution),
                                 number_text(d.after, resolution), d.unit);
   std::string more;
-  const double known = std::isfinite(d.deviation) ? numbers.surely_there * d.deviation : 0.0;
+  const double known = std::isfinite(d.deviation) ? comparing::numbers.surely_there * d.deviation : 0.0;
   if (d.before > known && d.after > 0.0)
     more = fmt::format("{:+.0f} %", 100.0 * (d.after / d.before - 1.0));
   if (std::isfinite(d.deviation)) {
@@ -49,7 +49,7 @@ std::string joint_text(const Model& arm, int joint) {
 }
 
 std::string effect_sentence(const Model& arm, const EffectTerm& term, const StandardParameter& p,
-                            const ModelDifference& d, const ComparisonNumbers& numbers) {
+                            const ModelDifference& d) {
   std::string name = term.effect;
   std::replace(name.begin(), name.end(), '_', ' ');
   if (name.rfind("coulomb", 0) == 0 || name.rfind("stribeck", 0) == 0) name[0] -= 'a' - 'A';
@@ -66,7 +66,7 @@ std::string effect_sentence(const Model& arm, const EffectTerm& term, const Stan
   const std::string where =
       one_joint ? joint_text(arm, d.joint)
                 : "the axis " + axis_text(arm, term.axis) + " (joints " + joints + ")";
-  return fmt::format("{}{} of {} {} {}.", name, which, where, verb(d), sizes(d, numbers));
+  return fmt::format("{}{} of {} {} {}.", name, which, where, verb(d), sizes(d));
 }
 
 // "joint 1 (yaw) changed by up to 0.10 N m, on joint 2 (pitch) by 0.08 N m": the main joint, then
@@ -94,7 +94,7 @@ std::string inertial_sentence(const Model& arm, const StandardTorque& torque,
                            : p.component <= 3 ? "the first moment "
                                               : "the inertia ";
   std::string out =
-      kind + d.name + with + " " + (verb(d) == "went" ? "went " : "changed ") + sizes(d, torque.numbers()) + ": ";
+      kind + d.name + with + " " + (verb(d) == "went" ? "went " : "changed ") + sizes(d) + ": ";
   const VectorXd weight = torque.weight_of(standard);
   const auto i = static_cast<Eigen::Index>(d.joint - 1);
   if (weight[i] > 0.5 * torque.rms_of(standard)[i]) {
@@ -121,11 +121,11 @@ std::string parameter_sentence(const Model& arm, const StandardTorque& torque, i
   const StandardParameter& p = torque.parameters()[standard];
   return capitalised(
       p.effect
-          ? effect_sentence(arm, arm.effects()[*p.effect], p, difference, torque.numbers())
+          ? effect_sentence(arm, arm.effects()[*p.effect], p, difference)
           : inertial_sentence(arm, torque, p, standard, difference));
 }
 
-std::string joint_sentence(const Model& arm, JointQuantity which, const ModelDifference& d, const ComparisonNumbers& numbers) {
+std::string joint_sentence(const Model& arm, JointQuantity which, const ModelDifference& d) {
   const char* what = "";
   switch (which) {
     case JointQuantity::kFriction:
@@ -147,7 +147,7 @@ std::string joint_sentence(const Model& arm, JointQuantity which, const ModelDif
       break;
   }
   return capitalised(
-      fmt::format("{} {} {} {}.", what, joint_text(arm, d.joint), verb(d), sizes(d, numbers)));
+      fmt::format("{} {} {} {}.", what, joint_text(arm, d.joint), verb(d), sizes(d)));
 }
 
 }  // namespace veridyn

@@ -19,6 +19,6 @@ std::string parameter_sentence(const Model& arm, const StandardTorque& torque, i
 
 /// The same for a quantity of a joint.
 std::string joint_sentence(const Model& arm, JointQuantity which,
-                           const ModelDifference& difference, const ComparisonNumbers& numbers);
+                           const ModelDifference& difference);
 
 }  // namespace veridyn

@@ -46,7 +46,7 @@ std::string expression_of(const VectorXd& row, Eigen::Index leading,
 
 // Reads the section of the file; false (with a note) if it is inconsistent with the file's values.
 bool take_identified(const IdentifiedBase& file, const std::vector<StandardParameter>& parameters,
-                     const VectorXd& values, const ComparisonNumbers& numbers, BaseNumbers& out) {
+                     const VectorXd& values, BaseNumbers& out) {
   std::unordered_map<std::string, Eigen::Index> index;
   for (std::size_t j = 0; j < parameters.size(); ++j)
     index.emplace(parameters[j].name, static_cast<Eigen::Index>(j));
@@ -68,7 +68,7 @@ bool take_identified(const IdentifiedBase& file, const std::vector<StandardParam
       sum += coefficient * values[found->second];
       size += std::abs(coefficient * values[found->second]);
     }
-    if (std::abs(sum - p.value) > numbers.from_values * size) {
+    if (std::abs(sum - p.value) > comparing::numbers.from_values * size) {
       out.note = "its values were changed after the identification (" + p.name + ")";
       return false;
     }
@@ -109,12 +109,12 @@ void take_values(const Model& arm, const VectorXd& values, BaseNumbers& out) {
 
 }  // namespace
 
-BaseNumbers base_numbers(const Model& arm, const ComparisonNumbers& numbers) {
+BaseNumbers base_numbers(const Model& arm) {
   const std::vector<StandardParameter> parameters = standard_parameters(arm);
   const VectorXd values = values_of(arm, parameters);
   const std::optional<IdentifiedBase>& file = arm.description().identified;
   BaseNumbers out;
-  if (!file || !file->has_scatter() || !take_identified(*file, parameters, values, numbers, out)) {
+  if (!file || !file->has_scatter() || !take_identified(*file, parameters, values, out)) {
     if (file && !file->has_scatter())
       out.note = fmt::format("{} clusters are too few for statistics", file->clusters);
     out.leading.clear();
@@ -131,10 +131,10 @@ BaseNumbers base_numbers(const Model& arm, const ComparisonNumbers& numbers) {
   return out;
 }
 
-bool same_motion(const BaseNumbers& a, const BaseNumbers& b, const ComparisonNumbers& numbers) {
+bool same_motion(const BaseNumbers& a, const BaseNumbers& b) {
   if (a.motion.rows() == 0 || a.motion.rows() != b.motion.rows()) return false;
   const auto spread = [](const MatrixXd& m) { return (m.rowwise() - m.colwise().mean()).norm(); };
-  return (a.motion - b.motion).norm() < numbers.same_motion * std::max(spread(a.motion), spread(b.motion));
+  return (a.motion - b.motion).norm() < comparing::numbers.same_motion * std::max(spread(a.motion), spread(b.motion));
 }
 
 MatchedBase matched_base(const Model& before, const BaseNumbers& a, const Model& after,

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "veridyn/math/types.hpp"
-#include "diagnosis/comparison/comparison_numbers.hpp"
 #include "veridyn/model/model.hpp"
 
 namespace veridyn {
@@ -26,10 +25,10 @@ struct BaseNumbers {
 };
 
 /// @throws InvalidInput  a body or an effect has no values.
-BaseNumbers base_numbers(const Model& arm, const ComparisonNumbers& numbers);
+BaseNumbers base_numbers(const Model& arm);
 
 /// True if both were identified from the same motion, so that their clusters are pairs.
-bool same_motion(const BaseNumbers& a, const BaseNumbers& b, const ComparisonNumbers& numbers);
+bool same_motion(const BaseNumbers& a, const BaseNumbers& b);
 
 /// One base parameter of `before` that both models determine.
 struct MatchedParameter {

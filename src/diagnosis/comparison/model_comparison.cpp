@@ -16,8 +16,7 @@ namespace {
 
 // One of the two models with derived quantities.
 struct Side {
-  Side(const Model& model, const ComparisonNumbers& given)
-      : arm(model), numbers(base_numbers(model, given)), torque(model, given) {}
+  explicit Side(const Model& model) : arm(model), numbers(base_numbers(model)), torque(model) {}
 
   const Model& arm;
   BaseNumbers numbers;
@@ -204,7 +203,7 @@ std::vector<ModelDifference> joint_differences(const Side& a, const Side& b,
       };
       add_statistics(scatter(a, u_a), scatter(b, u_b), how, d);
       d.same_as = only_parameter(a, u_a);
-      d.sentence = joint_sentence(a.arm, which, d, how.numbers);
+      d.sentence = joint_sentence(a.arm, which, d);
       out.push_back(std::move(d));
     }
   }
@@ -238,39 +237,25 @@ int ModelComparison::significant() const {
                           std::count_if(parameters.begin(), parameters.end(), yes));
 }
 
-const std::vector<TableNumber<ComparisonNumbers>>& comparison_numbers() {
-  using T = ComparisonNumbers;
-  static const std::vector<TableNumber<T>> kAll = {number_of<&T::rounded_away>("rounded_away"),
-                                                   number_of<&T::from_values>("from_values"),
-                                                   number_of<&T::same_motion>("same_motion"),
-                                                   number_of<&T::surely_there>("surely_there")};
-  return kAll;
-}
-
 ModelComparison compare(const Model& first, const Model& second, const ComparisonOptions& options) {
-  return compare(first, second, options, ComparisonNumbers());
-}
-
-ModelComparison compare(const Model& first, const Model& second, const ComparisonOptions& options,
-                        const ComparisonNumbers& numbers) {
   require_one_arm(first, second);
   const Model before = without_frames_of_its_own(first, second);
   const Model after = without_frames_of_its_own(second, first);
-  const Side a(before, numbers);
-  const Side b(after, numbers);
+  const Side a(before);
+  const Side b(after);
   ModelComparison out;
   out.robot = before.name();
   out.significance = options.significance;
   out.before = facts_of(a);
   out.after = facts_of(b);
   out.structure = structure_differences(first, second);
-  out.same_motion = same_motion(a.numbers, b.numbers, numbers);
+  out.same_motion = same_motion(a.numbers, b.numbers);
   out.torque = torque_differences(a, b, out.same_motion);
   MatchedBase matched = matched_base(before, a.numbers, after, b.numbers, a.torque.column_sizes(),
                                      b.torque.column_sizes());
   out.only_before = std::move(matched.only_before);
   out.only_after = std::move(matched.only_after);
-  const ClusterStatistics how{numbers, a.numbers.clusters, b.numbers.clusters, out.same_motion};
+  const ClusterStatistics how{a.numbers.clusters, b.numbers.clusters, out.same_motion};
   for (const MatchedParameter& m : matched.parameters)
     out.parameters.push_back(parameter_difference(m, a, how, out.torque));
   out.joints = joint_differences(a, b, how);

@@ -41,8 +41,8 @@ VectorXd column(const JointRows& rows, int parameter) {
 
 }  // namespace
 
-StandardTorque::StandardTorque(const Model& arm, const ComparisonNumbers& numbers)
-    : numbers_(numbers), parameters_(standard_parameters(arm)) {
+StandardTorque::StandardTorque(const Model& arm)
+    : parameters_(standard_parameters(arm)) {
   PreprocessingOptions unfiltered;
   unfiltered.cutoff = 0.0;
   unfiltered.decimation = 1;
@@ -141,7 +141,7 @@ VectorXd StandardTorque::quantity(JointQuantity which, int joint) const {
   for (Eigen::Index p = 0; p < out.size(); ++p) {
     const double own = std::max(rms(column(moving_[i], static_cast<int>(p)))[0],
                                 rms(column(speeding_up_[i], static_cast<int>(p)))[0]);
-    if (std::abs(out[p]) < numbers_.rounded_away * own) out[p] = 0.0;
+    if (std::abs(out[p]) < comparing::numbers.rounded_away * own) out[p] = 0.0;
   }
   return out;
 }

@@ -2,7 +2,6 @@
 
 #include <vector>
 
-#include "diagnosis/comparison/comparison_numbers.hpp"
 #include "veridyn/identification/regressor_columns.hpp"
 #include "veridyn/math/motion_samples.hpp"
 
@@ -27,7 +26,7 @@ constexpr JointQuantity kJointQuantities[] = {JointQuantity::kFriction, JointQua
 /// well).
 class StandardTorque {
  public:
-  StandardTorque(const Model& arm, const ComparisonNumbers& numbers);
+  explicit StandardTorque(const Model& arm);
 
   const std::vector<StandardParameter>& parameters() const { return parameters_; }
 
@@ -48,13 +47,10 @@ class StandardTorque {
   /// joint's motion; contributions far below a parameter's own torque are rounding and set to zero.
   VectorXd quantity(JointQuantity which, int joint) const;
 
-  const ComparisonNumbers& numbers() const { return numbers_; }
-
  private:
   VectorXd projected(const JointRows& rows, const VectorXd& on, bool bodies) const;
 
   MotionSamples motion_;
-  const ComparisonNumbers& numbers_;
   std::vector<StandardParameter> parameters_;
   std::vector<JointRows> moving_, resting_;
   std::vector<JointRows> speeding_up_;  ///< joint i alone has an acceleration of one, from rest

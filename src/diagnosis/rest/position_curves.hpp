@@ -1,12 +1,35 @@
 #pragma once
 
+#include <vector>
+
 #include "veridyn/diagnosis/thresholds.hpp"
 #include "veridyn/identification/identification.hpp"
 
 namespace veridyn {
 
-/// Share of the mean square of what an arm at rest leaves of a joint's torque in training poses that smooth functions of
-/// the positions, alone and in pairs, predict on poses that are held out; 0: none does.
-double predicted_by_positions(const Identification& at_rest, int joint, const Thresholds& limits);
+/// Smooth functions of the positions, alone and in pairs, fitted to what an arm at rest leaves of the torques in training
+/// poses: ridge regression with the kernel
+///
+///   k(q, p) = sum_i k_i + sum_(i<j) k_i k_j,   k_i = exp(-(q_i - p_i)^2 / (2 width_i^2))
+///
+/// over joints that move. Source: Wahba, Spline Models for Observational Data, 1990, chapter 10.
+class PositionCurves {
+ public:
+  PositionCurves(const Identification& at_rest, const Thresholds& limits);
+
+  /// Share of the mean square that they predict on poses that are held out, where they do so on every part; else 0.
+  double predicted_share(int joint) const;
+
+ private:
+  struct Pose {
+    const PredictionSeries* of;
+    std::size_t at, fold;
+  };
+
+  std::vector<Pose> poses_;                // in the order of their folds
+  std::vector<Eigen::Index> fold_begin_;   // and the number of poses
+  MatrixXd vectors_;
+  VectorXd values_;                        // of the kernel's matrix, whose diagonal is one
+};
 
 }  // namespace veridyn

@@ -199,13 +199,14 @@ class RestDiagnosis {
   void add_verdicts() {
     const Identification& id = d_.extended;
     const VectorXd& before = d_.baseline.test_error.relative;
+    const PositionCurves curves(id, limits_);
     for (int j = 0; j < arm_.joints(); ++j) {
       const double error = before.size() > j ? before[j] : std::numeric_limits<double>::quiet_NaN();
       if (!std::isfinite(error)) {
         d_.joints.push_back(not_judged({j}, error, d_.baseline));
         continue;
       }
-      const double share = predicted_by_positions(id, j, limits_);
+      const double share = curves.predicted_share(j);
       const bool clear = share > limits_.unnamed_share;
       JointVerdict v;
       v.joint = JointIndex{j};

@@ -100,7 +100,7 @@ Diagnosis diagnose(const Model& arm, const Recordings& train, const Recordings& 
   x.d.changes = are_facts(x.arm);
   // The caller's fit with the joints weighted as here: nothing is compressed again.
   if (fitted != nullptr) {
-    x.d.baseline = identify_compressed(x.arm, fitted->factors, {}, x.test, x.options.identification, IdentificationNumbers());
+    x.d.baseline = identify_compressed(x.arm, fitted->factors, {}, x.test, x.options.identification);
   }
   x.d.provisional = named.train.size() == 1;
   Halving progress(std::exchange(x.options.identification.progress, {}));

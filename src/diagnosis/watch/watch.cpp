@@ -192,52 +192,6 @@ const Model& Watch::arm() const { return own_->arm_; }
 const std::vector<WatchEvent>& Watch::events() const { return own_->events_; }
 const std::vector<std::string>& Watch::remarks() const { return own_->remarks_; }
 
-const std::vector<TableNumber<WatchNumbers>>& watch_numbers() {
-  using T = WatchNumbers;
-  static const std::vector<TableNumber<T>> kAll = {
-      number_of<&T::half_window>("half_window"),
-      number_of<&T::half_window_of_position>("half_window_of_position"),
-      number_of<&T::rows_for_step>("rows_for_step"),
-      number_of<&T::pause>("pause"),
-      number_of<&T::repeats>("repeats"),
-      number_of<&T::judged>("judged"),
-      number_of<&T::jump_reach>("jump_reach"),
-      number_of<&T::jump_deviations>("jump_deviations"),
-      number_of<&T::jump_over_largest>("jump_over_largest"),
-      number_of<&T::jump_of_way>("jump_of_way"),
-      number_of<&T::smallest_jump_turning>("smallest_jump_turning"),
-      number_of<&T::smallest_jump_sliding>("smallest_jump_sliding"),
-      number_of<&T::steps_for_pole>("steps_for_pole"),
-      number_of<&T::slow>("slow"),
-      number_of<&T::least_share>("least_share"),
-      number_of<&T::largest_pole>("largest_pole"),
-      number_of<&T::beyond>("beyond"),
-      number_of<&T::rest_share>("rest_share"),
-      number_of<&T::short_memory>("short_memory"),
-      number_of<&T::middle_memory>("middle_memory"),
-      number_of<&T::long_memory>("long_memory"),
-      number_of<&T::prior_freedom>("prior_freedom"),
-      number_of<&T::prior_dispersion>("prior_dispersion"),
-      number_of<&T::above_in_a_row>("above_in_a_row"),
-      number_of<&T::refractory_time>("refractory_time"),
-      number_of<&T::unseen_motion>("unseen_motion"),
-      number_of<&T::most_quiet>("most_quiet"),
-      number_of<&T::recent>("recent"),
-      number_of<&T::odds>("odds"),
-      number_of<&T::soonest_name>("soonest_name"),
-      number_of<&T::explains>("explains"),
-      number_of<&T::push_ends>("push_ends"),
-      number_of<&T::shortest_push>("shortest_push"),
-      number_of<&T::active>("active"),
-      number_of<&T::mixed>("mixed"),
-      number_of<&T::largest_torques>("largest_torques"),
-      number_of<&T::lever>("lever"),
-      number_of<&T::systematic>("systematic"),
-      number_of<&T::present_odds>("present_odds"),
-      number_of<&T::present_share>("present_share")};
-  return kAll;
-}
-
 const char* name_of(WatchStage stage) {
   switch (stage) {
     case WatchStage::kSuspected: return "suspected";

@@ -2,8 +2,6 @@
 
 #include <vector>
 
-#include "math/number_table.hpp"
-
 namespace veridyn {
 
 /// All numbers that can change what `watch` says, each with its inequality, and with its reason
@@ -101,9 +99,6 @@ struct WatchNumbers {
   /// ... and its torque >= present_share of the joint's rms torque: less differs from day to day.
   double present_share = 0.1;
 };
-
-/// All numbers, in the order of the struct.
-const std::vector<TableNumber<WatchNumbers>>& watch_numbers();
 
 namespace watching {
 

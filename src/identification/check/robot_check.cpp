@@ -41,7 +41,7 @@ class RobotCheck {
   RobotCheck(const Model& arm, Recording recording, const PreprocessingOptions& options)
       : given_(arm), options_(options), recording_(std::move(recording)), fitter_(arm, options) {
     for (const Coordinate& c : arm.coordinates()) names_.push_back(c.name);
-    moves_ = quality::Head(recording_, QualityNumbers()).moves;
+    moves_ = quality::Head(recording_).moves;
   }
 
   std::vector<QualityFinding> run() {

@@ -56,11 +56,11 @@ void check(const Model& arm, const std::vector<std::string>& recordings,
           " recording, expected one at least with the load and one without.");
 }
 
-std::string why_not(const DriveGain& gain, bool feels_weight, const IdentificationNumbers& numbers) {
+std::string why_not(const DriveGain& gain, bool feels_weight) {
   if (!std::isfinite(gain.deviation))
     return "nothing ties its currents to the known mass, for it shares no parameters with joints "
            "that feel it";
-  if (gain.share < numbers.unloaded)
+  if (gain.share < identifying::numbers.unloaded)
     return "the known mass does not act on it, and what it shares with other joints tells too "
            "little";
   const std::string share = fmt::format("{:.2g} % of its torque", 100.0 * gain.share);
@@ -71,8 +71,7 @@ std::string why_not(const DriveGain& gain, bool feels_weight, const Identificati
   return "too little tells it apart from other parameters; the known mass makes " + share;
 }
 
-DriveGain gain_of(const Coordinate& coordinate, double p, double deviation, double t,
-                  const IdentificationNumbers& numbers) {
+DriveGain gain_of(const Coordinate& coordinate, double p, double deviation, double t) {
   DriveGain out;
   out.coordinate = coordinate.name;
   out.in_file = coordinate.drive_gain;
@@ -84,7 +83,7 @@ DriveGain gain_of(const Coordinate& coordinate, double p, double deviation, doub
   const bool one_sign = std::isfinite(deviation) && low * high > 0.0;
   out.low = one_sign ? 1.0 / high : -kInfinity;
   out.high = one_sign ? 1.0 / low : kInfinity;
-  out.identifiable = one_sign && t * deviation < numbers.identifiable * std::abs(p);
+  out.identifiable = one_sign && t * deviation < identifying::numbers.identifiable * std::abs(p);
   return out;
 }
 
@@ -104,12 +103,12 @@ void find_centre(const GainFit& fit, int load, MountedLoad& mounted) {
   mounted.centre = centre;
 }
 
-std::string problem_of(const GainFit& fit, const IdentificationNumbers& numbers) {
+std::string problem_of(const GainFit& fit) {
   const VectorXd p = fit.solution.p();
   double best = 0.0;
   for (Eigen::Index j = 0; j < fit.joints(); ++j)
     best = std::max(best, std::abs(p[j]) / std::max(fit.p_deviation(j), 1e-300));
-  if (fit.clusters < numbers.fewest_clusters || best < numbers.heavier)
+  if (fit.clusters < identifying::numbers.fewest_clusters || best < identifying::numbers.heavier)
     return "the recordings do not show the known mass: no joint's current differs enough";
   if (direction(fit) >= 0.0) return "";
   return "currents grow where the load is taken off: it is in the other recordings, or they count "
@@ -118,18 +117,18 @@ std::string problem_of(const GainFit& fit, const IdentificationNumbers& numbers)
 
 DriveGains described(const Model& arm, const std::vector<std::string>& recordings,
                      const std::vector<KnownMass>& loads, const GainData& data,
-                     const GainFit& fit, const IdentificationNumbers& numbers) {
+                     const GainFit& fit) {
   DriveGains out;
   out.clusters = fit.clusters;
-  out.problem = problem_of(fit, numbers);
+  out.problem = problem_of(fit);
   const double t = student_t_quantile(identifying::kOutside, std::max(1, out.clusters - 1));
   VectorXd weight = VectorXd::Zero(fit.joints());
   for (size_t l = 0; l < loads.size(); ++l) weight = weight.cwiseMax(data.weight_torque(static_cast<int>(l)));
   for (Eigen::Index j = 0; j < fit.joints(); ++j) {
     DriveGain gain = gain_of(arm.coordinates()[j], fit.solution.p()[j],
-                             fit.p_deviation(j), t, numbers);
+                             fit.p_deviation(j), t);
     gain.share = fit.mass_share[j];
-    if (!gain.identifiable) gain.reason = why_not(gain, weight[j] > identifying::kNoWeight, numbers);
+    if (!gain.identifiable) gain.reason = why_not(gain, weight[j] > identifying::kNoWeight);
     out.joints.push_back(std::move(gain));
   }
   for (size_t l = 0; l < loads.size(); ++l) {
@@ -155,17 +154,10 @@ DriveGains described(const Model& arm, const std::vector<std::string>& recording
 DriveGains find_drive_gains(const Model& arm, const std::vector<std::string>& recordings,
                             const std::vector<KnownMass>& loads,
                             const PreprocessingOptions& preprocessing, int threads) {
-  return find_drive_gains(arm, recordings, loads, preprocessing, threads, IdentificationNumbers());
-}
-
-DriveGains find_drive_gains(const Model& arm, const std::vector<std::string>& recordings,
-                            const std::vector<KnownMass>& loads,
-                            const PreprocessingOptions& preprocessing, int threads,
-                            const IdentificationNumbers& numbers) {
   check(arm, recordings, loads);
   const std::vector<int> load_of = named_loads(recordings, loads);
   const bool identified = loads.front().recordings.empty();
-  require(!identified || static_cast<int>(recordings.size()) <= numbers.most_divisions, "known mass: found ",
+  require(!identified || static_cast<int>(recordings.size()) <= identifying::numbers.most_divisions, "known mass: found ",
           recordings.size(), " recordings, expected KG@FRAME=REC,REC that says which carry it.");
   std::vector<bool> loaded(recordings.size());
   std::vector<int> candidates = load_of;
@@ -175,9 +167,9 @@ DriveGains find_drive_gains(const Model& arm, const std::vector<std::string>& re
   }
   require(identified || std::find(loaded.begin(), loaded.end(), false) != loaded.end(),
           "known mass: found a load in every recording, expected one at least without.");
-  const GainData data(arm, recordings, loads, candidates, preprocessing, threads, numbers);
-  const GainFit fit = identified ? best_division(data, loads, numbers) : fit_gains(data, loads, loaded, numbers);
-  return described(arm, recordings, loads, data, fit, numbers);
+  const GainData data(arm, recordings, loads, candidates, preprocessing, threads);
+  const GainFit fit = identified ? best_division(data, loads) : fit_gains(data, loads, loaded);
+  return described(arm, recordings, loads, data, fit);
 }
 
 Model with_drive_gains(const Model& arm, const DriveGains& gains) {

@@ -63,7 +63,7 @@ Recording currents_of(const Model& arm, const std::string& path,
 
 GainData::GainData(const Model& arm, const std::vector<std::string>& recordings,
                    const std::vector<KnownMass>& loads, const std::vector<int>& load_of,
-                   const PreprocessingOptions& preprocessing, int threads, const IdentificationNumbers& numbers)
+                   const PreprocessingOptions& preprocessing, int threads)
     : load_of_(load_of), loads_(loads), recordings_(recordings.size()) {
   for (const int load : load_of) {
     arms_.push_back(arm_with_load(arm, loads[load], load));
@@ -79,7 +79,7 @@ GainData::GainData(const Model& arm, const std::vector<std::string>& recordings,
   }
   parallel_for(static_cast<int>(recordings.size()), threads, [&](int k) {
     const auto r = static_cast<size_t>(k);
-    recordings_[r] = compress(arms_[r], currents_of(arms_[r], recordings[r], preprocessing), preprocessing, numbers);
+    recordings_[r] = compress(arms_[r], currents_of(arms_[r], recordings[r], preprocessing), preprocessing);
     require(recordings_[r].rows > 0.0, recordings[r],
             ": found no usable samples after gaps, edges and row limits, expected some.");
   });

@@ -10,8 +10,6 @@
 
 namespace veridyn {
 
-struct IdentificationNumbers;
-
 /// Recordings of currents, compressed once, which provide the equations for any division into
 /// loaded and unloaded ones.
 ///
@@ -22,7 +20,7 @@ class GainData {
   /// @param load_of  for every recording the index of the load that it carries or may carry.
   GainData(const Model& arm, const std::vector<std::string>& recordings,
            const std::vector<KnownMass>& loads, const std::vector<int>& load_of,
-           const PreprocessingOptions& preprocessing, int threads, const IdentificationNumbers& numbers);
+           const PreprocessingOptions& preprocessing, int threads);
 
   /// One factor for every cluster and joint; the load's columns occur only where a recording is
   /// loaded.

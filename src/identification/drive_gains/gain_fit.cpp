@@ -97,7 +97,7 @@ VectorXd mass_shares(const GainData& data, const Clusters& clusters,
 }  // namespace
 
 GainFit fit_gains(const GainData& data, const std::vector<KnownMass>& loads,
-                  const std::vector<bool>& loaded, const IdentificationNumbers& numbers) {
+                  const std::vector<bool>& loaded) {
   const Clusters clusters = data.clusters(loaded);
   const GainData::Columns columns = data.columns(loaded);
   const std::vector<GainEquation> equations = all_equations(clusters, columns);
@@ -105,14 +105,13 @@ GainFit fit_gains(const GainData& data, const std::vector<KnownMass>& loads,
   fit.deviation = jackknife_deviations(delete_one_estimates(clusters, fit));
   const VectorXd shares = independent_shares(equations, fit.sigma, fit.solution);
   for (Eigen::Index j = 0; j < fit.joints(); ++j) {
-    if (shares[j] < numbers.untied) fit.deviation[fit.solution.y.size() + j] = kInfinity;
+    if (shares[j] < identifying::numbers.untied) fit.deviation[fit.solution.y.size() + j] = kInfinity;
   }
   fit.mass_share = mass_shares(data, clusters, loads, fit);
   return fit;
 }
 
-GainFit best_division(const GainData& data, const std::vector<KnownMass>& loads,
-                      const IdentificationNumbers& numbers) {
+GainFit best_division(const GainData& data, const std::vector<KnownMass>& loads) {
   const size_t recordings = data.recording_count();
   std::vector<bool> best;
   double least = kInfinity;
@@ -126,10 +125,10 @@ GainFit best_division(const GainData& data, const std::vector<KnownMass>& loads,
     best = loaded;
     least = noise;
   }
-  GainFit fit = fit_gains(data, loads, best, numbers);
+  GainFit fit = fit_gains(data, loads, best);
   if (direction(fit) >= 0.0) return fit;
   best.flip();
-  return fit_gains(data, loads, best, numbers);
+  return fit_gains(data, loads, best);
 }
 
 double direction(const GainFit& fit) {

@@ -6,8 +6,6 @@
 
 namespace veridyn {
 
-struct IdentificationNumbers;
-
 /// The solution for one division of the recordings into loaded and unloaded ones.
 struct GainFit {
   std::vector<bool> loaded;
@@ -26,11 +24,11 @@ struct GainFit {
 
 /// Solves, with standard deviations. @param loads  as given to data.
 GainFit fit_gains(const GainData& data, const std::vector<KnownMass>& loads,
-                  const std::vector<bool>& loaded, const IdentificationNumbers& numbers);
+                  const std::vector<bool>& loaded);
 
 /// The best division in two groups, the heavier one loaded. The sign of the gains decides which
 /// that is: exchanging the groups reverses all of them.
-GainFit best_division(const GainData& data, const std::vector<KnownMass>& loads, const IdentificationNumbers& numbers);
+GainFit best_division(const GainData& data, const std::vector<KnownMass>& loads);
 
 /// Signed sum over the joints that the mass loads, weighted by significance: negative if currents
 /// grow when the load is removed.

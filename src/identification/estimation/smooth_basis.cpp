@@ -2,16 +2,19 @@
 
 #include <algorithm>
 
-#include "identification/estimation/estimation_numbers.hpp"
-
 namespace veridyn {
+namespace {
+
+constexpr int kDegree = 3;  // cubic, with the four polynomials of values()
+
+}  // namespace
 
 SmoothBasis::SmoothBasis(BasisKind kind, double low, double high, int intervals, double step)
     : kind_(kind), low_(low), high_(high), intervals_(intervals), step_(step) {}
 
 Eigen::Index SmoothBasis::size() const {
   if (kind_ == BasisKind::kSides) return 2;
-  return intervals_ + estimating::kDegree + (kind_ == BasisKind::kSided ? 1 : 0);
+  return intervals_ + kDegree + (kind_ == BasisKind::kSided ? 1 : 0);
 }
 
 void SmoothBasis::values(double x, double* out) const {
@@ -36,7 +39,7 @@ void SmoothBasis::values(double x, double* out) const {
 MatrixXd SmoothBasis::penalty() const {
   MatrixXd out = MatrixXd::Zero(size(), size());
   if (kind_ == BasisKind::kSides) return out;
-  const Eigen::Index splines = intervals_ + estimating::kDegree;
+  const Eigen::Index splines = intervals_ + kDegree;
   for (Eigen::Index k = 0; k + 2 < splines; ++k) {
     const Eigen::Vector3d difference(1.0, -2.0, 1.0);
     out.block<3, 3>(k, k) += difference * difference.transpose();

@@ -12,7 +12,6 @@
 
 #include "model/excerpt.hpp"
 #include "identification/fleet/fleet_spreads.hpp"
-#include "identification/identification_numbers.hpp"
 #include "identification/many_recordings.hpp"
 #include "files/input_file.hpp"
 #include "math/numbers.hpp"
@@ -28,7 +27,7 @@ namespace {
 ArmFactor arm_factor(const Model& arm, const FactorSet& set, const std::string& name) {
   ArmFactor out;
   out.name = name;
-  out.still = still_joints(arm, set.recordings, IdentificationNumbers());
+  out.still = still_joints(arm, set.recordings);
   for (const CompressedRecording& r : set.recordings) {
     ++out.recordings;
     out.rows += r.rows;
@@ -48,7 +47,7 @@ void add_members(const std::vector<ArmFactor>& arms, const FleetSolver& solver, 
     const FittedArm& f = solver.fitted(a);
     FleetMember member{arms[a].name, arms[a].recordings, arms[a].rows, f.eta, {}, {}};
     for (Eigen::Index k = 0; k < f.eta.size(); ++k)
-      if (f.telling[k] < solver.numbers().telling) member.own[k] = kNaN;
+      if (f.telling[k] < fleets::numbers.telling) member.own[k] = kNaN;
     member.own.tail(fleet.joints).array() += 1.0;  // gains as factors
     member.relative_error.resize(fleet.joints);
     member.alone_error.resize(fleet.joints);
@@ -107,9 +106,8 @@ void add_parameters(const Model& arm, const FleetSolver& solver, Fleet& fleet) {
 
 // Removes the arms whose own recordings do not determine their bodies: bodies of its own would
 // explain everything on such an arm, so that it would always seem to differ.
-std::vector<UndeterminedArm> take_undetermined(const Model& arm, std::vector<ArmFactor>& arms,
-                                               const FleetNumbers& numbers) {
-  const FleetProblem problem(arm, arms, numbers);
+std::vector<UndeterminedArm> take_undetermined(const Model& arm, std::vector<ArmFactor>& arms) {
+  const FleetProblem problem(arm, arms);
   std::vector<UndeterminedArm> out;
   std::vector<ArmFactor> rest;
   for (ArmFactor& one : arms) {
@@ -128,36 +126,35 @@ std::vector<UndeterminedArm> take_undetermined(const Model& arm, std::vector<Arm
 }
 
 // Reason for a missing result with too few arms.
-std::string too_few(size_t left, const std::vector<UndeterminedArm>& undetermined, const FleetNumbers& numbers) {
+std::string too_few(size_t left, const std::vector<UndeterminedArm>& undetermined) {
   std::string out = text("found ", left, left == 1 ? " arm" : " arms",
                          undetermined.empty() ? "" : " whose recordings determine the bodies",
-                         ", expected ", numbers.fewest, " at least");
+                         ", expected ", fleets::numbers.fewest, " at least");
   if (!undetermined.empty())
     out += "; " + undetermined.front().arm + ": " + undetermined.front().why;
   return out;
 }
 
 Fleet solved_fleet(const Model& arm, std::vector<ArmFactor> arms,
-                   std::vector<UnusedRecording> unusable_recordings, const FleetOptions& options,
-                   const FleetNumbers& numbers) {
+                   std::vector<UnusedRecording> unusable_recordings, const FleetOptions& options) {
   require(options.significance > 0.0 && options.significance < 1.0, "fleet: found the significance ",
           options.significance, ", expected a probability between 0 and 1.");
   arms.erase(
       std::remove_if(arms.begin(), arms.end(), [](const ArmFactor& a) { return a.joints.empty(); }),
       arms.end());
-  require(static_cast<int>(arms.size()) >= numbers.fewest || unusable_recordings.empty(), "fleet: found ",
-          arms.size(), " arms with usable recordings, expected ", numbers.fewest,
+  require(static_cast<int>(arms.size()) >= fleets::numbers.fewest || unusable_recordings.empty(), "fleet: found ",
+          arms.size(), " arms with usable recordings, expected ", fleets::numbers.fewest,
           " at least; the first that is not: ", unusable_recordings.empty() ? "" : unusable_recordings.front().why);
   if (options.progress) options.progress("solving", fleets::kReading);
   Fleet fleet;
   fleet.robot = arm.name();
-  if (!arms.empty()) fleet.undetermined = take_undetermined(arm, arms, numbers);
-  if (static_cast<int>(arms.size()) < numbers.fewest) {
-    fleet.reason = too_few(arms.size(), fleet.undetermined, numbers);
+  if (!arms.empty()) fleet.undetermined = take_undetermined(arm, arms);
+  if (static_cast<int>(arms.size()) < fleets::numbers.fewest) {
+    fleet.reason = too_few(arms.size(), fleet.undetermined);
     fleet.unusable_recordings = std::move(unusable_recordings);
     return fleet;
   }
-  FleetSolver solver(arm, arms, options, numbers);
+  FleetSolver solver(arm, arms, options);
   solver.solve();
   fleet.joints = arm.joints();
   fleet.unusable_recordings = std::move(unusable_recordings);
@@ -173,22 +170,6 @@ Fleet solved_fleet(const Model& arm, std::vector<ArmFactor> arms,
 }
 
 }  // namespace
-
-const std::vector<TableNumber<FleetNumbers>>& fleet_numbers() {
-  using T = FleetNumbers;
-  static const std::vector<TableNumber<T>> kAll = {number_of<&T::fewest>("fewest"),
-                                                   number_of<&T::noticeable>("noticeable"),
-                                                   number_of<&T::rounds>("rounds"),
-                                                   number_of<&T::groups>("groups"),
-                                                   number_of<&T::most_freedom>("most_freedom"),
-                                                   number_of<&T::telling>("telling"),
-                                                   number_of<&T::fewest_spreads>("fewest_spreads"),
-                                                   number_of<&T::most_prior>("most_prior"),
-                                                   number_of<&T::least_excess>("least_excess"),
-                                                   number_of<&T::own_ridge>("own_ridge"),
-                                                   number_of<&T::gain_ridge>("gain_ridge")};
-  return kAll;
-}
 
 std::vector<FleetArm> read_fleet(const std::string& path) {
   std::string content = content_of_file(path, "a list of arms and their files");
@@ -296,19 +277,14 @@ Fleet identify_fleet(const Model& file, const std::vector<FleetArm>& arms,
   });
   std::vector<UnusedRecording> unusable_recordings;
   for (const auto& of_arm : unused) unusable_recordings.insert(unusable_recordings.end(), of_arm.begin(), of_arm.end());
-  Fleet fleet = solved_fleet(arm, std::move(factors), std::move(unusable_recordings), options, FleetNumbers());
+  Fleet fleet = solved_fleet(arm, std::move(factors), std::move(unusable_recordings), options);
   for (const auto& of_arm : remarks)
     fleet.remarks.insert(fleet.remarks.end(), of_arm.begin(), of_arm.end());
   return fleet;
 }
 
-Fleet identify_fleet(const Model& file, const std::vector<std::string>& names,
-                     const std::vector<FactorSet>& factors, const FleetOptions& options) {
-  return identify_fleet(file, names, factors, options, FleetNumbers());
-}
-
 Fleet identify_fleet(const Model& file, const std::vector<std::string>& names, const std::vector<FactorSet>& factors,
-                     const FleetOptions& options, const FleetNumbers& numbers) {
+                     const FleetOptions& options) {
   const Model arm = with_friction(file, JointFriction::kAuto);
   require(names.size() == factors.size(), "fleet: found ", names.size(), " names and ",
           factors.size(), " factor sets, expected one of each per arm.");
@@ -320,7 +296,7 @@ Fleet identify_fleet(const Model& file, const std::vector<std::string>& names, c
     if (arms.back().joints.empty())
       empty.push_back({names[k], names[k] + ": found no usable samples."});
   }
-  return solved_fleet(arm, std::move(arms), std::move(empty), options, numbers);
+  return solved_fleet(arm, std::move(arms), std::move(empty), options);
 }
 
 }  // namespace veridyn

@@ -1,11 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <string>
-#include <vector>
-
-#include "math/number_table.hpp"
-#include "veridyn/identification/fleet.hpp"
 
 namespace veridyn {
 
@@ -38,15 +33,10 @@ struct FleetNumbers {
   double gain_ridge = 1e-3;
 };
 
-/// All numbers, in the order of the struct.
-const std::vector<TableNumber<FleetNumbers>>& fleet_numbers();
-
-/// identify_fleet() with other numbers.
-Fleet identify_fleet(const Model& arm, const std::vector<std::string>& names, const std::vector<FactorSet>& factors,
-                     const FleetOptions& options, const FleetNumbers& numbers);
-
 /// What no answer turns on: a fact of statistics, accuracies, and how much is printed.
 namespace fleets {
+
+constexpr FleetNumbers numbers;
 
 /// degrees of freedom = kEfficiency * (arms - 1): efficiency of the median deviation relative to the
 /// standard deviation (Rousseeuw and Croux, JASA 88(424), 1993).

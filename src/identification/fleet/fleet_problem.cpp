@@ -7,9 +7,8 @@
 #include "identification/shortfall.hpp"
 
 namespace veridyn {
-FleetProblem::FleetProblem(const Model& arm, const std::vector<ArmFactor>& arms, const FleetNumbers& numbers)
-    : numbers_(numbers),
-      arms_(arms),
+FleetProblem::FleetProblem(const Model& arm, const std::vector<ArmFactor>& arms)
+    : arms_(arms),
       parameters_(standard_parameters(arm)),
       base_(base_parameters(identifiable_factor(arm, 1), preferred_columns(parameters_))),
       joints_(arm.joints()) {
@@ -72,7 +71,7 @@ SquareRootInformation FleetProblem::of_arm(size_t arm, const VectorXd& weights,
   const VectorXd norms = out.column_norms();
   MatrixXd ridge = MatrixXd::Zero(own + joints_, width);
   for (Eigen::Index k = 0; k < ridge.rows(); ++k)
-    ridge(k, k) = norms[k] > 0.0 ? (k < own ? numbers_.own_ridge : numbers_.gain_ridge) * norms[k] : 1.0;
+    ridge(k, k) = norms[k] > 0.0 ? (k < own ? fleets::numbers.own_ridge : fleets::numbers.gain_ridge) * norms[k] : 1.0;
   out.absorb(ridge, VectorXd::Zero(ridge.rows()));
   return SquareRootInformation(columns, out.R(), out.z(), out.rho2() + rho2, rows);
 }

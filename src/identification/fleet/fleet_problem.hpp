@@ -20,7 +20,7 @@ struct ArmFactor {
 /// The block arrow of a fleet: columns that all arms share, and own columns of each.
 class FleetProblem {
  public:
-  FleetProblem(const Model& arm, const std::vector<ArmFactor>& arms, const FleetNumbers& numbers);
+  FleetProblem(const Model& arm, const std::vector<ArmFactor>& arms);
 
   const std::vector<std::string>& shared() const { return shared_; }
   const std::vector<std::string>& own() const { return own_; }
@@ -53,7 +53,6 @@ class FleetProblem {
   VectorXd on_joint(const SquareRootInformation& factor, const VectorXd& beta,
                     const VectorXd& eta) const;
 
-  const FleetNumbers& numbers_;
   const std::vector<ArmFactor>& arms_;
   std::vector<StandardParameter> parameters_;
   BaseParameters base_;

@@ -47,7 +47,7 @@ VectorXd FleetSolver::weights_from(const Squares& squares) const {
 
 void FleetSolver::solve() {
   VectorXd weights = weights_from([&](size_t a, int i) { return arms_[a].joints[i].rhs_norm2(); });
-  for (int round = 0; round < numbers_.rounds; ++round) {
+  for (int round = 0; round < fleets::numbers.rounds; ++round) {
     const VectorXd at_beta = beta_;
     each_arm([&](size_t a) {
       fitted_[a].factor = problem_.of_arm(a, weights, at_beta, fitted_[a].eta);
@@ -59,7 +59,7 @@ void FleetSolver::solve() {
     each_arm([&](size_t a) { fit_arm(a, at_beta); });
     weights = weights_from([&](size_t a, int i) { return fitted_[a].residual2[i]; });
     // Outliers found in the last round were excluded from the last fit.
-    if (round + 1 < numbers_.rounds) find_odd();
+    if (round + 1 < fleets::numbers.rounds) find_odd();
   }
 }
 
@@ -103,7 +103,7 @@ void FleetSolver::find_odd() {
   for (size_t a = 0; a < arms_.size(); ++a) {
     fitted_[a].excess = all[a];
     fitted_[a].deviations = (all[a] - median) / std::max(spread, fleets::kLeastSpread);
-    fitted_[a].odd = all[a] > numbers_.least_excess && fitted_[a].deviations > far;
+    fitted_[a].odd = all[a] > fleets::numbers.least_excess && fitted_[a].deviations > far;
     count += static_cast<size_t>(fitted_[a].odd);
   }
   if (2 * count < arms_.size()) return;
@@ -117,11 +117,11 @@ double FleetSolver::looked_at() const {
 
 double FleetSolver::threshold(double looked_at, double more_freedom) const {
   return student_t_quantile(options_.significance / std::max(1.0, looked_at),
-                            std::min(numbers_.most_freedom, freedom() + more_freedom));
+                            std::min(fleets::numbers.most_freedom, freedom() + more_freedom));
 }
 
 VectorXd FleetSolver::deviations() const {
-  const size_t groups = std::min(static_cast<size_t>(numbers_.groups), arms_.size());
+  const size_t groups = std::min(static_cast<size_t>(fleets::numbers.groups), arms_.size());
   std::vector<SquareRootInformation> of_group(groups, SquareRootInformation(problem_.shared()));
   for (size_t a = 0; a < arms_.size(); ++a)
     if (!fitted_[a].odd) of_group[a % groups].merge(problem_.over_shared(fitted_[a].factor));

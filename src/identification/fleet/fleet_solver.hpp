@@ -5,6 +5,7 @@
 
 #include "identification/fleet/fleet_numbers.hpp"
 #include "identification/fleet/fleet_problem.hpp"
+#include "veridyn/identification/fleet.hpp"
 
 namespace veridyn {
 
@@ -26,13 +27,11 @@ struct FittedArm {
 /// Fits the shared values and every arm's own in turn, and leaves out the arms whose bodies are others.
 class FleetSolver {
  public:
-  FleetSolver(const Model& arm, const std::vector<ArmFactor>& arms, const FleetOptions& options,
-              const FleetNumbers& numbers)
-      : numbers_(numbers), problem_(arm, arms, numbers), arms_(arms), options_(options), fitted_(arms.size()) {}
+  FleetSolver(const Model& arm, const std::vector<ArmFactor>& arms, const FleetOptions& options)
+      : problem_(arm, arms), arms_(arms), options_(options), fitted_(arms.size()) {}
 
   void solve();
 
-  const FleetNumbers& numbers() const { return numbers_; }
   const FleetProblem& problem() const { return problem_; }
   const VectorXd& beta() const { return beta_; }
   const FittedArm& fitted(size_t a) const { return fitted_[a]; }
@@ -64,7 +63,6 @@ class FleetSolver {
   std::vector<double> excess() const;
   void find_odd();
 
-  const FleetNumbers& numbers_;
   FleetProblem problem_;
   const std::vector<ArmFactor>& arms_;
   const FleetOptions& options_;

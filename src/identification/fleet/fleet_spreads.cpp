@@ -65,13 +65,13 @@ struct SpreadPrior {
 };
 
 SpreadPrior prior_in(double (*unit)(const Quantity&), const std::vector<Quantity>& quantities,
-                     double freedom, const FleetNumbers& numbers) {
+                     double freedom) {
   SpreadPrior prior;
   std::vector<double> logs;
   for (const Quantity& q : quantities)
-    if (q.spread.arms >= numbers.fewest && q.spread.spread > 0.0 && unit(q) > 0.0)
+    if (q.spread.arms >= fleets::numbers.fewest && q.spread.spread > 0.0 && unit(q) > 0.0)
       logs.push_back(2.0 * std::log(q.spread.spread / unit(q)));
-  if (static_cast<int>(logs.size()) < numbers.fewest_spreads) return prior;
+  if (static_cast<int>(logs.size()) < fleets::numbers.fewest_spreads) return prior;
   const auto count = static_cast<double>(logs.size());
   double mean = 0.0;
   for (const double x : logs) mean += x / count;
@@ -79,7 +79,7 @@ SpreadPrior prior_in(double (*unit)(const Quantity&), const std::vector<Quantity
   for (const double x : logs) prior.unlike += std::pow(x - mean, 2) / (count - 1.0);
   const double between = prior.unlike - trigamma(0.5 * freedom);
   double least = 0.0;
-  double most = numbers.most_prior;
+  double most = fleets::numbers.most_prior;
   while (trigamma(0.5 * most) < between && most - least > fleets::kWidth) {
     const double middle = 0.5 * (least + most);
     (trigamma(0.5 * middle) > between ? least : most) = middle;
@@ -91,10 +91,10 @@ SpreadPrior prior_in(double (*unit)(const Quantity&), const std::vector<Quantity
   return prior;
 }
 
-SpreadPrior prior_of(const std::vector<Quantity>& kind, double freedom, const FleetNumbers& numbers) {
-  const SpreadPrior noise = prior_in([](const Quantity& q) { return q.usual; }, kind, freedom, numbers);
+SpreadPrior prior_of(const std::vector<Quantity>& kind, double freedom) {
+  const SpreadPrior noise = prior_in([](const Quantity& q) { return q.usual; }, kind, freedom);
   const SpreadPrior share =
-      prior_in([](const Quantity& q) { return std::abs(q.spread.median); }, kind, freedom, numbers);
+      prior_in([](const Quantity& q) { return std::abs(q.spread.median); }, kind, freedom);
   return noise.unlike <= share.unlike ? noise : share;
 }
 
@@ -121,20 +121,19 @@ Quantity quantity(const Model& arm, const FleetSolver& solver, const Fleet& flee
 
 // Names the arms that are far off in a quantity of one kind.
 void add_outliers(const std::vector<Quantity>& kind, const FleetSolver& solver, Fleet& fleet) {
-  const FleetNumbers& numbers = solver.numbers();
   const double freedom = solver.freedom();
-  const SpreadPrior prior = prior_of(kind, freedom, numbers);
+  const SpreadPrior prior = prior_of(kind, freedom);
   const double far = solver.threshold(solver.looked_at(), prior.freedom);
   for (const Quantity& q : kind) {
     const FleetSpread& spread = q.spread;
     const double width = prior.spread_of(q, freedom);
-    for (size_t a = 0; a < q.all.size() && spread.arms >= numbers.fewest && spread.spread > 0.0; ++a) {
+    for (size_t a = 0; a < q.all.size() && spread.arms >= fleets::numbers.fewest && spread.spread > 0.0; ++a) {
       const double wider = q.usual > 0.0 ? std::max(1.0, q.uncertain[a] / q.usual) : 1.0;
       const double deviations = (q.all[a] - spread.median) / (wider * width);
       // Differences below this share of the median are not reported, however narrow the
       // distribution is.
       const bool noticeable =
-          std::abs(q.all[a] - spread.median) > numbers.noticeable * std::abs(spread.median);
+          std::abs(q.all[a] - spread.median) > fleets::numbers.noticeable * std::abs(spread.median);
       if (std::isfinite(q.all[a]) && noticeable && std::abs(deviations) > far)
         fleet.outliers.push_back(
             {fleet.members[a].name, spread.name, q.joint, q.all[a], spread.median, deviations});

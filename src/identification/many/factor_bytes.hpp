@@ -10,9 +10,14 @@
 
 namespace veridyn {
 
-/// Writes values one after the other, little-endian.
+/// Writes values one after the other, little-endian. A call with fields of any kind writes them in order, as a ByteReader
+/// reads them; a struct has a function exchange(bytes, object) that lists its fields once for both.
 class ByteWriter {
  public:
+  template <typename... Fields>
+  void operator()(Fields&... fields) {
+    (field(fields), ...);
+  }
   void number(std::uint64_t value) {
     for (int k = 0; k < 8; ++k) bytes_.push_back(static_cast<char>(value >> (8 * k) & 0xff));
   }
@@ -33,6 +38,20 @@ class ByteWriter {
   const std::string& bytes() const { return bytes_; }
 
  private:
+  void field(long& value) { number(static_cast<std::uint64_t>(value)); }
+  void field(double& value) { real(value); }
+  void field(std::string& value) { text(value); }
+  void field(VectorXd& value) { vector(value); }
+  template <typename T>
+  void field(std::vector<T>& all) {
+    number(all.size());
+    for (T& one : all) field(one);
+  }
+  template <typename T>
+  void field(T& object) {
+    exchange(*this, object);
+  }
+
   std::string bytes_;
 };
 
@@ -42,6 +61,10 @@ class ByteReader {
   ByteReader(const std::string& bytes, std::size_t at, const std::string& source)
       : bytes_(bytes), at_(at), source_(source) {}
 
+  template <typename... Fields>
+  void operator()(Fields&... fields) {
+    (field(fields), ...);
+  }
   std::uint64_t number() {
     expect(8);
     std::uint64_t value = 0;
@@ -76,6 +99,20 @@ class ByteReader {
   bool at_end() const { return at_ == bytes_.size(); }
 
  private:
+  void field(long& value) { value = static_cast<long>(number()); }
+  void field(double& value) { value = real(); }
+  void field(std::string& value) { value = text(); }
+  void field(VectorXd& value) { value = vector(); }
+  template <typename T>
+  void field(std::vector<T>& all) {
+    all.resize(count(8));
+    for (T& one : all) field(one);
+  }
+  template <typename T>
+  void field(T& object) {
+    exchange(*this, object);
+  }
+
   void expect(std::size_t size) const {
     require(bytes_.size() - at_ >= size, source_, ": ends at byte ", bytes_.size(),
             ", expected more.");

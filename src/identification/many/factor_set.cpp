@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "files/input_file.hpp"
-#include "identification/identification_numbers.hpp"
 #include "identification/many/factor_bytes.hpp"
 #include "identification/many_recordings.hpp"
 #include "files/output_file.hpp"
@@ -18,6 +17,12 @@
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
+
+template <typename Bytes>
+void exchange(Bytes& bytes, TorqueFacts& j) {
+  bytes(j.minimum, j.maximum, j.largest_speed, j.lowest, j.highest);
+}
+
 namespace {
 
 const std::string kMagic = "veridyn factors\n";
@@ -105,21 +110,15 @@ SquareRootInformation read_factor(const std::vector<std::string>& columns, ByteR
   return SquareRootInformation(columns, std::move(R), std::move(z), rho2, rows);
 }
 
+// Everything but the factors.
+template <typename Bytes>
+void exchange_facts(Bytes& bytes, CompressedRecording& r) {
+  bytes(r.source, r.facts.dt, r.facts.duration, r.facts.samples, r.facts.unused, r.facts.rows_read, r.facts.filled.count,
+        r.facts.filled.age, r.period.seconds, r.period.confidence, r.period.repeats, r.rows, r.noise_floor, r.joints);
+}
+
 void write_recording(const CompressedRecording& r, ByteWriter& out) {
-  out.text(r.source);
-  out.real(r.facts.dt);
-  out.real(r.facts.duration);
-  for (const long count : {r.facts.samples, r.facts.unused, r.facts.rows_read, r.facts.filled.count})
-    out.number(static_cast<std::uint64_t>(count));
-  out.real(r.facts.filled.age);
-  for (const double value : {r.period.seconds, r.period.confidence, r.period.repeats, r.rows})
-    out.real(value);
-  out.vector(r.noise_floor);
-  out.number(r.joints.size());
-  for (const TorqueFacts& j : r.joints) {
-    for (const double value : {j.minimum, j.maximum, j.largest_speed, j.lowest, j.highest})
-      out.real(value);
-  }
+  exchange_facts(out, const_cast<CompressedRecording&>(r));  // only read
   out.number(r.blocks.size());
   write_columns(r, out);
   for (const auto& block : r.blocks)
@@ -129,27 +128,10 @@ void write_recording(const CompressedRecording& r, ByteWriter& out) {
 CompressedRecording read_recording(ByteReader& in) {
   CompressedRecording r;
   r.detached = true;
-  r.source = in.text();
-  r.facts.dt = in.real();
-  r.facts.duration = in.real();
-  for (long* count :
-       {&r.facts.samples, &r.facts.unused, &r.facts.rows_read, &r.facts.filled.count})
-    *count = static_cast<long>(in.number());
-  r.facts.filled.age = in.real();
-  for (double* value : {&r.period.seconds, &r.period.confidence, &r.period.repeats, &r.rows})
-    *value = in.real();
-  r.noise_floor = in.vector();
-  r.joints.resize(in.count(40));
-  for (TorqueFacts& j : r.joints) {
-    for (double* value : {&j.minimum, &j.maximum, &j.largest_speed, &j.lowest, &j.highest})
-      *value = in.real();
-  }
+  exchange_facts(in, r);
   r.blocks.resize(in.count(16));
   std::vector<std::vector<std::string>> columns(r.blocks.empty() ? 0 : r.joints.size());
-  for (std::vector<std::string>& of_joint : columns) {
-    of_joint.resize(in.count(8));
-    for (std::string& name : of_joint) name = in.text();
-  }
+  for (std::vector<std::string>& of_joint : columns) in(of_joint);
   for (auto& block : r.blocks) {
     for (const std::vector<std::string>& of_joint : columns)
       block.push_back(read_factor(of_joint, in));
@@ -222,7 +204,7 @@ FactorSet compress(const Model& file, const std::vector<std::string>& paths,
   out.robot = arm.name();
   out.fingerprint = fingerprint_of(arm);
   out.settings = settings_of(options);
-  out.recordings = compress_many(arm, paths, options, threads, IdentificationNumbers());
+  out.recordings = compress_many(arm, paths, options, threads);
   return out;
 }
 
@@ -286,14 +268,14 @@ Identification identify(const Model& arm, const FactorSet& factors,
           "identify: drive gains need the samples of the recordings, factors do not hold them.");
   require(!factors.recordings.empty() || !train.empty(),
           "identify: there is no factor and no recording to train on.");
-  if (factors.recordings.empty()) return identify_compressed(arm, {}, train, test, options, IdentificationNumbers());
+  if (factors.recordings.empty()) return identify_compressed(arm, {}, train, test, options);
   IdentificationOptions how = options;
   if (how.choose_velocities && how.preprocessing.derive_velocity_of.empty()) {
     const std::vector<int> joints = joints_with_derived_velocities(factors);
     derive_velocities({joints.begin(), joints.end()}, how);
   }
   require_factors_of(with_friction(arm, how.friction), factors, how.preprocessing);
-  return identify_compressed(arm, factors.recordings, train, test, how, IdentificationNumbers());
+  return identify_compressed(arm, factors.recordings, train, test, how);
 }
 
 }  // namespace veridyn

@@ -33,11 +33,11 @@ double share_of_speed(const Identification& id, const Coordinate& joint, size_t 
   return std::isfinite(joint.limits.velocity) ? largest / joint.limits.velocity : kNaN;
 }
 
-IdentifiedState state_of(const IdentifiedJoint& j, const IdentificationNumbers& numbers) {
-  if (j.range < numbers.hardly_moves && j.speed < numbers.hardly_moves) return IdentifiedState::kHardlyMoved;
+IdentifiedState state_of(const IdentifiedJoint& j) {
+  if (j.range < identifying::numbers.hardly_moves && j.speed < identifying::numbers.hardly_moves) return IdentifiedState::kHardlyMoved;
   if (!std::isfinite(j.error)) return IdentifiedState::kNoTorque;
   if (!std::isfinite(j.floor)) return IdentifiedState::kCannotTell;
-  if (j.error <= numbers.below_any_sensor || j.error <= numbers.far_above_floor * j.floor) return IdentifiedState::kAtFloor;
+  if (j.error <= identifying::numbers.below_any_sensor || j.error <= identifying::numbers.far_above_floor * j.floor) return IdentifiedState::kAtFloor;
   return IdentifiedState::kUnexplained;
 }
 
@@ -117,9 +117,7 @@ const char* floor_name(const Identification& id) {
   return floor ? "noise floor" : "repetitions differ by";
 }
 
-IdentificationVerdict verdict_of(const Identification& id) { return verdict_of(id, IdentificationNumbers()); }
-
-IdentificationVerdict verdict_of(const Identification& id, const IdentificationNumbers& numbers) {
+IdentificationVerdict verdict_of(const Identification& id) {
   IdentificationVerdict out;
   if (!id.model) return out;
   out.held_out = id.test_error.relative.size() > 0;
@@ -137,7 +135,7 @@ IdentificationVerdict verdict_of(const Identification& id, const IdentificationN
     j.floor = k < id.noise_floor.size() ? std::min(id.noise_floor[k], j.error) : kNaN;
     j.range = share_of_range(id, joints[i], i);
     j.speed = share_of_speed(id, joints[i], i);
-    j.state = state_of(j, numbers);
+    j.state = state_of(j);
     is_another = is_another || in_percent(j.error) != in_percent(as_recorded[k]);
     out.joints.push_back(j);
   }

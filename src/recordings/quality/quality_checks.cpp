@@ -131,7 +131,7 @@ bool is_stale(const Recording& rows, int k) {
   return any && is_moving(rows, k);
 }
 
-Head::Head(const Recording& recording, const QualityNumbers& of) : rows(recording), numbers(of) {
+Head::Head(const Recording& recording) : rows(recording) {
   const int count = rows.rows();
   std::vector<double> steps;
   for (int k = 1; k < count; ++k) steps.push_back(rows.time[k] - rows.time[k - 1]);
@@ -146,7 +146,7 @@ Head::Head(const Recording& recording, const QualityNumbers& of) : rows(recordin
 }
 
 int window_rows(const Head& head) {
-  return std::max(head.numbers.shortest_window, static_cast<int>(std::lround(head.numbers.window / head.step)));
+  return std::max(numbers.shortest_window, static_cast<int>(std::lround(numbers.window / head.step)));
 }
 
 }  // namespace veridyn::quality

@@ -47,10 +47,9 @@ struct Piece {
 
 /// The first rows, without absurd numbers, and scales computed from them.
 struct Head {
-  Head(const Recording& recording, const QualityNumbers& of);
+  explicit Head(const Recording& recording);
 
   const Recording& rows;
-  const QualityNumbers& numbers;
   double step = 0.0;        // [s] median
   double shortest = 0.0;    // [s] 1 % quantile of the steps
   double longest = 0.0;     // [s] 99 % quantile of the steps
@@ -88,7 +87,6 @@ bool is_moving(const Recording& rows, int k);
 /// Replaces numbers beyond +-1e6 in rows from `fresh` on by NaN, and counts them.
 class AbsurdTally {
  public:
-  explicit AbsurdTally(const QualityNumbers& numbers) : numbers_(numbers) {}
   void clean(Recording* rows, int fresh);
   double share() const {
     return rows_ == 0 ? 0.0 : static_cast<double>(bad_rows_) / static_cast<double>(rows_);
@@ -96,7 +94,6 @@ class AbsurdTally {
   void conclude(Findings* findings) const;
 
  private:
-  const QualityNumbers& numbers_;
   long rows_ = 0;
   long bad_rows_ = 0;
   long bad_values_ = 0;
@@ -106,12 +103,11 @@ class AbsurdTally {
 class TimeTally {
  public:
   explicit TimeTally(const Head& head)
-      : numbers_(head.numbers), step_(head.step), shortest_(head.shortest), longest_(head.longest) {}
+      : step_(head.step), shortest_(head.shortest), longest_(head.longest) {}
   void add(const Piece& piece);
   void conclude(Findings* findings) const;
 
  private:
-  const QualityNumbers& numbers_;
   double step_;
   double shortest_;
   double longest_;
@@ -147,7 +143,6 @@ class RowTally {
                 Findings* findings) const;
   void conclude_constant(Findings* findings) const;
 
-  const QualityNumbers& numbers_;
   std::vector<Channel> channels_;
   long rows_ = 0;
   long stale_ = 0;
@@ -171,7 +166,6 @@ class JumpTally {
     double largest = 0.0;
     double largest_at = 0.0;
   };
-  const QualityNumbers& numbers_;
   double step_;
   std::vector<Joint> joints_;
 };
@@ -202,7 +196,6 @@ class ClipTally {
   bool is_limit(const Extreme& one, const Extreme& opposite) const;
   void close_run(double after, Extreme* extreme) const;
 
-  const QualityNumbers& numbers_;
   std::vector<Extreme> extremes_;  // largest and smallest in turns
   double start_ = 0.0;             // [s]
   long rows_ = 0;

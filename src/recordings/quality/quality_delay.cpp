@@ -20,7 +20,6 @@ struct Velocities {
 
 Velocities smoothed_velocities(const Head& head, int joint) {
   const Recording& rows = head.rows;
-  const QualityNumbers& numbers = head.numbers;
   const int half = numbers.half_average;
   const int count = std::min(rows.rows(), kLagRows);
   Velocities v{(rows.time[count - 1] - rows.time[0]) / (count - 1),
@@ -44,7 +43,7 @@ Velocities smoothed_velocities(const Head& head, int joint) {
 }
 
 // The delay of the recorded velocity in whole rows: the peak of the correlation.
-std::optional<int> whole_delay(const Velocities& v, const QualityNumbers& numbers) {
+std::optional<int> whole_delay(const Velocities& v) {
   const int longest = numbers.longest_lag;
   const int core = static_cast<int>(v.from_q.size()) - 2 * longest;
   if (core < 4 * longest) return std::nullopt;
@@ -76,9 +75,9 @@ std::optional<int> whole_delay(const Velocities& v, const QualityNumbers& number
 std::optional<double> velocity_delay(const Head& head, int joint) {
   constexpr int kReach = 2;  // rows to either side of a derivative
   const Velocities v = smoothed_velocities(head, joint);
-  const std::optional<int> whole = whole_delay(v, head.numbers);
+  const std::optional<int> whole = whole_delay(v);
   if (!whole) return std::nullopt;
-  const int margin = head.numbers.longest_lag + kReach;
+  const int margin = numbers.longest_lag + kReach;
   const int rows = static_cast<int>(v.from_q.size()) - 2 * margin;
   Eigen::MatrixX2d A(rows, 2);  // v, -dv/dt
   A.col(0) = v.from_q.segment(margin, rows);
@@ -100,7 +99,7 @@ std::optional<double> velocity_delay(const Head& head, int joint) {
     fit = square.inverse() * (A.transpose() * weights.cwiseProduct(recorded));
     const VectorXd errors = (recorded - A * fit).cwiseAbs();
     const VectorXd judged = (known.array() > 0.0).select(errors, kNone);
-    const double allowed = head.numbers.lag_outlier * quantile({judged.data(), judged.data() + rows}, 0.5);
+    const double allowed = numbers.lag_outlier * quantile({judged.data(), judged.data() + rows}, 0.5);
     weights = known.array() * (errors.array() <= allowed).cast<double>();
   }
   return *whole * v.step + fit[1] / fit[0];

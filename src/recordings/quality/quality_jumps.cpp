@@ -8,7 +8,7 @@
 namespace veridyn::quality {
 
 JumpTally::JumpTally(const Head& head)
-    : numbers_(head.numbers), step_(head.step), joints_(static_cast<std::size_t>(head.rows.joints())) {
+    : step_(head.step), joints_(static_cast<std::size_t>(head.rows.joints())) {
   const Recording& rows = head.rows;
   const int count = rows.rows();
   for (std::size_t joint = 0; joint < joints_.size(); ++joint) {
@@ -17,9 +17,9 @@ JumpTally::JumpTally(const Head& head)
     std::vector<double> change;  // step from one row to the next
     for (int k = 2; k < count; ++k)
       change.push_back(std::abs(rows.q(k, j) - 2.0 * rows.q(k - 1, j) + rows.q(k - 2, j)));
-    const double noise = change.empty() ? 0.0 : quantile(std::move(change), 1.0 - numbers_.ends);
-    const double range = between_quantiles(q, numbers_.ends, 1.0 - numbers_.ends);
-    joints_[joint].tolerance = std::max({numbers_.smallest_jump, numbers_.jump_noise * noise, numbers_.jump_range * range});
+    const double noise = change.empty() ? 0.0 : quantile(std::move(change), 1.0 - numbers.ends);
+    const double range = between_quantiles(q, numbers.ends, 1.0 - numbers.ends);
+    joints_[joint].tolerance = std::max({numbers.smallest_jump, numbers.jump_noise * noise, numbers.jump_range * range});
   }
 }
 
@@ -32,13 +32,13 @@ bool JumpTally::is_jump(const Recording& rows, int k, int joint) const {
     const double fastest = rows.dq.col(joint).segment(k - 2, 5).cwiseAbs().maxCoeff();
     around = std::max(around, step_ * fastest);
   }
-  return step(k) > joints_[joint].tolerance + numbers_.jump_around * around;
+  return step(k) > joints_[joint].tolerance + numbers.jump_around * around;
 }
 
 void JumpTally::add(const Piece& piece) {
   const Recording& rows = piece.rows;
   for (int k = 3; k + 3 < rows.rows(); ++k) {
-    if (rows.time[k] - rows.time[k - 1] > numbers_.hole * step_) continue;
+    if (rows.time[k] - rows.time[k - 1] > numbers.hole * step_) continue;
     for (std::size_t joint = 0; joint < joints_.size(); ++joint) {
       const int j = static_cast<int>(joint);
       if (!is_jump(rows, k, j)) continue;
@@ -60,7 +60,7 @@ void JumpTally::conclude(Findings* findings) const {
     if (tally.count == 0) continue;
     const Place place{"q", static_cast<int>(joint) + 1};
     const double turns = tally.largest / kTurn;
-    const bool wrapped = std::round(turns) != 0.0 && std::abs(turns - std::round(turns)) < numbers_.turn_error;
+    const bool wrapped = std::round(turns) != 0.0 && std::abs(turns - std::round(turns)) < numbers.turn_error;
     findings->add(Severity::kFault, "jumps", place, {kNone, tally.largest, unit_of("q")},
                   text("The position of ", named(place), " jumps ", counted(tally.count, "time"),
                        ", by ", number(tally.largest), " at t = ", number(tally.largest_at), " s",

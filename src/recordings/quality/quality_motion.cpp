@@ -18,7 +18,7 @@ std::vector<double> column_of(const MatrixXd& values, int joint) {
 
 // Root mean square of the change over 20 ms, in consecutive windows of 0.1 s.
 std::vector<double> ringing(const Head& head, const MatrixXd& values, int joint) {
-  const int lag = std::max(1, static_cast<int>(std::lround(head.numbers.ringing / head.step)));
+  const int lag = std::max(1, static_cast<int>(std::lround(numbers.ringing / head.step)));
   const int window = window_rows(head);
   std::vector<double> sizes;
   for (int first = 0; first + window + lag <= values.rows(); first += window) {
@@ -76,7 +76,7 @@ void check_motion(const Head& head, Findings* findings) {
   for (int j = 0; j < head.rows.joints(); ++j) {
     if (head.moves[j]) continue;
     const std::vector<double> q = column_of(head.rows.q, j);
-    const double range = between_quantiles(q, head.numbers.ends, 1.0 - head.numbers.ends);
+    const double range = between_quantiles(q, numbers.ends, 1.0 - numbers.ends);
     if (std::isnan(range)) continue;
     const Place place{"q", j + 1};
     findings->add(Severity::kInfo, "joint_at_rest", place, {kNone, range, unit_of("q")},
@@ -96,7 +96,6 @@ void check_motion(const Head& head, Findings* findings) {
 }
 
 void check_start_up(const Head& head, Findings* findings) {
-  const QualityNumbers& numbers = head.numbers;
   for (const Load& load : loads_of(head.rows)) {
     double until = 0.0;
     double worst = 0.0;

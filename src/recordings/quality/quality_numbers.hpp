@@ -1,8 +1,5 @@
 #pragma once
 
-#include <vector>
-
-#include "math/number_table.hpp"
 #include "recordings/absurd.hpp"
 #include "veridyn/recordings/recording_quality.hpp"
 
@@ -136,14 +133,10 @@ struct QualityNumbers {
   int plateau_parts = 4;
 };
 
-/// All numbers, in the order of the struct.
-const std::vector<TableNumber<QualityNumbers>>& quality_numbers();
-
-/// check_recording() with other numbers.
-RecordingQuality check_recording(const Recording& recording, const QualityNumbers& numbers);
-
 /// What no answer turns on: memory, units, facts of statistics, rounding, and how numbers are printed.
 namespace quality {
+
+constexpr QualityNumbers numbers;
 
 /// rows that scales and checks of motion see <= kHeadRows: 1000 s at 200 Hz; those of delays <= kLagRows.
 constexpr int kHeadRows = 200000, kLagRows = 60000;

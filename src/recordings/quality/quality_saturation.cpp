@@ -22,21 +22,21 @@ struct Plateau {
 bool is_saturated(const Head& head, const VectorXd& load, const Plateau& plateau, double half,
                   int joint) {
   const int length = plateau.last - plateau.first + 1;
-  if (length < head.numbers.shortest_plateau) return false;
+  if (length < numbers.shortest_plateau) return false;
   int before = plateau.first;
   int after = plateau.last;
   while (before > 0 && load[before] > half && plateau.first - before <= length) --before;
   while (after + 1 < load.size() && load[after] > half && after - plateau.last <= length) ++after;
   if (2 * (plateau.first - before + after - plateau.last) > length || before == 0) return false;
   const auto& q = head.rows.q;
-  const int lag = std::max(1, length / head.numbers.plateau_parts);
+  const int lag = std::max(1, length / numbers.plateau_parts);
   const auto speed = [&](int k) {
     return (q(k, joint) - q(k - lag, joint)) / (head.rows.time[k] - head.rows.time[k - lag]);
   };
   if (plateau.first < lag || plateau.last <= plateau.first + lag) return false;
   double top = 0.0;
   for (int k = lag; k < q.rows(); k += lag) top = std::max(top, std::abs(speed(k)));
-  return std::abs(speed(plateau.last) - speed(plateau.first)) > head.numbers.speed_change * top;
+  return std::abs(speed(plateau.last) - speed(plateau.first)) > numbers.speed_change * top;
 }
 
 // Number of rows in saturated plateaus within 8 % of the largest value.
@@ -46,9 +46,9 @@ int plateau_rows(const Head& head, const VectorXd& load, int joint, double* limi
   int rows = 0;
   std::vector<double> levels;
   for (int k = 0; k < load.size(); ++k) {
-    if (!(load[k] > head.numbers.near_largest * largest)) continue;
+    if (!(load[k] > numbers.near_largest * largest)) continue;
     Plateau plateau{k, k};
-    while (plateau.last + 1 < load.size() && load[plateau.last + 1] > head.numbers.near_largest * largest)
+    while (plateau.last + 1 < load.size() && load[plateau.last + 1] > numbers.near_largest * largest)
       ++plateau.last;
     k = plateau.last;
     if (!is_saturated(head, load, plateau, 0.5 * largest, joint)) continue;
@@ -61,7 +61,7 @@ int plateau_rows(const Head& head, const VectorXd& load, int joint, double* limi
 
 }  // namespace
 
-ClipTally::ClipTally(const Head& head) : numbers_(head.numbers), start_(head.rows.rows() > 0 ? head.rows.time[0] : 0.0) {
+ClipTally::ClipTally(const Head& head) : start_(head.rows.rows() > 0 ? head.rows.time[0] : 0.0) {
   for (const RecordingSignal& signal : kRecordingSignals) {
     const std::string name = signal.name;
     if (name != "tau" && name != "i") continue;
@@ -74,8 +74,8 @@ ClipTally::ClipTally(const Head& head) : numbers_(head.numbers), start_(head.row
           changes.push_back(std::abs(values(k, j) - values(k - 1, j)));
       }
       const double range = between_quantiles(column, 0.0, 1.0);
-      const double resolution = changes.empty() ? 0.0 : quantile(std::move(changes), numbers_.ends);
-      const double tolerance = std::max(kExact * range, numbers_.step_share * resolution);
+      const double resolution = changes.empty() ? 0.0 : quantile(std::move(changes), numbers.ends);
+      const double tolerance = std::max(kExact * range, numbers.step_share * resolution);
       for (const double sign : {1.0, -1.0}) extremes_.push_back({{name, j + 1}, sign, tolerance});
     }
   }
@@ -83,14 +83,14 @@ ClipTally::ClipTally(const Head& head) : numbers_(head.numbers), start_(head.row
 
 void ClipTally::close_run(double after, Extreme* extreme) const {
   const double exit = extreme->limit - after;
-  if (extreme->run >= numbers_.shortest_run && std::min(extreme->entry, exit) > numbers_.abrupt * extreme->tolerance) {
+  if (extreme->run >= numbers.shortest_run && std::min(extreme->entry, exit) > numbers.abrupt * extreme->tolerance) {
     extreme->abrupt = true;
   }
   extreme->run = 0;
 }
 
 void ClipTally::add_value(double value, double before, double time, Extreme* extreme) const {
-  const double next = 1.0 + 1.0 / numbers_.step_share;  // tolerances between the limit and the end of the next value
+  const double next = 1.0 + 1.0 / numbers.step_share;  // tolerances between the limit and the end of the next value
   if (value > extreme->limit + extreme->tolerance) {
     const Place place = extreme->place;
     const long below = value < extreme->limit + next * extreme->tolerance ? extreme->rows : 0;
@@ -129,7 +129,7 @@ void ClipTally::add(const Piece& piece) {
 // The top of a wave, a parabola, stays in its highest step at most sqrt(2) + 1 times as long as in the next.
 bool ClipTally::is_limit(const Extreme& one, const Extreme& opposite) const {
   const bool symmetric = one.limit > one.tolerance && std::abs(one.limit - opposite.limit) <= one.tolerance &&
-                         std::min(one.longest, opposite.longest) >= numbers_.shortest_plateau;
+                         std::min(one.longest, opposite.longest) >= numbers.shortest_plateau;
   const auto is_flat = [](const Extreme& e) { return e.rows > (std::sqrt(2.0) + 1.0) * e.below; };
   return one.abrupt || (symmetric && is_flat(one) && is_flat(opposite));
 }
@@ -142,7 +142,7 @@ void ClipTally::conclude(Findings* findings, std::vector<SaturatedInterval>* sat
       saturated->insert(saturated->end(), extreme.stretches.begin(), extreme.stretches.end());
     const double share = share_of(extreme.rows, rows_);
     const double limit = extreme.sign * extreme.limit;
-    findings->add(share > numbers_.many_clipped ? Severity::kFault : Severity::kWarning, "saturation", extreme.place,
+    findings->add(share > numbers.many_clipped ? Severity::kFault : Severity::kWarning, "saturation", extreme.place,
                   {share, limit, unit_of(extreme.place.signal)},
                   text("The ", extreme.place.signal == "tau" ? "torque" : "current", " of ",
                        named(extreme.place), " sits exactly at its extreme ", number(limit), " in ",
@@ -186,10 +186,10 @@ void check_torque_steps(const Head& head, Findings* findings) {
         values.push_back(now);
         if (change > 0.0) changes.push_back(change);
       }
-      if (static_cast<int>(changes.size()) < head.numbers.fewest_changes) continue;
-      const double range = between_quantiles(values, head.numbers.ends, 1.0 - head.numbers.ends);
-      if (!quantile_exceeds(changes, head.numbers.ends, head.numbers.coarse * range)) continue;
-      const double step = quantile(changes, head.numbers.ends);
+      if (static_cast<int>(changes.size()) < numbers.fewest_changes) continue;
+      const double range = between_quantiles(values, numbers.ends, 1.0 - numbers.ends);
+      if (!quantile_exceeds(changes, numbers.ends, numbers.coarse * range)) continue;
+      const double step = quantile(changes, numbers.ends);
       double square = 0.0;
       for (const double v : values) square += v * v;
       const double rms = std::sqrt(square / static_cast<double>(values.size()));

@@ -15,24 +15,24 @@ struct Repeats {
   long count = 0;
 };
 
-double resolution_of(const Head& head, const MatrixXd& values, int joint) {
+double resolution_of(const MatrixXd& values, int joint) {
   std::vector<double> changes;
   for (int k = 1; k < values.rows(); ++k) {
     const double change = std::abs(values(k, joint) - values(k - 1, joint));
     if (change > 0.0) changes.push_back(change);
   }
-  return changes.empty() ? 0.0 : quantile(std::move(changes), head.numbers.ends);
+  return changes.empty() ? 0.0 : quantile(std::move(changes), numbers.ends);
 }
 
 Repeats repeats_of(const Head& head, const MatrixXd& values, int joint) {
-  double resolution = resolution_of(head, values, joint);
+  double resolution = resolution_of(values, joint);
   // A velocity that was made of a coarse position goes in its steps.
-  if (&values == &head.rows.dq && head.step > 0.0) resolution = std::max(resolution, 0.5 * resolution_of(head, head.rows.q, joint) / head.step);
+  if (&values == &head.rows.dq && head.step > 0.0) resolution = std::max(resolution, 0.5 * resolution_of(head.rows.q, joint) / head.step);
   Repeats repeats;
   for (int k = 2; k + 1 < values.rows(); ++k) {
     const auto stale = head.stale.begin() + k;
     if (*(stale - 1) || *stale || *(stale + 1)) continue;
-    if (!(std::abs(values(k + 1, joint) - values(k - 2, joint)) > head.numbers.fine * resolution)) continue;
+    if (!(std::abs(values(k + 1, joint) - values(k - 2, joint)) > numbers.fine * resolution)) continue;
     ++repeats.rows;
     repeats.count += values(k, joint) == values(k - 1, joint) ? 1 : 0;
   }
@@ -46,9 +46,9 @@ void check_stale_signals(const Head& head, Findings* findings) {
     const MatrixXd& values = head.rows.*signal.values;
     for (int j = 0; j < values.cols(); ++j) {
       const Repeats repeats = repeats_of(head, values, j);
-      if (repeats.rows < head.numbers.fewest_fine) continue;
+      if (repeats.rows < numbers.fewest_fine) continue;
       const double share = share_of(repeats.count, repeats.rows);
-      if (share < head.numbers.repeating) continue;
+      if (share < numbers.repeating) continue;
       const Place place{signal.name, j + 1};
       findings->add(Severity::kWarning, "stale_signal", place, {share, kNone, ""},
                     text("The signal of ", named(place), " repeats its value in ", percent(share),

@@ -14,7 +14,7 @@ void AbsurdTally::clean(Recording* rows, int fresh) {
     for (const RecordingSignal& signal : kRecordingSignals) {
       MatrixXd& values = rows->*signal.values;
       for (int j = 0; j < values.cols(); ++j) {
-        if (!(std::abs(values(k, j)) > numbers_.absurd)) continue;
+        if (!(std::abs(values(k, j)) > numbers.absurd)) continue;
         values(k, j) = kNone;
         bad = true;
         ++bad_values_;
@@ -33,7 +33,7 @@ void AbsurdTally::conclude(Findings* findings) const {
       {share(), static_cast<double>(bad_values_), "numbers"},
       text(counted(bad_values_, "number"), " beyond +-1e6 in ", percent(share()),
            " of the rows, the first at t = ", number(first_time_), " s: the file is broken",
-           share() < numbers_.hopeless_share ? " there." : "; its motion is not judged."));
+           share() < numbers.hopeless_share ? " there." : "; its motion is not judged."));
 }
 
 // ---- time
@@ -43,7 +43,7 @@ void TimeTally::add(const Piece& piece) {
   if (rows_ == 0) first_ = time[0];
   for (int k = std::max(piece.fresh, 1); k < time.size(); ++k) {
     const double dt = time[k] - time[k - 1];
-    if (dt <= numbers_.hole * step_) continue;
+    if (dt <= numbers.hole * step_) continue;
     ++holes_;
     lost_rows_ += std::round(dt / step_) - 1.0;
     lost_time_ += dt - step_;
@@ -61,8 +61,8 @@ void TimeTally::conclude(Findings* findings) const {
       Severity::kInfo, "sample_rate", {}, {kNone, 1.0 / step_, "Hz"},
       text("One row every ", number(1e3 * step_), " ms (median), ", number(1.0 / step_), " Hz."));
   const double mean_rate = static_cast<double>(rows_ - 1) / (last_ - first_ - lost_time_);
-  const bool misleading = std::abs(mean_rate * step_ - 1.0) > numbers_.misleading;
-  if (longest_ - shortest_ > numbers_.irregular * step_) {
+  const bool misleading = std::abs(mean_rate * step_ - 1.0) > numbers.misleading;
+  if (longest_ - shortest_ > numbers.irregular * step_) {
     findings->add(misleading ? Severity::kWarning : Severity::kInfo, "irregular_time", {},
                   {kNone, mean_rate, "Hz"},
                   text("Time steps vary from ", number(1e3 * shortest_), " to ",
@@ -72,7 +72,7 @@ void TimeTally::conclude(Findings* findings) const {
   if (holes_ > 0) {
     const double share = lost_rows_ / (static_cast<double>(rows_) + lost_rows_);
     findings->add(
-        share > numbers_.many_missing || longest_hole_ > numbers_.long_hole * step_ ? Severity::kWarning : Severity::kInfo,
+        share > numbers.many_missing || longest_hole_ > numbers.long_hole * step_ ? Severity::kWarning : Severity::kInfo,
         "missing_rows", {}, {share, longest_hole_, "s"},
         text("About ", number(lost_rows_), " rows are missing (", percent(share), ") in ",
              counted(holes_, "place"), "; the longest hole is ", number(1e3 * longest_hole_),
@@ -83,7 +83,7 @@ void TimeTally::conclude(Findings* findings) const {
 // ---- stale rows, gaps, constants
 
 RowTally::RowTally(const Head& head)
-    : numbers_(head.numbers), beyond_(static_cast<std::size_t>(head.rows.joints()), 0) {
+    : beyond_(static_cast<std::size_t>(head.rows.joints()), 0) {
   for (const RecordingSignal& signal : kRecordingSignals) {
     for (int j = 1; j <= (head.rows.*signal.values).cols(); ++j) channels_.push_back({{signal.name, j}});
   }
@@ -120,9 +120,9 @@ void RowTally::add(const Piece& piece) {
 
 void RowTally::conclude(Findings* findings) const {
   const double stale = share_of(stale_, rows_);
-  if (stale >= numbers_.few_stale) {
-    const Severity severity = stale > numbers_.frozen      ? Severity::kFault
-                              : stale > numbers_.many_stale ? Severity::kWarning
+  if (stale >= numbers.few_stale) {
+    const Severity severity = stale > numbers.frozen      ? Severity::kFault
+                              : stale > numbers.many_stale ? Severity::kWarning
                                                    : Severity::kInfo;
     findings->add(
         severity, "stale_rows", {}, {stale, static_cast<double>(longest_stale_), "rows"},
@@ -140,7 +140,7 @@ void RowTally::conclude(Findings* findings) const {
   conclude_constant(findings);
   for (std::size_t j = 0; j < beyond_.size(); ++j) {
     const double share = share_of(beyond_[j], rows_);
-    if (share < numbers_.beyond_turns) continue;
+    if (share < numbers.beyond_turns) continue;
     const Place place{"q", static_cast<int>(j) + 1};
     findings->add(Severity::kWarning, "degrees", place, {share, kNone, ""},
                   text("The position of ", named(place), " is beyond +-4 pi in ", percent(share),
@@ -151,8 +151,8 @@ void RowTally::conclude(Findings* findings) const {
 void RowTally::add_gaps(const Channel& channel, const Place& place, const std::string& who,
                         Findings* findings) const {
   const double share = share_of(channel.gaps, rows_);
-  const Severity severity = share > numbers_.many_gaps  ? Severity::kFault
-                            : share > numbers_.few_gaps ? Severity::kWarning
+  const Severity severity = share > numbers.many_gaps  ? Severity::kFault
+                            : share > numbers.few_gaps ? Severity::kWarning
                                             : Severity::kInfo;
   const std::string lacks = channel.gaps == rows_ ? text(who, " holds no number in any row")
                                                   : text(who, " lacks ", counted(channel.gaps, "value"), " (", percent(share),
@@ -174,7 +174,7 @@ void RowTally::conclude_gaps(Findings* findings) const {
                         [](const Channel& a, const Channel& b) { return a.gaps < b.gaps; });
   const long affected = std::count_if(channels_.begin(), channels_.end(),
                                       [](const Channel& channel) { return channel.gaps > 0; });
-  if (affected > numbers_.many_signals) {
+  if (affected > numbers.many_signals) {
     return add_gaps(worst, {},
                     text(affected, " of ", channels_.size(), " signals have gaps; the worst, ",
                          named(worst.place), ","),

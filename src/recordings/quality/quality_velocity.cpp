@@ -18,7 +18,6 @@ struct VelocityFit {
 };
 
 VelocityFit velocity_fit(const Head& head, int joint) {
-  const QualityNumbers& numbers = head.numbers;
   const Recording& rows = head.rows;
   const int window = window_rows(head);
   VectorXd angle = VectorXd::Zero(rows.rows());  // integral of dq
@@ -73,7 +72,7 @@ VelocityFit velocity_fit(const Head& head, int joint) {
 
 void check_delay(const Head& head, int joint, Findings* findings) {
   const std::optional<double> delay = velocity_delay(head, joint);
-  if (!delay || std::abs(*delay) < head.numbers.delay_rows * head.step) return;
+  if (!delay || std::abs(*delay) < numbers.delay_rows * head.step) return;
   const Place place{"dq", joint + 1};
   findings->add(Severity::kWarning, "velocity_delay", place, {kNone, *delay, "s"},
                 text("The velocity of ", named(place), " comes ", number(1e3 * std::abs(*delay)),
@@ -82,7 +81,6 @@ void check_delay(const Head& head, int joint, Findings* findings) {
 
 // Quantisation of dq from its steps between rows, without stale rows and the rows after them.
 void check_quantised(const Head& head, int joint, const VelocityFit& fit, double range, Findings* findings) {
-  const QualityNumbers& numbers = head.numbers;
   const auto dq = head.rows.dq.col(joint);
   std::vector<double> steps;
   std::vector<double> changes;
@@ -127,18 +125,18 @@ void check_noise(const Head& head, int joint, double range, Findings* findings) 
     derived += of_q * of_q;
     ++windows;
   }
-  if (windows < head.numbers.fewest_windows) return;
+  if (windows < numbers.fewest_windows) return;
   // The second difference of white noise has sqrt(6) times its standard deviation.
   const double noise = std::sqrt(recorded / (kSecondDifference * windows));
   const double ratio = std::sqrt(recorded / std::max(derived, 1e-300));
-  if (ratio < head.numbers.noisier || noise < head.numbers.no_noise * range) return;
+  if (ratio < numbers.noisier || noise < numbers.no_noise * range) return;
   const Place place{"dq", joint + 1};
   findings->add(Severity::kInfo, "velocity_noise", place, {noise / range, noise, unit_of("dq")},
                 text("The velocity of ", named(place), " has noise of ", number(noise), ", ",
                      number(ratio), " times that of its position's derivative."));
 }
 
-void report_joint_scale(const Place& place, const VelocityFit& fit, const QualityNumbers& numbers, Findings* findings) {
+void report_joint_scale(const Place& place, const VelocityFit& fit, Findings* findings) {
   const Size size{kNone, fit.factor, ""};
   if (std::abs(fit.factor + 1.0) < numbers.sign_error) {
     findings->add(Severity::kFault, "velocity_sign", place, size,
@@ -163,7 +161,7 @@ void report_joint_scale(const Place& place, const VelocityFit& fit, const Qualit
 // A position that goes on from row to row as it went is that of a motion. The noise of a resting joint
 // turns round, and poses at rest do not follow each other within a window.
 bool goes_on(const Head& head, int joint) {
-  if (head.step >= head.numbers.window) return false;
+  if (head.step >= numbers.window) return false;
   const auto q = head.rows.q.col(joint);
   double onward = 0.0;
   for (int k = 2; k < q.size(); ++k) {
@@ -177,7 +175,6 @@ bool goes_on(const Head& head, int joint) {
 // The same factor on all joints indicates the clock (or the unit), else single channels.
 void report_scales(const Head& head, const std::vector<int>& joints,
                    const std::vector<VelocityFit>& fits, Findings* findings) {
-  const QualityNumbers& numbers = head.numbers;
   double low = INFINITY;
   double high = -INFINITY;
   std::vector<double> factors;
@@ -204,7 +201,7 @@ void report_scales(const Head& head, const std::vector<int>& joints,
   }
   for (std::size_t f = 0; f < fits.size(); ++f) {
     if (std::abs(fits[f].factor - 1.0) > numbers.scale_error)
-      report_joint_scale({"dq", joints[f] + 1}, fits[f], numbers, findings);
+      report_joint_scale({"dq", joints[f] + 1}, fits[f], findings);
   }
 }
 
@@ -217,18 +214,18 @@ void check_velocities(const Head& head, Findings* findings) {
   for (int j = 0; j < head.rows.joints(); ++j) {
     if (!head.moves[j]) continue;
     const VelocityFit fit = velocity_fit(head, j);
-    if (fit.zero && goes_on(head, j)) report_joint_scale({"dq", j + 1}, fit, head.numbers, findings);
+    if (fit.zero && goes_on(head, j)) report_joint_scale({"dq", j + 1}, fit, findings);
     const double* const dq = head.rows.dq.col(j).data();
-    const double range = between_quantiles({dq, dq + head.rows.rows()}, head.numbers.ends, 1.0 - head.numbers.ends);
+    const double range = between_quantiles({dq, dq + head.rows.rows()}, numbers.ends, 1.0 - numbers.ends);
     check_quantised(head, j, fit, range, findings);
-    if (!fit.clear && std::abs(fit.correlation) < head.numbers.related && goes_on(head, j)) {
+    if (!fit.clear && std::abs(fit.correlation) < numbers.related && goes_on(head, j)) {
       const Place place{"dq", j + 1};
       findings->add(Severity::kFault, "velocity_unrelated", place, {kNone, fit.correlation, ""},
                     text("The velocity of ", named(place), " is not the derivative of its position (correlation ", number(fit.correlation),
                          "): take it from the position."));
     }
     if (!fit.clear) continue;
-    if (std::abs(fit.factor - 1.0) <= head.numbers.scale_error) check_noise(head, j, range, findings);
+    if (std::abs(fit.factor - 1.0) <= numbers.scale_error) check_noise(head, j, range, findings);
     joints.push_back(j);
     fits.push_back(fit);
     check_delay(head, j, findings);

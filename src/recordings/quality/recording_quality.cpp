@@ -32,17 +32,17 @@ Recording joined(const Recording& before, const Recording& next) {
 }
 
 // Runs all tallies over all rows, of which the first have been read.
-RecordingQuality judged(Recording head_rows, const std::string& file, const Source& source, const QualityNumbers& numbers) {
+RecordingQuality judged(Recording head_rows, const std::string& file, const Source& source) {
   require(head_rows.rows() > 0, file, ": found no row, expected numbers below the header.");
   RecordingQuality quality;
   quality.file = file;
   quality.joints = head_rows.joints();
   quality::Findings findings(file);
-  quality::AbsurdTally absurd(numbers);
+  quality::AbsurdTally absurd;
   absurd.clean(&head_rows, 0);
   const double first_time = head_rows.time[0];
 
-  const quality::Head head(head_rows, numbers);
+  const quality::Head head(head_rows);
   quality::TimeTally time(head);
   quality::RowTally rows(head);
   quality::JumpTally jumps(head);
@@ -68,9 +68,9 @@ RecordingQuality judged(Recording head_rows, const std::string& file, const Sour
   absurd.conclude(&findings);
   rows.conclude(&findings);
   if (quality.rows > 1) quality.rate = 1.0 / head.step;
-  if (quality.rows >= numbers.fewest_rows) {
+  if (quality.rows >= quality::numbers.fewest_rows) {
     time.conclude(&findings);
-    if (absurd.share() < numbers.hopeless_share) {
+    if (absurd.share() < quality::numbers.hopeless_share) {
       jumps.conclude(&findings);
       clips.conclude(&findings, &quality.saturated);
       quality::check_motion(head, &findings);
@@ -158,7 +158,7 @@ RecordingQuality check_recording(const std::string& path, const RecordingOptions
 }
 
 RecordingQuality check_rows(const std::string& path, const OpenedRows& rows) {
-  RecordingQuality quality = judged(rows.next(quality::kHeadRows), path, rows.next, QualityNumbers());
+  RecordingQuality quality = judged(rows.next(quality::kHeadRows), path, rows.next);
   quality.facts = rows.facts();
   // Remarks of the reader come after faults and warnings.
   auto at = std::find_if(quality.findings.begin(), quality.findings.end(),
@@ -175,16 +175,12 @@ RecordingQuality check_rows(const std::string& path, const OpenedRows& rows) {
 }
 
 RecordingQuality check_recording(const Recording& recording) {
-  return check_recording(recording, QualityNumbers());
-}
-
-RecordingQuality check_recording(const Recording& recording, const QualityNumbers& numbers) {
   int row = std::min(recording.rows(), quality::kHeadRows);
   return judged(rows_of(recording, 0, row), recording.source, [&](int count) {
     const int first = row;
     row += std::min(count, recording.rows() - row);
     return rows_of(recording, first, row - first);
-  }, numbers);
+  });
 }
 
 }  // namespace veridyn

@@ -224,7 +224,6 @@ std::string to_json(const Diagnosis& d, const std::string& next_command) {
                                          {"to", part.to},
                                          {"why", part.why}});
   }
-  out["left_out"] = out["excluded_intervals"];  // key of earlier versions
   out["data_quality"] = quality_json(d);
   out["settings"] = settings_json(d.baseline);
   out["seconds"] = d.seconds;

@@ -50,7 +50,6 @@ Json drive_gains_json(const std::vector<DriveGain>& joints) {
                    {"ci95", {g.low, g.high}},
                    {"unit", g.unit},
                    {"identifiable", g.identifiable},
-                   {"told", g.identifiable},  // key of earlier versions
                    {"why", g.identifiable ? Json() : Json(g.reason)},
                    {"share", g.share}});
   }
@@ -64,7 +63,6 @@ Json known_masses_json(const std::vector<MountedLoad>& loads) {
                    {"frame", load.known.frame},
                    {"recordings", load.known.recordings},
                    {"identified", load.identified},
-                   {"told_by_data", load.identified},  // key of earlier versions
                    {"centre", load.centre ? json_list(*load.centre) : Json()},
                    {"centre_std", load.centre ? json_list(load.centre_deviation) : Json()}});
   }

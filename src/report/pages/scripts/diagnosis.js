@@ -223,11 +223,11 @@ function cannotTell() {
 }
 
 function leftOut() {
-  const list = result.left_out || [];
+  const list = result.excluded_intervals || [];
   return list.length ? [
     heading('Left out'), paragraph('note', 'Moments that belong to a recording and not to the arm; no fit and no error counts them. The plots over time mark them.'),
     table(['Recording', 'Joint', 'Time', 'Why'], list.map((part, k) => [strong(fileName(part.file)), shortJoint(part.joint),
-        element('span', {}, number('/left_out/' + k + '/from', 'plain', fixed(2)), ' to ', number('/left_out/' + k + '/to', 'plain', fixed(2)), '\u00a0s'), typeset(part.why)]), 'left-out')] : null;
+        element('span', {}, number('/excluded_intervals/' + k + '/from', 'plain', fixed(2)), ' to ', number('/excluded_intervals/' + k + '/to', 'plain', fixed(2)), '\u00a0s'), typeset(part.why)]), 'left-out')] : null;
 }
 
 function filledRows(place) {
@@ -236,7 +236,7 @@ function filledRows(place) {
 
 function qualityTable() {
   const groups = groupBy(result.data_quality || [], (item) => item.file);
-  if (!groups.length) return (result.left_out || []).length ? null : paragraph('', 'Nothing to remark.');
+  if (!groups.length) return (result.excluded_intervals || []).length ? null : paragraph('', 'Nothing to remark.');
   return table(['Recording', 'Remarks'], groups.map((group) => [strong(fileName(group[0].item.file)), element('ul', {class: 'remarks'}, group.map(
       ({item, k}) => element('li', {}, typeset(item.sentence), item.filled_rows ? filledRows('/data_quality/' + k + '/filled_rows') : null)))]), 'quality');
 }

@@ -60,7 +60,7 @@ function showMoment(t) {
 
 // Moments that the result leaves out, as pale bands behind the curves.
 function markLeftOut(joint, recording) {
-  const parts = (result.left_out || []).filter((part) => part.file === recording.source && (!part.joint || part.joint === joint));
+  const parts = (result.excluded_intervals || []).filter((part) => part.file === recording.source && (!part.joint || part.joint === joint));
   return (pen, area, graph) => {
     pen.fillStyle = colour('left-out');
     for (const part of parts) {

@@ -15,8 +15,8 @@ namespace {
 constexpr double kDependent = 1e-9;  // squared remainder of a column, relative to its square
 
 // Bound of a parameter's uncertainty (two standard deviations) for which fitting it is useful.
-double loose(const LinkParameter& p, const LinksNumbers& numbers) {
-  return p.unit == "m" ? numbers.loose_length : p.unit == "rad" ? numbers.loose_angle : numbers.loose_ratio;
+double loose(const LinkParameter& p) {
+  return p.unit == "m" ? links_numbers.loose_length : p.unit == "rad" ? links_numbers.loose_angle : links_numbers.loose_ratio;
 }
 
 MatrixXd block(const MatrixXd& N, const std::vector<int>& rows, const std::vector<int>& columns) {
@@ -58,13 +58,13 @@ struct Loosest {
 };
 
 Loosest loosest(const LinkParameters& parameters, const LinkNormal& normal,
-                const std::vector<int>& active, const LinksNumbers& numbers) {
+                const std::vector<int>& active) {
   const VectorXd s = deviations(normal, active);
   Loosest out;
   for (std::size_t k = 0; k < active.size(); ++k) {
     const LinkParameter& p = parameters.all()[active[k]];
     if (p.kind == LinkParameter::Kind::kBase || p.kind == LinkParameter::Kind::kTool) continue;
-    const double share = 2.0 * s[static_cast<Eigen::Index>(k)] / loose(p, numbers);
+    const double share = 2.0 * s[static_cast<Eigen::Index>(k)] / loose(p);
     if (share > out.share) out = {static_cast<int>(k), share};
   }
   return out;
@@ -73,11 +73,10 @@ Loosest loosest(const LinkParameters& parameters, const LinkNormal& normal,
 // Removes parameters whose uncertainty is too large, worst first. A parameter that was dependent on
 // them can then be well determined: an encoder zero beside two lengths that hardly differ in their
 // effect. Such ones come in, or what only they explain would be nobody's.
-void leave_out_loose_ones(const LinkParameters& parameters, const LinkNormal& normal,
-                          const LinksNumbers& numbers, LinkChoice& out) {
+void leave_out_loose_ones(const LinkParameters& parameters, const LinkNormal& normal, LinkChoice& out) {
   std::vector<int> removed;
   for (;;) {
-    const Loosest worst = loosest(parameters, normal, out.independent, numbers);
+    const Loosest worst = loosest(parameters, normal, out.independent);
     if (worst.share < 1.0) break;
     const int p = out.independent[worst.at];
     out.why[p] = "hardly moves the tracked frame in these poses";
@@ -90,10 +89,10 @@ void leave_out_loose_ones(const LinkParameters& parameters, const LinkNormal& no
         std::find(removed.begin(), removed.end(), k) != removed.end())
       continue;
     const double deviation = gains(normal, out.independent)[k].deviation;
-    if (deviation <= 0.0 || 2.0 * deviation > loose(parameters.all()[k], numbers)) continue;
+    if (deviation <= 0.0 || 2.0 * deviation > loose(parameters.all()[k])) continue;
     std::vector<int> with = out.independent;
     with.insert(std::upper_bound(with.begin(), with.end(), k), k);
-    if (loosest(parameters, normal, with, numbers).share >= 1.0) continue;
+    if (loosest(parameters, normal, with).share >= 1.0) continue;
     out.independent = with;
     out.why[k].clear();
   }
@@ -101,8 +100,7 @@ void leave_out_loose_ones(const LinkParameters& parameters, const LinkNormal& no
 
 }  // namespace
 
-LinkChoice identifiable_links(const LinkParameters& parameters, const LinkNormal& normal,
-                              const LinksNumbers& numbers, bool leave_out_loose) {
+LinkChoice identifiable_links(const LinkParameters& parameters, const LinkNormal& normal, bool leave_out_loose) {
   std::vector<std::string> names;
   std::vector<int> preference;
   for (int k = 0; k < parameters.size(); ++k) {
@@ -135,7 +133,7 @@ LinkChoice identifiable_links(const LinkParameters& parameters, const LinkNormal
             ? "does not move the tracked frame in these poses"
             : "cannot be told from " + made_of(parameters, base, k);
   }
-  if (leave_out_loose) leave_out_loose_ones(parameters, normal, numbers, out);
+  if (leave_out_loose) leave_out_loose_ones(parameters, normal, out);
   return out;
 }
 

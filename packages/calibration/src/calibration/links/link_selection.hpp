@@ -18,8 +18,7 @@ struct LinkChoice {
 /// Independent columns in the order of the parameters, by the code for base parameters; then, if
 /// `leave_out_loose`, parameters whose uncertainty would be too large are removed one by one, worst
 /// first, and dependent ones that are well determined without these take their place.
-LinkChoice identifiable_links(const LinkParameters& parameters, const LinkNormal& normal,
-                              const LinksNumbers& numbers, bool leave_out_loose = true);
+LinkChoice identifiable_links(const LinkParameters& parameters, const LinkNormal& normal, bool leave_out_loose = true);
 
 /// Deviations of the active parameters, (active), for residuals of variance one.
 VectorXd deviations(const LinkNormal& normal, const std::vector<int>& active);

@@ -37,9 +37,6 @@ int last_frame(const Model& arm) {
 
 // One hypothesis about base and tool: its parameters, fitted in full.
 struct Attachment {
-  explicit Attachment(const LinksNumbers& given) : numbers(&given) {}
-
-  const LinksNumbers* numbers;
   bool base_free = false, tool_free = false;
   std::unique_ptr<LinkParameters> parameters;
   std::unique_ptr<LinkChain> chain;
@@ -56,8 +53,8 @@ std::vector<int> every_row(int frames) {
 }
 
 Attachment attach(const Model& arm, int frame, const PoseCapture& poses, bool base_free,
-                  bool tool_free, const LinksOptions& options, const LinksNumbers& numbers) {
-  Attachment a(numbers);
+                  bool tool_free, const LinksOptions& options) {
+  Attachment a;
   a.base_free = base_free;
   a.tool_free = tool_free;
   a.parameters = std::make_unique<LinkParameters>(arm, frame, base_free, tool_free,
@@ -80,7 +77,7 @@ Attachment attach(const Model& arm, int frame, const PoseCapture& poses, bool ba
   for (int round = 0; round < 2; ++round) {
     const LinkNormal normal = link_normal(*a.chain, a.data, round == 0 ? a.start : a.x);
     // The residual includes wrong constants at first, so that only rank decides.
-    a.choice = identifiable_links(*a.parameters, normal, numbers, round > 0);
+    a.choice = identifiable_links(*a.parameters, normal, round > 0);
     VectorXd from = round == 0 ? a.start : a.x;
     for (int k = 0; k < from.size(); ++k) {
       if (!std::binary_search(a.choice.independent.begin(), a.choice.independent.end(), k))
@@ -91,19 +88,19 @@ Attachment attach(const Model& arm, int frame, const PoseCapture& poses, bool ba
   return a;
 }
 
-bool near_file(const Model& arm, int frame, const PoseCapture& poses, const LinksNumbers& numbers) {
+bool near_file(const Model& arm, int frame, const PoseCapture& poses) {
   const LinkParameters none(arm, frame, false, false, true);
   LinkChain chain(none, Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity());
   LinkData data;
   data.poses = &poses;
   data.rows = every_row(poses.frames());
   LinkErrors errors = link_errors(chain, data, VectorXd::Zero(none.size()));
-  return median(errors.position) < numbers.near_position &&
-         (!poses.has_orientation || median(errors.angle) < numbers.near_angle);
+  return median(errors.position) < links_numbers.near_position &&
+         (!poses.has_orientation || median(errors.angle) < links_numbers.near_angle);
 }
 
 Attachment chosen_attachment(const Model& arm, int frame, const PoseCapture& poses,
-                             const LinksOptions& options, const LinksNumbers& numbers) {
+                             const LinksOptions& options) {
   const auto is = [](AttachedPose p, AttachedPose q) { return p == q; };
   const bool open = is(options.base, AttachedPose::kAutomatic) ||
                     is(options.tool, AttachedPose::kAutomatic);
@@ -114,15 +111,15 @@ Attachment chosen_attachment(const Model& arm, int frame, const PoseCapture& pos
     const bool tool = is(options.tool, AttachedPose::kAutomatic)
                           ? automatic
                           : is(options.tool, AttachedPose::kFree);
-    return attach(arm, frame, poses, base, tool, options, numbers);
+    return attach(arm, frame, poses, base, tool, options);
   };
   if (!open) return with(false);
   Attachment free = with(true);
-  if (!near_file(arm, frame, poses, numbers)) return free;
+  if (!near_file(arm, frame, poses)) return free;
   Attachment known = with(false);
   const bool as_good =
-      known.data.noise.position <= numbers.as_good * free.data.noise.position + kNoise &&
-      known.data.noise.angle <= numbers.as_good * free.data.noise.angle + kNoise;
+      known.data.noise.position <= links_numbers.as_good * free.data.noise.position + kNoise &&
+      known.data.noise.angle <= links_numbers.as_good * free.data.noise.angle + kNoise;
   return as_good ? std::move(known) : std::move(free);
 }
 
@@ -143,15 +140,15 @@ std::vector<int> joined(const std::vector<int>& a, const std::vector<int>& b) {
 
 // Relative change of a constant; constants that are zero by design change last. An encoder zero comes
 // before all others.
-double relative_change(const LinkParameter& p, const LinkGain& gain, const LinksNumbers& numbers) {
+double relative_change(const LinkParameter& p, const LinkGain& gain) {
   constexpr double kNever = std::numeric_limits<double>::infinity();
-  if (p.kind == Kind::kZero && std::abs(gain.step) < (p.is_angle() ? numbers.homed_angle : numbers.homed_position))
+  if (p.kind == Kind::kZero && std::abs(gain.step) < (p.is_angle() ? links_numbers.homed_angle : links_numbers.homed_position))
     return 0.0;
   if (std::abs(p.file) < kNoise) return kNever;
   const double change = std::abs(gain.step / p.file);
   if (p.kind != Kind::kConstant) return change;
   // A constant that would change by more than half is probably not the wrong one.
-  return change > numbers.misplaced ? kNever : numbers.preferred * change;
+  return change > links_numbers.misplaced ? kNever : links_numbers.preferred * change;
 }
 
 // How many of base and tool are where the file has them, with these parameters fitted.
@@ -166,7 +163,7 @@ int attached_as_in_file(Attachment& a, const std::vector<int>& active, const Vec
     const Eigen::Isometry3d& T = p.kind == Kind::kBase ? a.chain->base() : a.chain->tool();
     const double off = p.index < 3 ? rotation_vector(T.linear())[p.index]
                                    : T.translation()[p.index - 3];
-    if (std::abs(off) > a.numbers->significant * std::sqrt(correlation) * s[static_cast<Eigen::Index>(k)])
+    if (std::abs(off) > links_numbers.significant * std::sqrt(correlation) * s[static_cast<Eigen::Index>(k)])
       (p.kind == Kind::kBase ? base : tool) = false;
   }
   return static_cast<int>(base) + static_cast<int>(tool);
@@ -196,14 +193,14 @@ int best_gain(Attachment& a, const std::vector<int>& active, const std::vector<L
       own_in_file = attached_as_in_file(a, with, fitted_links(*a.chain, a.data, with, x, 0.0),
                                         correlation);
     }
-    const double own = relative_change(all[k], gain[k], *a.numbers);
+    const double own = relative_change(all[k], gain[k]);
     if (best >= 0 && (own_in_file < in_file || (own_in_file == in_file && !(own < change)))) continue;
     best = k;
     in_file = own_in_file;
     change = own;
   }
   for (int k = 0; k < a.parameters->size(); ++k) {
-    if (k == best || gain[k].gain < a.numbers->rival * most) continue;
+    if (k == best || gain[k].gain < links_numbers.rival * most) continue;
     rivals += (rivals.empty() ? "" : ", ") + all[k].full_name();
   }
   return best;
@@ -215,7 +212,7 @@ void drop_superfluous(Attachment& a, Explanation& e, double correlation) {
     const std::vector<int> active = joined(a.attached, e.named);
     const VectorXd s = deviations(link_normal(*a.chain, a.data, e.x), active);
     const auto at = std::find(active.begin(), active.end(), e.named[k]) - active.begin();
-    if (std::abs(e.x[e.named[k]]) > a.numbers->significant * std::sqrt(correlation) * s[at]) {
+    if (std::abs(e.x[e.named[k]]) > links_numbers.significant * std::sqrt(correlation) * s[at]) {
       ++k;
       continue;
     }
@@ -385,30 +382,7 @@ std::string why_not(const Model& arm, const PoseCapture& poses, int fewest) {
 
 }  // namespace
 
-const std::vector<TableNumber<LinksNumbers>>& links_numbers() {
-  using T = LinksNumbers;
-  static const std::vector<TableNumber<T>> kAll = {number_of<&T::fewest_frames>("fewest_frames"),
-                                                   number_of<&T::near_position>("near_position"),
-                                                   number_of<&T::near_angle>("near_angle"),
-                                                   number_of<&T::as_good>("as_good"),
-                                                   number_of<&T::homed_angle>("homed_angle"),
-                                                   number_of<&T::homed_position>("homed_position"),
-                                                   number_of<&T::rival>("rival"),
-                                                   number_of<&T::significant>("significant"),
-                                                   number_of<&T::misplaced>("misplaced"),
-                                                   number_of<&T::preferred>("preferred"),
-                                                   number_of<&T::loose_length>("loose_length"),
-                                                   number_of<&T::loose_angle>("loose_angle"),
-                                                   number_of<&T::loose_ratio>("loose_ratio")};
-  return kAll;
-}
-
 LinksCalibration calibrate_links(const Model& arm, const PoseCapture& poses, const LinksOptions& options) {
-  return calibrate_links(arm, poses, options, LinksNumbers());
-}
-
-LinksCalibration calibrate_links(const Model& arm, const PoseCapture& poses, const LinksOptions& options,
-                                 const LinksNumbers& numbers) {
   const auto began = std::chrono::steady_clock::now();
   require(poses.q.cols() == arm.joints(), poses.source, ": found ",
           poses.q.cols() == 0 ? std::string("no columns of joints")
@@ -421,9 +395,9 @@ LinksCalibration calibrate_links(const Model& arm, const PoseCapture& poses, con
   out.source = poses.source;
   out.frame = arm.frames()[frame].name;
   out.frames = poses.frames();
-  out.reason = why_not(arm, poses, numbers.fewest_frames);
+  out.reason = why_not(arm, poses, links_numbers.fewest_frames);
   if (!out.reason.empty()) return out;
-  Attachment a = chosen_attachment(arm, frame, poses, options, numbers);
+  Attachment a = chosen_attachment(arm, frame, poses, options);
   out.base_free = a.base_free;
   out.tool_free = a.tool_free;
   out.rank_gap = a.choice.rank_gap;

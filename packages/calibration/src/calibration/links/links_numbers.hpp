@@ -1,10 +1,5 @@
 #pragma once
 
-#include <vector>
-
-#include "veridyn/math/number_table.hpp"
-#include "veridyn/calibration/links.hpp"
-
 namespace veridyn {
 
 /// All numbers that can change what `calibrate links` names, each with its inequality and its reason.
@@ -30,11 +25,6 @@ struct LinksNumbers {
   double loose_length = 0.02, loose_angle = 0.05, loose_ratio = 0.2;
 };
 
-/// All numbers, in the order of the struct.
-const std::vector<TableNumber<LinksNumbers>>& links_numbers();
-
-/// calibrate_links() with other numbers.
-LinksCalibration calibrate_links(const Model& arm, const PoseCapture& poses, const LinksOptions& options,
-                                 const LinksNumbers& numbers);
+constexpr LinksNumbers links_numbers;
 
 }  // namespace veridyn

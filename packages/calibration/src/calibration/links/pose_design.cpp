@@ -163,7 +163,7 @@ PoseDesign design_poses(const Model& arm, const PoseDesignOptions& options) {
     q.push_back(std::move(one));
     full.push_back(std::move(J));
   }
-  const LinkChoice choice = identifiable_links(parameters, normal, LinksNumbers());
+  const LinkChoice choice = identifiable_links(parameters, normal);
   out.constants = static_cast<int>(choice.independent.size());
   if (6 * options.poses < out.constants) {
     out.reason = fmt::format("too few poses: {} for {} constants, and {} or more are needed",
