@@ -22,7 +22,7 @@ class TorqueCrosstalk final : public SensorError {
     t.lasting = true;
     return t;
   }
-  // One question for each pair of joints would cost all others a part of their significance.
+  // One torque of another joint imitates cables, springs and offsets.
   bool asked_unnamed() const override { return false; }
   bool acts_on(int i, std::optional<JointIndex> joint) const override { return i == joint->value; }
   std::vector<MatrixXd> columns(const ChannelMotion& motion, std::optional<JointIndex> joint) const override {

@@ -14,10 +14,10 @@
 
 namespace veridyn {
 
-/// Findings that the extended model contains.
+/// Findings that are listed; the extended model contains all with a name.
 enum class ExtendedModel {
-  kAllFindings,    ///< every finding that was accepted
-  kConfirmedOnly,  ///< those that are confirmed, see FindingStatus
+  kAllFindings,    ///< every finding
+  kConfirmedOnly,  ///< those that together explain nine tenths; the others stand apart
 };
 
 /// Treatment of dependences without a named cause.
@@ -61,10 +61,11 @@ struct Rival {
   std::string why;
 };
 
-/// What held-out parts of the training recordings say of a finding beside all others. The held-out
-/// recordings take no part in it: they measure what was chosen without them, see Agreement.
+/// What held-out parts of the training recordings say of a finding beside all others. A search accepts only what is
+/// confirmed; of a robot file, what the held-out recordings contradict is no finding either, so that the gain on them is
+/// that of causes which passed on them once. A diagnosis of poses at rest reports both.
 enum class FindingStatus {
-  kConfirmed,     ///< the parts are predicted better with it, its own joint too
+  kConfirmed,     ///< the parts are predicted better with it
   kNotConfirmed,  ///< they are not
 };
 const char* name_of(FindingStatus status);

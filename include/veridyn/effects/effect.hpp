@@ -137,8 +137,7 @@ class Effect {
   /// do.
   virtual std::vector<ActiveRange> active_ranges(const ShapeValues& /*shape*/) const { return {}; }
 
-  /// True if a diagnosis tests it by default. False: on request, or on joints whose error depends on
-  /// positions without a name, because it can imitate many other causes.
+  /// False if it can imitate many other causes: a diagnosis asks about it after all others, unless the user names it.
   virtual bool asked_unnamed() const { return true; }
 
   /// Describes the identified effect for a technician, to continue "Joint 3 has": "0.50 N of

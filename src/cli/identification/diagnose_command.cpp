@@ -124,7 +124,7 @@ void add_diagnose_command(CLI::App& tool, Outcome& outcome) {
   add_robot_argument(command, request->robot);
   add_value(command, "--train REC...", request->train, "Training recordings")->required();
   add_value(command, "--test REC...", request->test,
-            "Held-out recordings, on which the gain is measured")
+            "Held-out recordings, on which the gain is measured; of a robot file, what they contradict is no finding")
       ->required();
   add_value(command, "--effects EFFECT[:PLACE],...", request->options.effects,
             "Test these effects only, at every joint or at one")

@@ -160,7 +160,6 @@ class Explanation {
         of_finding_[at->second].push_back(k);
         continue;
       }
-      f.status = status_of(f);
       known.emplace(c.term.place, d_.findings.size());
       count_.push_back(1);
       of_finding_.push_back({k});

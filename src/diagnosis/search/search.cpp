@@ -285,8 +285,8 @@ class Search {
     return false;
   }
 
-  // What can do what any name does comes after all names: curves, and what imitates many others.
-  static bool comes_late(const Term& t) { return t.kind == TermKind::kCurve || t.imitates; }
+  // What can do what any name does comes after all names: curves, and what imitates many others unless the user asks for it.
+  bool comes_late(const Term& t) const { return t.kind == TermKind::kCurve || (t.imitates && request_.scope.wanted.empty()); }
   // What was refuted stays away.
   bool is_name(const Term& t) const { return !comes_late(t) && aside_.count(t.place) == 0; }
 
