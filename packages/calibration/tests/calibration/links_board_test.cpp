@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "calibration/links/links_numbers.hpp"
+#include "veridyn/calibration/links.hpp"
 #include "calibration/simulated_capture.hpp"
 #include "veridyn/files/model_file.hpp"
 
