@@ -202,6 +202,7 @@ struct Diagnosis {
   bool changes = false;  ///< the robot was a MODEL: findings are changes since its identification
   /// Findings that are not main stand apart: a list of their own in JSON, one line in text.
   bool small_apart = false;
+  bool mended = false;  ///< recordings or robot were transformed as the faults in `data_quality` say
   DiagnosisSummary summary;
   Identification baseline;  ///< the unmodified robot; the values of a MODEL are not fitted
   Identification extended;  ///< with the findings
