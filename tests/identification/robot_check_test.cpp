@@ -234,19 +234,13 @@ TEST_F(AMistakenRecording, OfAMotorThatCountsTheOtherWayIsMendedByUnits) {
   EXPECT_NE(sentences_.find("--units q2=-rad,dq2=-rad/s,tau2=-Nm mends it"), std::string::npos) << sentences_;
 }
 
-// The zero of a driver a quarter turn beside that of the robot file.
-TEST_F(AMistakenRecording, FromAnotherZeroIsMendedByUnits) {
-  const Recording sound = recorded("elbow-6r", 32);
-  Recording r = sound;
-  r.q.col(2).array() += 0.5 * M_PI;
-  EXPECT_EQ(findings(r), Names{"encoder_zero:3"}) << sentences_;
-  const std::size_t at = sentences_.find("--units q3=rad@");
-  ASSERT_NE(at, std::string::npos) << sentences_;
-  EXPECT_NEAR(std::stod(sentences_.substr(at + 15)), 0.5 * M_PI, 0.01);
-  EXPECT_NE(sentences_.find("mends it"), std::string::npos) << sentences_;
-  PreprocessingOptions mended;
-  mended.signals.units["q3"] = "rad@1.5708";
-  EXPECT_EQ(findings(r, mended), Names{}) << sentences_;
+// The option that undoes a zero beside that of the robot file.
+TEST(AZero, StandsBehindTheUnit) {
+  EXPECT_NEAR((*recordings::unit_scale("q", "rad@1.5"))(2.0), 0.5, 1e-12);
+  EXPECT_NEAR((*recordings::unit_scale("q", "deg@90"))(180.0), 0.5 * M_PI, 1e-12);
+  EXPECT_NEAR((*recordings::unit_scale("q", "4096/rev@2048"))(3072.0), 0.5 * M_PI, 1e-12);
+  for (const char* unit : {"rad@", "rad@x", "@1", "rad@1@2"}) EXPECT_FALSE(recordings::unit_scale("q", unit)) << unit;
+  EXPECT_FALSE(recordings::unit_scale("tau", "Nm@1"));
 }
 
 TEST_F(AMistakenRecording, InTurnsIsMendedByUnits) {

@@ -45,13 +45,12 @@ class RobotCheck {
 
   RobotAnswers run(double ask_above = 0.0) {
     RobotAnswers out;
-    tell_what_hardly_moves();
     if (is_identifiable()) {
       best_.fit = fitter_.fit(recording_);
       const QuickFit before = best_.fit;
       out.explained = is_explained(before);
       out.left = before.left();
-      if (!(out.left > ask_above)) return out;
+      if (!(out.left > ask_above)) return out;  // the first recording told what hardly moves
       search();
       if (!helps(best_, before)) best_ = Answer{{}, before, 0.0, {}};
       report(before.left());
@@ -60,6 +59,7 @@ class RobotCheck {
       if (!given_.inertial_values() && best_.set.empty()) warn_of_small_efforts();
       if (is_explained(best_) || best_.fit.left() < checking::kMostOfIt * before.left()) out.set = std::move(best_.set);
     }
+    tell_what_hardly_moves(changed(out.set));
     out.findings = std::move(findings_);
     return out;
   }
@@ -126,11 +126,11 @@ class RobotCheck {
     return std::any_of(all.begin(), all.end(), [&](const Answer& one) { return is_explained(one.fit) && !is_explained(as_recorded.fit); });
   }
 
-  void tell_what_hardly_moves() {
-    for (int i = 0; i < joints() && recording_.rows() > 0; ++i) {
+  void tell_what_hardly_moves(const Recording& recording) {
+    for (int i = 0; i < joints() && recording.rows() > 0; ++i) {
       const Limits& limits = given_.coordinates()[i].limits;
       double lowest = kInfinity, highest = -kInfinity;
-      for (const double q : recording_.q.col(i)) {
+      for (const double q : recording.q.col(i)) {
         if (!std::isfinite(q)) continue;
         lowest = std::min(lowest, q);
         highest = std::max(highest, q);
@@ -138,7 +138,7 @@ class RobotCheck {
       const double share = (highest - lowest) / (limits.upper - limits.lower);
       if (!moves(i) || !std::isfinite(limits.upper - limits.lower) || !(share < kHardlyMoves)) continue;
       add("hardly_moves", i + 1, share,
-          text("In its first ", quality::number(recording_.time[recording_.rows() - 1] - recording_.time[0]), " s ", joint(i),
+          text("In its first ", quality::number(recording.time[recording.rows() - 1] - recording.time[0]), " s ", joint(i),
                " moves over ", percent(share), " of its range: little of its friction and inertia can be identified."));
       findings_.back().severity = Severity::kWarning;
     }
