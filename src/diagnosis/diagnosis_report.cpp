@@ -201,7 +201,7 @@ std::string Diagnosis::verdict() const {
       if (is_contradiction(f) && wrong.find(f.sentence) == std::string::npos) wrong += f.sentence + " ";
     }
   }
-  if (!wrong.empty()) wrong += "As recorded: ";
+  if (!wrong.empty()) wrong += mended ? "With that: " : "As recorded: ";
   if (findings.empty()) {
     std::string left, unknown;
     for (const JointVerdict& v : joints) {
@@ -209,7 +209,7 @@ std::string Diagnosis::verdict() const {
       std::string& list = std::isfinite(v.held_out) ? left : unknown;
       list += (list.empty() ? "" : ", ") + std::to_string(v.joint.value + 1);
     }
-    if (left.empty() && unknown.empty()) return changes ? "nothing has changed" : "none";
+    if (left.empty() && unknown.empty()) return wrong + (changes ? "nothing has changed" : "none");
     return wrong + "no cause was found" + (left.empty() ? "" : "; joints above their floor: " + left) +
            (unknown.empty() ? "" : "; joints without a held-out error: " + unknown);
   }
@@ -218,6 +218,11 @@ std::string Diagnosis::verdict() const {
     out += " The training recordings do not confirm it.";
   if (findings.front().held_out() == Agreement::kContradicts)
     out += " The held-out recordings are predicted no better with it.";
+  const auto is_cut = [&](const RecordingQuality& q) {
+    return std::any_of(q.saturated.begin(), q.saturated.end(), [&](const SaturatedInterval& one) { return one.joint == findings.front().joint->value; });
+  };
+  if (findings.front().shape && findings.front().joint && std::any_of(data_quality.begin(), data_quality.end(), is_cut))
+    out += " Its recorded torque stands at a limit, which alone makes such a curve: record motions that need less.";
   const auto largest = std::max_element(findings.begin(), findings.end(), [](const Finding& a, const Finding& b) {
     return a.explains < b.explains;
   });

@@ -13,6 +13,7 @@
 #include "identification/recording_passes.hpp"
 #include "many_recordings.hpp"
 #include "math/parallel.hpp"
+#include "veridyn/math/numbers.hpp"
 #include "identification/velocity_choice.hpp"
 #include "recordings/named_recordings.hpp"
 #include "veridyn/math/require.hpp"
@@ -82,14 +83,22 @@ Identification described(const Model& arm, const IdentificationOptions& options)
 }
 
 VectorXd mean_noise_floor(const std::vector<CompressedRecording>& recordings, int joints) {
-  VectorXd sum = VectorXd::Zero(joints);
-  int count = 0;
+  VectorXd least = VectorXd::Constant(joints, kInfinity), sum = VectorXd::Zero(joints), count = sum;
+  bool repeats = false;
   for (const CompressedRecording& r : recordings) {
     if (r.noise_floor.size() == 0) continue;
-    sum += r.noise_floor.cwiseAbs2();
-    ++count;
+    least = least.cwiseMin(r.noise_floor);
+    repeats = true;
   }
-  return count > 0 ? VectorXd((sum / count).cwiseSqrt()) : VectorXd();
+  if (!repeats) return {};
+  for (const CompressedRecording& r : recordings) {
+    for (int i = 0; i < joints && r.noise_floor.size() > 0; ++i) {
+      if (r.noise_floor[i] > identifying::kOnce * least[i]) continue;
+      sum[i] += r.noise_floor[i] * r.noise_floor[i];
+      count[i] += 1.0;
+    }
+  }
+  return sum.cwiseQuotient(count).cwiseSqrt();
 }
 
 std::string no_sample_left(const CompressedRecording& recording, const PreprocessingOptions& how) {

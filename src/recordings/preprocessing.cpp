@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "recordings/kept_recordings.hpp"
+#include "recordings/signals/units.hpp"
 #include "recordings/uniform_stream.hpp"
 #include "veridyn/math/require.hpp"
 #include "math/zero_phase_filter.hpp"
@@ -40,7 +41,7 @@ struct Filters {
     if (o.cutoff <= 0.0) return;
     const bool below = o.cutoff <= (0.5 - kSlowestCutoff) * rate;
     require(below || o.cutoff != PreprocessingOptions().cutoff, source, ": found a sampling rate of ", rate,
-            " Hz, expected more than ", 2.0 * o.cutoff, " Hz, twice the filter's cut-off", rate < kSlowClock ? "; t in ms? --units t=ms." : "; --filter-cutoff changes it.");
+            " Hz, expected more than ", 2.0 * o.cutoff, " Hz, twice the filter's cut-off", rate < kSlowClock ? text("; t in ", recordings::unit_of_clock(dt), "? --units t=", recordings::unit_of_clock(dt), ".") : std::string("; --filter-cutoff changes it."));
     require(below, "--filter-cutoff: found ", o.cutoff,
             " Hz, expected above 0 and below ", 0.5 * rate, " Hz, half the sampling rate.");
     require(o.cutoff >= kSlowestCutoff * rate, "--filter-cutoff: found ", o.cutoff, " Hz, expected at least ",

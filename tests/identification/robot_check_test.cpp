@@ -144,6 +144,49 @@ TEST_F(AMistakenRecording, InDegreesIsMendedByUnits) {
   EXPECT_NE(sentences_.find("--units q=deg,dq=deg/s mends it"), std::string::npos) << sentences_;
 }
 
+// One joint's driver publishes degrees, or the position of its motor; all others are right.
+TEST_F(AMistakenRecording, WithOneJointInAnotherUnitIsMendedByUnits) {
+  Recording r = recorded("elbow-6r", 8);
+  r.q.col(2) *= 180.0 / M_PI;
+  r.dq.col(2) *= 180.0 / M_PI;
+  EXPECT_EQ(findings(r), Names{"degrees:3"}) << sentences_;
+  EXPECT_NE(sentences_.find("--units q3=deg,dq3=deg/s mends it"), std::string::npos) << sentences_;
+  r = recorded("elbow-6r", 8);
+  r.q.col(1) *= 31.0;
+  r.dq.col(1) *= 31.0;
+  EXPECT_EQ(findings(r), Names{"motor_side:2"}) << sentences_;
+  EXPECT_NE(sentences_.find("in front of a gear of about 31"), std::string::npos) << sentences_;
+}
+
+// An arm that turns and slides, in degrees and millimetres: no option of one undoes the other's.
+TEST_F(AMistakenRecording, InDegreesAndMillimetresIsMendedByUnitsOfBoth) {
+  Recording r = recorded("psm-3dof", 8);
+  for (MatrixXd* values : {&r.q, &r.dq}) {
+    values->leftCols(2) *= 180.0 / M_PI;
+    values->col(2) *= 1000.0;
+  }
+  EXPECT_EQ(findings(r), Names{"millimetres:0"}) << sentences_;
+  EXPECT_NE(sentences_.find("--units q=deg,dq=deg/s,q3=mm,dq3=mm/s mends it"), std::string::npos) << sentences_;
+  PreprocessingOptions mended;
+  mended.signals.units = {{"q", "deg"}, {"dq", "deg/s"}, {"q3", "mm"}, {"dq3", "mm/s"}};
+  EXPECT_EQ(findings(r, mended), Names{}) << sentences_;
+}
+
+// What no question explains is said to be unexplained, and no sign or unit is blamed for it.
+TEST_F(AMistakenRecording, OfAnotherArmIsExplainedByNothing) {
+  Recording r = recorded("elbow-6r", 12);
+  r.tau = recorded("elbow-6r", 17).tau;
+  EXPECT_EQ(findings(r), Names{"unexplained:0"}) << sentences_;
+}
+
+// A torque that is cut off makes many units a little better, and none right.
+TEST_F(AMistakenRecording, WithAClippedTorqueIsInNoOtherUnit) {
+  Recording r = recorded("elbow-6r", 4);
+  const double most = 0.5 * r.tau.col(1).cwiseAbs().maxCoeff();
+  r.tau.col(1) = r.tau.col(1).cwiseMax(-most).cwiseMin(most);
+  for (const std::string& name : findings(r)) EXPECT_TRUE(name == "unexplained:0") << sentences_;
+}
+
 // Every position lies within its joint's limits, which in degrees it would leave.
 TEST_F(AMistakenRecording, IsNotInDegreesWhereRadiansAreWithinTheLimits) {
   Recording r = recorded("elbow-6r", 8);
@@ -181,6 +224,90 @@ TEST_F(AMistakenRecording, OfCurrentsIsSeenByGainsThatDiffer) {
   }
   arm_.emplace(Model(std::move(d)));
   EXPECT_EQ(findings(r), Names{"current:0"}) << sentences_;
+}
+
+// One motor counts the other way round, in its position and in its torque: neither alone explains anything.
+TEST_F(AMistakenRecording, OfAMotorThatCountsTheOtherWayIsMendedByUnits) {
+  Recording r = recorded("elbow-6r", 31);
+  for (MatrixXd* values : {&r.q, &r.dq, &r.tau}) values->col(1) *= -1.0;
+  EXPECT_EQ(findings(r), Names{"position_sign:2"}) << sentences_;
+  EXPECT_NE(sentences_.find("--units q2=-rad,dq2=-rad/s,tau2=-Nm mends it"), std::string::npos) << sentences_;
+}
+
+// The option that undoes a zero beside that of the robot file.
+TEST(AZero, StandsBehindTheUnit) {
+  EXPECT_NEAR((*recordings::unit_scale("q", "rad@1.5"))(2.0), 0.5, 1e-12);
+  EXPECT_NEAR((*recordings::unit_scale("q", "deg@90"))(180.0), 0.5 * M_PI, 1e-12);
+  EXPECT_NEAR((*recordings::unit_scale("q", "4096/rev@2048"))(3072.0), 0.5 * M_PI, 1e-12);
+  for (const char* unit : {"rad@", "rad@x", "@1", "rad@1@2"}) EXPECT_FALSE(recordings::unit_scale("q", unit)) << unit;
+  EXPECT_FALSE(recordings::unit_scale("tau", "Nm@1"));
+}
+
+TEST_F(AMistakenRecording, InTurnsIsMendedByUnits) {
+  Recording r = recorded("elbow-6r", 33);
+  r.q /= 2.0 * M_PI;
+  r.dq *= 30.0 / M_PI;
+  EXPECT_EQ(findings(r), Names{"turns:0"}) << sentences_;
+  EXPECT_NE(sentences_.find("--units q=rev,dq=rpm mends it"), std::string::npos) << sentences_;
+}
+
+TEST_F(AMistakenRecording, WithOneTorqueInAnotherUnitIsMendedByUnits) {
+  Recording r = recorded("elbow-6r", 34);
+  r.tau.col(2) *= 1e3;
+  EXPECT_EQ(findings(r), Names{"torque_unit:3"}) << sentences_;
+  EXPECT_NE(sentences_.find("--units tau3=mNm mends it"), std::string::npos) << sentences_;
+}
+
+// Signs of single joints beside the unit of all: the options undo both.
+TEST_F(AMistakenRecording, InDegreesAndTheOtherWayRoundIsMendedByBothOptions) {
+  Recording r = recorded("elbow-6r", 35);
+  for (MatrixXd* values : {&r.q, &r.dq}) {
+    *values *= 180.0 / M_PI;
+    values->col(1) *= -1.0;
+  }
+  EXPECT_EQ(findings(r), (Names{"degrees:0", "position_sign:2"})) << sentences_;
+  EXPECT_NE(sentences_.find("--units q=deg,dq=deg/s,q2=-deg,dq2=-deg/s mends it"), std::string::npos) << sentences_;
+}
+
+TEST_F(AMistakenRecording, WithoutVelocitiesIsAskedWithTheirDerivatives) {
+  Recording r = recorded("elbow-6r", 36);
+  r.dq.setZero();
+  EXPECT_EQ(findings(r), Names{}) << sentences_;
+  r.tau.col(1) *= -1.0;
+  EXPECT_EQ(findings(r), Names{"torque_sign:2"}) << sentences_;
+}
+
+// As drivers of Universal Robots publish their joints.
+TEST_F(AMistakenRecording, InTheOrderOfNamesIsMendedByMap) {
+  const Recording sound = recorded("elbow-6r", 38);
+  ModelDescription d = arm_->description();
+  for (int i = 0; i < 6; ++i) d.coordinates[static_cast<std::size_t>(i)].name = std::string(1, "cadbef"[i]);
+  arm_.emplace(Model(std::move(d)));
+  Recording r = sound;
+  for (const auto& [joint, column] : {std::pair<int, int>{0, 2}, {1, 0}, {2, 3}, {3, 1}}) {
+    r.q.col(column) = sound.q.col(joint);
+    r.dq.col(column) = sound.dq.col(joint);
+    r.tau.col(column) = sound.tau.col(joint);
+  }
+  EXPECT_EQ(findings(r), Names{"swapped_joints:0"}) << sentences_;
+  EXPECT_NE(sentences_.find("tau1=tau3,tau2=tau1,tau3=tau4,tau4=tau2 mends it"), std::string::npos) << sentences_;
+  r = sound;
+  for (int i = 0; i < 6; ++i) r.tau.col((i + 1) % 6) = sound.tau.col(i);
+  EXPECT_EQ(findings(r), Names{"swapped_joints:0"}) << sentences_;
+  EXPECT_NE(sentences_.find("one column too far to the right"), std::string::npos) << sentences_;
+}
+
+TEST_F(AMistakenRecording, OfAJointThatNothingDrivesSaysSo) {
+  Recording r = recorded("elbow-6r", 39);
+  r.tau.col(4) = 0.01 * noise_like(r.tau, 1.0, 40).col(4);
+  EXPECT_EQ(findings(r), Names{"unexplained:5"}) << sentences_;
+}
+
+// Small errors are what an arm lacks, and no exchange of its joints: an amplifier with a small dead zone.
+TEST_F(AMistakenRecording, IsNotSeenInASmallError) {
+  Recording r = recorded("scara", 37);
+  for (double& t : r.tau.col(1)) t = std::copysign(std::max(0.0, std::abs(t) - 0.1), t);
+  for (const std::string& name : findings(r)) EXPECT_NE(name.rfind("swapped_joints", 0), 0U) << sentences_;
 }
 
 // The arm of a file with values, which differ from the truth as those of a manufacturer do.

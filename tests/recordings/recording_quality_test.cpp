@@ -146,6 +146,57 @@ TEST(AFault, MissingRowsAreCounted) {
   EXPECT_EQ(quality.find("irregular_time"), nullptr);
 }
 
+// The second half comes at a quarter of the rate: no row is missing there.
+TEST(AFault, AnotherRateInTheSecondHalfIsSaid) {
+  const Recording r = clean_recording();
+  Recording two = rows_of(r, 0, kRows / 2);
+  for (int k = kRows / 2; k < kRows; k += 4) append(two, rows_of(r, k, 1));
+  const RecordingQuality quality = check_recording(two);
+  EXPECT_NEAR(found(quality, "two_rates").value, kRate / 4, 1e-6);
+  EXPECT_EQ(quality.find("missing_rows"), nullptr) << quality.report();
+}
+
+TEST(AFault, OneColumnWrittenTwiceIsSaid) {
+  Recording r = clean_recording();
+  r.tau.col(2) = r.tau.col(0);
+  EXPECT_EQ(found(check_recording(r), "same_column").joint, 3);
+  EXPECT_EQ(found(check_recording(r), "same_column").severity, Severity::kFault);
+}
+
+// A torque that is refreshed every tenth row holds its extremes as it holds all values.
+TEST(AFault, ATorqueThatIsHeldIsNotSaturated) {
+  Recording r = clean_recording();
+  for (int k = 0; k < kRows; ++k) r.tau.row(k) = r.tau.row(k - k % 10).eval();
+  const RecordingQuality quality = check_recording(r);
+  EXPECT_NE(quality.find("stale_signal"), nullptr) << quality.report();
+  EXPECT_EQ(quality.find("saturation"), nullptr) << quality.report();
+  EXPECT_TRUE(quality.saturated.empty());
+}
+
+TEST(AFault, TorquesThatAreNeverNegativeHaveNoSign) {
+  Recording r = clean_recording();
+  EXPECT_EQ(check_recording(r).find("no_sign"), nullptr);
+  r.tau = r.tau.cwiseAbs().eval();
+  EXPECT_EQ(found(check_recording(r), "no_sign").severity, Severity::kFault);
+}
+
+// Commanded positions are ahead of measured velocities, and no clock is off.
+TEST(AFault, PositionsThatAreAheadAreNoOtherClock) {
+  Recording r = clean_recording();
+  const int ahead = static_cast<int>(0.08 * kRate);
+  r.q.topRows(kRows - ahead) = r.q.bottomRows(kRows - ahead).eval();
+  r = rows_of(r, 0, kRows - ahead);
+  const RecordingQuality quality = check_recording(r);
+  EXPECT_NE(quality.find("velocity_delay"), nullptr) << quality.report();
+  EXPECT_EQ(quality.find("rate_contradiction"), nullptr) << quality.report();
+}
+
+TEST(AFault, TurnsAMinuteAreNoDegrees) {
+  Recording r = clean_recording();
+  r.dq *= 60.0;
+  EXPECT_NE(found(check_recording(r), "rate_contradiction").sentence.find("--units q=rev,dq=rpm"), std::string::npos);
+}
+
 TEST(AFault, IrregularTimeShowsTheMeanRate) {
   Recording r = clean_recording();
   Recording kept = r;

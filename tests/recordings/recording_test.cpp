@@ -87,6 +87,14 @@ TEST_F(AGoodFile, EmptyFieldsAndNanAreGaps) {
   EXPECT_EQ(r.dq(2, 0), 1.0);
 }
 
+// As spreadsheets and data bases write what is missing.
+TEST_F(AGoodFile, WordsForNothingAreGaps) {
+  const Recording r = read("t,q1,tau1\n0,null,#N/A\n1,-,None\n2,1,2\n");
+  EXPECT_TRUE(r.q.topRows(2).array().isNaN().all() && r.tau.topRows(2).array().isNaN().all());
+  EXPECT_EQ(r.tau(2, 0), 2.0);
+  EXPECT_THROW(read("t,q1\n0,nothing\n"), InvalidInput);
+}
+
 TEST_F(AGoodFile, ARowWithoutAnyNumberIsKeptAndItsTimeInterpolated) {
   const Recording r = read("t,q1\n0,5\nnan,nan\n,\n3,8\nnan,\n");
   ASSERT_EQ(r.rows(), 4);

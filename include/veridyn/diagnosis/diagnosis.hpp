@@ -196,6 +196,7 @@ struct Diagnosis {
   /// Findings that are not main are a list of their own in JSON and counted in one line of the report; false: listed
   /// behind the others.
   bool small_apart = false;
+  bool mended = false;  ///< recordings or robot were transformed as the faults in `data_quality` say
   DiagnosisSummary summary;
   Identification baseline;  ///< the unmodified robot; the values of a MODEL are not fitted
   Identification extended;  ///< with the findings

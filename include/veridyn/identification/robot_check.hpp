@@ -3,8 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "veridyn/recordings/recording_quality.hpp"
+#include "veridyn/identification/identification.hpp"
 #include "veridyn/recordings/preprocessing.hpp"
+#include "veridyn/recordings/recording_quality.hpp"
 
 namespace veridyn {
 
@@ -18,10 +19,12 @@ namespace veridyn {
 ///   torque_sign    torques of a joint, or of all, have the wrong sign
 ///   position_sign  a joint's position is counted the other way round
 ///   swapped_joints two joints are exchanged, in their torques, in their motion, or in both
-///   degrees, millimetres, counts, share_of_range, motor_side   positions or velocities in another unit
+///   encoder_zero   a joint's position is counted from another zero, near a quarter turn or half a turn away
+///   degrees, turns, millimetres, counts, share_of_range, motor_side   positions or velocities in another unit
 ///   torque_unit, current   torques in another unit, as shares of the limits, in front of the gears, as currents
 ///   gravity        it has another direction, or the torques contain none
 ///   dh_convention  the rows of the robot file follow the other convention
+///   unexplained    nothing on the list explains most of the torque: the recording of another arm
 ///   weak_motion, hardly_moves   warnings: a joint moves over a small part of its range
 ///   not_compared   information: the recording leaves base parameters of the arm undetermined or
 ///                  nearly so, and wrong signals would fit as well; value: number of determined
@@ -44,8 +47,8 @@ bool is_contradiction(const QualityFinding& finding);
 std::vector<QualityFinding> merged_findings(std::vector<QualityFinding> contradictions, const std::vector<QualityFinding>& quality);
 
 /// Contradictions in recordings that an identification explains badly; empty, without computation, if no error is large.
-/// @param errors  (n) relative errors of the identification.
-std::vector<QualityFinding> contradictions_in(const Model& arm, const std::vector<std::string>& recordings, const PreprocessingOptions& options,
-                                               const VectorRef& errors);
+/// @param fit  the identification from them.
+std::vector<QualityFinding> contradictions_in(const Model& arm, const std::vector<std::string>& train, const std::vector<std::string>& test,
+                                               const PreprocessingOptions& options, const Identification& fit);
 
 }  // namespace veridyn

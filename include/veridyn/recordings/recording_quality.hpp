@@ -63,6 +63,7 @@ const char* name_of(Severity severity);
 ///   sample_rate         value: inverse of the median step [Hz]
 ///   irregular_time      value: mean rate [Hz]; steps differ by more than 5 %
 ///   missing_rows        steps above 1.5 median steps; share of rows lost; value: longest step [s]
+///   two_rates           rows come at another rate for a while; value: that rate [Hz]
 ///   stale_rows          rows equal to the one before in all signals while the arm moves;
 ///                       value: longest run [rows]
 ///   stale_signal        the same for a single signal
@@ -84,6 +85,8 @@ const char* name_of(Severity severity);
 ///  velocity_unrelated  dq is not the derivative of q; value: their correlation
 ///  velocity_delay      dq lags the derivative of q (cross-correlation); value [s]
 ///   joint_at_rest       q stays within 5 mrad or 5 mm; value: its range
+///   same_column         the torques of two joints are equal in every row
+///   no_sign             no torque of any moving joint is negative
 ///   no_motion           no joint moves
 ///   period              the motion repeats; value: the period [s]
 ///   remark              remark of the reader (a truncated file, repeated time stamps)

@@ -259,7 +259,7 @@ ExitStatus run(IdentifyRequest& request, const std::string& command_line) {
     return kDataCannotAnswer;
   }
   if (!poses) {
-    for (const QualityFinding& f : contradictions_in(arm, request.train, options.preprocessing, id.train_error.relative))
+    for (const QualityFinding& f : contradictions_in(arm, request.train, request.test, options.preprocessing, id))
       id.remarks.push_back(f.file + ": " + f.sentence);
   }
   write_results(request, id, command_line);

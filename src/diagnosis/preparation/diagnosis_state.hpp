@@ -58,10 +58,6 @@ void exclude_rests(DiagnosisState& x);
 /// Leaves out parts of recordings from now on.
 void leave_out(const std::vector<ExcludedInterval>& parts, DiagnosisState& x);
 
-/// Adds what is wrong with the signals of a recording or with the robot file to its quality, where the arm explains little:
-/// see check_against(). The diagnosis goes on.
-void ask_questions(DiagnosisState& x);
-
 /// Leaves out the rows of joints without torque, and fits the arm again from the others. False if these do not determine
 /// it: every joint's verdict says so.
 bool leave_silent_joints_out(DiagnosisState& x);

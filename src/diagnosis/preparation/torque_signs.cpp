@@ -5,7 +5,6 @@
 #include "diagnosis/preparation/diagnosis_state.hpp"
 #include "identification/base_solution.hpp"
 #include "veridyn/effects/effect.hpp"
-#include "veridyn/identification/robot_check.hpp"
 
 // Friction dissipates power. Significantly negative friction, fitted without sign constraints,
 // means that a joint's torque has the wrong sign or belongs to another joint.
@@ -52,17 +51,6 @@ void cannot_tell_of_all(DiagnosisState& x, const std::string& why) {
     v.state = JointState::kCannotTell;
     v.why = why;
     d.joints.push_back(std::move(v));
-  }
-}
-
-void ask_questions(DiagnosisState& x) {
-  const PreprocessingOptions& how = x.options.identification.preprocessing;
-  VectorXd errors = x.d.baseline.train_error.relative;
-  if (errors.size() == 0) errors = x.d.baseline.test_error.relative;
-  for (QualityFinding& f : contradictions_in(x.arm, x.train, how, errors)) {
-    for (RecordingQuality& q : x.d.data_quality) {
-      if (q.file == f.file) q.findings.insert(q.findings.begin(), std::move(f));
-    }
   }
 }
 

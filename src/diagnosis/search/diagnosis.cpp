@@ -10,6 +10,7 @@
 #include "diagnosis/preparation/diagnosis_state.hpp"
 #include "diagnosis/search/explain.hpp"
 #include "recordings/named_recordings.hpp"
+#include "identification/check/answers.hpp"
 #include "identification/identification_numbers.hpp"
 #include "identification/many_recordings.hpp"
 
@@ -30,12 +31,44 @@ Model robot_of(const Model& file, const DiagnosisOptions& options) {
 // Says which step runs.
 using Tell = std::function<void(const char* step)>;
 
-void run(DiagnosisState& x, const Tell& tell) {
+// Exchanges the set-up for the mended one, and begins anew with it.
+void take(const MendedSetUp& mended, DiagnosisState& x) {
+  IdentificationOptions& how = x.options.identification;
+  x.arm = mended.arm;
+  for (const auto& [name, recording] : mended.recordings) how.preprocessing.in_memory[name] = recording;
+  how.preprocessing.kept.reset();
+  if (how.test_preprocessing) how.test_preprocessing->in_memory = how.preprocessing.in_memory;
+  keep_recordings(how, KeptRecordings::kManyQuestions);
+  x.d.mended = true;
+  x.d.baseline = {};
+}
+
+// What is wrong with the signals or with the robot file is said, and where that is clear the diagnosis goes on without it.
+bool fit_what_is_meant(DiagnosisState& x, const Tell& tell) {
+  const DiagnosisState as_given = x;
   tell("checking the recordings");
   check_quality(x);
   tell("fitting the model as it is");
-  if (!fit_baseline(x)) return;
-  ask_questions(x);
+  if (!fit_baseline(x)) return false;
+  const MendedSetUp set_up = mended_set_up(as_given.arm, x.train, x.test, x.options.identification.preprocessing, x.d.baseline);
+  if (set_up.mended) {
+    const std::vector<RecordingQuality> as_read = std::move(x.d.data_quality);
+    x = as_given;
+    take(set_up, x);
+    check_quality(x);
+    for (size_t k = 0; k < as_read.size(); ++k) x.d.data_quality[k].facts = as_read[k].facts;
+    if (!fit_baseline(x)) return false;
+  }
+  for (const QualityFinding& f : set_up.findings) {
+    for (RecordingQuality& q : x.d.data_quality) {
+      if (q.file == f.file) q.findings.insert(q.findings.begin(), f);
+    }
+  }
+  return true;
+}
+
+void run(DiagnosisState& x, const Tell& tell) {
+  if (!fit_what_is_meant(x, tell)) return;
   if (!leave_silent_joints_out(x)) return;
   exclude_rests(x);
   check_torque_signs(x);

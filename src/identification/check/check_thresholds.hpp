@@ -57,6 +57,10 @@ constexpr double kTilt = 0.35;
 /// Gears with kLeastRatio <= ratio < kMostRatio are tried in relative steps of kRatioStep, where positions leave the limits; a ratio
 /// that is whole up to kWholeRatio is.
 constexpr double kLeastRatio = 5.0, kMostRatio = 320.0, kRatioStep = 0.04, kWholeRatio = 2e-3;
+/// Another zero of a joint = kZeros [rad], quarter turns, polished from steps of kZeroStep on; near the file's own zero
+/// a diagnosis measures it.
+inline constexpr double kZeros[] = {-1.5707963267948966, 1.5707963267948966, 3.141592653589793};
+constexpr double kZeroStep = 0.1;
 /// |component of a direction| < kTiny: rounding.
 constexpr double kTiny = 1e-9;
 /// folds of contiguous blocks = kFolds; each is predicted from the others.
@@ -70,6 +74,21 @@ constexpr double kSecondDifference = 6.0;
 constexpr double kSpringApart = 0.03, kWeakly = 0.25;
 /// error left < kLess * that without: the fit counts.
 constexpr double kLess = 0.98;
+/// error left with answers < kMostOfIt * that without: a diagnosis goes on with them, though the arm lacks something beside.
+constexpr double kMostOfIt = 0.1;
+/// error left > kOutstanding * that of another recording of the command: it may have a mistake of its own.
+constexpr double kOutstanding = 3.0;
+/// error left > kUnexplained, whatever is asked: the torques are not those of this arm's motion.
+constexpr double kUnexplained = 0.6;
+/// error left of one joint > kNothing, beside others that are explained: its torque is none of this motion.
+constexpr double kNothing = 0.95;
+/// error left with a direction of gravity that is fitted <= kFittedNear, or kNearNoise times the noise: it is explained; perfect recordings
+/// have 0.6 %, and beside a force on the tip of an arm in a plane 1.3 % were left.
+constexpr double kFittedNear = 8e-3;
+/// rows >= kRowsOfAnArm: so much left is not a want of rows; 6 s at 200 Hz.
+constexpr int kRowsOfAnArm = 1200;
+/// error left < kSure: what contradicts friction or the values of the file on one joint is its torque's sign.
+constexpr double kSure = 0.2;
 /// sets of answers that are followed <= kBeam.
 constexpr int kBeam = 3;
 /// error left < kPerhaps * that without: an answer that is not sure is worth a word.
@@ -80,6 +99,7 @@ constexpr double kFitted = 0.5;
 constexpr double kOfPosition = 0.3;
 /// Cost of a question with a number of its own - cost of one without = kOfNumber.
 constexpr double kOfNumber = 0.6;
+/// error left of a joint > kBadly: its signals may be those of another, or count from elsewhere; what an arm lacks leaves less.
 /// relative error of some joint > kAskedAbove: identified recordings are checked.
 constexpr double kAskedAbove = 0.08;
 /// largest gain > kEqualGains * smallest gain: currents are no torques in another unit.
@@ -95,6 +115,8 @@ constexpr double kDirectionBit = 1024.0, kBothDirections = 20.0;
 /// directions around one = kTiltDirections; gravity = kGravity [m/s^2] where the file has none.
 constexpr int kTiltDirections = 8;
 constexpr double kGravity = 9.81;
+/// cosine between the file's gravity and another > kLeaning: within 45 degrees the base leans.
+constexpr double kLeaning = 0.7071;
 /// step of time >= kShortestStep [s] where a rate is made of it.
 constexpr double kShortestStep = 1e-6;
 

@@ -5,6 +5,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <sstream>
+#include <utility>
 
 #include "identification/check/check_thresholds.hpp"
 #include "recordings/signals/units.hpp"
@@ -35,25 +37,47 @@ void to_si(MatrixXd& values, const std::string& signal, const std::string& unit,
   }
 }
 
-// All positions were measured in front of a gear of this ratio.
-RecordingQuestion before_the_gear(double ratio, bool velocity) {
+// Positions of all joints, or of one (from 0) of this name, were measured in front of a gear of this ratio.
+RecordingQuestion before_the_gear(double ratio, bool velocity, int joint = -1, const std::string& name = "") {
   RecordingQuestion q;
   q.finding = "motor_side";
+  q.joint = joint + 1;
   const double whole = std::round(ratio);
   const std::string words = fmt::format("{:.4g}", std::abs(ratio / whole - 1.0) < checking::kWholeRatio ? whole : ratio);
-  q.what = text("Positions are those of the motors, in front of gears of about ", words);
+  q.what = joint < 0 ? text("Positions are those of the motors, in front of gears of about ", words)
+                     : text("The position of ", name, " is that of its motor, in front of a gear of about ", words);
   const std::string unit = fmt::format("{:.5g}", 1.0 / std::stod(words));
-  q.units = "q=" + unit + (velocity ? ",dq=" + unit : "");
+  const std::string number = joint < 0 ? "" : std::to_string(joint + 1);
+  q.units = "q" + number + "=" + unit + (velocity ? ",dq" + number + "=" + unit : "");
   const double factor = std::stod(unit);
-  q.recording = [factor, velocity](Recording& r) {
-    r.q *= factor;
-    if (velocity && r.dq.size() > 0) r.dq *= factor;
+  q.recording = [factor, velocity, joint](Recording& r) {
+    for (MatrixXd* values : {&r.q, &r.dq}) {
+      if (values->size() == 0 || (values == &r.dq && !velocity)) continue;
+      if (joint < 0) *values *= factor;
+      else values->col(joint) *= factor;
+    }
   };
   q.price = checking::kOfNumber;
   q.first_distance = checking::kRatioStep;
-  q.neighbours = [ratio, velocity](double distance) {
-    return std::vector<RecordingQuestion>{before_the_gear(ratio * (1.0 + distance), velocity), before_the_gear(ratio / (1.0 + distance), velocity)};
+  q.neighbours = [=](double distance) {
+    return std::vector<RecordingQuestion>{before_the_gear(ratio * (1.0 + distance), velocity, joint, name), before_the_gear(ratio / (1.0 + distance), velocity, joint, name)};
   };
+  return q;
+}
+
+// The position of a joint (from 0) is this angle where the robot file has zero.
+RecordingQuestion zero_at(double zero, int joint, const std::string& name) {
+  RecordingQuestion q;
+  q.finding = "encoder_zero";
+  q.joint = joint + 1;
+  const std::string words = fmt::format("{:.4g}", zero);
+  q.what = text("The position of ", name, " is counted from another zero, which lies at ", words, " rad");
+  q.units = text("q", joint + 1, "=rad@", words);
+  const double rounded = std::stod(words);
+  q.recording = [joint, rounded](Recording& r) { r.q.col(joint).array() -= rounded; };
+  q.price = checking::kOfNumber;
+  q.first_distance = checking::kZeroStep;
+  q.neighbours = [=](double distance) { return std::vector<RecordingQuestion>{zero_at(zero + distance, joint, name), zero_at(zero - distance, joint, name)}; };
   return q;
 }
 
@@ -69,6 +93,7 @@ class List {
     angles();
     torques();
     exchanges();
+    orders();
     gravity();
     convention();
     return std::move(out_);
@@ -97,6 +122,7 @@ class List {
       add("torque_sign", i + 1, "The torque of " + name(i) + " has the wrong sign", [i](Recording& r) { r.tau.col(i) *= -1.0; }).units =
           fmt::format("{}{}=-{}", torque_, i + 1, amperes ? "A" : slides ? "N" : "Nm");
       const std::string length = slides ? "m" : "rad";
+      if (!badly_[i]) continue;
       RecordingQuestion& q = add("position_sign", i + 1, "The position of " + name(i) + " is counted the other way round", [i](Recording& r) {
         for (MatrixXd* values : {&r.q, &r.dq, &r.ddq}) {
           if (values->cols() > 0) values->col(i) *= -1.0;
@@ -105,6 +131,13 @@ class List {
       q.units = fmt::format("q{0}=-{1}", i + 1, length);
       q.price = checking::kOfPosition;
       if (has_velocity()) q.units += fmt::format(",dq{0}=-{1}/s", i + 1, length);
+      RecordingQuestion& whole = add("position_sign", i + 1, "Position and torque of " + name(i) + " are counted the other way round", [i](Recording& r) {
+        for (MatrixXd* values : {&r.q, &r.dq, &r.ddq, &r.tau}) {
+          if (values->cols() > 0) values->col(i) *= -1.0;
+        }
+      });
+      whole.price = checking::kOfPosition;
+      whole.units = fmt::format(has_velocity() ? "q{0}=-{1},dq{0}=-{1}/s,{2}{0}=-{3}" : "q{0}=-{1},{2}{0}=-{3}", i + 1, length, torque_, amperes ? "A" : slides ? "N" : "Nm");
     }
     if (joints() > 1)
       add("torque_sign", 0, "All torques have the wrong sign", [](Recording& r) { r.tau *= -1.0; }).units = fmt::format("{}=-{}", torque_, amperes ? "A" : "Nm");
@@ -126,14 +159,57 @@ class List {
     add(finding, 0, what, change).units = joined("q=" + q, dq.empty() || !has_velocity() ? "" : "dq=" + dq);
   }
 
+  bool is_beyond(int i) const {
+    const Coordinate& c = arm_.coordinates()[i];
+    const double margin = checking::kBeyondLimits * (c.limits.upper - c.limits.lower);
+    const auto q = r_.q.col(i).array();
+    const bool far = (q.abs() > checking::kMostTravel).any();
+    return !c.prismatic && moves_[i] && (far || (std::isfinite(margin) && (q < c.limits.lower - margin || q > c.limits.upper + margin).any()));
+  }
+
+  // One joint of several in degrees, as its own driver publishes it.
+  void degrees_of(int i) {
+    const auto change = [i](MatrixXd& values) { values.col(i) *= M_PI / 180.0; };
+    if (has_velocity()) {
+      add("degrees", i + 1, "Position and velocity of " + name(i) + " are degrees", [change](Recording& r) {
+        change(r.q);
+        change(r.dq);
+      }).units = fmt::format("q{0}=deg,dq{0}=deg/s", i + 1);
+    }
+    add("degrees", i + 1, "The position of " + name(i) + " is in degrees", [change](Recording& r) { change(r.q); }).units = fmt::format("q{}=deg", i + 1);
+    const double largest = r_.q.col(i).cwiseAbs().maxCoeff<Eigen::PropagateNumbers>();
+    for (double ratio = checking::kLeastRatio; ratio < checking::kMostRatio; ratio *= 1.0 + checking::kRatioStep) {
+      if (largest / ratio < checking::kMostTravel && largest / ratio > checking::kLeastTravel) out_.push_back(before_the_gear(ratio, has_velocity(), i, name(i)));
+    }
+  }
+
+  // "q=mm,dq=mm/s"; of an arm that also turns, of each sliding joint.
+  std::string millimetres() const {
+    std::string out;
+    for (int i = 0; i < joints(); ++i) {
+      if (turning_ && !arm_.coordinates()[i].prismatic) continue;
+      const std::string number = turning_ ? std::to_string(i + 1) : "";
+      out = joined(out, fmt::format(has_velocity() ? "q{0}=mm,dq{0}=mm/s" : "q{0}=mm", number));
+      if (!turning_) break;
+    }
+    return out;
+  }
+
   void angles() {
     if (sliding_) {
       const auto joints = joints_;
-      RecordingQuestion& q = add("millimetres", 0, "Positions of sliding joints are millimetres", [joints](Recording& r) {
+      const auto change = [joints](Recording& r) {
         to_si(r.q, "q", "mm", joints);
         if (r.dq.size() > 0) to_si(r.dq, "dq", "mm/s", joints);
-      });
-      q.units = has_velocity() ? "q=mm,dq=mm/s" : "q=mm";
+      };
+      add("millimetres", 0, "Positions of sliding joints are millimetres", change).units = millimetres();
+      if (turning_) {
+        add("millimetres", 0, "Positions are millimetres and degrees", [change, joints](Recording& r) {
+          change(r);
+          to_si(r.q, "q", "deg", joints);
+          if (r.dq.size() > 0) to_si(r.dq, "dq", "deg/s", joints);
+        }).units = joined(has_velocity() ? "q=deg,dq=deg/s" : "q=deg", millimetres());
+      }
     }
     if (!turning_) return;
     if (has_velocity()) {
@@ -142,6 +218,22 @@ class List {
       add("degrees", 0, "Velocities are degrees per second", [joints](Recording& r) { to_si(r.dq, "dq", "deg/s", joints); }).units = "dq=deg/s";
     }
     positions_in("degrees", "Positions are degrees", "deg", "");
+    positions_in("turns", "Positions are turns", "rev", "");
+    if (has_velocity()) {
+      positions_in("turns", "Positions are turns, and velocities turns a minute", "rev", "rpm");
+      const auto joints = joints_;
+      add("turns", 0, "Velocities are turns a minute", [joints](Recording& r) { to_si(r.dq, "dq", "rpm", joints); }).units = "dq=rpm";
+    }
+    for (int i = 0; i < joints(); ++i) {
+      for (const double zero : checking::kZeros) {
+        if (moves_[i] && badly_[i] && !arm_.coordinates()[i].prismatic) out_.push_back(zero_at(zero, i, name(i)));
+      }
+    }
+    int moving = 0, beyond = 0;
+    for (int i = 0; i < joints(); ++i) moving += moves_[i] ? 1 : 0, beyond += is_beyond(i) ? 1 : 0;
+    for (int i = 0; i < joints(); ++i) {
+      if (beyond < moving && is_beyond(i)) degrees_of(i);
+    }
     const double largest = r_.q.cwiseAbs().maxCoeff<Eigen::PropagateNumbers>();
     for (double ratio = checking::kLeastRatio; largest > checking::kMostTravel && !sliding_ && ratio < checking::kMostRatio; ratio *= 1.0 + checking::kRatioStep) {
       if (largest / ratio < checking::kMostTravel && largest / ratio > checking::kLeastTravel) out_.push_back(before_the_gear(ratio, has_velocity()));
@@ -177,6 +269,13 @@ class List {
       if (share && !limited) continue;
       in(unit, unit == "%" ? "Torques are percent of the largest effort" : unit == "permille" ? "Torques are thousandths of the largest effort"
                : unit == "share" ? "Torques are shares of the largest effort" : "Torques are in " + unit);
+    }
+    for (int i = 0; i < arm_.joints(); ++i) {
+      for (const std::string unit : {"mNm", "Ncm"}) {
+        if (moves_[i] && badly_[i] && !arm_.coordinates()[i].prismatic)
+          add("torque_unit", i + 1, "The torque of " + name(i) + " is in " + unit, [unit, joints, i](Recording& r) { to_si(r.tau, "tau", unit, joints, i); }).units =
+              fmt::format("tau{}={}", i + 1, unit);
+      }
     }
     VectorXd gains(arm_.joints());
     for (int i = 0; i < arm_.joints(); ++i) gains[i] = arm_.coordinates()[i].drive_gain;
@@ -221,6 +320,47 @@ class List {
         });
       }
     }
+  }
+
+  // Columns in the alphabetical order of the joints' names, as ROS sorts them, or moved on by one.
+  void orders() {
+    std::vector<int> own(static_cast<std::size_t>(joints()));
+    for (int i = 0; i < joints(); ++i) own[i] = i;
+    std::vector<int> sorted = own, on = own, back = own;  // places of the joints' columns
+    std::sort(sorted.begin(), sorted.end(), [this](int a, int b) { return arm_.coordinates()[a].name < arm_.coordinates()[b].name; });
+    std::vector<int> alphabetical = own;
+    for (int k = 0; k < joints(); ++k) alphabetical[sorted[k]] = k;
+    std::rotate(on.begin(), on.begin() + 1, on.end());
+    std::rotate(back.begin(), back.end() - 1, back.end());
+    const auto add_order = [&](const std::vector<int>& order, const std::string& what, const std::vector<std::string>& signals) {
+      int moved = 0;
+      std::string map;
+      for (const std::string& signal : signals) {
+        for (int i = 0; i < joints(); ++i) {
+          if (order[i] == i) continue;
+          ++moved;
+          map = joined(map, fmt::format("{0}{1}={0}{2}", signal, i + 1, order[i] + 1));
+        }
+      }
+      if (moved < 3 * static_cast<int>(signals.size())) return;  // two are an exchange
+      const bool torques = signals.back() == torque_, motion = signals.front() == "q";
+      add("swapped_joints", 0, what, [order, torques, motion](Recording& r) {
+        const Recording before = r;
+        for (std::size_t i = 0; i < order.size(); ++i) {
+          for (MatrixXd Recording::*values : {&Recording::q, &Recording::dq, &Recording::ddq}) {
+            if (motion && (r.*values).cols() > 0) (r.*values).col(i) = (before.*values).col(order[i]);
+          }
+          if (torques) r.tau.col(i) = before.tau.col(order[i]);
+        }
+      }).map = map;
+    };
+    const std::vector<std::string> motion = has_velocity() ? std::vector<std::string>{"q", "dq"} : std::vector<std::string>{"q"};
+    std::vector<std::string> all = motion;
+    all.push_back(torque_);
+    add_order(alphabetical, "All columns are in the alphabetical order of the joints' names", all);
+    add_order(alphabetical, "The torques are in the alphabetical order of the joints' names", {torque_});
+    add_order(on, "The torques stand one column too far to the right", {torque_});
+    add_order(back, "The torques stand one column too far to the left", {torque_});
   }
 
   void gravity() {
@@ -268,13 +408,14 @@ class List {
 
 // Positions have one unit.
 bool is_position_unit(const RecordingQuestion& q) {
-  return q.recording && (q.finding == "degrees" || q.finding == "counts" || q.finding == "share_of_range" || q.finding == "motor_side");
+  return q.recording && (q.finding == "degrees" || q.finding == "counts" || q.finding == "share_of_range" || q.finding == "motor_side" ||
+                         q.finding == "turns" || q.finding == "encoder_zero");
 }
 
 }  // namespace
 
 bool RecordingQuestion::excludes(const RecordingQuestion& o) const {
-  if (is_position_unit(*this) && is_position_unit(o)) return true;
+  if (is_position_unit(*this) && is_position_unit(o)) return joint == 0 || o.joint == 0 || joint == o.joint;
   if (finding == "torque_unit" && o.finding == "current") return true;
   if (robot || o.robot) return finding == o.finding;
   // That torques of two joints are exchanged and that their motions are is one mistake, seen from either side.
@@ -317,24 +458,45 @@ RecordingQuestion gravity_along(const Eigen::Vector3d& gravity) {
 }
 
 std::string options_of(const std::vector<RecordingQuestion>& questions) {
-  std::string units, map, other;
+  std::vector<std::pair<std::string, std::string>> units;  // of each signal
+  std::string map, other;
   for (const RecordingQuestion& q : questions) {
-    // The sign of one joint keeps the unit that all have.
-    const std::size_t equals = q.units.find("=-");
-    for (const RecordingQuestion& all : questions) {
-      const std::string signal = all.units.substr(0, all.units.find('=') + 1);
-      if (equals == std::string::npos || all.joint != 0 || signal.empty() || q.units.rfind(signal.substr(0, signal.size() - 1), 0) != 0 || q.joint == 0) continue;
-      const std::string unit = all.units.substr(signal.size(), all.units.find(',') - signal.size());
-      units = joined(units, q.units.substr(0, equals + 2) + unit);
-    }
-    const bool done = !units.empty() && equals != std::string::npos && units.find(q.units.substr(0, equals + 2)) != std::string::npos;
-    if (!done) units = joined(units, q.units);
+    std::istringstream words(q.units);
+    for (std::string word; std::getline(words, word, ',');) units.emplace_back(word.substr(0, word.find('=')), word.substr(word.find('=') + 1));
     map = joined(map, q.map);
     if (!q.other.empty()) other += (other.empty() ? "" : " ") + q.other;
   }
-  std::string out = units.empty() ? "" : "--units " + units;
+  std::string out;
+  for (const auto& [signal, unit] : units) {
+    // The sign of one joint keeps the unit that all have.
+    const std::string whole = signal.substr(0, signal.find_last_not_of("0123456789") + 1);
+    const auto all = std::find_if(units.begin(), units.end(), [&](const auto& one) { return one.first == whole; });
+    const bool sign_alone = whole != signal && unit[0] == '-' && all != units.end();
+    out = joined(out, signal + "=" + (!sign_alone ? unit : all->second[0] == '-' ? all->second.substr(1) : "-" + all->second));
+  }
+  if (!out.empty()) out = "--units " + out;
   if (!map.empty()) out += (out.empty() ? "" : " ") + ("--map " + map);
   return out.empty() || other.empty() ? out + other : out + " " + other;
+}
+
+bool concern_robot(const std::vector<RecordingQuestion>& set) {
+  return std::any_of(set.begin(), set.end(), [](const RecordingQuestion& q) { return static_cast<bool>(q.robot); });
+}
+
+Model applied(const std::vector<RecordingQuestion>& set, const Model& arm) {
+  ModelDescription d = arm.description();
+  for (const RecordingQuestion& q : set) {
+    if (q.robot) q.robot(d);
+  }
+  return Model(std::move(d));
+}
+
+void apply_to(const std::vector<RecordingQuestion>& set, Recording& recording) {
+  for (const bool exchanges : {true, false}) {
+    for (const RecordingQuestion& q : set) {
+      if (q.recording && q.map.empty() != exchanges) q.recording(recording);
+    }
+  }
 }
 
 }  // namespace veridyn

@@ -42,4 +42,13 @@ RecordingQuestion gravity_along(const Eigen::Vector3d& gravity);
 /// "--units q=deg --map tau1=tau2,tau2=tau1", of all questions together.
 std::string options_of(const std::vector<RecordingQuestion>& questions);
 
+/// True if some of them change the robot.
+bool concern_robot(const std::vector<RecordingQuestion>& set);
+
+/// The robot after the transformations of a set.
+Model applied(const std::vector<RecordingQuestion>& set, const Model& arm);
+
+/// Transforms a recording. Columns are exchanged before they are scaled, as the reader does.
+void apply_to(const std::vector<RecordingQuestion>& set, Recording& recording);
+
 }  // namespace veridyn

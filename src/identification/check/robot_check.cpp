@@ -4,12 +4,11 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <map>
 #include <optional>
-#include <set>
 #include <tuple>
 #include <utility>
 
+#include "identification/check/answers.hpp"
 #include "identification/check/check_thresholds.hpp"
 #include "identification/check/quick_fit.hpp"
 #include "identification/check/questions.hpp"
@@ -44,16 +43,56 @@ class RobotCheck {
     moves_ = quality::Head(recording_).moves;
   }
 
-  std::vector<QualityFinding> run() {
-    tell_what_hardly_moves();
-    if (!is_identifiable()) return std::move(findings_);
-    best_.fit = fitter_.fit(recording_);
-    const double before = best_.fit.left();
-    search();
-    report(before);
-    tell_weak_motions();
-    if (!given_.inertial_values() && best_.set.empty()) warn_of_small_efforts();
-    return std::move(findings_);
+  RobotAnswers run(double ask_above = 0.0) {
+    RobotAnswers out;
+    if (is_identifiable()) {
+      best_.fit = fitter_.fit(recording_);
+      const QuickFit before = best_.fit;
+      out.explained = is_explained(before);
+      out.left = before.left();
+      if (!(out.left > ask_above)) return out;  // the first recording told what hardly moves
+      search();
+      if (!helps(best_, before)) best_ = Answer{{}, before, 0.0, {}};
+      report(before.left());
+      if (recording_.rows() >= checking::kRowsOfAnArm) say_unexplained();
+      tell_weak_motions();
+      if (!given_.inertial_values() && best_.set.empty()) warn_of_small_efforts();
+      if (is_explained(best_) || best_.fit.left() < checking::kMostOfIt * before.left()) out.set = std::move(best_.set);
+    }
+    tell_what_hardly_moves(changed(out.set));
+    out.findings = std::move(findings_);
+    return out;
+  }
+
+  bool would_mend(const std::vector<RecordingQuestion>& set) const { return is_clear(fit_of(set), fitter_.fit(recording_)); }
+
+  // Answers that leave an arm unexplained may stand for anything that it lacks.
+  static bool helps(const Answer& answer, const QuickFit& before) {
+    const QuickFit& after = answer.fit;
+    const bool is_sure = std::all_of(answer.set.begin(), answer.set.end(), [&](const RecordingQuestion& q) {
+      return q.joint == 0 ? after.left() < checking::kUnexplained : std::sqrt(after.shares[q.joint - 1]) < checking::kSure;
+    });
+    if (is_explained(answer)) return true;
+    if (std::any_of(answer.set.begin(), answer.set.end(), [](const RecordingQuestion& q) { return is_fitted(q) || scales_joints_apart(q); })) return is_clear(after, before);
+    return after.left() < checking::kFitted * before.left() || (after.contradictions < before.contradictions && is_sure);
+  }
+
+  void say_unexplained() {
+    if (best_.fit.left() > checking::kUnexplained) {
+      add("unexplained", 0, best_.fit.left(),
+          text("With all its parameters free ", given_.name(), " leaves ", percent(best_.fit.left()),
+               " of the torque on held-out rows, and no single mistake that `check` knows explains it: the torques of another robot, or a time or a column that does not belong to the others?"));
+      return;
+    }
+    for (int i = 0; i < joints(); ++i) {
+      const double left = std::sqrt(best_.fit.shares[i]);
+      if (moves(i) && left > checking::kNothing)
+        add("unexplained", i + 1, left, text("Nothing of the torque of ", joint(i), " follows from its motion: a joint that nothing drives, or another signal in its column?"));
+    }
+  }
+
+  static bool is_clear(const QuickFit& after, const QuickFit& before) {
+    return is_explained(after) || after.left() < checking::kMostOfIt * before.left();
   }
 
  private:
@@ -87,11 +126,11 @@ class RobotCheck {
     return std::any_of(all.begin(), all.end(), [&](const Answer& one) { return is_explained(one.fit) && !is_explained(as_recorded.fit); });
   }
 
-  void tell_what_hardly_moves() {
-    for (int i = 0; i < joints() && recording_.rows() > 0; ++i) {
+  void tell_what_hardly_moves(const Recording& recording) {
+    for (int i = 0; i < joints() && recording.rows() > 0; ++i) {
       const Limits& limits = given_.coordinates()[i].limits;
       double lowest = kInfinity, highest = -kInfinity;
-      for (const double q : recording_.q.col(i)) {
+      for (const double q : recording.q.col(i)) {
         if (!std::isfinite(q)) continue;
         lowest = std::min(lowest, q);
         highest = std::max(highest, q);
@@ -99,7 +138,7 @@ class RobotCheck {
       const double share = (highest - lowest) / (limits.upper - limits.lower);
       if (!moves(i) || !std::isfinite(limits.upper - limits.lower) || !(share < kHardlyMoves)) continue;
       add("hardly_moves", i + 1, share,
-          text("In its first ", quality::number(recording_.time[recording_.rows() - 1] - recording_.time[0]), " s ", joint(i),
+          text("In its first ", quality::number(recording.time[recording.rows() - 1] - recording.time[0]), " s ", joint(i),
                " moves over ", percent(share), " of its range: little of its friction and inertia can be identified."));
       findings_.back().severity = Severity::kWarning;
     }
@@ -141,26 +180,29 @@ class RobotCheck {
 
   static bool is_explained(const QuickFit& fit) { return fit.is_near() && fit.contradictions == 0.0; }
 
-  // The recording and the arm after all transformations of a set. Columns are exchanged before they are scaled, as the
-  // reader does.
+  // A direction of gravity that is fitted takes a part of any force that acts from outside.
+  static bool is_fitted(const RecordingQuestion& q) { return q.robot && q.neighbours; }
+  // Other factors of single torques come near to much that an arm lacks.
+  static bool scales_joints_apart(const RecordingQuestion& q) {
+    return q.finding == "torque_unit" && (q.joint != 0 || q.units == "tau=%" || q.units == "tau=permille" || q.units == "tau=share");
+  }
+  static bool is_explained(const Answer& answer) {
+    const bool fitted = std::any_of(answer.set.begin(), answer.set.end(), is_fitted);
+    return is_explained(answer.fit) && (!fitted || answer.fit.left() <= std::max(checking::kNearNoise * answer.fit.noise(), checking::kFittedNear));
+  }
+
   Recording changed(const std::vector<RecordingQuestion>& set) const {
     Recording out = recording_;
-    for (const bool exchanges : {true, false}) {
-      for (const RecordingQuestion& q : set) {
-        if (q.recording && q.map.empty() != exchanges) q.recording(out);
-      }
-    }
+    apply_to(set, out);
     return out;
   }
 
-  QuickFit fit_of(const std::vector<RecordingQuestion>& set) const {
+  QuickFit fit_of(const std::vector<RecordingQuestion>& set, VelocitySource velocity = VelocitySource::kRecorded) const {
     const Recording recording = changed(set);
-    if (std::none_of(set.begin(), set.end(), [](const RecordingQuestion& q) { return static_cast<bool>(q.robot); })) return fitter_.fit(recording);
-    ModelDescription d = given_.description();
-    for (const RecordingQuestion& q : set) {
-      if (q.robot) q.robot(d);
-    }
-    return QuickFitter(Model(std::move(d)), options_).fit(recording);
+    if (velocity == VelocitySource::kRecorded && !concern_robot(set)) return fitter_.fit(recording);
+    PreprocessingOptions how = options_;
+    if (velocity == VelocitySource::kDerived) how.velocity = velocity;
+    return QuickFitter(applied(set, given_), how).fit(recording);
   }
 
   std::vector<Answer> tried(const std::vector<RecordingQuestion>& before, const std::vector<RecordingQuestion>& questions) const {
@@ -178,7 +220,7 @@ class RobotCheck {
   // torques and gravity.
   std::vector<RecordingQuestion> open_questions(const Answer& so_far) const {
     std::vector<bool> badly;
-    for (int i = 0; i < joints(); ++i) badly.push_back(!so_far.fit.is_near(i));
+    for (int i = 0; i < joints(); ++i) badly.push_back(std::sqrt(so_far.fit.shares[i]) > checking::kBadly);
     std::vector<RecordingQuestion> all = questions_of(given_, recording_, torque_name(), moves_, badly);
     if (so_far.set.empty() && !amperes()) add_gears(so_far.fit, all);
     const bool fits = so_far.fit.is_near();
@@ -201,7 +243,7 @@ class RobotCheck {
   void search() {
     std::vector<Answer> beam = {best_};
     std::optional<std::pair<Answer, const char*>> doubt;  // another mistake beside it may still make it sure
-    for (int level = 0; level < checking::kMostTogether && !beam.empty() && !is_explained(best_.fit); ++level) {
+    for (int level = 0; level < checking::kMostTogether && !beam.empty() && !is_explained(best_); ++level) {
       std::vector<Answer> next, impossible;
       for (const Answer& parent : beam) {
         for (Answer& one : tried(parent.set, open_questions(parent))) {
@@ -215,7 +257,7 @@ class RobotCheck {
       const auto better = [](const Answer& a, const Answer& b) { return a.score < b.score; };
       std::sort(next.begin(), next.end(), better);
       std::sort(impossible.begin(), impossible.end(), better);
-      if (best_.set.empty() && !impossible.empty() && (next.empty() || (is_explained(impossible.front().fit) && !is_explained(next.front().fit)))) {
+      if (best_.set.empty() && !impossible.empty() && (next.empty() || (is_explained(impossible.front()) && !is_explained(next.front())))) {
         say_perhaps(impossible.front(), "as recorded, all positions lie within the limits of the joints");
         return;
       }
@@ -224,11 +266,16 @@ class RobotCheck {
       for (Answer& one : next) one = polished(one);
       // A number that is fitted, or another arm, helps a little against anything that the arm lacks.
       next.erase(std::remove_if(next.begin(), next.end(), [&](const Answer& one) {
-                   return (one.set.back().neighbours || one.set.back().robot) && !is_explained(one.fit) && one.fit.left() > checking::kFitted * best_.fit.left();
+                   return (one.set.back().neighbours || one.set.back().robot) && !is_explained(one) && one.fit.left() > checking::kFitted * best_.fit.left();
                  }), next.end());
       if (next.empty()) break;
       std::sort(next.begin(), next.end(), better);
-      if (is_explained(next.front().fit)) {
+      // The noise of a recorded velocity makes friction near rest uncertain.
+      if (!is_explained(next.front())) {
+        QuickFit quieter = fit_of(next.front().set, VelocitySource::kDerived);
+        if (is_explained(quieter)) next.front().fit = std::move(quieter);
+      }
+      if (is_explained(next.front())) {
         best_ = next.front();
         return;
       }
@@ -257,7 +304,7 @@ class RobotCheck {
   // that the arm does not explain; so is one that helps in a part of the recording only.
   static const char* why_not_sure(const Answer& answer, const std::vector<Answer>& others) {
     const RecordingQuestion& q = answer.set.back();
-    if (is_explained(answer.fit) || q.finding == "torque_sign" || q.neighbours) return nullptr;
+    if (is_explained(answer) || q.finding == "torque_sign" || q.neighbours) return nullptr;
     for (const Answer& other : others) {
       const RecordingQuestion& rival = other.set.back();
       const bool same = rival.what == q.what || other.set.size() != answer.set.size();
@@ -273,6 +320,7 @@ class RobotCheck {
 
   // Moves the last question of a set to its better neighbours, by steps that halve.
   Answer polished(Answer answer) const {
+    if (answer.set.back().finding == "encoder_zero" && is_explained(answer)) return answer;  // a whole quarter turn
     const std::vector<RecordingQuestion> before(answer.set.begin(), answer.set.end() - 1);
     for (double step = 0.5 * answer.set.back().first_distance; answer.set.back().neighbours && step > checking::kFinest * answer.set.back().first_distance;) {
       const std::vector<RecordingQuestion> near = answer.set.back().neighbours(step);
@@ -314,7 +362,7 @@ class RobotCheck {
   bool is_possible(const Answer& answer) const {
     const RecordingQuestion& q = answer.set.back();
     const int as_recorded = beyond_limits(recording_);
-    if (q.units.rfind("q=", 0) == 0) return as_recorded > 0 || !has_limits();
+    if (q.units.rfind("q=", 0) == 0 && q.finding != "turns") return as_recorded > 0 || !has_limits();
     return beyond_limits(changed(answer.set)) <= as_recorded;
   }
 
@@ -340,7 +388,8 @@ class RobotCheck {
     for (const double ratio : fit.ratios) {
       if (ratio != 0.0) known.push_back(ratio);
     }
-    if (known.empty() || *std::max_element(known.begin(), known.end()) > checking::kBehindGear || *std::min_element(known.begin(), known.end()) <= 0.0) return;
+    if (known.empty() || *std::min_element(known.begin(), known.end()) * checking::kMostRatio < 1.0) return;
+    if (*std::max_element(known.begin(), known.end()) > checking::kBehindGear) return add_one_gear(fit, list);
     RecordingQuestion q;
     q.finding = "torque_unit";
     q.price = checking::kOfNumber * joints();
@@ -354,6 +403,22 @@ class RobotCheck {
     q.what = text("Torques are those of the motors, in front of gears of about ", words);
     q.recording = [gears](Recording& r) { r.tau = (r.tau * gears.asDiagonal()).eval(); };
     list.push_back(std::move(q));
+  }
+
+  // The same of single joints.
+  void add_one_gear(const QuickFit& fit, std::vector<RecordingQuestion>& list) const {
+    for (int i = 0; i < joints(); ++i) {
+      if (fit.ratios[i] == 0.0 || fit.ratios[i] > checking::kBehindGear) continue;
+      const double gear = std::round(1.0 / fit.ratios[i]);
+      RecordingQuestion q;
+      q.finding = "torque_unit";
+      q.joint = i + 1;
+      q.price = checking::kOfNumber;
+      q.units = text("tau", i + 1, "=", gear);
+      q.what = text("The torque of ", joint(i), " is that of its motor, in front of a gear of about ", gear);
+      q.recording = [i, gear](Recording& r) { r.tau.col(i) *= gear; };
+      list.push_back(std::move(q));
+    }
   }
 
   // One line for each answer, with what the arm leaves without it and all options together.
@@ -370,7 +435,7 @@ class RobotCheck {
       std::string sentence = q.what + ": ";
       if (left < checking::kLess * without) sentence += text("so the arm leaves ", percent(left), " of the torque on held-out rows instead of ", percent(without), "; ");
       else sentence += q.finding == "torque_sign" ? "so say its friction and the values of the robot file; " : "so say the values of the robot file; ";
-      if (is_explained(best_.fit)) sentence += options + " mends it.";
+      if (is_explained(best_)) sentence += options + " mends it.";
       else sentence += text(options, " makes it better, but the noise is at ", percent(best_.fit.noise()), ": not the whole truth.");
       add(q.finding, q.joint, left, sentence);
     }
@@ -420,7 +485,7 @@ class RobotCheck {
   }
 
   const Model& given_;
-  const PreprocessingOptions& options_;
+  PreprocessingOptions options_;
   Recording recording_;
   QuickFitter fitter_;
   std::vector<std::string> names_;
@@ -429,22 +494,8 @@ class RobotCheck {
   std::vector<QualityFinding> findings_;
 };
 
-}  // namespace
-
-std::vector<QualityFinding> check_against(const Model& arm, const std::string& path,
-                                          const PreprocessingOptions& options) {
-  RecordingOptions reading = reading_of(arm, options);
-  reading.first_row = std::max(0L, options.first_row);
-  reading.row_count = std::min<long>(options.row_count.value_or(checking::kMostRows), checking::kMostRows);
-  Recording recording = read_rows(path, reading, options.kept.get());
-  recording.source = path;
-  PreprocessingOptions rest = options;
-  rest.first_row = 0;
-  rest.row_count.reset();
-  return check_against(arm, std::move(recording), rest);
-}
-
-std::vector<QualityFinding> check_against(const Model& arm, Recording recording, const PreprocessingOptions& options) {
+// The check of a recording; nothing where there is too little to be asked.
+std::optional<RobotCheck> check_of(const Model& arm, Recording recording, const PreprocessingOptions& options) {
   require_joints_of(arm, recording.joints(), recording.source);
   const long first = std::min<long>(options.first_row, recording.rows());
   const long wanted = std::min<long>(options.row_count.value_or(checking::kMostRows), checking::kMostRows);
@@ -453,75 +504,59 @@ std::vector<QualityFinding> check_against(const Model& arm, Recording recording,
     recording = rows_of(recording, static_cast<int>(first), static_cast<int>(count));
   if (recording.rows() < checking::kFewestRows) return {};
   if (options.cutoff > 0.0 && median_step(recording.time) * options.cutoff >= 0.5) return {};  // the filter needs two rows a wave
-  if (recording.tau.size() == 0 && recording.current.size() > 0) {
-    // Signs, exchanged joints and angles of currents are checked through their gains.
-    recording.tau = recording.current;
-    for (int i = 0; i < arm.joints(); ++i) {
-      const double gain = arm.coordinates()[i].drive_gain;
-      if (gain > 0.0) recording.tau.col(i) *= gain;
-    }
-  }
+  give_torques(arm, recording);
   if (recording.tau.size() == 0) return {};
+  if (recording.dq.isZero(0.0)) recording.dq.resize(0, 0);
   for (int i = 0; i < arm.joints(); ++i) {
     if (recording.tau.col(i).array().isNaN().all() || recording.q.col(i).array().isNaN().all()) return {};  // the check of gaps names it
   }
-  return RobotCheck(arm, std::move(recording), options).run();
+  PreprocessingOptions rest = options;
+  rest.first_row = 0;
+  rest.row_count.reset();
+  return std::optional<RobotCheck>(std::in_place, arm, std::move(recording), rest);
 }
 
-bool is_contradiction(const QualityFinding& finding) {
-  static const char* const kNames[] = {"torque_sign", "position_sign", "swapped_joints", "degrees", "millimetres", "counts", "share_of_range",
-                                       "motor_side", "torque_unit", "current", "gravity", "dh_convention"};
-  // Degrees that velocities alone show belong to a joint.
-  return finding.severity == Severity::kFault && (finding.finding != "degrees" || finding.joint == 0) &&
-         std::find(std::begin(kNames), std::end(kNames), finding.finding) != std::end(kNames);
-}
-
-std::vector<QualityFinding> merged_findings(std::vector<QualityFinding> contradictions, const std::vector<QualityFinding>& quality) {
-  const auto of_motion = [](const QualityFinding& f) {
-    return is_contradiction(f) && f.finding.rfind("torque", 0) != 0 && f.finding != "current" && f.finding != "gravity" && f.finding != "dh_convention";
-  };
-  const bool explained = std::any_of(contradictions.begin(), contradictions.end(), of_motion);
-  for (const QualityFinding& f : quality) {
-    const bool same = f.finding == "degrees" || f.finding == "velocity_scale" || f.finding == "velocity_sign" || f.finding == "rate_contradiction";
-    if (!explained || !same) contradictions.push_back(f);
-  }
-  std::stable_sort(contradictions.begin(), contradictions.end(), [](const auto& a, const auto& b) { return a.severity > b.severity; });
-  return contradictions;
-}
-
-namespace {
-
-// Each finding once; of contradicting findings about one joint the most frequent one.
-std::vector<QualityFinding> once_each(const std::vector<QualityFinding>& all) {
-  using Key = std::pair<std::string, int>;
-  std::map<Key, int> votes;
-  for (const QualityFinding& f : all) ++votes[{f.finding, f.joint}];
-  std::vector<QualityFinding> out;
-  std::set<Key> said;
-  for (const QualityFinding& f : all) {
-    const int own = votes.at({f.finding, f.joint});
-    const bool outvoted = std::any_of(votes.begin(), votes.end(), [&](const auto& other) { return other.first.second == f.joint && other.second > own; });
-    if (!outvoted && said.insert({f.finding, f.joint}).second) out.push_back(f);
-  }
-  return out;
+std::optional<RobotCheck> check_of(const Model& arm, const std::string& name, const PreprocessingOptions& options) {
+  if (const Recording* there = find_in_memory(options.in_memory, name)) return check_of(arm, *there, options);
+  RecordingOptions reading = reading_of(arm, options);
+  reading.first_row = std::max(0L, options.first_row);
+  reading.row_count = std::min<long>(options.row_count.value_or(checking::kMostRows), checking::kMostRows);
+  Recording recording = read_rows(name, reading, options.kept.get());
+  recording.source = name;
+  PreprocessingOptions rest = options;
+  rest.first_row = 0;
+  rest.row_count.reset();
+  return check_of(arm, std::move(recording), rest);
 }
 
 }  // namespace
 
-std::vector<QualityFinding> contradictions_in(const Model& arm, const std::vector<std::string>& recordings, const PreprocessingOptions& options,
-                                               const VectorRef& errors) {
-  std::vector<QualityFinding> out;
-  if (errors.size() == 0 || !(errors.maxCoeff() > checking::kAskedAbove)) return out;
-  for (const std::string& name : recordings) {
-    const Recording* there = find_in_memory(options.in_memory, name);
-    for (QualityFinding& f : there != nullptr ? check_against(arm, *there, options) : check_against(arm, name, options)) {
-      if (f.severity != Severity::kFault) continue;
-      f.file = name;
-      out.push_back(std::move(f));
-    }
-    if (out.empty()) break;  // mistakes of a set-up are in the first recording too
+void give_torques(const Model& arm, Recording& recording) {
+  if (recording.tau.size() > 0 || recording.current.size() == 0) return;
+  recording.tau = recording.current;
+  for (int i = 0; i < arm.joints(); ++i) {
+    const double gain = arm.coordinates()[i].drive_gain;
+    if (gain > 0.0) recording.tau.col(i) *= gain;
   }
-  return once_each(out);
+}
+
+RobotAnswers answers_of(const Model& arm, const std::string& recording, const PreprocessingOptions& options, double ask_above) {
+  std::optional<RobotCheck> check = check_of(arm, recording, options);
+  return check ? check->run(ask_above) : RobotAnswers();
+}
+
+bool would_mend(const std::vector<RecordingQuestion>& set, const Model& arm, const std::string& recording, const PreprocessingOptions& options) {
+  const std::optional<RobotCheck> check = check_of(arm, recording, options);
+  return check && check->would_mend(set);
+}
+
+std::vector<QualityFinding> check_against(const Model& arm, const std::string& path, const PreprocessingOptions& options) {
+  return answers_of(arm, path, options).findings;
+}
+
+std::vector<QualityFinding> check_against(const Model& arm, Recording recording, const PreprocessingOptions& options) {
+  std::optional<RobotCheck> check = check_of(arm, std::move(recording), options);
+  return check ? check->run().findings : std::vector<QualityFinding>();
 }
 
 }  // namespace veridyn

@@ -41,7 +41,9 @@ IdentifiedState state_of(const IdentifiedJoint& j) {
   return IdentifiedState::kUnexplained;
 }
 
-std::string in_percent(double share) { return fmt::format("{:.2g} %", 100.0 * share); }
+std::string two_digits(double value) { return value < 99.5 ? fmt::format("{:.2g}", value) : fmt::format("{:.0f}", value); }
+
+std::string in_percent(double share) { return two_digits(100.0 * share) + " %"; }
 
 std::vector<IdentifiedJoint> joints_in(const IdentificationVerdict& v, IdentifiedState state) {
   std::vector<IdentifiedJoint> out;
@@ -72,7 +74,7 @@ std::string sentence_of(const IdentificationVerdict& v, const std::string& whose
   out += listed(joints_in(v, IdentifiedState::kUnexplained), "leaves", "leave", "{} times the noise " + whose + ": `veridyn diagnose` says why",
                 [](const IdentifiedJoint& j) {
                   return j.error > identifying::kLargestRatio * j.floor ? fmt::format("over {:.0f}", identifying::kLargestRatio)
-                                                                        : fmt::format("{:.2g}", j.error / j.floor);
+                                                                        : two_digits(j.error / j.floor);
                 });
   out += listed(joints_in(v, IdentifiedState::kNoTorque), "has", "have", "no torque " + whose + ": it was not recorded, or nothing drove the joint",
                 [](const IdentifiedJoint&) { return ""; });

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
@@ -22,6 +23,9 @@ namespace veridyn {
 namespace {
 
 constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
+
+/// What spreadsheets and data bases write where a value is missing.
+constexpr const char* kNothing[] = {"null", "none", "nil", "na", "n/a", "#n/a", "#num!", "#value!", "-", "--"};
 
 bool is_blank(char c) {
   return c == ' ' || c == '\t';
@@ -129,9 +133,21 @@ class RowParser {
     skip_padding();
     if (error == std::errc::invalid_argument || !at_field_end()) {
       p_ = first;
+      if (layout_.slots[column] != CsvLayout::kTime && skip_word_for_nothing()) return kGap;
+      p_ = first;
       fail_text(column);
     }
     return value;
+  }
+
+  bool skip_word_for_nothing() {
+    const char* first = p_;
+    skip_field();
+    std::string word;
+    for (const char* c = first; c != p_; ++c) {
+      if (!is_blank(*c) && *c != '"') word += static_cast<char>(std::tolower(static_cast<unsigned char>(*c)));
+    }
+    return std::find(std::begin(kNothing), std::end(kNothing), word) != std::end(kNothing);
   }
 
   bool ends_number(char c) const { return c == layout_.separator || c == '"' || is_blank(c); }
@@ -385,7 +401,7 @@ void CsvRows::run_back(double found) {
     const auto at = static_cast<std::size_t>(layout.slot(0, joint));
     moves_on = std::abs(row[at] - before[at]) <= kSteady * std::abs(before[at] - second_before[at]) + kSmallStep;
   }
-  if (!moves_on && row_number < 2) refuse_time(found, text("time runs back; ", recordings::kCountRows));
+  if (!moves_on && row_number < 2) refuse_time(found, text("time runs back: sort the rows by it where they are out of order; where they are not, ", recordings::kCountRows));
   if (!moves_on)
     refuse_time(found, text("a second recording begins at row ", row_number, ": --rows 0:", row_number, " reads what is before it, --rows ", row_number,
                             ": the rest, and ", recordings::kCountRows));

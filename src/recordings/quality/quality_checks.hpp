@@ -119,6 +119,9 @@ class TimeTally {
   double lost_time_ = 0.0;
   double longest_hole_ = 0.0;
   double longest_hole_at_ = 0.0;
+  long alike_ = 0;               // holes right behind one of their length
+  double hole_before_ = kNone;   // [rows] of the step before, or none
+  double first_hole_at_ = kNone, length_ = 0.0;  // of the first, and of those alike
 };
 
 /// Counts stale rows, gaps, and signals that never change.

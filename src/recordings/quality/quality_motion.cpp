@@ -4,13 +4,12 @@
 
 #include "math/correlated_columns.hpp"
 #include "recordings/quality/quality_checks.hpp"
+#include "recordings/signals/units.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/recordings/preprocessing.hpp"
 
 namespace veridyn::quality {
 namespace {
-
-constexpr double kThousand = 1e3;  // from one unit of time to the next
 
 std::vector<double> column_of(const MatrixXd& values, int joint) {
   return {values.col(joint).data(), values.col(joint).data() + values.rows()};
@@ -35,6 +34,17 @@ std::vector<double> ringing(const Head& head, const MatrixXd& values, int joint)
   return sizes;
 }
 
+// True for two columns of the same numbers, which change.
+bool are_equal(const MatrixXd& values, int i, int j) {
+  double changes = 0.0;
+  for (Eigen::Index k = 0; k < values.rows(); ++k) {
+    if (!std::isfinite(values(k, i)) && !std::isfinite(values(k, j))) continue;
+    if (values(k, i) != values(k, j)) return false;
+    if (k > 0) changes += std::abs(values(k, i) - values(k - 1, i)) > 0.0 ? 1.0 : 0.0;
+  }
+  return 2.0 * changes > static_cast<double>(values.rows());
+}
+
 // The filter and the motion settle at either end, and the rest has to move the arm enough.
 void check_duration(const Head& head, Findings* findings) {
   const PreprocessingOptions usual;
@@ -57,7 +67,7 @@ bool check_clock(const Head& head, Findings* findings) {
     }
   }
   if (!(onward > 0.0)) return false;
-  const char* unit = head.step < kThousand ? "ms" : head.step < kThousand * kThousand ? "us" : "ns";
+  const char* unit = recordings::unit_of_clock(head.step);
   findings->add(Severity::kFault, "time_unit", {"t", 0}, {kNone, head.step, "s"},
                 text("One row every ", number(head.step), " s, and the arm moves on from row to row: the times are no seconds; --units t=", unit, " mends it."));
   return true;
@@ -89,9 +99,31 @@ void check_motion(const Head& head, Findings* findings) {
       if (head.moves[j]) moving.push_back(j);
     }
     if (moving.size() < 2) continue;
+    const auto same = [&](int j) { return are_equal(head.rows.q, moving.front(), j); };
     findings->add(Severity::kWarning, "move_as_one", {"q", moving.front() + 1}, {},
                   text("Joints ", numbers_from_one(moving),
-                       " move as one: what depends on one of them cannot be told from the others."));
+                       std::all_of(moving.begin(), moving.end(), same) ? " have the same position in every row: was one column written twice? What depends on"
+                                                                       : " move as one: what depends on",
+                       " one of them cannot be told from the others."));
+  }
+  for (const Load& load : loads_of(head.rows)) {
+    int moving = 0, unsigned_ones = 0;
+    for (int j = 0; j < head.rows.joints(); ++j) {
+      if (!head.moves[static_cast<std::size_t>(j)]) continue;
+      const std::vector<double> values = column_of(*load.values, j);
+      ++moving;
+      unsigned_ones += quantile(values, 0.0) >= 0.0 && quantile(values, 1.0) > 0.0 ? 1 : 0;
+    }
+    if (moving > 1 && unsigned_ones == moving)
+      findings->add(Severity::kFault, "no_sign", {load.name, 0}, {},
+                    text("No ", load.name, " of any moving joint is ever negative: sizes without a sign, of which no model can be made."));
+    for (int j = 1; j < head.rows.joints(); ++j) {
+      for (int i = 0; i < j; ++i) {
+        if (are_equal(*load.values, i, j))
+          findings->add(Severity::kFault, "same_column", {load.name, j + 1}, {},
+                        text(load.name, i + 1, " and ", load.name, j + 1, " hold the same numbers in every row: one column was written twice, and that of a joint is missing."));
+      }
+    }
   }
 }
 

@@ -83,7 +83,7 @@ struct QualityNumbers {
   /// |factor + 1| < sign_error: the opposite sign.
   double sign_error = 0.1;
   /// |factor * 180 / pi - 1| < degree_error, or / : degrees.
-  double degree_error = 0.05;
+  double degree_error = 0.03;
   /// |factor - 1| > far_off: a fault, else a warning.
   double far_off = 0.3;
   /// spread of the factors < one_clock * their median: one clock is off.
@@ -150,10 +150,14 @@ constexpr double kNoLoad = 1e-8;
 constexpr double kLeastSeconds = 1.0, kEnoughSeconds = 10.0;
 /// median step >= kSlowClock [s] in one motion: times in another unit.
 constexpr double kSlowClock = 0.5;
+/// holes right behind one of their length > kAlike * all: another rate, and no rows are missing.
+constexpr double kAlike = 0.9;
 /// a turn = kTurn [rad].
 constexpr double kTurn = 6.283185307179586;
 /// degrees = kDegrees * radians.
 constexpr double kDegrees = 57.29577951308232;
+/// velocity in turns a minute = kMinute * derivative of turns = kTurnsAMinute * derivative of radians.
+constexpr double kMinute = 60.0, kTurnsAMinute = 9.549296585513721;
 /// half the distance of the quantiles = kQuartile and 1 - kQuartile is the spread of ratios.
 constexpr double kQuartile = 0.25;
 /// square of the second difference of white noise = kSecondDifference * its variance.

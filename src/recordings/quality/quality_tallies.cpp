@@ -1,6 +1,7 @@
 // Tallies of numbers, time and rows.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "recordings/quality/quality_checks.hpp"
 #include "veridyn/math/require.hpp"
@@ -43,9 +44,18 @@ void TimeTally::add(const Piece& piece) {
   if (rows_ == 0) first_ = time[0];
   for (int k = std::max(piece.fresh, 1); k < time.size(); ++k) {
     const double dt = time[k] - time[k - 1];
-    if (dt <= numbers.hole * step_) continue;
+    if (dt <= numbers.hole * step_) {
+      hole_before_ = kNone;
+      continue;
+    }
     ++holes_;
-    lost_rows_ += std::round(dt / step_) - 1.0;
+    if (std::isnan(first_hole_at_)) first_hole_at_ = time[k - 1];
+    const double length = std::round(dt / step_);
+    if (std::exchange(hole_before_, length) == length) {
+      ++alike_;
+      length_ = length;
+    }
+    lost_rows_ += length - 1.0;
     lost_time_ += dt - step_;
     if (dt > longest_hole_) {
       longest_hole_ = dt;
@@ -60,6 +70,12 @@ void TimeTally::conclude(Findings* findings) const {
   findings->add(
       Severity::kInfo, "sample_rate", {}, {kNone, 1.0 / step_, "Hz"},
       text("One row every ", number(1e3 * step_), " ms (median), ", number(1.0 / step_), " Hz."));
+  if (static_cast<double>(alike_) > kAlike * static_cast<double>(holes_)) {
+    findings->add(Severity::kWarning, "two_rates", {}, {share_of(holes_, rows_), 1.0 / (length_ * step_), "Hz"},
+                  text(counted(holes_, "row"), ", the first at t = ", number(first_hole_at_), " s, come every ", number(1e3 * length_ * step_),
+                       " ms and follow each other: two rates in one recording. Column t counts, not a fixed rate."));
+    return;
+  }
   const double mean_rate = static_cast<double>(rows_ - 1) / (last_ - first_ - lost_time_);
   const bool misleading = std::abs(mean_rate * step_ - 1.0) > numbers.misleading;
   if (longest_ - shortest_ > numbers.irregular * step_) {

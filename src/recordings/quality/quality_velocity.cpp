@@ -70,13 +70,16 @@ VelocityFit velocity_fit(const Head& head, int joint) {
   return fit;
 }
 
-void check_delay(const Head& head, int joint, Findings* findings) {
+// True if there is a delay to speak of.
+bool check_delay(const Head& head, int joint, Findings* findings) {
   const std::optional<double> delay = velocity_delay(head, joint);
-  if (!delay || std::abs(*delay) < numbers.delay_rows * head.step) return;
+  if (!delay || std::abs(*delay) < numbers.delay_rows * head.step) return false;
   const Place place{"dq", joint + 1};
   findings->add(Severity::kWarning, "velocity_delay", place, {kNone, *delay, "s"},
                 text("The velocity of ", named(place), " comes ", number(1e3 * std::abs(*delay)),
-                     " ms ", *delay > 0.0 ? "later" : "earlier", " than its position says."));
+                     " ms ", *delay > 0.0 ? "later" : "earlier", " than its position says",
+                     *delay > 0.0 ? ": a filter, or positions that were commanded and not measured?" : "."));
+  return true;
 }
 
 // Quantisation of dq from its steps between rows, without stale rows and the rows after them.
@@ -138,7 +141,10 @@ void check_noise(const Head& head, int joint, double range, Findings* findings) 
 
 void report_joint_scale(const Place& place, const VelocityFit& fit, Findings* findings) {
   const Size size{kNone, fit.factor, ""};
-  if (std::abs(fit.factor + 1.0) < numbers.sign_error) {
+  if (fit.zero) {
+    findings->add(Severity::kFault, "velocity_scale", place, size,
+                  text("The velocity of ", named(place), " is zero while its position moves: take it from the position."));
+  } else if (std::abs(fit.factor + 1.0) < numbers.sign_error) {
     findings->add(Severity::kFault, "velocity_sign", place, size,
                   text("The velocity of ", named(place),
                        " has the opposite sign of its position's derivative."));
@@ -192,11 +198,12 @@ void report_scales(const Head& head, const std::vector<int>& joints,
       std::abs(common / kDegrees - 1.0) > numbers.degree_error && std::abs(common * kDegrees - 1.0) > numbers.degree_error;
   if (clock) {
     findings->add(Severity::kFault, "rate_contradiction", {}, {kNone, common, ""},
-                  text("Recorded velocities are ", number(common),
-                       " times the derivative of the positions on every moving joint: the clock is "
-                       "off, and the true rate is ",
-                       number(common / head.step), " Hz rather than ", number(1.0 / head.step),
-                       " Hz (or all velocities are in another unit)."));
+                  text("Recorded velocities are ", number(common), " times the derivative of the positions on every moving joint: ",
+                       std::abs(common / kMinute - 1.0) < numbers.degree_error ? "turns, and turns a minute? --units q=rev,dq=rpm."
+                       : std::abs(common / kTurnsAMinute - 1.0) < numbers.degree_error
+                           ? std::string("turns a minute? --units dq=rpm.")
+                           : text("the clock is off, and the true rate is ", number(common / head.step), " Hz rather than ", number(1.0 / head.step),
+                                  " Hz (or all velocities are in another unit).")));
     return;
   }
   for (std::size_t f = 0; f < fits.size(); ++f) {
@@ -228,7 +235,11 @@ void check_velocities(const Head& head, Findings* findings) {
     if (std::abs(fit.factor - 1.0) <= numbers.scale_error) check_noise(head, j, range, findings);
     joints.push_back(j);
     fits.push_back(fit);
-    check_delay(head, j, findings);
+    // A delay tilts the factor a little.
+    if (check_delay(head, j, findings) && std::abs(fit.factor - 1.0) < numbers.clock_error) {
+      joints.pop_back();
+      fits.pop_back();
+    }
   }
   report_scales(head, joints, fits, findings);
 }

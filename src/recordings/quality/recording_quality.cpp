@@ -31,6 +31,20 @@ Recording joined(const Recording& before, const Recording& next) {
   return both;
 }
 
+// A torque that is refreshed slowly holds its extreme, too.
+void leave_held_values_out(RecordingQuality& quality) {
+  const auto is_held = [&quality](const std::string& signal, int joint) {
+    return std::any_of(quality.findings.begin(), quality.findings.end(),
+                       [&](const QualityFinding& f) { return f.finding == "stale_signal" && f.signal == signal && f.joint == joint; });
+  };
+  const auto last = std::remove_if(quality.saturated.begin(), quality.saturated.end(), [&](const SaturatedInterval& one) { return is_held("tau", one.joint + 1); });
+  quality.saturated.erase(last, quality.saturated.end());
+  const auto end = std::stable_partition(quality.findings.begin(), quality.findings.end(), [&](const QualityFinding& f) {
+    return f.finding != "saturation" || !is_held(f.signal, f.joint);
+  });
+  quality.findings.erase(end, quality.findings.end());
+}
+
 // Runs all tallies over all rows, of which the first have been read.
 RecordingQuality judged(Recording head_rows, const std::string& file, const Source& source) {
   require(head_rows.rows() > 0, file, ": found no row, expected numbers below the header.");
@@ -89,6 +103,7 @@ RecordingQuality judged(Recording head_rows, const std::string& file, const Sour
         text("Only ", quality.rows, " rows: too short to judge rate, motion and velocities."));
   }
   quality.findings = std::move(findings).sorted();
+  leave_held_values_out(quality);
   if (quality.find("time_unit") != nullptr) {  // one cause, one line
     const auto same = [](const QualityFinding& f) { return f.finding == "rate_contradiction" || f.finding == "sample_rate"; };
     quality.findings.erase(std::remove_if(quality.findings.begin(), quality.findings.end(), same), quality.findings.end());

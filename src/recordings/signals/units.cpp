@@ -85,6 +85,14 @@ std::optional<UnitScale> unit_scale(const std::string& signal, const std::string
     if (scale) scale->factor *= -1.0;
     return scale;
   }
+  const std::size_t at_zero = unit.find('@');
+  if (at_zero != std::string::npos && at_zero > 0 && signal == "q") {
+    double zero = 0.0;
+    const auto [last, bad] = std::from_chars(unit.data() + at_zero + 1, unit.data() + unit.size(), zero);
+    std::optional<UnitScale> scale = bad == std::errc() && last == unit.data() + unit.size() ? unit_scale(signal, unit.substr(0, at_zero), joint) : std::nullopt;
+    if (scale) scale->zero += zero;
+    return scale;
+  }
   for (const Unit* u = units_begin(); u->signal != nullptr; ++u) {
     if (signal == u->signal && unit == u->unit) return UnitScale{u->factor};
   }
@@ -98,25 +106,24 @@ std::optional<UnitScale> unit_scale(const std::string& signal, const std::string
     return signal == "dq" ? std::optional<UnitScale>(UnitScale{factor}) : std::nullopt;
   }
   if (unit == "load" && signal == "tau") return UnitScale{(std::isfinite(effort) ? effort : 1.0) / (kDirection - 1), 0.0, true};
-  double number = 0.0, zero = 0.0;
+  double number = 0.0;
   const char* end = unit.data() + unit.size();
   const auto [rest, error] = std::from_chars(unit.data(), end, number);
   if (error != std::errc() || !std::isfinite(number) || number == 0.0) return std::nullopt;
   if (rest == end) return UnitScale{number};
   const std::string_view behind(rest, static_cast<std::size_t>(end - rest));
   if (behind.rfind("/rev", 0) != 0 || (signal != "q" && signal != "dq" && signal != "ddq")) return std::nullopt;
-  const std::string_view at = behind.substr(4);
-  if (!at.empty()) {
-    if (at[0] != '@' || signal != "q") return std::nullopt;
-    const auto [last, bad] = std::from_chars(at.data() + 1, end, zero);
-    if (bad != std::errc() || last != end) return std::nullopt;
-  }
-  return UnitScale{2.0 * kPi / number, zero};
+  return behind.size() == 4 ? std::optional<UnitScale>(UnitScale{2.0 * kPi / number}) : std::nullopt;
 }
 
 std::optional<double> unit_factor(const std::string& signal, const std::string& unit) {
   const std::optional<UnitScale> scale = unit_scale(signal, unit);
   return scale ? std::optional<double>(scale->factor) : std::nullopt;
+}
+
+const char* unit_of_clock(double step) {
+  constexpr double kThousand = 1e3;
+  return step < kThousand ? "ms" : step < kThousand * kThousand ? "us" : "ns";
 }
 
 bool is_current_unit(const std::string& unit) {

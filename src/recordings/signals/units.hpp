@@ -22,7 +22,7 @@ struct UnitScale {
 ///
 ///   deg, mNm, ...      see the table; a leading - reverses the sign
 ///   0.01               this factor to SI, as of a gear
-///   4096/rev, @2048    counts of an encoder; the count at zero, 0 without it
+///   4096/rev, @2048    counts of an encoder; the count at zero, 0 without it; rad@1.57 is another zero, too
 ///   %                  share of the range, -100 to 100 (q, dq), or of the largest effort (tau); also permille, share (of one)
 ///   load               a load register: direction bit 10, 1023 is the largest effort (tau)
 ///
@@ -32,6 +32,9 @@ std::optional<UnitScale> unit_scale(const std::string& signal, const std::string
 
 /// The factor alone.
 std::optional<double> unit_factor(const std::string& signal, const std::string& unit);
+
+/// Unit of times that step so far, where they are no seconds: "ms", "us" or "ns".
+const char* unit_of_clock(double step);
 
 /// True for a unit of current.
 bool is_current_unit(const std::string& unit);

@@ -174,6 +174,7 @@ std::string to_json(const Diagnosis& d, const std::string& next_command) {
   out["verdict"] = Json::array();
   for (const JointVerdict& v : d.joints) out["verdict"].push_back(verdict_json(d, v));
   out["verdict_sentence"] = d.verdict();
+  out["mended"] = d.mended;
   out["summary"] = summary_json(d.summary);
   out["provisional"] = d.provisional;
   out["changes_since"] = d.changes;
