@@ -100,6 +100,7 @@ constexpr double kOfPosition = 0.3;
 /// Cost of a question with a number of its own - cost of one without = kOfNumber.
 constexpr double kOfNumber = 0.6;
 /// error left of a joint > kBadly: its signals may be those of another, or count from elsewhere; what an arm lacks leaves less.
+constexpr double kBadly = 0.04;
 /// relative error of some joint > kAskedAbove: identified recordings are checked.
 constexpr double kAskedAbove = 0.08;
 /// largest gain > kEqualGains * smallest gain: currents are no torques in another unit.
