@@ -212,14 +212,13 @@ ExitStatus run_on_ranks(IdentifyRequest& request, const std::string& command_lin
     options.threads = threads_of_a_rank(request.common.threads);
     if (!first) options.progress = nullptr;
     const Identification id = identified_by_ranks(request, arm, options, ranks);
-    if (first) {
-      for (const UnusedRecording& r : id.unusable_recordings) say("warning: left out: " + r.why);
-    }
+    if (!first) return kDone;  // the first rank has the answer and its status
+    for (const UnusedRecording& r : id.unusable_recordings) say("warning: left out: " + r.why);
     if (id.parameters.size() == 0) {
-      if (first) say(id.reason);
+      say(id.reason);
       return kDataCannotAnswer;
     }
-    if (first) write_results(request, id, command_line);
+    write_results(request, id, command_line);
     return kDone;
   } catch (const InvalidInput& error) {
     if (first) say(error.what());

@@ -70,7 +70,7 @@ VelocityFit velocity_fit(const Head& head, int joint) {
   return fit;
 }
 
-// True if there is a delay to speak of.
+// True if there is a delay to report.
 bool check_delay(const Head& head, int joint, Findings* findings) {
   const std::optional<double> delay = velocity_delay(head, joint);
   if (!delay || std::abs(*delay) < numbers.delay_rows * head.step) return false;
@@ -235,8 +235,8 @@ void check_velocities(const Head& head, Findings* findings) {
     if (std::abs(fit.factor - 1.0) <= numbers.scale_error) check_noise(head, j, range, findings);
     joints.push_back(j);
     fits.push_back(fit);
-    // A delay tilts the factor a little.
-    if (check_delay(head, j, findings) && std::abs(fit.factor - 1.0) < numbers.clock_error) {
+    // A delay makes the factor smaller: the cosine of its phase at the frequency of the motion.
+    if (check_delay(head, j, findings) && fit.factor < 1.0 && fit.factor > 1.0 - numbers.clock_error) {
       joints.pop_back();
       fits.pop_back();
     }
