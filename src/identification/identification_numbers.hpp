@@ -93,7 +93,7 @@ constexpr double kBand = 0.95;             ///< share of the poses within the pr
 constexpr double kOutside = 0.05;          ///< probability outside of a printed interval
 constexpr double kNormal95 = 1.96;         ///< half width of a normal 95 % interval, in standard deviations
 constexpr double kLoud = 0.05;             ///< floors above this share of the torque are called differences of repetitions, not noise
-/// floor of a recording > kOnce * the least of all: something happened in it that does not repeat, and its floor does not count.
+/// noise floor of a recording > kOnce * the smallest of all recordings: something in it does not repeat, and it is left out of the mean.
 constexpr double kOnce = 3.0;
 constexpr double kLargestRatio = 1000.0;   ///< larger ratios of error to floor are printed as "over 1000"
 constexpr double kBandSteps = 1e4;         ///< steps per N m or N that a printed band is rounded to

@@ -25,8 +25,7 @@ using KeepFactors = std::function<void(const FactorSet& factors, bool whole)>;
 
 /// identify() with the recordings distributed over ranks; every rank calls it with the same arguments.
 ///
-/// Each rank compresses its share, the factors are merged at rank 0 in a fixed binary tree and in
-/// the order of the list, and each rank measures the errors of its own recordings. The result is
+/// Each rank compresses its share, rank 0 collects the factors in the order of the list, and each rank measures the errors of its own recordings. The result is
 /// that of identify() on one machine, for any number of ranks. A recording that
 /// cannot be read or used is skipped and listed in `unusable_recordings` of the result.
 ///

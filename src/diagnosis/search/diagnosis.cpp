@@ -31,7 +31,7 @@ Model robot_of(const Model& file, const DiagnosisOptions& options) {
 // Says which step runs.
 using Tell = std::function<void(const char* step)>;
 
-// Exchanges the set-up for the mended one, and begins anew with it.
+// Replaces arm and recordings by the mended ones.
 void take(const MendedSetUp& mended, DiagnosisState& x) {
   IdentificationOptions& how = x.options.identification;
   x.arm = mended.arm;
@@ -43,8 +43,9 @@ void take(const MendedSetUp& mended, DiagnosisState& x) {
   x.d.baseline = {};
 }
 
-// What is wrong with the signals or with the robot file is said, and where that is clear the diagnosis goes on without it.
-bool fit_what_is_meant(DiagnosisState& x, const Tell& tell) {
+// Fits the arm. Contradictions between signals and robot file are reported; where a transformation clearly removes them,
+// the diagnosis continues with the transformed recordings or arm.
+bool fit_mended(DiagnosisState& x, const Tell& tell) {
   const DiagnosisState as_given = x;
   tell("checking the recordings");
   check_quality(x);
@@ -68,7 +69,7 @@ bool fit_what_is_meant(DiagnosisState& x, const Tell& tell) {
 }
 
 void run(DiagnosisState& x, const Tell& tell) {
-  if (!fit_what_is_meant(x, tell)) return;
+  if (!fit_mended(x, tell)) return;
   if (!leave_silent_joints_out(x)) return;
   exclude_rests(x);
   check_torque_signs(x);

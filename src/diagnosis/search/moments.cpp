@@ -64,7 +64,7 @@ class OneRecording {
     }
   }
 
-  // Means reach half a window beyond a push, and filters ring: it lasts as long as half of its height.
+  // Running means extend a push by half a window, and filters ring: it begins and ends at half of its height.
   std::pair<std::ptrdiff_t, std::ptrdiff_t> shortened(std::ptrdiff_t first, std::ptrdiff_t end) const {
     VectorXd height = VectorXd::Zero(rows_.joints());
     for (auto at = first; at < end; ++at) {
@@ -81,7 +81,7 @@ class OneRecording {
     return {first, end};
   }
 
-  // Its peak is zero where no joint feels it.
+  // The peak is zero if no joint has a residual large enough.
   Contact contact(std::ptrdiff_t first, std::ptrdiff_t end) const {
     const int n = rows_.joints();
     Contact c;

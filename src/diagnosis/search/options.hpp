@@ -34,7 +34,7 @@ class Options {
 
   Options(Present& at, const SearchRequest& request) : at_(at), request_(request) {}
 
-  /// Entries of the dictionary, and others.
+  /// Products of entries of the dictionary with a round, and of other terms.
   std::vector<Beside> dictionary(const Round& round, const Asked& is_asked);
   std::vector<Beside> beside(const Round& round, const std::vector<Term>& some) const;
   /// Waves that the spectrum of a residual (rows x n) proposes.
@@ -43,7 +43,7 @@ class Options {
   std::vector<Option> far_gravities(const Round& now, const Fitted& fit);
 
   /// The best terms in a place of the set, each cause once, with their shapes polished.
-  /// @param needed  gain [nats]: what is far from it is not polished.
+  /// @param needed  gain [nats]; the shapes of terms far below it are not optimised.
   std::vector<Option> best_terms(const Round& round, const Subset& s, const std::vector<Beside>& all, double needed, const Asked& is_asked) const;
 
   Option option(const Round& round, const Subset& s, const Term& term) const;

@@ -35,7 +35,7 @@ class Present {
   /// True if held-out recordings judge every term. What changed since a MODEL may differ from one recording to the next.
   bool is_repeated() const { return !request_.test.empty() && !request_.scope.changes; }
 
-  /// Of the present set; its weights begin where those of the last round ended.
+  /// Weights and factors of the present set; the weights start from those of the last round.
   Round round();
   /// First column in a fit, and number of columns.
   std::pair<Eigen::Index, Eigen::Index> range(size_t k) const;

@@ -67,10 +67,11 @@ class Search {
   }
 
  private:
-  // What can do what any name does comes after all names: curves, and what imitates many others unless the user asks for it.
+  // Curves, and effects that imitate many others unless the user names them, can reproduce the torque of any named cause:
+  // they are compared after all others.
   bool comes_late(const Term& t) const { return t.kind == TermKind::kCurve || (t.imitates && request_.scope.wanted.empty()); }
 
-  // What was refuted stays away.
+  // A refuted term is not compared again.
   bool is_name(const Term& t) const { return !comes_late(t) && aside_.count(t.place) == 0; }
 
   static bool makes_worse(const Gain& g) {

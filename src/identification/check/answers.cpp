@@ -1,6 +1,7 @@
 #include "identification/check/answers.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <set>
 #include <utility>
@@ -9,12 +10,12 @@
 #include "recordings/kept_recordings.hpp"
 #include "veridyn/identification/robot_check.hpp"
 
-// What the recordings of one command answer together, and the set-up that follows.
+// Combines the contradictions of all recordings of a command and applies the transformations that remove them.
 
 namespace veridyn {
 namespace {
 
-// One answer for all recordings that give it; where they answer otherwise about one joint, what most of them say.
+// Each finding once; where recordings disagree about a joint, the most frequent one.
 std::vector<QualityFinding> once_each(const std::vector<QualityFinding>& all) {
   using Key = std::pair<std::string, int>;
   std::map<Key, int> votes;
@@ -29,7 +30,7 @@ std::vector<QualityFinding> once_each(const std::vector<QualityFinding>& all) {
   return out;
 }
 
-// A base that leans is a cause that a diagnosis measures, and so is any other gravity of a MODEL.
+// A diagnosis estimates the tilt of a base, and any direction of gravity against a MODEL, as a cause.
 bool is_left_to_a_diagnosis(const RecordingQuestion& q, const Model& arm) {
   if (q.finding != "gravity") return false;
   if (arm.description().values == RobotValues::kFacts && has_all_values(arm)) return true;
@@ -48,10 +49,11 @@ class SetUp {
     if (set.empty() && !answers.explained && would_mend(first_, out_.arm, name, options_)) set = first_;
     set.erase(std::remove_if(set.begin(), set.end(), [this](const RecordingQuestion& q) { return is_left_to_a_diagnosis(q, out_.arm); }), set.end());
     mend(set, name);
-    if (first_.empty()) first_ = std::move(set);
+    if (!first_.empty()) return;
+    std::copy_if(set.begin(), set.end(), std::back_inserter(first_), [](const RecordingQuestion& q) { return static_cast<bool>(q.recording); });
   }
 
-  // What was learnt, where a held-out recording has it too; a mistake of its own is said.
+  // Applies the transformations of the training recordings if they mend this one as well, else reports what is wrong with it.
   void apply_to_held_out(const std::string& name) {
     if (!first_.empty() && would_mend(first_, out_.arm, name, options_)) mend(first_, name);
     else note(answers_of(out_.arm, name, options_, ask_above()), name);
@@ -68,8 +70,8 @@ class SetUp {
   }
 
  private:
-  // Mistakes of a set-up are in every recording: where one leaves some error and names none, others that leave as much
-  // are not asked.
+  // A mistake of the set-up is in every recording: where one has an unexplained error without a contradiction, others are
+  // tested only if they leave several times as much.
   double ask_above() const { return checking::kOutstanding * least_left_; }
 
   void note(const RobotAnswers& answers, const std::string& name) {
@@ -100,10 +102,10 @@ class SetUp {
 
   const PreprocessingOptions& options_;
   MendedSetUp out_;
-  std::vector<RecordingQuestion> first_;  // of the recordings alone
+  std::vector<RecordingQuestion> first_;  // transformations of recordings by the first set that was found
   std::vector<QualityFinding> all_;
-  double least_left_ = 0.0;  // of recordings that are neither explained nor name a mistake
-  std::vector<double> sound_;  // errors of recordings that name none
+  double least_left_ = 0.0;  // smallest error of recordings that are not explained and have no contradiction
+  std::vector<double> sound_;  // errors of recordings without contradiction
 };
 
 bool is_large(const PredictionError& e) { return e.relative.size() > 0 && e.relative.maxCoeff() > checking::kAskedAbove; }

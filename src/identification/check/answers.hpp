@@ -12,23 +12,23 @@
 
 namespace veridyn {
 
-/// What one recording answers to the questions of check_against().
+/// Result of check_against() for one recording, with the transformations that it found.
 struct RobotAnswers {
   std::vector<QualityFinding> findings;
-  std::vector<RecordingQuestion> set;  ///< questions answered by yes, which explain the recording or most of what it left
+  std::vector<RecordingQuestion> set;  ///< transformations that explain the recording, or most of its error
   bool explained = false;              ///< the arm explains the recording as it is
   double left = 0.0;                   ///< relative error of the torque as recorded
 };
-/// @param ask_above  of a recording that leaves no more than this nothing is asked.
+/// @param ask_above  relative error, up to which a recording is not tested.
 RobotAnswers answers_of(const Model& arm, const std::string& recording, const PreprocessingOptions& options, double ask_above = 0.0);
 
-/// True if these questions explain the recording, or most of what it leaves.
+/// True if these transformations explain the recording, or most of its error.
 bool would_mend(const std::vector<RecordingQuestion>& set, const Model& arm, const std::string& recording, const PreprocessingOptions& options);
 
 /// Currents times the gains of their drives, where a recording has no torques.
 void give_torques(const Model& arm, Recording& recording);
 
-/// Arm and recordings after the questions that they answer by yes; `recordings` holds those that changed.
+/// Arm and recordings with the transformations applied; `recordings` holds those that changed.
 struct MendedSetUp {
   std::vector<QualityFinding> findings;  ///< one for each mistake
   Model arm;
@@ -36,9 +36,9 @@ struct MendedSetUp {
   bool mended = false;
 };
 
-/// Asks all recordings where some error is large. Training recordings choose the transformations: one that answers
-/// nothing and is not explained either takes those of the first one if they explain it, and so does a held-out one.
-/// @param fit  an identification from them.
+/// Tests all recordings if some error is large. Training recordings choose the transformations. A recording that is not
+/// explained and for which none is found gets those of the first one if they explain it, and so does a held-out one.
+/// @param fit  identification from these recordings.
 MendedSetUp mended_set_up(const Model& arm, const std::vector<std::string>& train, const std::vector<std::string>& test,
                           const PreprocessingOptions& options, const Identification& fit);
 

@@ -74,20 +74,20 @@ constexpr double kSecondDifference = 6.0;
 constexpr double kSpringApart = 0.03, kWeakly = 0.25;
 /// error left < kLess * that without: the fit counts.
 constexpr double kLess = 0.98;
-/// error left with answers < kMostOfIt * that without: a diagnosis goes on with them, though the arm lacks something beside.
+/// error left with transformations < kMostOfIt * that without: a diagnosis continues with them although the model lacks something else.
 constexpr double kMostOfIt = 0.1;
 /// error left > kOutstanding * that of another recording of the command: it may have a mistake of its own.
 constexpr double kOutstanding = 3.0;
-/// error left > kUnexplained, whatever is asked: the torques are not those of this arm's motion.
+/// error left > kUnexplained with any transformation: the torques do not belong to this arm's motion.
 constexpr double kUnexplained = 0.6;
-/// error left of one joint > kNothing, beside others that are explained: its torque is none of this motion.
+/// error left of one joint > kNothing while other joints are explained: its torque does not follow from the motion.
 constexpr double kNothing = 0.95;
-/// error left with a direction of gravity that is fitted <= kFittedNear, or kNearNoise times the noise: it is explained; perfect recordings
-/// have 0.6 %, and beside a force on the tip of an arm in a plane 1.3 % were left.
+/// error left with a fitted direction of gravity <= kFittedNear, or kNearNoise times the noise: explained. Perfect recordings leave
+/// 0.6 %; a force on the tip of a planar arm leaves 1.3 %.
 constexpr double kFittedNear = 8e-3;
-/// rows >= kRowsOfAnArm: so much left is not a want of rows; 6 s at 200 Hz.
+/// rows >= kRowsOfAnArm (6 s at 200 Hz): a large error is not due to too few rows.
 constexpr int kRowsOfAnArm = 1200;
-/// error left < kSure: what contradicts friction or the values of the file on one joint is its torque's sign.
+/// error left of a joint < kSure: a contradiction to friction or to the values of the file there is a wrong sign of its torque.
 constexpr double kSure = 0.2;
 /// sets of answers that are followed <= kBeam.
 constexpr int kBeam = 3;
@@ -99,7 +99,7 @@ constexpr double kFitted = 0.5;
 constexpr double kOfPosition = 0.3;
 /// Cost of a question with a number of its own - cost of one without = kOfNumber.
 constexpr double kOfNumber = 0.6;
-/// error left of a joint > kBadly: its signals may be those of another, or count from elsewhere; what an arm lacks leaves less.
+/// error left of a joint > kBadly: its columns may belong to another joint, or its zero be another; missing effects leave less.
 constexpr double kBadly = 0.04;
 /// relative error of some joint > kAskedAbove: identified recordings are checked.
 constexpr double kAskedAbove = 0.08;

@@ -54,7 +54,7 @@ class RobotCheck {
       search();
       if (!helps(best_, before)) best_ = Answer{{}, before, 0.0, {}};
       report(before.left());
-      if (recording_.rows() >= checking::kRowsOfAnArm) say_unexplained();
+      if (recording_.rows() >= checking::kRowsOfAnArm) report_unexplained();
       tell_weak_motions();
       if (!given_.inertial_values() && best_.set.empty()) warn_of_small_efforts();
       if (is_explained(best_) || best_.fit.left() < checking::kMostOfIt * before.left()) out.set = std::move(best_.set);
@@ -77,7 +77,7 @@ class RobotCheck {
     return after.left() < checking::kFitted * before.left() || (after.contradictions < before.contradictions && is_sure);
   }
 
-  void say_unexplained() {
+  void report_unexplained() {
     if (best_.fit.left() > checking::kUnexplained) {
       add("unexplained", 0, best_.fit.left(),
           text("With all its parameters free ", given_.name(), " leaves ", percent(best_.fit.left()),

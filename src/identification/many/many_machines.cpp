@@ -44,7 +44,7 @@ void exchange(Bytes& bytes, MeasuredRecording& r) {
 
 namespace {
 
-// The recordings of one rank: neighbours in the list, so that the tree keeps their order.
+// The recordings of one rank: neighbours in the list, whose order the collected factors keep.
 std::pair<size_t, size_t> share_of(size_t count, const Communicator& ranks) {
   const auto size = static_cast<size_t>(ranks.size());
   const auto rank = static_cast<size_t>(ranks.rank());

@@ -150,7 +150,7 @@ constexpr double kNoLoad = 1e-8;
 constexpr double kLeastSeconds = 1.0, kEnoughSeconds = 10.0;
 /// median step >= kSlowClock [s] in one motion: times in another unit.
 constexpr double kSlowClock = 0.5;
-/// holes right behind one of their length > kAlike * all: another rate, and no rows are missing.
+/// gaps that follow one of equal length > kAlike * all gaps: a second sample rate, and no rows are missing.
 constexpr double kAlike = 0.9;
 /// a turn = kTurn [rad].
 constexpr double kTurn = 6.283185307179586;
