@@ -51,13 +51,18 @@ TEST_F(TwoJointArm, ATorqueWithTheWrongSignIsAFault) {
 // Contradictions between signals and robot file come first in the verdict, and the diagnosis goes on without them: the
 // recordings that are right stay.
 TEST_F(TwoJointArm, ExchangedTorquesAreNamedFirstAndExchangedBack) {
-  for (const bool exchanged : {false, true}) {
+  enum class Exchanged { kNone, kTraining, kAll };
+  for (const Exchanged which : {Exchanged::kNone, Exchanged::kTraining, Exchanged::kAll}) {
+    const bool exchanged = which != Exchanged::kNone;
     DiagnosisState x = investigation(truth_, {});
     const Diagnosis clean = diagnose(truth_, x.train, x.test, x.options);
-    for (size_t k = 0; k < x.train.size(); ++k) {
-      Recording r = read_recording(x.train[k]);
-      if (exchanged) r.tau.col(0).swap(r.tau.col(1));
-      write_recording(r, x.train[k]);
+    std::vector<std::string> some;
+    if (exchanged) some = x.train;
+    if (which == Exchanged::kAll) some.insert(some.end(), x.test.begin(), x.test.end());
+    for (const std::string& name : some) {
+      Recording r = read_recording(name);
+      r.tau.col(0).swap(r.tau.col(1));
+      write_recording(r, name);
     }
     const Diagnosis d = diagnose(truth_, x.train, x.test, x.options);
     EXPECT_EQ(quality(d, "swapped_joints") != nullptr, exchanged);

@@ -189,6 +189,8 @@ TEST(DiagnosisReport, ListsFindingsRivalsAndOpenQuestions) {
   d.findings[0].rank = 1;
   d.findings[0].explains = 0.25;
   d.cannot_tell = {{"joint_spring", NewEffect{"joint_spring", {0}}, "it never acts"},
+                   {"joint_spring", NewEffect{"joint_spring", {0}}, "it never acts"},
+                   {"joint_spring", NewEffect{"joint_spring", {1}}, "it never acts"},
                    {AddedLoad::kName, std::nullopt, "no model from before"}};
   d.next_experiment.between = {d.findings[0].cause, d.findings[0].rivals[0].cause};
   d.summary.main = 1;
@@ -196,7 +198,7 @@ TEST(DiagnosisReport, ListsFindingsRivalsAndOpenQuestions) {
   for (const char* words :
        {"1. Joint 2 (elbow): something.", "explains 25 %", "rival: payload on fore: as good",
         "to separate backlash on joint 2 from payload on fore:\n  excite it",
-        "cannot tell: joint_spring on joint 1 (shoulder): it never acts",
+        "cannot tell: joint_spring on joint 1 (shoulder), on joint 2 (elbow): it never acts\n",
         "cannot tell: payload: no model from before"})
     EXPECT_NE(report.find(words), std::string::npos) << words << "\n" << report;
   EXPECT_EQ(d.verdict(), "Joint 2 (elbow): something.");

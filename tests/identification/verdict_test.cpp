@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "identification/validation.hpp"
 #include "veridyn/files/model_file.hpp"
 
 // Joints in every state, and the words for them.
@@ -106,6 +107,19 @@ TEST(TheVerdict, OfNoModelIsNone) {
   Identification bare;
   bare.model = read_model("planar-2r");
   EXPECT_EQ(verdict_of(bare).sentence, "");
+}
+
+// A contact in one recording does not repeat and is no noise; a recording without repetitions has no floor.
+TEST(NoiseFloor, IsTheMeanOfRecordingsInWhichNothingHappenedOnce) {
+  std::vector<CompressedRecording> recordings(4);
+  recordings[0].noise_floor = Eigen::Vector2d(0.01, 0.03);
+  recordings[1].noise_floor = Eigen::Vector2d(0.02, 0.04);
+  recordings[2].noise_floor = Eigen::Vector2d(0.50, 0.05);
+  const VectorXd floor = mean_noise_floor(recordings, 2);
+  ASSERT_EQ(floor.size(), 2);
+  EXPECT_NEAR(floor[0], std::sqrt((0.0001 + 0.0004) / 2.0), 1e-12);
+  EXPECT_NEAR(floor[1], std::sqrt((0.0009 + 0.0016 + 0.0025) / 3.0), 1e-12);
+  EXPECT_EQ(mean_noise_floor({CompressedRecording()}, 2).size(), 0);
 }
 
 }  // namespace
