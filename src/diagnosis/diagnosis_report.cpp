@@ -209,7 +209,8 @@ std::string Diagnosis::verdict() const {
       std::string& list = std::isfinite(v.held_out) ? left : unknown;
       list += (list.empty() ? "" : ", ") + std::to_string(v.joint.value + 1);
     }
-    if (left.empty() && unknown.empty()) return wrong + (changes ? "nothing has changed" : "none");
+    const std::string nothing = changes ? "nothing has changed" : wrong.empty() ? "none" : "no further cause";
+    if (left.empty() && unknown.empty()) return wrong + nothing;
     return wrong + "no cause was found" + (left.empty() ? "" : "; joints above their floor: " + left) +
            (unknown.empty() ? "" : "; joints without a held-out error: " + unknown);
   }
