@@ -136,7 +136,7 @@ sanitize: packages-tests
 	@cmake --preset $(SANITIZER)
 	@cmake --build build-$(SANITIZER) -j $(JOBS) $(addprefix --target test_,$(ROOM))
 	@echo "$(SANITIZER): $(or $(ROOM),all rooms)"
-	@ASAN_OPTIONS=allocator_may_return_null=1 LSAN_OPTIONS=suppressions=$(CURDIR)/tests/fuzz/leaks.txt \
+	@ASAN_OPTIONS=allocator_may_return_null=1 \
 	  ctest --test-dir build-$(SANITIZER) --output-on-failure -j $(JOBS) $(if $(ROOM),-R "^($$(echo $(ROOM) | tr ' ' '|'))/")
 
 # Lines, functions and branches that the tests of ROOM="control dvrk ..." (default: all) run of src/ROOM, or of SHOW="dvrk";

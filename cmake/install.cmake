@@ -5,7 +5,7 @@ set(PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/veridyn)
 # Each component of the library has an export and a .pc file of its own. Who links a static one needs what stands behind
 # it; a shared one knows that itself.
 foreach(ROW fmt::fmt|fmt|-lfmt yaml-cpp|yaml-cpp|-lyaml-cpp muparser::muparser|muparser|-lmuparser pugixml::pugixml|pugixml|-lpugixml
-        "urdfdom::urdfdom_model|urdfdom|-lurdfdom_model -lconsole_bridge" "Ceres::ceres|Ceres|-lceres -lglog" Threads::Threads|Threads|-pthread CLI11::CLI11|CLI11| )
+        "Ceres::ceres|Ceres|-lceres -lglog" Threads::Threads|Threads|-pthread CLI11::CLI11|CLI11| )
   string(REPLACE "|" ";" ROW "${ROW}")
   list(GET ROW 0 LINK)
   list(GET ROW 1 VERIDYN_PACKAGE_${LINK})

@@ -63,6 +63,10 @@ void XmlFile::fail(pugi::xml_node at, const std::string& found, const std::strin
   throw InvalidInput(text(path_, ":", place_in(text_, at.offset_debug()), ": found ", excerpt(found, 400), ", expected ", expected, "."));
 }
 
+long XmlFile::line(pugi::xml_node at) const {
+  return 1 + std::count(text_.begin(), text_.begin() + std::max<std::ptrdiff_t>(0, at.offset_debug()), '\n');
+}
+
 std::vector<double> XmlFile::numbers(pugi::xml_node at, const std::string& name, const std::string& words, int least,
                                      int most) const {
   std::vector<double> out;

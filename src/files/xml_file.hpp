@@ -19,6 +19,9 @@ class XmlFile {
   /// @throws InvalidInput  "file:line:column: found ..., expected ...".
   [[noreturn]] void fail(pugi::xml_node at, const std::string& found, const std::string& expected) const;
 
+  /// Line of an element, from 1.
+  long line(pugi::xml_node at) const;
+
   /// Numbers separated by white space. @throws InvalidInput  others than finite numbers, or a count
   /// outside of least ... most. @param name  what the message calls them.
   std::vector<double> numbers(pugi::xml_node at, const std::string& name, const std::string& words, int least,

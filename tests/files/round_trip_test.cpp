@@ -248,8 +248,6 @@ TEST_P(OnEveryRobot, YamlKeepsIdentifiedValuesAndTheirDeviations) {
   expect_same_description(read_yaml(to_yaml(before), "copy.yaml"), before);
 }
 
-#ifdef VERIDYN_WITH_URDF
-
 Model through_urdf(const Model& arm) {
   const auto path =
       std::filesystem::temp_directory_path() / ("veridyn_round_trip_" + arm.name() + ".urdf");
@@ -282,8 +280,6 @@ TEST_P(OnEveryRobot, UrdfKeepsInertias) {
     EXPECT_TRUE(near(*body->phi, *frame.body->phi, kPoseRounding));
   }
 }
-
-#endif
 
 TEST(JointPlacement, RotationsComeBackFromRollPitchAndYawEverywhere) {
   Random random(41);

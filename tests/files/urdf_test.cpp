@@ -15,8 +15,6 @@
 #include "veridyn/files/model_file.hpp"
 #include "veridyn/files/physical_faults.hpp"
 
-#ifdef VERIDYN_WITH_URDF
-
 namespace veridyn {
 namespace {
 
@@ -255,9 +253,10 @@ TEST_F(UrdfFile, MistakesNamePlaceFindingAndExpectation) {
                 .find(":24:3: found joint 'follower' with mimic of"),
             0U);
   EXPECT_EQ(error_of("mimic joint=\"alpha\"", "mimic joint=\"follower\"")
-                .find(":24:3: found joint 'follower' with mimics in a cycle"),
+                .find(":24:3: found the joint 'follower' in a cycle"),
             0U);
-  EXPECT_EQ(error_of("</robot>", "").find(":36:1: found text that is not XML ("), 0U);
+  EXPECT_EQ(error_of("</robot>", "").find(":35:"), 0U);
+  EXPECT_NE(error_of("</robot>", "").find(": found text that is not XML ("), std::string::npos);
   // Each names the joint or link, its line, and what to write.
   const auto expect_words = [&](const std::string& old_text, const std::string& new_text, const std::vector<std::string>& words) {
     const std::string message = error_of(old_text, new_text);
@@ -276,6 +275,7 @@ TEST_F(UrdfFile, MistakesNamePlaceFindingAndExpectation) {
   expect_words("<link name=\"tip\"/>", "<link name=\"tip\"/><link name=\"camera\"/>", {"2 links without a joint above them", "camera", "fixed"});
   expect_words("joint name=\"alpha\"", "joint name=\"zeta\"", {"the second joint 'zeta', after line 14"});
   expect_words(" velocity=", " velocty=", {"with a limit without velocity", "0 for a velocity"});
+  expect_words("robot name=", "robot nam=", {"a robot without a name"});
   EXPECT_THROW(read_urdf("/no/such/file.urdf"), InvalidInput);
 }
 
@@ -316,7 +316,7 @@ TEST_F(UrdfFile, DeepElementsAreRefusedBeforeTheParserRecurses) {
     end += "</a>";
   }
   EXPECT_NE(error_of("<link name=\"base\"/>", "<link name=\"base\"/>" + deep + end)
-                .find("elements 100001 deep, expected at most 100"),
+                .find("elements nested deeper than 500"),
             std::string::npos);
   // Brackets in comments, values and declarations are no elements.
   std::string flat = kGripper;
@@ -349,5 +349,3 @@ TEST_F(UrdfFile, WhatNoArmHasIsNamed) {
 
 }  // namespace
 }  // namespace veridyn
-
-#endif

@@ -42,7 +42,6 @@ Seeds model_seeds() {
 }
 
 std::string probe_urdf(std::string_view bytes) {
-#ifdef VERIDYN_WITH_URDF
   const FileInMemory file(bytes);
   return refusal_or([&] {
     const Model arm = read_urdf(file.path());
@@ -50,10 +49,6 @@ std::string probe_urdf(std::string_view bytes) {
     to_yaml(arm);
     return std::string();
   });
-#else
-  (void)bytes;
-  return "";
-#endif
 }
 
 Seeds urdf_seeds() {

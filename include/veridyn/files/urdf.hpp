@@ -12,8 +12,8 @@ namespace veridyn {
 ///
 /// Revolute, continuous, prismatic, fixed and mimic joints; inertials; limits; damping and friction
 /// become viscous_friction and coulomb_friction. Visuals, collisions and transmissions are ignored.
-/// @throws InvalidInput  no such file, no valid URDF, a floating or planar joint, or a build
-/// without urdfdom.
+///
+/// @throws InvalidInput  no such file, no valid URDF, or a floating or planar joint.
 Model read_urdf(const std::string& path);
 
 /// Appearance of the links: their elements `visual` and `collision` as XML, by the name of the

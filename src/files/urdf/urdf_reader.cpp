@@ -1,223 +1,278 @@
-#include "veridyn/math/require.hpp"
-#include "math/eigen_pose.hpp"
-#include "model/excerpt.hpp"
-#include "math/numbers.hpp"
 #include "veridyn/files/urdf.hpp"
 
-#ifdef VERIDYN_WITH_URDF
-
-#include <console_bridge/console.h>
-#include <tinyxml.h>
-#include <urdf_parser/urdf_parser.h>
-
-#include <algorithm>
+#include <Eigen/Geometry>
 #include <cmath>
+#include <cstring>
 #include <limits>
-#include <mutex>
+#include <map>
+#include <sstream>
 
-#include "files/input_file.hpp"
-#include "model/joint_placement.hpp"
-#include "effects/effect_names.hpp"
-#include "files/urdf/urdf_check.hpp"
+#include "files/simulators/simulator_frames.hpp"
+#include "files/words.hpp"
+#include "math/numbers.hpp"
+#include "model/suggestion.hpp"
+#include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {
 
-constexpr double kUnlimited =
-    1e9;  // value of to_urdf() where URDF requires a number and the model has none
+// to_urdf() writes this where URDF requires a number and the model has none.
+constexpr double kUnlimited = 1e9;
 
-constexpr int kDeepestXml = 100;  // a URDF has five; TinyXML recurses once for each
-
-// The nesting depth of the elements, found without recursion. Comments, declarations and quoted
-// values hold no tags.
-int depth_of_xml(const std::string& content) {
-  int depth = 0, deepest = 0;
-  for (std::size_t at = content.find('<'); at != std::string::npos; at = content.find('<', at)) {
-    if (content.compare(at, 4, "<!--") == 0 || content.compare(at, 9, "<![CDATA[") == 0) {
-      at = content.find(content[at + 2] == '-' ? "-->" : "]]>", at);
-      continue;
-    }
-    const bool closes = content.compare(at, 2, "</") == 0;
-    const bool declares = content.compare(at, 2, "<?") == 0 || content.compare(at, 2, "<!") == 0;
-    char quote = 0;
-    while (++at < content.size() && (quote != 0 || content[at] != '>')) {
-      const char c = content[at];
-      if (quote == 0 && !declares && (c == '"' || c == '\'')) quote = c;
-      else if (c == quote) quote = 0;
-    }
-    if (declares || at >= content.size()) continue;
-    if (closes) --depth;
-    else if (content[at - 1] != '/') deepest = std::max(deepest, ++depth);
-  }
-  return deepest;
-}
-
-// Collects the messages of urdfdom's parser, which otherwise go to the console.
-class ParserLog : public console_bridge::OutputHandler {
- public:
-  ParserLog() { console_bridge::useOutputHandler(this); }
-  ~ParserLog() override { console_bridge::restorePreviousOutputHandler(); }
-  ParserLog(const ParserLog&) = delete;
-  ParserLog& operator=(const ParserLog&) = delete;
-  void log(const std::string& message, console_bridge::LogLevel level, const char* /*file*/,
-           int /*line*/) override {
-    if (level == console_bridge::CONSOLE_BRIDGE_LOG_ERROR && first_error.empty())
-      first_error = message;
-  }
-  std::string first_error;
-};
-
-std::string one_line(std::string message) {
-  for (char& c : message) {
-    if (c == '\n' || c == '\r') c = ' ';
-  }
-  return message;
-}
-
-Vec3d vector(const urdf::Vector3& v) {
-  return {v.x, v.y, v.z};
-}
-
-Mat3d rotation(const urdf::Rotation& r) {
-  const auto clean = [](double v) {
-    return std::abs(v) < std::numeric_limits<double>::epsilon() ? 0.0 : v;
-  };
-  const double xx = r.x * r.x, yy = r.y * r.y, zz = r.z * r.z;
-  const double xy = r.x * r.y, xz = r.x * r.z, yz = r.y * r.z;
-  const double wx = r.w * r.x, wy = r.w * r.y, wz = r.w * r.z;
-  // clang-format off
-  return {{clean(1 - 2 * (yy + zz)), clean(2 * (xy - wz)),     clean(2 * (xz + wy))},
-          {clean(2 * (xy + wz)),     clean(1 - 2 * (xx + zz)), clean(2 * (yz - wx))},
-          {clean(2 * (xz - wy)),     clean(2 * (yz + wx)),     clean(1 - 2 * (xx + yy))}};
-  // clang-format on
-}
-
-bool is_finite(const Vec3d& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+// Rz(yaw) Ry(pitch) Rx(roll) by way of a quaternion, as URDF's own library has it.
+Eigen::Matrix3d rotation(const std::vector<double>& rpy) {
+  if (rpy.empty()) return Eigen::Matrix3d::Identity();
+  const double phi = rpy[0] / 2.0, the = rpy[1] / 2.0, psi = rpy[2] / 2.0;
+  const double x = std::sin(phi) * std::cos(the) * std::cos(psi) - std::cos(phi) * std::sin(the) * std::sin(psi);
+  const double y = std::cos(phi) * std::sin(the) * std::cos(psi) + std::sin(phi) * std::cos(the) * std::sin(psi);
+  const double z = std::cos(phi) * std::cos(the) * std::sin(psi) - std::sin(phi) * std::sin(the) * std::cos(psi);
+  const double w = std::cos(phi) * std::cos(the) * std::cos(psi) + std::sin(phi) * std::sin(the) * std::sin(psi);
+  const double s = std::sqrt(x * x + y * y + z * z + w * w);
+  const Eigen::Matrix3d R = Eigen::Quaterniond(w / s, x / s, y / s, z / s).toRotationMatrix();
+  return (R.array().abs() < std::numeric_limits<double>::epsilon()).select(0.0, R);  // right angles are exact
 }
 
 class UrdfReader {
  public:
-  UrdfReader(std::string file, const std::string& content) : file_(std::move(file)) {
-    if (const int depth = depth_of_xml(content); depth > kDeepestXml) {
-      fail("", text("elements ", depth, " deep"), text("at most ", kDeepestXml));
-    }
-    xml_.Parse(content.c_str());
-    if (xml_.Error()) {
-      fail(text(xml_.ErrorRow(), ":", xml_.ErrorCol(), ":"),
-           text("text that is not XML (", xml_.ErrorDesc(), ")"), "a URDF file");
-    }
-    check_urdf(file_, xml_);
-    parse(content);
-  }
+  explicit UrdfReader(const std::string& path) : xml_(path, "robot", "a URDF file") {}
 
   Model model() {
-    model_.name = urdf_->getName();
-    model_.source = file_;
+    const pugi::xml_node robot = xml_.root();
+    no_xacro(robot);
+    model_.name = robot.attribute("name").value();
+    if (model_.name.empty()) xml_.fail(robot, "a robot without a name", "<robot name=\"...\">");
+    model_.source = xml_.path();
     model_.values = RobotValues::kPrior;
-    read_coordinates();
-    const urdf::LinkConstSharedPtr root = urdf_->getRoot();
-    if (root->name != "world") add_root(*root);
-    const TiXmlElement* element = xml_.RootElement()->FirstChildElement("link");
-    for (; element != nullptr; element = element->NextSiblingElement("link")) {
-      const urdf::LinkConstSharedPtr link = urdf_->getLink(element->Attribute("name"));
-      if (link->parent_joint) add_link_of(*link->parent_joint);
+    for (const pugi::xml_node e : robot.children("link")) link(e);
+    for (const pugi::xml_node e : robot.children("joint")) joint(e);
+    const std::string root = one_root();
+    for (std::size_t j = 0; j < moving_.size(); ++j) follow(j);
+    variables_ = joint_variables(xml_, moving_, model_.coordinates);
+    if (root != "world") add_link(root);
+    for (const pugi::xml_node e : robot.children("link")) {
+      if (above_.count(name_of(e)) > 0) add_link(name_of(e));
     }
     give_bodies_without_values();
-    return Model(model_);
+    return Model(std::move(model_));
   }
 
  private:
-  [[noreturn]] void fail(const std::string& place, const std::string& found,
-                         const std::string& expected) const {
-    throw InvalidInput(text(file_, ":", place, " found ", excerpt(found, 400), ", expected ", expected, "."));
-  }
+  struct Joint {
+    pugi::xml_node node;
+    std::string parent;
+    JointPlacement placement;
+    int moving = -1;  // its place in moving_; -1: fixed
+  };
 
-  [[noreturn]] void fail_at(const std::string& tag, const std::string& name,
-                            const std::string& found, const std::string& expected) const {
-    const TiXmlElement* element = xml_.RootElement()->FirstChildElement(tag);
-    while (element != nullptr &&
-           name != text(element->Attribute("name") ? element->Attribute("name") : "")) {
-      element = element->NextSiblingElement(tag);
-    }
-    const std::string place =
-        element == nullptr ? "" : text(element->Row(), ":", element->Column(), ":");
-    fail(place, tag + " '" + name + "' with " + found, expected);
-  }
+  static std::string name_of(pugi::xml_node e) { return e.attribute("name").value(); }
+  static std::string whole_name(pugi::xml_node e) { return std::string(e.name()) + " '" + name_of(e) + "'"; }
 
-  void parse(const std::string& content) {
-    static std::mutex one_at_a_time;  // the log handler is global
-    const std::lock_guard<std::mutex> lock(one_at_a_time);
-    ParserLog log;
-    try {
-      urdf_ = urdf::parseURDF(content);
-    } catch (const std::exception& error) {
-      log.first_error = error.what();
+  void no_xacro(pugi::xml_node e) const {
+    const auto refuse = [&](const std::string& words) {
+      xml_.fail(e, "xacro that was not expanded, '" + words + "'",
+                "a URDF: `xacro " + xml_.path() + " > arm.urdf` writes it (`ros2 run xacro xacro` in ROS 2)");
+    };
+    if (starts_with(e.name(), "xacro:")) refuse(text("<", e.name(), ">"));
+    for (const pugi::xml_attribute a : e.attributes()) {
+      const bool described = std::strcmp(e.name(), "plugin") != 0;
+      if (described && (std::strstr(a.value(), "${") != nullptr || std::strstr(a.value(), "$(") != nullptr)) refuse(a.value());
     }
-    // urdfdom drops elements that it cannot read and continues; a body that is silently missing is
-    // worse than an error.
-    if (!urdf_ || !log.first_error.empty()) {
-      fail("", "no valid URDF (" + one_line(log.first_error) + ")", "a URDF file");
+    for (const pugi::xml_node child : e.children()) {
+      if (child.type() == pugi::node_element) no_xacro(child);
     }
   }
 
-  // Reads coordinates in the order of the file, which urdfdom does not keep: it is the column order
-  // of recordings.
-  void read_coordinates() {
-    const TiXmlElement* element = xml_.RootElement()->FirstChildElement("joint");
-    for (; element != nullptr; element = element->NextSiblingElement("joint")) {
-      const urdf::JointConstSharedPtr joint = urdf_->getJoint(element->Attribute("name"));
-      if (moves(*joint) && !joint->mimic) model_.coordinates.push_back(coordinate(*joint));
-    }
-    if (model_.coordinates.empty()) fail("", "no joint that moves", "at least one");
-    if (model_.coordinates.size() > kMostCoordinates)
-      fail("", text(model_.coordinates.size(), " joints that move"), text("at most ", kMostCoordinates));
-  }
-
-  static bool moves(const urdf::Joint& joint) { return joint.type != urdf::Joint::FIXED; }
-
-  Coordinate coordinate(const urdf::Joint& joint) const {
-    Coordinate c;
-    c.name = joint.name;
-    c.limits = {-kInfinity, kInfinity, kInfinity, kInfinity, kInfinity};
-    if (!joint.limits) return c;
-    const urdf::JointLimits& given = *joint.limits;
-    const bool ranged =
-        joint.type != urdf::Joint::CONTINUOUS && (given.lower != 0.0 || given.upper != 0.0);
-    if (ranged && !(given.lower < given.upper)) {
-      fail_at("joint", joint.name, text("limits [", given.lower, ", ", given.upper, "]"),
-              "lower < upper");
-    }
-    if (ranged && given.lower > -kUnlimited) c.limits.lower = given.lower;
-    if (ranged && given.upper < kUnlimited) c.limits.upper = given.upper;
-    if (given.velocity > 0.0 && given.velocity < kUnlimited) c.limits.velocity = given.velocity;
-    if (given.effort > 0.0 && given.effort < kUnlimited) c.limits.effort = given.effort;
-    return c;
-  }
-
-  // s = c . q + s0 of a joint; that of a mimic joint follows from the joint that it mimics.
-  Axis variable(const urdf::Joint& joint, std::size_t depth) const {
-    Axis axis{VectorXd::Zero(model_.coordinates.size()), 0.0};
-    if (!moves(joint)) return axis;
-    if (!joint.mimic) {
-      for (std::size_t i = 0; i < model_.coordinates.size(); ++i) {
-        if (model_.coordinates[i].name == joint.name)
-          axis.coefficients[static_cast<Eigen::Index>(i)] = 1.0;
+  // The finite numbers of an attribute; empty where it is not there. @param at  the element of the place in a message.
+  std::vector<double> numbers(pugi::xml_node at, const std::string& whose, pugi::xml_node of, const char* name, std::size_t count) const {
+    std::vector<double> out;
+    if (!of.attribute(name)) return out;
+    const std::string words = of.attribute(name).value();
+    std::istringstream in(words);
+    const std::string found = text(whose, " with ", of.name(), " ", name, "=\"", words, "\"");
+    for (std::string word; in >> word;) {
+      const std::optional<double> value = number_in(word);
+      if (!value || !std::isfinite(*value)) {
+        const bool comma = word.find(',') != std::string::npos;
+        xml_.fail(at, found, text(count, count == 1 ? " finite number" : " finite numbers with spaces between", comma ? " and a point in them, not a comma" : ""));
       }
-      return axis;
+      out.push_back(*value);
     }
-    const urdf::JointConstSharedPtr leader = urdf_->getJoint(joint.mimic->joint_name);
-    if (!leader) {
-      fail_at("joint", joint.name, "mimic of the unknown joint '" + joint.mimic->joint_name + "'",
-              "a joint");
+    if (out.size() != count) xml_.fail(at, found, text(count, count == 1 ? " number" : " numbers"));
+    return out;
+  }
+
+  double number(pugi::xml_node e, pugi::xml_node of, const char* name, double otherwise) const {
+    const std::vector<double> found = numbers(e, whole_name(e), of, name, 1);
+    return found.empty() ? otherwise : found[0];
+  }
+
+  // A joint or link that has a name, once in the file.
+  void keep_name(pugi::xml_node e, std::map<std::string, pugi::xml_node>& known) const {
+    const std::string tag = e.name(), name = name_of(e);
+    if (name.empty()) xml_.fail(e, "a " + tag + " without a name", "<" + tag + " name=\"...\">");
+    const auto [there, fresh] = known.emplace(name, e);
+    if (!fresh) xml_.fail(e, text("the second ", tag, " '", name, "', after line ", xml_.line(there->second)), "another name for one of them");
+  }
+
+  Eigen::Isometry3d pose(pugi::xml_node at, const std::string& whose, pugi::xml_node origin) const {
+    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+    const std::vector<double> p = numbers(at, whose, origin, "xyz", 3);
+    if (!p.empty()) T.translation() = Eigen::Vector3d(p[0], p[1], p[2]);
+    T.linear() = rotation(numbers(at, whose, origin, "rpy", 3));
+    return T;
+  }
+
+  void link(pugi::xml_node e) {
+    keep_name(e, links_);
+    const pugi::xml_node inertial = e.child("inertial"), inertia = inertial.child("inertia");
+    const std::string whose = whole_name(e);
+    if (!inertial) return;
+    const Eigen::Isometry3d T = pose(inertial, whose, inertial.child("origin"));
+    const std::vector<double> mass = numbers(inertial, whose, inertial.child("mass"), "value", 1);
+    if (mass.empty()) xml_.fail(inertial, whose + " with an inertial without a mass", "<mass value=\"KG\"/>");
+    if (mass[0] < 0.0) xml_.fail(inertial, text(whose, " with a mass of ", mass[0], " kg"), "one that is not negative");
+    std::map<std::string, double> i;
+    for (const char* key : {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}) {
+      const std::vector<double> one = numbers(inertial, whose, inertia, key, 1);
+      if (one.empty())
+        xml_.fail(inertial, whose + " with an inertia without " + key, "<inertia ixx=\"\" ixy=\"\" ixz=\"\" iyy=\"\" iyz=\"\" izz=\"\"/> [kg m^2]");
+      i[key] = one[0];
     }
-    if (depth > urdf_->joints_.size()) {
-      fail_at("joint", joint.name, "mimics in a cycle", "a joint that mimics none in the end");
+    const Eigen::Matrix3d R = T.linear();
+    Eigen::Matrix3d I;
+    I << i["ixx"], i["ixy"], i["ixz"], i["ixy"], i["iyy"], i["iyz"], i["ixz"], i["iyz"], i["izz"];
+    I = (R * I * R.transpose()).eval();
+    Eigen::Matrix<double, 6, 1> entries;
+    entries << I(0, 0), I(0, 1), I(1, 1), I(0, 2), I(1, 2), I(2, 2);
+    Body body;
+    body.phi = inertial_parameters(mass[0], T.translation(), entries);
+    if (!body.phi->allFinite()) xml_.fail(inertial, whose + " with an inertial that is not finite", "finite numbers");
+    bodies_[name_of(e)] = body;
+  }
+
+  std::string linked(pugi::xml_node e, const char* end) const {
+    const std::string name = e.child(end).attribute("link").value();
+    if (name.empty()) xml_.fail(e, whole_name(e) + " without its " + end, text("<", end, " link=\"...\"/>"));
+    if (links_.count(name) == 0) {
+      std::vector<std::string> known;
+      for (const auto& [link, at] : links_) known.push_back(link);
+      xml_.fail(e, text(whole_name(e), " with the ", end, " '", name, "', which is no link"), "the name of a link" + did_you_mean(name, known));
     }
-    axis = variable(*leader, depth + 1);
-    axis.coefficients *= joint.mimic->multiplier;
-    axis.offset = axis.offset * joint.mimic->multiplier + joint.mimic->offset;
-    return axis;
+    return name;
+  }
+
+  void joint(pugi::xml_node e) {
+    keep_name(e, joints_);
+    const std::string whose = whole_name(e);
+    const std::string type = e.attribute("type").value();
+    if (type == "floating" || type == "planar")
+      xml_.fail(e, whose + " with a " + type + " type", "revolute, continuous, prismatic or fixed; type=\"fixed\" where the base stands still");
+    const bool ranged = type == "revolute" || type == "prismatic";
+    if (!ranged && type != "continuous" && type != "fixed")
+      xml_.fail(e, whose + " with the type '" + type + "'", "revolute, continuous, prismatic or fixed");
+    Joint joint{e, linked(e, "parent"), {}};
+    const std::string child = linked(e, "child");
+    if (const auto there = above_.find(child); there != above_.end())
+      xml_.fail(e, text(whose, " with the child '", child, "', which joint '", name_of(there->second.node), "' carries (line ", xml_.line(there->second.node), ")"),
+                "one joint above each link");
+    joint.placement.origin = from_eigen(pose(e, whose, e.child("origin")));
+    const std::vector<double> axis = numbers(e, whose, e.child("axis"), "xyz", 3);
+    if (type != "fixed") {
+      const Vec3d u = axis.empty() ? Vec3d{1, 0, 0} : Vec3d{axis[0], axis[1], axis[2]};
+      const double length = std::sqrt(dot(u, u));
+      if (!(length > 0.0) || !std::isfinite(length)) xml_.fail(e, whose + " with no direction of its axis", "one, as <axis xyz=\"0 0 1\"/>");
+      joint.placement.axis = {u.x / length, u.y / length, u.z / length};
+    }
+    const Limits limits = limits_of(e, ranged, type);
+    for (const char* key : {"damping", "friction"}) number(e, e.child("dynamics"), key, 0.0);
+    for (const char* key : {"multiplier", "offset"}) number(e, e.child("mimic"), key, 0.0);
+    if (type != "fixed") {
+      joint.moving = static_cast<int>(moving_.size());
+      moving_.push_back({e, name_of(e), type != "prismatic", false, {}, 0.0, limits});
+    }
+    above_.emplace(child, joint);
+  }
+
+  Limits limits_of(pugi::xml_node e, bool ranged, const std::string& type) const {
+    Limits out{-kInfinity, kInfinity, kInfinity, kInfinity, kInfinity};
+    const pugi::xml_node limit = e.child("limit");
+    const std::string expected = "<limit lower=\"\" upper=\"\" velocity=\"\" effort=\"\"/>, 0 for a velocity or an effort that is not known";
+    if (ranged && !limit) xml_.fail(e, whole_name(e) + " of type " + type + " without limits", expected);
+    if (!limit) return out;
+    const double lower = number(e, limit, "lower", 0.0), upper = number(e, limit, "upper", 0.0);
+    for (const char* key : {"velocity", "effort"}) {
+      if (!limit.attribute(key)) xml_.fail(e, whole_name(e) + " with a limit without " + key, expected);
+    }
+    const double velocity = number(e, limit, "velocity", 0.0), effort = number(e, limit, "effort", 0.0);
+    const bool given = ranged && (lower != 0.0 || upper != 0.0) && !e.child("mimic");
+    if (given && !(lower < upper)) xml_.fail(e, text(whole_name(e), " with limits [", lower, ", ", upper, "]"), "lower < upper");
+    if (given && lower > -kUnlimited) out.lower = lower;
+    if (given && upper < kUnlimited) out.upper = upper;
+    if (velocity > 0.0 && velocity < kUnlimited) out.velocity = velocity;
+    if (effort > 0.0 && effort < kUnlimited) out.effort = effort;
+    return out;
+  }
+
+  // The one link without a joint above it, from which joints lead to all others.
+  std::string one_root() const {
+    if (links_.empty()) xml_.fail(xml_.root(), "no links", "<link name=\"...\">");
+    std::vector<std::string> roots;
+    for (const pugi::xml_node e : xml_.root().children("link"))
+      if (above_.count(name_of(e)) == 0) roots.push_back(name_of(e));
+    if (roots.empty()) {
+      const pugi::xml_node e = xml_.root().child("joint");
+      xml_.fail(e, "a joint above every link ('" + name_of(e) + "' among them)", "a tree: one link without a joint above it");
+    }
+    if (roots.size() > 1) {
+      xml_.fail(links_.at(roots[1]), text(roots.size(), " links without a joint above them: ", listed(roots)),
+                "one: a joint of type fixed carries link '" + roots[1] + "', or the link is deleted");
+    }
+    for (const auto& [child, joint] : above_) {
+      std::string at = child;
+      for (std::size_t k = 0; above_.count(at) > 0 && k <= above_.size(); ++k) at = above_.at(at).parent;
+      if (above_.count(at) > 0) xml_.fail(joint.node, whole_name(joint.node) + " with a link below itself", "a tree of links");
+    }
+    return roots[0];
+  }
+
+  // variable = multiplier * that of the leader + offset; a fixed leader stays at zero.
+  void follow(std::size_t j) {
+    const pugi::xml_node mimic = moving_[j].node.child("mimic");
+    if (!mimic) return;
+    const std::string leader = mimic.attribute("joint").value();
+    if (joints_.count(leader) == 0) xml_.fail(moving_[j].node, whole_name(moving_[j].node) + " with mimic of the unknown joint '" + leader + "'", "a joint");
+    moving_[j].follows = true;
+    moving_[j].constant = number(moving_[j].node, mimic, "offset", 0.0);
+    for (std::size_t other = 0; other < moving_.size(); ++other) {
+      if (moving_[other].name == leader) moving_[j].shares = {{static_cast<int>(other), number(moving_[j].node, mimic, "multiplier", 1.0)}};
+    }
+  }
+
+  // Adds a link after those above it.
+  void add_link(const std::string& name) {
+    if (frames_.count(name) > 0) return;
+    Frame frame;
+    frame.name = name;
+    if (const auto above = above_.find(name); above != above_.end()) {
+      const Joint& joint = above->second;
+      if (above_.count(joint.parent) > 0) add_link(joint.parent);
+      if (const auto parent = frames_.find(joint.parent); parent != frames_.end()) frame.parent = parent->second;
+      if (joint.moving >= 0) {
+        frame.type = moving_[joint.moving].turns ? JointType::kRevolute : JointType::kPrismatic;
+        frame.variable = variables_[joint.moving];
+        for (const char* attribute : {"damping", "friction"}) add_friction(joint, attribute);
+      }
+      place(frame, joint.placement);
+    }
+    if (const auto body = bodies_.find(name); body != bodies_.end()) frame.body = body->second;
+    frames_[name] = FrameIndex{static_cast<int>(model_.frames.size())};
+    model_.frames.push_back(std::move(frame));
+  }
+
+  void add_friction(const Joint& joint, const char* attribute) {
+    const double value = number(joint.node, joint.node.child("dynamics"), attribute, 0.0);
+    if (value < 0.0) xml_.fail(joint.node, text(whole_name(joint.node), " with a ", attribute, " of ", value), "one that is not negative");
+    add_effect(model_, xml_.path(), attribute, {variables_[joint.moving].coefficients, 0.0}, value);
   }
 
   // A file without any inertial describes the kinematics alone: each link that a joint moves has a body then.
@@ -230,118 +285,20 @@ class UrdfReader {
     }
   }
 
-  void add_root(const urdf::Link& link) {
-    Frame frame;
-    frame.name = link.name;
-    frame.body = body(link);
-    model_.frames.push_back(std::move(frame));
-  }
-
-  std::optional<FrameIndex> find_frame(const std::string& name) const {
-    for (std::size_t k = 0; k < model_.frames.size(); ++k) {
-      if (model_.frames[k].name == name) return FrameIndex{static_cast<int>(k)};
-    }
-    return std::nullopt;
-  }
-
-  // Adds the child link of a joint, after the links above it.
-  void add_link_of(const urdf::Joint& joint) {
-    if (find_frame(joint.child_link_name)) return;
-    const urdf::LinkConstSharedPtr parent = urdf_->getLink(joint.parent_link_name);
-    if (parent->parent_joint) add_link_of(*parent->parent_joint);
-    Frame frame;
-    frame.name = joint.child_link_name;
-    frame.parent = find_frame(joint.parent_link_name);
-    frame.type = !moves(joint)                          ? JointType::kFixed
-                 : joint.type == urdf::Joint::PRISMATIC ? JointType::kPrismatic
-                                                        : JointType::kRevolute;
-    frame.variable = variable(joint, 0);
-    place(frame, placement(joint));
-    frame.body = body(*urdf_->getLink(joint.child_link_name));
-    add_friction(joint, frame.variable);
-    model_.frames.push_back(std::move(frame));
-  }
-
-  JointPlacement placement(const urdf::Joint& joint) const {
-    const urdf::Pose& pose = joint.parent_to_joint_origin_transform;
-    JointPlacement placement{
-        {rotation(pose.rotation), vector(pose.position)}, {0, 0, 1}, {0, 0, 0}};
-    const Mat3d& R = placement.origin.R;
-    if (!is_finite(placement.origin.p) || !is_finite(R.row0) || !is_finite(R.row1) ||
-        !is_finite(R.row2)) {
-      fail_at("joint", joint.name, "an origin that is not finite", "finite numbers");
-    }
-    if (!moves(joint)) return placement;
-    const Vec3d axis = vector(joint.axis);
-    const double length = std::sqrt(dot(axis, axis));
-    placement.axis = {axis.x / length, axis.y / length, axis.z / length};
-    return placement;
-  }
-
-  std::optional<Body> body(const urdf::Link& link) const {
-    if (!link.inertial) return std::nullopt;
-    const urdf::Inertial& given = *link.inertial;
-    const Eigen::Matrix3d R = eigen(rotation(given.origin.rotation));
-    Eigen::Matrix3d I;
-    I << given.ixx, given.ixy, given.ixz, given.ixy, given.iyy, given.iyz, given.ixz, given.iyz,
-        given.izz;
-    I = (R * I * R.transpose()).eval();
-    Eigen::Matrix<double, 6, 1> inertia;
-    inertia << I(0, 0), I(0, 1), I(1, 1), I(0, 2), I(1, 2), I(2, 2);
-    const Eigen::Vector3d com(given.origin.position.x, given.origin.position.y,
-                              given.origin.position.z);
-    Body body;
-    body.phi = inertial_parameters(given.mass, com, inertia);
-    if (!body.phi->allFinite())
-      fail_at("link", link.name, "an inertial that is not finite", "finite numbers");
-    if (given.mass < 0.0)
-      fail_at("link", link.name, text("a mass of ", given.mass, " kg"), "one that is not negative");
-    return body;
-  }
-
-  void add_friction(const urdf::Joint& joint, const Axis& axis) {
-    if (!joint.dynamics || !moves(joint)) return;
-    const auto add = [&](const char* attribute, double value) {
-      if (value == 0.0) return;
-      if (!(value > 0.0)) {
-        fail_at("joint", joint.name, text("a ", attribute, " of ", value), "one that is not negative");
-      }
-      const auto [effect, key] = effect_of_attribute(attribute).value();
-      EffectTerm term;
-      term.effect = effect;
-      term.axis.coefficients = axis.coefficients;
-      term.values[key] = value;
-      term.where = file_;
-      model_.effects.push_back(std::move(term));
-    };
-    add("damping", joint.dynamics->damping);
-    add("friction", joint.dynamics->friction);
-  }
-
-  std::string file_;
-  TiXmlDocument xml_;
-  urdf::ModelInterfaceSharedPtr urdf_;
+  XmlFile xml_;
   ModelDescription model_;
+  std::map<std::string, pugi::xml_node> links_, joints_;
+  std::map<std::string, Body> bodies_;       // by link
+  std::map<std::string, Joint> above_;       // the joint above each link
+  std::map<std::string, FrameIndex> frames_;  // by link
+  std::vector<FileJoint> moving_;
+  std::vector<Axis> variables_;
 };
 
 }  // namespace
 
 Model read_urdf(const std::string& path) {
-  return UrdfReader(path, content_of_file(path, "a URDF file")).model();
+  return UrdfReader(path).model();
 }
 
 }  // namespace veridyn
-
-#else
-
-namespace veridyn {
-
-Model read_urdf(const std::string& path) {
-  throw InvalidInput(
-      path +
-      ": found a URDF file, expected YAML: veridyn was built without urdfdom (VERIDYN_URDF).");
-}
-
-}  // namespace veridyn
-
-#endif
