@@ -19,9 +19,8 @@ namespace {
 // Rows of a recording in memory.
 class ImportedRows : public recordings::RowSource {
  public:
-  ImportedRows(std::shared_ptr<const recordings::Imported> imported, const RecordingOptions& options)
-      : imported_(std::move(imported)) {
-    const long rows = imported_->recording.rows();
+  ImportedRows(recordings::Imported imported, const RecordingOptions& options) : imported_(std::move(imported)) {
+    const long rows = imported_.recording.rows();
     at_ = std::min(options.first_row, rows);
     end_ = std::min<long>(rows, at_ + options.row_count.value_or(rows));
   }
@@ -29,14 +28,14 @@ class ImportedRows : public recordings::RowSource {
   Recording next(int rows) override {
     const auto count = static_cast<int>(std::min<long>(rows, end_ - at_));
     at_ += count;
-    return rows_of(imported_->recording, static_cast<int>(at_) - count, count);
+    return rows_of(imported_.recording, static_cast<int>(at_) - count, count);
   }
 
-  int joints() const override { return imported_->recording.joints(); }
-  RecordingFacts facts() const override { return imported_->facts; }
+  int joints() const override { return imported_.recording.joints(); }
+  RecordingFacts facts() const override { return imported_.facts; }
 
  private:
-  std::shared_ptr<const recordings::Imported> imported_;
+  recordings::Imported imported_;
   long at_ = 0;
   long end_ = 0;
 };
@@ -98,19 +97,12 @@ std::unique_ptr<recordings::RowSource> rows_in(const std::string& path,
   const std::vector<std::string> files = recordings::files_joined_by(path);
   if (!files.empty())
     return std::make_unique<ImportedRows>(recordings::import_joined(path, files, options), options);
-  std::shared_ptr<const recordings::Imported> whole = recordings::imported_before(path, options);
-  if (whole == nullptr) {
-    recordings::OpenedFile file(path);
-    if (file.kind == recordings::FileKind::kText) {
-      CsvLines lines(std::move(*file.bytes));
-      if (!recordings::is_csv_table(lines, options))
-        return recordings::csv_rows(std::move(lines), options);
-      whole = recordings::import_table(std::move(lines), options);
-    } else {
-      whole = recordings::import_file(file, options);
-    }
-  }
-  return std::make_unique<ImportedRows>(std::move(whole), options);
+  recordings::OpenedFile file(path);
+  if (file.kind != recordings::FileKind::kText)
+    return std::make_unique<ImportedRows>(recordings::import_file(file, options), options);
+  CsvLines lines(std::move(*file.bytes));
+  if (!recordings::is_csv_table(lines, options)) return recordings::csv_rows(std::move(lines), options);
+  return std::make_unique<ImportedRows>(recordings::import_table(std::move(lines), options), options);
 }
 
 // True for what can be opened once: a pipe, a socket, a terminal.

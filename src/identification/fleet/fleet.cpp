@@ -16,6 +16,7 @@
 #include "files/input_file.hpp"
 #include "math/numbers.hpp"
 #include "math/parallel.hpp"
+#include "recordings/named_recordings.hpp"
 #include "recordings/same_recording.hpp"
 #include "identification/shortfall.hpp"
 #include "identification/velocity_choice.hpp"
@@ -248,6 +249,9 @@ FactorSet factors_of_file(const Model& arm, const std::string& path,
 Fleet identify_fleet(const Model& file, const std::vector<FleetArm>& arms,
                      const FleetOptions& options) {
   const Model arm = with_friction(file, JointFriction::kAuto);
+  IdentificationOptions reading;
+  reading.preprocessing = options.preprocessing;
+  keep_recordings(reading, KeptRecordings::kFewPasses);
   std::vector<ArmFactor> factors(arms.size());
   std::vector<std::vector<UnusedRecording>> unused(arms.size());
   std::vector<std::vector<std::string>> remarks(arms.size());
@@ -258,7 +262,7 @@ Fleet identify_fleet(const Model& file, const std::vector<FleetArm>& arms,
     FactorSet set;
     for (const std::string& path : arms[at].files) {
       try {
-        FactorSet one = factors_of_file(arm, path, options.preprocessing, remarks[at]);
+        FactorSet one = factors_of_file(arm, path, reading.preprocessing, remarks[at]);
         for (CompressedRecording& r : one.recordings) {
           require(r.rows > 0.0, r.source, ": found no usable samples.");
           merge_blocks(r, 1);

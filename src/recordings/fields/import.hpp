@@ -1,6 +1,5 @@
 #pragma once
 
-#include <memory>
 #include <string>
 
 #include "recordings/csv/csv_lines.hpp"
@@ -24,13 +23,9 @@ Imported assemble(const RawRecording& raw, const std::string& path, const Signal
 
 /// Reads a bag or an array file.
 /// @throws InvalidInput  as assemble(), or the file is too damaged.
-std::shared_ptr<const Imported> import_file(const OpenedFile& file, const RecordingOptions& options);
+Imported import_file(const OpenedFile& file, const RecordingOptions& options);
 
 /// Reads a CSV table with other names than t, q1..qn. @throws InvalidInput  as import_file().
-std::shared_ptr<const Imported> import_table(CsvLines lines, const RecordingOptions& options);
-
-/// The earlier result of these functions for the same file, or null.
-std::shared_ptr<const Imported> imported_before(const std::string& path,
-                                                const RecordingOptions& options);
+Imported import_table(CsvLines lines, const RecordingOptions& options);
 
 }  // namespace veridyn::recordings

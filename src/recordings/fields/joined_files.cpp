@@ -95,8 +95,7 @@ std::vector<std::string> files_joined_by(const std::string& path) {
   return any ? out : std::vector<std::string>();
 }
 
-std::shared_ptr<const Imported> import_joined(const std::string& path, const std::vector<std::string>& files,
-                                              const RecordingOptions& options) {
+Imported import_joined(const std::string& path, const std::vector<std::string>& files, const RecordingOptions& options) {
   RawRecording raw;
   raw.format = "joined files";
   for (const std::string& file : files) {
@@ -117,7 +116,7 @@ std::shared_ptr<const Imported> import_joined(const std::string& path, const std
   require(end - first > 1, path, ": found no time that all ", files.size(),
           " files have in common, expected recordings of one motion with one clock.");
   out.recording = rows_of(out.recording, first, end - first);
-  return std::make_shared<const Imported>(std::move(out));
+  return out;
 }
 
 }  // namespace veridyn::recordings

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -15,7 +14,6 @@ std::vector<std::string> files_joined_by(const std::string& path);
 /// Reads them as one recording, at the times of the file with the most joints, as long as all last. Joints
 /// that all files number from 1 are counted in the order of the files.
 /// @throws InvalidInput  as read_recording() of each; the same joint in two files; no time in common.
-std::shared_ptr<const Imported> import_joined(const std::string& path, const std::vector<std::string>& files,
-                                              const RecordingOptions& options);
+Imported import_joined(const std::string& path, const std::vector<std::string>& files, const RecordingOptions& options);
 
 }  // namespace veridyn::recordings
