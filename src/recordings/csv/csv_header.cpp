@@ -1,10 +1,7 @@
 #include "recordings/csv/csv_header.hpp"
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <iterator>
-#include <limits>
 #include <set>
 
 #include "recordings/csv/csv_layout.hpp"
@@ -14,31 +11,9 @@
 namespace veridyn::recordings {
 namespace {
 
-constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
 constexpr int kRecordedSignals = static_cast<int>(std::size(kRecordingSignals));
 
 }  // namespace
-
-bool parse_csv_number(std::string* field, char separator, double* value) {
-  if (separator != ',') std::replace(field->begin(), field->end(), ',', '.');
-  const char* p = field->data() + (field->rfind('+', 0) == 0 ? 1 : 0);
-  const char* end = field->data() + field->size();
-  if (p == end || *field == "-" || *field == "NA" || *field == "null" || *field == "None") {
-    *value = kGap;
-    return true;
-  }
-  const auto [rest, error] = std::from_chars(p, end, *value);
-  if (error == std::errc::result_out_of_range) *value = std::numeric_limits<double>::infinity();
-  return error != std::errc::invalid_argument && rest == end;
-}
-
-bool all_numbers(const std::vector<std::string>& fields, char separator) {
-  return std::all_of(fields.begin(), fields.end(),
-                     [separator](std::string f) {
-                       double value = 0.0;
-                       return parse_csv_number(&f, separator, &value);
-                     });
-}
 
 TopicColumn split_topic(const std::string& name) {
   if (name.rfind('/', 0) != 0) return {"", name};

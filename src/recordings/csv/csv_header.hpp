@@ -37,9 +37,4 @@ std::string plain_name(const std::string& name);
 bool is_unit_word(const std::string& word);
 std::string bare_unit(std::string unit);
 
-/// Parses a number, with a decimal comma unless the comma separates; NaN for an empty field or a
-/// text for a missing value.
-bool parse_csv_number(std::string* field, char separator, double* value);
-bool all_numbers(const std::vector<std::string>& fields, char separator);
-
 }  // namespace veridyn::recordings

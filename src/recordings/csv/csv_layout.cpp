@@ -3,7 +3,11 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <cstdlib>
 #include <iterator>
+#include <limits>
+#include <set>
+#include <utility>
 
 #include "model/excerpt.hpp"
 #include "files/words.hpp"
@@ -159,18 +163,31 @@ std::vector<std::string> csv_fields(std::string_view line, char separator) {
   return fields;
 }
 
-bool is_row_of_numbers(std::string_view line) {
-  for (const std::string& field : csv_fields(line, csv_separator(line))) {
-    if (field.empty()) continue;
-    std::string plain = field;
-    if (csv_separator(line) != ',') std::replace(plain.begin(), plain.end(), ',', '.');
-    const char* first = plain.data() + (plain[0] == '+' ? 1 : 0);
-    const char* last = plain.data() + plain.size();
-    double value = 0.0;
-    const auto [rest, error] = std::from_chars(first, last, value);
-    if (error == std::errc::invalid_argument || rest != last) return false;
-  }
+bool is_word_for_nothing(std::string field) {
+  static const std::set<std::string> kNothing = {"null", "none", "nil", "na", "n/a", "#n/a", "#num!", "#value!", "-", "--"};
+  return kNothing.count(lower(std::move(field))) > 0;
+}
+
+bool csv_number(std::string field, char separator, double* value) {
+  if (separator != ',') std::replace(field.begin(), field.end(), ',', '.');
+  *value = std::numeric_limits<double>::quiet_NaN();
+  const bool plus = field.size() > 1 && field[0] == '+' && field[1] != '-';
+  const char* const first = field.data() + (plus ? 1 : 0);
+  const char* const last = field.data() + field.size();
+  if (first == last) return true;
+  double found = 0.0;
+  const auto [rest, error] = std::from_chars(first, last, found);
+  if (error == std::errc::invalid_argument || rest != last) return is_word_for_nothing(std::move(field));
+  // Out of range for a double: strtod returns infinity or zero, as intended.
+  *value = error == std::errc::result_out_of_range ? std::strtod(first, nullptr) : found;
   return true;
+}
+
+bool is_row_of_numbers(std::string_view line) {
+  const char separator = csv_separator(line);
+  const std::vector<std::string> fields = csv_fields(line, separator);
+  double value = 0.0;
+  return std::all_of(fields.begin(), fields.end(), [&](const std::string& field) { return csv_number(field, separator, &value); });
 }
 
 CsvLayout layout_from_header(std::string_view header, const std::string& where) {

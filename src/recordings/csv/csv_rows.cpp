@@ -1,8 +1,6 @@
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
 #include <iterator>
 #include <limits>
@@ -23,9 +21,6 @@ namespace veridyn {
 namespace {
 
 constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
-
-/// What spreadsheets and data bases write where a value is missing.
-constexpr const char* kNothing[] = {"null", "none", "nil", "na", "n/a", "#n/a", "#num!", "#value!", "-", "--"};
 
 bool is_blank(char c) {
   return c == ' ' || c == '\t';
@@ -115,63 +110,20 @@ class RowParser {
   double number(std::size_t column) {
     skip_padding();
     if (at_field_end()) return kGap;
-    const char* first = p_;
-    const bool quoted = *p_ == '"' && ++p_ != end_;
-    if (quoted && *p_ == '"') {
-      ++p_;
-      return kGap;
-    }
-    if (*p_ == '+' && p_ + 1 != end_ && p_[1] != '-') ++p_;
-    if (const char* comma = decimal_comma()) return number_with_comma(column, first, comma);
+    const char* const first = p_;
     double value = 0.0;
     const auto [rest, error] = std::from_chars(p_, end_, value);
-    // Out of range for a double: strtod returns infinity or zero, as intended.
-    if (error == std::errc::result_out_of_range)
-      value = std::strtod(std::string(p_, rest).c_str(), nullptr);
     p_ = rest;
-    if (quoted && p_ != end_ && *p_ == '"') ++p_;
     skip_padding();
-    if (error == std::errc::invalid_argument || !at_field_end()) {
-      p_ = first;
-      if (layout_.slots[column] != CsvLayout::kTime && skip_word_for_nothing()) return kGap;
-      p_ = first;
-      fail_text(column);
-    }
-    return value;
-  }
-
-  bool skip_word_for_nothing() {
-    const char* first = p_;
+    if (error == std::errc() && at_field_end()) return value;
+    // Quotes, a decimal comma, a word for nothing.
+    p_ = first;
     skip_field();
-    std::string word;
-    for (const char* c = first; c != p_; ++c) {
-      if (!is_blank(*c) && *c != '"') word += static_cast<char>(std::tolower(static_cast<unsigned char>(*c)));
-    }
-    return std::find(std::begin(kNothing), std::end(kNothing), word) != std::end(kNothing);
-  }
-
-  bool ends_number(char c) const { return c == layout_.separator || c == '"' || is_blank(c); }
-
-  // Position of a decimal comma in the number, or null.
-  const char* decimal_comma() const {
-    if (layout_.separator == ',') return nullptr;
-    for (const char* c = p_; c != end_ && !ends_number(*c); ++c) {
-      if (*c == ',') return c;
-    }
-    return nullptr;
-  }
-
-  double number_with_comma(std::size_t column, const char* first, const char* comma) {
-    const char* stop = comma;
-    while (stop != end_ && !ends_number(*stop)) ++stop;
-    std::string field(p_, stop);
-    field[comma - p_] = '.';
-    double value = 0.0;
-    const auto [rest, error] = std::from_chars(field.data(), field.data() + field.size(), value);
-    p_ = stop;
-    if (p_ != end_ && *p_ == '"') ++p_;
-    skip_padding();
-    if (error != std::errc() || rest != field.data() + field.size() || !at_field_end()) {
+    std::string field(first, p_);
+    field.erase(0, field.find_first_not_of("\" \t"));
+    field.erase(field.find_last_not_of("\" \t") + 1);
+    const bool is_word = layout_.slots[column] == CsvLayout::kTime && is_word_for_nothing(field);
+    if (is_word || !csv_number(std::move(field), layout_.separator, &value)) {
       p_ = first;
       fail_text(column);
     }

@@ -41,7 +41,7 @@ class Table {
     std::string_view line;
     for (int k = 0; k < kPreamble && lines_.next(&line); ++k) {
       CsvHeader header = parse_csv_header(line, time_name_);
-      const bool numbers = all_numbers(header.names, header.separator);
+      const bool numbers = is_row_of_numbers(line);
       const std::string comment = lines_.last_comment();
       if (numbers && !comment.empty()) {  // the last comment may be the header
         CsvHeader above = parse_csv_header(comment, time_name_);
@@ -208,7 +208,7 @@ class Table {
       if (place.stream < 0) continue;
       const auto s = static_cast<std::size_t>(place.stream);
       double value = kGap;
-      if (!(*fields)[k].empty() && !parse_csv_number(&(*fields)[k], header_.separator, &value)) {
+      if (!(*fields)[k].empty() && !csv_number((*fields)[k], header_.separator, &value)) {
         const RawField& field = raw_.streams[s].fields[place.field];
         require(field.signal < 0, lines_.path(), ":", lines_.number(), ":", k + 1, ": found '",
                 (*fields)[k].substr(0, 40), "' in column ", header_.names[k],
