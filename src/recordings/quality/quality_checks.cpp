@@ -59,6 +59,8 @@ std::vector<Load> loads_of(const Recording& rows) {
   return loads;
 }
 
+const char* word_of_load(const std::string& signal) { return signal == "tau" ? "torque" : "current"; }
+
 double share_of(long count, long rows) {
   return static_cast<double>(count) / static_cast<double>(rows);
 }
@@ -109,6 +111,28 @@ double between_quantiles(std::vector<double> values, double low, double high) {
   return at_high - *lower;
 }
 
+std::vector<double> column_of(const MatrixXd& values, Eigen::Index joint) {
+  return {values.col(joint).data(), values.col(joint).data() + values.rows()};
+}
+
+double range_of(const MatrixXd& values, Eigen::Index joint) {
+  return between_quantiles(column_of(values, joint), numbers.ends, 1.0 - numbers.ends);
+}
+
+std::vector<double> changes_of(const MatrixXd& values, Eigen::Index joint) {
+  std::vector<double> changes;
+  for (Eigen::Index k = 1; k < values.rows(); ++k) {
+    const double change = std::abs(values(k, joint) - values(k - 1, joint));
+    if (change > 0.0) changes.push_back(change);
+  }
+  return changes;
+}
+
+double resolution_of(const MatrixXd& values, Eigen::Index joint) {
+  std::vector<double> changes = changes_of(values, joint);
+  return changes.empty() ? 0.0 : quantile(std::move(changes), numbers.ends);
+}
+
 bool is_moving(const Recording& rows, int k) {
   if (rows.dq.cols() > 0) return (rows.dq.row(k).array() != 0.0).any();
   const int from = std::max(0, k - kContext);
@@ -139,8 +163,7 @@ Head::Head(const Recording& recording) : rows(recording) {
   shortest = quantile(steps, numbers.ends);
   longest = quantile(steps, 1.0 - numbers.ends);
   for (int j = 0; j < rows.joints(); ++j) {
-    const std::vector<double> q(rows.q.col(j).data(), rows.q.col(j).data() + count);
-    moves.push_back(between_quantiles(q, numbers.ends, 1.0 - numbers.ends) > numbers.resting_range);
+    moves.push_back(range_of(rows.q, j) > numbers.resting_range);
   }
   for (int k = 0; k < count; ++k) stale.push_back(is_stale(rows, k));
 }

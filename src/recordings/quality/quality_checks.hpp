@@ -78,6 +78,13 @@ bool quantile_exceeds(const std::vector<double>& values, double share, double bo
 /// The difference of two quantiles, of which the upper one is `high`.
 double between_quantiles(std::vector<double> values, double low, double high);
 
+std::vector<double> column_of(const MatrixXd& values, Eigen::Index joint);
+/// Range of a column without single wrong values: from its quantile `ends` to 1 - `ends`.
+double range_of(const MatrixXd& values, Eigen::Index joint);
+/// Sizes of a column's changes from row to row, where it changes; and the smallest usual one of them, 0 without changes.
+std::vector<double> changes_of(const MatrixXd& values, Eigen::Index joint);
+double resolution_of(const MatrixXd& values, Eigen::Index joint);
+
 /// True if row k equals row k - 1 in every signal although the arm moves.
 bool is_stale(const Recording& rows, int k);
 /// True if a velocity of row k is not zero; without velocities, if a position changed within 6
@@ -210,6 +217,8 @@ struct Load {
   const MatrixXd* values;
 };
 std::vector<Load> loads_of(const Recording& rows);
+/// "torque" or "current".
+const char* word_of_load(const std::string& signal);
 
 double share_of(long count, long rows);
 

@@ -13,12 +13,11 @@ JumpTally::JumpTally(const Head& head)
   const int count = rows.rows();
   for (std::size_t joint = 0; joint < joints_.size(); ++joint) {
     const int j = static_cast<int>(joint);
-    const std::vector<double> q(rows.q.col(j).data(), rows.q.col(j).data() + count);
     std::vector<double> change;  // step from one row to the next
     for (int k = 2; k < count; ++k)
       change.push_back(std::abs(rows.q(k, j) - 2.0 * rows.q(k - 1, j) + rows.q(k - 2, j)));
     const double noise = change.empty() ? 0.0 : quantile(std::move(change), 1.0 - numbers.ends);
-    const double range = between_quantiles(q, numbers.ends, 1.0 - numbers.ends);
+    const double range = range_of(rows.q, j);
     joints_[joint].tolerance = std::max({numbers.smallest_jump, numbers.jump_noise * noise, numbers.jump_range * range});
   }
 }

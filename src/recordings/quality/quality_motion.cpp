@@ -11,10 +11,6 @@
 namespace veridyn::quality {
 namespace {
 
-std::vector<double> column_of(const MatrixXd& values, int joint) {
-  return {values.col(joint).data(), values.col(joint).data() + values.rows()};
-}
-
 // Root mean square of the change over 20 ms, in consecutive windows of 0.1 s.
 std::vector<double> ringing(const Head& head, const MatrixXd& values, int joint) {
   const int lag = std::max(1, static_cast<int>(std::lround(numbers.ringing / head.step)));
@@ -85,8 +81,7 @@ void check_motion(const Head& head, Findings* findings) {
   check_duration(head, findings);
   for (int j = 0; j < head.rows.joints(); ++j) {
     if (head.moves[j]) continue;
-    const std::vector<double> q = column_of(head.rows.q, j);
-    const double range = between_quantiles(q, numbers.ends, 1.0 - numbers.ends);
+    const double range = range_of(head.rows.q, j);
     if (std::isnan(range)) continue;
     const Place place{"q", j + 1};
     findings->add(Severity::kInfo, "joint_at_rest", place, {kNone, range, unit_of("q")},
@@ -149,7 +144,7 @@ void check_start_up(const Head& head, Findings* findings) {
     }
     if (until == 0.0) continue;
     findings->add(Severity::kWarning, "start_up_transient", place, {kNone, until, "s"},
-                  text("The ", place.signal == "tau" ? "torque" : "current", " rings for ",
+                  text("The ", word_of_load(load.name), " rings for ",
                        number(until), " s after the start, worst on joint ", place.joint, " (",
                        number(worst), " times the usual change): leave that part out."));
   }

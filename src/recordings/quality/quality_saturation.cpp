@@ -67,15 +67,8 @@ ClipTally::ClipTally(const Head& head) : start_(head.rows.rows() > 0 ? head.rows
     if (name != "tau" && name != "i") continue;
     const MatrixXd& values = head.rows.*signal.values;
     for (int j = 0; j < values.cols(); ++j) {
-      std::vector<double> column(values.col(j).data(), values.col(j).data() + values.rows());
-      std::vector<double> changes;  // the smallest ones show the resolution
-      for (int k = 1; k < values.rows(); ++k) {
-        if (values(k, j) != values(k - 1, j))
-          changes.push_back(std::abs(values(k, j) - values(k - 1, j)));
-      }
-      const double range = between_quantiles(column, 0.0, 1.0);
-      const double resolution = changes.empty() ? 0.0 : quantile(std::move(changes), numbers.ends);
-      const double tolerance = std::max(kExact * range, numbers.step_share * resolution);
+      const double range = between_quantiles(column_of(values, j), 0.0, 1.0);
+      const double tolerance = std::max(kExact * range, numbers.step_share * resolution_of(values, j));
       for (const double sign : {1.0, -1.0}) extremes_.push_back({{name, j + 1}, sign, tolerance});
     }
   }
@@ -144,7 +137,7 @@ void ClipTally::conclude(Findings* findings, std::vector<SaturatedInterval>* sat
     const double limit = extreme.sign * extreme.limit;
     findings->add(share > numbers.many_clipped ? Severity::kFault : Severity::kWarning, "saturation", extreme.place,
                   {share, limit, unit_of(extreme.place.signal)},
-                  text("The ", extreme.place.signal == "tau" ? "torque" : "current", " of ",
+                  text("The ", word_of_load(extreme.place.signal), " of ",
                        named(extreme.place), " sits exactly at its extreme ", number(limit), " in ",
                        extreme.rows, " rows (", percent(share), "), up to ", extreme.longest, " in a row: ",
                        limit == 0.0 ? "a dead zone, or a channel of one sign." : "saturated."));
@@ -165,7 +158,7 @@ void check_saturated_plateaus(const Head& head, Findings* findings) {
         const double share = static_cast<double>(rows) / head.rows.rows();
         findings->add(
             Severity::kWarning, "saturation", place, {share, sign * limit, unit_of(load.name)},
-            text("The ", place.signal == "tau" ? "torque" : "current", " of ", named(place),
+            text("The ", word_of_load(place.signal), " of ", named(place),
                  " stays at ", number(sign * limit), ", its extreme, for ", rows, " rows (",
                  percent(share), ") while the joint changes speed: saturated."));
       }
@@ -195,7 +188,7 @@ void check_torque_steps(const Head& head, Findings* findings) {
       const double rms = std::sqrt(square / static_cast<double>(values.size()));
       const Place place{load.name, j + 1};
       findings->add(Severity::kWarning, "torque_quantised", place, {step / range, step, unit_of(load.name)},
-                    text("The ", place.signal == "tau" ? "torque" : "current", " of ", named(place), " goes in steps of about ",
+                    text("The ", word_of_load(place.signal), " of ", named(place), " goes in steps of about ",
                          number(step), ": these alone are an error of ", percent(kStepToDeviation * step / rms),
                          " of its root mean square."));
     }

@@ -15,15 +15,6 @@ struct Repeats {
   long count = 0;
 };
 
-double resolution_of(const MatrixXd& values, int joint) {
-  std::vector<double> changes;
-  for (int k = 1; k < values.rows(); ++k) {
-    const double change = std::abs(values(k, joint) - values(k - 1, joint));
-    if (change > 0.0) changes.push_back(change);
-  }
-  return changes.empty() ? 0.0 : quantile(std::move(changes), numbers.ends);
-}
-
 Repeats repeats_of(const Head& head, const MatrixXd& values, int joint) {
   double resolution = resolution_of(values, joint);
   // A velocity that was made of a coarse position goes in its steps.

@@ -21,8 +21,10 @@ VelocityFit velocity_fit(const Head& head, int joint) {
   const Recording& rows = head.rows;
   const int window = window_rows(head);
   VectorXd angle = VectorXd::Zero(rows.rows());  // integral of dq
-  std::vector<double> moved;
-  std::vector<double> integrated;
+  struct Window {
+    double moved, integrated;
+  };
+  std::vector<Window> windows;
   for (int k = 1; k < rows.rows(); ++k) {
     const double dt = rows.time[k] - rows.time[k - 1];
     const double step = 0.5 * dt * (rows.dq(k, joint) + rows.dq(k - 1, joint));
@@ -33,36 +35,30 @@ VelocityFit velocity_fit(const Head& head, int joint) {
     const bool hole = k > 0 && rows.time[k] - rows.time[k - 1] > numbers.gap * head.step;
     if (hole || std::isnan(rows.dq(k, joint)) || std::isnan(rows.q(k, joint))) last_gap = k;
     if (k - window <= last_gap) continue;
-    moved.push_back(rows.q(k, joint) - rows.q(k - window, joint));
-    integrated.push_back(angle[k] - angle[k - window]);
+    windows.push_back({rows.q(k, joint) - rows.q(k - window, joint), angle[k] - angle[k - window]});
   }
   std::vector<double> sizes;
-  for (const double m : moved) sizes.push_back(std::abs(m));
+  for (const Window& w : windows) sizes.push_back(std::abs(w.moved));
   const double fast = numbers.fast * quantile(std::move(sizes), 1.0 - numbers.fastest);
-  std::vector<double> ratios;
-  for (std::size_t w = 0; w < moved.size(); ++w) {
-    if (std::abs(moved[w]) > fast) ratios.push_back(integrated[w] / moved[w]);
-  }
+  windows.erase(std::remove_if(windows.begin(), windows.end(), [fast](const Window& w) { return !(std::abs(w.moved) > fast); }), windows.end());
   VelocityFit fit;
-  if (static_cast<int>(ratios.size()) < numbers.fewest_windows) return fit;
+  if (static_cast<int>(windows.size()) < numbers.fewest_windows) return fit;
+  std::vector<double> ratios;
   double both = 0.0, of_q = 0.0, of_dq = 0.0;
-  for (std::size_t w = 0; w < moved.size(); ++w) {
-    if (std::abs(moved[w]) <= fast) continue;
-    both += integrated[w] * moved[w];
-    of_q += moved[w] * moved[w];
-    of_dq += integrated[w] * integrated[w];
+  for (const Window& w : windows) {
+    ratios.push_back(w.integrated / w.moved);
+    both += w.integrated * w.moved;
+    of_q += w.moved * w.moved;
+    of_dq += w.integrated * w.integrated;
   }
   if (of_dq > 0.0) fit.correlation = both / std::sqrt(of_q * of_dq);
   const double middle = quantile(ratios, 0.5);
   fit.spread = 0.5 * between_quantiles(ratios, kQuartile, 1.0 - kQuartile);
-  double cross = 0.0;
-  double square = 0.0;
-  for (std::size_t w = 0; w < moved.size(); ++w) {
-    if (std::abs(moved[w]) <= fast ||
-        std::abs(integrated[w] / moved[w] - middle) > numbers.outlying * fit.spread + kTinyRatio)
-      continue;
-    cross += integrated[w] * moved[w];
-    square += moved[w] * moved[w];
+  double cross = 0.0, square = 0.0;
+  for (const Window& w : windows) {
+    if (std::abs(w.integrated / w.moved - middle) > numbers.outlying * fit.spread + kTinyRatio) continue;
+    cross += w.integrated * w.moved;
+    square += w.moved * w.moved;
   }
   fit.factor = square > 0.0 ? cross / square : middle;
   fit.clear = std::abs(fit.factor) > kTinyFactor && fit.spread < numbers.agree * std::abs(fit.factor);
@@ -222,8 +218,7 @@ void check_velocities(const Head& head, Findings* findings) {
     if (!head.moves[j]) continue;
     const VelocityFit fit = velocity_fit(head, j);
     if (fit.zero && goes_on(head, j)) report_joint_scale({"dq", j + 1}, fit, findings);
-    const double* const dq = head.rows.dq.col(j).data();
-    const double range = between_quantiles({dq, dq + head.rows.rows()}, numbers.ends, 1.0 - numbers.ends);
+    const double range = range_of(head.rows.dq, j);
     check_quantised(head, j, fit, range, findings);
     if (!fit.clear && std::abs(fit.correlation) < numbers.related && goes_on(head, j)) {
       const Place place{"dq", j + 1};
