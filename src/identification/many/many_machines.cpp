@@ -11,7 +11,6 @@
 #include "identification/many/factor_bytes.hpp"
 #include "identification/recording_passes.hpp"
 #include "identification/velocity_choice.hpp"
-#include "recordings/named_recordings.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
@@ -94,9 +93,7 @@ class Share {
         test_(test),
         options_(options),
         ranks_(ranks),
-        keep_(keep) {
-    keep_recordings(options_, KeptRecordings::kFewPasses);
-  }
+        keep_(keep) {}
 
   const Model& arm() const { return arm_; }
 
