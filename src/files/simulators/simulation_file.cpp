@@ -168,9 +168,7 @@ class UpdatedSimulation {
     pugi::xml_node first = root_.first_child();
     for (const std::string& words : out_.left_out) {
       pugi::xml_node comment = first ? root_.insert_child_before(pugi::node_comment, first) : root_.append_child(pugi::node_comment);
-      std::string safe = kLeftOut + words + " ";
-      for (std::size_t k = safe.find("--"); k != std::string::npos; k = safe.find("--")) safe.replace(k, 2, "- ");
-      comment.set_value(safe.c_str());
+      comment.set_value(comment_words("left out: " + words).c_str());
     }
     out_.xml = xml_text(document_);
     return std::move(out_);

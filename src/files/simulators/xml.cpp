@@ -27,11 +27,13 @@ void set(pugi::xml_node node, const char* name, double value) {
   set(node, name, xml_number(value));
 }
 
+std::string comment_words(std::string words) {
+  for (std::size_t at = words.find("--"); at != std::string::npos; at = words.find("--")) words.replace(at, 2, "- ");
+  return " " + words + " ";
+}
+
 void add_comment(pugi::xml_node node, const std::string& words) {
-  std::string safe = " " + words + " ";
-  for (std::size_t at = safe.find("--"); at != std::string::npos; at = safe.find("--"))
-    safe.replace(at, 2, "- ");
-  node.append_child(pugi::node_comment).set_value(safe.c_str());
+  node.append_child(pugi::node_comment).set_value(comment_words(words).c_str());
 }
 
 std::string xml_text(const pugi::xml_document& document) {

@@ -21,7 +21,8 @@ std::string xml_vector(const Eigen::Vector3d& v);
 void set(pugi::xml_node node, const char* name, const std::string& value);
 void set(pugi::xml_node node, const char* name, double value);
 
-/// A comment; two hyphens in a row, which XML does not allow there, are parted.
+/// What stands in a comment, between blanks; two hyphens in a row, which XML does not allow there, are parted.
+std::string comment_words(std::string words);
 void add_comment(pugi::xml_node node, const std::string& words);
 
 /// The document as text, indented by two.

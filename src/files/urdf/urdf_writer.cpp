@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "files/physical_body.hpp"
+#include "files/simulators/xml.hpp"
 #include "model/joint_placement.hpp"
 #include "effects/effect_names.hpp"
 #include "veridyn/files/urdf.hpp"
@@ -12,10 +13,6 @@ namespace veridyn {
 namespace {
 
 constexpr double kWrittenUnlimited = 1e9;  // URDF requires a number where there is no limit
-
-std::string number(double value) {
-  return fmt::format("{}", value + 0.0);
-}  // + 0.0: no negative zero
 
 std::string escaped(const std::string& name) {
   std::string out;
@@ -40,20 +37,11 @@ std::string escaped(const std::string& name) {
   return out;
 }
 
-// XML comments must not hold "--".
-std::string comment(std::string words) {
-  for (std::size_t at = words.find("--"); at != std::string::npos; at = words.find("--"))
-    words.replace(at, 2, "- ");
-  return "<!-- " + words + " -->";
-}
-
-std::string xyz_text(const Vec3d& v) {
-  return number(v.x) + " " + number(v.y) + " " + number(v.z);
-}
+std::string comment(const std::string& words) { return "<!--" + comment_words(words) + "-->"; }
 
 std::string origin(const Posed& T) {
-  return fmt::format("<origin xyz=\"{}\" rpy=\"{}\"/>", xyz_text(T.p),
-                     xyz_text(rpy_from_rotation(T.R)));
+  return fmt::format("<origin xyz=\"{}\" rpy=\"{}\"/>", xml_vector(T.p),
+                     xml_vector(rpy_from_rotation(T.R)));
 }
 
 class UrdfWriter {
@@ -207,7 +195,7 @@ class UrdfWriter {
     line(2, fmt::format("<child link=\"{}\"/>", escaped(j.child)));
     line(2, origin(j.origin));
     if (j.type != JointType::kFixed) {
-      line(2, fmt::format("<axis xyz=\"{}\"/>", xyz_text(j.axis)));
+      line(2, fmt::format("<axis xyz=\"{}\"/>", xml_vector(j.axis)));
       coordinate ? dynamics_and_limits(j) : mimic(j);
     }
     line(1, "</joint>");
@@ -228,23 +216,23 @@ class UrdfWriter {
   void dynamics_and_limits(const Joint& j) {
     const Limits& limits = arm_.coordinates()[at(j.coordinate)].limits;
     line(2, fmt::format("<limit lower=\"{}\" upper=\"{}\" velocity=\"{}\" effort=\"{}\"/>",
-                        number(bounded(limits.lower)), number(bounded(limits.upper)),
-                        number(bounded(limits.velocity)), number(bounded(limits.effort))));
+                        xml_number(bounded(limits.lower)), xml_number(bounded(limits.upper)),
+                        xml_number(bounded(limits.velocity)), xml_number(bounded(limits.effort))));
     const double damping = dynamics(j.coordinate, "damping");
     const double level = dynamics(j.coordinate, "friction");
     if (damping != 0.0 || level != 0.0) {
-      line(2, fmt::format("<dynamics damping=\"{}\" friction=\"{}\"/>", number(damping),
-                          number(level)));
+      line(2, fmt::format("<dynamics damping=\"{}\" friction=\"{}\"/>", xml_number(damping),
+                          xml_number(level)));
     }
   }
 
   void mimic(const Joint& j) {
     if (j.type == JointType::kPrismatic) {
       line(2, fmt::format("<limit lower=\"{0}\" upper=\"{1}\" velocity=\"{1}\" effort=\"{1}\"/>",
-                          number(-kWrittenUnlimited), number(kWrittenUnlimited)));
+                          xml_number(-kWrittenUnlimited), xml_number(kWrittenUnlimited)));
     }
     line(2, fmt::format("<mimic joint=\"{}\" multiplier=\"{}\" offset=\"0\"/>",
-                        escaped(arm_.coordinates()[at(j.coordinate)].name), number(j.multiplier)));
+                        escaped(arm_.coordinates()[at(j.coordinate)].name), xml_number(j.multiplier)));
   }
 
   void link(const Frame& frame) {
@@ -288,12 +276,12 @@ class UrdfWriter {
     const Eigen::Vector3d& com = body->com;
     const Eigen::Matrix<double, 6, 1>& I = body->inertia;
     line(2, "<inertial>");
-    line(3, fmt::format("<origin xyz=\"{}\" rpy=\"0 0 0\"/>", xyz_text({com.x(), com.y(), com.z()})));
-    line(3, fmt::format("<mass value=\"{}\"/>", number(body->mass)));
+    line(3, fmt::format("<origin xyz=\"{}\" rpy=\"0 0 0\"/>", xml_vector(com)));
+    line(3, fmt::format("<mass value=\"{}\"/>", xml_number(body->mass)));
     line(3,
          fmt::format("<inertia ixx=\"{}\" ixy=\"{}\" ixz=\"{}\" iyy=\"{}\" iyz=\"{}\" izz=\"{}\"/>",
-                     number(I[0]), number(I[1]), number(I[3]), number(I[2]), number(I[4]),
-                     number(I[5])));
+                     xml_number(I[0]), xml_number(I[1]), xml_number(I[3]), xml_number(I[2]), xml_number(I[4]),
+                     xml_number(I[5])));
     line(2, "</inertial>");
   }
 
