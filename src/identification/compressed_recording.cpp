@@ -91,14 +91,7 @@ class Blocks {
   }
 
   void merge_pairs() {
-    for (size_t k = 0; 2 * k < blocks_.size(); ++k) {
-      std::vector<SquareRootInformation> pair = std::move(blocks_[2 * k]);
-      if (2 * k + 1 < blocks_.size()) {
-        for (size_t i = 0; i < pair.size(); ++i) pair[i].merge(blocks_[2 * k + 1][i]);
-      }
-      blocks_[k] = std::move(pair);
-    }
-    blocks_.resize((blocks_.size() + 1) / 2);
+    veridyn::merge_pairs(blocks_);
     duration_ *= 2.0;
   }
 
@@ -389,13 +382,7 @@ CompressedRecording compress(const Model& arm, const Recording& recording,
 std::vector<CompressedRecording> compress_all(const Model& arm,
                                               const std::vector<std::string>& paths,
                                               const PreprocessingOptions& options, int threads) {
-  std::vector<CompressedRecording> out(paths.size());
-  const auto count = static_cast<int>(paths.size());
-  parallel_for(count, threads, [&](int k) {
-    out[k] =
-        compress(arm, paths[k], options, threads_of_each(count, threads));
-  });
-  return out;
+  return of_each(paths, threads, [&](const std::string& path, int own) { return compress(arm, path, options, own); });
 }
 
 ErrorSums::ErrorSums(int joints)

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,13 @@ std::vector<CompressedRecording> compress_many(const Model& arm,
 /// compress() without factors: only the facts about a recording.
 CompressedRecording compress_facts(const Model& arm, const std::string& path,
                                    const PreprocessingOptions& options, int threads);
+
+/// The recordings of a list, read in parallel by read(path, threads), in the order of the list.
+std::vector<CompressedRecording> of_each(const std::vector<std::string>& paths, int threads,
+                                         const std::function<CompressedRecording(const std::string&, int)>& read);
+
+/// Merges neighbouring blocks, joint by joint: half as many are left.
+void merge_pairs(std::vector<std::vector<SquareRootInformation>>& blocks);
 
 /// Merges neighbouring blocks of a recording until it has at most `most`.
 void merge_blocks(CompressedRecording& recording, int most);

@@ -169,12 +169,8 @@ int series_samples_of_each(int recordings) {
 std::vector<CompressedRecording> compress_test(const Model& arm,
                                                const std::vector<std::string>& test,
                                                const PreprocessingOptions& how, int threads) {
-  std::vector<CompressedRecording> out(test.size());
-  const auto count = static_cast<int>(test.size());
-  parallel_for(count, threads, [&](int k) {
-    const auto at = static_cast<size_t>(k);
-    out[at] = compress_facts(arm, test[at], how, threads_of_each(count, threads));
-  });
+  const std::vector<CompressedRecording> out =
+      of_each(test, threads, [&](const std::string& path, int own) { return compress_facts(arm, path, how, own); });
   for (const CompressedRecording& r : out) {
     require(
         r.rows > 0.0, r.source,
