@@ -3,19 +3,8 @@
 namespace veridyn {
 
 const char* name_of(Method method) {
-  switch (method) {
-    case Method::kOls:
-      return "ols";
-    case Method::kWls:
-      return "wls";
-    case Method::kFeasible:
-      return "feasible";
-    case Method::kIv:
-      return "iv";
-    case Method::kDidim:
-      return "didim";
-  }
-  return "";
+  static constexpr const char* kNames[] = {"ols", "wls", "feasible", "iv", "didim"};
+  return kNames[static_cast<int>(method)];
 }
 
 const char* name_of(JointWeights weights) {
@@ -23,15 +12,8 @@ const char* name_of(JointWeights weights) {
 }
 
 const char* name_of(PhysicalCondition condition) {
-  switch (condition) {
-    case PhysicalCondition::kPseudoInertia:
-      return "pseudo-inertia";
-    case PhysicalCondition::kPrincipalMoments:
-      return "principal-moments";
-    case PhysicalCondition::kNone:
-      return "none";
-  }
-  return "";
+  static constexpr const char* kNames[] = {"pseudo-inertia", "principal-moments", "none"};
+  return kNames[static_cast<int>(condition)];
 }
 
 const char* name_of(EffectSigns signs) {
@@ -51,31 +33,13 @@ const char* name_of(StaleRows stale_rows) {
 }
 
 const char* name_of(IdentificationStatus status) {
-  switch (status) {
-    case IdentificationStatus::kDone:
-      return "done";
-    case IdentificationStatus::kRankDeficient:
-      return "rank-deficient";
-    case IdentificationStatus::kNoData:
-      return "no-data";
-    case IdentificationStatus::kNotConverged:
-      return "not-converged";
-    case IdentificationStatus::kNoDriveGains:
-      return "no-drive-gains";
-  }
-  return "";
+  static constexpr const char* kNames[] = {"done", "rank-deficient", "no-data", "not-converged", "no-drive-gains"};
+  return kNames[static_cast<int>(status)];
 }
 
 const char* name_of(Identifiability class_of_one) {
-  switch (class_of_one) {
-    case Identifiability::kAlone:
-      return "alone";
-    case Identifiability::kInCombination:
-      return "in-combination";
-    case Identifiability::kNot:
-      return "not";
-  }
-  return "";
+  static constexpr const char* kNames[] = {"alone", "in-combination", "not"};
+  return kNames[static_cast<int>(class_of_one)];
 }
 
 }  // namespace veridyn

@@ -146,19 +146,8 @@ ModelDifference parameter_difference(const MatchedParameter& m, const Side& a,
 }
 
 const char* name_of(JointQuantity which) {
-  switch (which) {
-    case JointQuantity::kFriction:
-      return "friction";
-    case JointQuantity::kOffset:
-      return "offset";
-    case JointQuantity::kWeight:
-      return "weight";
-    case JointQuantity::kWeightSlope:
-      return "weight_slope";
-    case JointQuantity::kInertia:
-      return "inertia";
-  }
-  return "";
+  static constexpr const char* kNames[] = {"friction", "offset", "weight", "weight_slope", "inertia"};
+  return kNames[static_cast<int>(which)];
 }
 
 std::string unit_of(JointQuantity which, const Coordinate& coordinate) {

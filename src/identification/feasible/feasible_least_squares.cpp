@@ -243,17 +243,10 @@ FeasibleResult make_result(const FeasibleProblem& problem, const FeasibleOptions
 }
 
 const char* status_text(FeasibleStatus status) {
-  switch (status) {
-    case FeasibleStatus::kOptimal:
-      return "optimal";
-    case FeasibleStatus::kInfeasible:
-      return "infeasible: no parameters satisfy all constraints";
-    case FeasibleStatus::kNoInterior:
-      return "no interior: constraints leave no room between them";
-    case FeasibleStatus::kNotConverged:
-      return "not converged";
-  }
-  return "";
+  static constexpr const char* kNames[] = {
+      "optimal", "infeasible: no parameters satisfy all constraints",
+      "no interior: constraints leave no room between them", "not converged"};
+  return kNames[static_cast<int>(status)];
 }
 
 }  // namespace

@@ -20,19 +20,10 @@ std::string percent(const VectorXd& v) {
 }
 
 const char* method_name(Method m) {
-  switch (m) {
-    case Method::kOls:
-      return "ordinary least squares";
-    case Method::kWls:
-      return "weighted least squares";
-    case Method::kIv:
-      return "instrumental variables";
-    case Method::kDidim:
-      return "direct and inverse model";
-    case Method::kFeasible:
-      break;
-  }
-  return "feasible least squares";
+  static constexpr const char* kNames[] = {
+      "ordinary least squares", "weighted least squares", "feasible least squares", "instrumental variables",
+      "direct and inverse model"};
+  return kNames[static_cast<int>(m)];
 }
 
 }  // namespace

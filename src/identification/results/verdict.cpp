@@ -94,19 +94,8 @@ std::string sentence_of(const IdentificationVerdict& v, const std::string& whose
 }  // namespace
 
 const char* name_of(IdentifiedState state) {
-  switch (state) {
-    case IdentifiedState::kAtFloor:
-      return "at_floor";
-    case IdentifiedState::kUnexplained:
-      return "unexplained";
-    case IdentifiedState::kHardlyMoved:
-      return "hardly_moved";
-    case IdentifiedState::kNoTorque:
-      return "no_torque";
-    case IdentifiedState::kCannotTell:
-      return "cannot_tell";
-  }
-  return "";
+  static constexpr const char* kNames[] = {"at_floor", "unexplained", "hardly_moved", "no_torque", "cannot_tell"};
+  return kNames[static_cast<int>(state)];
 }
 
 std::string Identification::verdict() const { return model ? verdict_of(*this).sentence : reason; }

@@ -129,15 +129,8 @@ std::string line_of(const TopicFacts& topic) {
 }  // namespace
 
 const char* name_of(Severity severity) {
-  switch (severity) {
-    case Severity::kInfo:
-      return "info";
-    case Severity::kWarning:
-      return "warning";
-    case Severity::kFault:
-      return "fault";
-  }
-  return "";
+  static constexpr const char* kNames[] = {"info", "warning", "fault"};
+  return kNames[static_cast<int>(severity)];
 }
 
 Severity RecordingQuality::severity() const {

@@ -90,19 +90,10 @@ class PassiveEngine final : public Engine {
 }  // namespace
 
 const char* describe(StepStatus status) {
-  switch (status) {
-    case StepStatus::kOk:
-      return "moves";
-    case StepStatus::kNotFinite:
-      return "has a torque, position or velocity that is not finite";
-    case StepStatus::kNotPositive:
-      return "stands where the mass matrix has no inverse";
-    case StepStatus::kTooStiff:
-      return "moves faster than the smallest substep can follow";
-    case StepStatus::kRanAway:
-      return "is more than ten times its range off its set point";
-  }
-  return "";
+  static constexpr const char* kNames[] = {
+      "moves", "has a torque, position or velocity that is not finite", "stands where the mass matrix has no inverse",
+      "moves faster than the smallest substep can follow", "is more than ten times its range off its set point"};
+  return kNames[static_cast<int>(status)];
 }
 
 std::vector<std::string> engine_names() {
