@@ -4,7 +4,7 @@
 #include "veridyn/effects/effect.hpp"
 
 /// The effects of the library in the order of docs/contract.md, which is that of questions and tables. One line per
-/// effect: its function is defined in the file of its name.
+/// effect: its function is defined in the file of its name, or in one_column.cpp or position_dependent.cpp.
 // clang-format off
 #define VERIDYN_EFFECTS(EFFECT) \
   EFFECT(rotor_inertia) \
