@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "diagnosis/numerics.hpp"
 #include "math/correlated_columns.hpp"
@@ -155,11 +156,11 @@ std::string worse_words(const Diagnosis& d, int joint) {
 // Table of friction that was added to the file: one line per joint.
 std::string friction_table(const Diagnosis& d) {
   std::string out = "\nfriction, offset and rotor inertia that were found, +- standard deviation\n";
-  int joint = -1;
+  std::optional<JointIndex> joint;
   for (const JointNumber& n : d.friction) {
     if (n.joint != joint)
-      out += fmt::format("{}  {:<22}", joint < 0 ? "" : "\n",
-                         d.extended.model->coordinates()[n.joint].name);
+      out += fmt::format("{}  {:<22}", joint ? "\n" : "",
+                         d.extended.model->coordinates()[n.joint.value].name);
     joint = n.joint;
     const std::string spread =
         std::isfinite(n.deviation) ? fmt::format(" +- {:.1g}", n.deviation) : std::string();

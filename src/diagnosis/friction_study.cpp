@@ -158,7 +158,7 @@ std::vector<FrictionAtSpeed> speeds_of(const Identification& id, const FrictionC
   std::vector<Run> runs;
   for (const RecordingError& recording : id.train) {
     const PredictionSeries& s = recording.series;
-    const auto joint = static_cast<size_t>(curve.joint);
+    const auto joint = static_cast<size_t>(curve.joint.value);
     for (const SteadyRun& run : steady_runs(s.time, s.dq[joint])) {
       Run one;
       one.samples = static_cast<double>(run.end - run.from);
@@ -310,7 +310,7 @@ FrictionStudy study_friction(const Model& arm, const Recordings& recordings, con
   if (!out.fitted.model) out.fitted = found;
   for (FrictionCurve& curve : friction_curves(out.fitted)) {
     JointFrictionStudy one;
-    const int k = curve.joint;
+    const int k = curve.joint.value;
     one.joint = {travel.moving[k]};
     const Coordinate& c = open.coordinates()[k];
     one.coordinate = c.name;

@@ -29,6 +29,17 @@ BatchInput input(const char* where, int joints, const MatrixRef& q, const Matrix
           {ddq.data(), ddq.outerStride()}};
 }
 
+// The links with those supporting coordinates alone that lie from `first` to `end`.
+std::vector<Link> moved_by(const Links& tree, int first, int end) {
+  std::vector<Link> links(tree.link, tree.link + tree.count);
+  for (Link& link : links) {
+    const auto at = [&](int m) { return tree.support[m].coordinate; };
+    while (link.first_support < link.end_support && at(link.first_support) < first) ++link.first_support;
+    while (link.first_support < link.end_support && at(link.end_support - 1) >= end) --link.end_support;
+  }
+  return links;
+}
+
 }  // namespace
 
 TorqueRegressor::TorqueRegressor(const Model& arm)
@@ -71,7 +82,9 @@ void TorqueRegressor::evaluate(const MatrixRef& q, const MatrixRef& dq, const Ma
     const auto cols = static_cast<Eigen::Index>(columns(i).size());
     if (Y[i].rows() != in.rows || Y[i].cols() < cols) Y[i].resize(in.rows, cols);
   }
-  const Links tree = tree_;
+  Links tree = tree_;
+  const std::vector<Link> links = moved_by(tree, first, end);
+  tree.link = links.data();
   AlignedDoubles own;
   void* const workspace = own.get(arm_kernels().batch_workspace(tree) / sizeof(double));
   std::vector<double*> data(joints(), nullptr);

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <string_view>
-#include <unordered_set>
 
 #include "identification/estimation/least_squares.hpp"
 #include "math/median.hpp"
@@ -19,22 +17,6 @@ std::vector<std::string> independent_columns(const BaseParameters& base,
                                              const std::vector<std::string>& names) {
   std::vector<std::string> out;
   for (const int j : base.independent) out.push_back(names[j]);
-  return out;
-}
-
-SquareRootInformation weighted_block(const std::vector<SquareRootInformation>& joints,
-                                     const VectorRef& weights,
-                                     const std::vector<std::string>& columns) {
-  SquareRootInformation out(columns);
-  for (size_t i = 0; i < joints.size(); ++i) {
-    const std::vector<std::string>& known = joints[i].columns();
-    const std::unordered_set<std::string_view> has(known.begin(), known.end());
-    std::vector<std::string> own;  // a joint near the tip has a few of the columns
-    for (const std::string& column : columns) {
-      if (has.count(column) != 0) own.push_back(column);
-    }
-    out.merge(joints[i].restricted(own), weights[static_cast<Eigen::Index>(i)]);
-  }
   return out;
 }
 
@@ -60,8 +42,7 @@ SquareRootInformation weighted_total(const std::vector<SquareRootInformation>& j
                                      const VectorRef& weights,
                                      const std::vector<std::string>& columns) {
   SquareRootInformation total(columns);
-  for (size_t i = 0; i < joints.size(); ++i)
-    total.merge(joints[i], weights[static_cast<Eigen::Index>(i)]);
+  for (size_t i = 0; i < joints.size(); ++i) total.merge_known(joints[i], weights[static_cast<Eigen::Index>(i)]);
   return total;
 }
 
@@ -73,7 +54,7 @@ BaseSolution solve_base(const std::vector<CompressedRecording>& recordings,
   SquareRootInformation total(columns);
   for (const CompressedRecording& recording : recordings) {
     for (const auto& block : recording.blocks) {
-      blocks.push_back(weighted_block(block, weights, columns));
+      blocks.push_back(weighted_total(block, weights, columns));
       total.merge(blocks.back());
     }
   }

@@ -25,7 +25,7 @@ struct BaseSolution {
 /// One factor per joint: all blocks of all recordings merged.
 std::vector<SquareRootInformation> joint_totals(const std::vector<CompressedRecording>& recordings);
 
-/// Merges joint_totals() over the given columns, joint i weighted by weights[i].
+/// Merges factors of joints over the given columns, joint i weighted by weights[i].
 SquareRootInformation weighted_total(const std::vector<SquareRootInformation>& joints,
                                      const VectorRef& weights,
                                      const std::vector<std::string>& columns);

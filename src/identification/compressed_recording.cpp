@@ -194,7 +194,7 @@ CompressedRecording run_compress(const Model& arm, const std::string& source,
   out.blocks = blocks.take();
   for (const auto& block : out.blocks) {
     for (const SquareRootInformation& factor : block) {
-      require(factor.R().allFinite() && factor.z().allFinite(), source, ": torques of robot '", arm.name(),
+      require(factor.column_norms().allFinite() && std::isfinite(factor.rhs_norm2()), source, ": torques of robot '", arm.name(),
               "' are no finite numbers along this motion, expected numbers of the robot file in m, kg and rad.");
       out.rows += factor.rows();
     }

@@ -78,7 +78,7 @@ std::vector<JointNumber> plain_friction_of(const Model& arm) {
       for (int p = 0; p < bound.parameter_count(); ++p) {
         const std::string& name = bound.parameters()[p].name;
         const auto deviation = term.deviations.find(name);
-        out.push_back({term.effect, name, bound.unit(p), i, bound.values()[p],
+        out.push_back({term.effect, name, bound.unit(p), {i}, bound.values()[p],
                        deviation == term.deviations.end() ? kNaN : deviation->second});
       }
     }

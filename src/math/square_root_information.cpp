@@ -3,23 +3,21 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <string_view>
 #include <unordered_map>
 #include <utility>
 
 #include "aligned_doubles.hpp"
 #include "triangle_update.hpp"
-#include "math/parallel.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {
 
-constexpr Eigen::Index kBlockRows = 256;      // rows of a block: 60 columns are half of a 256 KiB cache
-constexpr Eigen::Index kPieceRows = 1 << 15;  // rows of a thread's piece
-
-Eigen::Index packed_size(Eigen::Index columns) {
-  return columns * (columns + 1) / 2;
-}
+constexpr Eigen::Index kBlockRows = 256;  // rows of a block: 60 columns are half of a 256 KiB cache
+// From so many columns on, few rows stay as they are. Triangles of fewer columns are small, and they are equal to the
+// last bit with and without a file in between.
+constexpr int kManyColumns = 128;
 
 }  // namespace
 
@@ -29,20 +27,26 @@ class SquareRootInformation::Triangle {
   Triangle(const SquareRootInformation& of, Eigen::Index rows)
       : k_(of.size()),
         columns_(triangle_columns(static_cast<int>(k_) + 1)),
-        stride_(triangle_stride(static_cast<int>(k_) + 1)),
-        rows_((rows + kTriangleRows - 1) / kTriangleRows * kTriangleRows) {
+        stride_(triangle_stride(static_cast<int>(k_) + 1)) {
+    const Eigen::Index open = of.is_triangle() ? 0 : of.stored_rows();
+    rows_ = (std::max(rows, open) + kTriangleRows - 1) / kTriangleRows * kTriangleRows;
     thread_local AlignedDoubles memory;
     const auto top = static_cast<size_t>(columns_ * stride_);
     R_ = memory.zeros(top + static_cast<size_t>(rows_ * stride_));
     A_ = R_ + top;
-    const double* next = of.R_.data();
-    for (Eigen::Index j = 0; j < k_; ++j)
-      for (Eigen::Index i = 0; i <= j; ++i) R_[i * stride_ + j] = *next++;
-    for (Eigen::Index i = 0; i < k_; ++i) R_[i * stride_ + k_] = of.z_[i];
     R_[k_ * stride_ + k_] = std::sqrt(of.rho2_);
+    double* const to = open > 0 ? A_ : R_;
+    for (Eigen::Index i = 0; i < of.stored_rows(); ++i) {
+      const auto row = of.row(i);
+      std::copy_n(row.data(), row.size(), to + i * stride_ + k_ - row.size());
+      to[i * stride_ + k_] = of.z_[i];
+    }
+    if (open == 0) return;
+    update(open, [](Eigen::Index) { return 0; });
+    clear_rows_from(0);
   }
 
-  double& row(Eigen::Index i, Eigen::Index j) { return A_[i * stride_ + j]; }
+  double* row(Eigen::Index i) { return A_ + i * stride_; }
 
   void clear_rows_from(Eigen::Index first) {
     std::fill(A_ + first * stride_, A_ + rows_ * stride_, 0.0);
@@ -55,24 +59,36 @@ class SquareRootInformation::Triangle {
     for (Eigen::Index i = 0; i < values.size(); ++i) to[i * stride_] = values[i];
   }
 
-  void update(bool triangular) {
-    triangle_kernels().update({R_, A_, stride_, columns_, static_cast<int>(rows_), triangular});
+  // Rotates the first rows of the block into the triangle. begin(i) is the first column of row i that may differ from
+  // zero; it must not fall with i.
+  template <typename Begin>
+  void update(Eigen::Index rows, const Begin& begin) {
+    thread_local std::vector<int> begun;
+    begun.resize(static_cast<size_t>(columns_ / kTrianglePanel));
+    Eigen::Index i = 0;
+    for (size_t p = 0; p < begun.size(); ++p) {
+      while (i < rows && begin(i) < static_cast<int>(p + 1) * kTrianglePanel) ++i;
+      begun[p] = static_cast<int>((i + kTriangleRows - 1) / kTriangleRows * kTriangleRows);
+    }
+    triangle_kernels().update({R_, A_, stride_, columns_, begun.data()});
   }
 
   void give_to(SquareRootInformation& to) const {
-    double* next = to.R_.data();
-    for (Eigen::Index j = 0; j < k_; ++j)
-      for (Eigen::Index i = 0; i <= j; ++i) *next++ = R_[i * stride_ + j];
-    for (Eigen::Index i = 0; i < k_; ++i) to.z_[i] = R_[i * stride_ + k_];
+    to.resize(k_);
+    for (Eigen::Index i = 0; i < k_; ++i) {
+      std::copy_n(R_ + i * stride_ + i, k_ - i, to.row(i).data());
+      to.z_[i] = R_[i * stride_ + k_];
+    }
     to.rho2_ = R_[k_ * stride_ + k_] * R_[k_ * stride_ + k_];
   }
 
  private:
   Eigen::Index k_;
   int columns_;
-  Eigen::Index stride_, rows_;
-  double* R_;
-  double* A_;
+  Eigen::Index stride_;
+  Eigen::Index rows_ = 0;
+  double* R_ = nullptr;
+  double* A_ = nullptr;
 };
 
 const SquareRootInformation::Names& SquareRootInformation::no_names() {
@@ -81,9 +97,7 @@ const SquareRootInformation::Names& SquareRootInformation::no_names() {
 }
 
 SquareRootInformation::SquareRootInformation(std::vector<std::string> columns)
-    : columns_(std::make_shared<const std::vector<std::string>>(std::move(columns))),
-      R_(VectorXd::Zero(packed_size(size()))),
-      z_(VectorXd::Zero(size())) {}
+    : columns_(std::make_shared<const std::vector<std::string>>(std::move(columns))) {}
 
 SquareRootInformation::SquareRootInformation(std::vector<std::string> columns, MatrixXd R,
                                              VectorXd z, double rho2, double rows)
@@ -94,17 +108,39 @@ SquareRootInformation::SquareRootInformation(std::vector<std::string> columns, M
   require(R.isUpperTriangular(0.0) && rho2 >= 0.0 && rows >= 0.0,
           "SquareRootInformation: expected an upper triangular R, and neither rho2 nor rows below "
           "zero.");
-  for (Eigen::Index j = 0; j < R.cols(); ++j) R_.segment(j * (j + 1) / 2, j + 1) = R.col(j).head(j + 1);
+  resize(size());
+  for (Eigen::Index i = 0; i < R.rows(); ++i) row(i) = R.row(i).tail(row(i).size());
   z_ = std::move(z);
   rho2_ = rho2;
   rows_ = rows;
 }
 
-MatrixXd SquareRootInformation::R() const {
-  MatrixXd out = MatrixXd::Zero(size(), size());
-  for (Eigen::Index j = 0; j < out.cols(); ++j) out.col(j).head(j + 1) = packed(j);
+bool SquareRootInformation::may_stay_open(Eigen::Index more) const {
+  return !is_triangle() && size() >= kManyColumns && 2 * (stored_rows() + more) <= size();
+}
+
+// Allocates so many rows: size() of them make a triangle. Rows that were kept as they are stay, a triangle does not.
+void SquareRootInformation::resize(Eigen::Index rows) {
+  data_.conservativeResize(rows < size() ? rows * size() : size() * (size() + 1L) / 2);
+  z_.conservativeResize(rows);
+}
+
+SquareRootInformation SquareRootInformation::as_triangle() const {
+  SquareRootInformation out(*this);
+  if (!is_triangle()) Triangle(*this, 0).give_to(out);
   return out;
 }
+
+MatrixXd SquareRootInformation::R() const {
+  if (!is_triangle()) return as_triangle().R();
+  MatrixXd out = MatrixXd::Zero(size(), size());
+  for (Eigen::Index i = 0; i < size(); ++i) out.row(i).tail(row(i).size()) = row(i);
+  return out;
+}
+
+VectorXd SquareRootInformation::z() const { return is_triangle() ? z_ : as_triangle().z_; }
+
+double SquareRootInformation::rho2() const { return is_triangle() ? rho2_ : as_triangle().rho2_; }
 
 void SquareRootInformation::absorb(const MatrixRef& A, const VectorRef& b) {
   const int k = size();
@@ -112,93 +148,107 @@ void SquareRootInformation::absorb(const MatrixRef& A, const VectorRef& b) {
           " x ", A.cols(), ") and b has ", b.size(), " rows; expected ", k,
           " columns and equal rows.");
   if (A.rows() == 0) return;
+  rows_ += static_cast<double>(A.rows());
+  if (may_stay_open(A.rows())) {
+    const Eigen::Index before = stored_rows();
+    resize(before + A.rows());
+    for (Eigen::Index i = 0; i < A.rows(); ++i) row(before + i) = A.row(i);
+    z_.tail(b.size()) = b;
+    return;
+  }
   Triangle triangle(*this, std::min(kBlockRows, A.rows()));
   for (Eigen::Index at = 0; at < A.rows(); at += kBlockRows) {
     const Eigen::Index n = std::min(kBlockRows, A.rows() - at);
     for (int j = 0; j < k; ++j) triangle.set_column(j, A.col(j).segment(at, n));
     triangle.set_column(k, b.segment(at, n));
-    if (n < kBlockRows) triangle.clear_rows_from(n);
-    triangle.update(false);
+    triangle.clear_rows_from(n);
+    triangle.update(n, [](Eigen::Index) { return 0; });
   }
   triangle.give_to(*this);
-  rows_ += static_cast<double>(A.rows());
-}
-
-void SquareRootInformation::absorb(const MatrixRef& A, const VectorRef& b, int threads) {
-  const auto pieces = static_cast<int>((A.rows() + kPieceRows - 1) / kPieceRows);
-  if (pieces < 2 || A.rows() != b.size()) return absorb(A, b);
-  std::vector<SquareRootInformation> factors(pieces, SquareRootInformation(columns()));
-  parallel_for(pieces, threads, [&](int p) {
-    const Eigen::Index at = p * kPieceRows;
-    const Eigen::Index n = std::min(kPieceRows, A.rows() - at);
-    factors[p].absorb(A.middleRows(at, n), b.segment(at, n));
-  });
-  for (size_t step = 1; step < factors.size(); step *= 2) {
-    for (size_t p = 0; p + step < factors.size(); p += 2 * step) factors[p].merge(factors[p + step]);
-  }
-  merge(factors.front());
 }
 
 void SquareRootInformation::merge(const SquareRootInformation& other, double weight) {
-  const int m = other.size();
-  std::vector<int> place(static_cast<size_t>(m));
+  const std::vector<int> place = places_of(other);
+  if (std::count(place.begin(), place.end(), -1) > 0) {
+    std::vector<std::string> all = columns();
+    for (size_t j = 0; j < place.size(); ++j)
+      if (place[j] < 0) all.push_back(other.columns()[j]);
+    SquareRootInformation wider(std::move(all));
+    wider.merge_known(*this);
+    *this = std::move(wider);
+  }
+  merge_known(other, weight);
+}
+
+// Indices of the columns of another factor in this one; -1 for a column that this one does not have.
+std::vector<int> SquareRootInformation::places_of(const SquareRootInformation& other) const {
+  std::vector<int> place(static_cast<size_t>(other.size()), -1);
   if (columns_ == other.columns_ || columns() == other.columns()) {
     std::iota(place.begin(), place.end(), 0);
-  } else {
-    std::unordered_map<std::string, int> index;
-    for (int i = 0; i < size(); ++i) index.emplace(columns()[i], i);
-    std::vector<std::string> all = columns();
-    for (int j = 0; j < m; ++j) {
-      const auto found = index.find(other.columns()[j]);
-      place[j] = found != index.end() ? found->second : static_cast<int>(all.size());
-      if (found == index.end()) all.push_back(other.columns()[j]);
-    }
-    if (static_cast<int>(all.size()) > size()) {
-      SquareRootInformation wider(std::move(all));
-      wider.R_.head(R_.size()) = R_;
-      wider.z_.head(z_.size()) = z_;
-      wider.rho2_ = rho2_;
-      wider.rows_ = rows_;
-      *this = std::move(wider);
-    }
+    return place;
   }
-  const int k = size();
-  Triangle triangle(*this, m);
-  for (int j = 0; j < m; ++j)
-    triangle.set_column(place[j], weight * other.packed(j));
-  triangle.set_column(k, weight * other.z_);
-  // Row i begins at place[i]: the block is triangular only if the columns keep their order.
-  triangle.update(std::is_sorted(place.begin(), place.end()));
-  triangle.give_to(*this);
-  rho2_ += weight * weight * other.rho2_;
+  std::unordered_map<std::string_view, int> index;
+  for (int i = 0; i < size(); ++i) index.emplace(columns()[i], i);
+  for (size_t j = 0; j < place.size(); ++j) {
+    const auto found = index.find(other.columns()[j]);
+    if (found != index.end()) place[j] = found->second;
+  }
+  return place;
+}
+
+void SquareRootInformation::merge_known(const SquareRootInformation& other, double weight) {
+  const std::vector<int> place = places_of(other);  // of its columns
+  const Eigen::Index count = other.stored_rows();
   rows_ += other.rows_;
+  rho2_ += weight * weight * other.rho2_;
+  if (count == 0) return;
+  // Copies row i to a row of this factor that begins at `to`.
+  const auto fill = [&](Eigen::Index i, double* to) {
+    const auto from = other.row(i);
+    const size_t first = place.size() - static_cast<size_t>(from.size());
+    for (size_t j = first; j < place.size(); ++j)
+      if (place[j] >= 0) to[place[j]] = weight * from[static_cast<Eigen::Index>(j - first)];
+  };
+  if (!other.is_triangle() && may_stay_open(count)) {
+    const Eigen::Index before = stored_rows();
+    resize(before + count);
+    data_.tail(count * size()).setZero();
+    for (Eigen::Index i = 0; i < count; ++i) fill(i, row(before + i).data());
+    z_.tail(count) = weight * other.z_.head(count);  // other may be this one
+    return;
+  }
+  // Row i begins at the first of its columns: in a triangle the beginnings never fall.
+  std::vector<int> begin(place.size() + 1, size());
+  for (size_t j = place.size(); j-- > 0;) begin[j] = place[j] < 0 ? begin[j + 1] : std::min(begin[j + 1], place[j]);
+  const double more = rho2_;
+  rho2_ = 0.0;
+  Triangle triangle(*this, count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    fill(i, triangle.row(i));
+    triangle.row(i)[size()] = weight * other.z_[i];
+  }
+  triangle.update(count, [&](Eigen::Index i) { return begin[place.size() - static_cast<size_t>(other.row(i).size())]; });
+  triangle.give_to(*this);
+  rho2_ += more;
 }
 
 double SquareRootInformation::residual2(const VectorRef& x) const {
-  VectorXd error = -z_;
-  for (Eigen::Index j = 0; j < size(); ++j) error.head(j + 1) += x[j] * packed(j);
-  return error.squaredNorm() + rho2_;
+  double sum = rho2_;
+  for (Eigen::Index i = 0; i < stored_rows(); ++i)
+    sum += std::pow(row(i).dot(x.tail(row(i).size())) - z_[i], 2);
+  return sum;
 }
 
 SquareRootInformation SquareRootInformation::restricted(
     const std::vector<std::string>& columns) const {
-  std::unordered_map<std::string, int> index;
-  for (int i = 0; i < size(); ++i) index.emplace(this->columns()[i], i);
-  MatrixXd A = MatrixXd::Zero(size(), static_cast<Eigen::Index>(columns.size()));
-  for (size_t j = 0; j < columns.size(); ++j) {
-    const auto found = index.find(columns[j]);
-    if (found == index.end()) continue;
-    A.col(static_cast<Eigen::Index>(j)).head(found->second + 1) = packed(found->second);
-  }
   SquareRootInformation out(columns);
-  out.absorb(A, z_);
-  out.rho2_ += rho2_;
-  out.rows_ = rows_;
+  out.merge_known(*this);
   return out;
 }
 
 SquareRootInformation SquareRootInformation::transformed(const MatrixRef& T,
                                                          std::vector<std::string> columns) const {
+  if (!is_triangle()) return as_triangle().transformed(T, std::move(columns));
   SquareRootInformation out(std::move(columns));
   out.absorb(R().triangularView<Eigen::Upper>() * T, z_);
   out.rho2_ += rho2_;
@@ -207,9 +257,9 @@ SquareRootInformation SquareRootInformation::transformed(const MatrixRef& T,
 }
 
 VectorXd SquareRootInformation::column_norms() const {
-  VectorXd norms(size());
-  for (Eigen::Index j = 0; j < norms.size(); ++j) norms[j] = packed(j).norm();
-  return norms;
+  VectorXd squares = VectorXd::Zero(size());
+  for (Eigen::Index i = 0; i < stored_rows(); ++i) squares.tail(row(i).size()) += row(i).cwiseAbs2().transpose();
+  return squares.cwiseSqrt();
 }
 
 }  // namespace veridyn

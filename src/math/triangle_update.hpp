@@ -15,8 +15,9 @@ struct TriangleUpdate {
   double* A;        ///< (rows x columns)
   long stride;      ///< a multiple of kTrianglePanel, see triangle_stride()
   int columns;      ///< a multiple of kTrianglePanel; unused ones are zero
-  int rows;         ///< a multiple of kTriangleRows; unused ones are zero
-  bool triangular;  ///< row i of A begins at column i
+  /// Rows that begin before the end of each panel, (columns / kTrianglePanel), never fewer than in the panel before;
+  /// multiples of kTriangleRows, unused ones are zero. The rest of a panel is zero and is not read.
+  const int* begun;
 };
 
 struct TriangleKernels {

@@ -197,8 +197,8 @@ struct TriangleLoops {
     const long stride = in.stride;
     Panel panel;
     for (int at = 0; at < in.columns; at += kPanel) {
-      int rows = in.rows;
-      if (in.triangular && at + kPanel < rows) rows = at + kPanel;
+      const int rows = in.begun[at / kPanel];
+      if (rows == 0) continue;
       double* R = in.R + at * stride + at;
       double* A = in.A + at;
       factor_panel(R, A, stride, rows, panel);

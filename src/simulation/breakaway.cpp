@@ -96,7 +96,7 @@ class Push {
 
 Breakaway breakaway(Engine& engine, const Model& arm, const ReplayInput& input,
                     const BreakawayOptions& options) {
-  const int joint = options.joint;
+  const int joint = options.joint.value;
   const Eigen::Index rows = input.motion.rows();
   require(joint >= 0 && joint < arm.joints(), "breakaway: found joint ", joint + 1, ", but arm '",
           arm.name(), "' has ", arm.joints(), ".");
@@ -112,7 +112,7 @@ Breakaway breakaway(Engine& engine, const Model& arm, const ReplayInput& input,
   const VectorXd& time = input.motion.time;
   const PidGains gains = sensible_gains(arm);
   Breakaway out;
-  out.joint = joint;
+  out.joint = options.joint;
   out.speed = limit.speed;
   out.simulated_q = VectorXd::Constant(rows, kNaN);
   std::vector<double> recorded[2];

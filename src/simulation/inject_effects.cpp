@@ -66,14 +66,14 @@ class Injector {
   }
 
  private:
-  void add(const HiddenEffect& hidden, std::string place, int joint,
+  void add(const HiddenEffect& hidden, std::string place, std::optional<JointIndex> joint,
            std::map<std::string, double> values) {
     out_.effects.push_back({hidden.effect, std::move(place), joint, std::move(values)});
     asked_.push_back(hidden.asked);
   }
 
   void add(const HiddenEffect& hidden, JointIndex joint, std::map<std::string, double> values) {
-    add(hidden, coordinate(joint).name, joint.value + 1, std::move(values));
+    add(hidden, coordinate(joint).name, joint, std::move(values));
   }
 
   const Coordinate& coordinate(JointIndex joint) const {
@@ -111,7 +111,7 @@ class Injector {
     if (cause.joint) {
       add(hidden, *cause.joint, std::move(values));
     } else {
-      add(hidden, kWholeArm, 0, std::move(values));
+      add(hidden, kWholeArm, std::nullopt, std::move(values));
     }
   }
 
@@ -156,7 +156,7 @@ class Injector {
     }
     *body->phi += load;
     out_.arm = Model(std::move(arm));
-    add(hidden, hidden.place, 0, std::move(v));
+    add(hidden, hidden.place, std::nullopt, std::move(v));
   }
 
   void inject(const HiddenEffect& hidden, const KinematicError& cause) {
@@ -171,7 +171,7 @@ class Injector {
     ModelFileOptions options;
     options.constants[named->name] = constant->second + v["change"];
     out_.arm = read_yaml(to_yaml(out_.arm), out_.arm.name(), options);
-    add(hidden, hidden.place, 0, std::move(v));
+    add(hidden, hidden.place, std::nullopt, std::move(v));
   }
 
   void inject_number(const HiddenEffect& hidden, const KinematicError& cause) {
@@ -180,7 +180,7 @@ class Injector {
     auto v = filled(hidden, {{"change", before != 0.0 ? 0.1 * before : 0.05}});
     set_value(cause, before + v["change"], arm);
     out_.arm = Model(std::move(arm));
-    add(hidden, hidden.place, 0, std::move(v));
+    add(hidden, hidden.place, std::nullopt, std::move(v));
   }
 
   // Only a diagnosis writes this text form of a cause.

@@ -54,7 +54,7 @@ class OwnRobot : public testing::Test {
   }
   static double value_of(const Model& model, const std::string& effect, int joint) {
     for (const JointNumber& n : plain_friction_of(model))
-      if (n.effect == effect && n.joint == joint) return n.value;
+      if (n.effect == effect && n.joint.value == joint) return n.value;
     return NAN;
   }
 };

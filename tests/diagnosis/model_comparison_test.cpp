@@ -69,11 +69,11 @@ const ModelDifference& named(const std::vector<ModelDifference>& all, const std:
 }
 
 const ModelDifference& quantity(const std::vector<ModelDifference>& all, const std::string& which,
-                                int joint) {
+                                JointIndex joint) {
   for (const ModelDifference& d : all) {
     if (d.quantity == which && d.joint == joint) return d;
   }
-  ADD_FAILURE() << "no " << which << " of joint " << joint;
+  ADD_FAILURE() << "no " << which << " of joint " << joint.value + 1;
   return all.front();
 }
 
@@ -219,10 +219,10 @@ TEST(TheComparison, GivesFrictionWeightAndInertiaOfTheJoints) {
   const MotionSamples m = standard_motion(planar());
   // Friction: the level, and the coefficient times the mean speed 2/pi of its peak.
   const double mean_speed = 2.0 / M_PI * m.dq.col(0).cwiseAbs().maxCoeff();
-  EXPECT_NEAR(quantity(c.joints, "friction", 1).difference, 0.3 + 0.1 * mean_speed, 2e-3);
-  EXPECT_NEAR(quantity(c.joints, "friction", 2).difference, 0.0, 1e-9);
+  EXPECT_NEAR(quantity(c.joints, "friction", {0}).difference, 0.3 + 0.1 * mean_speed, 2e-3);
+  EXPECT_NEAR(quantity(c.joints, "friction", {1}).difference, 0.0, 1e-9);
   // Inertia of the elbow: m r^2, whatever the pose.
-  EXPECT_NEAR(quantity(c.joints, "inertia", 2).difference, added * 0.16, 1e-6);
+  EXPECT_NEAR(quantity(c.joints, "inertia", {1}).difference, added * 0.16, 1e-6);
   // Weight on the elbow: m g r cos(q1 + q2), averaged over whole periods of the elbow.
   double weight = 0.0;
   int rows = 0;
@@ -232,7 +232,7 @@ TEST(TheComparison, GivesFrictionWeightAndInertiaOfTheJoints) {
     weight += added * 9.81 * 0.4 * std::cos(m.q(k, 0) + m.q(k, 1));
     ++rows;
   }
-  EXPECT_NEAR(quantity(c.joints, "weight", 2).difference, weight / rows, 1e-6);
+  EXPECT_NEAR(quantity(c.joints, "weight", {1}).difference, weight / rows, 1e-6);
   for (const ModelDifference& d : c.joints) EXPECT_NE(d.quantity, "offset") << d.sentence;
 }
 
@@ -290,7 +290,7 @@ TEST(TheComparison, ComparesCommonParametersIfOneModelHasAnotherEffect) {
   EXPECT_EQ(c.only_after[0], "torque_offset(shoulder).offset");
   EXPECT_TRUE(named(c.parameters, kShoulderLevel).significant);
   // The quantities of the joint are compared all the same.
-  EXPECT_NEAR(quantity(c.joints, "offset", 1).difference, 0.4, 1e-9);
+  EXPECT_NEAR(quantity(c.joints, "offset", {0}).difference, 0.4, 1e-9);
 }
 
 // A diagnosed load is a frame with a body: it becomes part of the body that carries it.
@@ -444,7 +444,7 @@ TEST(TheComparison, MeasuresWeightAndInertiaOverTheStandardMotion) {
 // "Falls" is ambiguous for negative values; a prismatic joint has no angle; the interval is that of the difference.
 TEST(TheComparison, DescribesNegativeValuesAndPrismaticJoints) {
   ModelDifference d;
-  d.joint = 3;
+  d.joint = {2};
   d.unit = "N";
   d.before = -8.754;
   d.after = -0.029;

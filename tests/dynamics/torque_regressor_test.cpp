@@ -66,6 +66,22 @@ TEST_P(BatchOnEverySampleArm, RegressorIsThatOfEachState) {
   }
 }
 
+TEST_P(BatchOnEverySampleArm, AGroupOfJointsHasTheColumnsOfAll) {
+  const TorqueRegressor batch(arm());
+  for (const int rows : {5, 150}) {
+    const Samples s = samples(rows, joints());
+    std::vector<MatrixXd> all;
+    batch.evaluate(s.q, s.dq, s.ddq, all);
+    for (int first = 0; first < joints(); ++first) {
+      for (int end = first + 1; end <= joints(); ++end) {
+        std::vector<MatrixXd> some;
+        batch.evaluate(s.q, s.dq, s.ddq, first, end, some);
+        for (int i = first; i < end; ++i) EXPECT_EQ(some[i], all[i]) << "joint " << i << " of " << first << " to " << end;
+      }
+    }
+  }
+}
+
 TEST_P(BatchOnEverySampleArm, TorquesAreThoseOfEachState) {
   const TorqueRegressor batch(arm());
   MatrixXd tau;

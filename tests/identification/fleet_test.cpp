@@ -237,7 +237,7 @@ TEST(AFleet, NamesTheArmWithAnotherGain) {
   });
   ASSERT_NE(gain, found.outliers.end()) << found.report();
   EXPECT_EQ(gain->arm, "arm-4");
-  EXPECT_EQ(gain->joint, 2);
+  EXPECT_EQ(gain->joint, JointIndex{1});
   EXPECT_NEAR(gain->value / gain->median, 1.15, 0.02);
 }
 

@@ -78,7 +78,7 @@ TEST(FrictionCurves, HaveTheIntervalOfTheScatter) {
 
 // Between its speeds a curve is straight, and beyond them it stays.
 TEST(FrictionCurves, StayAtTheirEnds) {
-  const FrictionCurve c{0, Eigen::Vector3d(-1.0, 1.0, 3.0), Eigen::Vector3d(-2.0, 2.0, 8.0), Eigen::Vector3d::Zero()};
+  const FrictionCurve c{{0}, Eigen::Vector3d(-1.0, 1.0, 3.0), Eigen::Vector3d(-2.0, 2.0, 8.0), Eigen::Vector3d::Zero()};
   EXPECT_EQ(c.at(-9.0), -2.0);
   EXPECT_EQ(c.at(-1.0), -2.0);
   EXPECT_EQ(c.at(0.0), 0.0);

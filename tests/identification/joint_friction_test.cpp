@@ -83,7 +83,7 @@ TEST(JointFriction, IsListedJointByJoint) {
   const int joints[] = {0, 0, 1, 1, 1};
   const double values[] = {0.8, 1.2, 0.4, 0.6, 0.3};
   for (size_t k = 0; k < all.size(); ++k) {
-    EXPECT_EQ(all[k].joint, joints[k]) << k;
+    EXPECT_EQ(all[k].joint.value, joints[k]) << k;
     EXPECT_EQ(all[k].value, values[k]) << k;
   }
   EXPECT_EQ(all[0].unit, "N m s/rad");

@@ -48,8 +48,8 @@ TEST(TheFleetsReport, NamesWhatStandsOutAndCountsTheRest) {
   EXPECT_TRUE(says(f.report(), "\n1 file left out\n"));
   EXPECT_TRUE(says(f.report(), "remark: b.csv: dq2"));
   for (int k = 0; k < 40; ++k) {
-    f.outliers.push_back({"arm-1", "torque_gain:elbow", 2, 1.1, 1.0, 9.0});
-    f.other_bodies.push_back({"arm-2", 1, 0.3, 0.1, 2.0, 0.1, 8.0});
+    f.outliers.push_back({"arm-1", "torque_gain:elbow", JointIndex{1}, 1.1, 1.0, 9.0});
+    f.other_bodies.push_back({"arm-2", {0}, 0.3, 0.1, 2.0, 0.1, 8.0});
     f.undetermined.push_back(f.undetermined.front());
     f.unusable_recordings.push_back(f.unusable_recordings.front());
   }

@@ -8,6 +8,7 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "math/processor.hpp"
@@ -70,17 +71,26 @@ class OfAnyShape : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Rows, OfAnyShape, testing::Values(0, 1, 3, 6, 7, 8, 255, 256, 257, 3000),
                          [](const auto& test) { return std::to_string(test.param); });
 
+// A factor of many columns keeps few rows as they are.
+constexpr int kMany = 136;
+
 TEST_P(OfAnyShape, TheSumOfSquaresIsThatOfTheRowsForEveryX) {
   Random random(1);
-  const Rows rows = random_rows(GetParam(), 7, random);
-  const SquareRootInformation f = factor_of(rows, names(7));
-  EXPECT_EQ(f.rows(), GetParam());
-  EXPECT_TRUE(f.R().isUpperTriangular(0.0));
-  EXPECT_NEAR(f.rhs_norm2(), rows.b.squaredNorm(), 1e-12 * (1.0 + rows.b.squaredNorm()));
-  for (int k = 0; k < 10; ++k) {
-    const VectorXd x = random.vector(7, -5, 5);
-    const double direct = (rows.A * x - rows.b).squaredNorm();
-    EXPECT_NEAR(f.residual2(x), direct, 1e-12 * (1.0 + direct));
+  for (const int columns : {7, kMany}) {
+    const Rows rows = random_rows(GetParam(), columns, random);
+    const SquareRootInformation f = factor_of(rows, names(columns));
+    EXPECT_EQ(f.rows(), GetParam());
+    EXPECT_TRUE(f.R().isUpperTriangular(0.0));
+    EXPECT_NEAR(f.rhs_norm2(), rows.b.squaredNorm(), 1e-12 * (1.0 + rows.b.squaredNorm()));
+    EXPECT_TRUE(near(f.column_norms(), rows.A.colwise().norm().transpose(), 1e-11));
+    const MatrixXd T = random_rows(columns, 3, random).A;
+    EXPECT_TRUE(same(f.transformed(T, names(3, "y")), factor_of({rows.A * T, rows.b}, names(3, "y"))));
+    EXPECT_TRUE(same(f, SquareRootInformation(names(columns), f.R(), f.z(), f.rho2(), f.rows())));
+    for (int k = 0; k < 10; ++k) {
+      const VectorXd x = random.vector(columns, -5, 5);
+      const double direct = (rows.A * x - rows.b).squaredNorm();
+      EXPECT_NEAR(f.residual2(x), direct, 1e-12 * (1.0 + direct));
+    }
   }
 }
 
@@ -189,6 +199,37 @@ TEST(TheFactor, RestrictedIsTheFactorOfTheseColumns) {
   EXPECT_EQ(f.restricted({}).rows(), 300);
 }
 
+// Links near the tip have a few of the columns and short blocks have few rows: whichever of them meet, and in
+// whatever order, their sum of squares is that of all rows.
+TEST(TheFactor, AddsUpFactorsOfAnyRowsAndColumns) {
+  Random random(17);
+  constexpr int kColumns = 136;
+  const std::vector<std::pair<int, std::vector<int>>> shapes = {  // rows, and columns that are not zero
+      {1, {20}}, {5, {3, 1, 2}}, {12, {30, 31, 32, 33, 34}}, {30, {0, 60, 135}}, {35, {9, 8}}, {90, {135, 0, 11}}};
+  std::vector<SquareRootInformation> parts;
+  Rows all{MatrixXd::Zero(173, kColumns), VectorXd(173)};
+  Eigen::Index at = 0;
+  for (const auto& [rows, columns] : shapes) {
+    const Rows p = random_rows(rows, static_cast<int>(columns.size()), random);
+    Names mine;
+    for (size_t j = 0; j < columns.size(); ++j) {
+      mine.push_back("x" + std::to_string(columns[j]));
+      all.A.col(columns[j]).segment(at, rows) = 0.5 * p.A.col(static_cast<Eigen::Index>(j));
+    }
+    all.b.segment(at, rows) = 0.5 * p.b;
+    parts.push_back(factor_of(p, mine).restricted(rows < 35 ? names(kColumns) : mine));
+    at += rows;
+  }
+  std::vector<size_t> order{0, 1, 2, 3, 4, 5};
+  do {
+    SquareRootInformation f(names(kColumns)), some(names(kColumns / 2));
+    for (const size_t k : order) f.merge(parts[k], 0.5);
+    for (const size_t k : order) some.merge_known(parts[k], 0.5);
+    ASSERT_TRUE(same(f, factor_of(all, names(kColumns))));
+    ASSERT_TRUE(same(some, factor_of({all.A.leftCols(kColumns / 2), all.b}, names(kColumns / 2))));
+  } while (std::next_permutation(order.begin() + 2, order.end()));
+}
+
 TEST(TheFactor, FollowsAChangeOfVariables) {
   Random random(9);
   const Rows p = random_rows(100, 5, random);
@@ -235,23 +276,6 @@ TEST(TheFactor, SolvesBadlyConditionedRows) {
   p.b = p.A * truth;
   const SquareRootInformation f = factor_of(p, names(3));
   EXPECT_TRUE(near(solution(f), truth, 1e-6));
-}
-
-// The pieces and the tree of their factors are fixed, and a product of a thread depends on nothing
-// else: not even the last bit differs.
-TEST(TheFactor, DoesNotDependOnTheNumberOfThreads) {
-  Random random(13);
-  const Rows p = random_rows(100000, 5, random);
-  SquareRootInformation one(names(5));
-  one.absorb(p.A, p.b, 1);
-  for (const int threads : {2, 3, 5}) {
-    SquareRootInformation other(names(5));
-    other.absorb(p.A, p.b, threads);
-    EXPECT_EQ(one.R(), other.R()) << threads << " threads";
-    EXPECT_EQ(one.z(), other.z()) << threads << " threads";
-    EXPECT_EQ(one.rho2(), other.rho2()) << threads << " threads";
-  }
-  EXPECT_TRUE(same(one, factor_of(p, names(5))));
 }
 
 // Each column on its own scale, over sixteen decades: R'R = A'A holds column by column.
@@ -319,7 +343,9 @@ TEST(TheTriangle, IsTheSameOnAllInstructionSets) {
       std::vector<double> above;
       std::vector<double> below;
       double* R = padded(top, above);
-      kernels.update({R, padded(rows, below), stride, kColumns, kRows, triangular});
+      std::vector<int> begun;
+      for (int end = kTrianglePanel; end <= kColumns; end += kTrianglePanel) begun.push_back(triangular ? end : kRows);
+      kernels.update({R, padded(rows, below), stride, kColumns, begun.data()});
       MatrixXd found = MatrixXd::Zero(kColumns, kColumns);
       for (int i = 0; i < kColumns; ++i)
         for (int j = i; j < kColumns; ++j) found(i, j) = R[i * stride + j];

@@ -106,7 +106,7 @@ TEST_F(SimulationPage, ABreakawayShowsBothCurves) {
   in.motion.time = VectorXd::LinSpaced(kRows, 0.0, kStep * (kRows - 1));
   in.motion.q = in.tau = MatrixXd::Zero(kRows, 3);
   Breakaway found;
-  found.joint = 2;
+  found.joint = {2};
   found.speed = 5e-3;
   found.simulated_q = VectorXd::Constant(kRows, NAN);
   for (Eigen::Index k = 0; k < kRows; ++k) {

@@ -44,8 +44,8 @@ struct ModelDifference {
   std::string unit;
   std::string effect;   ///< name of the effect, for its parameters; else empty
   std::string same_as;  ///< expression of the one base parameter that a joint's number consists of
-  /// Number from 1; for a parameter, the joint where it has the largest share of the torque.
-  int joint = 0;
+  /// For a parameter, the joint where it has the largest share of the torque.
+  JointIndex joint;
   std::string coordinate;  ///< its name
   double before = 0.0;     ///< unconstrained least squares, to which the statistics belong
   double after = 0.0;

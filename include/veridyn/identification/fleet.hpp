@@ -41,7 +41,7 @@ struct FleetSpread {
 struct FleetOutlier {
   std::string arm;
   std::string what;   ///< a parameter, or "torque_gain:JOINT"
-  int joint = 0;      ///< from 1: the joint of the largest deviation; 0: none in particular
+  std::optional<JointIndex> joint;  ///< nothing for a parameter of no joint
   double value = 0.0; ///< value of the arm
   double median = 0.0;
   double deviations = 0.0;  ///< robust standard deviations away from the fleet
@@ -52,7 +52,7 @@ struct FleetOutlier {
 /// effects that the robot file does not contain. Its individual values are estimated all the same.
 struct FleetLeftOut {
   std::string arm;
-  int joint = 0;                ///< from 1: the joint of the largest deviation
+  JointIndex joint;             ///< the joint of the largest deviation
   double with_fleet = 0.0;  ///< unexplained share of that joint's torque with the fleet's bodies
   double with_own = 0.0;        ///< the same with bodies of its own
   double excess = 0.0;          ///< ln of the squared ratio of the two, the largest over the joints

@@ -9,7 +9,7 @@ namespace veridyn {
 /// Friction of one joint in steady sliding as a function of speed: the sum of the model's friction
 /// effects, at the mean position and the mean square load of the training recordings.
 struct FrictionCurve {
-  int joint = 0;        ///< from 0
+  JointIndex joint;
   VectorXd velocity;    ///< [rad/s], [m/s], in growing order, up to the largest recorded speed; never zero
   VectorXd torque;      ///< [N m], [N]
   VectorXd half_width;  ///< of the 95 % interval that the parameters' statistics give [N m], [N]

@@ -35,7 +35,7 @@ struct JointNumber {
   std::string effect;
   std::string parameter;
   std::string unit;
-  int joint = 0;  ///< index from 0
+  JointIndex joint;
   double value = 0.0;
   double deviation = 0.0;  ///< standard deviation; NaN where unknown
 };

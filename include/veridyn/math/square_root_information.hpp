@@ -15,8 +15,8 @@ namespace veridyn {
 ///
 /// R is upper triangular (k x k). Rows are absorbed in blocks by QR; factors over the same columns
 /// merge by one more QR, in any order. Columns have names, so that a subset can be solved without a
-/// copy of the data; copies share the names. R is stored as a packed triangle. Source: Bierman,
-/// Factorization Methods for Discrete Sequential Estimation, 1977.
+/// copy of the data; copies share the names. Of many columns, up to half as many rows are kept as they
+/// are, which takes less memory than a triangle; R, z and rho are then computed at every call. Source: Bierman, Factorization Methods for Discrete Sequential Estimation, 1977.
 class SquareRootInformation {
  public:
   SquareRootInformation() = default;
@@ -31,12 +31,12 @@ class SquareRootInformation {
   const std::vector<std::string>& columns() const { return *columns_; }
   int size() const { return static_cast<int>(columns_->size()); }
 
-  /// (size() x size()), made from the packed triangle at every call.
+  /// (size() x size()), made at every call.
   MatrixXd R() const;
-  const VectorXd& z() const { return z_; }
+  VectorXd z() const;
 
   /// Squared residual that no x can remove.
-  double rho2() const { return rho2_; }
+  double rho2() const;
 
   /// Rows absorbed so far.
   double rows() const { return rows_; }
@@ -49,14 +49,12 @@ class SquareRootInformation {
   /// a thread's first call of a size.
   void absorb(const MatrixRef& A, const VectorRef& b);
 
-  /// The same on several threads. The rows are cut into pieces whose factors are merged in a fixed
-  /// tree, so that the result does not depend on the number of threads.
-  /// @param threads  0: one per core.
-  void absorb(const MatrixRef& A, const VectorRef& b, int threads);
-
   /// Adds the rows of another factor, each scaled by `weight`. Columns that only the other one has
   /// are appended.
   void merge(const SquareRootInformation& other, double weight = 1.0);
+
+  /// The same, but columns that this one does not have are left out.
+  void merge_known(const SquareRootInformation& other, double weight = 1.0);
 
   /// || A x - b ||^2 for x in the order of columns().
   double residual2(const VectorRef& x) const;
@@ -77,11 +75,20 @@ class SquareRootInformation {
 
   using Names = std::shared_ptr<const std::vector<std::string>>;
   static const Names& no_names();
-  auto packed(Eigen::Index j) const { return R_.segment(j * (j + 1) / 2, j + 1); }
+  bool is_triangle() const { return z_.size() == size(); }
+  bool may_stay_open(Eigen::Index more) const;
+  SquareRootInformation as_triangle() const;
+  void resize(Eigen::Index rows);
+  Eigen::Index stored_rows() const { return z_.size(); }
+  Eigen::Index begin_of_row(Eigen::Index i) const { return i * size() - (is_triangle() ? i * (i - 1) / 2 : 0); }
+  Eigen::Index length_of_row(Eigen::Index i) const { return size() - (is_triangle() ? i : 0); }
+  auto row(Eigen::Index i) { return data_.segment(begin_of_row(i), length_of_row(i)); }
+  auto row(Eigen::Index i) const { return data_.segment(begin_of_row(i), length_of_row(i)); }
+  std::vector<int> places_of(const SquareRootInformation& other) const;
 
   Names columns_ = no_names();
-  VectorXd R_;  // column by column down to the diagonal
-  VectorXd z_;
+  Eigen::RowVectorXd data_;  // row by row: all columns of rows that are kept as they are; a triangle's from the diagonal on
+  VectorXd z_;               // their right-hand sides
   double rho2_ = 0.0;
   double rows_ = 0.0;
 };

@@ -8,7 +8,7 @@
 namespace veridyn {
 
 struct BreakawayOptions {
-  int joint = 0;     ///< from 0
+  JointIndex joint;
   double way = 0.0;  ///< [rad], [m] of motion that ends its rest; 0: 10 mrad or 1 mm
   /// [rad/s], [m/s] above which it slides; 0: 50 mrad/s or 5 mm/s. Presliding friction creeps by up
   /// to a millimetre before it slides.
@@ -27,7 +27,7 @@ struct BreakawayEvent {
 };
 
 struct Breakaway {
-  int joint = 0;       ///< from 0
+  JointIndex joint;
   double speed = 0.0;  ///< [rad/s], [m/s] above which it slides
   std::vector<BreakawayEvent> events;
   /// Medians per direction, [N m], [N]; NaN without events.

@@ -190,7 +190,7 @@ std::string simulation_report(const SimulateRequest& request, const SimulatedRec
                   m.time[m.rows() - 1] - m.time[0], request.noise);
   for (const InjectedEffect& injected : simulated.injected) {
     out += fmt::format("Hidden: {} on {}", injected.effect, injected.place);
-    if (injected.joint > 0) out += fmt::format(" (joint {})", injected.joint);
+    if (injected.joint) out += fmt::format(" (joint {})", injected.joint->value + 1);
     for (const auto& [key, value] : injected.values) out += fmt::format(", {} {:.5g}", key, value);
     out += ".\n";
   }

@@ -102,13 +102,13 @@ ExitStatus run_replay(const SimulateRequest& request, const Model& arm,
 ExitStatus run_breakaway(const SimulateRequest& request, const Model& arm,
                          const std::string& command_line) {
   BreakawayOptions options;
-  options.joint = arm.find_coordinate(request.breakaway);
+  options.joint.value = arm.find_coordinate(request.breakaway);
   for (int i = 0; i < arm.joints(); ++i) {
-    if (request.breakaway == std::to_string(i + 1)) options.joint = i;
+    if (request.breakaway == std::to_string(i + 1)) options.joint = {i};
   }
-  expect_value(options.joint >= 0, "--breakaway", "found the joint '", request.breakaway,
+  expect_value(options.joint.value >= 0, "--breakaway", "found the joint '", request.breakaway,
                "', expected a coordinate of ", arm.name(), " or its number");
-  const Coordinate& c = arm.coordinates()[options.joint];
+  const Coordinate& c = arm.coordinates()[options.joint.value];
   options.speed = request.breakaway_speed;
   const auto engine = make_engine(request.engine, arm);
   PreprocessingOptions how = request.preprocessing;
@@ -120,7 +120,7 @@ ExitStatus run_breakaway(const SimulateRequest& request, const Model& arm,
   if (!request.common.json.empty()) write_file(request.common.json, to_json(found, arm));
   if (!request.output.empty()) {
     MotionSamples motion = input.motion;
-    motion.q.col(options.joint) = found.simulated_q;
+    motion.q.col(options.joint.value) = found.simulated_q;
     write_recording(rows_of(motion, input.tau), request.output);
   }
   const std::string report = found.report(c, request.replay);

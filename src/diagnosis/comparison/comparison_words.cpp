@@ -43,9 +43,8 @@ std::string capitalised(std::string words) {
   return words;
 }
 
-std::string joint_text(const Model& arm, int joint) {
-  return fmt::format("joint {} ({})", joint,
-                     arm.coordinates()[joint - 1].name);
+std::string joint_text(const Model& arm, JointIndex joint) {
+  return fmt::format("joint {} ({})", joint.value + 1, arm.coordinates()[joint.value].name);
 }
 
 std::string effect_sentence(const Model& arm, const EffectTerm& term, const StandardParameter& p,
@@ -71,17 +70,17 @@ std::string effect_sentence(const Model& arm, const EffectTerm& term, const Stan
 
 // "joint 1 (yaw) changed by up to 0.10 N m, on joint 2 (pitch) by 0.08 N m": the main joint, then
 // those with the same unit and at least half of its change.
-std::string joints_text(const Model& arm, const VectorXd& torque, int main) {
-  const auto unit = [&arm](int joint) {
-    return effort_unit(arm.coordinates()[joint - 1]);
+std::string joints_text(const Model& arm, const VectorXd& torque, JointIndex main) {
+  const auto unit = [&arm](JointIndex joint) {
+    return effort_unit(arm.coordinates()[joint.value]);
   };
   std::string out = fmt::format("{} changed by up to {} {}", joint_text(arm, main),
-                                number_text(torque[main - 1], 0.0), unit(main));
-  for (int joint = 1; joint <= arm.joints(); ++joint) {
-    if (joint == main || unit(joint) != unit(main) || torque[joint - 1] < 0.5 * torque[main - 1])
-      continue;
+                                number_text(torque[main.value], 0.0), unit(main));
+  for (int i = 0; i < arm.joints(); ++i) {
+    const JointIndex joint{i};
+    if (joint == main || unit(joint) != unit(main) || torque[i] < 0.5 * torque[main.value]) continue;
     out += fmt::format(", on {} by {} {}", joint_text(arm, joint),
-                       number_text(torque[joint - 1], 0.0), unit(joint));
+                       number_text(torque[i], 0.0), unit(joint));
   }
   return out;
 }
@@ -96,7 +95,7 @@ std::string inertial_sentence(const Model& arm, const StandardTorque& torque,
   std::string out =
       kind + d.name + with + " " + (verb(d) == "went" ? "went " : "changed ") + sizes(d) + ": ";
   const VectorXd weight = torque.weight_of(standard);
-  const auto i = static_cast<Eigen::Index>(d.joint - 1);
+  const auto i = static_cast<Eigen::Index>(d.joint.value);
   if (weight[i] > 0.5 * torque.rms_of(standard)[i]) {
     return out + "weight on " + joints_text(arm, weight * std::abs(d.difference), d.joint) + ".";
   }
@@ -138,7 +137,7 @@ std::string joint_sentence(const Model& arm, JointQuantity which, const ModelDif
       what = "the weight that rests on";
       break;
     case JointQuantity::kWeightSlope:
-      what = arm.coordinates()[d.joint - 1].prismatic
+      what = arm.coordinates()[d.joint.value].prismatic
                  ? "the part of the weight that follows the position of"
                  : "the part of the weight that follows the angle of";
       break;

@@ -134,13 +134,13 @@ ModelDifference parameter_difference(const MatchedParameter& m, const Side& a,
   d.after = m.after;
   add_statistics(m.scatter_before, m.scatter_after, how, d);
   d.torque = std::abs(d.difference) * a.torque.rms_of(standard);
-  d.joint = main_joint(d.torque, joints) + 1;
+  d.joint = {main_joint(d.torque, joints)};
   if (p.effect) {
     const EffectTerm& term = a.arm.effects()[*p.effect];
     d.effect = term.effect;
-    d.joint = main_coordinate(term.axis) + 1;
+    d.joint = {main_coordinate(term.axis)};
   }
-  d.coordinate = a.arm.coordinates()[d.joint - 1].name;
+  d.coordinate = a.arm.coordinates()[d.joint.value].name;
   d.sentence = parameter_sentence(a.arm, a.torque, standard, d);
   return d;
 }
@@ -180,7 +180,7 @@ std::vector<ModelDifference> joint_differences(const Side& a, const Side& b,
       ModelDifference d;
       d.quantity = name_of(which);
       d.unit = unit_of(which, coordinate);
-      d.joint = i + 1;
+      d.joint = {i};
       d.coordinate = coordinate.name;
       d.before = u_a.dot(free_a);
       d.after = u_b.dot(free_b);

@@ -69,7 +69,7 @@ void add_other_bodies(const FleetSolver& solver, Fleet& fleet) {
     const FleetMember& member = fleet.members[a];
     Eigen::Index joint = 0;
     member.relative_error.cwiseQuotient(member.alone_error.cwiseMax(1e-300)).maxCoeff(&joint);
-    fleet.other_bodies.push_back({member.name, static_cast<int>(joint) + 1,
+    fleet.other_bodies.push_back({member.name, {static_cast<int>(joint)},
                                   member.relative_error[joint], member.alone_error[joint], f.excess,
                                   solver.median_excess(), f.deviations});
   }

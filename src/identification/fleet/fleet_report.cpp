@@ -55,7 +55,7 @@ std::string Fleet::report() const {
       out += fmt::format(
           "  {}: {:.2f} % of joint {}'s torque is unexplained with the fleet's bodies, {:.2f} % "
           "with its own; {:.1f} deviations\n",
-          o.arm, 100.0 * o.with_fleet, o.joint, 100.0 * o.with_own, o.deviations);
+          o.arm, 100.0 * o.with_fleet, o.joint.value + 1, 100.0 * o.with_own, o.deviations);
     }
     if (other_bodies.size() > fleets::kShown)
       out += fmt::format("  and {} more\n", other_bodies.size() - fleets::kShown);

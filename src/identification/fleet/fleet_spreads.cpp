@@ -22,13 +22,13 @@ std::string gain_name(const Model& arm, int joint) {
   return arm.coordinates()[joint].name;
 }
 
-int joint_of(const Model& arm, const std::string& parameter,
-             const std::vector<StandardParameter>& parameters) {
+std::optional<JointIndex> joint_of(const Model& arm, const std::string& parameter,
+                                   const std::vector<StandardParameter>& parameters) {
   for (const StandardParameter& p : parameters) {
     if (p.name == parameter && p.effect)
-      return 1 + main_coordinate(arm.effects()[*p.effect].axis);
+      return JointIndex{main_coordinate(arm.effects()[*p.effect].axis)};
   }
-  return 0;
+  return std::nullopt;
 }
 
 double digamma(double x) {
@@ -41,7 +41,7 @@ double trigamma(double x) {
 // One quantity over the arms.
 struct Quantity {
   FleetSpread spread;
-  int joint = 0;
+  std::optional<JointIndex> joint;
   std::vector<double> all, uncertain;
   double usual = 0.0;  // median of `uncertain`
 };
@@ -115,7 +115,7 @@ Quantity quantity(const Model& arm, const FleetSolver& solver, const Fleet& flee
   for (size_t a = 0; a < out.all.size(); ++a)
     out.uncertain.push_back(std::isfinite(out.all[a]) ? solver.fitted(a).uncertain[k] : kNaN);
   out.usual = centre_of(out.uncertain).first;
-  out.joint = k < own ? joint_of(arm, spread.name, problem.parameters()) : k - own + 1;
+  out.joint = k < own ? joint_of(arm, spread.name, problem.parameters()) : JointIndex{k - own};
   return out;
 }
 

@@ -93,9 +93,10 @@ void write_factor(const SquareRootInformation& factor, ByteWriter& out) {
   out.real(factor.rows());
   out.real(factor.rho2());
   const MatrixXd R = factor.R();
+  const VectorXd z = factor.z();
   for (Eigen::Index j = 0; j < factor.size(); ++j)
     for (Eigen::Index i = 0; i <= j; ++i) out.real(R(i, j));
-  for (Eigen::Index i = 0; i < factor.size(); ++i) out.real(factor.z()[i]);
+  for (Eigen::Index i = 0; i < factor.size(); ++i) out.real(z[i]);
 }
 
 SquareRootInformation read_factor(const std::vector<std::string>& columns, ByteReader& in) {

@@ -26,7 +26,7 @@ Json difference_json(const ModelDifference& d) {
           {"unit", d.unit},
           {"effect", d.effect.empty() ? Json() : Json(d.effect)},
           {"same_as", d.same_as.empty() ? Json() : Json(d.same_as)},
-          {"joint", d.joint},
+          {"joint", d.joint.value + 1},
           {"coordinate", d.coordinate},
           {"before", d.before},
           {"after", d.after},

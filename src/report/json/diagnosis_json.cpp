@@ -209,8 +209,8 @@ std::string to_json(const Diagnosis& d, const std::string& next_command) {
   if (!d.friction_remark.empty()) out["remarks"].insert(out["remarks"].begin(), d.friction_remark);
   out["friction"] = Json::array();
   for (const JointNumber& n : d.friction) {
-    out["friction"].push_back({{"joint", n.joint + 1},
-                               {"coordinate", d.extended.model->coordinates()[n.joint].name},
+    out["friction"].push_back({{"joint", n.joint.value + 1},
+                               {"coordinate", d.extended.model->coordinates()[n.joint.value].name},
                                {"effect", n.effect},
                                {"parameter", n.parameter},
                                {"unit", n.unit},

@@ -14,7 +14,7 @@ std::string to_json(const Fleet& fleet) {
   for (const FleetOutlier& o : fleet.outliers) {
     out["outliers"].push_back({{"arm", o.arm},
                                {"what", o.what},
-                               {"joint", o.joint},
+                               {"joint", o.joint ? o.joint->value + 1 : 0},
                                {"value", o.value},
                                {"median", o.median},
                                {"deviations", o.deviations}});
@@ -43,7 +43,7 @@ std::string to_json(const Fleet& fleet) {
   out["other_bodies"] = Json::array();
   for (const FleetLeftOut& o : fleet.other_bodies) {
     out["other_bodies"].push_back({{"arm", o.arm},
-                                   {"joint", o.joint},
+                                   {"joint", o.joint.value + 1},
                                    {"relative_error", o.with_fleet},
                                    {"alone", {{"relative_error", o.with_own}}},
                                    {"excess", o.excess},

@@ -147,7 +147,7 @@ Json recording_json(const SimulatedRecording& simulated) {
   for (const InjectedEffect& injected : simulated.injected) {
     out["hidden"].push_back({{"effect", injected.effect},
                              {"place", injected.place},
-                             {"joint", injected.joint > 0 ? Json(injected.joint) : Json()},
+                             {"joint", injected.joint ? Json(injected.joint->value + 1) : Json()},
                              {"parameters", injected.values}});
   }
   out["rms_effort"] = json_list(rms(simulated.actual_tau));
@@ -196,8 +196,8 @@ std::string to_json(const Replay& replay, const Model& arm) {
 std::string to_json(const Breakaway& found, const Model& arm) {
   Json out = json_head("simulate");
   out["robot"] = arm.name();
-  const Coordinate& c = arm.coordinates()[found.joint];
-  out["joint"] = found.joint + 1;
+  const Coordinate& c = arm.coordinates()[found.joint.value];
+  out["joint"] = found.joint.value + 1;
   out["coordinate"] = c.name;
   out["unit"] = c.prismatic ? "N" : "N m";
   out["sliding_speed"] = found.speed;

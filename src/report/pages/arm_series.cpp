@@ -73,7 +73,7 @@ Json arm_json(const Model& arm, const Eigen::Isometry3d& T_world_base) {
 void add_friction(Json& series, const Identification& id) {
   series["friction"] = Json::array();
   for (const FrictionCurve& curve : friction_curves(id)) {
-    series["friction"].push_back({{"joint", curve.joint + 1},
+    series["friction"].push_back({{"joint", curve.joint.value + 1},
                                   {"velocity", packed(curve.velocity)},
                                   {"torque", packed(curve.torque)},
                                   {"half", packed(curve.half_width)}});

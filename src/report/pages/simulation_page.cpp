@@ -114,8 +114,8 @@ std::string to_page(const ControlledRecording& controlled, const MotionSamples& 
 
 std::string to_page(const Breakaway& found, const Model& arm, const ReplayInput& input,
                     const SimulationRun& run) {
-  const VectorXd tau = input.tau.col(found.joint);
-  const VectorXd q = input.motion.q.col(found.joint);
+  const VectorXd tau = input.tau.col(found.joint.value);
+  const VectorXd q = input.motion.q.col(found.joint.value);
   const VectorXd& time = input.motion.time;
   Json ramps = Json::array();
   for (const BreakawayEvent& e : found.events) {
@@ -124,7 +124,7 @@ std::string to_page(const Breakaway& found, const Model& arm, const ReplayInput&
         {{"recorded", way_over_effort(time, q, tau, e.rest_from, e.recorded_at)},
          {"simulated", way_over_effort(time, found.simulated_q, tau, e.rest_from, slid)}});
   }
-  const Coordinate& c = arm.coordinates()[found.joint];
+  const Coordinate& c = arm.coordinates()[found.joint.value];
   Json series = series_of(run.command, arm);
   series["source"] = run.source;
   series["way_unit"] = unit_of(c);
