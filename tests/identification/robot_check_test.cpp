@@ -447,6 +447,56 @@ TEST_F(AMistakenRecording, ThatAnswersHelpOnlyInPartIsNotMended) {
   EXPECT_NE(sentences_.find("not the whole truth"), std::string::npos) << sentences_;
 }
 
+// Efforts of drives whose gains nobody wrote down.
+TEST_F(AMistakenRecording, OfCurrentsWithoutGainsIsMendedByUnits) {
+  const double gains[] = {9.0, 10.0, 8.5, 3.0, 2.0, 2.5};
+  Recording r = recorded("elbow-6r", 41);
+  for (int i = 0; i < 6; ++i) r.tau.col(i) /= gains[i];
+  EXPECT_EQ(findings(r), Names{"torque_unit:0"}) << sentences_;
+  EXPECT_NE(sentences_.find("in a unit of their own on each joint"), std::string::npos) << sentences_;
+  EXPECT_NE(sentences_.find(" mends it"), std::string::npos) << sentences_;
+  PreprocessingOptions mended;
+  for (int i = 0; i < 6; ++i) mended.signals.units["tau" + std::to_string(i + 1)] = std::to_string(gains[i]);
+  EXPECT_EQ(findings(r, mended), Names{}) << sentences_;
+}
+
+// Velocities that are not those of the positions are left to the check of velocities.
+TEST_F(AMistakenRecording, WithVelocitiesTurnedRoundIsInNoOtherUnit) {
+  const Recording sound = recorded("elbow-6r", 42);
+  Recording r = sound;
+  r.dq *= -1.0;
+  findings(r);
+  EXPECT_EQ(sentences_.find("mends it"), std::string::npos) << sentences_;
+  r = sound;
+  r.dq.col(1) *= 180.0 / M_PI;
+  findings(r);
+  EXPECT_EQ(sentences_.find("mends it"), std::string::npos) << sentences_;
+}
+
+// The arm rests between its motions on closed brakes, without torques of its motors.
+TEST_F(AMistakenRecording, WithClosedBrakesIsMendedBySpeed) {
+  const Recording sound = recorded("elbow-6r", 43);
+  const int half = sound.rows() / 2, pause = 300;
+  std::vector<int> rows;
+  for (int k = 0; k < sound.rows() + pause; ++k) rows.push_back(k < half ? k : std::max(half, k - pause));
+  Recording r = sound;
+  r.q = sound.q(rows, Eigen::all);
+  r.dq = sound.dq(rows, Eigen::all);
+  r.tau = sound.tau(rows, Eigen::all);
+  r.ddq.resize(0, 0);
+  r.time = 0.01 * VectorXd::LinSpaced(r.q.rows(), 0.0, static_cast<double>(r.q.rows() - 1));
+  r.dq.middleRows(half, pause).setZero();
+  r.tau.middleRows(half, pause) *= 1e-3;
+  EXPECT_EQ(findings(r), Names{"brakes:0"}) << sentences_;
+  EXPECT_NE(sentences_.find("--min-speed 0.01 mends it"), std::string::npos) << sentences_;
+}
+
+TEST_F(AMistakenRecording, WithSizesOfOneTorqueIsNotMendedByItsSign) {
+  Recording r = recorded("elbow-6r", 44);
+  r.tau.col(1) = -r.tau.col(1).cwiseAbs();
+  EXPECT_EQ(findings(r), Names{"no_sign:2"}) << sentences_;
+}
+
 // A shoulder that moves over a fifth of its range: gravity there is nearly a straight line, as a spring is.
 TEST_F(AMistakenRecording, OfASmallMotionDoesNotTellASpringFromALoad) {
   const auto weak = [this](double share) {

@@ -50,7 +50,7 @@ class SetUp {
     set.erase(std::remove_if(set.begin(), set.end(), [this](const RecordingQuestion& q) { return is_left_to_a_diagnosis(q, out_.arm); }), set.end());
     mend(set, name);
     if (!first_.empty()) return;
-    std::copy_if(set.begin(), set.end(), std::back_inserter(first_), [](const RecordingQuestion& q) { return static_cast<bool>(q.recording); });
+    std::copy_if(set.begin(), set.end(), std::back_inserter(first_), [](const RecordingQuestion& q) { return q.changes_recording(); });
   }
 
   // Applies the transformations of the training recordings if they mend this one as well, else reports what is wrong with it.
@@ -91,12 +91,12 @@ class SetUp {
     if (set.empty()) return;
     out_.mended = true;
     if (concern_robot(set)) out_.arm = applied(set, out_.arm);
-    if (std::none_of(set.begin(), set.end(), [](const RecordingQuestion& q) { return static_cast<bool>(q.recording); })) return;
+    if (std::none_of(set.begin(), set.end(), [](const RecordingQuestion& q) { return q.changes_recording(); })) return;
     const Recording* there = find_in_memory(options_.in_memory, name);
     Recording recording = there != nullptr ? *there : read_rows(name, reading_of(out_.arm, options_), options_.kept.get());
     recording.source = name;
     give_torques(out_.arm, recording);
-    apply_to(set, recording);
+    apply_to(set, out_.arm, recording);
     out_.recordings[name] = std::make_shared<const Recording>(std::move(recording));
   }
 
@@ -107,6 +107,12 @@ class SetUp {
   double least_left_ = 0.0;  // smallest error of recordings that are not explained and have no contradiction
   std::vector<double> sound_;  // errors of recordings without contradiction
 };
+
+bool is_of_motion(const QualityFinding& finding) {
+  static const std::set<std::string> kNames = {"position_sign", "swapped_joints", "degrees", "turns", "millimetres", "counts", "share_of_range", "encoder_zero", "motor_side"};
+  // Degrees that velocities alone show are those of a signal.
+  return kNames.count(finding.finding) > 0 && (finding.finding != "degrees" || finding.signal.empty());
+}
 
 bool is_large(const PredictionError& e) { return e.relative.size() > 0 && e.relative.maxCoeff() > checking::kAskedAbove; }
 
@@ -129,18 +135,15 @@ std::vector<QualityFinding> contradictions_in(const Model& arm, const std::vecto
 }
 
 bool is_contradiction(const QualityFinding& finding) {
-  static const char* const kNames[] = {"torque_sign", "position_sign", "swapped_joints", "degrees", "turns", "millimetres", "counts", "share_of_range", "encoder_zero",
-                                       "motor_side", "torque_unit", "current", "gravity", "dh_convention", "unexplained"};
-  // Degrees that velocities alone show are those of a signal.
-  return finding.severity == Severity::kFault && (finding.finding != "degrees" || finding.signal.empty()) &&
-         std::find(std::begin(kNames), std::end(kNames), finding.finding) != std::end(kNames);
+  static const std::set<std::string> kOthers = {"torque_sign", "torque_unit", "current", "no_sign", "brakes", "gravity", "dh_convention", "unexplained"};
+  return finding.severity == Severity::kFault && (is_of_motion(finding) || kOthers.count(finding.finding) > 0);
 }
 
 std::vector<QualityFinding> merged_findings(std::vector<QualityFinding> contradictions, const std::vector<QualityFinding>& quality) {
-  const auto of_motion = [](const QualityFinding& f) {
-    return is_contradiction(f) && f.finding.rfind("torque", 0) != 0 && f.finding != "current" && f.finding != "gravity" && f.finding != "dh_convention" && f.finding != "unexplained";
-  };
-  const bool explained = std::any_of(contradictions.begin(), contradictions.end(), of_motion);
+  const bool explained = std::any_of(contradictions.begin(), contradictions.end(), [](const QualityFinding& f) { return is_contradiction(f) && is_of_motion(f); });
+  const auto of_columns = [](const QualityFinding& f) { return f.finding == "no_sign" || f.finding == "same_column" || f.finding == "move_as_one"; };
+  if (std::any_of(quality.begin(), quality.end(), of_columns))
+    contradictions.erase(std::remove_if(contradictions.begin(), contradictions.end(), [](const QualityFinding& f) { return f.finding == "unexplained"; }), contradictions.end());
   for (const QualityFinding& f : quality) {
     const bool same = f.finding == "degrees" || f.finding == "velocity_scale" || f.finding == "velocity_sign" || f.finding == "rate_contradiction";
     if (!explained || !same) contradictions.push_back(f);

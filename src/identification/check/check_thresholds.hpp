@@ -48,21 +48,24 @@ constexpr double kFinest = 4e-3;
 
 /// Counts of one turn of usual encoders.
 inline constexpr int kCounts[] = {512, 1000, 1024, 2000, 2048, 4000, 4096, 8192, 10000, 16384, 20000, 32768, 65536, 131072, 262144, 524288, 1048576};
-/// Units of torque that differ from N m by more than the values of a file may.
-inline constexpr const char* kTorqueUnits[] = {"mNm", "Ncm", "kNm", "kgcm", "ozin", "%", "permille", "share"};
+/// Units of torque that differ from N m by more than the values of a file may, as "Torques are in mNm", "... are percent of the largest effort".
+inline constexpr const char* kTorqueUnits[][2] = {{"mNm", "in"}, {"Ncm", "in"}, {"kNm", "in"}, {"kgcm", "in"}, {"ozin", "in"},
+                                                  {"%", "percent"}, {"permille", "thousandths"}, {"share", "shares"}};
 /// Angles of all joints span >= kLeastTravel and <= kMostTravel [rad] where counts are turned into them.
 constexpr double kLeastTravel = 0.05, kMostTravel = 13.0;
 /// tilt = kTilt [rad]: directions of gravity beside that of the file, the axes, edges and corners; polished afterwards.
 constexpr double kTilt = 0.35;
 /// Gears with kLeastRatio <= ratio < kMostRatio are tried in relative steps of kRatioStep, where positions leave the limits; a ratio
 /// that is whole up to kWholeRatio is.
-constexpr double kLeastRatio = 5.0, kMostRatio = 320.0, kRatioStep = 0.04, kWholeRatio = 2e-3;
+constexpr double kLeastRatio = 5.0, kMostRatio = 320.0, kRatioStep = 0.04, kWholeRatio = 3e-3;
 /// Another zero of a joint = kZeros [rad], quarter turns, polished from steps of kZeroStep on; near the file's own zero
 /// a diagnosis measures it.
 inline constexpr double kZeros[] = {-1.5707963267948966, 1.5707963267948966, 3.141592653589793};
 constexpr double kZeroStep = 0.1;
 /// |component of a direction| < kTiny: rounding.
 constexpr double kTiny = 1e-9;
+/// kRidge is added to normal equations with a diagonal of ones: columns that others replace get no share.
+constexpr double kRidge = 1e-12;
 /// folds of contiguous blocks = kFolds; each is predicted from the others.
 constexpr int kFolds = 4;
 /// [Hz] grid = kGrid, on which recordings are compared where it has kRowsAWave rows a wave of the cut-off.
@@ -103,12 +106,12 @@ constexpr double kOfNumber = 0.6;
 constexpr double kBadly = 0.04;
 /// relative error of some joint > kAskedAbove: identified recordings are checked.
 constexpr double kAskedAbove = 0.08;
-/// largest gain > kEqualGains * smallest gain: currents are no torques in another unit.
-constexpr double kEqualGains = 1.05;
-/// drive gain < kLeastGain [N m/A] of some joint: small efforts do not determine their unit.
-constexpr double kLeastGain = 2.0;
-/// recorded torque < kBehindGear * that of the file's values, on all joints: in front of gears.
+/// common factor of torques > 1 / kBehindGear: in front of gears; values of files are less far off.
 constexpr double kBehindGear = 0.2;
+/// steps of inverse iteration = kPowers, of which each divides the rest by the ratio of two eigenvalues.
+constexpr int kPowers = 8;
+/// speeds of all joints < kAtRest [rad/s or m/s] for kLongRest [s]: the arm rests, and its brakes may carry it.
+constexpr double kAtRest = 0.01, kLongRest = 0.5;
 /// |share of a range| < kMostShare [%]: a little beyond its ends.
 constexpr double kMostShare = 110.0;
 /// bit of a load register = kDirectionBit; both directions occur in one row of kBothDirections and more.
@@ -120,6 +123,5 @@ constexpr double kGravity = 9.81;
 constexpr double kLeaning = 0.7071;
 /// step of time >= kShortestStep [s] where a rate is made of it.
 constexpr double kShortestStep = 1e-6;
-
 
 }  // namespace veridyn::checking

@@ -5,10 +5,13 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <numeric>
 #include <sstream>
 #include <utility>
 
 #include "identification/check/check_thresholds.hpp"
+#include "math/median.hpp"
 #include "recordings/signals/units.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/recordings/preprocessing.hpp"
@@ -16,84 +19,123 @@
 namespace veridyn {
 namespace {
 
-void swap_columns(MatrixXd& values, int i, int j) {
-  if (values.cols() > 0) values.col(i).swap(values.col(j));
-}
-
-// "a1=a2,a2=a1"
-std::string exchanged(const std::string& signal, int i, int j) {
-  return fmt::format("{0}{1}={0}{2},{0}{2}={0}{1}", signal, i + 1, j + 1);
-}
+using Names = std::vector<std::string>;
 
 std::string joined(const std::string& a, const std::string& b) { return a.empty() || b.empty() ? a + b : a + "," + b; }
 
-// One signal in another unit, for all joints or for one (from 0).
-void to_si(MatrixXd& values, const std::string& signal, const std::string& unit, const std::vector<WantedJoint>& joints, int only = -1) {
-  SignalChoice choice;
-  choice.units = {{signal, unit}};
-  choice.joints = joints;
-  for (int i = 0; i < values.cols(); ++i) {
-    if (only < 0 || i == only) values.col(i) = values.col(i).unaryExpr(recordings::scale_for(choice, signal, i + 1)).eval();
+// "q1=deg,tau=Nm" as pairs.
+std::vector<std::pair<std::string, std::string>> assignments(const std::string& list) {
+  std::vector<std::pair<std::string, std::string>> out;
+  std::istringstream words(list);
+  for (std::string word; std::getline(words, word, ',');) out.emplace_back(word.substr(0, word.find('=')), word.substr(word.find('=') + 1));
+  return out;
+}
+
+// Columns of these names; currents were turned into torques.
+MatrixXd* columns_of(const std::string& signal, Recording& r) {
+  for (const auto& [name, values] : {std::pair{"q", &r.q}, std::pair{"dq", &r.dq}, std::pair{"ddq", &r.ddq}, std::pair{"tau", &r.tau}, std::pair{"i", &r.tau}}) {
+    if (signal == name) return values->size() > 0 ? values : nullptr;
   }
+  return nullptr;
+}
+
+// "tau3": the signal, and the joint from 0.
+std::pair<std::string, int> column(const std::string& key) {
+  const std::size_t digits = key.find_last_not_of("0123456789") + 1;
+  return {key.substr(0, digits), digits < key.size() ? std::stoi(key.substr(digits)) - 1 : -1};
+}
+
+// The scales that --units applies to a signal.
+std::vector<recordings::UnitScale> scales_of(const std::string& signal, const std::string& units, const Model& arm) {
+  SignalChoice choice;
+  choice.joints = joints_of(arm);
+  for (const auto& [key, unit] : assignments(units)) choice.units[key] = unit;
+  std::vector<recordings::UnitScale> out;
+  for (int i = 0; i < arm.joints(); ++i) {
+    out.push_back(recordings::scale_for(choice, signal, i + 1));
+    const double gain = arm.coordinates()[i].drive_gain;
+    if (signal == "tau" && gain > 0.0 && recordings::is_current_unit(recordings::unit_of(choice, signal, i + 1))) out.back().factor *= gain;
+  }
+  return out;
+}
+
+// Rows in which all joints rest for a while.
+std::vector<char> rows_at_rest(const Recording& r) {
+  std::vector<char> out(static_cast<std::size_t>(r.rows()), 0);
+  for (int first = 0, k = 1; k <= r.rows(); ++k) {
+    const bool rests = k < r.rows() && ((r.q.row(k) - r.q.row(first)).array().abs() <= checking::kAtRest * checking::kLongRest).all();
+    if (rests) continue;
+    if (r.time[k - 1] - r.time[first] >= checking::kLongRest) std::fill(out.begin() + first, out.begin() + k, 1);
+    first = k;
+  }
+  return out;
+}
+
+// A question about a number, which the questions at a distance from it polish.
+RecordingQuestion numbered(RecordingQuestion q, double distance, std::function<std::vector<RecordingQuestion>(double)> neighbours) {
+  q.price = checking::kOfNumber;
+  q.first_distance = distance;
+  q.neighbours = std::move(neighbours);
+  return q;
 }
 
 // Positions of all joints, or of one (from 0) of this name, were measured in front of a gear of this ratio.
 RecordingQuestion before_the_gear(double ratio, bool velocity, int joint = -1, const std::string& name = "") {
-  RecordingQuestion q;
-  q.finding = "motor_side";
-  q.joint = joint + 1;
   const double whole = std::round(ratio);
   const std::string words = fmt::format("{:.4g}", std::abs(ratio / whole - 1.0) < checking::kWholeRatio ? whole : ratio);
-  q.what = joint < 0 ? text("Positions are those of the motors, in front of gears of about ", words)
-                     : text("The position of ", name, " is that of its motor, in front of a gear of about ", words);
-  const std::string unit = fmt::format("{:.5g}", 1.0 / std::stod(words));
-  const std::string number = joint < 0 ? "" : std::to_string(joint + 1);
-  q.units = "q" + number + "=" + unit + (velocity ? ",dq" + number + "=" + unit : "");
-  const double factor = std::stod(unit);
-  q.recording = [factor, velocity, joint](Recording& r) {
-    for (MatrixXd* values : {&r.q, &r.dq}) {
-      if (values->size() == 0 || (values == &r.dq && !velocity)) continue;
-      if (joint < 0) *values *= factor;
-      else values->col(joint) *= factor;
-    }
-  };
-  q.price = checking::kOfNumber;
-  q.first_distance = checking::kRatioStep;
-  q.neighbours = [=](double distance) {
-    return std::vector<RecordingQuestion>{before_the_gear(ratio * (1.0 + distance), velocity, joint, name), before_the_gear(ratio / (1.0 + distance), velocity, joint, name)};
-  };
-  return q;
+  const std::string unit = fmt::format("{}={:.5g}", joint < 0 ? "" : std::to_string(joint + 1), 1.0 / std::stod(words));
+  return numbered({"motor_side", joint + 1, 0,
+                   (joint < 0 ? "Positions are those of the motors, in front of gears of about " : "The position of " + name + " is that of its motor, in front of a gear of about ") + words,
+                   "q" + unit + (velocity ? ",dq" + unit : "")},
+                  checking::kRatioStep, [=](double distance) {
+                    return std::vector<RecordingQuestion>{before_the_gear(ratio * (1.0 + distance), velocity, joint, name), before_the_gear(ratio / (1.0 + distance), velocity, joint, name)};
+                  });
 }
 
 // The position of a joint (from 0) is this angle where the robot file has zero.
 RecordingQuestion zero_at(double zero, int joint, const std::string& name) {
-  RecordingQuestion q;
-  q.finding = "encoder_zero";
-  q.joint = joint + 1;
   const std::string words = fmt::format("{:.4g}", zero);
-  q.what = text("The position of ", name, " is counted from another zero, which lies at ", words, " rad");
-  q.units = text("q", joint + 1, "=rad@", words);
-  const double rounded = std::stod(words);
-  q.recording = [joint, rounded](Recording& r) { r.q.col(joint).array() -= rounded; };
-  q.price = checking::kOfNumber;
-  q.first_distance = checking::kZeroStep;
-  q.neighbours = [=](double distance) { return std::vector<RecordingQuestion>{zero_at(zero + distance, joint, name), zero_at(zero - distance, joint, name)}; };
-  return q;
+  return numbered({"encoder_zero", joint + 1, 0, text("The position of ", name, " is counted from another zero, which lies at ", words, " rad"), text("q", joint + 1, "=rad@", words)},
+                  checking::kZeroStep, [=](double distance) {
+                    return std::vector<RecordingQuestion>{zero_at(zero + distance, joint, name), zero_at(zero - distance, joint, name)};
+                  });
 }
+
+// Units that all joints may have instead of those that SI prescribes.
+struct Unit {
+  const char* finding;
+  const char* what;
+  const char* q;
+  const char* dq;
+};
+constexpr Unit kAngles[] = {{"degrees", "Positions and velocities are degrees", "deg", "deg/s"},
+                            {"degrees", "Velocities are degrees per second", "", "deg/s"},
+                            {"degrees", "Positions are degrees", "deg", ""},
+                            {"turns", "Positions are turns", "rev", ""},
+                            {"turns", "Positions are turns, and velocities turns a minute", "rev", "rpm"},
+                            {"turns", "Velocities are turns a minute", "", "rpm"}};
+constexpr Unit kShares[] = {{"share_of_range", "Positions are shares of the range, -100 to 100", "%", ""},
+                            {"share_of_range", "Positions and velocities are shares of the range, -100 to 100", "%", "%"}};
 
 class List {
  public:
-  List(const Model& arm, const Recording& r, const std::string& torque, const std::vector<bool>& moves, const std::vector<bool>& badly)
-      : arm_(arm), r_(r), torque_(torque), moves_(moves), badly_(badly), joints_(joints_of(arm)) {
+  List(const Model& arm, const Recording& r, const std::vector<bool>& moves, const QuickFit& fit)
+      : arm_(arm), r_(r), torque_(r.current.size() > 0 ? "i" : "tau"), moves_(moves), shares_(fit.shares), joints_(joints_of(arm)), motion_{"q"} {
     for (const Coordinate& c : arm.coordinates()) turning_ = turning_ || !c.prismatic, sliding_ = sliding_ || c.prismatic;
+    if (r.dq.size() > 0) motion_.emplace_back("dq");
+    if (r.ddq.size() > 0) motion_.emplace_back("ddq");
+    all_ = motion_;
+    all_.push_back(torque_);
   }
 
-  std::vector<RecordingQuestion> all() {
+  std::vector<RecordingQuestion> all(const QuickFit& fit) {
     signs();
-    angles();
-    torques();
+    if (sliding_) millimetres();
+    if (turning_) angles();
+    if (torque_ == "tau") torques();
+    if (torque_ == "tau" && fit.moments != nullptr) factors(fit);
+    brakes();
     exchanges();
-    orders();
     gravity();
     convention();
     return std::move(out_);
@@ -101,187 +143,155 @@ class List {
 
  private:
   int joints() const { return arm_.joints(); }
+  bool slides(int i) const { return joints_[i].prismatic; }
+  bool is_bad(int i) const { return moves_[i] && std::sqrt(shares_[i]) > checking::kBadly; }
   std::string name(int i) const { return text("joint ", i + 1, " (", arm_.coordinates()[i].name, ")"); }
   bool has_velocity() const { return r_.dq.size() > 0; }
 
-  RecordingQuestion& add(const std::string& finding, int joint, std::string what, std::function<void(Recording&)> change) {
-    out_.push_back({});
-    RecordingQuestion& q = out_.back();
-    q.finding = finding;
-    q.joint = joint;
-    q.what = std::move(what);
-    q.recording = std::move(change);
-    return q;
+  RecordingQuestion& add(const std::string& finding, int joint, const std::string& what, const std::string& units) {
+    out_.push_back({finding, joint, 0, what, units});
+    return out_.back();
   }
 
-  void signs() {
-    const bool amperes = torque_ == "i";
-    for (int i = 0; i < joints(); ++i) {
-      if (!moves_[i]) continue;
-      const bool slides = arm_.coordinates()[i].prismatic;
-      add("torque_sign", i + 1, "The torque of " + name(i) + " has the wrong sign", [i](Recording& r) { r.tau.col(i) *= -1.0; }).units =
-          fmt::format("{}{}=-{}", torque_, i + 1, amperes ? "A" : slides ? "N" : "Nm");
-      const std::string length = slides ? "m" : "rad";
-      if (!badly_[i]) continue;
-      RecordingQuestion& q = add("position_sign", i + 1, "The position of " + name(i) + " is counted the other way round", [i](Recording& r) {
-        for (MatrixXd* values : {&r.q, &r.dq, &r.ddq}) {
-          if (values->cols() > 0) values->col(i) *= -1.0;
-        }
-      });
-      q.units = fmt::format("q{0}=-{1}", i + 1, length);
-      q.price = checking::kOfPosition;
-      if (has_velocity()) q.units += fmt::format(",dq{0}=-{1}/s", i + 1, length);
-      RecordingQuestion& whole = add("position_sign", i + 1, "Position and torque of " + name(i) + " are counted the other way round", [i](Recording& r) {
-        for (MatrixXd* values : {&r.q, &r.dq, &r.ddq, &r.tau}) {
-          if (values->cols() > 0) values->col(i) *= -1.0;
-        }
-      });
-      whole.price = checking::kOfPosition;
-      whole.units = fmt::format(has_velocity() ? "q{0}=-{1},dq{0}=-{1}/s,{2}{0}=-{3}" : "q{0}=-{1},{2}{0}=-{3}", i + 1, length, torque_, amperes ? "A" : slides ? "N" : "Nm");
-    }
-    if (joints() > 1)
-      add("torque_sign", 0, "All torques have the wrong sign", [](Recording& r) { r.tau *= -1.0; }).units = fmt::format("{}=-{}", torque_, amperes ? "A" : "Nm");
-  }
-
-  // Units of positions and velocities, and what is derived anew where a file has no velocity in them.
-  void positions_in(const std::string& finding, const std::string& what, const std::string& q, const std::string& dq) {
-    const auto joints = joints_;
-    const auto change = [q, dq, joints](Recording& r) {
-      to_si(r.q, "q", q, joints);
-      if (r.dq.size() > 0 && !dq.empty()) to_si(r.dq, "dq", dq, joints);
-    };
-    Recording after = r_;
-    change(after);
-    for (int i = 0; i < after.joints(); ++i) {
-      const double travel = after.q.col(i).maxCoeff<Eigen::PropagateNumbers>() - after.q.col(i).minCoeff<Eigen::PropagateNumbers>();
-      if (moves_[i] && finding != "degrees" && (travel < checking::kLeastTravel || travel > checking::kMostTravel)) return;
-    }
-    add(finding, 0, what, change).units = joined("q=" + q, dq.empty() || !has_velocity() ? "" : "dq=" + dq);
-  }
-
-  bool is_beyond(int i) const {
-    const Coordinate& c = arm_.coordinates()[i];
-    const double margin = checking::kBeyondLimits * (c.limits.upper - c.limits.lower);
-    const auto q = r_.q.col(i).array();
-    const bool far = (q.abs() > checking::kMostTravel).any();
-    return !c.prismatic && moves_[i] && (far || (std::isfinite(margin) && (q < c.limits.lower - margin || q > c.limits.upper + margin).any()));
-  }
-
-  // One joint of several in degrees, as its own driver publishes it.
-  void degrees_of(int i) {
-    const auto change = [i](MatrixXd& values) { values.col(i) *= M_PI / 180.0; };
-    if (has_velocity()) {
-      add("degrees", i + 1, "Position and velocity of " + name(i) + " are degrees", [change](Recording& r) {
-        change(r.q);
-        change(r.dq);
-      }).units = fmt::format("q{0}=deg,dq{0}=deg/s", i + 1);
-    }
-    add("degrees", i + 1, "The position of " + name(i) + " is in degrees", [change](Recording& r) { change(r.q); }).units = fmt::format("q{}=deg", i + 1);
-    const double largest = r_.q.col(i).cwiseAbs().maxCoeff<Eigen::PropagateNumbers>();
-    for (double ratio = checking::kLeastRatio; ratio < checking::kMostRatio; ratio *= 1.0 + checking::kRatioStep) {
-      if (largest / ratio < checking::kMostTravel && largest / ratio > checking::kLeastTravel) out_.push_back(before_the_gear(ratio, has_velocity(), i, name(i)));
-    }
-  }
-
-  // "q=mm,dq=mm/s"; of an arm that also turns, of each sliding joint.
-  std::string millimetres() const {
+  // "q3=-rad,dq3=-rad/s"
+  std::string reversed(const Names& signals, int i) const {
     std::string out;
-    for (int i = 0; i < joints(); ++i) {
-      if (turning_ && !arm_.coordinates()[i].prismatic) continue;
-      const std::string number = turning_ ? std::to_string(i + 1) : "";
-      out = joined(out, fmt::format(has_velocity() ? "q{0}=mm,dq{0}=mm/s" : "q{0}=mm", number));
-      if (!turning_) break;
+    for (const std::string& s : signals) {
+      const std::string unit = s == "i" ? "A" : s == "tau" ? (slides(i) ? "N" : "Nm") : (slides(i) ? "m" : "rad") + std::string(s == "dq" ? "/s" : s == "ddq" ? "/s2" : "");
+      out = joined(out, text(s, i + 1, "=-", unit));
     }
     return out;
   }
 
-  void angles() {
-    if (sliding_) {
-      const auto joints = joints_;
-      const auto change = [joints](Recording& r) {
-        to_si(r.q, "q", "mm", joints);
-        if (r.dq.size() > 0) to_si(r.dq, "dq", "mm/s", joints);
-      };
-      add("millimetres", 0, "Positions of sliding joints are millimetres", change).units = millimetres();
-      if (turning_) {
-        add("millimetres", 0, "Positions are millimetres and degrees", [change, joints](Recording& r) {
-          change(r);
-          to_si(r.q, "q", "deg", joints);
-          if (r.dq.size() > 0) to_si(r.dq, "dq", "deg/s", joints);
-        }).units = joined(has_velocity() ? "q=deg,dq=deg/s" : "q=deg", millimetres());
-      }
-    }
-    if (!turning_) return;
-    if (has_velocity()) {
-      positions_in("degrees", "Positions and velocities are degrees", "deg", "deg/s");
-      const auto joints = joints_;
-      add("degrees", 0, "Velocities are degrees per second", [joints](Recording& r) { to_si(r.dq, "dq", "deg/s", joints); }).units = "dq=deg/s";
-    }
-    positions_in("degrees", "Positions are degrees", "deg", "");
-    positions_in("turns", "Positions are turns", "rev", "");
-    if (has_velocity()) {
-      positions_in("turns", "Positions are turns, and velocities turns a minute", "rev", "rpm");
-      const auto joints = joints_;
-      add("turns", 0, "Velocities are turns a minute", [joints](Recording& r) { to_si(r.dq, "dq", "rpm", joints); }).units = "dq=rpm";
-    }
+  void signs() {
     for (int i = 0; i < joints(); ++i) {
-      for (const double zero : checking::kZeros) {
-        if (moves_[i] && badly_[i] && !arm_.coordinates()[i].prismatic) out_.push_back(zero_at(zero, i, name(i)));
-      }
+      if (moves_[i]) add("torque_sign", i + 1, "The torque of " + name(i) + " has the wrong sign", reversed({torque_}, i));
+      if (!is_bad(i)) continue;
+      add("position_sign", i + 1, "The position of " + name(i) + " is counted the other way round", reversed(motion_, i)).price = checking::kOfPosition;
+      add("position_sign", i + 1, "Position and torque of " + name(i) + " are counted the other way round", reversed(all_, i)).price = checking::kOfPosition;
     }
+    if (joints() > 1) add("torque_sign", 0, "All torques have the wrong sign", torque_ + (torque_ == "i" ? "=-A" : "=-Nm"));
+  }
+
+  // A unit of positions and velocities of all joints; what is derived anew where a file has no velocity in it.
+  void in_unit(const std::string& finding, const std::string& what, const std::string& q, const std::string& dq) {
+    if (!dq.empty() && !has_velocity()) return;
+    const std::string units = joined(q.empty() ? "" : "q=" + q, dq.empty() ? "" : "dq=" + dq);
+    const auto scales = scales_of("q", units, arm_);
+    for (int i = 0; i < r_.joints() && !q.empty() && finding != "degrees"; ++i) {
+      const double travel = std::abs(scales[i].factor) * (r_.q.col(i).maxCoeff<Eigen::PropagateNumbers>() - r_.q.col(i).minCoeff<Eigen::PropagateNumbers>());
+      if (moves_[i] && (travel < checking::kLeastTravel || travel > checking::kMostTravel)) return;
+    }
+    add(finding, 0, what, units);
+  }
+
+  bool is_beyond(int i) const { return !slides(i) && moves_[i] && ((r_.q.col(i).array().abs() > checking::kMostTravel).any() || leaves_limits(arm_, i, r_)); }
+
+  // "q=mm,dq=mm/s"; of an arm that also turns, of each sliding joint.
+  void millimetres() {
+    std::string units;
+    for (int i = 0; i < joints(); ++i) {
+      if (turning_ ? !slides(i) : i > 0) continue;
+      units = joined(units, fmt::format(has_velocity() ? "q{0}=mm,dq{0}=mm/s" : "q{0}=mm", turning_ ? std::to_string(i + 1) : ""));
+    }
+    add("millimetres", 0, "Positions of sliding joints are millimetres", units);
+    if (turning_) add("millimetres", 0, "Positions are millimetres and degrees", joined(has_velocity() ? "q=deg,dq=deg/s" : "q=deg", units));
+  }
+
+  void angles() {
+    for (const Unit& u : kAngles) in_unit(u.finding, u.what, u.q, u.dq);
     int moving = 0, beyond = 0;
     for (int i = 0; i < joints(); ++i) moving += moves_[i] ? 1 : 0, beyond += is_beyond(i) ? 1 : 0;
     for (int i = 0; i < joints(); ++i) {
-      if (beyond < moving && is_beyond(i)) degrees_of(i);
+      for (const double zero : checking::kZeros) {
+        if (is_bad(i) && !slides(i)) out_.push_back(zero_at(zero, i, name(i)));
+      }
+      // One joint of several in degrees, as its own driver publishes it.
+      if (beyond == moving || !is_beyond(i)) continue;
+      if (has_velocity()) add("degrees", i + 1, "Position and velocity of " + name(i) + " are degrees", fmt::format("q{0}=deg,dq{0}=deg/s", i + 1));
+      add("degrees", i + 1, "The position of " + name(i) + " is in degrees", text("q", i + 1, "=deg"));
+      motor_side(r_.q.col(i).cwiseAbs().maxCoeff<Eigen::PropagateNumbers>(), i, name(i));
     }
     const double largest = r_.q.cwiseAbs().maxCoeff<Eigen::PropagateNumbers>();
-    for (double ratio = checking::kLeastRatio; largest > checking::kMostTravel && !sliding_ && ratio < checking::kMostRatio; ratio *= 1.0 + checking::kRatioStep) {
-      if (largest / ratio < checking::kMostTravel && largest / ratio > checking::kLeastTravel) out_.push_back(before_the_gear(ratio, has_velocity()));
-    }
+    if (largest > checking::kMostTravel && !sliding_) motor_side(largest, -1, "");
     const bool limited = std::all_of(joints_.begin(), joints_.end(), [](const WantedJoint& j) { return std::isfinite(j.upper - j.lower); });
-    if (limited && largest > checking::kMostTravel && largest < checking::kMostShare) {
-      positions_in("share_of_range", "Positions are shares of the range, -100 to 100", "%", "");
-      if (has_velocity()) positions_in("share_of_range", "Positions and velocities are shares of the range, -100 to 100", "%", "%");
+    for (const Unit& u : kShares) {
+      if (limited && largest > checking::kMostTravel && largest < checking::kMostShare) in_unit(u.finding, u.what, u.q, u.dq);
     }
     if (sliding_ || largest < 2.0 * checking::kMostTravel) return;
     for (const int counts : checking::kCounts) {
-      for (const int zero : {0, counts / 2}) {
+      for (const std::string& zero : {std::string(), text("@", counts / 2)}) {
         for (const bool both : {false, true}) {
-          if (both && !has_velocity()) continue;
-          const std::string unit = fmt::format("{}/rev", counts);
-          positions_in("counts", fmt::format("Positions{} are counts of an encoder, {} a turn{}", both ? " and velocities" : "", counts, zero > 0 ? fmt::format(" and {} at zero", zero) : ""),
-                       zero > 0 ? fmt::format("{}@{}", unit, zero) : unit, both ? unit : "");
+          const std::string unit = text(counts, "/rev");
+          in_unit("counts", text("Positions", both ? " and velocities" : "", " are counts of an encoder, ", counts, " a turn", zero.empty() ? "" : text(" and ", counts / 2, " at zero")),
+                  unit + zero, both ? unit : "");
         }
       }
     }
   }
 
-  void torques() {
-    if (torque_ != "tau") return;
-    const auto joints = joints_;
-    const auto in = [&](const std::string& unit, const std::string& what) {
-      add("torque_unit", 0, what, [unit, joints](Recording& r) { to_si(r.tau, "tau", unit, joints); }).units = "tau=" + unit;
-    };
-    if (is_load_register()) in("load", "Torques are load registers with a direction bit");
-    const bool limited = std::all_of(joints_.begin(), joints_.end(), [](const WantedJoint& j) { return std::isfinite(j.effort) && j.effort > 0.0; });
-    for (const std::string unit : checking::kTorqueUnits) {
-      const bool share = unit == "%" || unit == "permille" || unit == "share";
-      if (share && !limited) continue;
-      in(unit, unit == "%" ? "Torques are percent of the largest effort" : unit == "permille" ? "Torques are thousandths of the largest effort"
-               : unit == "share" ? "Torques are shares of the largest effort" : "Torques are in " + unit);
+  // Gears by which the largest angle of one joint (from 0), or of all, is one that an arm has.
+  void motor_side(double largest, int joint, const std::string& name) {
+    for (double ratio = checking::kLeastRatio; ratio < checking::kMostRatio; ratio *= 1.0 + checking::kRatioStep) {
+      if (largest / ratio < checking::kMostTravel && largest / ratio > checking::kLeastTravel) out_.push_back(before_the_gear(ratio, has_velocity(), joint, name));
     }
-    for (int i = 0; i < arm_.joints(); ++i) {
-      for (const std::string unit : {"mNm", "Ncm"}) {
-        if (moves_[i] && badly_[i] && !arm_.coordinates()[i].prismatic)
-          add("torque_unit", i + 1, "The torque of " + name(i) + " is in " + unit, [unit, joints, i](Recording& r) { to_si(r.tau, "tau", unit, joints, i); }).units =
-              fmt::format("tau{}={}", i + 1, unit);
+  }
+
+  void torques() {
+    if (is_load_register()) add("torque_unit", 0, "Torques are load registers with a direction bit", "tau=load");
+    const bool limited = std::all_of(joints_.begin(), joints_.end(), [](const WantedJoint& j) { return std::isfinite(j.effort) && j.effort > 0.0; });
+    for (const auto& [unit, words] : checking::kTorqueUnits) {
+      if (limited || std::string(words) == "in") add("torque_unit", 0, text("Torques are ", words, std::string(words) == "in" ? text(" ", unit) : " of the largest effort"), text("tau=", unit));
+    }
+    for (int i = 0; i < joints(); ++i) {
+      for (const char* unit : {"mNm", "Ncm"}) {
+        if (is_bad(i) && !slides(i)) add("torque_unit", i + 1, "The torque of " + name(i) + " is in " + std::string(unit), text("tau", i + 1, "=", unit));
       }
     }
-    VectorXd gains(arm_.joints());
-    for (int i = 0; i < arm_.joints(); ++i) gains[i] = arm_.coordinates()[i].drive_gain;
-    if (gains.minCoeff() <= 0.0) return;
-    RecordingQuestion& q = add("current", 0, "Efforts are motor currents", [gains](Recording& r) { r.tau = (r.tau * gains.asDiagonal()).eval(); });
-    q.units = "tau=A";
+    if (std::all_of(arm_.coordinates().begin(), arm_.coordinates().end(), [](const Coordinate& c) { return c.drive_gain > 0.0; }))
+      add("current", 0, "Efforts are motor currents", "tau=A");
+  }
+
+  // Torques in a unit of their own, by the factors that fit best: of one joint, and of all.
+  void factors(const QuickFit& fit) {
+    const auto is_far = [](double factor) { return factor > checking::kTorqueFactor || (factor > 0.0 && factor * checking::kTorqueFactor < 1.0); };
+    const auto unit = [](int i, double factor) { return fmt::format("tau{}={:.4g}", i + 1, factor); };
+    std::vector<double> common;
+    VectorXd all = fit.together;
+    const double largest = all.maxCoeff();
+    for (int i = 0; i < joints(); ++i) {
+      if (fit.ratios[i] * all[i] > 0.0) common.push_back(1.0 / (fit.ratios[i] * all[i]));
+      if (joints() > 1 && moves_[i] && is_far(fit.alone[i]))
+        add("torque_unit", i + 1, fmt::format("The torque of {} is in a unit of its own, as a current or in front of a gear of about {:.4g}", name(i), fit.alone[i]), unit(i, fit.alone[i])).price =
+            checking::kOfNumber;
+    }
+    all *= common.empty() ? 1.0 / largest : median(common);
+    for (int i = 0; i < joints(); ++i) {
+      if (std::abs(fit.together[i]) < checking::kTiny * largest) all[i] = fit.alone[i];
+    }
+    const double least = all.minCoeff(), most = all.maxCoeff();
+    if (!(least > 0.0) || (!is_far(most / least) && (common.empty() || least * checking::kBehindGear < 1.0))) return;
+    std::string units, gears;
+    for (int i = 0; i < joints(); ++i) {
+      const bool known = fit.alone[i] != 1.0;
+      if (known) units = joined(units, unit(i, all[i]));
+      gears += (i > 0 ? ", " : "") + (known ? fmt::format("{:.4g}", all[i]) : "?");
+    }
+    add("torque_unit", 0, "Torques are in a unit of their own on each joint, as currents or in front of gears of about " + gears, units).price = checking::kOfNumber * joints();
+  }
+
+  // Torques of an arm that rests between its motions.
+  void brakes() {
+    const std::vector<char> rests = rows_at_rest(r_);
+    const long count = std::count(rests.begin(), rests.end(), 1);
+    if (count == 0 || 2 * count > static_cast<long>(rests.size())) return;
+    RecordingQuestion& q = add("brakes", 0, "While the arm rests, its torques are not those that hold it, as with closed brakes", "");
+    q.other = fmt::format("--min-speed {}", checking::kAtRest);
+    q.rows = [rests](Recording& r) {
+      for (std::size_t k = 0; k < rests.size(); ++k) {
+        if (rests[k] != 0) r.tau.row(static_cast<Eigen::Index>(k)).setConstant(std::nan(""));
+      }
+    };
   }
 
   // Whole numbers up to 2047, on both sides of 1024.
@@ -295,72 +305,46 @@ class List {
     return checking::kBothDirections * static_cast<double>(std::min(high, low)) > static_cast<double>(high + low);
   }
 
-  void exchanges() {
-    for (int i = 0; i < joints(); ++i) {
-      for (int j = i + 1; j < joints(); ++j) {
-        if (!moves_[i] || !moves_[j] || !(badly_[i] || badly_[j])) continue;
-        const std::string pair = name(i) + " and " + name(j);
-        const std::string torques = exchanged(torque_, i, j);
-        const std::string motion = exchanged("q", i, j) + (has_velocity() ? "," + exchanged("dq", i, j) : "");
-        const auto swap_torques = [i, j](Recording& r) { swap_columns(r.tau, i, j); };
-        const auto swap_motion = [i, j](Recording& r) {
-          for (MatrixXd* values : {&r.q, &r.dq, &r.ddq}) swap_columns(*values, i, j);
-        };
-        const auto pair_of = [&](const std::string& what, const std::string& map, std::function<void(Recording&)> change) {
-          RecordingQuestion& q = add("swapped_joints", i + 1, what, std::move(change));
-          q.second = j + 1;
-          q.map = map;
-          q.whole = map.find(torques) != std::string::npos && map != torques;
-        };
-        pair_of("The torques of " + pair + " are swapped", torques, swap_torques);
-        pair_of("Positions and velocities of " + pair + " are swapped", motion, swap_motion);
-        pair_of("The whole of " + pair + " is swapped", motion + "," + torques, [=](Recording& r) {
-          swap_torques(r);
-          swap_motion(r);
-        });
+  // Columns of these signals in another order, by the column that holds each joint.
+  RecordingQuestion& arranged(int joint, const std::string& what, const Names& signals, const std::vector<int>& order) {
+    RecordingQuestion& q = add("swapped_joints", joint, what, "");
+    for (const std::string& signal : signals) {
+      for (std::size_t i = 0; i < order.size(); ++i) {
+        if (order[i] != static_cast<int>(i)) q.map = joined(q.map, fmt::format("{0}{1}={0}{2}", signal, i + 1, order[i] + 1));
       }
     }
+    return q;
   }
 
-  // Columns in the alphabetical order of the joints' names, as ROS sorts them, or moved on by one.
-  void orders() {
+  // Two joints exchanged; all in the alphabetical order of their names, as ROS sorts them, or moved on by one.
+  void exchanges() {
     std::vector<int> own(static_cast<std::size_t>(joints()));
-    for (int i = 0; i < joints(); ++i) own[i] = i;
-    std::vector<int> sorted = own, on = own, back = own;  // places of the joints' columns
-    std::sort(sorted.begin(), sorted.end(), [this](int a, int b) { return arm_.coordinates()[a].name < arm_.coordinates()[b].name; });
-    std::vector<int> alphabetical = own;
+    std::iota(own.begin(), own.end(), 0);
+    for (int i = 0; i < joints(); ++i) {
+      for (int j = i + 1; j < joints(); ++j) {
+        if (!moves_[i] || !moves_[j] || !(is_bad(i) || is_bad(j))) continue;
+        std::vector<int> order = own;
+        std::swap(order[i], order[j]);
+        const std::string pair = name(i) + " and " + name(j);
+        arranged(i + 1, "The torques of " + pair + " are swapped", {torque_}, order).second = j + 1;
+        arranged(i + 1, "Positions and velocities of " + pair + " are swapped", motion_, order).second = j + 1;
+        arranged(i + 1, "The whole of " + pair + " is swapped", all_, order).second = j + 1;
+      }
+    }
+    std::vector<int> sorted = own, alphabetical = own, on = own, back = own;
+    std::sort(sorted.begin(), sorted.end(), [this](int a, int b) { return joints_[a].name < joints_[b].name; });
     for (int k = 0; k < joints(); ++k) alphabetical[sorted[k]] = k;
     std::rotate(on.begin(), on.begin() + 1, on.end());
     std::rotate(back.begin(), back.end() - 1, back.end());
-    const auto add_order = [&](const std::vector<int>& order, const std::string& what, const std::vector<std::string>& signals) {
-      int moved = 0;
-      std::string map;
-      for (const std::string& signal : signals) {
-        for (int i = 0; i < joints(); ++i) {
-          if (order[i] == i) continue;
-          ++moved;
-          map = joined(map, fmt::format("{0}{1}={0}{2}", signal, i + 1, order[i] + 1));
-        }
-      }
-      if (moved < 3 * static_cast<int>(signals.size())) return;  // two are an exchange
-      const bool torques = signals.back() == torque_, motion = signals.front() == "q";
-      add("swapped_joints", 0, what, [order, torques, motion](Recording& r) {
-        const Recording before = r;
-        for (std::size_t i = 0; i < order.size(); ++i) {
-          for (MatrixXd Recording::*values : {&Recording::q, &Recording::dq, &Recording::ddq}) {
-            if (motion && (r.*values).cols() > 0) (r.*values).col(i) = (before.*values).col(order[i]);
-          }
-          if (torques) r.tau.col(i) = before.tau.col(order[i]);
-        }
-      }).map = map;
-    };
-    const std::vector<std::string> motion = has_velocity() ? std::vector<std::string>{"q", "dq"} : std::vector<std::string>{"q"};
-    std::vector<std::string> all = motion;
-    all.push_back(torque_);
-    add_order(alphabetical, "All columns are in the alphabetical order of the joints' names", all);
-    add_order(alphabetical, "The torques are in the alphabetical order of the joints' names", {torque_});
-    add_order(on, "The torques stand one column too far to the right", {torque_});
-    add_order(back, "The torques stand one column too far to the left", {torque_});
+    int moved = 0;
+    for (int i = 0; i < joints(); ++i) moved += alphabetical[i] != i ? 1 : 0;
+    if (moved > 2) {  // two are an exchange
+      arranged(0, "All columns are in the alphabetical order of the joints' names", all_, alphabetical);
+      arranged(0, "The torques are in the alphabetical order of the joints' names", {torque_}, alphabetical);
+    }
+    if (joints() < 3) return;
+    arranged(0, "The torques stand one column too far to the right", {torque_}, on);
+    arranged(0, "The torques stand one column too far to the left", {torque_}, back);
   }
 
   void gravity() {
@@ -381,7 +365,7 @@ class List {
     const auto row = std::find_if(frames.begin(), frames.end(), [](const Frame& f) { return f.dh.has_value(); });
     const bool standard = row->dh->convention == DhConvention::kStandard;
     const std::string other = standard ? "modified" : "standard";
-    RecordingQuestion& q = add("dh_convention", 0, text("The DH rows of the robot file are written in the ", other, " convention"), nullptr);
+    RecordingQuestion& q = add("dh_convention", 0, text("The DH rows of the robot file are written in the ", other, " convention"), "");
     q.other = text("convention: ", other, " in the robot file");
     q.robot = [standard](ModelDescription& d) {
       for (Frame& frame : d.frames) {
@@ -400,26 +384,26 @@ class List {
   const Recording& r_;
   std::string torque_;
   const std::vector<bool>& moves_;
-  const std::vector<bool>& badly_;
+  VectorXd shares_;  // unexplained, by joint
   std::vector<WantedJoint> joints_;
+  Names motion_, all_;  // signals of the motion that are recorded, and with the torque
   bool turning_ = false, sliding_ = false;
   std::vector<RecordingQuestion> out_;
 };
 
 // Positions have one unit.
-bool is_position_unit(const RecordingQuestion& q) {
-  return q.recording && (q.finding == "degrees" || q.finding == "counts" || q.finding == "share_of_range" || q.finding == "motor_side" ||
-                         q.finding == "turns" || q.finding == "encoder_zero");
-}
+bool is_position_unit(const RecordingQuestion& q) { return q.units.rfind('q', 0) == 0 && q.finding != "position_sign"; }
 
 }  // namespace
+
+bool RecordingQuestion::is_whole() const { return map.rfind('q', 0) == 0 && map.find_first_of("ti") != std::string::npos; }
 
 bool RecordingQuestion::excludes(const RecordingQuestion& o) const {
   if (is_position_unit(*this) && is_position_unit(o)) return joint == 0 || o.joint == 0 || joint == o.joint;
   if (finding == "torque_unit" && o.finding == "current") return true;
   if (robot || o.robot) return finding == o.finding;
   // That torques of two joints are exchanged and that their motions are is one mistake, seen from either side.
-  if (second != 0 && joint == o.joint && second == o.second && !whole && !o.whole) return false;
+  if (second != 0 && joint == o.joint && second == o.second && !is_whole() && !o.is_whole()) return false;
   if (finding != o.finding && (finding == "torque_sign" || o.finding == "torque_sign" || finding == "torque_unit" || o.finding == "torque_unit" ||
                                joint * o.joint == 0))
     return false;
@@ -427,9 +411,15 @@ bool RecordingQuestion::excludes(const RecordingQuestion& o) const {
   return joint == 0 || o.joint == 0 || concerns(joint) || concerns(second);
 }
 
-std::vector<RecordingQuestion> questions_of(const Model& arm, const Recording& recording, const std::string& torque, const std::vector<bool>& moves,
-                                   const std::vector<bool>& badly) {
-  return List(arm, recording, torque, moves, badly).all();
+std::vector<RecordingQuestion> questions_of(const Model& arm, const Recording& recording, const std::vector<bool>& moves, const QuickFit& fit) {
+  return List(arm, recording, moves, fit).all(fit);
+}
+
+bool leaves_limits(const Model& arm, int i, const Recording& recording) {
+  const Limits& limits = arm.coordinates()[i].limits;
+  const double margin = checking::kBeyondLimits * (limits.upper - limits.lower);
+  const auto q = recording.q.col(i).array();
+  return std::isfinite(margin) && (q < limits.lower - margin || q > limits.upper + margin).any();
 }
 
 RecordingQuestion gravity_along(const Eigen::Vector3d& gravity) {
@@ -461,15 +451,14 @@ std::string options_of(const std::vector<RecordingQuestion>& questions) {
   std::vector<std::pair<std::string, std::string>> units;  // of each signal
   std::string map, other;
   for (const RecordingQuestion& q : questions) {
-    std::istringstream words(q.units);
-    for (std::string word; std::getline(words, word, ',');) units.emplace_back(word.substr(0, word.find('=')), word.substr(word.find('=') + 1));
+    for (const auto& one : assignments(q.units)) units.push_back(one);
     map = joined(map, q.map);
     if (!q.other.empty()) other += (other.empty() ? "" : " ") + q.other;
   }
   std::string out;
   for (const auto& [signal, unit] : units) {
     // The sign of one joint keeps the unit that all have.
-    const std::string whole = signal.substr(0, signal.find_last_not_of("0123456789") + 1);
+    const std::string whole = column(signal).first;
     const auto all = std::find_if(units.begin(), units.end(), [&](const auto& one) { return one.first == whole; });
     const bool sign_alone = whole != signal && unit[0] == '-' && all != units.end();
     out = joined(out, signal + "=" + (!sign_alone ? unit : all->second[0] == '-' ? all->second.substr(1) : "-" + all->second));
@@ -491,10 +480,23 @@ Model applied(const std::vector<RecordingQuestion>& set, const Model& arm) {
   return Model(std::move(d));
 }
 
-void apply_to(const std::vector<RecordingQuestion>& set, Recording& recording) {
-  for (const bool exchanges : {true, false}) {
-    for (const RecordingQuestion& q : set) {
-      if (q.recording && q.map.empty() != exchanges) q.recording(recording);
+void apply_to(const std::vector<RecordingQuestion>& set, const Model& arm, Recording& recording) {
+  for (const RecordingQuestion& q : set) {
+    Recording before;
+    if (!q.map.empty()) before = recording;
+    for (const auto& [to, from] : assignments(q.map)) {
+      if (MatrixXd* values = columns_of(column(to).first, recording)) values->col(column(to).second) = columns_of(column(from).first, before)->col(column(from).second);
+    }
+  }
+  for (const RecordingQuestion& q : set) {
+    if (q.rows) q.rows(recording);
+    for (const char* signal : {"q", "dq", "ddq", "tau", "i"}) {
+      MatrixXd* values = columns_of(signal, recording);
+      if (q.units.empty() || values == nullptr) continue;
+      const std::vector<recordings::UnitScale> scales = scales_of(signal, q.units, arm);
+      for (int i = 0; i < arm.joints(); ++i) {
+        if (!scales[i].changes_nothing()) values->col(i) = values->col(i).unaryExpr(scales[i]).eval();
+      }
     }
   }
 }

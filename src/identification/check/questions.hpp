@@ -4,37 +4,44 @@
 #include <string>
 #include <vector>
 
+#include "identification/check/quick_fit.hpp"
 #include "veridyn/model/model.hpp"
 #include "veridyn/recordings/recording.hpp"
 
 namespace veridyn {
 
-/// One mistake that a recording or a robot file may hold, and the transformation that undoes it.
+/// One mistake that a recording or a robot file may hold, and the transformation that undoes it: that of the options.
 struct RecordingQuestion {
   std::string finding;  ///< name of the finding, see check_against()
   int joint = 0;        ///< from 1; 0: all
   int second = 0;       ///< the other joint of an exchange, from 1; 0: none
-  bool whole = false;   ///< of both joints everything is exchanged
   std::string what;     ///< "Positions are degrees"
-  std::string units;    ///< for --units; empty: none
-  std::string map;      ///< for --map
-  std::string other;    ///< another option, or what to write in the robot file
-  std::function<void(Recording&)> recording;     ///< null: the recording stays
-  std::function<void(ModelDescription&)> robot;  ///< null: the robot stays
+  std::string units = {};  ///< of --units, which apply_to() applies; empty: none
+  std::string map = {};    ///< of --map, likewise
+  std::string other = {};  ///< another option, or what to write in the robot file
+  std::function<void(Recording&)> rows = {};  ///< likewise, where `other` concerns the recording
+  std::function<void(ModelDescription&)> robot = {};  ///< null: the robot stays
   /// Questions next to this one at a distance, as directions of gravity [rad] and gear ratios (relative) have; null: none.
-  std::function<std::vector<RecordingQuestion>(double)> neighbours;
+  std::function<std::vector<RecordingQuestion>(double)> neighbours = {};
   double first_distance = 0.0;  ///< between questions of the list
   double price = 0.0;           ///< of a number of its own, beside what every question costs
 
+  bool changes_recording() const { return !units.empty() || !map.empty() || rows; }
+  /// True if neither motion nor robot change, and torques linearly.
+  bool maps_torques() const { return !robot && !rows && (units + map).find('q') == std::string::npos && units != "tau=load"; }
+  /// True if everything of both joints is exchanged.
+  bool is_whole() const;
   /// True if at most one of both can hold.
   bool excludes(const RecordingQuestion& other_one) const;
 };
 
 /// The list: units, signs, exchanged joints, direction of gravity, convention of DH rows.
-/// @param torque  name of the torques' columns, "tau" or "i". @param moves  joints that move.
-/// @param badly  joints whose torque the recording as it is leaves unexplained; two others are not exchanged.
-std::vector<RecordingQuestion> questions_of(const Model& arm, const Recording& recording, const std::string& torque,
-                                   const std::vector<bool>& moves, const std::vector<bool>& badly);
+/// @param moves  joints that move.
+/// @param fit  of the recording with the transformations so far: joints that it explains are not exchanged.
+std::vector<RecordingQuestion> questions_of(const Model& arm, const Recording& recording, const std::vector<bool>& moves, const QuickFit& fit);
+
+/// True if positions of a joint (from 0) leave its limits.
+bool leaves_limits(const Model& arm, int joint, const Recording& recording);
 
 /// Gravity in this direction; a vector of zeros: the torques hold none.
 RecordingQuestion gravity_along(const Eigen::Vector3d& gravity);
@@ -48,7 +55,7 @@ bool concern_robot(const std::vector<RecordingQuestion>& set);
 /// The robot after the transformations of a set.
 Model applied(const std::vector<RecordingQuestion>& set, const Model& arm);
 
-/// Transforms a recording. Columns are exchanged before they are scaled, as the reader does.
-void apply_to(const std::vector<RecordingQuestion>& set, Recording& recording);
+/// Transforms a recording of this arm. Columns are exchanged before they are scaled, as the reader does.
+void apply_to(const std::vector<RecordingQuestion>& set, const Model& arm, Recording& recording);
 
 }  // namespace veridyn

@@ -2,23 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <unordered_map>
 
 #include "effects/plain_friction.hpp"
 #include "identification/estimation/least_squares.hpp"
 #include "identification/base_solution.hpp"
-#include "math/dense.hpp"
 #include "math/median.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/identification/compressed_recording.hpp"
+#include "veridyn/identification/regressor_columns.hpp"
 #include "veridyn/identification/base_parameters.hpp"
 
 namespace veridyn {
 namespace {
 
-// The arm with all parameters free: facts of the file do not
-// hold for wrongly recorded signals.
+// The arm with all parameters free: facts of the file do not hold for wrongly recorded signals.
 Model with_everything_open(const Model& arm) {
   ModelDescription d = arm.description();
   for (EffectTerm& term : d.effects) term.fixed = false;
@@ -29,45 +27,49 @@ Model with_everything_open(const Model& arm) {
   return Model(std::move(d));
 }
 
-// Values of a factor's columns; those without one are zero.
-VectorXd values_of(const SquareRootInformation& factor, const std::unordered_map<std::string, double>& values) {
-  VectorXd out = VectorXd::Zero(factor.size());
-  for (int j = 0; j < factor.size(); ++j) {
-    const auto known = values.find(factor.columns()[j]);
-    if (known != values.end()) out[j] = known->second;
-  }
-  return out;
+// Least squares A x ~ b from the products of (A, b) with each other; columns may depend on each other.
+VectorXd solution(const MatrixXd& products) {
+  const Eigen::Index size = products.rows() - 1;
+  const VectorXd scale = products.diagonal().head(size).cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  MatrixXd G = scale.asDiagonal() * products.topLeftCorner(size, size) * scale.asDiagonal();
+  G.diagonal().array() += checking::kRidge;
+  return scale.cwiseProduct(normal_solution(G, scale.cwiseProduct(products.col(size).head(size))));
 }
 
-// The blocks of a joint, merged into folds.
-std::vector<std::vector<SquareRootInformation>> folds_of(const CompressedRecording& c, int joints) {
-  std::vector<std::vector<SquareRootInformation>> out(checking::kFolds, std::vector<SquareRootInformation>(static_cast<std::size_t>(joints)));
-  for (std::size_t k = 0; k < c.blocks.size(); ++k) {
-    for (std::size_t i = 0; i < c.blocks[k].size(); ++i) out[checking::kFolds * k / c.blocks.size()][i].merge(c.blocks[k][i]);
-  }
-  return out;
+// || A x - b ||^2
+double residual2(const MatrixXd& products, VectorXd x) {
+  x.conservativeResize(x.size() + 1);
+  x[x.size() - 1] = -1.0;
+  return std::max(0.0, x.dot(products * x));
+}
+
+// Products of (A M, b) from those of (A, b), or of (A, B m) from those of (A, B).
+MatrixXd changed(const MatrixXd& products, const MatrixXd& left, const MatrixXd& right) {
+  MatrixXd map = MatrixXd::Zero(left.rows() + right.rows(), left.cols() + right.cols());
+  map.topLeftCorner(left.rows(), left.cols()) = left;
+  map.bottomRightCorner(right.rows(), right.cols()) = right;
+  return map.transpose() * products * map;
 }
 
 }  // namespace
 
-// Plain friction along an axis s = c . q: constant against ds, or proportional to it.
-struct QuickFitter::Friction {
-  VectorXd axis;
-  Eigen::Index parameter;  // index among the base parameters
-  bool dry;
-};
-
-QuickFitter::QuickFitter(const Model& arm, const PreprocessingOptions& options)
-    : given_(arm), arm_(with_everything_open(with_effect_of_all_joints(with_plain_friction(arm), kRotorInertia))), options_(options), has_values_(arm.inertial_values().has_value()) {
+QuickFitter::QuickFitter(const Model& arm, const PreprocessingOptions& options, const RecordedFacts& facts)
+    : given_(arm), arm_(with_everything_open(with_effect_of_all_joints(with_plain_friction(arm), kRotorInertia))), options_(options), facts_(facts), has_values_(arm.inertial_values().has_value()) {
   options_.excluded_intervals.clear();
   options_.first_row = 0;
   options_.row_count.reset();
   options_.min_speed = 0.0;
   if (options_.cutoff <= checking::kGrid / checking::kRowsAWave) options_.rate = checking::kGrid;
   parameters_ = standard_parameters(arm_);
-  names_ = parameter_names(parameters_);
-  const BaseParameters base = base_parameters(arm_);
-  for (const int j : base.independent) base_columns_.push_back(names_[j]);
+  base_ = base_parameters(arm_);
+  VectorXd values = VectorXd::Zero(base_.K.cols());
+  std::vector<int> effects;
+  for (int j = 0; j < base_.K.cols(); ++j) {
+    if (parameters_[j].effect) effects.push_back(j);
+    else if (std::isfinite(parameters_[j].value)) values[j] = parameters_[j].value;
+  }
+  known_.resize(base_.size(), 1 + static_cast<Eigen::Index>(effects.size()));
+  known_ << base_.K * values, base_.K(Eigen::all, effects);
 }
 
 std::tuple<int, int, double> QuickFitter::determined(const Recording& recording) const {
@@ -83,52 +85,136 @@ std::tuple<int, int, double> QuickFitter::determined(const Recording& recording)
   return {found.size(), all, solve_base(c, weights, found, names).condition_number_scaled};
 }
 
-QuickFit QuickFitter::fit(const Recording& recording) const {
+std::shared_ptr<const RegressorMoments> QuickFitter::moments(const Recording& recording) const {
   const int n = arm_.joints();
+  const RegressorColumns columns(arm_, options_);
+  const auto out = std::make_shared<RegressorMoments>();
+  std::vector<std::vector<int>> own(static_cast<std::size_t>(n));  // places of the base columns among those of a joint
+  out->columns.resize(own.size());
+  for (int i = 0; i < n; ++i) {
+    const std::vector<int>& all = columns.parameters_of(i);
+    for (int j = 0; j < base_.size(); ++j) {
+      const auto there = std::find(all.begin(), all.end(), base_.independent[j]);
+      if (there == all.end()) continue;
+      own[i].push_back(static_cast<int>(there - all.begin()));
+      out->columns[i].push_back(j);
+    }
+  }
+  std::vector<MatrixXd> none;
+  for (const std::vector<int>& mine : own) none.push_back(MatrixXd::Zero(static_cast<int>(mine.size()) + n, static_cast<int>(mine.size()) + n));
+  out->products.assign(checking::kFolds, none);
+  out->power = MatrixXd::Zero(n, base_.size());
+  out->speed2 = VectorXd::Zero(n);
+  const double duration = recording.time[recording.rows() - 1] - recording.time[0];
+  const auto fold_of = [&](double time) {
+    const double turns = time / (facts_.period > 0.0 ? facts_.period : duration);
+    return std::clamp(static_cast<int>(checking::kFolds * (facts_.period > 0.0 ? turns - std::floor(turns) : turns)), 0, checking::kFolds - 1);
+  };
+  const auto add = [&](const Segment& s) {
+    const std::vector<JointRows> rows = columns.rows(s);
+    const VectorXd& time = rows.front().time;
+    std::vector<Eigen::Index> kept;  // rows of the segment
+    for (Eigen::Index k = 0, at = s.core_begin; k < time.size(); kept.push_back(at), ++k) {
+      while (s.time[at] - s.start < time[k]) ++at;
+    }
+    const MatrixXd tau = columns.filtered_torque(s)(kept, Eigen::all);
+    add_power(s.dq(kept, Eigen::all), *out);
+    for (Eigen::Index first = 0, end = 0; first < time.size(); first = end) {
+      const int f = fold_of(time[first]);
+      while (end < time.size() && fold_of(time[end]) == f) ++end;
+      for (int i = 0; i < n; ++i) {
+        MatrixXd rows_of(end - first, out->products[f][i].cols());
+        rows_of << rows[i].A(Eigen::seqN(first, end - first), own[i]), tau.middleRows(first, end - first);
+        out->products[f][i].selfadjointView<Eigen::Lower>().rankUpdate(rows_of.transpose());
+      }
+    }
+  };
+  try {
+    for_each_segment(arm_, recording, options_, add);
+  } catch (const InvalidInput&) {
+    return nullptr;  // numbers that no recording has, after a transformation
+  }
+  for (std::vector<MatrixXd>& fold : out->products) {
+    for (MatrixXd& products : fold) {
+      products = MatrixXd(products.selfadjointView<Eigen::Lower>());
+      if (!products.allFinite() || products.bottomRightCorner(n, n).isZero(0.0)) return nullptr;
+    }
+  }
+  return out;
+}
+
+QuickFit QuickFitter::fit(const std::shared_ptr<const RegressorMoments>& moments, const MatrixXd& torques) const {
+  const int n = arm_.joints(), size = base_.size();
   QuickFit out;
+  out.moments = moments;
   out.shares = VectorXd::Ones(n);
   out.folds = MatrixXd::Ones(n, checking::kFolds);
-  out.noise2 = noise2(recording);
-  out.friction = out.friction_significance = out.ratios = VectorXd::Zero(n);
-  std::vector<CompressedRecording> compressed;
-  try {
-    compressed.push_back(compress(arm_, recording, options_));
-  } catch (const InvalidInput&) {
-    return out;  // numbers that no recording has, after a transformation
+  out.friction = out.friction_significance = out.ratios = out.noise2 = out.alone = out.together = VectorXd::Zero(n);
+  for (int i = 0; i < n; ++i) {
+    Eigen::Index from = 0;
+    torques.col(i).cwiseAbs().maxCoeff(&from);
+    out.noise2[i] = facts_.noise2[from];
   }
-  const CompressedRecording& c = compressed.front();
-  if (c.blocks.size() < checking::kFolds) return out;
-  const VectorXd weights = range_weights(compressed);
-  const auto folds = folds_of(c, n);
-  std::vector<SquareRootInformation> base;  // of every fold
-  for (const auto& fold : folds) base.push_back(weighted_total(fold, weights, names_).restricted(base_columns_));
-  const MatrixXd without = solutions_without(base);
-  SquareRootInformation total(base_columns_);
-  for (const SquareRootInformation& one : base) total.merge(one);
-  const VectorXd beta = least_squares(total);
-  VectorXd left = VectorXd::Zero(n), all = left;
+  if (moments == nullptr) return out;
+  // By fold and joint, and summed: products of its columns and its torque.
+  std::vector<std::vector<MatrixXd>> folds = moments->products;
+  std::vector<MatrixXd> sums(static_cast<std::size_t>(n));
+  VectorXd all(n), left = VectorXd::Zero(n);
+  for (int i = 0; i < n; ++i) {
+    const auto own = static_cast<Eigen::Index>(moments->columns[i].size());
+    sums[i] = MatrixXd::Zero(own + 1, own + 1);
+    for (std::vector<MatrixXd>& fold : folds) sums[i] += fold[i] = changed(fold[i], MatrixXd::Identity(own, own), torques.col(i));
+    all[i] = sums[i](own, own);
+    if (has_values_) out.ratios[i] = ratio(sums[i], moments->columns[i]);
+  }
+  const VectorXd weights = (all.array() > 0.0).select(all.array().inverse(), 0.0);
+  std::vector<MatrixXd> of_fold(checking::kFolds, MatrixXd::Zero(size + 1, size + 1));
+  MatrixXd total = of_fold[0], of_torque = MatrixXd::Zero(size, n);
+  for (int i = 0; i < n; ++i) {
+    std::vector<int> places = moments->columns[i];
+    of_torque(places, i) = weights[i] * sums[i].col(sums[i].cols() - 1).head(sums[i].cols() - 1);
+    places.push_back(size);
+    for (int f = 0; f < checking::kFolds; ++f) of_fold[f](places, places) += weights[i] * folds[f][i];
+    total(places, places) += weights[i] * sums[i];
+  }
   for (int f = 0; f < checking::kFolds; ++f) {
-    std::unordered_map<std::string, double> values;
-    for (int j = 0; j < base_size(); ++j) values[base_columns_[static_cast<std::size_t>(j)]] = without(j, f);
+    const VectorXd beta = solution(total - of_fold[f]);
     for (int i = 0; i < n; ++i) {
-      const SquareRootInformation& rows = folds[static_cast<std::size_t>(f)][static_cast<std::size_t>(i)];
-      const double residual2 = rows.residual2(values_of(rows, values));
-      out.folds(i, f) = residual2 / std::max(rows.rhs_norm2(), 1e-300);
-      left[i] += residual2;
-      all[i] += rows.rhs_norm2();
+      const double error2 = residual2(folds[f][i], beta(moments->columns[i]));
+      out.folds(i, f) = error2 / std::max(folds[f][i].bottomRightCorner<1, 1>().value(), 1e-300);
+      left[i] += error2;
     }
   }
   out.shares = left.cwiseQuotient(all.cwiseMax(1e-300)).cwiseMin(1.0);
+  const auto solved = [&](const VectorXd& rhs) {
+    total.col(size).head(size) = rhs;
+    return solution(total);
+  };
+  const VectorXd beta = solution(total);
+  const double rho = std::sqrt(residual2(total, beta));
   for (int i = 0; i < n; ++i) {
-    SquareRootInformation rows(names_);
-    for (const auto& fold : folds) rows.merge(fold[static_cast<std::size_t>(i)]);
-    if (has_values_) out.ratios[i] = ratio(rows);
+    const VectorXd power = moments->power.row(i).transpose() / std::max(std::sqrt(all[i] * moments->speed2[i]), 1e-300);
+    out.friction[i] = power.dot(beta);
+    out.friction_significance[i] = std::abs(out.friction[i]) / std::max(std::sqrt(std::max(0.0, power.dot(solved(power)))) * rho, 1e-300);
   }
-  const MatrixXd power = friction_power(recording);
-  out.friction = power * beta;
-  const MatrixXd spread = total.R().triangularView<Eigen::Upper>().transpose().solve(power.transpose());
-  for (int i = 0; i < n; ++i)
-    out.friction_significance[i] = std::abs(out.friction[i]) / std::max(spread.col(i).norm() * std::sqrt(total.rho2()), 1e-300);
+  // Squared residuals as a quadratic form of one factor for each joint's torque, all other parameters fitted. A joint whose
+  // torque follows from parameters of its own alone tells no factor.
+  MatrixXd Q = MatrixXd::Identity(n + 1, n + 1);
+  for (int i = 0; i < n; ++i) Q.col(i).head(n) -= of_torque.transpose() * solved(of_torque.col(i));
+  for (int i = 0; i < n; ++i) {
+    out.alone[i] = 1.0 - Q.row(i).head(n).sum() / std::max(Q(i, i), 1e-300);
+    if (Q(i, i) > checking::kBadly * checking::kBadly) continue;
+    out.alone[i] = out.ratios[i] != 0.0 ? 1.0 / out.ratios[i] : 1.0;
+    Q.row(i).setZero();
+    Q.col(i).setZero();
+    Q(i, i) = 1.0;
+  }
+  out.together = VectorXd::Ones(n);  // the eigenvector of the smallest eigenvalue
+  for (int k = 0; k < checking::kPowers; ++k) {
+    Q.col(n).head(n) = out.together;
+    out.together = solution(Q).normalized();
+  }
+  if (out.together.sum() < 0.0) out.together *= -1.0;
   out.misfit = out.shares.cwiseMax(checking::kSmallestShare * checking::kSmallestShare).array().log().sum();
   out.contradictions = contradictions(out);
   out.misfit += out.contradictions;
@@ -148,9 +234,9 @@ double QuickFitter::contradictions(const QuickFit& fit) const {
   return out;
 }
 
-VectorXd QuickFitter::noise2(const Recording& recording) const {
+RecordedFacts facts_of(const Recording& recording, const PreprocessingOptions& options) {
   const double rate = std::min(checking::kGrid, 1.0 / std::max(median_step(recording.time), checking::kShortestStep));
-  VectorXd out = VectorXd::Zero(arm_.joints());
+  RecordedFacts out{detect_period(recording).seconds, VectorXd::Zero(recording.tau.cols())};
   for (Eigen::Index j = 0; j < recording.tau.cols(); ++j) {
     // The median of second differences: friction that reverses is no noise.
     std::vector<double> second;
@@ -161,10 +247,10 @@ VectorXd QuickFitter::noise2(const Recording& recording) const {
       second.push_back(value);
       torque2 += recording.tau(k, j) * recording.tau(k, j);
     }
-    const double passed = options_.cutoff > 0.0 ? std::min(1.0, 2.0 * options_.cutoff / rate) : 1.0;
+    const double passed = options.cutoff > 0.0 ? std::min(1.0, 2.0 * options.cutoff / rate) : 1.0;
     const double deviation = kMadToDeviation * median(second);
     const double noise2 = deviation * deviation / checking::kSecondDifference * static_cast<double>(second.size());
-    if (torque2 > 0.0) out[j] = passed * noise2 / torque2;
+    if (torque2 > 0.0) out.noise2[j] = passed * noise2 / torque2;
   }
   return out;
 }
@@ -200,68 +286,28 @@ VectorXd QuickFitter::springs_apart(const Recording& recording) const {
 
 // Factor between the torques of the file's values and the recorded ones, beside friction and rotor inertia, which
 // files lack.
-double QuickFitter::ratio(const SquareRootInformation& joint) const {
-  std::vector<Eigen::Index> open;
-  VectorXd phi = VectorXd::Zero(joint.size());
-  for (std::size_t j = 0; j < parameters_.size(); ++j) {
-    if (parameters_[j].effect) open.push_back(static_cast<Eigen::Index>(j));
-    else if (std::isfinite(parameters_[j].value)) phi[static_cast<Eigen::Index>(j)] = parameters_[j].value;
-  }
-  const MatrixXd R = joint.R();
-  MatrixXd columns(R.rows(), 1 + static_cast<Eigen::Index>(open.size()));
-  columns.col(0) = R * phi;
-  for (std::size_t k = 0; k < open.size(); ++k) columns.col(1 + static_cast<Eigen::Index>(k)) = R.col(open[k]);
-  const VectorXd norms = columns.colwise().norm().transpose().cwiseMax(1e-300);
-  if (columns.col(0).norm() < 1e-300) return 0.0;
-  const MatrixXd scaled = columns * norms.cwiseInverse().asDiagonal();
-  const MatrixXd others = scaled.rightCols(scaled.cols() - 1);
-  const VectorXd x = least_norm(scaled, joint.z());
-  const double with = (scaled * x - joint.z()).squaredNorm() + joint.rho2();
-  const double without = (others * least_norm(others, joint.z()) - joint.z()).squaredNorm() + joint.rho2();
-  return with < checking::kTelling * without ? x[0] / norms[0] : 0.0;
+double QuickFitter::ratio(const MatrixXd& products, const std::vector<int>& columns) const {
+  const MatrixXd H = changed(products, known_(columns, Eigen::all), MatrixXd::Ones(1, 1));
+  if (H(0, 0) < 1e-300) return 0.0;
+  const MatrixXd without = H.bottomRightCorner(H.rows() - 1, H.cols() - 1);
+  const VectorXd x = solution(H);
+  return residual2(H, x) < checking::kTelling * residual2(without, solution(without)) ? x[0] : 0.0;
 }
 
-std::vector<QuickFitter::Friction> QuickFitter::frictions() const {
-  std::vector<Friction> out;
-  for (std::size_t j = 0; j < base_columns_.size(); ++j) {
-    const auto known = std::find(names_.begin(), names_.end(), base_columns_[j]);
-    const StandardParameter& p = parameters_[known - names_.begin()];
+// Power that plain friction along an axis s = c . q takes from the joints: constant against ds, or proportional to it;
+// several axes may share a joint.
+void QuickFitter::add_power(const MatrixXd& dq, RegressorMoments& out) const {
+  for (int j = 0; j < base_.size(); ++j) {
+    const StandardParameter& p = parameters_[base_.independent[j]];
     if (!p.effect) continue;
     const EffectTerm& term = arm_.effects()[*p.effect];
     const EffectTraits traits = find_effect(term.effect).traits();
     if (!traits.elementary || traits.role != EffectRole::kFriction) continue;
-    out.push_back({term.axis.coefficients, static_cast<Eigen::Index>(j),
-                   traits.dry == DryFriction::kConstant});
+    const VectorXd ds = dq * term.axis.coefficients;
+    const VectorXd shape = traits.dry == DryFriction::kConstant ? VectorXd(ds.cwiseSign()) : ds;
+    out.power.col(j) += term.axis.coefficients.cwiseProduct(dq.transpose() * shape);
   }
-  return out;
-}
-
-// Power that friction takes from each joint, by base parameter (joints x base), relative to rms
-// torque times rms speed; several axes may share a joint.
-MatrixXd QuickFitter::friction_power(const Recording& recording) const {
-  const std::vector<Friction> all = frictions();
-  MatrixXd power = MatrixXd::Zero(arm_.joints(), base_size());
-  VectorXd speed2 = VectorXd::Zero(arm_.joints());
-  VectorXd torque2 = speed2;
-  for (Eigen::Index k = 1; k < recording.time.size(); ++k) {
-    VectorXd v = recording.q.row(k) - recording.q.row(k - 1);
-    v /= recording.time[k] - recording.time[k - 1];
-    if (recording.dq.size() > 0) v = recording.dq.row(k);
-    const VectorXd tau = recording.tau.row(k);
-    if (!v.allFinite() || !tau.allFinite()) continue;
-    for (const Friction& f : all) {
-      const double ds = f.axis.dot(v);
-      const double shape = f.dry ? (ds > 0.0 ? 1.0 : ds < 0.0 ? -1.0 : 0.0) : ds;
-      power.col(f.parameter) += shape * f.axis.cwiseProduct(v);
-    }
-    speed2 += v.cwiseAbs2();
-    torque2 += tau.cwiseAbs2();
-  }
-  for (int i = 0; i < arm_.joints(); ++i) {
-    const double scale = std::sqrt(torque2[i] * speed2[i]);
-    power.row(i) *= scale > 0.0 ? 1.0 / scale : 0.0;
-  }
-  return power;
+  out.speed2 += dq.colwise().squaredNorm().transpose();
 }
 
 }  // namespace veridyn

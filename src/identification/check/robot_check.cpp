@@ -38,25 +38,30 @@ struct Answer {
 class RobotCheck {
  public:
   RobotCheck(const Model& arm, Recording recording, const PreprocessingOptions& options)
-      : given_(arm), options_(options), recording_(std::move(recording)), fitter_(arm, options) {
-    for (const Coordinate& c : arm.coordinates()) names_.push_back(c.name);
+      : given_(arm), options_(options), recording_(std::move(recording)), facts_(facts_of(recording_, options)), fitter_(arm, options, facts_) {
     moves_ = quality::Head(recording_).moves;
   }
 
   RobotAnswers run(double ask_above = 0.0) {
     RobotAnswers out;
     if (is_identifiable()) {
-      best_.fit = fitter_.fit(recording_);
+      best_.fit = fit_of({});
       const QuickFit before = best_.fit;
       out.explained = is_explained(before);
       out.left = before.left();
       if (!(out.left > ask_above)) return out;  // the first recording told what hardly moves
       search();
-      if (!helps(best_, before)) best_ = Answer{{}, before, 0.0, {}};
+      const Answer none{{}, before, 0.0, {}};
+      if (!helps(best_, before)) best_ = none;
+      if (!is_explained(best_) && std::any_of(best_.set.begin(), best_.set.end(), is_fitted)) {
+        const Answer fitted = std::exchange(best_, none);
+        say_perhaps(fitted, "a force on the arm looks alike, and the noise is at " + percent(before.noise()));
+      }
+      const bool whole = recording_.rows() >= checking::kRowsOfAnArm;
+      if (whole && has_sizes_without_sign(before)) best_ = none;
+      else if (whole) report_unexplained();
       report(before.left());
-      if (recording_.rows() >= checking::kRowsOfAnArm) report_unexplained();
       tell_weak_motions();
-      if (!given_.inertial_values() && best_.set.empty()) warn_of_small_efforts();
       if (is_explained(best_) || best_.fit.left() < checking::kMostOfIt * before.left()) out.set = std::move(best_.set);
     }
     tell_what_hardly_moves(changed(out.set));
@@ -64,7 +69,7 @@ class RobotCheck {
     return out;
   }
 
-  bool would_mend(const std::vector<RecordingQuestion>& set) const { return is_clear(fit_of(set), fitter_.fit(recording_)); }
+  bool would_mend(const std::vector<RecordingQuestion>& set) const { return is_clear(fit_of(set), fit_of({})); }
 
   // Answers that leave an arm unexplained may stand for anything that it lacks.
   static bool helps(const Answer& answer, const QuickFit& before) {
@@ -75,6 +80,18 @@ class RobotCheck {
     if (is_explained(answer)) return true;
     if (std::any_of(answer.set.begin(), answer.set.end(), [](const RecordingQuestion& q) { return is_fitted(q) || scales_joints_apart(q); })) return is_clear(after, before);
     return after.left() < checking::kFitted * before.left() || (after.contradictions < before.contradictions && is_sure);
+  }
+
+  // A joint that the arm explains badly, with torques of one sign, leaves nothing else to say.
+  bool has_sizes_without_sign(const QuickFit& before) {
+    const std::size_t known = findings_.size();
+    for (int i = 0; i < joints() && !is_explained(best_); ++i) {
+      const double left = std::sqrt(before.shares[i]);
+      const auto tau = recording_.tau.col(i).array();
+      if (moves(i) && left > checking::kSure && !((tau < 0.0).any() && (tau > 0.0).any()))
+        add("no_sign", i + 1, left, text("The torque of ", joint(i), " has one sign in every row, and ", percent(left), " of it does not follow from the motion: a size without its sign?"));
+    }
+    return findings_.size() > known;
   }
 
   void report_unexplained() {
@@ -96,13 +113,9 @@ class RobotCheck {
   }
 
  private:
-  // True if the base parameters are identifiable; otherwise wrong signals would fit as well as
-  // right ones.
+  // True if the base parameters are identifiable; otherwise wrong signals would fit as well as right ones.
   bool is_identifiable() {
-    if (std::none_of(moves_.begin(), moves_.end(), [](bool moves) { return moves; })) {
-      warn_of_small_efforts();
-      return false;
-    }
+    if (std::none_of(moves_.begin(), moves_.end(), [](bool moves) { return moves; })) return false;
     const auto [determined, all, condition] = fitter_.determined(recording_);
     if (determined >= all && condition < checking::kWorstCondition) return true;
     // Signals in another unit have other columns: only units are tested.
@@ -110,37 +123,30 @@ class RobotCheck {
     add("not_compared", 0, determined,
         text("Signs, order and units of the joints are not compared with ", given_.name(),
              ": the recording ", determined < all ? "determines " : "hardly tells apart ",
-             determined, " of its ", all, " base parameters."));
-    findings_.back().severity = Severity::kInfo;
-    warn_of_small_efforts();
+             determined, " of its ", all, " base parameters."), Severity::kInfo);
     return false;
   }
 
   // True if a unit of all joints explains the torques.
   bool find_unit() {
     Answer as_recorded;
-    as_recorded.fit = fitter_.fit(recording_);
+    as_recorded.fit = fit_of({});
     std::vector<RecordingQuestion> units = open_questions(as_recorded);
     units.erase(std::remove_if(units.begin(), units.end(), [](const RecordingQuestion& q) { return q.joint != 0 || q.units.empty(); }), units.end());
-    const std::vector<Answer> all = tried({}, units);
+    const std::vector<Answer> all = tried(as_recorded, units);
     return std::any_of(all.begin(), all.end(), [&](const Answer& one) { return is_explained(one.fit) && !is_explained(as_recorded.fit); });
   }
+
+  double travel(int i, const Recording& recording) const { return quality::between_quantiles({recording.q.col(i).begin(), recording.q.col(i).end()}, 0.0, 1.0); }
 
   void tell_what_hardly_moves(const Recording& recording) {
     for (int i = 0; i < joints() && recording.rows() > 0; ++i) {
       const Limits& limits = given_.coordinates()[i].limits;
-      double lowest = kInfinity, highest = -kInfinity;
-      for (const double q : recording.q.col(i)) {
-        if (!std::isfinite(q)) continue;
-        lowest = std::min(lowest, q);
-        highest = std::max(highest, q);
-      }
-      const double share = (highest - lowest) / (limits.upper - limits.lower);
+      const double share = travel(i, recording) / (limits.upper - limits.lower);
       if (!moves(i) || !std::isfinite(limits.upper - limits.lower) || !(share < kHardlyMoves)) continue;
       add("hardly_moves", i + 1, share,
           text("In its first ", quality::number(recording.time[recording.rows() - 1] - recording.time[0]), " s ", joint(i),
-               " moves over ", percent(share), " of its range: little of its friction and inertia can be identified."));
-      findings_.back().severity = Severity::kWarning;
+               " moves over ", percent(share), " of its range: little of its friction and inertia can be identified."), Severity::kWarning);
     }
   }
 
@@ -148,32 +154,26 @@ class RobotCheck {
   void tell_weak_motions() {
     const VectorXd apart = fitter_.springs_apart(changed(best_.set));
     for (int i = 0; i < joints(); ++i) {
-      const Coordinate& c = given_.coordinates()[static_cast<size_t>(i)];
-      const double travel = quality::between_quantiles({recording_.q.col(i).begin(), recording_.q.col(i).end()}, 0.0, 1.0);
-      if (!moves(i) || c.prismatic || !(apart[i] < checking::kSpringApart) || travel > checking::kWeakly * (c.limits.upper - c.limits.lower)) continue;
+      const Coordinate& c = given_.coordinates()[i];
+      if (!moves(i) || c.prismatic || !(apart[i] < checking::kSpringApart) || travel(i, recording_) > checking::kWeakly * (c.limits.upper - c.limits.lower)) continue;
       add("weak_motion", i + 1, apart[i],
           text("The motion of ", joint(i), " is too small for its torque at other angles: a spring and a load cannot be told apart (",
-               percent(1.0 - apart[i]), " of a spring's torque could be gravity's)."));
-      findings_.back().severity = Severity::kWarning;
+               percent(1.0 - apart[i]), " of a spring's torque could be gravity's)."), Severity::kWarning);
     }
   }
 
   int joints() const { return given_.joints(); }
   bool moves(int i) const { return moves_[static_cast<size_t>(i)]; }
-  std::string joint(int i) const { return text("joint ", i + 1, " (", names_[static_cast<size_t>(i)], ")"); }
+  std::string joint(int i) const { return text("joint ", i + 1, " (", given_.coordinates()[static_cast<size_t>(i)].name, ")"); }
 
-  // Torques may be recorded as currents, to which the options then apply.
-  bool amperes() const { return recording_.current.size() > 0; }
-  std::string torque_name() const { return amperes() ? "i" : "tau"; }
-
-  void add(const std::string& finding, int joint, double value, const std::string& sentence) {
+  void add(const std::string& finding, int joint, double value, const std::string& sentence, Severity severity = Severity::kFault) {
     QualityFinding f;
     f.file = recording_.source;
     f.finding = finding;
     f.joint = joint;
     f.share = quality::kNone;
     f.value = value;
-    f.severity = Severity::kFault;
+    f.severity = severity;
     f.sentence = sentence;
     findings_.push_back(std::move(f));
   }
@@ -184,7 +184,7 @@ class RobotCheck {
   static bool is_fitted(const RecordingQuestion& q) { return q.robot && q.neighbours; }
   // Other factors of single torques come near to much that an arm lacks.
   static bool scales_joints_apart(const RecordingQuestion& q) {
-    return q.finding == "torque_unit" && (q.joint != 0 || q.units == "tau=%" || q.units == "tau=permille" || q.units == "tau=share");
+    return q.finding == "torque_unit" && (q.joint != 0 || q.price > 0.0 || q.units == "tau=%" || q.units == "tau=permille" || q.units == "tau=share");
   }
   static bool is_explained(const Answer& answer) {
     const bool fitted = std::any_of(answer.set.begin(), answer.set.end(), is_fitted);
@@ -193,25 +193,44 @@ class RobotCheck {
 
   Recording changed(const std::vector<RecordingQuestion>& set) const {
     Recording out = recording_;
-    apply_to(set, out);
+    apply_to(set, given_, out);
     return out;
   }
 
-  QuickFit fit_of(const std::vector<RecordingQuestion>& set, VelocitySource velocity = VelocitySource::kRecorded) const {
-    const Recording recording = changed(set);
-    if (velocity == VelocitySource::kRecorded && !concern_robot(set)) return fitter_.fit(recording);
-    PreprocessingOptions how = options_;
-    if (velocity == VelocitySource::kDerived) how.velocity = velocity;
-    return QuickFitter(applied(set, given_), how).fit(recording);
+  // Torques as a linear map of those recorded, which load registers and rows that are left out are not.
+  MatrixXd torques_of(std::vector<RecordingQuestion> set) const {
+    set.erase(std::remove_if(set.begin(), set.end(), is_of_rows), set.end());
+    Recording units;
+    units.tau = MatrixXd::Identity(joints(), joints());
+    apply_to(set, given_, units);
+    return units.tau;
   }
 
-  std::vector<Answer> tried(const std::vector<RecordingQuestion>& before, const std::vector<RecordingQuestion>& questions) const {
+  static bool is_of_rows(const RecordingQuestion& q) { return q.rows || q.units == "tau=load"; }
+
+  QuickFit fit_of(const std::vector<RecordingQuestion>& set, VelocitySource velocity = VelocitySource::kRecorded) const {
+    Recording recording = changed(set);
+    recording.tau = recording_.tau;
+    for (const RecordingQuestion& q : set) {
+      if (is_of_rows(q)) apply_to({q}, given_, recording);
+    }
+    if (velocity == VelocitySource::kRecorded && !concern_robot(set)) return fitter_.fit(fitter_.moments(recording), torques_of(set));
+    PreprocessingOptions how = options_;
+    if (velocity == VelocitySource::kDerived) how.velocity = velocity;
+    const QuickFitter fitter(applied(set, given_), how, facts_);
+    return fitter.fit(fitter.moments(recording), torques_of(set));
+  }
+
+  // Questions that leave the motion as it is need no new regressor.
+  std::vector<Answer> tried(const Answer& before, const std::vector<RecordingQuestion>& questions) const {
     std::vector<Answer> out(questions.size());
+    const bool same_arm = !concern_robot(before.set);
     parallel_for(static_cast<int>(questions.size()), 0, [&](int k) {
-      Answer& one = out[static_cast<size_t>(k)];
-      one.set = before;
-      one.set.push_back(questions[static_cast<size_t>(k)]);
-      one.fit = fit_of(one.set);
+      Answer& one = out[k];
+      one.set = before.set;
+      one.set.push_back(questions[k]);
+      one.fit = same_arm && questions[k].maps_torques() ? fitter_.fit(before.fit.moments, torques_of(one.set)) : fit_of(one.set);
+      if (!(one.fit.misfit < before.fit.misfit)) one.fit.moments.reset();
     });
     return out;
   }
@@ -219,24 +238,16 @@ class RobotCheck {
   // Questions that the answers so far leave open. What only contradicts the file's values or friction's sign is asked of
   // torques and gravity.
   std::vector<RecordingQuestion> open_questions(const Answer& so_far) const {
-    std::vector<bool> badly;
-    for (int i = 0; i < joints(); ++i) badly.push_back(std::sqrt(so_far.fit.shares[i]) > checking::kBadly);
-    std::vector<RecordingQuestion> all = questions_of(given_, recording_, torque_name(), moves_, badly);
-    if (so_far.set.empty() && !amperes()) add_gears(so_far.fit, all);
+    std::vector<RecordingQuestion> all = questions_of(given_, recording_, moves_, so_far.fit);
     const bool fits = so_far.fit.is_near();
     const auto closed = [&](const RecordingQuestion& q) {
       if (fits && q.finding != "gravity" && q.finding != "current" && q.finding.rfind("torque", 0) != 0) return true;
-      if (q.finding == "current" && !currents_are_asked()) return true;
       return std::any_of(so_far.set.begin(), so_far.set.end(), [&](const RecordingQuestion& chosen) {
         return chosen.excludes(q) || (chosen.finding == q.finding && chosen.joint == q.joint && chosen.second == q.second);
       });
     };
     all.erase(std::remove_if(all.begin(), all.end(), closed), all.end());
     return all;
-  }
-
-  static double cost(const RecordingQuestion& q) {
-    return (q.finding == "current" ? checking::kGainsBetter : checking::kBetter) + q.price;
   }
 
   // The best few sets are followed: each is extended by every open question that makes it much better.
@@ -246,10 +257,11 @@ class RobotCheck {
     for (int level = 0; level < checking::kMostTogether && !beam.empty() && !is_explained(best_); ++level) {
       std::vector<Answer> next, impossible;
       for (const Answer& parent : beam) {
-        for (Answer& one : tried(parent.set, open_questions(parent))) {
-          one.score = parent.score + one.fit.misfit - parent.fit.misfit + cost(one.set.back());
+        for (Answer& one : tried(parent, open_questions(parent))) {
+          const RecordingQuestion& q = one.set.back();
+          one.score = parent.score + one.fit.misfit - parent.fit.misfit + (q.finding == "current" ? checking::kGainsBetter : checking::kBetter) + q.price;
           // The values of a file do not hold in another convention, and contradict nothing there.
-          if (one.set.back().finding == "dh_convention") one.score += parent.fit.contradictions - one.fit.contradictions;
+          if (q.finding == "dh_convention") one.score += parent.fit.contradictions - one.fit.contradictions;
           one.before = parent.fit.folds;
           if (one.score < parent.score) (is_possible(one) ? next : impossible).push_back(std::move(one));
         }
@@ -261,6 +273,14 @@ class RobotCheck {
         say_perhaps(impossible.front(), "as recorded, all positions lie within the limits of the joints");
         return;
       }
+      const auto concerns_velocity = [](const Answer& one) { return one.set.back().units.rfind("dq=", 0) == 0; };
+      if (level == 0 && recording_.dq.size() > 0 && (next.empty() || !is_explained(next.front()))) {
+        QuickFit derived = fit_of({}, VelocitySource::kDerived);
+        if (is_explained(derived)) {  // the check of velocities names them
+          best_.fit = std::move(derived);
+          return;
+        }
+      }
       const std::vector<Answer> all = next;
       keep_the_best(next);
       for (Answer& one : next) one = polished(one);
@@ -271,7 +291,7 @@ class RobotCheck {
       if (next.empty()) break;
       std::sort(next.begin(), next.end(), better);
       // The noise of a recorded velocity makes friction near rest uncertain.
-      if (!is_explained(next.front())) {
+      if (!is_explained(next.front()) && !concerns_velocity(next.front())) {
         QuickFit quieter = fit_of(next.front().set, VelocitySource::kDerived);
         if (is_explained(quieter)) next.front().fit = std::move(quieter);
       }
@@ -321,16 +341,11 @@ class RobotCheck {
   // Moves the last question of a set to its better neighbours, by steps that halve.
   Answer polished(Answer answer) const {
     if (answer.set.back().finding == "encoder_zero" && is_explained(answer)) return answer;  // a whole quarter turn
-    const std::vector<RecordingQuestion> before(answer.set.begin(), answer.set.end() - 1);
-    for (double step = 0.5 * answer.set.back().first_distance; answer.set.back().neighbours && step > checking::kFinest * answer.set.back().first_distance;) {
-      const std::vector<RecordingQuestion> near = answer.set.back().neighbours(step);
-      std::vector<Answer> all(near.size());
-      parallel_for(static_cast<int>(near.size()), 0, [&](int k) {
-        Answer& one = all[static_cast<size_t>(k)];
-        one.set = before;
-        one.set.push_back(near[static_cast<size_t>(k)]);
-        one.fit = fit_of(one.set);
-      });
+    const double first = answer.set.back().first_distance;
+    for (double step = 0.5 * first; answer.set.back().neighbours && step > checking::kFinest * first;) {
+      Answer without = answer;
+      without.set.pop_back();
+      std::vector<Answer> all = tried(without, answer.set.back().neighbours(step));
       const auto least = std::min_element(all.begin(), all.end(), [](const Answer& a, const Answer& b) { return a.fit.misfit < b.fit.misfit; });
       if (least->fit.misfit < answer.fit.misfit) {
         answer.score += least->fit.misfit - answer.fit.misfit;
@@ -345,15 +360,8 @@ class RobotCheck {
 
   // Number of joints whose positions leave their limits.
   int beyond_limits(const Recording& recording) const {
-    const std::vector<Coordinate>& coordinates = given_.coordinates();
     int out = 0;
-    for (size_t i = 0; i < coordinates.size(); ++i) {
-      const Limits& limits = coordinates[i].limits;
-      if (!std::isfinite(limits.upper - limits.lower)) continue;
-      const double margin = checking::kBeyondLimits * (limits.upper - limits.lower);
-      const auto q = recording.q.col(i).array();
-      out += (q < limits.lower - margin || q > limits.upper + margin).any() ? 1 : 0;
-    }
+    for (int i = 0; i < joints(); ++i) out += leaves_limits(given_, i, recording) ? 1 : 0;
     return out;
   }
 
@@ -362,63 +370,20 @@ class RobotCheck {
   bool is_possible(const Answer& answer) const {
     const RecordingQuestion& q = answer.set.back();
     const int as_recorded = beyond_limits(recording_);
-    if (q.units.rfind("q=", 0) == 0 && q.finding != "turns") return as_recorded > 0 || !has_limits();
+    const auto limited = [](const Coordinate& c) { return !c.prismatic && std::isfinite(c.limits.upper - c.limits.lower); };
+    if (q.units.rfind("q=", 0) == 0 && q.finding != "turns")
+      return as_recorded > 0 || std::none_of(given_.coordinates().begin(), given_.coordinates().end(), limited);
     return beyond_limits(changed(answer.set)) <= as_recorded;
-  }
-
-  bool has_limits() const {
-    return std::any_of(given_.coordinates().begin(), given_.coordinates().end(), [](const Coordinate& c) {
-      return !c.prismatic && std::isfinite(c.limits.upper - c.limits.lower);
-    });
   }
 
   void say_perhaps(const Answer& answer, const std::string& but) {
     const RecordingQuestion& q = answer.set.back();
+    if (recording_.rows() < checking::kRowsOfAnArm) return;
     std::string what = q.what;
     what.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(what.front())));
     add(q.finding, q.joint, answer.fit.left(),
         text("Perhaps ", what, ": so the arm leaves ", percent(answer.fit.left()), " of the torque on held-out rows instead of ",
-             percent(best_.fit.left()), ", but ", but, "."));
-    findings_.back().severity = Severity::kInfo;
-  }
-
-  // Torques that are many times too small on every joint may be those of the motors.
-  void add_gears(const QuickFit& fit, std::vector<RecordingQuestion>& list) const {
-    std::vector<double> known;
-    for (const double ratio : fit.ratios) {
-      if (ratio != 0.0) known.push_back(ratio);
-    }
-    if (known.empty() || *std::min_element(known.begin(), known.end()) * checking::kMostRatio < 1.0) return;
-    if (*std::max_element(known.begin(), known.end()) > checking::kBehindGear) return add_one_gear(fit, list);
-    RecordingQuestion q;
-    q.finding = "torque_unit";
-    q.price = checking::kOfNumber * joints();
-    VectorXd gears(joints());
-    std::string words;
-    for (int i = 0; i < joints(); ++i) {
-      gears[i] = std::round(1.0 / (fit.ratios[i] != 0.0 ? fit.ratios[i] : median(known)));
-      q.units += text(i > 0 ? "," : "", "tau", i + 1, "=", gears[i]);
-      words += text(i > 0 ? ", " : "", gears[i]);
-    }
-    q.what = text("Torques are those of the motors, in front of gears of about ", words);
-    q.recording = [gears](Recording& r) { r.tau = (r.tau * gears.asDiagonal()).eval(); };
-    list.push_back(std::move(q));
-  }
-
-  // The same of single joints.
-  void add_one_gear(const QuickFit& fit, std::vector<RecordingQuestion>& list) const {
-    for (int i = 0; i < joints(); ++i) {
-      if (fit.ratios[i] == 0.0 || fit.ratios[i] > checking::kBehindGear) continue;
-      const double gear = std::round(1.0 / fit.ratios[i]);
-      RecordingQuestion q;
-      q.finding = "torque_unit";
-      q.joint = i + 1;
-      q.price = checking::kOfNumber;
-      q.units = text("tau", i + 1, "=", gear);
-      q.what = text("The torque of ", joint(i), " is that of its motor, in front of a gear of about ", gear);
-      q.recording = [i, gear](Recording& r) { r.tau.col(i) *= gear; };
-      list.push_back(std::move(q));
-    }
+             percent(best_.fit.left()), ", but ", but, "."), Severity::kInfo);
   }
 
   // One line for each answer, with what the arm leaves without it and all options together.
@@ -426,10 +391,8 @@ class RobotCheck {
     std::sort(best_.set.begin(), best_.set.end(), [](const RecordingQuestion& a, const RecordingQuestion& b) { return std::tie(a.finding, a.joint) < std::tie(b.finding, b.joint); });
     const std::string options = options_of(best_.set);
     for (const RecordingQuestion& q : best_.set) {
-      std::vector<RecordingQuestion> others;
-      for (const RecordingQuestion& other : best_.set) {
-        if (&other != &q) others.push_back(other);
-      }
+      std::vector<RecordingQuestion> others = best_.set;
+      others.erase(others.begin() + (&q - best_.set.data()));
       const double without = others.empty() ? before : fit_of(others).left();
       const double left = best_.fit.left();
       std::string sentence = q.what + ": ";
@@ -441,58 +404,21 @@ class RobotCheck {
     }
   }
 
-  bool has_gains() const {
-    return std::all_of(given_.coordinates().begin(), given_.coordinates().end(),
-                       [](const Coordinate& c) { return c.drive_gain > 0.0; });
-  }
-
-  // Equal gains would fit torques as well.
-  bool currents_are_asked() const {
-    if (!has_gains() || amperes() || joints() < 2) return false;
-    if (given_.inertial_values()) return true;
-    const VectorXd gains = this->gains();
-    return gains.maxCoeff() > checking::kEqualGains * gains.minCoeff();
-  }
-
-  VectorXd gains() const {
-    VectorXd out(joints());
-    for (int i = 0; i < joints(); ++i) out[i] = given_.coordinates()[static_cast<size_t>(i)].drive_gain;
-    return out;
-  }
-
-  void warn_of_small_efforts() {
-    if (!has_gains() || amperes() || !look_like_currents(gains())) return;
-    add("current", 0, quality::kNone,
-        text("All efforts are so small beside the limits of ", given_.name(),
-             " that they may be motor currents, as the drivers of Universal Robots publish them: "
-             "if they are, --units tau=A mends it."));
-    findings_.back().severity = Severity::kWarning;
-  }
-
-  // True if every joint's largest effort is below the current at its torque limit.
-  bool look_like_currents(const VectorXd& gains) const {
-    double nearest = 0.0;
-    for (int i = 0; i < joints(); ++i) {
-      const double limit = given_.coordinates()[i].limits.effort;
-      if (!std::isfinite(limit) || gains[i] < checking::kLeastGain) return false;
-      double largest = 0.0;
-      for (const double tau : recording_.tau.col(i)) {
-        if (std::isfinite(tau)) largest = std::max(largest, std::abs(tau));
-      }
-      nearest = std::max(nearest, largest * gains[i] / limit);
-    }
-    return nearest < 1.0;
-  }
-
   const Model& given_;
   PreprocessingOptions options_;
   Recording recording_;
+  RecordedFacts facts_;
   QuickFitter fitter_;
-  std::vector<std::string> names_;
   std::vector<bool> moves_;  // joints that can be checked
   Answer best_;
   std::vector<QualityFinding> findings_;
 };
+
+PreprocessingOptions whole(PreprocessingOptions options) {
+  options.first_row = 0;
+  options.row_count.reset();
+  return options;
+}
 
 // The check of a recording; nothing where there is too little to be asked.
 std::optional<RobotCheck> check_of(const Model& arm, Recording recording, const PreprocessingOptions& options) {
@@ -510,10 +436,7 @@ std::optional<RobotCheck> check_of(const Model& arm, Recording recording, const 
   for (int i = 0; i < arm.joints(); ++i) {
     if (recording.tau.col(i).array().isNaN().all() || recording.q.col(i).array().isNaN().all()) return {};  // the check of gaps names it
   }
-  PreprocessingOptions rest = options;
-  rest.first_row = 0;
-  rest.row_count.reset();
-  return std::optional<RobotCheck>(std::in_place, arm, std::move(recording), rest);
+  return std::optional<RobotCheck>(std::in_place, arm, std::move(recording), whole(options));
 }
 
 std::optional<RobotCheck> check_of(const Model& arm, const std::string& name, const PreprocessingOptions& options) {
@@ -523,10 +446,7 @@ std::optional<RobotCheck> check_of(const Model& arm, const std::string& name, co
   reading.row_count = std::min<long>(options.row_count.value_or(checking::kMostRows), checking::kMostRows);
   Recording recording = read_rows(name, reading, options.kept.get());
   recording.source = name;
-  PreprocessingOptions rest = options;
-  rest.first_row = 0;
-  rest.row_count.reset();
-  return check_of(arm, std::move(recording), rest);
+  return check_of(arm, std::move(recording), whole(options));
 }
 
 }  // namespace
@@ -535,8 +455,7 @@ void give_torques(const Model& arm, Recording& recording) {
   if (recording.tau.size() > 0 || recording.current.size() == 0) return;
   recording.tau = recording.current;
   for (int i = 0; i < arm.joints(); ++i) {
-    const double gain = arm.coordinates()[i].drive_gain;
-    if (gain > 0.0) recording.tau.col(i) *= gain;
+    if (arm.coordinates()[i].drive_gain > 0.0) recording.tau.col(i) *= arm.coordinates()[i].drive_gain;
   }
 }
 
