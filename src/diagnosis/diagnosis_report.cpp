@@ -59,6 +59,11 @@ std::string place_of_joint(const CauseWords& w) {
   return w.joint > 0 ? fmt::format(" on joint {} ({})", w.joint, w.coordinate) : " of the whole arm";
 }
 
+std::string rival_words(const Diagnosis& d, const Rival& r) {
+  const CauseWords w = words_of(*d.baseline.model, r.cause);
+  return w.effect + (w.frame.empty() ? place_of_joint(w) : " on " + w.frame);
+}
+
 std::string finding_text(const Diagnosis& d, const Finding& f) {
   std::string out = fmt::format("{}. {}\n", f.rank, d.sentence(f));
   for (const FoundParameter& p : f.parameters) {
@@ -74,9 +79,7 @@ std::string finding_text(const Diagnosis& d, const Finding& f) {
     out += fmt::format("     p = {:.1e}, {}\n", f.p_value, status_words(f));
   }
   for (const Rival& r : f.rivals) {
-    const CauseWords w = words_of(*d.baseline.model, r.cause);
-    const std::string place = w.frame.empty() ? place_of_joint(w) : " on " + w.frame;
-    out += fmt::format("     rival: {}{}: {}\n", w.effect, place, r.why);
+    out += fmt::format("     rival: {}: {}\n", rival_words(d, r), r.why);
   }
   return out;
 }
@@ -220,6 +223,11 @@ std::string Diagnosis::verdict() const {
     out += " The training recordings do not confirm it.";
   if (findings.front().held_out() == Agreement::kContradicts)
     out += " The held-out recordings are predicted no better with it.";
+  std::string same;
+  for (const Rival& r : findings.front().rivals) {
+    if (r.share >= numerics::kWhole) same += (same.empty() ? "" : ", or from ") + rival_words(*this, r);
+  }
+  if (!same.empty()) out += " The recordings cannot tell it from " + same + ".";
   const auto is_cut = [&](const RecordingQuality& q) {
     return std::any_of(q.saturated.begin(), q.saturated.end(), [&](const SaturatedInterval& one) { return one.joint == findings.front().joint->value; });
   };

@@ -52,6 +52,7 @@ struct FoundParameter {
 struct Rival {
   Cause cause;
   std::string why;
+  double share = 1.0;  ///< gain in place of the finding, as a share of the finding's
 };
 
 /// Result of cross-validation on the training recordings, with all other findings in the model. All findings of

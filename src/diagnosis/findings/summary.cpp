@@ -25,7 +25,7 @@ bool is_no_factor(const Diagnosis& d, const Finding& gain) {
 
 // The fewest findings that together explain most of the total; always the first one that training
 // confirms and held-out recordings do not contradict, and findings that do not concern the model's
-// torque. Of what changed since a MODEL the first one: a load need not be the same in all recordings.
+// torque. Of what changed since a MODEL also what the held-out recordings contradict: a load need not be the same in all.
 std::vector<char> main_ones(const Diagnosis& d, double share) {
   std::vector<char> out(d.findings.size(), 0);
   std::vector<size_t> order(d.findings.size());
@@ -42,10 +42,12 @@ std::vector<char> main_ones(const Diagnosis& d, double share) {
     out[k] = 1;
   }
   const auto is_contact = [](const Finding& f) { return f.test_outside.size() > 0; };
-  for (size_t k = 0; k < out.size(); ++k) out[k] = out[k] != 0 || is_contact(d.findings[k]) ? 1 : 0;
+  const auto has_gone = [&](const Finding& f) {
+    return d.changes && !f.shape && f.status != FindingStatus::kNotConfirmed && f.held_out() == Agreement::kContradicts;
+  };
+  for (size_t k = 0; k < out.size(); ++k) out[k] = out[k] != 0 || is_contact(d.findings[k]) || has_gone(d.findings[k]) ? 1 : 0;
   auto first = std::find_if(d.findings.begin(), d.findings.end(), [&](const Finding& f) {
-    const bool supported = f.status != FindingStatus::kNotConfirmed && f.held_out() != Agreement::kContradicts;
-    return !is_contact(f) && (d.changes || supported);
+    return !is_contact(f) && f.status != FindingStatus::kNotConfirmed && f.held_out() != Agreement::kContradicts;
   });
   if (first == d.findings.end()) first = std::find_if_not(d.findings.begin(), d.findings.end(), is_contact);
   if (first != d.findings.end()) out[first - d.findings.begin()] = 1;

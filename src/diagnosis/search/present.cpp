@@ -53,7 +53,14 @@ std::vector<int> Present::all_but(const std::set<size_t>& without) const {
   return out;
 }
 
-Base Present::base_of(const Rows& rows) const { return request_.scope.changes ? prior_base(rows, arm_) : fitted_base(rows, directions_); }
+Base Present::base_of(const Rows& rows) const {
+  if (!request_.scope.changes) return fitted_base(rows, directions_);
+  if (base_.T.size() == 0) return prior_base(rows, arm_);
+  // What a MODEL is sure of does not depend on the arm that is tried.
+  Base out = base_;
+  for (int i = 0; i < rows.joints(); ++i) out.X[i] = base_columns(rows, i, out.T);
+  return out;
+}
 
 double Present::price_of(const std::vector<int>& some) const {
   double sum = 0.0;

@@ -11,6 +11,7 @@
 #include "math/decompositions.hpp"
 #include "veridyn/regressor/standard_parameters.hpp"
 #include "veridyn/effects/effect.hpp"
+#include "veridyn/identification/base_parameters.hpp"
 
 namespace veridyn::search {
 namespace {
@@ -69,9 +70,8 @@ void add_bounds(const Rows& rows, Base& base) {
   }
 }
 
-}  // namespace
-
-Base fitted_base(const Rows& rows, Eigen::Index most) {
+// Gram matrix of the columns of all parameters, each joint in units of its rms torque.
+MatrixXd gram_of(const Rows& rows) {
   const auto all = static_cast<Eigen::Index>(rows.names().size());
   MatrixXd G = MatrixXd::Zero(all, all);
   for (int i = 0; i < rows.joints(); ++i) {
@@ -83,6 +83,41 @@ Base fitted_base(const Rows& rows, Eigen::Index most) {
       for (Eigen::Index r = 0; r < mine.rows(); ++r) G(at[r], at[c]) += mine(r, c);
     }
   }
+  return G;
+}
+
+// Combinations of parameters without torque that get one where gravity points elsewhere, each with the deviation of an
+// arm's bodies: the MODEL does not know them.
+MatrixXd hidden_by_gravity(const Model& model) {
+  const std::vector<StandardParameter> parameters = standard_parameters(model);
+  const BaseParameters base = base_parameters(model);
+  const auto all = static_cast<Eigen::Index>(parameters.size());
+  MatrixXd N(all, 0);
+  for (Eigen::Index p = 0; p < all; ++p) {
+    if (!parameters[p].body || parameters[p].component > 3 || std::count(base.independent.begin(), base.independent.end(), p) > 0) continue;
+    VectorXd none = VectorXd::Unit(all, p);
+    for (size_t k = 0; k < base.independent.size(); ++k) none[base.independent[k]] -= base.K(static_cast<Eigen::Index>(k), p);
+    N.conservativeResize(all, N.cols() + 1);
+    N.rightCols(1) = none * (parameters[p].component == 0 ? kMassOfArm : kMassOfArm * kReach);
+  }
+  const double g = model.gravity().norm();
+  if (N.cols() == 0 || g == 0.0) return MatrixXd(all, 0);
+  MatrixXd G = MatrixXd::Zero(N.cols(), N.cols());
+  for (int axis = 0; axis < 3; ++axis) {
+    ModelDescription turned = model.description();
+    turned.gravity = g * Eigen::Vector3d::Unit(axis);
+    const MatrixXd R = random_state_factor(Model(std::move(turned)), kRandomStates, 1).R() * N;
+    G += R.transpose() * R;
+  }
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(G);
+  const Eigen::Index kept = (eigen.eigenvalues().array() > kHidden * std::max(1.0, eigen.eigenvalues().maxCoeff())).count();
+  return N * eigen.eigenvectors().rightCols(kept);
+}
+
+}  // namespace
+
+Base fitted_base(const Rows& rows, Eigen::Index most) {
+  const MatrixXd G = gram_of(rows);
   const VectorXd norm = G.diagonal().cwiseSqrt();
   const VectorXd inverse = (norm.array() > numerics::kNoise * norm.maxCoeff()).select(norm.array().max(numerics::kTiny).inverse(), 0.0);
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(MatrixXd(inverse.asDiagonal() * G * inverse.asDiagonal()));
@@ -140,21 +175,30 @@ Base prior_base(const Rows& rows, const Model& model) {
   const auto count = static_cast<Eigen::Index>(of.size());
   MatrixXd C = MatrixXd::Zero(count, count);
   if (F.size() > 0) {
-    // Clusters leave directions open in which they say nothing. A little of no correlation closes them; more of it would
-    // open the combinations that the torques determine best.
-    C.topLeftCorner(F.rows(), F.rows()) = (1.0 - kUncorrelatedPart) * F * F.transpose();
-    C.diagonal().head(F.rows()) += kUncorrelatedPart * F.rowwise().squaredNorm();
+    // Clusters leave directions open in which they say nothing: what noise alone would scatter closes them.
+    const MatrixXd all = gram_of(rows);
+    MatrixXd G(F.rows(), F.rows());
+    for (Eigen::Index c = 0; c < G.cols(); ++c) {
+      for (Eigen::Index r = 0; r < G.rows(); ++r) G(r, c) = all(of[r], of[c]);
+    }
+    const double noise = kNoisePart * (F.transpose() * G * F).trace() / static_cast<double>(F.rows());
+    const VectorXd most = std::sqrt(kUncorrelatedPart) * F.rowwise().norm();
+    MatrixXd precision = most.asDiagonal() * G * most.asDiagonal() / std::max(noise, numerics::kTiny);
+    precision.diagonal().array() += 1.0;
+    C.topLeftCorner(F.rows(), F.rows()) = F * F.transpose() + most.asDiagonal() * precision.inverse() * most.asDiagonal();
   }
   for (const auto& [at, deviation] : days) C(at, at) += deviation * deviation;
   const VectorXd size = C.diagonal().cwiseSqrt();
   const VectorXd inverse = (size.array() > 0.0).select(size.array().max(numerics::kTiny).inverse(), 0.0);
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(MatrixXd(inverse.asDiagonal() * C * inverse.asDiagonal()));
   const MatrixXd L = size.asDiagonal() * eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  const MatrixXd hidden = hidden_by_gravity(model);
   Base out;
   out.prior = true;
-  out.T = MatrixXd::Zero(static_cast<Eigen::Index>(names.size()), count);
-  for (Eigen::Index k = 0; k < count; ++k) out.T.row(of[k]) = L.row(k);
-  out.ridge = VectorXd::Ones(count);
+  out.T = MatrixXd::Zero(static_cast<Eigen::Index>(names.size()), count + hidden.cols());
+  for (Eigen::Index k = 0; k < count; ++k) out.T.row(of[k]).head(count) = L.row(k);
+  out.T.rightCols(hidden.cols()) = hidden;
+  out.ridge = VectorXd::Ones(out.T.cols());
   for (int i = 0; i < rows.joints(); ++i) out.X.push_back(base_columns(rows, i, out.T));
   return out;
 }

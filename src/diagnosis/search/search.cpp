@@ -86,7 +86,8 @@ class Search {
     // well as the error.
     const bool moves_as_model = t.kind == TermKind::kChange || t.kind == TermKind::kLoad;
     const bool matters = g.share >= kSmallest || (moves_as_model && g.prior > t.price + 0.5 * kErrors * kErrors);
-    return g.sum > t.price && g.sum > g.limit && matters && !(t.joint && g.of_joint[t.joint->value] <= 0.0);
+    const double odds = at_.is_repeated() ? 0.0 : kOdds;
+    return g.sum > t.price + odds && g.sum > g.limit && matters && !(t.joint && g.of_joint[t.joint->value] <= 0.0);
   }
 
   // Adds the term that lowers the score most; false if none passes.
