@@ -71,7 +71,26 @@ TEST(Summary, TheFirstFindingIsConfirmedAndNotContradicted) {
   EXPECT_EQ(effect_of(d.findings[1].cause), "large");
   EXPECT_EQ(d.summary.main, 2);
   summarize(since_a_model, {});
-  EXPECT_EQ(effect_of(since_a_model.findings[0].cause), "not confirmed");
+  EXPECT_EQ(effect_of(since_a_model.findings[0].cause), "agrees");
+}
+
+// A load need not be the same in all recordings, and what changed on one joint counts beside a larger change of another.
+TEST(Summary, OfChangesALoadThatIsGoneAndASmallOneOfItsOwnJointAreListed) {
+  Diagnosis d = diagnosis(errors(0.2, 0.9), errors(0.1, 0.1));
+  d.findings = {finding("large", 1, 0.95), finding("own joint", 0, 0.02), finding("little", 1, 0.02), finding("gone", 1, 0.0)};
+  for (Finding& f : d.findings) f.test_before = f.test_after = errors(0.2, 0.2);
+  d.findings[0].test_after = errors(0.2, 0.1);
+  d.findings[1].test_after = errors(0.1, 0.2);
+  d.findings[2].test_after = errors(0.2, 0.19);
+  d.findings[3].test_after = errors(0.3, 0.3);
+  d.findings[3].cause = AddedLoad{FrameIndex{1}};
+  Diagnosis since_a_model = d;
+  since_a_model.changes = true;
+  summarize(d, {});
+  EXPECT_EQ(d.summary.main, 1);
+  summarize(since_a_model, {});
+  EXPECT_EQ(since_a_model.summary.main, 3);
+  EXPECT_EQ(effect_of(since_a_model.findings.back().cause), "little");
 }
 
 // Beside a curve over the same torque a gain is a mean of a nonlinear relation.

@@ -201,6 +201,8 @@ TEST(DiagnosisReport, ListsFindingsRivalsAndOpenQuestions) {
         "cannot tell: joint_spring on joint 1 (shoulder), on joint 2 (elbow): it never acts\n",
         "cannot tell: payload: no model from before"})
     EXPECT_NE(report.find(words), std::string::npos) << words << "\n" << report;
+  EXPECT_EQ(d.verdict(), "Joint 2 (elbow): something. The recordings cannot tell it from payload on fore.");
+  d.findings[0].rivals[0].share = 0.99;
   EXPECT_EQ(d.verdict(), "Joint 2 (elbow): something.");
 }
 

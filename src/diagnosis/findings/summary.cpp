@@ -25,7 +25,8 @@ bool is_no_factor(const Diagnosis& d, const Finding& gain) {
 
 // The fewest findings that together explain most of the total; always the first one that training
 // confirms and held-out recordings do not contradict, and findings that do not concern the model's
-// torque. Of what changed since a MODEL also what the held-out recordings contradict: a load need not be the same in all.
+// torque. Of what changed since a MODEL also what explains a part of its joint's error that counts, and a load that the
+// held-out recordings contradict: it need not be the same in all.
 std::vector<char> main_ones(const Diagnosis& d, double share) {
   std::vector<char> out(d.findings.size(), 0);
   std::vector<size_t> order(d.findings.size());
@@ -42,10 +43,14 @@ std::vector<char> main_ones(const Diagnosis& d, double share) {
     out[k] = 1;
   }
   const auto is_contact = [](const Finding& f) { return f.test_outside.size() > 0; };
-  const auto has_gone = [&](const Finding& f) {
-    return d.changes && !f.shape && f.status != FindingStatus::kNotConfirmed && f.held_out() == Agreement::kContradicts;
+  const auto is_change = [&](const Finding& f) {
+    if (!d.changes || f.shape || f.status == FindingStatus::kNotConfirmed) return false;
+    if (f.held_out() == Agreement::kContradicts) return std::holds_alternative<AddedLoad>(f.cause);
+    if (!f.joint || f.test_before.size() == 0) return false;
+    const auto own = [j = f.joint->value](const VectorXd& all) { return all.size() > j ? VectorXd(all.segment<1>(j)) : VectorXd(); };
+    return explained_share(own(f.test_before), own(f.test_after), own(d.baseline.test_error.relative), own(d.baseline.noise_floor)) > 1.0 - share;
   };
-  for (size_t k = 0; k < out.size(); ++k) out[k] = out[k] != 0 || is_contact(d.findings[k]) || has_gone(d.findings[k]) ? 1 : 0;
+  for (size_t k = 0; k < out.size(); ++k) out[k] = out[k] != 0 || is_contact(d.findings[k]) || is_change(d.findings[k]) ? 1 : 0;
   auto first = std::find_if(d.findings.begin(), d.findings.end(), [&](const Finding& f) {
     return !is_contact(f) && f.status != FindingStatus::kNotConfirmed && f.held_out() != Agreement::kContradicts;
   });

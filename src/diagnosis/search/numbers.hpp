@@ -13,7 +13,7 @@ namespace veridyn::search {
 constexpr double kErrors = 2.0, kPassed = 0.97725, kRepeated = 1.0;
 constexpr int kManyBlocks = 30;
 /// fall of the mean square of the joint that a term helps most >= kSmallest: less is not worth a name.
-constexpr double kSmallest = 0.03;
+constexpr double kSmallest = 0.02;
 /// ln of the prior odds of a name that often is the cause against one that seldom is, a constant of the robot file, one
 /// that can imitate many others, and curves of one and of two signals; the priors of a dictionary sum to one.
 constexpr double kSeldom = 2.0, kConstant = 4.0, kImitator = 3.5, kCurve = 5.0, kCurveOfTwo = 6.5;

@@ -168,7 +168,9 @@ bool Present::linearise(size_t k) {
     const State state = kept();
     bool better = false;
     // What is taken from the recorded torque of another joint brings its noise: it need not do all that the model's torque does.
+    // Another gravity shows parameters that a MODEL does not know: each is fitted.
     double least = moved ? 0.0 : -kBetter;
+    if (!moved && is_tilt(terms[k].term)) least *= 1.0 + static_cast<double>(base_.hidden);
     if (!moved && terms[k].term.candidate.from) least = -kHalf * now.gain(fit, now.evaluate(now.subset(all_but({k})))).sum;
     for (double scale = 1.0; scale > kShortestStep && !better; scale *= 0.5) {
       std::vector<double> trial(static_cast<size_t>(count));

@@ -195,6 +195,7 @@ Base prior_base(const Rows& rows, const Model& model) {
   const MatrixXd hidden = hidden_by_gravity(model);
   Base out;
   out.prior = true;
+  out.hidden = hidden.cols();
   out.T = MatrixXd::Zero(static_cast<Eigen::Index>(names.size()), count + hidden.cols());
   for (Eigen::Index k = 0; k < count; ++k) out.T.row(of[k]).head(count) = L.row(k);
   out.T.rightCols(hidden.cols()) = hidden;

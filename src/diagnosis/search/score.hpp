@@ -18,6 +18,7 @@ struct Base {
   std::vector<MatrixXd> X;  ///< (rows x directions) of every joint
   VectorXd ridge;           ///< of every direction
   bool prior = false;
+  Eigen::Index hidden = 0;  ///< the last directions, which a MODEL does not know: they have a torque under another gravity
   /// Levels that cannot be negative: value + row . u >= 0. Of a MODEL none: its prior says how far they move.
   MatrixXd nonnegative;
   VectorXd value;

@@ -143,7 +143,7 @@ std::vector<QualityFinding> merged_findings(std::vector<QualityFinding> contradi
   const bool explained = std::any_of(contradictions.begin(), contradictions.end(), [](const QualityFinding& f) { return is_contradiction(f) && is_of_motion(f); });
   const auto of_columns = [](const QualityFinding& f) { return f.finding == "no_sign" || f.finding == "same_column" || f.finding == "move_as_one"; };
   if (std::any_of(quality.begin(), quality.end(), of_columns))
-    contradictions.erase(std::remove_if(contradictions.begin(), contradictions.end(), [](const QualityFinding& f) { return f.finding == "unexplained"; }), contradictions.end());
+    contradictions.erase(std::remove_if(contradictions.begin(), contradictions.end(), [](const QualityFinding& f) { return f.finding == "unexplained" || f.finding == "no_sign"; }), contradictions.end());
   for (const QualityFinding& f : quality) {
     const bool same = f.finding == "degrees" || f.finding == "velocity_scale" || f.finding == "velocity_sign" || f.finding == "rate_contradiction";
     if (!explained || !same) contradictions.push_back(f);

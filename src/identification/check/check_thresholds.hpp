@@ -92,6 +92,9 @@ constexpr double kFittedNear = 8e-3;
 constexpr int kRowsOfAnArm = 1200;
 /// error left of a joint < kSure: a contradiction to friction or to the values of the file there is a wrong sign of its torque.
 constexpr double kSure = 0.2;
+/// smallest size of a torque < kTouches * its rms: a size without its sign passes zero where the torque changes sign; a torque that
+/// gravity holds on one side does not.
+constexpr double kTouches = 0.01;
 /// sets of answers that are followed <= kBeam.
 constexpr int kBeam = 3;
 /// error left < kPerhaps * that without: an answer that is not sure is worth a word.

@@ -82,13 +82,14 @@ class RobotCheck {
     return after.left() < checking::kFitted * before.left() || (after.contradictions < before.contradictions && is_sure);
   }
 
-  // A joint that the arm explains badly, with torques of one sign, leaves nothing else to say.
+  // A joint that the arm explains badly, with torques of one sign that touch zero, leaves nothing else to say.
   bool has_sizes_without_sign(const QuickFit& before) {
     const std::size_t known = findings_.size();
     for (int i = 0; i < joints() && !is_explained(best_); ++i) {
       const double left = std::sqrt(before.shares[i]);
       const auto tau = recording_.tau.col(i).array();
-      if (moves(i) && left > checking::kSure && !((tau < 0.0).any() && (tau > 0.0).any()))
+      const bool touches = tau.abs().minCoeff() < checking::kTouches * std::sqrt(tau.square().mean());
+      if (moves(i) && left > checking::kSure && touches && !((tau < 0.0).any() && (tau > 0.0).any()))
         add("no_sign", i + 1, left, text("The torque of ", joint(i), " has one sign in every row, and ", percent(left), " of it does not follow from the motion: a size without its sign?"));
     }
     return findings_.size() > known;
