@@ -47,7 +47,7 @@ std::vector<char> main_ones(const Diagnosis& d, double share) {
     if (!d.changes || f.shape || f.status == FindingStatus::kNotConfirmed) return false;
     if (f.held_out() == Agreement::kContradicts) return std::holds_alternative<AddedLoad>(f.cause);
     if (!f.joint || f.test_before.size() == 0) return false;
-    const auto own = [j = f.joint->value](const VectorXd& all) { return all.size() > j ? VectorXd(all.segment<1>(j)) : VectorXd(); };
+    const auto own = [j = f.joint->value](const VectorXd& v) { return v.size() > j ? VectorXd(v.segment<1>(j)) : VectorXd(); };
     return explained_share(own(f.test_before), own(f.test_after), own(d.baseline.test_error.relative), own(d.baseline.noise_floor)) > 1.0 - share;
   };
   for (size_t k = 0; k < out.size(); ++k) out[k] = out[k] != 0 || is_contact(d.findings[k]) || is_change(d.findings[k]) ? 1 : 0;
