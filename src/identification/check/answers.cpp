@@ -141,7 +141,7 @@ bool is_contradiction(const QualityFinding& finding) {
 
 std::vector<QualityFinding> merged_findings(std::vector<QualityFinding> contradictions, const std::vector<QualityFinding>& quality) {
   const bool explained = std::any_of(contradictions.begin(), contradictions.end(), [](const QualityFinding& f) { return is_contradiction(f) && is_of_motion(f); });
-  const auto of_columns = [](const QualityFinding& f) { return f.finding == "no_sign" || f.finding == "same_column" || f.finding == "move_as_one"; };
+  const auto of_columns = [](const QualityFinding& f) { return f.finding == "no_sign" || f.finding == "same_column" || f.finding == "move_as_one" || f.finding == "zero_signal"; };
   if (std::any_of(quality.begin(), quality.end(), of_columns))
     contradictions.erase(std::remove_if(contradictions.begin(), contradictions.end(), [](const QualityFinding& f) { return f.finding == "unexplained" || f.finding == "no_sign"; }), contradictions.end());
   for (const QualityFinding& f : quality) {
