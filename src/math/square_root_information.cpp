@@ -15,7 +15,7 @@ namespace veridyn {
 namespace {
 
 constexpr Eigen::Index kBlockRows = 256;  // rows of a block: 60 columns are half of a 256 KiB cache
-// From so many columns on, few rows stay as they are. Triangles of fewer columns are small, and they are equal to the
+// A factor of at least so many columns keeps few rows without factoring them. Triangles of fewer columns are small, and they are equal to the
 // last bit with and without a file in between.
 constexpr int kManyColumns = 128;
 

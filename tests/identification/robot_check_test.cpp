@@ -517,5 +517,19 @@ TEST_F(AMistakenRecording, OfASmallMotionDoesNotTellASpringFromALoad) {
   EXPECT_FALSE(weak(0.8));
 }
 
+// Columns that hold no torques, or joints that move as one, explain by themselves that the arm does not fit.
+TEST(MergedFindings, BesideColumnsThatExplainItNothingIsSaidOfAnArmThatDoesNotFit) {
+  const auto finding = [](const char* name) {
+    QualityFinding f;
+    f.finding = name;
+    f.severity = Severity::kFault;
+    return f;
+  };
+  for (const char* own : {"zero_signal", "same_column", "move_as_one", "stale_rows"}) {
+    const std::vector<QualityFinding> merged = merged_findings({finding("unexplained"), finding("no_sign"), finding("brakes")}, {finding(own)});
+    EXPECT_EQ(merged.size(), std::string(own) == "stale_rows" ? 4U : 2U) << own;
+  }
+}
+
 }  // namespace
 }  // namespace veridyn

@@ -199,8 +199,8 @@ TEST(TheFactor, RestrictedIsTheFactorOfTheseColumns) {
   EXPECT_EQ(f.restricted({}).rows(), 300);
 }
 
-// Links near the tip have a few of the columns and short blocks have few rows: whichever of them meet, and in
-// whatever order, their sum of squares is that of all rows.
+// Rows of links near the tip have few columns, and short blocks have few rows. However blocks are merged, the factor has the
+// sum of squares of all rows.
 TEST(TheFactor, AddsUpFactorsOfAnyRowsAndColumns) {
   Random random(17);
   constexpr int kColumns = 136;

@@ -25,8 +25,8 @@ bool is_no_factor(const Diagnosis& d, const Finding& gain) {
 
 // The fewest findings that together explain most of the total; always the first one that training
 // confirms and held-out recordings do not contradict, and findings that do not concern the model's
-// torque. Of what changed since a MODEL also what explains a part of its joint's error that counts, and a load that the
-// held-out recordings contradict: it need not be the same in all.
+// torque. Against a MODEL also each change that explains more than 1 - share of its own joint's error, and a load that the
+// held-out recordings contradict: it need not be the same in all of them.
 std::vector<char> main_ones(const Diagnosis& d, double share) {
   std::vector<char> out(d.findings.size(), 0);
   std::vector<size_t> order(d.findings.size());

@@ -16,15 +16,15 @@ constexpr int kManyBlocks = 30;
 constexpr double kSmallest = 0.02;
 /// ln of the prior odds of a name that often is the cause against one that seldom is, a constant of the robot file, one
 /// that can imitate many others, and curves of one and of two signals; the priors of a dictionary sum to one.
-constexpr double kSeldom = 2.0, kConstant = 4.0, kImitator = 3.5, kCurve = 5.0, kCurveOfTwo = 6.5;
+constexpr double kSeldom = 2.0, kConstantPrice = 4.0, kImitator = 3.5, kCurveOfOne = 5.0, kCurveOfTwo = 6.5;
 /// nats of a number that is polished, and of every parameter beyond the first.
 constexpr double kPolished = 1.0;
 /// deviation of friction levels and offsets from day to day, as a share of the level.
 constexpr double kDay = 0.1;
-/// ln of the posterior odds of a name >= kOdds where no held-out recording repeats its test.
+/// ln of the posterior odds of a term >= kOdds (ten to one) where no held-out recording repeats its test.
 constexpr double kOdds = 2.3;
-/// noise beside the scatter of a MODEL's values, as a share of the mean of the scatter over its directions; no parameter's
-/// variance grows by more than kUncorrelatedPart of its own.
+/// variance of the noise beside the scatter of a MODEL's values = kNoisePart * the mean scatter of their torques; it adds at most
+/// kUncorrelatedPart of its own variance to a value.
 constexpr double kNoisePart = 0.5, kUncorrelatedPart = 0.05;
 /// gain of another term >= kHalf * that of a linearised term: it is compared as a rival; gain of names >= kHalf * that of a
 /// curve: it does not stand for them.
@@ -47,8 +47,8 @@ constexpr double kUncorrelated = 0.05;       ///< autocorrelation of the residua
 constexpr int kMostLags = 200;               ///< rows over which the autocorrelation is summed
 constexpr double kLargestPart = 10.0;        ///< rms of one parameter's torque, in those of the joint's torque
 constexpr double kDependent = 1e-10;         ///< smallest eigenvalue of scaled columns that count as independent
-constexpr int kRandomStates = 200;            ///< at which torques of another gravity are sought
-constexpr double kHidden = 1e-6;             ///< of the largest eigenvalue of these torques: less is none
+constexpr int kRandomStates = 200;            ///< states at which torques under other directions of gravity are compared
+constexpr double kHidden = 1e-6;             ///< of the largest sum of their squares: less is none
 constexpr double kLeastScale = 1e-4;         ///< smallest residual, as a share of the joint's rms torque
 constexpr int kBoundTurns = 5;               ///< of the levels that cannot be negative
 constexpr double kAtBound = 1e-9;            ///< below zero: of the largest level

@@ -56,7 +56,7 @@ std::vector<int> Present::all_but(const std::set<size_t>& without) const {
 Base Present::base_of(const Rows& rows) const {
   if (!request_.scope.changes) return fitted_base(rows, directions_);
   if (base_.T.size() == 0) return prior_base(rows, arm_);
-  // What a MODEL is sure of does not depend on the arm that is tried.
+  // The directions are those of the MODEL's own arm; at another arm they have other torques.
   Base out = base_;
   for (int i = 0; i < rows.joints(); ++i) out.X[i] = base_columns(rows, i, out.T);
   return out;
@@ -168,7 +168,7 @@ bool Present::linearise(size_t k) {
     const State state = kept();
     bool better = false;
     // What is taken from the recorded torque of another joint brings its noise: it need not do all that the model's torque does.
-    // Another gravity shows parameters that a MODEL does not know: each is fitted.
+    // Under another gravity the hidden parameters of a MODEL have a torque: each that is fitted may raise the held-out error.
     double least = moved ? 0.0 : -kBetter;
     if (!moved && is_tilt(terms[k].term)) least *= 1.0 + static_cast<double>(base_.hidden);
     if (!moved && terms[k].term.candidate.from) least = -kHalf * now.gain(fit, now.evaluate(now.subset(all_but({k})))).sum;

@@ -6,23 +6,9 @@
 
 #include <Eigen/Cholesky>
 
-#include "diagnosis/search/rows.hpp"
+#include "diagnosis/search/base.hpp"
 
 namespace veridyn::search {
-
-/// The columns that every set has: the arm's own parameters, reduced to directions u that the rows determine,
-///   values = values of the arm + T u.
-/// Against a MODEL u is whitened by its covariance, so that its prior is |u|^2 / 2.
-struct Base {
-  MatrixXd T;               ///< (parameters x directions)
-  std::vector<MatrixXd> X;  ///< (rows x directions) of every joint
-  VectorXd ridge;           ///< of every direction
-  bool prior = false;
-  Eigen::Index hidden = 0;  ///< the last directions, which a MODEL does not know: they have a torque under another gravity
-  /// Levels that cannot be negative: value + row . u >= 0. Of a MODEL none: its prior says how far they move.
-  MatrixXd nonnegative;
-  VectorXd value;
-};
 
 /// A term of a set.
 struct SetTerm {
@@ -30,17 +16,6 @@ struct SetTerm {
   VectorXd ridge;
   std::vector<Eigen::Index> nonnegative;  ///< its columns whose coefficients cannot be negative
 };
-
-/// The columns of the directions T at other rows of the same arm.
-MatrixXd base_columns(const Rows& rows, int joint, const MatrixXd& T);
-
-/// Of an arm whose values are fitted, with at most so many directions: errors of the signals make dependent columns look
-/// independent.
-Base fitted_base(const Rows& rows, Eigen::Index most);
-
-/// Of a MODEL: what it determines may move as far as its covariance lets it, and friction and offsets as they do
-/// from day to day.
-Base prior_base(const Rows& rows, const Model& model);
 
 /// A set of terms with its held-out residual.
 struct Fitted {

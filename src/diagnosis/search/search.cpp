@@ -82,12 +82,13 @@ class Search {
   }
 
   bool passes(const Gain& g, const Term& t) const {
-    // Against a MODEL its own numbers may move a little. Of what moves as they do, what they would have to pay counts as
-    // well as the error.
+    const bool helps_its_joint = !t.joint || g.of_joint[t.joint->value] > 0.0;
+    // Against a MODEL its own numbers may move at a cost. A change or a load that takes their place saves this cost, even where
+    // the error stays the same.
     const bool moves_as_model = t.kind == TermKind::kChange || t.kind == TermKind::kLoad;
-    const bool matters = g.share >= kSmallest || (moves_as_model && g.prior > t.price + 0.5 * kErrors * kErrors);
+    const bool matters = (g.share >= kSmallest && helps_its_joint) || (moves_as_model && g.prior > t.price + 0.5 * kErrors * kErrors);
     const double odds = at_.is_repeated() ? 0.0 : kOdds;
-    return g.sum > t.price + odds && g.sum > g.limit && matters && !(t.joint && g.of_joint[t.joint->value] <= 0.0);
+    return g.sum > t.price + odds && g.sum > g.limit && matters;
   }
 
   // Adds the term that lowers the score most; false if none passes.

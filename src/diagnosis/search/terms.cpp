@@ -193,7 +193,7 @@ class Builder {
       if (!scope_.is_wanted(arm_, t.cause)) continue;
       t.constant = c;
       t.place = to_text(arm_, t.cause);
-      t.price = kConstant;
+      t.price = kConstantPrice;
       out_.push_back(std::move(t));
     }
   }
@@ -252,15 +252,15 @@ class Builder {
       const int j = moving[a];
       const Signal dq = signal(SignalKind::kVelocity, j), history = signal(SignalKind::kHistory, j);
       const auto smooth = [&](const Signal& s, int intervals) { return basis(s, BasisKind::kSmooth, intervals); };
-      add_curve(j, {dq}, {basis(dq, BasisKind::kSided, kCurveIntervals)}, kCurve);
-      add_curve(j, {history}, {basis(history, BasisKind::kSided, kCurveIntervals)}, kCurve);
-      add_curve(j, {t}, {smooth(t, kCurveIntervals)}, kCurve);
+      add_curve(j, {dq}, {basis(dq, BasisKind::kSided, kCurveIntervals)}, kCurveOfOne);
+      add_curve(j, {history}, {basis(history, BasisKind::kSided, kCurveIntervals)}, kCurveOfOne);
+      add_curve(j, {t}, {smooth(t, kCurveIntervals)}, kCurveOfOne);
       const SmoothBasis sides = basis(dq, BasisKind::kSides, 1);
       add_curve(j, {t, dq}, {smooth(t, kSideIntervals), sides}, kCurveOfTwo);
       add_curve(j, {torque[a], dq}, {smooth(torque[a], kSideIntervals), sides}, kCurveOfTwo);
       for (size_t b = 0; b < moving.size(); ++b) {
-        add_curve(j, {q[b]}, {smooth(q[b], kCurveIntervals)}, kCurve);
-        add_curve(j, {torque[b]}, {smooth(torque[b], kCurveIntervals)}, kCurve);
+        add_curve(j, {q[b]}, {smooth(q[b], kCurveIntervals)}, kCurveOfOne);
+        add_curve(j, {torque[b]}, {smooth(torque[b], kCurveIntervals)}, kCurveOfOne);
         add_curve(j, {q[b], dq}, {smooth(q[b], kSideIntervals), sides}, kCurveOfTwo);
         if (b == a) continue;
         add_curve(j, {q[a], q[b]}, {smooth(q[a], kProductIntervals), smooth(q[b], kProductIntervals)}, kCurveOfTwo);

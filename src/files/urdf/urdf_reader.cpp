@@ -19,7 +19,7 @@ namespace {
 // to_urdf() writes this where URDF requires a number and the model has none.
 constexpr double kUnlimited = 1e9;
 
-// Rz(yaw) Ry(pitch) Rx(roll) by way of a quaternion, as URDF's own library has it.
+// Rz(yaw) Ry(pitch) Rx(roll) through a quaternion, with the rounding of urdfdom.
 Eigen::Matrix3d rotation(const std::vector<double>& rpy) {
   if (rpy.empty()) return Eigen::Matrix3d::Identity();
   const double phi = rpy[0] / 2.0, the = rpy[1] / 2.0, psi = rpy[2] / 2.0;

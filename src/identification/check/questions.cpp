@@ -71,7 +71,7 @@ std::vector<char> rows_at_rest(const Recording& r) {
   return out;
 }
 
-// A question about a number, which the questions at a distance from it polish.
+// A question about a number; neighbours() gives the same question at nearby numbers.
 RecordingQuestion numbered(RecordingQuestion q, double distance, std::function<std::vector<RecordingQuestion>(double)> neighbours) {
   q.price = checking::kOfNumber;
   q.first_distance = distance;

@@ -10,7 +10,7 @@
 
 namespace veridyn {
 
-/// One mistake that a recording or a robot file may hold, and the transformation that undoes it: that of the options.
+/// One mistake that a recording or a robot file may hold, and the options that undo it.
 struct RecordingQuestion {
   std::string finding;  ///< name of the finding, see check_against()
   int joint = 0;        ///< from 1; 0: all

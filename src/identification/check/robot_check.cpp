@@ -82,7 +82,7 @@ class RobotCheck {
     return after.left() < checking::kFitted * before.left() || (after.contradictions < before.contradictions && is_sure);
   }
 
-  // A joint that the arm explains badly, with torques of one sign that touch zero, leaves nothing else to say.
+  // Reports joints that the arm explains badly and whose torque never changes its sign, although it reaches zero.
   bool has_sizes_without_sign(const QuickFit& before) {
     const std::size_t known = findings_.size();
     for (int i = 0; i < joints() && !is_explained(best_); ++i) {
@@ -198,7 +198,7 @@ class RobotCheck {
     return out;
   }
 
-  // Torques as a linear map of those recorded, which load registers and rows that are left out are not.
+  // The linear map from the recorded torques to those with the questions' units and exchanges.
   MatrixXd torques_of(std::vector<RecordingQuestion> set) const {
     set.erase(std::remove_if(set.begin(), set.end(), is_of_rows), set.end());
     Recording units;
@@ -222,7 +222,7 @@ class RobotCheck {
     return fitter.fit(fitter.moments(recording), torques_of(set));
   }
 
-  // Questions that leave the motion as it is need no new regressor.
+  // Transformations that leave the motion as it is need no new regressor.
   std::vector<Answer> tried(const Answer& before, const std::vector<RecordingQuestion>& questions) const {
     std::vector<Answer> out(questions.size());
     const bool same_arm = !concern_robot(before.set);

@@ -1,0 +1,86 @@
+#include <gtest/gtest.h>
+
+#include "diagnosis/search/base.hpp"
+#include "diagnosis/search/numbers.hpp"
+#include "diagnosis/two_joint_arm.hpp"
+
+// What changed since a MODEL, on a simulated arm of two joints whose truth is known.
+
+namespace veridyn {
+namespace {
+
+class Changes : public TwoJointArm {
+ protected:
+  // A MODEL of four recordings of the arm as it is, from a robot file with these values.
+  Model model_of(ModelDescription file) const {
+    std::vector<std::string> before;
+    for (unsigned k = 1; k <= 4; ++k) before.push_back(record(k, {}));
+    file.values = RobotValues::kPrior;
+    const Identification fit = identify(Model(std::move(file)), before);
+    EXPECT_TRUE(fit.model.has_value()) << fit.reason;
+    return fit.model.value();
+  }
+
+  // Four recordings after the change, and one held out.
+  Diagnosis since(const Model& model, const std::vector<std::string>& hidden, const std::vector<std::string>& effects) const {
+    std::vector<std::string> train;
+    for (unsigned k = 5; k <= 8; ++k) train.push_back(record(k, hidden));
+    DiagnosisOptions options;
+    options.effects = effects;
+    options.identification.threads = 1;
+    return diagnose(model, train, {record(9, hidden)}, options);
+  }
+
+  static ModelDescription with_gravity(const Model& arm, const Eigen::Vector3d& gravity) {
+    ModelDescription d = arm.description();
+    d.gravity = gravity;
+    return d;
+  }
+};
+
+// On an upright arm no torque depends on the first moments of the first link: a MODEL has those of its file, here false ones.
+TEST_F(Changes, MomentsThatOnlyALeaningArmFeelsAreNoLoad) {
+  const Model leaning(with_gravity(truth_, {0.25, -0.15, -9.8}));
+  ModelDescription upright = with_gravity(truth_, {0.0, 0.0, -9.81});
+  truth_ = Model(upright);
+  Frame& first = upright.frames[static_cast<std::size_t>(truth_.bodies().front())];
+  first.body->phi->segment<3>(1) *= 0.3;
+  const Model model = model_of(upright);
+  truth_ = leaning;
+  const Diagnosis d = since(model, {}, {"gravity_tilt", "payload"});
+  ASSERT_EQ(d.findings.size(), 1U) << d.report();
+  EXPECT_EQ(effect_of(d.findings[0].cause), "gravity_tilt");
+}
+
+// The MODEL's own level could move as far, at a cost: the change saves this cost and leaves the error of the torque the same.
+TEST_F(Changes, ALevelOfFrictionThatChangedIsNamed) {
+  const Model model = model_of(truth_.description());
+  const std::vector<std::pair<const char*, std::vector<double>>> levels = {{"coulomb_friction:1:level=", {0.7, 1.4, -0.6}},
+                                                                           {"coulomb_friction:2:level=", {0.35, 0.7, -0.4}}};
+  for (const auto& [change, sizes] : levels) {
+    for (const double size : sizes) {
+      const Diagnosis d = since(model, {change + std::to_string(size)}, {});
+      ASSERT_FALSE(d.findings.empty()) << change << size << "\n" << d.report();
+      EXPECT_EQ(to_text(truth_, d.findings[0].cause).rfind("coulomb_friction:", 0), 0U) << change << size << "\n" << d.report();
+      EXPECT_NEAR(d.findings[0].parameters.front().value, size, 0.1 * std::abs(size)) << change << size;
+    }
+  }
+}
+
+// Two values with nearly opposite torques, as an offset and a weight over a small range: a MODEL knows neither well, but their
+// sum. What their covariance adds to their scatter is noise of torque, however large they scatter themselves.
+TEST(ModelCovariance, AddsNoMoreToTheTorqueThanAShareOfItsScatter) {
+  for (const double apart : {1.0, 1e-2, 1e-6}) {
+    Eigen::Matrix2d G;
+    G << 1.0, apart - 1.0, apart - 1.0, 1.0;
+    const Eigen::Vector2d F(15.0, 15.0);
+    const Eigen::Matrix2d C = search::covariance_of(F, G);
+    const double scatter = F.dot(G * F);
+    EXPECT_GE((G * C).trace(), scatter);
+    EXPECT_LE((G * C).trace(), (1.0 + search::kNoisePart) * scatter * (1.0 + 1e-9)) << apart;
+    EXPECT_LE(C(0, 0), (1.0 + search::kUncorrelatedPart) * F[0] * F[0] * (1.0 + 1e-9));
+  }
+}
+
+}  // namespace
+}  // namespace veridyn
