@@ -77,7 +77,8 @@ TEST_F(Repeated, ThreadsChangeNoCauseAndNoNumber) {
     if (std::string(command) == "diagnose") {
       std::set<std::string> causes;
       for (const json& f : one.at("findings")) causes.insert(f.at("cause").get<std::string>());
-      EXPECT_GE(causes.size(), 2U) << one.at("findings").dump(1);
+      // The level of the file could move into the place of the friction: both are findings nevertheless.
+      EXPECT_EQ(causes, (std::set<std::string>{"coulomb_friction:elbow", "torque_offset:shoulder"})) << one.at("findings").dump(1);
     }
     for (const char* threads : {"2", "4"})
       expect_alike(one, result_of({command, "planar-2r"}, threads), std::string(command) + " --threads " + threads + ":");

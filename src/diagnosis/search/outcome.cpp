@@ -103,11 +103,13 @@ class Outcome {
     return static_cast<int>(places.size());
   }
 
-  // The held-out recordings with the first terms of the set, fitted to all training rows.
+  // The held-out recordings with the first terms of the set, fitted to all training rows. Against a MODEL with what the whole
+  // set gives them: without a term its own parameters would move into its place.
   void take_test_errors(SearchResult& out) {
     if (request_.test.empty()) return;
     out.test_error.resize(static_cast<Eigen::Index>(at_.terms.size()) + 1, at_.rows().joints());
     std::optional<Round> then;
+    VectorXd x;
     for (size_t m = at_.terms.size() + 1; m-- > 0;) {
       const std::vector<Chosen> first(at_.terms.begin(), at_.terms.begin() + static_cast<long>(m));
       const bool again = m == at_.terms.size() || at_.terms[m].term.is_linearised();
@@ -118,7 +120,8 @@ class Outcome {
       if (again) then.emplace(at_.round());
       std::vector<int> some(m);
       std::iota(some.begin(), some.end(), 0);
-      const MatrixXd residual = at_.left_on_test(then->evaluate(then->subset(some)).x, some);
+      if (!request_.scope.changes || m == at_.terms.size()) x = then->evaluate(then->subset(some)).x;
+      const MatrixXd residual = at_.left_on_test(x, some);
       out.test_error.row(static_cast<Eigen::Index>(m)) = residual.colwise().norm() / std::sqrt(static_cast<double>(std::max<Eigen::Index>(1, residual.rows())));
       if (m < at_.terms.size()) continue;
       out.test = at_.test_rows();

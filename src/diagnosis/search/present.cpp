@@ -15,6 +15,22 @@
 namespace veridyn::search {
 namespace {
 
+// True if the columns of a term are the same at every arm that takes the recorded motion and torque alike.
+bool follows_motion(const Term& t) {
+  if (t.kind == TermKind::kCurve)
+    return std::none_of(t.signals.begin(), t.signals.end(), [](const Signal& s) { return s.kind == SignalKind::kTorque; });
+  return (t.kind == TermKind::kEffect || t.kind == TermKind::kChange) && !find_effect(t.effect.effect).traits().uses_load;
+}
+
+bool is_same_motion(const Rows& a, const Rows& b) {
+  for (int i = 0; i < a.joints(); ++i) {
+    if (a.arm().coordinates()[i].recorded.torque_gain != b.arm().coordinates()[i].recorded.torque_gain) return false;
+  }
+  return std::equal(a.stretches().begin(), a.stretches().end(), b.stretches().begin(), b.stretches().end(), [](const Stretch& x, const Stretch& y) {
+    return x.segment.q == y.segment.q && x.segment.dq == y.segment.dq && x.segment.ddq == y.segment.ddq;
+  });
+}
+
 double errors_of(int blocks) {
   return blocks < kManyBlocks ? student_t_quantile(2.0 * (1.0 - kPassed), std::max(1.0, blocks - 1.0)) : kErrors;
 }
@@ -144,10 +160,15 @@ bool Present::move_to(const Model& arm) {
     return false;  // no arm
   }
   if (rows->rows() != static_cast<Eigen::Index>(folds_.of_row.size()) || !rows->residual.allFinite()) return false;
+  const bool same = is_same_motion(*rows_, *rows);
   rows_ = std::move(rows);
   base_ = base_of(*rows_);
-  cache_.assign(dictionary_.size(), nullptr);
-  for (Chosen& c : terms) c.columns = columns_of(c.term, *rows_);
+  for (size_t k = 0; k < cache_.size(); ++k) {
+    if (!same || !follows_motion(dictionary_[k])) cache_[k] = nullptr;
+  }
+  for (Chosen& c : terms) {
+    if (!same || !follows_motion(c.term)) c.columns = columns_of(c.term, *rows_);
+  }
   return true;
 }
 

@@ -82,22 +82,30 @@ Round::Round(const Rows& rows, const Folds& folds, const Base& base, const std::
   }
   y_.resize(count, n);
   used_.resize(count, n);
-  X_.assign(n, MatrixXd::Zero(count, p));
+  acting_.resize(n);
+  X_.resize(n);
   for (int i = 0; i < n; ++i) {
+    std::vector<const double*> from;
+    const auto add = [&](const MatrixXd& columns, Eigen::Index first) {
+      for (Eigen::Index c = 0; c < columns.cols(); ++c) {
+        if (columns.col(c).isZero(0.0)) continue;
+        acting_[i].push_back(static_cast<int>(first + c));
+        from.push_back(columns.col(c).data());
+      }
+    };
+    add(base.X[i], 0);
+    for (size_t t = 0; t < chosen.size(); ++t) {
+      for (size_t at = 0; at < chosen[t].columns->joints.size(); ++at) {
+        if (chosen[t].columns->joints[at] == i) add(chosen[t].columns->of[at], ranges_[t].first);
+      }
+    }
+    X_[i].resize(count, static_cast<Eigen::Index>(from.size()));
+    for (size_t c = 0; c < from.size(); ++c) {
+      for (Eigen::Index k = 0; k < count; ++k) X_[i](k, static_cast<Eigen::Index>(c)) = from[c][order_[k]];
+    }
     for (Eigen::Index k = 0; k < count; ++k) {
       y_(k, i) = rows.residual(order_[k], i);
       used_(k, i) = rows.used(order_[k], i);
-    }
-    for (Eigen::Index c = 0; c < base_; ++c) {
-      for (Eigen::Index k = 0; k < count; ++k) X_[i](k, c) = base.X[i](order_[k], c);
-    }
-  }
-  for (size_t t = 0; t < chosen.size(); ++t) {
-    for (size_t at = 0; at < chosen[t].columns->joints.size(); ++at) {
-      MatrixXd& X = X_[chosen[t].columns->joints[at]];
-      for (Eigen::Index c = 0; c < ranges_[t].second; ++c) {
-        for (Eigen::Index k = 0; k < count; ++k) X(k, ranges_[t].first + c) = chosen[t].columns->of[at](order_[k], c);
-      }
     }
   }
   rows_of_ = used_.colwise().sum().transpose();
@@ -121,7 +129,7 @@ Round::Round(const Rows& rows, const Folds& folds, const Base& base, const std::
     const Subset s = subset(all);
     VectorXd x = s.x, none;
     within_bounds(s, *s.all, nullptr, x, none);
-    for (int i = 0; i < n; ++i) residual.col(i) = y_.col(i) - X_[i] * x;
+    for (int i = 0; i < n; ++i) residual.col(i) = y_.col(i) - X_[i] * x(acting_[i]);
     weigh(residual);
   }
   gram();
@@ -168,10 +176,12 @@ void Round::gram() {
       const auto a = a_.col(static_cast<Eigen::Index>(i)).segment(first, count);
       const MatrixXd A = a.asDiagonal() * X_[i].middleRows(first, count);
       const VectorXd b = a.cwiseProduct(y_.col(static_cast<Eigen::Index>(i)).segment(first, count));
-      G_[f].selfadjointView<Eigen::Lower>().rankUpdate(A.transpose());
-      g_[f] += A.transpose() * b;
+      MatrixXd own = MatrixXd::Zero(A.cols(), A.cols());
+      own.selfadjointView<Eigen::Lower>().rankUpdate(A.transpose());
+      own.triangularView<Eigen::StrictlyUpper>() = own.transpose();
+      G_[f](acting_[i], acting_[i]) += own;
+      g_[f](acting_[i]) += A.transpose() * b;
     }
-    G_[f].triangularView<Eigen::StrictlyUpper>() = G_[f].transpose();
     G_all_ += G_[f];
     g_all_ += g_[f];
   }
@@ -212,26 +222,20 @@ Cross Round::cross(const Columns& columns, const VectorXd& ridge) const {
   const Eigen::Index p = ridge_.size(), k = columns.count();
   for (int f = 0; f < folds_.count; ++f) {
     const Eigen::Index first = begin_[f], count = begin_[f + 1] - first;
-    MatrixXd C = MatrixXd::Zero(p, k), D = MatrixXd::Zero(k, k), Z(count, k);
+    MatrixXd C = MatrixXd::Zero(p, k), D = MatrixXd::Zero(k, k), own(count, k), Z(count, k);
     VectorXd d = VectorXd::Zero(k);
     for (size_t at = 0; at < columns.joints.size(); ++at) {
       const int i = columns.joints[at];
       for (Eigen::Index c = 0; c < k; ++c) {
         for (Eigen::Index r = 0; r < count; ++r) {
           const double a = a_(first + r, i);
-          Z(r, c) = a * a * columns.of[at](order_[first + r], c);
+          own(r, c) = columns.of[at](order_[first + r], c);
+          Z(r, c) = a * a * own(r, c);
         }
       }
-      C.noalias() += X_[i].middleRows(first, count).transpose() * Z;
+      C(acting_[i], Eigen::all) += X_[i].middleRows(first, count).transpose() * Z;
       d += Z.transpose() * y_.col(i).segment(first, count);
-      for (Eigen::Index c = 0; c < k; ++c) {
-        for (Eigen::Index e = 0; e <= c; ++e) {
-          double sum = 0.0;
-          for (Eigen::Index r = 0; r < count; ++r) sum += Z(r, c) * columns.of[at](order_[first + r], e);
-          D(c, e) += sum;
-          if (e != c) D(e, c) += sum;
-        }
-      }
+      D.noalias() += own.transpose() * Z;
     }
     out.C.push_back(std::move(C));
     out.D.push_back(std::move(D));
@@ -363,7 +367,7 @@ Fitted Round::evaluate(const Subset& s, const Cross* c) const {
     }
     within_bounds(s, s.fold[f], with ? &*with : nullptr, x, z);
     const Eigen::Index first = begin_[f], count = begin_[f + 1] - first;
-    for (Eigen::Index i = 0; i < n; ++i) sorted.col(i).segment(first, count).noalias() -= X_[i].middleRows(first, count) * x;
+    for (Eigen::Index i = 0; i < n; ++i) sorted.col(i).segment(first, count).noalias() -= X_[i].middleRows(first, count) * x(acting_[i]);
     for (size_t at = 0; c != nullptr && at < c->columns->joints.size(); ++at) {
       const int i = c->columns->joints[at];
       for (Eigen::Index r = 0; r < count; ++r) {
@@ -450,15 +454,16 @@ Gain Round::gain(const Fitted& with, const Fitted& without) const {
 
 MatrixXd Round::covariance(const Subset& s, const Fitted& fit) const {
   const auto p = static_cast<Eigen::Index>(s.columns.size());
-  MatrixXd scores = MatrixXd::Zero(p, folds_.blocks);
+  MatrixXd scores = MatrixXd::Zero(ridge_.size(), folds_.blocks);
   for (size_t i = 0; i < X_.size(); ++i) {
     const auto at = static_cast<Eigen::Index>(i);
-    const VectorXd r = (y_.col(at) - X_[i] * fit.x).cwiseProduct(a_.col(at)).cwiseProduct(a_.col(at));
-    for (Eigen::Index k = 0; k < r.size(); ++k)
-      scores.col(folds_.block[order_[k]]) += r[k] * X_[i].row(k)(s.columns).transpose();
+    const VectorXd r = (y_.col(at) - X_[i] * fit.x(acting_[i])).cwiseProduct(a_.col(at)).cwiseProduct(a_.col(at));
+    MatrixXd own = MatrixXd::Zero(X_[i].cols(), folds_.blocks);
+    for (Eigen::Index k = 0; k < r.size(); ++k) own.col(folds_.block[order_[k]]) += r[k] * X_[i].row(k).transpose();
+    scores(acting_[i], Eigen::all) += own;
   }
   // Blocks count beside the white information, which bounds the covariance from below.
-  const MatrixXd half = s.all->solve(scores);
+  const MatrixXd half = s.all->solve(MatrixXd(scores(s.columns, Eigen::all)));
   const double few = folds_.blocks / std::max(1.0, folds_.blocks - 1.0);
   MatrixXd out = few * half * half.transpose();
   const MatrixXd white = s.all->solve(MatrixXd::Identity(p, p));

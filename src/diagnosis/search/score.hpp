@@ -95,7 +95,8 @@ class Round {
   Eigen::Index base_ = 0;
   bool prior_ = false;
   std::vector<Eigen::Index> order_, begin_;  // rows sorted by fold; first of every fold, and their number
-  std::vector<MatrixXd> X_;                  // per joint, sorted
+  std::vector<std::vector<int>> acting_;     // per joint, the columns that have a torque on it
+  std::vector<MatrixXd> X_;                  // per joint, these columns, rows sorted
   std::vector<std::pair<Eigen::Index, Eigen::Index>> ranges_;  // of every chosen term
   MatrixXd y_, used_, a_, weights_;          // sorted
   MatrixXd bounds_;    // (bounds x columns): value + row . x >= 0

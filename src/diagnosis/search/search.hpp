@@ -48,7 +48,8 @@ struct SearchResult {
   VectorXd scale;                     ///< (n) of the residual
   MatrixXd weights;                   ///< (rows x n) of the Student-t loss
   VectorXd values;                    ///< standard parameters of the arm beside the terms
-  /// (terms + 1) x n: rms of what the first so many terms, fitted to all training rows, leave of the held-out recordings.
+  /// (terms + 1) x n: rms of what the first so many terms leave of the held-out recordings, fitted to all training rows; against
+  /// a MODEL with the values of the whole set.
   MatrixXd test_error;
   std::shared_ptr<const Rows> test;   ///< their rows, null without any
   MatrixXd test_residual;             ///< (rows x n) with all terms
