@@ -66,8 +66,9 @@ std::string rival_words(const Diagnosis& d, const Rival& r) {
 
 std::string finding_text(const Diagnosis& d, const Finding& f) {
   std::string out = fmt::format("{}. {}\n", f.rank, d.sentence(f));
+  const char* of = std::holds_alternative<ChangedEffect>(f.cause) ? "change of " : "";
   for (const FoundParameter& p : f.parameters) {
-    out += fmt::format("     {} = {:.4g} {} (95 %: {:.4g} to {:.4g})\n", p.name, p.value, p.unit,
+    out += fmt::format("     {}{} = {:.4g} {} (95 %: {:.4g} to {:.4g})\n", of, p.name, p.value, p.unit,
                        p.low, p.high);
   }
   if (f.test_outside.size() > 0) {

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "diagnosis/search/base.hpp"
+#include "diagnosis/search/explain.hpp"
 #include "diagnosis/search/numbers.hpp"
 #include "diagnosis/two_joint_arm.hpp"
 
@@ -65,6 +66,36 @@ TEST_F(Changes, ALevelOfFrictionThatChangedIsNamed) {
       EXPECT_NEAR(d.findings[0].parameters.front().value, size, 0.1 * std::abs(size)) << change << size;
     }
   }
+}
+
+// An energy that friction would give is another cause's: a level does not fall below zero.
+TEST_F(Changes, NoFrictionChangesItsSign) {
+  const Model model = model_of(truth_.description());
+  const EffectTerm& own = model.effects().front();
+  const double level = own.values.at(find_effect(own.effect).parameters().front().name);
+  const Diagnosis d = since(model, {own.effect + ":1:" + find_effect(own.effect).parameters().front().name + "=" + std::to_string(-1.5 * level)}, {});
+  for (const Finding& f : d.findings) {
+    if (!std::holds_alternative<ChangedEffect>(f.cause) || effect_of(f.cause) != own.effect) continue;
+    EXPECT_GE(level + f.parameters.front().value, -1e-6 * level) << d.report();
+  }
+}
+
+TEST(SearchWords, ACauseOfWhichNoNumberDiffersFromZeroIsNone) {
+  search::SearchResult found;
+  found.degrees_of_freedom = 100;
+  search::Chosen effect;
+  effect.values = Eigen::Vector2d(1.0, 0.01);
+  effect.deviations = Eigen::Vector2d(0.4, 1.0);
+  EXPECT_TRUE(search::is_something(effect, found, {}));
+  effect.deviations[0] = 0.6;
+  EXPECT_FALSE(search::is_something(effect, found, {}));
+  search::Chosen load;
+  load.term.kind = search::TermKind::kLoad;
+  Finding f;
+  f.parameters = {{"moment", "kg m", 0.05, 0.0, 0.26}};
+  EXPECT_FALSE(search::is_something(load, found, f));
+  f.parameters[0].low = 0.01;
+  EXPECT_TRUE(search::is_something(load, found, f));
 }
 
 // Two values with nearly opposite torques, as an offset and a weight over a small range: a MODEL knows neither well, but their

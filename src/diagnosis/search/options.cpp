@@ -18,7 +18,8 @@ bool is_possible(const Term& t, const Columns& columns, const VectorXd& z) {
   for (const MatrixXd& of : columns.of) size += of.colwise().squaredNorm().transpose();
   Eigen::Index largest = 0;
   size.cwiseProduct(z.cwiseAbs2()).maxCoeff(&largest);
-  if (z[largest] < 0.0 && std::count(t.nonnegative.begin(), t.nonnegative.end(), largest) > 0) return false;
+  const auto is_impossible = [&](const Level& level) { return level.column == largest && level.own + z[largest] < 0.0; };
+  if (std::any_of(t.nonnegative.begin(), t.nonnegative.end(), is_impossible)) return false;
   return !scales(t) || z[0] > kGainOfNothing;
 }
 

@@ -37,6 +37,12 @@ struct Folds {
   double errors = 0.0;        ///< standard errors over blocks that a gain must exceed
 };
 
+/// A column whose coefficient with what the arm has of it already cannot be negative.
+struct Level {
+  Eigen::Index column;
+  double own;
+};
+
 /// The rows of recordings as one arm takes them: filtered and decimated as identification does it.
 class Rows {
  public:

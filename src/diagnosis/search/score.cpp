@@ -78,7 +78,10 @@ Round::Round(const Rows& rows, const Folds& folds, const Base& base, const std::
   if (next > 0) bounds_.topLeftCorner(next, base_) = base.nonnegative;
   value_.head(next) = base.value;
   for (size_t k = 0; k < chosen.size(); ++k) {
-    for (const Eigen::Index column : chosen[k].nonnegative) bounds_(next++, ranges_[k].first + column) = 1.0;
+    for (const Level& level : chosen[k].nonnegative) {
+      value_[next] = level.own;
+      bounds_(next++, ranges_[k].first + level.column) = 1.0;
+    }
   }
   y_.resize(count, n);
   used_.resize(count, n);

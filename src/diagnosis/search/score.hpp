@@ -14,7 +14,7 @@ namespace veridyn::search {
 struct SetTerm {
   const Columns* columns;
   VectorXd ridge;
-  std::vector<Eigen::Index> nonnegative;  ///< its columns whose coefficients cannot be negative
+  std::vector<Level> nonnegative;
 };
 
 /// A set of terms with its held-out residual.

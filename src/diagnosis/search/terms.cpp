@@ -134,15 +134,19 @@ class Builder {
     if (is_change(c)) {
       t.kind = TermKind::kChange;
       t.effect = arm_.effects()[c.own->value];
+    }
+    for (size_t p = 0; p < parameters.size(); ++p) {
+      const auto own = t.effect.values.find(parameters[p].name);
+      if (parameters[p].sign == ParameterSign::kNonnegative)
+        t.nonnegative.push_back({static_cast<Eigen::Index>(p), own == t.effect.values.end() ? 0.0 : std::max(own->second, 0.0)});
+    }
+    if (is_change(c)) {
       out_.push_back(std::move(t));
       return;
     }
     // Against a MODEL nothing else takes up where a spring is without load.
     const EffectTraits traits = effect.traits();
     t.with_rest = scope_.changes && traits.affine && traits.holds_at_rest && (traits.uses_position || traits.uses_source);
-    for (size_t p = 0; p < parameters.size(); ++p) {
-      if (parameters[p].sign == ParameterSign::kNonnegative) t.nonnegative.push_back(static_cast<Eigen::Index>(p));
-    }
     const AxisMotion motion = motion_along(c.axis);
     if (is_other_constant(c)) return;
     for (const ShapeChoice& choice : effect.grid(motion)) {

@@ -57,7 +57,7 @@ struct Term {
   double price = 0.0;        ///< ln 1/prior, with its grid and its polished numbers
   bool with_rest = false;    ///< a constant more: the place at which it is without load
   bool imitates = false;     ///< many other causes: see Effect::imitates_others()
-  std::vector<Eigen::Index> nonnegative;  ///< parameters that cannot be negative
+  std::vector<Level> nonnegative;  ///< parameters that cannot be negative
   VectorXd largest;          ///< of each parameter, beyond which it is not plausible; empty: none
 
   /// True if its columns are derivatives at the present arm.

@@ -32,9 +32,9 @@ double quotient_deviation(double a, double b, double aa, double bb, double ab) {
 void describe_load(const Chosen& c, double t, Finding& f) {
   const VectorXd& z = c.values;
   const MatrixXd& C = c.covariance;
-  f.parameters.push_back(parameter("mass", "kg", z[0], t * c.deviations[0]));
-  const FoundParameter mass = f.parameters.front();
+  const FoundParameter mass = parameter("mass", "kg", z[0], t * c.deviations[0]);
   const bool is_heavy = mass.low > 0.0 || mass.high < 0.0;
+  if (is_heavy) f.parameters.push_back(mass);
   // Of its first moments those that torques see; the sign of what they see of its inertia says whether it was added.
   double half = 0.0, moment = 0.0;
   for (int k = 0; k < 3; ++k) {
@@ -210,7 +210,16 @@ void describe_curve(const Chosen& c, double t, const Model& before, Finding& f) 
   f.shape = std::move(shape);
 }
 
+double quantile(const SearchResult& found) { return student_t_quantile(numerics::kOutside, static_cast<double>(found.degrees_of_freedom)); }
+
 }  // namespace
+
+bool is_something(const Chosen& c, const SearchResult& found, const Finding& f) {
+  if (c.term.kind == TermKind::kCurve || c.gravity) return true;
+  if (c.term.kind == TermKind::kLoad)
+    return std::any_of(f.parameters.begin(), f.parameters.end(), [](const FoundParameter& p) { return p.low > 0.0 || p.high < 0.0; });
+  return (c.values.cwiseAbs().array() > quantile(found) * c.deviations.array()).any();
+}
 
 Finding finding_of(const Chosen& c, const SearchResult& found, const Model& before) {
   Finding f;
@@ -221,7 +230,7 @@ Finding finding_of(const Chosen& c, const SearchResult& found, const Model& befo
   f.p_value = std::max(numerics::kTiny, 0.5 * std::erfc(c.gain / std::max(c.error, numerics::kNoise) / std::sqrt(2.0)));
   f.folds_before = c.folds_before;
   f.folds_after = c.folds_after;
-  const double t = student_t_quantile(numerics::kOutside, static_cast<double>(found.degrees_of_freedom));
+  const double t = quantile(found);
   switch (c.term.kind) {
     case TermKind::kLoad: describe_load(c, t, f); break;
     case TermKind::kChannel: describe_channel(c, t, before, f); break;
