@@ -93,10 +93,6 @@ class Explanation {
     for (size_t k = 0; k < found_.chosen.size(); ++k) {
       const Chosen& c = found_.chosen[k];
       Finding f = finding_of(c, found_, *x_.start.model);
-      if (!is_something(c, found_, f)) {
-        d_.not_supported.push_back({f.cause, f.p_value, "the intervals of its numbers hold zero"});
-        continue;
-      }
       f.test_before = test_error(k);
       f.test_after = test_error(k + 1);
       const auto at = known.find(c.term.place);

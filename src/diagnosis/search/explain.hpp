@@ -12,9 +12,6 @@ void explain(DiagnosisState& x);
 /// A finding of a term, with values, intervals and words.
 Finding finding_of(const Chosen& chosen, const SearchResult& found, const Model& before);
 
-/// False for a cause of which the intervals of all numbers hold zero.
-bool is_something(const Chosen& chosen, const SearchResult& found, const Finding& finding);
-
 /// The arm with terms of a set. Values are written where those of the arm are facts; else an identification gives them.
 Model extended_arm(const Model& arm, const std::vector<Chosen>& chosen, bool changes);
 

@@ -12,6 +12,7 @@
 #include "diagnosis/search/options.hpp"
 #include "diagnosis/search/outcome.hpp"
 #include "diagnosis/search/present.hpp"
+#include "math/student_t.hpp"
 
 namespace veridyn::search {
 namespace {
@@ -345,11 +346,24 @@ class Search {
     return out;
   }
 
+  bool is_nothing(size_t k, const VectorXd& x, const VectorXd& deviations) const {
+    const Chosen& c = at_.terms[k];
+    if (c.gravity) return false;
+    const auto [first, count] = at_.range(k);
+    VectorXd values = x.segment(first, count);
+    for (size_t p = 0; p < c.offset.size(); ++p) values[static_cast<Eigen::Index>(p)] += c.offset[p];
+    const double blocks = std::max(1.0, at_.folds().blocks - 1.0);
+    return !is_something(c.term, values, deviations.segment(first, count), student_t_quantile(numerics::kOutside, blocks));
+  }
+
   // What does not pass beside all others goes, the least first; true if anything did. What went twice stays away.
   bool clean() {
     bool any = false;
     while (!at_.terms.empty()) {
       const Round now = at_.round();
+      const Subset s = now.subset(at_.all_but({}));
+      const Fitted fit = now.evaluate(s);
+      const VectorXd deviations = now.covariance(s, fit).diagonal().cwiseSqrt();
       std::optional<size_t> gone;
       double least = 0.0;
       bool is_refuted = false;
@@ -357,7 +371,7 @@ class Search {
         const Present::Without w = at_.without(k, now);
         const bool refuted = is_contradicted(w.on_test);
         const double margin = refuted ? w.on_test.sum / std::max(w.on_test.error, numerics::kNoise) - numerics::kHuge : w.gain.sum / std::max(w.gain.error, numerics::kNoise);
-        if ((refuted || !passes(w.gain, at_.terms[k].term) || makes_worse(w.gain)) && (!gone || margin < least)) {
+        if ((refuted || !passes(w.gain, at_.terms[k].term) || makes_worse(w.gain) || is_nothing(k, fit.x, deviations)) && (!gone || margin < least)) {
           gone = k;
           least = margin;
           is_refuted = refuted;
@@ -382,6 +396,18 @@ class Search {
 };
 
 }  // namespace
+
+bool is_something(const Term& term, const VectorXd& values, const VectorXd& deviations, double quantile) {
+  if (term.kind == TermKind::kCurve) return true;
+  if (term.kind != TermKind::kLoad) return (values.cwiseAbs().array() > quantile * deviations.array()).any();
+  double moment = 0.0, deviation = 0.0;
+  for (int k = 1; k < 4; ++k) {
+    if (deviations[k] >= kSeen * kMassOfArm * kReach) continue;
+    moment = std::hypot(moment, values[k]);
+    deviation = std::hypot(deviation, deviations[k]);
+  }
+  return std::abs(values[0]) > quantile * deviations[0] || moment > quantile * deviation;
+}
 
 SearchResult search(const Model& arm, const SearchRequest& request) {
   return Search(arm, request).run();

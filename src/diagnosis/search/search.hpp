@@ -77,6 +77,9 @@ struct SearchRequest {
 /// Explains what an arm with values leaves of its recordings, by the terms of one dictionary.
 SearchResult search(const Model& arm, const SearchRequest& request);
 
+/// False for values of a term whose intervals all hold zero; of a load those of its mass and of the moment that torques see.
+bool is_something(const Term& term, const VectorXd& values, const VectorXd& deviations, double quantile);
+
 /// The arm with the linearised terms of a set.
 Model corrected(const Model& arm, const std::vector<Chosen>& chosen);
 

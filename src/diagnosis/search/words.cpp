@@ -210,16 +210,7 @@ void describe_curve(const Chosen& c, double t, const Model& before, Finding& f) 
   f.shape = std::move(shape);
 }
 
-double quantile(const SearchResult& found) { return student_t_quantile(numerics::kOutside, static_cast<double>(found.degrees_of_freedom)); }
-
 }  // namespace
-
-bool is_something(const Chosen& c, const SearchResult& found, const Finding& f) {
-  if (c.term.kind == TermKind::kCurve || c.gravity) return true;
-  if (c.term.kind == TermKind::kLoad)
-    return std::any_of(f.parameters.begin(), f.parameters.end(), [](const FoundParameter& p) { return p.low > 0.0 || p.high < 0.0; });
-  return (c.values.cwiseAbs().array() > quantile(found) * c.deviations.array()).any();
-}
 
 Finding finding_of(const Chosen& c, const SearchResult& found, const Model& before) {
   Finding f;
@@ -230,7 +221,7 @@ Finding finding_of(const Chosen& c, const SearchResult& found, const Model& befo
   f.p_value = std::max(numerics::kTiny, 0.5 * std::erfc(c.gain / std::max(c.error, numerics::kNoise) / std::sqrt(2.0)));
   f.folds_before = c.folds_before;
   f.folds_after = c.folds_after;
-  const double t = quantile(found);
+  const double t = student_t_quantile(numerics::kOutside, static_cast<double>(found.degrees_of_freedom));
   switch (c.term.kind) {
     case TermKind::kLoad: describe_load(c, t, f); break;
     case TermKind::kChannel: describe_channel(c, t, before, f); break;
