@@ -216,7 +216,7 @@ TEST_P(OpenedReport, TheReaderChoosesRecordingAndTime) {
   }
 }
 
-TEST_F(ReportPage, ItNeedsNoOtherFileAndIsSmall) {
+TEST_F(ReportPage, IsSelfContainedAndSmall) {
   for (const char* name : {"why.html", "id.html"}) {
     const std::string page = content_of(path(name));
     EXPECT_LT(static_cast<double>(page.size()), kMostBytes);
@@ -232,7 +232,7 @@ TEST_F(ReportPage, ItNeedsNoOtherFileAndIsSmall) {
   }
 }
 
-TEST_F(ReportPage, ItTellsHowToRepeatTheRun) {
+TEST_F(ReportPage, ShowsTheCommandOfTheRun) {
   const json series = embedded(content_of(path("why.html")), "series");
   const std::string command = series["command"];
   EXPECT_EQ(command.rfind("veridyn diagnose psm-3dof --train /", 0), 0u) << command;

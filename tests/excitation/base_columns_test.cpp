@@ -31,7 +31,7 @@ double left_of(const MatrixXd& W, int column, std::vector<int> others) {
 
 // Front and intermediate bars of the wrist's arm never turn against each other: of their first
 // moments only a sum is seen, but for an offset of 38 mm.
-TEST(BaseColumns, EssentialOnesAddMoreThanTheShareAndOthersLess) {
+TEST(BaseColumns, EssentialColumnsAddMoreThanTheShareAndOthersLess) {
   const Model arm = read_model("psm-wrist");
   const BaseRegressor all(arm);
   const MatrixXd W = unit_columns(arm, random_states(arm, 300));
@@ -49,7 +49,7 @@ TEST(BaseColumns, EssentialOnesAddMoreThanTheShareAndOthersLess) {
   EXPECT_TRUE(essential_columns(arm, 1e-6).non_essential.empty());
 }
 
-TEST(BaseColumns, TheBestConditionedOnesSpanTheSameAndAreNoWorse) {
+TEST(BaseColumns, TheBestConditionedColumnsSpanTheSameSpace) {
   const Model arm = read_model("psm-3dof");
   ExcitationOptions options;
   options.solver = ExcitationSolver::kRandom;

@@ -55,7 +55,7 @@ struct InFile {
   Recording memory;
 };
 
-TEST(RecordingsInMemoryAreAsGoodAsFiles, ForIdentification) {
+TEST(RecordingsInMemoryAreAsGoodAsFiles, ForIdentificationGiveTheSameResult) {
   const Laboratory lab;
   const InFile train(lab.recording(1)), test(lab.recording(2));
   const Identification files = identify(lab.bare, {train.path}, {test.path});
@@ -71,7 +71,7 @@ TEST(RecordingsInMemoryAreAsGoodAsFiles, ForIdentification) {
   }
 }
 
-TEST(RecordingsInMemoryAreAsGoodAsFiles, ForEvaluationAndPayload) {
+TEST(RecordingsInMemoryAreAsGoodAsFiles, ForEvaluationAndPayloadGiveTheSameResult) {
   const Laboratory lab;
   const InFile loaded(lab.recording(
       3, {parse_hidden_effect("payload:" + lab.arm.frames().back().name + ":mass=0.4")}));
@@ -85,7 +85,7 @@ TEST(RecordingsInMemoryAreAsGoodAsFiles, ForEvaluationAndPayload) {
   EXPECT_EQ(memory.links.front().mass, files.links.front().mass);
 }
 
-TEST(RecordingsInMemoryAreAsGoodAsFiles, ForDiagnosis) {
+TEST(RecordingsInMemoryAreAsGoodAsFiles, ForDiagnosisGiveTheSameResult) {
   const Laboratory lab;
   const std::vector<HiddenEffect> hidden = {
       parse_hidden_effect("quadratic_drag:yaw:coefficient=0.5")};
@@ -101,7 +101,7 @@ TEST(RecordingsInMemoryAreAsGoodAsFiles, ForDiagnosis) {
   EXPECT_EQ(memory.data_quality.size(), 3u);
 }
 
-TEST(Recordings, KeepTheirNamesApart) {
+TEST(Recordings, HaveUniqueNames) {
   const Laboratory lab;
   Recording one = lab.recording(1), two = lab.recording(2);
   one.source = two.source = "";

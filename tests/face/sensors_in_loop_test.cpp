@@ -109,11 +109,11 @@ Model* SlippedEncoder::truth_ = nullptr;
 Model* SlippedEncoder::before_ = nullptr;
 Model* SlippedEncoder::after_ = nullptr;
 
-TEST_F(SlippedEncoder, TheModelKnowsTheSlip) {
+TEST_F(SlippedEncoder, IsPartOfTheModel) {
   EXPECT_NEAR(after_->coordinates()[1].recorded.position_offset, kSlip, 0.003);
 }
 
-TEST_F(SlippedEncoder, TheControllerOnTheModelTracksAsBefore) {
+TEST_F(SlippedEncoder, IsCorrectedByAControllerOnTheModel) {
   const VectorXd before = tracking(*truth_, JointSensors(*truth_), *before_, JointSensors(*before_));
   const VectorXd with = tracking(*truth_, slipped(), *after_, JointSensors(*after_));
   const VectorXd without =

@@ -78,7 +78,7 @@ bool holds(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-TEST_F(SimulationFile, MjcfTakesTheValuesAndKeepsTheRest) {
+TEST_F(SimulationFile, MjcfGetsTheValuesAndKeepsTheRest) {
   std::string content = kStrangerMjcf;
   content.insert(content.find("  <equality>"), "  <!-- a camera for the film -->\n  <sensor><jointpos joint=\"yaw\"/></sensor>\n");
   content.insert(content.find("stiffness=\"4\""), "springlength=\"0.1\" ");
@@ -99,7 +99,7 @@ TEST_F(SimulationFile, MjcfTakesTheValuesAndKeepsTheRest) {
 
 // An equality called as a joint is, and a resting model with a link called as one of the arm's, stand before
 // the arm: neither is taken for it.
-TEST_F(SimulationFile, NamesThatOthersHaveTooAreTheArms) {
+TEST_F(SimulationFile, AmbiguousNamesReferToTheArm) {
   std::string content = kStrangerMjcf;
   const std::string equality = "<equality><joint joint1";
   content.erase(content.find(equality), content.find("</equality>") + 11 - content.find(equality));
@@ -144,7 +144,7 @@ TEST_F(SimulationFile, TheFilesOwnModelChangesNothing) {
   EXPECT_TRUE(b.changed.empty()) << b.changed.front();
 }
 
-TEST_F(SimulationFile, SdfTakesTheValuesAndKeepsTheRest) {
+TEST_F(SimulationFile, SdfGetsTheValuesAndKeepsTheRest) {
   const std::string path = write("arm.sdf", kStrangerSdf);
   const Model after = extended(read_model(path), "upper");
   const UpdatedFile updated = updated_sdf(after, path);
@@ -156,7 +156,7 @@ TEST_F(SimulationFile, SdfTakesTheValuesAndKeepsTheRest) {
 }
 
 // What the format has no words for is named, in the result and in the file.
-TEST_F(SimulationFile, OtherEffectsAreNamed) {
+TEST_F(SimulationFile, UnrepresentedEffectsAreReported) {
   const std::string path = write("arm.xml", kStrangerMjcf);
   ModelDescription d = read_model(path).description();
   EffectTerm term;
@@ -208,7 +208,7 @@ const char* const kFromGeoms = R"(<mujoco model="two">
 </mujoco>
 )";
 
-TEST_F(SimulationFile, BodiesOfGeomsStayAsTheyCounted) {
+TEST_F(SimulationFile, BodiesOfGeomsKeepTheirInertia) {
   const std::string path = write("arm.xml", kFromGeoms);
   ModelDescription d = read_model(path).description();
   for (Frame& f : d.frames) {
@@ -229,7 +229,7 @@ TEST_F(SimulationFile, AJointWithoutANameIsNamedAndStays) {
 }
 
 // A refined length or another base: the inertials belong to places that the file does not have.
-TEST_F(SimulationFile, OtherPlacesAreNamed) {
+TEST_F(SimulationFile, DifferingFramesAreReported) {
   const std::string path = write("arm.xml", kFromGeoms);
   ModelDescription d = read_model(path).description();
   d.gravity = {0.1, 0, -9.8};

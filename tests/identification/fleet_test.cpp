@@ -86,7 +86,7 @@ TEST(AFleet, FindsTheBodiesThatAllArmsShare) {
 
 // A tool left mounted must not bend the bodies of all, and the report says whose recordings were
 // left out of them.
-TEST(AFleet, SaysWhichArmIsLeftOutOfTheSharedBodies) {
+TEST(AFleet, NamesArmsExcludedFromTheSharedBodies) {
   const auto tool = [](const auto& parameters, VectorXd& factors, double&) {
     for (size_t p = 0; p < parameters.size(); ++p)
       if (parameters[p].body == 3) factors[static_cast<Eigen::Index>(p)] = 3.0;
@@ -120,7 +120,7 @@ FactorSet one_way(const Model& arm) {
   return set;
 }
 
-TEST(AFleet, LeavesOutWhoseRecordingsLeaveTheBodiesOpen) {
+TEST(AFleet, ExcludesArmsWithUndeterminedBodies) {
   Simulated all = fleet(12, -1, nothing);
   const Fleet same = identify_fleet(scara(), all.names, all.factors);
   EXPECT_TRUE(same.undetermined.empty());
@@ -140,7 +140,7 @@ TEST(AFleet, LeavesOutWhoseRecordingsLeaveTheBodiesOpen) {
 }
 
 // Torques of zero would weigh infinitely.
-TEST(AFleet, LeavesOutWhoseTorquesAreZero) {
+TEST(AFleet, ExcludesArmsWithZeroTorques) {
   Simulated all = fleet(6, -1, nothing);
   MotionShape shape;
   shape.duration = 10.0;
@@ -287,7 +287,7 @@ TEST(AFleet, IsTheLeastSquaresSolutionOfTheBlockArrow) {
 
 // One arm's logger writes the velocity of a joint in degrees. Taken as it is, it would look like
 // other bodies and other friction.
-TEST(AFleet, TakesAVelocityThatIsNoDerivativeFromThePosition) {
+TEST(AFleet, DerivesInconsistentVelocitiesFromThePosition) {
   const Model arm = scara();
   const auto folder = std::filesystem::temp_directory_path() / ("veridyn-fleet-" + std::to_string(::getpid()));
   std::filesystem::create_directories(folder);
@@ -321,7 +321,7 @@ TEST(AFleet, TakesAVelocityThatIsNoDerivativeFromThePosition) {
   for (const FleetMember& m : found.members) EXPECT_LT(m.relative_error.maxCoeff(), 0.03) << m.name;
 }
 
-TEST(AFleet, NeedsASoundProbability) {
+TEST(AFleet, RefusesProbabilitiesOutsideOfZeroToOne) {
   const Simulated some = fleet(3, -1, nothing);
   for (const double p : {0.0, -0.1, 1.0, std::nan("")}) {
     FleetOptions options;
@@ -330,7 +330,7 @@ TEST(AFleet, NeedsASoundProbability) {
   }
 }
 
-TEST(AFleet, ReadsItsListAndSaysWhatIsWrongWithIt) {
+TEST(AFleet, ReadsItsListAndNamesErrors) {
   const std::string folder = testing::TempDir() + "veridyn-fleet-list";
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);

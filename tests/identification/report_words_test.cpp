@@ -36,7 +36,7 @@ Fleet fleet_of(int arms) {
   return f;
 }
 
-TEST(TheFleetsReport, NamesWhatStandsOutAndCountsTheRest) {
+TEST(TheFleetsReport, ListsOutliersAndCountsTheRest) {
   Fleet f = fleet_of(3);
   EXPECT_TRUE(says(f.report(), "no arm stands out"));
   EXPECT_TRUE(says(f.report(), "joint 1: 2.00 % with the fleet's bodies, 0.50 % with its own"));
@@ -70,7 +70,7 @@ TEST(TheFleetsReport, OfNoModelIsItsReason) {
   EXPECT_EQ(f.report(), "scara: no fleet: found 2 arms, expected 3 at least.\n");
 }
 
-TEST(TheReportOfDriveGains, SaysWhatEachGainIsAndWhyNot) {
+TEST(TheReportOfDriveGains, ListsEachGainOrTheReasonForNone) {
   DriveGains g;
   MountedLoad load;
   load.known = {2.0, "flange", {"lab/a.csv", "b.csv"}};
@@ -93,7 +93,7 @@ TEST(TheReportOfDriveGains, SaysWhatEachGainIsAndWhyNot) {
   EXPECT_FALSE(says(g.report(), "12 N m/A"));
 }
 
-TEST(TheReport, SaysWhatElseThereIs) {
+TEST(TheReport, ListsRemarksAndExcludedRows) {
   Identification id;
   id.robot = "planar-2r";
   id.reason = "it ended early";

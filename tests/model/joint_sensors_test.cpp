@@ -20,7 +20,7 @@ Model wrong_arm() {
   return Model(std::move(d));
 }
 
-TEST(JointSensors, ShowWhatTheModelSaysAndTakeItOffAgain) {
+TEST(JointSensors, AddAndRemoveTheErrorsOfTheModel) {
   const JointSensors sensors(wrong_arm());
   const VectorXd true_q = Eigen::Vector3d(0.3, -0.2, 0.1);
   const VectorXd true_tau = Eigen::Vector3d(1.0, 2.0, -3.0);
@@ -45,7 +45,7 @@ TEST(JointSensors, CurrentsBecomeTrueTorques) {
   EXPECT_DOUBLE_EQ(current[1], 5.0 * 2.0 / 1.25);
 }
 
-TEST(JointSensors, AModelThatKnowsNoErrorChangesNoBit) {
+TEST(JointSensors, AModelWithoutErrorsChangesNoBit) {
   const JointSensors sensors(read_model("psm-3dof"));
   const VectorXd before = Eigen::Vector3d(0.1, 1.0 / 3.0, -7e-12);
   VectorXd v = before;
@@ -59,7 +59,7 @@ TEST(JointSensors, AModelThatKnowsNoErrorChangesNoBit) {
 }
 
 // A strong joint in the channel of a weak one: no command exceeds its drive for any signs, and one reaches it.
-TEST(JointSensors, LimitsStandWhateverTheCrosstalkAdds) {
+TEST(JointSensors, LimitsHoldUnderCrosstalk) {
   std::vector<RecordedChannel> channels(3);
   channels[0].torque_gain = 1.25;
   channels[1].torque_crosstalk = {{0, -0.15}};
@@ -82,7 +82,7 @@ TEST(JointSensors, LimitsStandWhateverTheCrosstalkAdds) {
 }
 
 // Gain, then crosstalk, then delay are taken off in this order, and put on in the other.
-TEST(JointSensors, CrosstalkIsPutOnAndTakenOffWithTheGain) {
+TEST(JointSensors, CrosstalkAndGainAreInvertible) {
   ModelDescription d = wrong_arm().description();
   d.coordinates[1].recorded.torque_crosstalk = {{0, 0.5}, {2, -0.1}};
   d.coordinates[2].recorded.torque_crosstalk = {{1, 0.2}};
@@ -115,7 +115,7 @@ TEST(JointSensors, CrosstalkFollowsItsJointWhereAnotherIsFixed) {
   EXPECT_THROW(with_fixed(arm, {{"insertion", 0.1}}), InvalidInput);
 }
 
-TEST(JointSensors, CrosstalkThatLeavesNothingIsRefused) {
+TEST(JointSensors, SingularCrosstalkIsRefused) {
   std::vector<RecordedChannel> both(2);
   both[0].torque_crosstalk = {{1, 2.0}};
   both[1].torque_crosstalk = {{0, 0.5}};
@@ -126,7 +126,7 @@ TEST(JointSensors, CrosstalkThatLeavesNothingIsRefused) {
 
 // A ramp that is recorded late is exactly the ramp of earlier times, and comes back whole but for
 // its last samples, whose record lies beyond the end.
-TEST(JointSensors, ADelayIsShownAndUndone) {
+TEST(JointSensors, ADelayIsAppliedAndCorrected) {
   const JointSensors sensors(wrong_arm());
   constexpr int kRows = 50;
   constexpr double kStep = 0.0015;  // [s]: the delay is no whole number of rows
@@ -143,7 +143,7 @@ TEST(JointSensors, ADelayIsShownAndUndone) {
   EXPECT_DOUBLE_EQ(sensors.torque_at(1, kRows - 1, kRows, kStep, recorded), tau(kRows - 1, 1));
 }
 
-TEST(JointSensors, SayInWordsWhatIsWrong) {
+TEST(JointSensors, DescribeTheirErrors) {
   const Model arm = wrong_arm();
   const std::vector<std::string> words = JointSensors(arm).in_words(arm);
   ASSERT_EQ(words.size(), 3U);
@@ -152,7 +152,7 @@ TEST(JointSensors, SayInWordsWhatIsWrong) {
   EXPECT_EQ(words[2], "the recorded torque of joint 'pitch' is 4 ms late");
 }
 
-TEST(JointSensors, AGainThatCannotBeIsRefused) {
+TEST(JointSensors, InvalidGainsAreRefused) {
   EXPECT_THROW(JointSensors({{0.0, 0.0, 0.0}}), InvalidInput);
   EXPECT_THROW(JointSensors({{1.0, 0.0, std::nan("")}}), InvalidInput);
 }

@@ -129,7 +129,7 @@ TEST_F(OpenedInMemory, NoLineCrossesAGap) {
   EXPECT_EQ(plots, 4);
 }
 
-TEST_F(OpenedInMemory, RecordingsOfAnyLengthAndNumbersThatAreMissing) {
+TEST_F(OpenedInMemory, RecordingsOfAnyLengthWithMissingValuesAreDrawn) {
   RecordingError odd = recording("odd.csv", 40, nowhere);
   odd.series.modelled[0][7] = std::nan("");
   Identification id = identification({odd, recording("long.csv", 9000, nowhere)});
@@ -276,7 +276,7 @@ TEST_F(OpenedInMemory, AJointAtRestIsAPlotAndNotAFault) {
 }
 
 // Names of files and words of findings come from outside.
-TEST_F(OpenedInMemory, NothingInTheResultIsTakenForMarkup) {
+TEST_F(OpenedInMemory, MarkupInTheResultIsEscaped) {
   Diagnosis d = diagnosis();
   const std::string name = "</script><b data-planted=\"1\">&amp; \\ \xff \u00e9.csv";
   d.baseline.test[0].source = name;
@@ -291,7 +291,7 @@ TEST_F(OpenedInMemory, NothingInTheResultIsTakenForMarkup) {
 }
 
 // Parts of the result that most diagnoses do not have.
-TEST_F(OpenedInMemory, WhatChangedSinceAndWhatWasLeftOutIsShown) {
+TEST_F(OpenedInMemory, ChangesAndExcludedRowsAreShown) {
   std::string page = to_page(diagnosis());
   const std::string before = "\"seconds\": ";
   const std::string added =
@@ -336,7 +336,7 @@ TEST(DiagnosisPage, CrosstalkIsDrawnOverTheTorqueThatItComesFrom) {
   EXPECT_EQ(series_of(to_page(d))["causes"], json({"tau1"}));
 }
 
-TEST_F(OpenedInMemory, NothingFoundIsSaidInWords) {
+TEST_F(OpenedInMemory, AResultWithoutFindingsIsStated) {
   Diagnosis d = diagnosis();
   d.findings.clear();
   d.extended = d.baseline;
@@ -359,7 +359,7 @@ TEST_F(OpenedInMemory, AFaultIsCountedAndShown) {
 }
 
 // The curve of the extended model is its distance from what it was fitted to, on the same samples.
-TEST(PageSeries, TheExtendedModelStandsAtTheSamplesOfTheRecording) {
+TEST(PageSeries, TheExtendedModelIsDrawnAtTheSamplesOfTheRecording) {
   Diagnosis d = diagnosis();
   PredictionSeries& s = d.extended.test[0].series;
   const auto expected = [&](std::size_t joint, double t) {

@@ -78,7 +78,7 @@ Replay stopped_replay(const ReplayInput& in, Eigen::Index rows) {
   return r;
 }
 
-TEST_F(SimulationPage, AReplayShowsMotionTorqueAndWhatIsLeft) {
+TEST_F(SimulationPage, AReplayShowsMotionTorqueAndResidual) {
   const Model arm = read_model("planar-2r");
   const ReplayInput in = waves();
   const std::string page =

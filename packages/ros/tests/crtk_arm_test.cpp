@@ -61,7 +61,7 @@ VectorXd near_by() { return Eigen::Vector3d(0.15, 0.0, 0.13); }
 
 // An encoder shows 0.1 rad too much. The server of a model that knows it goes to the true place and
 // tells true positions; that of one that does not is off by it.
-TEST(CrtkArm, WhatTheModelKnowsOfSensorsIsUndone) {
+TEST(CrtkArm, SensorErrorsOfTheModelAreCorrected) {
   veridyn::ModelDescription d = psm().description();
   d.coordinates[1].recorded.position_offset = 0.1;
   const Model slipped(std::move(d));
@@ -121,7 +121,7 @@ TEST(CrtkArm, OperatingStatesAreThoseOfCrtk) {
   EXPECT_EQ(rig.tau.norm(), 0.0);
 }
 
-TEST(CrtkArm, MovesAndThenHoldsForEver) {
+TEST(CrtkArm, HoldsAfterAMove) {
   Rig rig;
   rig.ask(Kind::kEnable);
   ASSERT_EQ(rig.ask(Kind::kMoveJp, near_by()), Refusal::kNone);
@@ -194,7 +194,7 @@ TEST(CrtkArm, GoesToAPoseInTheBase) {
 }
 
 // 100 ms without a command: held. 1 s: gives way, and a push of a newton moves it then.
-TEST(CrtkArm, HoldsWhenAStreamFallsSilentAndThenLetsGo) {
+TEST(CrtkArm, HoldsWhenAStreamStopsAndThenReleases) {
   Rig rig;
   rig.ask(Kind::kEnable);
   rig.stream_to(near_by(), 0.5);
@@ -215,7 +215,7 @@ TEST(CrtkArm, HoldsWhenAStreamFallsSilentAndThenLetsGo) {
   EXPECT_EQ(rig.ask(Kind::kMoveJp, near_by()), Refusal::kNone);
 }
 
-TEST(CrtkArm, RefusesWhatCannotBeAndGoesOn) {
+TEST(CrtkArm, RejectsInvalidCommandsAndContinues) {
   Rig rig;
   rig.ask(Kind::kEnable);
   rig.stream_to(near_by(), 0.5);

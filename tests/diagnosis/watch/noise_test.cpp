@@ -64,7 +64,7 @@ class Noise : public testing::Test {
   NoiseModel noise_{arm_, offsets_, numbers_};
 };
 
-TEST_F(Noise, FindsAPoleAndItsInnovation) {
+TEST_F(Noise, EstimatesThePoleAndTheInnovationVariance) {
   noise_.fit(autoregressive(0.9, 0.5, 4000), {});
   const Eigen::Vector2d a = coefficients();
   EXPECT_NEAR(a[0], 0.9, 0.05);
@@ -92,7 +92,7 @@ TEST_F(Noise, PolesStayInsideTheUnitCircle) {
   EXPECT_NEAR(coefficients()[1], -0.98, 1e-9);
 }
 
-TEST_F(Noise, OffsetsOfTheDayAreFoundBesideAutoregressiveNoise) {
+TEST_F(Noise, DailyOffsetsAreEstimatedUnderAutoregressiveNoise) {
   std::vector<Step> today = autoregressive(0.8, 0.1, 600);
   for (Step& s : today) {
     s.residual[0] += 2.0;
@@ -132,7 +132,7 @@ TEST_F(Noise, DifferencesOfADayAreTheRidgeEstimateOfTheirPrior) {
   }
 }
 
-TEST_F(Noise, StepsAtRestTeachNothing) {
+TEST_F(Noise, StepsAtRestDoNotChangeTheEstimate) {
   std::vector<Step> steps = autoregressive(0.0, 0.2, 900);
   for (size_t k = 0; k < steps.size(); ++k) {
     if (k % 30 > 9) continue;
@@ -158,7 +158,7 @@ TEST_F(Noise, AJointThatAlwaysRestsHasTheSpreadOfItsResidual) {
 }
 
 // Pieces of five steps, each at a level of its own: what happens between pieces is no innovation.
-TEST_F(Noise, PiecesAreNotJoined) {
+TEST_F(Noise, SeparateRecordingsAreNotJoined) {
   std::vector<Step> steps;
   for (int k = 0; k < 500; ++k) {
     const int piece = k / 5;

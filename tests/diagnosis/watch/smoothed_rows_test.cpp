@@ -76,7 +76,7 @@ TEST(SmoothedRowsOfAParabola, AreExact) {
 }
 
 // Currents are torques by the drive gains of the file, and nothing without them.
-TEST(SmoothedRowsOfCurrents, AreThoseOfTheirTorques) {
+TEST(SmoothedRowsOfCurrents, EqualThoseOfTheirTorques) {
   Recording currents = parabolas(2.0);
   currents.current = currents.tau;
   currents.current.col(0) /= 4.0;
@@ -94,7 +94,7 @@ TEST(SmoothedRowsOfCurrents, AreThoseOfTheirTorques) {
 }
 
 // An arm at rest without noise repeats its rows: after a tenth of a second this is rest, and no row is lost.
-TEST(SmoothedRowsAtRest, GoOn) {
+TEST(SmoothedRowsAtRest, AreUsed) {
   Recording still = parabolas(3.0);
   still.q.rowwise() = still.q.row(0).eval();
   still.dq.setZero();
@@ -108,7 +108,7 @@ TEST(SmoothedRowsAtRest, GoOn) {
 }
 
 // Absurd numbers are no torques, and a time that is no number is none.
-TEST(SmoothedRowsOfDamage, AreSaidToBeUnusable) {
+TEST(SmoothedRowsOfDamage, AreReportedAsUnusable) {
   Recording r = parabolas(4.0);
   r.tau.bottomRows(400).col(1).setConstant(-2e6);
   const Heard h = heard(file(), {r});
@@ -125,7 +125,7 @@ TEST(SmoothedRowsOfDamage, AreSaidToBeUnusable) {
 }
 
 // One encoder that jumps has slipped; where all jump at once rows are missing, and smoothing begins anew.
-TEST(SmoothedRowsWithJumps, TellSlipsFromJoinedRows) {
+TEST(SmoothedRowsWithJumps, DistinguishSlipsFromJoinedRows) {
   const Recording whole = parabolas(6.0);
   const int cut = 800;
   const Recording before = rows_of(whole, 0, cut);
@@ -148,7 +148,7 @@ TEST(SmoothedRowsWithJumps, TellSlipsFromJoinedRows) {
 }
 
 // A clock that is set back is known after a quarter of a second of rows, and smoothing begins anew there.
-TEST(SmoothedRowsOfASetBackClock, GoOnByTheNewClock) {
+TEST(SmoothedRowsOfASetBackClock, ContinueWithTheNewClock) {
   Recording r = parabolas(6.0);
   const int cut = 800;
   r.time.tail(r.rows() - cut).array() -= 3.5;
@@ -165,7 +165,7 @@ TEST(SmoothedRowsOfASetBackClock, GoOnByTheNewClock) {
 }
 
 // Rows that cannot be used do not hide that the clock was set back.
-TEST(SmoothedRowsOfASetBackClock, BadRowsDoNotHideIt) {
+TEST(SmoothedRowsOfASetBackClock, AreDetectedBehindBadRows) {
   Recording r = parabolas(6.0);
   r.time.bottomRows(400).array() -= 3.5;
   r.tau.bottomRows(400).col(1).setConstant(std::nan(""));
@@ -176,7 +176,7 @@ TEST(SmoothedRowsOfASetBackClock, BadRowsDoNotHideIt) {
 }
 
 // Set back by less, the clock soon catches up: what lies between is no slip of an encoder.
-TEST(SmoothedRowsOfASetBackClock, ALittleIsABreakAndNoSlip) {
+TEST(SmoothedRowsOfASetBackClock, SlightlyAreABreakAndNoSlip) {
   Recording r = parabolas(6.0);
   for (MatrixXd* m : {&r.q, &r.dq}) m->col(1).setConstant(0.0);
   const int cut = 800;
@@ -191,7 +191,7 @@ TEST(SmoothedRowsOfASetBackClock, ALittleIsABreakAndNoSlip) {
 
 // Neither old rows that come late, nor two clocks in turn, nor one that runs backwards or stands still, is a
 // clock that was set back.
-TEST(SmoothedRowsOfASetBackClock, OtherDisorderIsNone) {
+TEST(SmoothedRowsOfASetBackClock, OtherUnorderedTimesAreNotASetBackClock) {
   const Recording whole = parabolas(6.0);
   const Recording late = rows_of(whole, 700, 40);
   const Heard old = heard(file(), {rows_of(whole, 0, 800), late, rows_of(whole, 800, 400)});

@@ -30,7 +30,7 @@ std::string in_words(const std::vector<WatchEvent>& events) {
 }
 
 // A load that is put on at 5 s and taken off at 20 s is one change, which is over again.
-TEST(WatchLife, ALoadThatIsTakenOffIsOver) {
+TEST(WatchLife, RemovingALoadEndsItsEvent) {
   const MotionSamples motion = watched_waves(30.0);
   const Recording without = psm().recorded(motion, {}, 1), with = psm().recorded(motion, {"payload:tool:mass=0.3"}, 1);
   const std::vector<WatchEvent> events = psm().watched(joined(joined(without, with, 5.0, 30.0), without, 20.0, 30.0));
@@ -64,7 +64,7 @@ MotionSamples growing_waves(double seconds) {
 
 // The arm begins a larger motion than it learned from: the watch learns again and gives no alarm, and sees
 // afterwards what it saw before.
-TEST(WatchLife, AnUnseenMotionIsLearned) {
+TEST(WatchLife, ANewMotionIsAddedToTheNoiseModel) {
   const MotionSamples motion = growing_waves(40.0);
   const Recording quiet = psm().recorded(motion, {}, 1);
   const Recording changed = joined(quiet, psm().recorded(motion, {"payload:tool:mass=0.3"}, 1), 30.0, 40.0);
@@ -86,7 +86,7 @@ TEST(WatchLife, AnUnseenMotionIsLearned) {
 }
 
 // Rows that end while a change is being isolated, or refined: it is named, or refined, with what there is.
-TEST(WatchLife, TheEndIsAnAnswer) {
+TEST(WatchLife, TheEndReportsOpenChanges) {
   const MotionSamples motion = watched_waves(12.0);
   const Recording before = psm().recorded(motion, {}, 1), after = psm().recorded(motion, {"payload:tool:mass=0.3"}, 1);
   Watch watch(psm().arm);
@@ -120,7 +120,7 @@ TEST(WatchLife, ACauseIsNamedInTime) {
 
 // A watch that learned from the recordings of other days tells a change at once, though not in the first seconds, and
 // the differences of those days are none.
-TEST(WatchLife, OtherDaysAreLearnedFrom) {
+TEST(WatchLife, RecordingsOfOtherDaysAreLearned) {
   const MotionSamples motion = watched_waves(30.0);
   const Recording quiet = psm().recorded(motion, {}, 7);
   const Recording changed = joined(quiet, psm().recorded(motion, {"payload:tool:mass=0.3"}, 7), 10.0, 16.0);
@@ -142,7 +142,7 @@ TEST(WatchLife, OtherDaysAreLearnedFrom) {
 
 // The rows' clock is set back by 11 s at 12 s. What was named before stays known and raises no alarm again; a change
 // afterwards is one more, with times of the new clock; and what was named is over by that clock.
-TEST(WatchLife, AClockThatIsSetBackTakesNoKnowledge) {
+TEST(WatchLife, ASetBackClockKeepsTheNoiseModel) {
   const MotionSamples motion = watched_waves(34.0);
   const Recording without = psm().recorded(motion, {}, 1);
   const Recording with = psm().recorded(motion, {"payload:tool:mass=0.3"}, 1);
@@ -175,7 +175,7 @@ TEST(WatchLife, AClockThatIsSetBackTakesNoKnowledge) {
 }
 
 // A change that is open when the clock is set back is answered with what there is, as at the end.
-TEST(WatchLife, ASetBackClockEndsWhatIsOpen) {
+TEST(WatchLife, ASetBackClockEndsOpenEvents) {
   const MotionSamples motion = watched_waves(20.0);
   Recording rows = joined(psm().recorded(motion, {}, 1), psm().recorded(motion, {"payload:tool:mass=0.3"}, 1), 11.0, 20.0);
   const auto cut = static_cast<Eigen::Index>(12.0 * WatchedArm::kRate);
@@ -190,7 +190,7 @@ TEST(WatchLife, ASetBackClockEndsWhatIsOpen) {
 }
 
 // A clock that is set back while the noise is learned costs a quarter of a second of it.
-TEST(WatchLife, ItLearnsByASetBackClock) {
+TEST(WatchLife, QuietTimeContinuesAcrossASetBackClock) {
   Recording rows = psm().recorded(watched_waves(12.0), {}, 1);
   const auto cut = static_cast<Eigen::Index>(3.0 * WatchedArm::kRate);
   rows.time.tail(rows.rows() - cut).array() -= 2.9;
@@ -202,7 +202,7 @@ TEST(WatchLife, ItLearnsByASetBackClock) {
   EXPECT_EQ(watch.events()[0].stage, WatchStage::kBlind);
 }
 
-TEST(WatchLife, WithoutVelocitiesItSeesTheSame) {
+TEST(WatchLife, WithoutVelocitiesTheEventsAreTheSame) {
   const MotionSamples motion = watched_waves(16.0);
   Recording changed = joined(psm().recorded(motion, {}, 1), psm().recorded(motion, {"payload:tool:mass=0.3"}, 1), 5.0, 16.0);
   changed.dq.resize(0, 0);
@@ -220,7 +220,7 @@ TEST(WatchLife, AnEffectWithoutValuesIsRefused) {
   EXPECT_TRUE(refuses_with("has no value", [&] { Watch{Model(d)}; }));
 }
 
-TEST(WatchLife, StagesHaveNames) {
+TEST(WatchLife, EveryStageHasAName) {
   const WatchStage all[] = {WatchStage::kSuspected, WatchStage::kNamed,     WatchStage::kRefined, WatchStage::kOver,
                             WatchStage::kPresent,   WatchStage::kWithdrawn, WatchStage::kBlind};
   const char* names[] = {"suspected", "named", "refined", "over", "present", "withdrawn", "blind"};

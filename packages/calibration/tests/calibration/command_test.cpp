@@ -91,7 +91,7 @@ TEST(CalibrateCommand, AxisAnswersEveryRequestedPairOfAClosedLoop) {
   EXPECT_NE(run_tool(arguments).out.find("'yaw' and 'coupler': they turn by"), std::string::npos);
 }
 
-TEST(CalibrateCommand, RemoteCentreAndItsRefusals) {
+TEST(CalibrateCommand, RemoteCentreIsFoundAndBadPosesAreRefused) {
   const TemporaryFolder folder;
   std::vector<Eigen::Isometry3d> two;
   std::vector<Eigen::Isometry3d> one;
@@ -159,7 +159,7 @@ TEST(CalibrateCommand, LinksWriteARobotThatHasTheRightConstant) {
 }
 
 // The wrong constant from torques and the one from poses, in one line.
-TEST(CalibrateCommand, LinksSetTheDiagnosisBesideThePoses) {
+TEST(CalibrateCommand, LinksCompareTheDiagnosisWithThePoses) {
   const TemporaryFolder folder;
   const std::string poses = folder.write(
       "poses.csv",
@@ -184,7 +184,7 @@ TEST(CalibrateCommand, LinksSetTheDiagnosisBesideThePoses) {
   EXPECT_EQ(bad.error_lines(), 1) << bad.err;
 }
 
-TEST(CalibrateCommand, HandEyeOfTwoArms) {
+TEST(CalibrateCommand, HandEyeFindsTheTransformOfTwoArms) {
   const TemporaryFolder folder;
   RandomNumbers random(2);
   const Eigen::Isometry3d T = random_pose(random, 0.4);
@@ -211,7 +211,7 @@ TEST(CalibrateCommand, HandEyeOfTwoArms) {
   EXPECT_EQ(run_tool({"calibrate", "handeye", two, two}).status, 4);
 }
 
-TEST(CalibrateCommand, PosesToDriveTo) {
+TEST(CalibrateCommand, ExciteWritesPosesWithinTheLimits) {
   const TemporaryFolder folder;
   const ToolRun run = run_tool({"excite", "psm-3dof", "--for", "calibration", "--poses", "12",
                                 "--frame", "tool", "-o", folder.path("poses.csv")});

@@ -114,7 +114,7 @@ PoseCapture poses_of(const WrongFile& one, unsigned seed) {
   return out;
 }
 
-TEST(LinksBoard, WhatIsWrongInAFileIsNamedAndNothingElse) {
+TEST(LinksBoard, OnlyTheWrongConstantOfAFileIsReported) {
   constexpr unsigned kSeed = 811;
   for (const WrongFile& one : wrong_files()) {
     LinksOptions options;

@@ -77,7 +77,7 @@ TEST(RemoteCenter, ASweepAboutOneAxisIsRefusedWithItsReason) {
 }
 
 // A shaft that slides through its sleeve has no point that stays; nor has a body that flies about.
-TEST(RemoteCenter, ABodyThatSlidesHasNone) {
+TEST(RemoteCenter, ASlidingBodyHasNoRemoteCentre) {
   PoseCapture slides = pivoting(400, 0.5, 1e-4, 1e-3, 3);
   for (size_t k = 0; k < slides.poses.size(); ++k)
     slides.poses[k].translation() += 0.1 * std::sin(0.03 * static_cast<double>(k)) * slides.poses[k].linear().col(2);
@@ -106,7 +106,7 @@ TEST(RemoteCenter, MayBeTheOriginOfTheBody) {
 }
 
 // Files whose rows do not belong together, and a form that is not theirs.
-TEST(HandEye, PosesThatDoNotBelongTogetherAreRefused) {
+TEST(HandEye, InconsistentPosePairsAreRefused) {
   RandomNumbers random(5);
   Poses A;
   Poses B;
@@ -130,7 +130,7 @@ TEST(HandEye, PosesThatDoNotBelongTogetherAreRefused) {
 class HandEyeForms : public testing::TestWithParam<HandEyeForm> {};
 
 // The form is found from the poses, and so is its transform.
-TEST_P(HandEyeForms, ThirtyPosesGiveItsTransform) {
+TEST_P(HandEyeForms, ThirtyPosesDetermineTheTransform) {
   RandomNumbers random(11);
   const Isometry3d T = random_pose(random, 0.4);
   const Isometry3d other = random_pose(random, 0.1);
@@ -167,7 +167,7 @@ INSTANTIATE_TEST_SUITE_P(All, HandEyeForms,
                          });
 
 // Two arms that hold one object, seen with the noise of three markers: figures of the issue.
-TEST(HandEye, FiguresAndIntervalsHoldOverSeeds) {
+TEST(HandEye, IntervalsCoverTheTruthOverSeeds) {
   constexpr int kSeeds = 40;
   int inside = 0;
   double worst = 0.0;
@@ -199,7 +199,7 @@ TEST(HandEye, FiguresAndIntervalsHoldOverSeeds) {
   EXPECT_GE(inside, 0.88 * 2 * kSeeds);
 }
 
-TEST(HandEye, WhatCannotBeToldIsRefused) {
+TEST(HandEye, UndeterminedTransformsAreRefused) {
   RandomNumbers random(4);
   Poses A;
   Poses B;

@@ -82,7 +82,7 @@ class Torn final : public ForceSource {
   bool fresh_ = false;
 };
 
-TEST(ForceChannel, BytesThatAreLostGiveNoReadingBeyondTheRange) {
+TEST(ForceChannel, LostBytesGiveNoReadingBeyondTheRange) {
   for (const bool watched : {true, false}) {
     auto source = std::make_unique<Torn>(0.1);
     Torn& line = *source;
@@ -115,7 +115,7 @@ TEST(ForceChannel, BytesThatAreLostGiveNoReadingBeyondTheRange) {
 }
 
 // Whatever a converter gives: what is no number is beyond every range, and the filter forgets it.
-TEST(ForceChannel, WhatIsNoNumberIsBeyondEveryRange) {
+TEST(ForceChannel, NonFiniteReadingsAreBeyondEveryRange) {
   int fresh = 0;
   double raw = 0.0;
   ForceChannelOptions options;
@@ -139,7 +139,7 @@ TEST(ForceChannel, WhatIsNoNumberIsBeyondEveryRange) {
 }
 
 // A source that never ends gets its share of a cycle and no more.
-TEST(ForceChannel, ASourceThatNeverEndsDoesNotHoldTheLoop) {
+TEST(ForceChannel, AnEndlessSourceDoesNotBlockTheLoop) {
   struct Flood final : ForceSource {
     int poll() noexcept override { return 1; }
     double raw() const noexcept override { return 5.0; }
@@ -149,7 +149,7 @@ TEST(ForceChannel, ASourceThatNeverEndsDoesNotHoldTheLoop) {
   EXPECT_EQ(channel.update(1e-3).number, 511);
 }
 
-TEST(ForceChannel, AJumpIsBelievedWhereTheNextReadingAgrees) {
+TEST(ForceChannel, AJumpIsAcceptedIfTheNextReadingAgrees) {
   int fresh = 0;
   double raw = 0.0;
   ForceChannelOptions options;
@@ -189,7 +189,7 @@ TEST(ForceChannel, IsNoisyByTheShareOfUnusableReadings) {
 }
 
 // From the first look on: a line that never spoke is as old as the look.
-TEST(ForceChannel, TheAgeOfASensorThatNeverSpokeCountsFromTheStart) {
+TEST(ForceChannel, TheAgeOfASensorWithoutReadingsCountsFromTheStart) {
   int fresh = 0;
   double raw = 0.0;
   ForceChannel channel(std::make_unique<Spoken>(fresh, raw), {});
@@ -201,7 +201,7 @@ TEST(ForceChannel, TheAgeOfASensorThatNeverSpokeCountsFromTheStart) {
 }
 
 // When the system's clock is set ahead between the arrival of a reading and its poll(), it seems to have lain for long.
-TEST(ForceChannel, AReadingMakesItNoOlder) {
+TEST(ForceChannel, AReadingNeverIncreasesTheAge) {
   int fresh = 0;
   double raw = 0.0, lay = 0.0;
   ForceChannel channel(std::make_unique<Spoken>(fresh, raw, &lay), {});
@@ -216,7 +216,7 @@ TEST(ForceChannel, AReadingMakesItNoOlder) {
 }
 
 // However long a sensor has run, its reading may stay the same for as long as stuck_after.
-TEST(ForceChannel, IsStuckNoEarlierThanAReadingHasStayedTheSame) {
+TEST(ForceChannel, IsStuckOnlyAfterUnchangedReadings) {
   int fresh = 0;
   double raw = 0.0;
   ForceChannelOptions options;
@@ -233,7 +233,7 @@ TEST(ForceChannel, IsStuckNoEarlierThanAReadingHasStayedTheSame) {
 }
 
 // A ramp of one unit per second lags by the delays of the line and of the filter.
-TEST(ForceChannel, ItsDelayIsTheOneThatItTells) {
+TEST(ForceChannel, TheReportedDelayIsTheActualDelay) {
   int fresh = 0;
   double raw = 0.0;
   ForceChannelOptions options;

@@ -74,7 +74,7 @@ int poll_for(ForceSource& source) {
   return count;
 }
 
-TEST(SerialLine, ReadingsNoiseAndAPulledPlug) {
+TEST(SerialLine, ReadsThroughNoiseAndNoticesAnUnpluggedDevice) {
   Terminal line;
   if (!line.exists()) GTEST_SKIP() << "no pseudo-terminal on this machine";
   const std::unique_ptr<ForceSource> source =
@@ -122,7 +122,7 @@ TEST(SerialLine, DeadStuckAndPulledAreFoundWithin20Milliseconds) {
   }
 }
 
-TEST(SerialLine, SaysWhatIsNoLine) {
+TEST(SerialLine, RejectsDevicesThatAreNotSerialLines) {
   EXPECT_THROW(open_force_source("serial:/dev/no-such-line"), InvalidInput);
   EXPECT_THROW(open_force_source("serial:/dev/null"), InvalidInput);
   EXPECT_THROW(open_force_source("serial:/dev/null:12345"), InvalidInput);
@@ -170,7 +170,7 @@ TEST(Udp, DatagramsAreReadings) {
     EXPECT_THROW(open_force_source(wrong), InvalidInput) << wrong;
 }
 
-TEST(Udp, ThePortIsThisMachinesUnlessAnAddressIsGiven) {
+TEST(Udp, ListensToThisMachineUnlessAnAddressIsGiven) {
   const auto source = open_force_source("udp:47114");
   Sender(47114, "127.0.0.2").say("5");
   EXPECT_EQ(poll_all(*source), 0);

@@ -27,7 +27,7 @@ int readings_of(LoadCellDecoder& decoder, const std::string& bytes, std::vector<
 }
 
 // The check value of this CRC over the digits 1 to 9, as its catalogue has it.
-TEST(LoadCell, TheCrcIsTheOneThatItsNameSays) {
+TEST(LoadCell, TheCrcMatchesItsPublishedCheckValue) {
   EXPECT_EQ(crc16(reinterpret_cast<const std::uint8_t*>("123456789"), 9), 0x29B1);
 }
 
@@ -41,7 +41,7 @@ TEST(LoadCell, TextLinesOfUsualConvertersAreRead) {
 
 // Tabs, names with an equals sign and blanks at the end belong to usual lines; what is too long, whole or
 // in one field, or blank, is none.
-TEST(LoadCell, LinesWithBlanksAndLinesThatAreTooLong) {
+TEST(LoadCell, BlankLinesAreSkippedAndLongLinesRejected) {
   LoadCellDecoder decoder(LoadCellFormat::kText);
   std::vector<double> got;
   readings_of(decoder, "cut\n1\t2\nF=3\nt=1 F=4 \t\n0.1, 5\n   \n0" + std::string(48, '0') + "6\n", got);
@@ -65,7 +65,7 @@ TEST(LoadCell, WithoutRepetitionThereIsNoInterval) {
 }
 
 // The number before "nan" is the time, and "ERR 12" is no force of 12 N.
-TEST(LoadCell, ALineWhoseLastFieldIsNoFiniteNumberIsRefused) {
+TEST(LoadCell, ALineWithANonFiniteLastFieldIsRejected) {
   const std::vector<std::string> none = {
       "1.234,nan", "1.234,inf",   "1.234,-inf", "nan",     "1.234,",  "1.234;NaN", "5.2 N", "5.2N",
       "ERR 12",    "overload 12", "1.234,ERR",  "1e999",   "0x1F",    "1.2.3",     "--4",   "1,two,3",
@@ -139,7 +139,7 @@ TEST(LoadCell, CalibrationFindsTheLineAndItsIntervals) {
 // With two different forces the line passes through the mean reading of each, so that the offset is the mean of 99 and
 // 101. The four residuals are 1, so a reading has the variance 4 / (4 - 2) = 2 and the mean of two of them half of it;
 // Student's t for two degrees of freedom is 4.3027.
-TEST(LoadCell, TheOffsetIsAsCertainAsTheReadingsWithoutForce) {
+TEST(LoadCell, TheOffsetHasTheUncertaintyOfTheReadingsWithoutForce) {
   const LoadCellCalibration found = calibrate_load_cell({0.0, 0.0, 10.0, 10.0}, {99.0, 101.0, 599.0, 601.0});
   EXPECT_NEAR(found.offset_interval, 4.3026527 * std::sqrt(2.0 / 2.0), 1e-6);
 }

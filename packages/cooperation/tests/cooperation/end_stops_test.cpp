@@ -13,7 +13,7 @@ namespace veridyn {
 namespace {
 
 // Two joints: one at an end, the other free. What runs outwards stops there, what comes back goes on.
-TEST(EndStops, AJointBeyondItsEndStopsThere) {
+TEST(EndStops, AJointStopsAtItsEndStop) {
   ModelDescription description = robot("planar-2r").description();
   description.coordinates[0].limits.lower = -1.0;
   description.coordinates[0].limits.upper = 2.0;

@@ -141,7 +141,7 @@ TEST(HeldBody, AHeavyObjectNeitherSagsNorLagsWhereItsInertiaIsKnown) {
 }
 
 // A mass that is known to within a tenth leaves a tenth of the sag.
-TEST(HeldBody, AWrongMassIsForgiven) {
+TEST(HeldBody, AWrongMassCausesASmallSag) {
   const Carried off = Carrying(0.45).run();
   ASSERT_TRUE(off.sound);
   EXPECT_LT(off.largest_error, 1.5e-3);

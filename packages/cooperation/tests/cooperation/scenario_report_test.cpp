@@ -44,7 +44,7 @@ ScenarioRun good() {
 
 bool says(const ScenarioRun& run, const std::string& words) { return run.report().find(words) != std::string::npos; }
 
-TEST(ScenarioReport, ARunWithoutBoundsIsMetAndSaysNone) {
+TEST(ScenarioReport, ARunWithoutBoundsIsMetAndListsNone) {
   const ScenarioRun run = good();
   EXPECT_TRUE(run.met());
   EXPECT_EQ(run.report().rfind("made up: 2 arms, 1.5 s simulated in 0 s by veridyn.\n", 0), 0U) << run.report();
@@ -53,7 +53,7 @@ TEST(ScenarioReport, ARunWithoutBoundsIsMetAndSaysNone) {
   EXPECT_TRUE(says(run, "pull: leader at most 2 mm off its way, 1 mm at the end\nLargest force: 5.2 N.\n")) << run.report();
 }
 
-TEST(ScenarioReport, OneArmOnBoardsThatNeverBegan) {
+TEST(ScenarioReport, AnArmThatNeverStartedIsReported) {
   ScenarioRun run;
   run.name = "made up";
   run.engine = "boards";
@@ -63,7 +63,7 @@ TEST(ScenarioReport, OneArmOnBoardsThatNeverBegan) {
 }
 
 // A bound is met where what was reached is the bound itself, and not above it; what is said is what met() finds.
-TEST(ScenarioReport, EveryBoundIsJudgedAndTold) {
+TEST(ScenarioReport, EveryBoundIsEvaluatedAndReported) {
   struct Bound {
     const char* words;
     double reached;
@@ -92,7 +92,7 @@ TEST(ScenarioReport, EveryBoundIsJudgedAndTold) {
   }
 }
 
-TEST(ScenarioReport, HeldBodiesAreTold) {
+TEST(ScenarioReport, HeldBodiesAreReported) {
   ScenarioRun run = good();
   run.phases[0].body_error = 3e-3;
   EXPECT_TRUE(says(run, "pull: held bodies at most 3 mm off their way\n")) << run.report();
@@ -100,7 +100,7 @@ TEST(ScenarioReport, HeldBodiesAreTold) {
 }
 
 // Of a member that was let go nothing is asked; if there is no other, a bound of forces is not met.
-TEST(ScenarioReport, AForceThatNobodyTrackedMeetsNoBound) {
+TEST(ScenarioReport, AnUntrackedForceMeetsNoBound) {
   for (const bool steady : {false, true}) {
     ScenarioRun run = good();
     run.phases[0].members[0].tracked = false;
@@ -126,7 +126,7 @@ TEST(ScenarioReport, APhaseThatEndedEarlyMeetsNothing) {
   EXPECT_FALSE(says(run, "leader at most"));
 }
 
-TEST(ScenarioReport, AnEngineThatStoppedAndAHoldAreTold) {
+TEST(ScenarioReport, AStoppedEngineAndAHoldAreReported) {
   ScenarioRun run = good();
   run.state = CooperativeState::kSensorStuck;
   run.held_at = 0.75;
@@ -139,7 +139,7 @@ TEST(ScenarioReport, AnEngineThatStoppedAndAHoldAreTold) {
   EXPECT_TRUE(says(run, std::string("Stopped at 1.25 s: an arm ") + describe(run.status) + ".\n")) << run.report();
 }
 
-TEST(ScenarioReport, WhatIsNoNumberMeetsNoBound) {
+TEST(ScenarioReport, NonFiniteFiguresMeetNoBound) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   ScenarioRun run = good();
   run.phases[0].members[0].generated = nan;  // no rate was measured
@@ -200,7 +200,7 @@ TEST(ScenarioReport, TheFileHasTheHeaderAndEveryRow) {
 }
 
 // A run that ends early keeps the rows that it has, of every signal.
-TEST(ScenarioReport, WhatIsCutHasOneLength) {
+TEST(ScenarioReport, ATruncatedRunHasEqualLengths) {
   Scenario s;
   s.arms.resize(1);
   s.arms[0].start = VectorXd::Zero(2);

@@ -56,7 +56,7 @@ TEST(ScenarioRun, AnImpedanceSlaveKeepsTheForceInASpringAndAString) {
 }
 
 // Without the damping of the force loop that the thesis lacked, the string is worse or not held.
-TEST(ScenarioRun, TheDampingOfTheForceLoopIsWhatHoldsTheString) {
+TEST(ScenarioRun, TheStringNeedsTheDampingOfTheForceLoop) {
   Scenario s = example("two-arms-string");
   s.phases.resize(2);
   s.members[0].law.damping = s.members[0].law.proportional = 0.0;
@@ -65,7 +65,7 @@ TEST(ScenarioRun, TheDampingOfTheForceLoopIsWhatHoldsTheString) {
               phase(run, "move").largest_force_error() > 0.1);
 }
 
-TEST(ScenarioRun, PositionBasedTrackingSwingsWithTheNarrowDeadbandOnly) {
+TEST(ScenarioRun, PositionBasedTrackingOscillatesOnlyWithANarrowDeadband) {
   const ScenarioRun narrow = run_scenario(example("position-limit-cycle"));
   const ScenarioRun wide = run_scenario(example("position-stable"));
   for (const char* name : {"tension", "move"}) {
@@ -82,7 +82,7 @@ TEST(ScenarioRun, PositionBasedTrackingSwingsWithTheNarrowDeadbandOnly) {
 
 // Half of the friction is known: after ten strokes, and from then on, the tip is within 10 % as near
 // to its way as with all of it. Without the observer of model errors, which would hide friction.
-TEST(ScenarioRun, FrictionThatIsHalfKnownIsLearnedInTenStrokes) {
+TEST(ScenarioRun, HalfKnownFrictionIsEstimatedInTenStrokes) {
   const auto later_strokes = [](double friction, bool adaptive) {
     Scenario s = example("adaptive-friction");
     s.control.friction = friction;
@@ -102,7 +102,7 @@ TEST(ScenarioRun, FrictionThatIsHalfKnownIsLearnedInTenStrokes) {
   EXPECT_GT(later_strokes(0.5, false), 1.5 * known);
 }
 
-TEST(ScenarioRun, LearnedFrictionIsWhatTheExampleNeeds) {
+TEST(ScenarioRun, TheExampleNeedsAdaptiveFriction) {
   Scenario s = example("adaptive-friction");
   EXPECT_TRUE(run_scenario(s).met());
   s.control.adaptive_friction = false;
@@ -162,7 +162,7 @@ TEST(ScenarioRun, AFallingArmDoesNotJerkTheString) {
 // A base that is believed turned by `t` about the members' line turns the arm's motion by -t: a move
 // of d across the line ends d sin t beside the others'. Along the line the force loop takes it away.
 // A shift of the base changes no motion at all.
-TEST(ScenarioRun, AWrongBaseShowsInPlacesAndNotInForces) {
+TEST(ScenarioRun, AWrongBaseAffectsPositionsAndNotForces) {
   constexpr double kTurn = 0.05, kWay = 0.03;
   const auto moved = [&](const Eigen::Vector3d& turn, const Eigen::Vector3d& shift) {
     Scenario s = example("two-arms-spring");
@@ -219,7 +219,7 @@ TEST(ScenarioRun, TheSameSeedGivesTheSameRun) {
 }
 
 // What a phase says of its end is of its last row, and of its last fifth; not of the phase before or after.
-TEST(ScenarioRun, FiguresOfAPhasesEndAreOfItsLastRows) {
+TEST(ScenarioRun, FinalFiguresOfAPhaseAreThoseOfItsLastRows) {
   const Scenario s = example("two-arms-spring");
   const ScenarioRun run = run_scenario(s);
   const ArmTrace& leader = run.arm[s.master];
@@ -248,7 +248,7 @@ TEST(ScenarioRun, EverySensorHasNoiseOfItsOwn) {
 }
 
 // The tissue's drag slows a planned tip as it slows a real one: it lags by the drag over the stiffness, times the speed.
-TEST(MotionPlan, TheDragOfTissueHoldsATipBack) {
+TEST(MotionPlan, TissueDragSlowsATip) {
   const Scenario s = example("tissue-three-axes");
   const ScenarioModels models = scenario_models(s, 0);
   MotionPlan plan(s, {{models.known, models.R_world_base_known, models.p_world_base_known, VectorXd::Constant(3, 1e3)}});
@@ -264,7 +264,7 @@ TEST(MotionPlan, TheDragOfTissueHoldsATipBack) {
 
 // A tip that moves on a straight line past the remote centre: what the plan says the motors need is the inverse dynamics
 // of its joints' own second differences, to 5 % on either side.
-TEST(MotionPlan, NeedsTheTorquesOfTheJointsAccelerations) {
+TEST(MotionPlan, RequiresTheInverseDynamicsTorquesOfTheMotion) {
   Scenario s = example("tissue-three-axes");
   s.walls.clear();
   const ScenarioModels models = scenario_models(s, 0);
@@ -305,7 +305,7 @@ TEST(MotionPlan, NeedsTheTorquesOfTheJointsAccelerations) {
 }
 
 // A point at which no force is tracked tells nothing of the loop: it is not stable.
-TEST(ScenarioSweep, WhereNothingIsTrackedNothingIsStable) {
+TEST(ScenarioSweep, APointWithoutTrackingIsNotCountedAsStable) {
   Scenario s = example("two-arms-string");
   s.phases.resize(1);
   s.phases[0].duration = 0.1;
@@ -322,7 +322,7 @@ TEST(ScenarioSweep, WhereNothingIsTrackedNothingIsStable) {
   EXPECT_NE(map.points[0].ended, "");
 }
 
-TEST(ScenarioSweep, FindsWhereTheLoopIsStable) {
+TEST(ScenarioSweep, FindsTheStableRegionOfTheLoop) {
   Scenario s = example("two-arms-string");
   s.phases.resize(2);
   s.sweep.stiffness = {2450.0, 50000.0};
@@ -367,7 +367,7 @@ TEST(ScenarioRun, EndsWhereAnArmRunsAway) {
   EXPECT_FALSE(split.phases[0].cut_short);
 }
 
-TEST(ScenarioRun, TellsHowFarItIs) {
+TEST(ScenarioRun, ReportsItsProgress) {
   Scenario s = example("two-arms-spring");
   s.phases.resize(2);
   s.phases[0].duration = 1.25;
@@ -380,7 +380,7 @@ TEST(ScenarioRun, TellsHowFarItIs) {
   EXPECT_EQ(told, (std::vector<double>{0.0, 0.25, 0.5, 0.75}));
 }
 
-TEST(ScenarioRun, SaysWhatIsWrongWithAnArm) {
+TEST(ScenarioRun, NamesTheInvalidSettingOfAnArm) {
   Scenario s = example("two-arms-spring");
   s.arms[0].start[2] = 0.9;
   EXPECT_THROW(run_scenario(s), InvalidInput);

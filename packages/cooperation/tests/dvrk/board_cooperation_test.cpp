@@ -77,7 +77,7 @@ TEST(BoardCooperation, TheSameRunTwiceIsTheSame) {
 
 // In the machine's own time, which may be short: either the run is done and the force kept, or the
 // watchdogs and the supervisors have stopped all. In both cases power is off and the force is small.
-TEST(BoardCooperation, InRealTimeItEndsInADefinedWay) {
+TEST(BoardCooperation, InRealTimeItEndsWithADefinedStatus) {
   Scenario scenario = board_example("two-psm-spring");
   scenario.phases.resize(1);
   scenario.phases[0].duration = 0.6;
@@ -104,7 +104,7 @@ TEST(BoardCooperation, InRealTimeItEndsInADefinedWay) {
   EXPECT_EQ(done.run.time.size(), 600);
 }
 
-TEST(BoardCooperation, APhaseThatIsCutShortIsNotMet) {
+TEST(BoardCooperation, ATruncatedPhaseIsNotMet) {
   Scenario scenario = board_example("two-psm-spring");
   scenario.phases.resize(1);
   scenario.phases[0].asked_force_error = 100.0;
@@ -117,7 +117,7 @@ TEST(BoardCooperation, APhaseThatIsCutShortIsNotMet) {
   EXPECT_EQ(done.report().find("tension: force within"), std::string::npos) << done.report();
 }
 
-TEST(BoardCooperation, SaysWhatDoesNotFit) {
+TEST(BoardCooperation, NamesTheMismatchOfArmsAndScenario) {
   const Scenario scenario = board_example("two-psm-spring");
   BoardCooperationOptions options;
   std::atomic<bool> stop{false};
@@ -151,7 +151,7 @@ TEST(BoardCooperation, AnArmPressesOnTissueAsItsImpedanceAllows) {
 
 // The same with a sensor of three axes under tissue that drags: what the boards' loop has measured is
 // what the emulated tissue does, whatever the tip's orientation.
-TEST(BoardCooperation, ASensorOfThreeAxesOnEmulatedBoards) {
+TEST(BoardCooperation, AThreeAxisSensorWorksOnEmulatedBoards) {
   Scenario scenario = board_example("two-psm-tissue");
   scenario.walls[0].sensor_axes = 3;
   scenario.walls[0].drag = 60.0;
@@ -199,7 +199,7 @@ BoardCooperationOptions by_lines(LineSource& lines) {
   return options;
 }
 
-TEST(BoardCooperation, CommandsByLineMoveTheArmsAndTheirLossLetsGo) {
+TEST(BoardCooperation, CommandsByLineMoveTheArmsAndALostLineReleasesThem) {
   const Scenario scenario = board_example("two-psm-spring");
   for (const bool quits : {true, false}) {
     Lines lines({"force spring 2 0.8", "wait 1", "leap 1", "move 0.005 0 0 0.5", "wait 0.8",
@@ -228,7 +228,7 @@ TEST(BoardCooperation, CommandsByLineMoveTheArmsAndTheirLossLetsGo) {
 }
 
 // A wait holds up no stop on boards either.
-TEST(BoardCooperation, AStopWaitsForNothing) {
+TEST(BoardCooperation, AStopIsExecutedImmediately) {
   class Timed final : public LineSource {
    public:
     bool next(std::string& line) override {
@@ -328,7 +328,7 @@ Heard with_cell(const Cell::Speech& speech) {
   return out;
 }
 
-TEST(BoardCooperation, NoPowerBeforeEverySensorHasSpokenForAWhile) {
+TEST(BoardCooperation, NoPowerBeforeEverySensorIsSteady) {
   const int never = 1 << 30;
   for (const auto& [speech, words] : std::vector<std::pair<Cell::Speech, std::string>>{
            {{never}, "waits for its first reading"},
@@ -361,7 +361,7 @@ TEST(BoardCooperation, ASlowSensorIsNamedBeforePower) {
 
 // Whatever `loadcell read` finds wrong with a line ends a run, in its words and within 20 ms of silence
 // or of the first readings of that kind.
-TEST(BoardCooperation, EveryStateOfASensorsLineHoldsAllUnderPower) {
+TEST(BoardCooperation, EverySensorFaultHoldsAllArmsUnderPower) {
   using Line = Cell::Line;
   struct Case {
     const char* words;
@@ -412,7 +412,7 @@ const Infeasible kInfeasible[] = {
     {"force spring nan 1", "found 'nan'"},
 };
 
-TEST(BoardCooperation, AScenarioThatCannotBeCarriedOutIsRefusedBeforePower) {
+TEST(BoardCooperation, AnInfeasibleScenarioIsRefusedBeforePower) {
   for (const Infeasible& one : kInfeasible) {
     if (std::string(one.why).rfind("found 'nan'", 0) == 0) continue;  // no file says that
     Scenario scenario = board_example("two-psm-spring");
@@ -440,7 +440,7 @@ TEST(BoardCooperation, AScenarioThatCannotBeCarriedOutIsRefusedBeforePower) {
   }
 }
 
-TEST(BoardCooperation, AnAskThatSimulationMissesIsRefusedBeforePower) {
+TEST(BoardCooperation, AScenarioThatFailsInSimulationIsRefusedBeforePower) {
   Scenario scenario = board_example("two-psm-spring");
   scenario.phases.resize(1);
   scenario.phases[0].asked_force_error = 0.001;
@@ -464,7 +464,7 @@ BoardCooperationOptions by_line(Lines& lines, std::vector<std::string>& refusals
 }
 
 // By line they are refused one by one, and nothing moves; what can be done between them is done.
-TEST(BoardCooperation, LinesThatCannotBeCarriedOutMoveNothing) {
+TEST(BoardCooperation, InfeasibleCommandsMoveNothing) {
   const Scenario scenario = board_example("two-psm-spring");
   std::vector<std::string> words{"force spring 2 0.8", "wait 1"};
   for (const Infeasible& one : kInfeasible) words.push_back(one.line);
@@ -507,7 +507,7 @@ TEST(BoardCooperation, AJogEndsBeforeTheArmsDo) {
   EXPECT_LT(done.largest_force, 2.0);
 }
 
-TEST(BoardCooperation, RowsAreInTheFileWhileTheyAreMade) {
+TEST(BoardCooperation, RowsAreWrittenDuringTheRun) {
   const std::string path = testing::TempDir() + "rows-as-they-come.csv";
   ScenarioRun run = empty_run(board_example("two-psm-spring"), "boards", 100);
   for (int k = 0; k < 100; ++k) run.time[k] = 0.001 * k;
@@ -570,7 +570,7 @@ TEST(ScenarioRowFile, AFullDiskWithoutARowLeavesNoFile) {
 
 // What the report says of an arm is what its encoders saw.
 // A healthy run ends without a fault although its wanted force is beyond largest_force_error (2 N).
-TEST(BoardCooperation, GivingUpAPretensionIsNoFault) {
+TEST(BoardCooperation, ReleasingAPretensionIsNoFault) {
   Scenario scenario = board_example("two-psm-string");
   scenario.phases.resize(1);
   scenario.asked_largest_force = 0.0;
@@ -595,7 +595,7 @@ TEST(BoardCooperation, TheReportSaysWhichArmWasHeld) {
   }
 }
 
-TEST(BoardCooperation, ASignalReleasesAndSwitchesOff) {
+TEST(BoardCooperation, ASignalReleasesThePretensionAndSwitchesOff) {
   Scenario scenario = board_example("two-psm-spring");
   BoardCooperationOptions options;
   options.emulate = emulate_boards;

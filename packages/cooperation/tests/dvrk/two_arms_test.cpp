@@ -208,7 +208,7 @@ class TwoArms : public testing::Test {
   long sample_ = 0;
 };
 
-TEST_F(TwoArms, MoveASpringAndKeepItsForce) {
+TEST_F(TwoArms, KeepTheForceWhileMovingASpring) {
   ASSERT_TRUE(power_up());
   CooperativeController both = controller();
   const Vector3d start = left_.tip();

@@ -235,7 +235,7 @@ TEST_F(Dvrk, TheLightArmMovesOnTheNominalBoardsOfPsm1) {
   }
 }
 
-TEST_F(Dvrk, MonitorAndReadSendNoWriteUnlessTheyAreAsked) {
+TEST_F(Dvrk, MonitorAndReadSendNoWritesByDefault) {
   {
     const Boards boards({"--config", config(), "--model", "planar-2r", "--start", "0.5,-0.25",
                          "--pot-noise", "0", "--json", folder_.path("boards.json")},
@@ -266,7 +266,7 @@ TEST_F(Dvrk, MonitorAndReadSendNoWriteUnlessTheyAreAsked) {
 }
 
 // Amplifiers go off by the watchdog, but a supply that nobody could switch off is not called off.
-TEST_F(Dvrk, OffIsSaidOnlyWhereTheBoardsSaySo) {
+TEST_F(Dvrk, PowerOffIsReportedOnlyIfBoardsConfirmIt) {
   const std::string trajectory = folder_.path("traj.csv");
   std::ofstream(trajectory) << "t,q1,q2\n0,0,0\n5,0.05,0.05\n10,0.1,0.1\n15,0.05,0.1\n20,0,0\n";
   const ToolRun run = run_tool(rehearse() +
@@ -280,7 +280,7 @@ TEST_F(Dvrk, OffIsSaidOnlyWhereTheBoardsSaySo) {
 }
 
 // 5 ms of every reply: 94 cycles a second in place of 1500.
-TEST_F(Dvrk, ALoopThatIsAlwaysLateEndsWithFour) {
+TEST_F(Dvrk, APersistentlyLateLoopExitsWithStatus4) {
   const std::string trajectory = folder_.path("traj.csv");
   std::ofstream(trajectory) << "t,q1,q2\n0,0,0\n5,0.05,0.05\n10,0.1,0.1\n15,0.05,0.1\n20,0,0\n";
   const ToolRun run = run_tool(rehearse() +
@@ -374,7 +374,7 @@ TEST_F(Dvrk, TheFirstRunOfThePageWorks) {
   EXPECT_EQ(found, 3);
 }
 
-TEST_F(Dvrk, AnEmergencyStopEndsARunAndTheRecordingSaysSo) {
+TEST_F(Dvrk, AnEmergencyStopEndsARunAndIsInTheRecording) {
   const std::string trajectory = folder_.path("traj.csv");
   std::ofstream(trajectory) << "t,q1,q2\n0,0,0\n5,0.05,0.05\n10,0.1,0.1\n15,0.05,0.1\n20,0,0\n";
   const std::string recording = folder_.path("rec.csv");
@@ -391,7 +391,7 @@ TEST_F(Dvrk, AnEmergencyStopEndsARunAndTheRecordingSaysSo) {
   EXPECT_EQ(content_of(recording).rfind("# incomplete: no motor supply", 0), 0U);
 }
 
-TEST_F(Dvrk, MistakesGetOneLine) {
+TEST_F(Dvrk, UsageErrorsAreOneLine) {
   const std::string io = config();
   const struct {
     Words words;

@@ -89,7 +89,7 @@ TEST(ExportDvrk, ScalesCorrectTheLaboratorysConfiguration) {
   EXPECT_NE(run.out.find("torque gain of yaw"), std::string::npos) << run.out;
 }
 
-TEST(ExportDvrk, BadInputAndWrongUsageAreTold) {
+TEST(ExportDvrk, BadInputAndWrongUsageAreReported) {
   const TemporaryFolder folder;
   const std::string model = psm_file(folder);
   const std::string out = folder.path("g.json");

@@ -62,7 +62,7 @@ TEST(ArmKinematics, PsmInverseFindsTheJoints) {
   }
 }
 
-TEST(ArmKinematics, PsmReachesThePoseAtItsSingularPlaces) {
+TEST(ArmKinematics, PsmReachesThePoseAtItsSingularities) {
   const ArmFacts arm = read_arm("PSM1");
   const PsmKinematics kinematics(arm);
   const Chain chain(arm);
@@ -89,7 +89,7 @@ TEST(ArmKinematics, PsmReachesThePoseAtItsSingularPlaces) {
 
 // The wrist in the remote centre, and the axis of wrist pitch that `near` proposes along that of wrist yaw: any axis
 // across the latter will do, whichever way it points.
-TEST(ArmKinematics, PsmWristInTheRemoteCentreWithNothingToGoBy) {
+TEST(ArmKinematics, PsmReachesThePoseWithItsWristInTheRemoteCentre) {
   ArmFacts arm = read_arm("PSM1");
   arm.T_last_tip.setIdentity();
   const PsmKinematics kinematics(arm);
@@ -105,7 +105,7 @@ TEST(ArmKinematics, PsmWristInTheRemoteCentreWithNothingToGoBy) {
   }
 }
 
-TEST(ArmKinematics, PsmBeyondItsLimitsIsSaidAndReached) {
+TEST(ArmKinematics, PsmSolutionsBeyondLimitsAreMarkedAndReachThePose) {
   const ArmFacts arm = read_arm("PSM1");
   const PsmKinematics kinematics(arm);
   const Chain chain(arm);
@@ -127,7 +127,7 @@ TEST(ArmKinematics, PsmBeyondItsLimitsIsSaidAndReached) {
   EXPECT_TRUE(near(chain.forward(found.q), T, 1e-7));
 }
 
-TEST(ArmKinematics, WhatIsNoPoseLeavesTheJointsAlone) {
+TEST(ArmKinematics, AnInvalidPoseLeavesTheJointsUnchanged) {
   const PsmKinematics psm(read_arm("PSM1"));
   const MtmKinematics mtm(read_arm("MTML"));
   const EcmKinematics ecm(read_arm("ECM"));
@@ -151,7 +151,7 @@ TEST(ArmKinematics, WhatIsNoPoseLeavesTheJointsAlone) {
   EXPECT_EQ(psm.inverse(far, q6).q, q6);
 }
 
-TEST(ArmKinematics, EcmInverseFindsTheJointsAndRefusesTheRest) {
+TEST(ArmKinematics, EcmInverseFindsTheJointsAndRefusesUnreachablePoses) {
   const ArmFacts arm = read_arm("ECM");
   const EcmKinematics kinematics(arm);
   const Chain chain(arm);
@@ -200,7 +200,7 @@ TEST(ArmKinematics, MtmInverseFindsTheJoints) {
 
 // Beyond the limits the nearest of all solutions is given, whichever way the elbow bends and
 // whether the arm reaches forwards or over its own base.
-TEST(ArmKinematics, MtmKnowsItsOtherSolutions) {
+TEST(ArmKinematics, MtmInverseListsAllSolutions) {
   const ArmFacts arm = read_arm("MTML");
   const MtmKinematics kinematics(arm);
   const Chain chain(arm);
@@ -216,7 +216,7 @@ TEST(ArmKinematics, MtmKnowsItsOtherSolutions) {
   EXPECT_GT(outside, 250);
 }
 
-TEST(ArmKinematics, MtmOutOfReachAndStretched) {
+TEST(ArmKinematics, MtmPosesOutOfReachAreReportedWithTheStretchedArm) {
   const ArmFacts arm = read_arm("MTML");
   const MtmKinematics kinematics(arm);
   const Chain chain(arm);
@@ -237,7 +237,7 @@ TEST(ArmKinematics, MtmOutOfReachAndStretched) {
 }
 
 // At wrist yaw of 90 degrees pitch and roll turn about one line; pitch stays, the pose is reached.
-TEST(ArmKinematics, MtmGimbalLock) {
+TEST(ArmKinematics, MtmReachesThePoseInGimbalLock) {
   const ArmFacts arm = read_arm("MTML");
   const MtmKinematics kinematics(arm);
   const Chain chain(arm);
@@ -283,7 +283,7 @@ TEST(ArmKinematics, ThePsmMovesAsThePublishedModelDoes) {
 }
 
 // Angles of more than a turn: the turn nearest to where the arm is, unless it is out of range.
-TEST(ArmKinematics, WholeTurnsKeepToTheRange) {
+TEST(ArmKinematics, WholeTurnsAreWrappedIntoTheRange) {
   const JointRanges<6> ranges(read_arm("PSM1"));  // roll: 272 degrees either way
   using Joints = PsmKinematics::Joints;
   const double limit = ranges.upper[3];

@@ -19,7 +19,7 @@ class Untroubled final : public MotionController {
 };
 
 // The first actuator turns by the sum of both joints: a motion of the first joint alone does not tell where it will be.
-TEST_F(ArmLimits, SoftLimitsAreAskedOfActuatorsWhoseJointsAllMove) {
+TEST_F(ArmLimits, SoftLimitsApplyToActuatorsWhoseJointsAllMove) {
   ArmSessionOptions options;
   options.actuator_to_joint = (MatrixXd(2, 2) << 1.0, -1.0, 0.0, 1.0).finished();
   ArmSession arm(link_, planar_config(), options);
@@ -71,7 +71,7 @@ TEST_F(ArmLimits, SoftLimitsEndARunWithAPid) {
 }
 
 // A pot whose wire is gone reads zero: encoders are not loaded from it, and nothing is driven.
-TEST_F(ArmLimits, APotAtItsEndRefusesHomingAndPower) {
+TEST_F(ArmLimits, APotAtItsRailPreventsHomingAndPower) {
   emulator_.board(0).faults.pot_wire[1] = true;
   ArmSession arm(link_, planar_config());
   EXPECT_TRUE(refuses_with("pot of actuator 1", [&] { arm.start(); }));
@@ -95,7 +95,7 @@ TEST_F(ArmLimits, AnArmOutsideItsLimitsIsNotDriven) {
   EXPECT_FALSE(emulator_.board(0).status().power_requested());
 }
 
-TEST_F(ArmLimits, EndStopsHoldAnArmThatIsPushed) {
+TEST_F(ArmLimits, EndStopsStopAPushedArm) {
   load_.set_end_stops(Eigen::Vector2d(-0.5, -0.8), Eigen::Vector2d(0.5, 0.8));
   plant_.set_state(Eigen::Vector2d(0.4, -0.7), Eigen::Vector2d(3.0, -3.0));
   ArmSession arm(link_, planar_config());

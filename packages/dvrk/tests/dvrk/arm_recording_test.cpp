@@ -68,7 +68,7 @@ TEST_F(ArmRecording, RecordsAtRestWithoutPower) {
 }
 
 // Nothing is driven, so nothing ends: the recording says that its positions are worth little.
-TEST_F(ArmRecording, ARecordingTellsThatEncodersFailed) {
+TEST_F(ArmRecording, EncoderFailuresAreMarkedInTheRecording) {
   for (const char* fault : {"", "overflow", "transition"}) {
     PlanarArm bench;
     EmulatedEncoder& encoder = bench.emulator.board(0).encoder(1);
@@ -89,7 +89,7 @@ TEST_F(ArmRecording, ARecordingTellsThatEncodersFailed) {
 }
 
 // Boards whose timestamps stand still: the rows have this program's times, and the file says so.
-TEST_F(ArmRecording, AClockThatStandsStillIsMarkedInTheRecording) {
+TEST_F(ArmRecording, AStalledClockIsMarkedInTheRecording) {
   for (const bool stands : {true, false}) {
     PlanarArm bench;
     bench.emulator.board(0).faults.stops_clock = stands;

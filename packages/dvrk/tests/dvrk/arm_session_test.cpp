@@ -22,7 +22,7 @@ struct ArmCase {
 class OnEveryHomedArm : public testing::TestWithParam<ArmCase> {};
 
 // From pots to encoders to joints: the arm knows where it stands, to a bit of the pots and a count.
-TEST_P(OnEveryHomedArm, HomingFindsWhereTheArmStands) {
+TEST_P(OnEveryHomedArm, HomingFindsThePositionOfTheArm) {
   const ArmFacts facts = read_arm(GetParam().arm);
   const RobotConfig robot = nominal_config(facts).robots.at(0);
   const MatrixXd K = facts.coupling(GetParam().instrument);
@@ -121,7 +121,7 @@ TEST(ArmSession, WithoutPowerNoCommandFlows) {
 }
 
 // Bad torques end as zero current, not as the last command.
-TEST(ArmSession, TorquesThatAreNoNumbersStopTheCurrent) {
+TEST(ArmSession, NonFiniteTorquesStopTheCurrent) {
   Bench bench(example(), MatrixXd(), example_start());
   bench.idle(0.01);
   ASSERT_TRUE(bench.arm.home().done);
@@ -167,7 +167,7 @@ TEST(ArmSession, BrakesOpenBeforeTheArmMoves) {
   EXPECT_EQ(bench.load.brake_bits[0], 0.0);
 }
 
-TEST(BrakeDriver, PushesThenHoldsAndEngagesAtOnce) {
+TEST(BrakeDriver, ReleasesWithFullCurrentHoldsWithLessAndEngagesAtOnce) {
   BrakeConfig config;
   config.release_current = 0.9;
   config.release_time = 2.0;
@@ -186,7 +186,7 @@ TEST(BrakeDriver, PushesThenHoldsAndEngagesAtOnce) {
   EXPECT_EQ(brake.current(Wish::kReleased, 15.0), 0.9);  // a push again
 }
 
-TEST(ArmSession, HomingRefusesWhatItCannotTrust) {
+TEST(ArmSession, HomingRefusesImplausiblePots) {
   {
     Bench bench(example(), MatrixXd(), example_start());
     bench.load.shake = 0.05;  // the arm swings
@@ -226,7 +226,7 @@ TEST(ArmSession, HomingRefusesWhatItCannotTrust) {
   }
 }
 
-TEST(ArmSession, StartHomesAnArmThatWokeUp) {
+TEST(ArmSession, StartHomesAnArmAfterPowerUp) {
   const RobotConfig robot = example();
   Inertias load(robot, example_start());
   BoardEmulator emulator(Bench::setups(robot), 3);
@@ -253,7 +253,7 @@ TEST(ArmSession, StartHomesAnArmThatWokeUp) {
 }
 
 // Velocity words of firmware 6 have another form: differences of counts, or nothing.
-TEST(ArmSession, OldFirmwareNeedsVelocitiesOfSoftware) {
+TEST(ArmSession, OldFirmwareRequiresSoftwareVelocities) {
   RobotConfig robot = example();
   std::vector<BoardSetup> boards = Bench::setups(robot);
   for (BoardSetup& board : boards) board.firmware = 6;
@@ -269,7 +269,7 @@ TEST(ArmSession, OldFirmwareNeedsVelocitiesOfSoftware) {
   EXPECT_TRUE(near(arm.state().q, example_start(), 5e-4));
 }
 
-TEST(ArmSession, ChannelsAreGuardedByTheCalibration) {
+TEST(ArmSession, CurrentLimitsComeFromTheCalibration) {
   RobotConfig robot = example();
   robot.actuators[4].amps_to_bits = {-5242.88, 32850.0};
   robot.actuators[4].bits_to_amps = {-0.000190735, 6.26};
@@ -295,7 +295,7 @@ TEST(ArmSession, ChannelsAreGuardedByTheCalibration) {
 }
 
 // Two arms may have boards with the same ids; the configuration says whose they are.
-TEST(ArmSessionBoards, AreTheRobotsOwn) {
+TEST(ArmSessionBoards, MustBelongToTheRobot) {
   for (const std::string& there : {std::string("1234-57"), std::string("9999-01"), std::string()}) {
     RobotConfig robot = example();
     const std::vector<int> ids = boards_of(robot);
@@ -322,7 +322,7 @@ TEST(ArmSessionBoards, AreTheRobotsOwn) {
   }
 }
 
-TEST(ArmSessionBoards, SerialsAreInBothForms) {
+TEST(ArmSessionBoards, SerialNumbersAreReadInBothForms) {
   IoConfig config = read_io_config(std::string(VERIDYN_SOURCE_DIR) +
                                    "/data/dvrk/sawRobotIO1394-PSM1-example.xml");
   config.robots[0].board_serials = {{6, "1234-56"}, {7, "1234-57"}};

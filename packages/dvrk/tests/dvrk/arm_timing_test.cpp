@@ -65,7 +65,7 @@ class ChangesTheNetwork final : public MotionController {
 };
 
 // Replies that are 5 ms late: 94 cycles per second in place of 1500.
-TEST_F(ArmTiming, ALoopThatIsAlwaysLateIsStopped) {
+TEST_F(ArmTiming, APersistentlyLateLoopIsStopped) {
   BadLink link(emulator_);
   ArmSession arm(link, planar_config());
   ChangesTheNetwork controller([&] { link.down.delay = 0.005; });
@@ -80,7 +80,7 @@ TEST_F(ArmTiming, ALoopThatIsAlwaysLateIsStopped) {
 }
 
 // The same from the start: nothing is powered, and the first thing said is why.
-TEST_F(ArmTiming, AMachineThatIsTooBusyIsSaidBeforePower) {
+TEST_F(ArmTiming, ABusyMachineIsReportedBeforePower) {
   BadLink link(emulator_);
   ArmSession arm(link, planar_config());
   link.down.delay = 0.005;
@@ -95,7 +95,7 @@ TEST_F(ArmTiming, AMachineThatIsTooBusyIsSaidBeforePower) {
 }
 
 // A stall before power is waited for.
-TEST_F(ArmTiming, AStallBeforePowerIsWaitedFor) {
+TEST_F(ArmTiming, AStallBeforePowerIsTolerated) {
   BadLink link(emulator_);
   ArmSession arm(link, planar_config());
   int asked = 0;
@@ -111,7 +111,7 @@ TEST_F(ArmTiming, AStallBeforePowerIsWaitedFor) {
 
 // One datagram of a hundred gets lost, both ways: a read is asked for again within a millisecond.
 // Without that a cycle waits 20 ms for it, and the run does not keep its rate.
-TEST_F(ArmTiming, OnePercentOfLossIsRiddenThrough) {
+TEST_F(ArmTiming, OnePercentOfPacketLossIsTolerated) {
   for (const bool again : {true, false}) {
     PlanarArm bench;
     BadLink link(bench.emulator, 7);

@@ -61,7 +61,7 @@ class OnBoards : public testing::Test {
   std::thread thread_;
 };
 
-TEST_F(OnBoards, TorquesMoveTheirJointsAndTheOthersAreHeld) {
+TEST_F(OnBoards, TorquesMoveTheirJointsAndOthersAreHeld) {
   BoardArm arm(options_);
   ASSERT_EQ(arm.joints(), 7);
   ASSERT_TRUE(cycles(arm, [] { return true; }));
@@ -103,7 +103,7 @@ TEST_F(OnBoards, TorquesMoveTheirJointsAndTheOthersAreHeld) {
   EXPECT_EQ(load_.effort.cwiseAbs().maxCoeff(), 0.0);
 }
 
-TEST_F(OnBoards, WhatIsWrongSwitchesOffAndIsTold) {
+TEST_F(OnBoards, FaultsSwitchOffAndAreReported) {
   BoardArm arm(options_);
   ASSERT_TRUE(cycles(arm, [] { return true; }));
   ASSERT_EQ(arm.power_on(), nullptr);
@@ -117,7 +117,7 @@ TEST_F(OnBoards, WhatIsWrongSwitchesOffAndIsTold) {
   EXPECT_FALSE(arm.shutdown());  // nobody confirms it
 }
 
-TEST(BoardArm, SaysWhatItCannotFind) {
+TEST(BoardArm, NamesTheMissingFileOrArm) {
   BoardArmOptions options;
   options.config = "PSM9";
   EXPECT_THROW(BoardArm{options}, InvalidInput);

@@ -167,7 +167,7 @@ TEST(BoardEmulator, OnlyNodesThatExistAnswer) {
   EXPECT_EQ(bench.reply.node, 0);
 }
 
-TEST(BoardEmulator, AStaleGenerationDropsReadsAloudAndWritesSilently) {
+TEST(BoardEmulator, AStaleGenerationAnswersReadsWithAnErrorAndDropsWrites) {
   EmulatorBench bench;
   bench.emulator.bus_reset();
   BoardCommand c = bench.amps_on(0, 0x9000);
@@ -227,7 +227,7 @@ TEST(BoardEmulator, AmplifiersIgnoreTheFirstPowerPacketAndWait40Milliseconds) {
   EXPECT_TRUE(bench.emulator.board(0).amp_on(0));
 }
 
-TEST(BoardEmulator, AnEmergencyStopTakesVoltageAndGivesItBackByItself) {
+TEST(BoardEmulator, AnEmergencyStopRemovesAndRestoresTheVoltage) {
   EmulatorBench bench;
   bench.bring_up();
   bench.emulator.chain.emergency_stop = true;
@@ -241,7 +241,7 @@ TEST(BoardEmulator, AnEmergencyStopTakesVoltageAndGivesItBackByItself) {
   EXPECT_TRUE(bench.emulator.board(1).amp_on(0));  // what a client must guard against
 }
 
-TEST(BoardEmulator, OneOpenRelayTakesTheVoltageOfAll) {
+TEST(BoardEmulator, OneOpenRelayRemovesTheVoltageOfAllBoards) {
   EmulatorBench bench;
   bench.bring_up();
   bench.write(1, 0, control::kRelayOpen);
@@ -266,7 +266,7 @@ class BoardEmulatorOfEveryFirmware : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Firmware, BoardEmulatorOfEveryFirmware, testing::Values(6, 7, 8, 9),
                          [](const auto& of) { return "Rev" + std::to_string(of.param); });
 
-TEST_P(BoardEmulatorOfEveryFirmware, CommandsArriveAndFeedbackTellsThem) {
+TEST_P(BoardEmulatorOfEveryFirmware, FeedbackShowsTheCommands) {
   EmulatorBench bench(GetParam());
   for (int node : {0, 1}) bench.write(node, 0, control::kRelayClose);
   for (int node : {0, 1}) bench.write(node, 0, control::kPowerOn);
@@ -313,7 +313,7 @@ TEST_P(BoardEmulatorOfEveryFirmware, TheHubHasTheBlocksOfAllBoardsInAscendingOrd
   EXPECT_TRUE(answers(decode_hub_header(bench.reply.block[0], firmware), 0x1234, firmware));
 }
 
-TEST(BoardEmulator, RegistersKeepWhatTheyAreTold) {
+TEST(BoardEmulator, RegistersKeepWrittenValues) {
   EmulatorBench bench;
   bench.write(0, address::kWatchdog, 57600);
   EXPECT_EQ(bench.read(0, address::kWatchdog), 57600U);
@@ -358,7 +358,7 @@ TEST(BoardEmulator, AnInstrumentHasItsChip) {
 }
 
 // Noise has the deviation that it was given, and means what it hides.
-TEST(BoardEmulator, PotsAndCurrentsAreNoisyWhereAskedFor) {
+TEST(BoardEmulator, PotsAndCurrentsHaveTheRequestedNoise) {
   BoardSetup setup;
   setup.pot_noise = 3.0;
   setup.current_noise = 5.0;
@@ -381,7 +381,7 @@ TEST(BoardEmulator, PotsAndCurrentsAreNoisyWhereAskedFor) {
   EXPECT_NEAR(std::sqrt(squares[1] / kReadings - 1.0 / 12), 5.0, 0.15);
 }
 
-TEST(BoardEmulator, BadSetupsSayWhy) {
+TEST(BoardEmulator, BadSetupsAreRefusedWithAReason) {
   const auto with = [](int id, int firmware) {
     BoardSetup s;
     s.id = id;

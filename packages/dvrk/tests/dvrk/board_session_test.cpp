@@ -14,7 +14,7 @@
 namespace veridyn::dvrk {
 namespace {
 
-TEST(BoardSession, PowersUpInOrderAndDrivesWhatItIsTold) {
+TEST(BoardSession, PowersUpInOrderAndDrivesTheCommandedCurrents) {
   Rig rig;
   rig.session.start();
   EXPECT_STREQ(rig.session.power_on(), "the last read was not valid");
@@ -38,7 +38,7 @@ TEST(BoardSession, PowersUpInOrderAndDrivesWhatItIsTold) {
   EXPECT_EQ(rig.session.faults().report(), "");
 }
 
-TEST(BoardSession, CommandsAreHeldWithinTheLimitAndNoNumberIsZero) {
+TEST(BoardSession, CommandsAreLimitedAndNonFiniteOnesAreZero) {
   Rig rig;
   ASSERT_TRUE(rig.bring_up());
   rig.cycle(1e9);
@@ -52,7 +52,7 @@ TEST(BoardSession, CommandsAreHeldWithinTheLimitAndNoNumberIsZero) {
   EXPECT_FALSE(rig.currents_flow());
 }
 
-TEST(BoardSession, PowerDownTakesAmplifiersFirstAndIsSeen) {
+TEST(BoardSession, PowerDownDisablesAmplifiersFirstAndIsConfirmed) {
   Rig rig;
   ASSERT_TRUE(rig.bring_up());
   rig.cycles(3, 700.0);
@@ -104,7 +104,7 @@ TEST(BoardSession, EveryExitLeavesNoCurrent) {
   EXPECT_FALSE(dead.currents_flow());
 }
 
-TEST(BoardSession, ANewGenerationDoesNotSwallowTheSwitchingOff) {
+TEST(BoardSession, ABusResetDoesNotPreventPowerOff) {
   Rig rig;
   ASSERT_TRUE(rig.bring_up());
   rig.cycles(3, 900.0);
@@ -143,7 +143,7 @@ TEST(BoardSession, ABoardThatIgnoresRegistersTooIsLeftToItsWatchdog) {
 }
 
 // Nobody sees that it ignores what is sent: without replies, or while a scan looks for boards that do not come back.
-TEST(BoardSession, ABoardThatIsNotHeardIsLeftToItsWatchdog) {
+TEST(BoardSession, AnUnresponsiveBoardIsLeftToItsWatchdog) {
   for (const CycleProtocol protocol : {CycleProtocol::kSequential, CycleProtocol::kBroadcastWrite, CycleProtocol::kBroadcast}) {
     for (const bool reset : {false, true}) {
       SCOPED_TRACE(testing::Message() << static_cast<int>(protocol) << (reset ? " after a reset" : ""));
@@ -247,7 +247,7 @@ TEST(BoardSession, ABoardThatRestartedIsFoundBeforeItsAmplifiersAreOn) {
 }
 
 // A relay that is not even asked to close, since its board ignores blocks, and a supply that does not come.
-TEST(BoardSession, PowerThatDoesNotComeUpIsGivenUp) {
+TEST(BoardSession, PowerUpTimesOut) {
   SessionOptions how = Rig::options();
   how.supply_timeout = 0.5;
   for (const bool supply : {false, true}) {
@@ -270,7 +270,7 @@ TEST(BoardSession, PowerThatDoesNotComeUpIsGivenUp) {
   }
 }
 
-TEST(BoardSession, EveryStateHasItsWords) {
+TEST(BoardSession, EveryStateHasAText) {
   std::set<std::string> words;
   for (const PowerState state : {PowerState::kOff, PowerState::kRelay, PowerState::kPower, PowerState::kAmps, PowerState::kOn, PowerState::kFault})
     EXPECT_TRUE(words.insert(describe(state)).second) << describe(state);

@@ -116,7 +116,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, BadNetwork,
                                   std::to_string(static_cast<int>(std::get<1>(of.param)));
                          });
 
-TEST_P(BadNetwork, LeavesNoTorqueAndNoFalseWord) {
+TEST_P(BadNetwork, LeavesNoTorqueAndNoFalseReport) {
   const auto& [network, protocol] = GetParam();
   Drill drill(protocol);
   ASSERT_TRUE(drill.bring_up()) << drill.session.faults().report();
@@ -171,7 +171,7 @@ TEST(Drills, AClientThatDiesLeavesNoTorqueAfterTheWatchdog) {
   EXPECT_TRUE(drill.emulator.board(0).watchdog_tripped());
 }
 
-TEST(Drills, AllWritesLostIsNotCalledOff) {
+TEST(Drills, LostWritesAreNotReportedAsPowerOff) {
   Drill drill;
   ASSERT_TRUE(drill.bring_up());
   for (int k = 0; k < 10; ++k) drill.cycle(1500.0);
@@ -185,7 +185,7 @@ TEST(Drills, AllWritesLostIsNotCalledOff) {
   EXPECT_TRUE(drill.really_off());
 }
 
-TEST(Drills, DeadBoardsAreNotCalledOff) {
+TEST(Drills, DeadBoardsAreNotReportedAsPowerOff) {
   Drill drill;
   ASSERT_TRUE(drill.bring_up());
   drill.link.down.lose = 1.0;

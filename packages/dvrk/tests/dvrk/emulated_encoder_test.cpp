@@ -46,7 +46,7 @@ TEST(EmulatedEncoder, AccelerationArrivesAtTheHost) {
   EXPECT_NEAR(m.predicted, a * 0.5, 0.01 * a * 0.5);
 }
 
-TEST(EmulatedEncoder, RestAndReversalAreTold) {
+TEST(EmulatedEncoder, RestAndReversalAreReported) {
   EmulatedEncoder encoder;
   encoder.power_up(0.5, 0);
   EXPECT_EQ(encoder.words(8, 10).period, 0xCBFFFFFFU);  // section 11.2, power-up
@@ -77,7 +77,7 @@ TEST(EmulatedEncoder, APreloadMovesTheCounterAndNotTheLines) {
 }
 
 // The kinds of four edges in a row, in the order that the lines have them.
-TEST(EmulatedEncoder, EdgesHaveTheirKinds) {
+TEST(EmulatedEncoder, EdgesAreClassifiedByTypeAndDirection) {
   EmulatedEncoder encoder;
   encoder.power_up(0.5, 0);
   EXPECT_TRUE(encoder.line_a());

@@ -11,7 +11,7 @@
 namespace veridyn::dvrk {
 namespace {
 
-TEST(FaultLog, WhatWasFoundIsSaidInItsUnit) {
+TEST(FaultLog, FoundValuesArePrintedWithTheirUnit) {
   EXPECT_EQ(describe_found(Condition::kTemperature, 0x8F34), "71.5 deg C and 26 deg C");
   EXPECT_EQ(describe_found(Condition::kTemperature, 0xFF32), "none and 25 deg C");
   EXPECT_EQ(describe_found(Condition::kTemperature, 0x32FF), "25 deg C and none");
@@ -66,7 +66,7 @@ TEST(LoopTiming, TheReasonOfAGapIsItsLargestPart) {
   }
 }
 
-TEST(LoopTiming, ARateIsCyclesOverTime) {
+TEST(LoopTiming, TheRateIsTheNumberOfCyclesOverTime) {
   LoopTiming timing;
   timing.rate = 1500.0;
   EXPECT_EQ(timing.reached(), 1500.0);

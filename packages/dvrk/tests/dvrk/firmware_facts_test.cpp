@@ -37,7 +37,7 @@ TEST(Dallas, TheInterfaceIsEnabledAndACommandSucceeds) {
   }
 }
 
-TEST(IoExpander, ShowsItselfAndTheMotorSupply) {
+TEST(IoExpander, ReportsItselfAndTheMotorSupply) {
   for (const bool has : {true, false}) {
     BoardSetup setup = Rig::setup(6);
     setup.io_expander = has;
@@ -56,7 +56,7 @@ TEST(IoExpander, ShowsItselfAndTheMotorSupply) {
 }
 
 // The answer to a packet that was not forwarded says nothing of the FireWire bus.
-TEST(Trailer, OfAPacketThatIsNotForwardedIsNoBusReset) {
+TEST(Trailer, OfAnUnforwardedPacketIndicatesNoBusReset) {
   for (const bool local : {true, false}) {
     Rig rig(CycleProtocol::kSequential, {Rig::setup(6, 9), Rig::setup(7, 9)});
     ASSERT_TRUE(rig.bring_up());

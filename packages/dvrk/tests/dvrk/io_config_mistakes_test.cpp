@@ -30,7 +30,7 @@ struct Mistake {
 };
 
 // JSON that breaks off, or goes wrong, is shown where it does, in words of this library.
-TEST(IoConfig, JsonThatIsNoneIsShownWhereItGoesWrong) {
+TEST(IoConfig, InvalidJsonIsReportedWithItsPosition) {
   const struct {
     const char* content;
     const char* says;
@@ -141,7 +141,7 @@ std::vector<Mistake> mistakes() {
 INSTANTIATE_TEST_SUITE_P(InTheExample, OnMistakes, testing::ValuesIn(mistakes()),
                          [](const auto& mistake) { return "m" + std::to_string(mistake.index); });
 
-TEST(IoConfig, WhatIsNotKnownIsNamedWithItsLine) {
+TEST(IoConfig, UnknownElementsAreNamedWithTheirLine) {
   std::string xml = content_of(kExample);
   const std::vector<std::string> before = read_io_xml(xml, "io.xml").remarks;
   const auto place = xml.find("</Actuator>");
@@ -201,7 +201,7 @@ TEST(IoConfig, EitherFormatIsKnownByItsFirstCharacter) {
 }
 
 // Axes beyond a QLA's four belong to other boards, which have ten; nobody drives those.
-TEST(IoConfig, OtherBoardsHaveMoreAxes) {
+TEST(IoConfig, AxisNumbersAreCheckedAgainstTheBoardType) {
   IoConfig config = nominal_config(read_arm("ECM"));
   config.robots[0].hardware = "dRA1";
   config.robots[0].actuators[3].axis = 9;
@@ -261,7 +261,7 @@ TEST(IoConfig, ManyElementsAreReadOnce) {
   EXPECT_EQ(read_io_json(json + "]}", "f").digital_inputs.size(), static_cast<std::size_t>(kMany));
 }
 
-TEST(IoConfig, OtherNamesOfJsonAreRead) {
+TEST(IoConfig, AlternativeJsonNamesAreRead) {
   const std::string json = R"({"digital_inputs": [
     {"name": "a", "board_id": 1, "bit_id": 2, "pressed_value": false, "trigger_when_pressed": true,
      "trigger_when_released": false, "debounce_threshold": 0.1},

@@ -99,7 +99,7 @@ TEST(ModelController, ImpedanceFollowsTheTip) {
 }
 
 // Weightless: it stays where it was, under the torque of gravity at that place, in closed form.
-TEST(ModelController, GravityHoldsTheArmWhereItIs) {
+TEST(ModelController, GravityCompensationHoldsTheArm) {
   Trial trial(ControlLaw::kGravity);
   const RunResult run = trial.run();
   ASSERT_TRUE(run.complete) << run.why << "\n" << trial.arm.boards().faults().report();
@@ -129,7 +129,7 @@ Recording true_rows(Recording rows) {
 
 // A motion is led in true positions by a model that knows its sensors, as well as without errors; by
 // one that does not, it is off by the zero.
-TEST(ModelController, WhatTheModelKnowsOfSensorsIsUndone) {
+TEST(ModelController, SensorErrorsOfTheModelAreCorrected) {
   Trial plain(ControlLaw::kComputedTorque);
   const double usual = worst_joint_error(plain.run().rows);
   for (const bool knows : {true, false}) {
@@ -244,7 +244,7 @@ TEST(ModelController, TheSupervisorEndsARunByName) {
   EXPECT_FALSE(trial.bench.emulator.board(0).amp_on(1));
 }
 
-TEST(ModelController, WhatCannotBeIsRefused) {
+TEST(ModelController, InvalidOptionsAreRefused) {
   const Model model = read_model("planar-2r");
   const PidGains gains = sensible_gains(model);
   EXPECT_THROW(ModelController(read_model("psm-3dof"), gains, Eigen::Vector2d(9, 9)), InvalidInput);

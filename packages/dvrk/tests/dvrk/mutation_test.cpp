@@ -48,7 +48,7 @@ class GuardedBuffer {
   std::uint8_t* begin_ = nullptr;
 };
 
-TEST(MutatedDatagrams, NothingIsReadOutsideAndNothingContradictsItself) {
+TEST(MutatedDatagrams, AreDecodedWithinBoundsAndConsistently) {
   GuardedBuffer buffer;
   Mutator mutator(19);
   for (long k = 0; k < 2000000; ++k) {
@@ -70,7 +70,7 @@ TEST(MutatedDatagrams, EveryPrefixOfEveryVectorIsSafe) {
 
 // A board answers with what is a reply, or not at all; whatever comes, its currents stay within
 // what a well-formed command asked for.
-TEST(MutatedDatagrams, TheEmulatorSurvivesThem) {
+TEST(MutatedDatagrams, DoNotCrashTheEmulator) {
   GuardedBuffer buffer;
   Mutator mutator(18);
   BoardEmulator emulator({Rig::setup(6), Rig::setup(7)}, 3);
@@ -117,7 +117,7 @@ class HostileLink final : public DatagramLink {
   Mutator mutator_{17};
 };
 
-TEST(MutatedDatagrams, ASessionSurvivesThemAndNeverExceedsItsCurrents) {
+TEST(MutatedDatagrams, NeverMakeASessionExceedItsCurrents) {
   for (const CycleProtocol protocol : {CycleProtocol::kSequential, CycleProtocol::kBroadcast}) {
     BoardEmulator emulator({Rig::setup(6), Rig::setup(7)}, 3);
     EmulatedLink direct(emulator);

@@ -59,7 +59,7 @@ TEST_P(Listeners, SendNoWriteAndSeeTheArm) {
 }
 
 // Homing beside a program that drives is refused before anything is written.
-TEST(Homing, LooksForPowerWithoutAWrite) {
+TEST(Homing, ChecksPowerWithoutAWrite) {
   PlanarArm arm;
   BadLink link(arm.emulator);
   EXPECT_NO_THROW(require_no_power(link, planar_config(), {}));
@@ -79,7 +79,7 @@ TEST(Homing, LooksForPowerWithoutAWrite) {
   EXPECT_EQ(link.writes, 0);
 }
 
-TEST_P(Listeners, SeeWhatTheRealTimeBlockSays) {
+TEST_P(Listeners, ReadTheRealTimeBlock) {
   SessionOptions how = Rig::options();
   how.watchdog = 0.34;  // longer than the other one takes to find the boards
   Rig rig(how);
@@ -111,7 +111,7 @@ TEST_P(Listeners, SeeWhatTheRealTimeBlockSays) {
 }
 
 // Single registers leave the clock of the other client alone; a block restarts it (section 9).
-TEST(Listening, ByRegisterLeavesTheTimestampsAlone) {
+TEST(Listening, ByRegisterDoesNotResetTimestamps) {
   for (const Access access : {Access::kListenByRegister, Access::kListen}) {
     Rig rig;
     ASSERT_TRUE(rig.bring_up());
@@ -184,7 +184,7 @@ TEST(Listening, ASecondHostKeepsItsAmplifiers) {
 
 // Over real sockets, beside a run. What may end the run on a busy machine is the clock, never the
 // one that looks.
-TEST(Listening, BesideARunOverUdp) {
+TEST(Listening, WorksDuringARunOverUdp) {
   PlanarArm arm;
   BoardServer server(arm.emulator, 0);
   std::atomic<bool> stop_server{false}, stop{false};

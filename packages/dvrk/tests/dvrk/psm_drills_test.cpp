@@ -133,7 +133,7 @@ Event as_said(const std::string& words, double at) {
   return {at, [words](BoardEmulator& e) { board_events({words + "@0"}, e).front().happen(e); }};
 }
 
-TEST(PsmDrills, TheMotionPlaysWhereEventsAre) {
+TEST(PsmDrills, EventsOccurDuringTheMotion) {
   for (const Law law : {Law::kPid, Law::kComputedTorque, Law::kImpedance}) {
     Psm psm;
     double from = 0.0, until = 0.0;
@@ -162,7 +162,7 @@ TEST(PsmDrills, OneReplyThatIsLostOrLateEndsNothing) {
 }
 
 // What the page promises: one of a hundred datagrams may be lost, each way. Of five the run says so.
-TEST(PsmDrills, LossRidesUpToOnePercentAndIsNamedBeyond) {
+TEST(PsmDrills, PacketLossIsToleratedUpToOnePercentAndReportedBeyond) {
   for (const double percent : {0.2, 1.0, 5.0}) {
     Psm psm;
     const RunResult run = psm.run(Law::kComputedTorque, {as_said("loss=" + std::to_string(percent), 1.0)});
@@ -175,7 +175,7 @@ TEST(PsmDrills, LossRidesUpToOnePercentAndIsNamedBeyond) {
   }
 }
 
-TEST(PsmDrills, AGapInTheRepliesIsWhatEndsTheRun) {
+TEST(PsmDrills, AGapInTheRepliesEndsTheRun) {
   Psm psm;
   const RunResult run = psm.run(Law::kComputedTorque, {of_reply(kFrom, ReplyFault::kDrop, 12)});
   EXPECT_EQ(run.why.find("no reply in time"), 0U) << run.why;
@@ -231,7 +231,7 @@ TEST(PsmDrills, EveryEventIsNamedAndLeavesNoCurrent) {
 
 // Encoders that were loaded 10 degrees wrong: the motion leads pitch to its end stop. Whatever controls the
 // arm notices that it presses. A motion that stays inside is none the wiser, nor is there anything to see.
-TEST(PsmDrills, AnArmThatPressesOnItsEndStopIsSwitchedOff) {
+TEST(PsmDrills, AnArmPressingOnItsEndStopIsSwitchedOff) {
   RobotConfig wrong = nominal_config(read_arm("PSM1")).robot("");
   wrong.actuators[1].volts_to_position.offset -= 10.0 * M_PI / 180.0;
   for (const Law law : {Law::kPid, Law::kComputedTorque, Law::kImpedance}) {

@@ -71,7 +71,7 @@ TEST(RowFile, RowsAreOnTheDiskWhileTheyAreRecorded) {
 }
 
 // A limit on the size of files stands for a disk that is full.
-TEST(RowFile, AFullDiskKeepsWholeRowsAndSaysHowMany) {
+TEST(RowFile, AFullDiskKeepsWholeRowsAndReportsTheirNumber) {
   const std::string path = temporary("veridyn-full-");
   std::signal(SIGXFSZ, SIG_IGN);
   rlimit before{};
@@ -134,7 +134,7 @@ TEST(RowFile, AFullDiskWithoutARowLeavesNoFile) {
 }
 
 // A link to a file stays one.
-TEST(RowFile, ALinkIsFollowed) {
+TEST(RowFile, SymbolicLinksAreFollowed) {
   const auto folder = std::filesystem::temp_directory_path() / ("veridyn-linked-" + std::to_string(::getpid()));
   std::filesystem::create_directory(folder);
   const std::string path = (folder / "link.csv").string(), target = (folder / "target.csv").string();
@@ -216,7 +216,7 @@ TEST(CycleClock, GivesEveryGapItsReason) {
   }
 }
 
-TEST(CycleClock, ALoopThatNeverKeepsItsRateIsFound) {
+TEST(CycleClock, APersistentlyLateLoopIsDetected) {
   SlowLink link;
   CycleClock clock(link, 1500.0);
   int cycles = 0;

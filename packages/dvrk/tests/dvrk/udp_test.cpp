@@ -143,7 +143,7 @@ TEST(Udp, AnEmulatorListensToThisMachineAlone) {
   }
 }
 
-TEST(Udp, WhatCannotBeIsRefused) {
+TEST(Udp, InvalidAddressesAreRefused) {
   EXPECT_THROW(UdpLink("no such host", 1394), InvalidInput);
   BoardEmulator emulator({Rig::setup(6)});
   BoardServer server(emulator, 0);
