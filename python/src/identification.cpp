@@ -72,7 +72,7 @@ struct Call {
         test(recordings_of(test_)) {}
 
   static py::object callback(Keywords& keywords) {
-    const py::object given = keywords.take("progress");
+    const py::object given = keywords.value_of("progress");
     return given ? given : py::none();
   }
 

@@ -41,7 +41,7 @@ Travel travel_of(const Model& arm, const std::vector<Recording>& recordings) {
     if (travels(low, high, c.prismatic)) {
       out.moving.push_back(i);
     } else {
-      out.held[c.name] = held_at(count > 0.0 ? sum / count : 0.0, c.prismatic);
+      out.held[c.name] = rounded_hold_position(count > 0.0 ? sum / count : 0.0, c.prismatic);
     }
   }
   return out;
@@ -238,7 +238,7 @@ FrictionStudy study_friction(const Model& arm, const Recordings& recordings, con
   out.robot = arm.name();
   NamedRecordings<IdentificationOptions> named(recordings, test, options.identification);
   keep_recordings(named.how, KeptRecordings::kManyQuestions);
-  const RecordingOptions reading = reading_of(arm, named.how.preprocessing);
+  const RecordingOptions reading = recording_options_for(arm, named.how.preprocessing);
   const auto read = [&](const std::vector<std::string>& names) {
     std::vector<Recording> rows;
     for (const std::string& name : names) {

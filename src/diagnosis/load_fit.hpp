@@ -89,11 +89,11 @@ MassCost load_cost(const std::vector<RowSquares>& rows, const std::vector<RowSqu
                    int first, const std::vector<int>& beside, double reach);
 
 /// The columns of `beside` fitted with weights to what a load on `first` leaves.
-VectorXd beside_load(const std::vector<RowSquares>& rows, const std::vector<RowSquares>* without, const VectorXd& weights,
+VectorXd fitted_beside_load(const std::vector<RowSquares>& rows, const std::vector<RowSquares>* without, const VectorXd& weights,
                      int first, const std::vector<int>& beside, const InertialParameters& phi);
 
 /// Squared residual per joint of a load and these other columns.
-VectorXd squares_left(const std::vector<RowSquares>& rows, int first, const InertialParameters& phi,
+VectorXd residual_squares(const std::vector<RowSquares>& rows, int first, const InertialParameters& phi,
                       const std::vector<int>& beside, const VectorXd& values);
 
 /// Solves A x = b for A >= 0 whose columns may be zero or equal.

@@ -25,7 +25,7 @@ struct Point {
   double q = 0.0, dq = 0.0, ddq = 0.0;
 };
 
-double way_of(const Part& p) {
+double distance_of(const Part& p) {
   return 0.5 * (p.from + p.to) * p.seconds;
 }
 
@@ -33,7 +33,7 @@ Point at(const std::vector<Part>& parts, double t) {
   Point out;
   for (const Part& p : parts) {
     if (t > p.seconds) {
-      out.q += way_of(p);
+      out.q += distance_of(p);
       t -= p.seconds;
       continue;
     }

@@ -44,11 +44,11 @@ std::optional<std::string> mesh_path(const std::string& name, const fs::path& ur
   for (fs::path at = fs::absolute(urdf, ignored).parent_path(); at != at.parent_path(); at = at.parent_path())
     folders.push_back(at);
   std::string rest = name;
-  const bool of_package = name.rfind("package://", 0) == 0;
-  if (of_package) rest = name.substr(10);
+  const bool package_command = name.rfind("package://", 0) == 0;
+  if (package_command) rest = name.substr(10);
   if (name.rfind("file://", 0) == 0) rest = name.substr(7);
-  if (!of_package) folders.resize(std::min<size_t>(1, folders.size()));
-  if (const char* own = std::getenv("ROS_PACKAGE_PATH"); own != nullptr && of_package) {
+  if (!package_command) folders.resize(std::min<size_t>(1, folders.size()));
+  if (const char* own = std::getenv("ROS_PACKAGE_PATH"); own != nullptr && package_command) {
     std::istringstream in(own);
     for (std::string folder; std::getline(in, folder, ':');) folders.emplace_back(folder);
   }
@@ -56,7 +56,7 @@ std::optional<std::string> mesh_path(const std::string& name, const fs::path& ur
   for (const fs::path& folder : folders) {
     if (fs::is_regular_file(folder / rest, ignored)) return (folder / rest).string();
     // The folder of the package itself may have another name.
-    if (of_package && slash != std::string::npos && fs::is_regular_file(folder / rest.substr(slash + 1), ignored))
+    if (package_command && slash != std::string::npos && fs::is_regular_file(folder / rest.substr(slash + 1), ignored))
       return (folder / rest.substr(slash + 1)).string();
   }
   return std::nullopt;

@@ -55,7 +55,7 @@ VectorXd rms_residuals(const Model& arm, const Identification& id) {
 // Factor that inflates residuals with a longer correlation time to equivalent ones with one
 // independent sample in kNoiseSeconds. Noise held for T seconds (a zero-order hold) and a column that oscillates with
 // f hertz give sqrt(T / kNoiseSeconds) |sinc(pi f T)|.
-double as_if_independent(const Model& arm, const Identification& id) {
+double correlation_inflation(const Model& arm, const Identification& id) {
   double seconds = 0.0;
   for (const CompressedRecording& r : id.factors) seconds += r.facts.duration;
   if (!(id.effective_samples > 0.0)) return 1.0;
@@ -139,10 +139,10 @@ FoldErrors fold_errors(const Identification& fitted, const IdentificationOptions
   return out;
 }
 
-void keep_training_error(Identification& id) {
+void store_training_error(Identification& id) {
   ModelDescription description = id.model->description();
   description.identified->error = id.train_error.relative;
-  description.identified->noise = rms_residuals(*id.model, id) * as_if_independent(*id.model, id);
+  description.identified->noise = rms_residuals(*id.model, id) * correlation_inflation(*id.model, id);
   id.model = Model(std::move(description));
 }
 

@@ -156,7 +156,7 @@ std::vector<std::vector<double>> columns(const MatrixXd& m) {
 }
 
 // No joint moves: there is no error of moving rows.
-PredictionError of_rest(const ErrorSums& sums) {
+PredictionError rest_error(const ErrorSums& sums) {
   PredictionError out = sums.error();
   out.moving_relative.resize(0);
   return out;
@@ -172,7 +172,7 @@ RecordingError error_on(const Model& arm, const RestPoses& poses, const VectorXd
   all.add(sums);
   RecordingError out;
   out.source = poses.source;
-  out.error = of_rest(sums);
+  out.error = rest_error(sums);
   out.rows = static_cast<long>(poses.poses());
   for (Eigen::Index k = 0; k < poses.poses(); ++k) out.series.time.push_back(static_cast<double>(k));
   out.series.q = columns(poses.q);
@@ -186,7 +186,7 @@ RecordingError error_on(const Model& arm, const RestPoses& poses, const VectorXd
 }
 
 // Plausible bodies, as a prior for parameters that poses at rest do not determine.
-Model balls(const Model& arm) {
+Model with_ball_priors(const Model& arm) {
   ModelDescription d = arm.description();
   for (Frame& frame : d.frames) {
     if (!frame.body) continue;
@@ -212,7 +212,7 @@ double quantile(VectorXd values, double share) {
 
 // How far torques spread about the model: dry friction of an approach that nobody wrote down, and what
 // else the model lacks.
-void say_bands(const Model& arm, const MatrixXd& residuals, bool approached, Identification& id) {
+void report_friction_bands(const Model& arm, const MatrixXd& residuals, bool approached, Identification& id) {
   std::string words;
   for (int i = 0; i < arm.joints(); ++i) {
     const Coordinate& c = arm.coordinates()[i];
@@ -250,8 +250,8 @@ Identification identify_at_rest(const Model& file, const std::vector<RestPoses>&
   });
   const Model arm = without_idle_effects(resting_arm(file, approached), train);
   IdentificationOptions how = options;
-  if (!how.prior && !has_prior(arm)) how.prior = arm.inertial_values() ? arm : balls(arm);
-  Identification id = described(arm, options);
+  if (!how.prior && !has_prior(arm)) how.prior = arm.inertial_values() ? arm : with_ball_priors(arm);
+  Identification id = empty_identification(arm, options);
   std::vector<CompressedRecording> factors;
   for (const RestPoses& poses : train) factors.push_back(compress(arm, poses));
   for (const CompressedRecording& r : factors) id.rows += r.rows;
@@ -271,13 +271,13 @@ Identification identify_at_rest(const Model& file, const std::vector<RestPoses>&
   MatrixXd residuals(0, arm.joints());
   for (const RestPoses& poses : train)
     id.train.push_back(error_on(arm, poses, id.parameters, of_train, residuals));
-  say_bands(arm, residuals, approached, id);
+  report_friction_bands(arm, residuals, approached, id);
   for (const RestPoses& poses : test)
     id.test.push_back(error_on(arm, poses, id.parameters, of_test, residuals));
-  id.train_error = of_rest(of_train);
-  if (!test.empty()) id.test_error = of_rest(of_test);
+  id.train_error = rest_error(of_train);
+  if (!test.empty()) id.test_error = rest_error(of_test);
   id.factors = std::move(factors);
-  keep_training_error(id);
+  store_training_error(id);
   id.remarks.insert(id.remarks.begin(),
                     text("Identified from ", static_cast<long>(id.rows / arm.joints()),
                          " poses at rest: they determine ", base.size(),

@@ -35,7 +35,7 @@ constexpr const char* kRotorValue = "inertia";  // parameter of the effect
 const char* const kSymbols[] = {"m", "hx", "hy", "hz", "Lxx", "Lxy", "Lyy", "Lxz", "Lyz", "Lzz"};
 
 // A rod that connects the frame's joint, its origin and the joints attached to it.
-InertialVector rod(const Model& arm, int frame) {
+InertialVector rod_body(const Model& arm, int frame) {
   std::vector<Eigen::Vector3d> points = {Eigen::Vector3d::Zero(),
                                          eigen(inverse(arm.frames()[frame].B).p)};
   for (const Frame& child : arm.frames()) {
@@ -81,7 +81,7 @@ BodyPrior prior_of(const Model& arm, int frame, const std::optional<Model>& prio
   }
   const Body& own = *arm.frames()[frame].body;
   if (usable(own.prior)) return {with_size(*own.prior, kSmallestRadius)};
-  return {rod(arm, frame), false};
+  return {rod_body(arm, frame), false};
 }
 
 bool all_possible(const VectorXd& phi) {
@@ -160,7 +160,7 @@ VectorXd sizes_of(const std::vector<InertialVector>& priors, Eigen::Index rotors
   return out;
 }
 
-std::vector<PortableBody> described(const Model& arm, const BaseParameters& base,
+std::vector<PortableBody> portable_bodies(const Model& arm, const BaseParameters& base,
                                     const VectorXd& before) {
   std::vector<PortableBody> out;
   for (size_t b = 0; b < arm.bodies().size(); ++b) {
@@ -202,7 +202,7 @@ PortableModel portable_model(const Model& given, const std::optional<Model>& pri
   if (!given.description().identified) return out;
   const Model arm = rotors == RotorPlace::kArmatures ? with_all_rotors(given) : given;
   const BaseParameters base = base_parameters(arm);
-  out.bodies = described(given, base, *phi);
+  out.bodies = portable_bodies(given, base, *phi);
   const std::vector<Eigen::Index> free = free_columns(arm, rotors);
   FeasibleProblem problem;
   FeasibleOptions options;
@@ -268,7 +268,7 @@ PortableModel portable_model(const Model& given, const std::optional<Model>& pri
               : count == static_cast<long>(drawn.size())
                   ? "the bodies of the robot file that the model was identified from"
                   : "the bodies of the robot file that the model was identified from, and " + rod_words + "other link";
-  out.bodies = described(out.arm, base, *phi);
+  out.bodies = portable_bodies(out.arm, base, *phi);
   return out;
 }
 

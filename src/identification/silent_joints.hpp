@@ -17,6 +17,6 @@ std::vector<ExcludedInterval> silent_rows(const std::vector<CompressedRecording>
 Model without_effects_of(const std::set<int>& joints, const Model& arm);
 
 /// Empties the factors of these joints: zeros that nobody measured are no torques.
-void leave_joints_out(const std::set<int>& joints, std::vector<CompressedRecording>& recordings);
+void exclude_joints(const std::set<int>& joints, std::vector<CompressedRecording>& recordings);
 
 }  // namespace veridyn

@@ -272,7 +272,7 @@ TEST(Excite, ThePageShowsTheMotionItsLimitsAndWhatItWillIdentify) {
   EXPECT_EQ(result["prediction"]["base_parameters"].size(), result["base_parameters"]);
   const std::vector<OpenedPage> opened = open_pages({{folder.path("m.html"), 400}, {folder.path("m.html"), 1200}});
   for (const OpenedPage& page : opened) {
-    expect_sound(page, &page == &opened[0] ? 400 : 1200);
+    expect_faultless(page, &page == &opened[0] ? 400 : 1200);
     std::map<std::string, int> kinds;
     for (const PageElement& plot : page.with("data-plot")) ++kinds[plot.at("data-plot")];
     EXPECT_EQ(kinds["error"], 3 * 3);  // position, velocity and acceleration of three joints

@@ -74,7 +74,7 @@ TEST(JointController, EqualsItsComponentsInSequence) {
     safety.set_holding_torque(error.torque());
     sent = safety.update(state, input, tau);
     error.sent(tau, sent);
-    sensors.show_torques(sent);
+    sensors.add_torque_errors(sent);
     ASSERT_EQ(controller.update(measured, wanted, kPeriod), sent) << k;
   }
   EXPECT_FALSE(controller.fault());
@@ -228,7 +228,7 @@ TEST(TipController, PullsASpringWithTheForceOfItsLaw) {
   TipController controller(with_wrong_parameters(real, 0.05, 1), options);
   Measured measured(3);
   measured.q = rig.q();
-  TaskReference wanted = controller.here(measured);
+  TaskReference wanted = controller.reference_at(measured);
   EXPECT_LT((wanted.x.head<3>() - start).norm(), 1e-4);
   wanted.x[0] += 0.055;  // two springs in series: 5 N
   run(controller, wanted, 4.0, rig);

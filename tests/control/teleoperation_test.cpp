@@ -83,7 +83,7 @@ TEST(Teleoperation, NeverExceedsItsSpeedAndReleasesOnNonFiniteInput) {
     before = tele.follower().position;
   }
   tele.update(Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()), none, none);
-  EXPECT_FALSE(tele.in());
+  EXPECT_FALSE(tele.is_engaged());
   EXPECT_EQ(tele.follower().position, before);
   EXPECT_EQ(tele.leader_force(), none);
   TeleoperationOptions bad;

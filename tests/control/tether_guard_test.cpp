@@ -55,7 +55,7 @@ TEST(TetherGuard, AdaptsToAnotherLength) {
 TEST(TetherGuard, OnlyAStringKeepsAMargin) {
   for (const bool pushes : {false, true}) {
     Line line;
-    if (pushes) line.guard.feel(0, -1.0);
+    if (pushes) line.guard.detect_compression(0, -1.0);
     for (int k = 0; k < 2000; ++k) line.step({0.1 - 0.01 * std::sin(M_PI * k / 2000), 0.0, 0.0});
     EXPECT_EQ(line.guard.motion(0).position.x() > 1e-3, !pushes) << line.guard.motion(0).position.x();
   }
@@ -102,7 +102,7 @@ TEST(TetherGuard, ATautMemberCarriesAtMostTwiceTheForce) {
 TEST(TetherGuard, OnlyCompressibleMembersAreProtectedFromCompression) {
   for (const bool pushes : {false, true}) {
     Line line(2000.0);
-    if (pushes) line.guard.feel(0, -1.0);
+    if (pushes) line.guard.detect_compression(0, -1.0);
     double shortest = 1.0;
     for (int k = 0; k < 200; ++k) {
       const double t = kPeriod * k;

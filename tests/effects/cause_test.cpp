@@ -136,8 +136,8 @@ TEST(Cause, ActsAtAJointOrOnTheArm) {
   const CauseWords of_arm = words_of(arm, ChannelError{"time_delay", std::nullopt});
   EXPECT_EQ(of_arm.joint, 0);
   EXPECT_EQ(of_arm.coordinate, "arm");
-  EXPECT_TRUE(alike(NewEffect{"backlash", {1}}, ChangedEffect{"backlash", {1}}));
-  EXPECT_FALSE(alike(NewEffect{"backlash", {1}}, NewEffect{"backlash", {2}}));
+  EXPECT_TRUE(same_cause(NewEffect{"backlash", {1}}, ChangedEffect{"backlash", {1}}));
+  EXPECT_FALSE(same_cause(NewEffect{"backlash", {1}}, NewEffect{"backlash", {2}}));
 }
 
 // Whatever turned gravity, the roll and pitch that are said turn it there.

@@ -96,7 +96,7 @@ TEST(RecordingsInMemoryAreAsGoodAsFiles, ForDiagnosisGiveTheSameResult) {
   const Diagnosis memory = diagnose(lab.bare, {a.memory, b.memory}, {c.memory}, options);
   ASSERT_EQ(files.findings.size(), memory.findings.size());
   ASSERT_FALSE(files.findings.empty());
-  EXPECT_TRUE(alike(memory.findings.front().cause, files.findings.front().cause));
+  EXPECT_TRUE(same_cause(memory.findings.front().cause, files.findings.front().cause));
   EXPECT_EQ(memory.findings.front().p_value, files.findings.front().p_value);
   EXPECT_EQ(memory.data_quality.size(), 3u);
 }
@@ -111,11 +111,11 @@ TEST(Recordings, HaveUniqueNames) {
   const Recordings same{one, two};
   EXPECT_EQ(same.names(), (std::vector<std::string>{"monday", "monday (2)"}));
   RecordingsInMemory memory;
-  const std::vector<std::string> train = same.placed_in(memory);
-  const std::vector<std::string> test = Recordings{two}.placed_in(memory);
+  const std::vector<std::string> train = same.register_in(memory);
+  const std::vector<std::string> test = Recordings{two}.register_in(memory);
   EXPECT_EQ(test, std::vector<std::string>{"monday (3)"});
   EXPECT_EQ(memory.at("monday (3)")->q, two.q);
-  EXPECT_EQ(same.placed_in(memory), train) << "what is there already keeps its name";
+  EXPECT_EQ(same.register_in(memory), train) << "what is there already keeps its name";
   EXPECT_THROW(Recordings{Recording()}, InvalidInput);
 }
 

@@ -74,7 +74,7 @@ void expect_same_torques(const Model& a, const Model& b) {
   }
 }
 
-bool holds(const std::string& text, const std::string& part) {
+bool contains_text(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
@@ -91,7 +91,7 @@ TEST_F(SimulationFile, MjcfGetsTheValuesAndKeepsTheRest) {
   expect_same_torques(after, read);
   for (const char* kept : {"<!-- a camera for the film -->", "<jointpos joint=\"yaw\" />", "class=\"weak\"", "kp=\"100\"", "fromto=\"0 0 0 0.3 0.05 0\"",
                            "fullinertia=\"0.03 0.02 0.025 0.001 0.002 -0.001\""})
-    EXPECT_TRUE(holds(updated.xml, kept)) << kept;
+    EXPECT_TRUE(contains_text(updated.xml, kept)) << kept;
   EXPECT_TRUE(std::count(updated.changed.begin(), updated.changed.end(), "inertial of fore") == 1);
   EXPECT_TRUE(std::count(updated.changed.begin(), updated.changed.end(), "inertial of upper") == 0);
   EXPECT_TRUE(updated.left_out.empty()) << updated.left_out.front();
@@ -138,7 +138,7 @@ TEST_F(SimulationFile, TheFilesOwnModelChangesNothing) {
   const std::string mjcf = write("arm.xml", kStrangerMjcf);
   const UpdatedFile a = updated_mjcf(read_model(mjcf), mjcf);
   EXPECT_TRUE(a.changed.empty()) << a.changed.front();
-  EXPECT_FALSE(holds(a.xml, "diaginertia=\"0.0"));
+  EXPECT_FALSE(contains_text(a.xml, "diaginertia=\"0.0"));
   const std::string sdf = write("arm.sdf", kStrangerSdf);
   const UpdatedFile b = updated_sdf(read_model(sdf), sdf);
   EXPECT_TRUE(b.changed.empty()) << b.changed.front();
@@ -151,7 +151,7 @@ TEST_F(SimulationFile, SdfGetsTheValuesAndKeepsTheRest) {
   const Model read = read_model(write("new.sdf", updated.xml));
   EXPECT_GE(read.find_frame("load"), 0);
   expect_same_torques(after, read);
-  EXPECT_TRUE(holds(updated.xml, "<plane") || holds(updated.xml, "name=\"plane\""));
+  EXPECT_TRUE(contains_text(updated.xml, "<plane") || contains_text(updated.xml, "name=\"plane\""));
   EXPECT_TRUE(updated.left_out.empty()) << updated.left_out.front();
 }
 
@@ -176,8 +176,8 @@ TEST_F(SimulationFile, UnrepresentedEffectsAreReported) {
   ASSERT_EQ(updated.left_out.size(), 3U);
   EXPECT_EQ(updated.left_out[0], "quadratic_drag on pitch");
   EXPECT_EQ(updated.left_out[1], "a constant force of 0.7 on elbow");
-  EXPECT_TRUE(holds(updated.left_out[2], "of reach, which other parts of the file share"));
-  EXPECT_TRUE(holds(updated.xml, "<!-- left out: quadratic_drag on pitch -->"));
+  EXPECT_TRUE(contains_text(updated.left_out[2], "of reach, which other parts of the file share"));
+  EXPECT_TRUE(contains_text(updated.xml, "<!-- left out: quadratic_drag on pitch -->"));
   EXPECT_TRUE(updated.changed.empty());
 }
 
@@ -186,8 +186,8 @@ TEST_F(SimulationFile, AReferenceThatATendonUsesStays) {
   const std::string path = write("arm.xml", kStrangerMjcf);
   const UpdatedFile updated = updated_mjcf(extended(read_model(path), "fore"), path);
   ASSERT_EQ(updated.left_out.size(), 1U);
-  EXPECT_TRUE(holds(updated.left_out[0], "of pitch, which other parts of the file share")) << updated.left_out[0];
-  EXPECT_TRUE(holds(updated.xml, "springref=\"20\""));
+  EXPECT_TRUE(contains_text(updated.left_out[0], "of pitch, which other parts of the file share")) << updated.left_out[0];
+  EXPECT_TRUE(contains_text(updated.xml, "springref=\"20\""));
 }
 
 // Its first joint has no name, the first body's <inertial> does not count, and the second body's frame is turned.
@@ -238,7 +238,7 @@ TEST_F(SimulationFile, DifferingFramesAreReported) {
   EXPECT_EQ(updated.left_out, (std::vector<std::string>{"gravity", "the place of fore"}));
   // A second export tells what it left out itself, and nothing of the first one.
   const UpdatedFile again = updated_mjcf(read_model(path), write("new.xml", updated.xml));
-  EXPECT_FALSE(holds(again.xml, "left out"));
+  EXPECT_FALSE(contains_text(again.xml, "left out"));
 }
 
 TEST_F(SimulationFile, AnotherArmsFileIsRefused) {

@@ -243,7 +243,7 @@ class Mail {
     boxes_[{from, to}].push_back(bytes);
     arrived_.notify_all();
   }
-  std::string take(int from, int to) {
+  std::string read_part(int from, int to) {
     std::unique_lock<std::mutex> lock(guard_);
     std::deque<std::string>& box = boxes_[{from, to}];
     if (!arrived_.wait_for(lock, kLongestWait, [&] { return !box.empty(); }))
@@ -265,7 +265,7 @@ class ThreadRank final : public Communicator {
   int rank() const override { return rank_; }
   int size() const override { return size_; }
   void send(int to, const std::string& bytes) override { mail_.put(rank_, to, bytes); }
-  std::string receive(int from) override { return mail_.take(from, rank_); }
+  std::string receive(int from) override { return mail_.read_part(from, rank_); }
 
  private:
   int rank_, size_;

@@ -66,11 +66,11 @@ Simulated fleet(int arms, int odd, const Change& change, unsigned seed = 3) {
   return out;
 }
 
-void nothing(const std::vector<StandardParameter>&, VectorXd&, double&) {}
+void no_change(const std::vector<StandardParameter>&, VectorXd&, double&) {}
 
 TEST(AFleet, FindsTheBodiesThatAllArmsShare) {
   const Model arm = scara();
-  const Simulated all = fleet(12, -1, nothing);
+  const Simulated all = fleet(12, -1, no_change);
   const Fleet found = identify_fleet(arm, all.names, all.factors);
   EXPECT_TRUE(found.outliers.empty()) << found.report();
   EXPECT_TRUE(found.other_bodies.empty()) << found.report();
@@ -92,7 +92,7 @@ TEST(AFleet, NamesArmsExcludedFromTheSharedBodies) {
       if (parameters[p].body == 3) factors[static_cast<Eigen::Index>(p)] = 3.0;
   };
   const Simulated one_with_a_tool = fleet(12, 5, tool);
-  const Simulated none = fleet(12, -1, nothing);
+  const Simulated none = fleet(12, -1, no_change);
   const Fleet found =
       identify_fleet(scara(), one_with_a_tool.names, one_with_a_tool.factors);
   const Fleet same = identify_fleet(scara(), none.names, none.factors);
@@ -121,7 +121,7 @@ FactorSet one_way(const Model& arm) {
 }
 
 TEST(AFleet, ExcludesArmsWithUndeterminedBodies) {
-  Simulated all = fleet(12, -1, nothing);
+  Simulated all = fleet(12, -1, no_change);
   const Fleet same = identify_fleet(scara(), all.names, all.factors);
   EXPECT_TRUE(same.undetermined.empty());
   all.names.insert(all.names.begin() + 2, "one-way");
@@ -141,7 +141,7 @@ TEST(AFleet, ExcludesArmsWithUndeterminedBodies) {
 
 // Torques of zero would weigh infinitely.
 TEST(AFleet, ExcludesArmsWithZeroTorques) {
-  Simulated all = fleet(6, -1, nothing);
+  Simulated all = fleet(6, -1, no_change);
   MotionShape shape;
   shape.duration = 10.0;
   shape.rate = 100.0;
@@ -161,7 +161,7 @@ TEST(AFleet, ExcludesArmsWithZeroTorques) {
 }
 
 TEST(AFleet, OfFewerThanThreeDeterminedArmsHasAReasonAndNoModel) {
-  Simulated all = fleet(2, -1, nothing);
+  Simulated all = fleet(2, -1, no_change);
   const Fleet two = identify_fleet(scara(), all.names, all.factors);
   EXPECT_FALSE(two.model);
   EXPECT_EQ(two.reason, "found 2 arms, expected 3 at least");
@@ -176,7 +176,7 @@ TEST(AFleet, OfFewerThanThreeDeterminedArmsHasAReasonAndNoModel) {
 TEST(AFleet, OfFewEqualArmsNamesNone) {
   for (const unsigned seed : {3U, 4U, 5U}) {
     for (const int arms : {3, 4, 5, 6, 8}) {
-      const Simulated all = fleet(arms, -1, nothing, seed);
+      const Simulated all = fleet(arms, -1, no_change, seed);
       const Fleet found = identify_fleet(scara(), all.names, all.factors);
       ASSERT_TRUE(found.model);
       EXPECT_TRUE(found.outliers.empty()) << arms << ": " << found.report();
@@ -192,7 +192,7 @@ TEST(AFleet, NamesNoArmForWhatItsShortRecordingLeavesUncertain) {
   shape.duration = 2.0;  // a fifth of the others'
   shape.rate = 100.0;
   for (const unsigned seed : {3U, 4U, 5U}) {
-    Simulated all = fleet(12, -1, nothing, seed);
+    Simulated all = fleet(12, -1, no_change, seed);
     shape.seed = seed;
     Recording r = synthetic_recording(arm, shape);
     r.tau += noise_like(r.tau, 0.01, seed);
@@ -244,7 +244,7 @@ TEST(AFleet, NamesTheArmWithAnotherGain) {
 // Elimination arm by arm against one dense QR of the whole block arrow.
 TEST(AFleet, IsTheLeastSquaresSolutionOfTheBlockArrow) {
   const Model arm = scara();
-  const Simulated all = fleet(5, -1, nothing);
+  const Simulated all = fleet(5, -1, no_change);
   std::vector<ArmFactor> arms;
   for (size_t a = 0; a < all.factors.size(); ++a) {
     ArmFactor one;
@@ -263,8 +263,8 @@ TEST(AFleet, IsTheLeastSquaresSolutionOfTheBlockArrow) {
   SquareRootInformation total(problem.shared());
   std::vector<SquareRootInformation> factors;
   for (size_t a = 0; a < arms.size(); ++a) {
-    factors.push_back(problem.of_arm(a, weights, {}, {}));
-    total.merge(problem.over_shared(factors.back()));
+    factors.push_back(problem.arm_information(a, weights, {}, {}));
+    total.merge(problem.shared_information(factors.back()));
   }
   const VectorXd beta = Eigen::ColPivHouseholderQR<MatrixXd>(total.R()).solve(total.z());
   const auto shared = static_cast<Eigen::Index>(problem.shared().size());
@@ -322,7 +322,7 @@ TEST(AFleet, DerivesInconsistentVelocitiesFromThePosition) {
 }
 
 TEST(AFleet, RefusesProbabilitiesOutsideOfZeroToOne) {
-  const Simulated some = fleet(3, -1, nothing);
+  const Simulated some = fleet(3, -1, no_change);
   for (const double p : {0.0, -0.1, 1.0, std::nan("")}) {
     FleetOptions options;
     options.significance = p;

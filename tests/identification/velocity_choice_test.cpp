@@ -99,12 +99,12 @@ TEST(VelocityChoice, OnlyUsedRowsAreInspected) {
   PreprocessingOptions how;
   how.first_row = 7;
   how.row_count = 30;
-  EXPECT_EQ(rows_looked_at(arm(), how).first_row, 7);
-  EXPECT_EQ(rows_looked_at(arm(), how).row_count, 30);
+  EXPECT_EQ(inspected_rows(arm(), how).first_row, 7);
+  EXPECT_EQ(inspected_rows(arm(), how).row_count, 30);
   how.row_count = identifying::kLookedAt + 1;
-  EXPECT_EQ(rows_looked_at(arm(), how).row_count, identifying::kLookedAt);
+  EXPECT_EQ(inspected_rows(arm(), how).row_count, identifying::kLookedAt);
   how.row_count.reset();
-  EXPECT_EQ(rows_looked_at(arm(), how).row_count, identifying::kLookedAt);
+  EXPECT_EQ(inspected_rows(arm(), how).row_count, identifying::kLookedAt);
 }
 
 // The torques are the judge: a position that is worse than the doubtful velocity is not asked.

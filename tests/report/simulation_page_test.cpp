@@ -32,7 +32,7 @@ class SimulationPage : public testing::Test {
     std::ofstream(path) << page;
     OpenedPage opened = open_page(path.string(), width);
     std::filesystem::remove(path);
-    expect_sound(opened, width);
+    expect_faultless(opened, width);
     const json result = embedded(opened.html, "result");
     for (const PageElement& n : opened.with("data-from")) expect_number(n, result);
     return opened;

@@ -111,7 +111,7 @@ TEST(ControlLoop, AStoppedRunKeepsItsRowsAndReportsThePlace) {
   EXPECT_NEAR(run.stopped_at, 1.0, 1e-9);
   EXPECT_EQ(run.motion.rows(), 201);  // the row at 1 s was still sound
   EXPECT_TRUE(run.motion.q.allFinite());
-  EXPECT_NE(run.why(arm).find("1 s: joint q2"), std::string::npos) << run.why(arm);
+  EXPECT_NE(run.stop_reason(arm).find("1 s: joint q2"), std::string::npos) << run.stop_reason(arm);
 }
 
 // At 50 Hz, motors under rows at 200 Hz hold what they give for four rows.
@@ -139,7 +139,7 @@ TEST(ControlLoop, AnArmThatRunsAwayIsStopped) {
   ASSERT_EQ(run.status, StepStatus::kRanAway);
   EXPECT_LT(run.motion.time[run.motion.rows() - 1], 59.0);
   EXPECT_TRUE(run.motion.q.allFinite());
-  EXPECT_NE(run.why(arm).find("more than ten times its range"), std::string::npos) << run.why(arm);
+  EXPECT_NE(run.stop_reason(arm).find("more than ten times its range"), std::string::npos) << run.stop_reason(arm);
 }
 
 TEST(ControlLoop, GainsComeFromAFile) {

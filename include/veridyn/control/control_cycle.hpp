@@ -121,7 +121,7 @@ class ControlCycle {
   /// Ends hold() and limp(): the reference must then begin where the arm is.
   void resume() noexcept;
   /// Clears what was observed, as while the motors are off. A fault remains.
-  void forget() noexcept;
+  void reset_observers() noexcept;
   /// Clears a fault as well, and the time of faults begins anew.
   void reset() noexcept;
   /// Motors off: zero torques, and nothing is checked, until reset(). A fault is cleared.

@@ -72,7 +72,7 @@ class JointController {
   const VectorXd& act(const JointReference& reference) noexcept;
 
   /// The reference that rests at these measured positions. Allocates.
-  JointReference here(const Measured& measured) const;
+  JointReference reference_at(const Measured& measured) const;
 
   /// As ControlCycle::sent().
   void sent(const VectorXd& drive_torques) noexcept { cycle_.sent(drive_torques); }

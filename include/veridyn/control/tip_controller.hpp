@@ -57,7 +57,7 @@ class TipController {
   const VectorXd& act(const TaskReference& reference) noexcept;
 
   /// The reference that rests at these measured positions. Allocates.
-  TaskReference here(const Measured& measured) const;
+  TaskReference reference_at(const Measured& measured) const;
 
   /// Gains of the next update(); false for gains that the constructor would refuse.
   bool set_gains(const ImpedanceGains& gains) noexcept { return impedance_.set_gains(gains); }

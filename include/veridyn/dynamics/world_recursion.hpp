@@ -591,8 +591,8 @@ struct WorldRecursion {
       x[long{k} * width] = step_up(tree, k, lane, kPosition, f, memory);
       y[long{k} * width] = step_up(tree, k, lane, kRate, h, other);
     }
-    Response r = nothing();
-    Response s = nothing();
+    Response r = zero_response();
+    Response s = zero_response();
     for (int k = 0; k < tree.count; ++k) {
       step_out(tree, k, first, end, kPosition, x[long{k} * width], r, memory);
       step_out(tree, k, first, end, kRate, y[long{k} * width], s, other);
@@ -608,7 +608,7 @@ struct WorldRecursion {
     Screw<L> f = none<L>();
     for (int k = end - 1; k >= 0; --k)
       x[long{k} * width] = step_up(tree, k, k - first, kTorque, f, memory);
-    Response r = nothing();
+    Response r = zero_response();
     for (int k = 0; k < end; ++k)
       step_out(tree, k, first, end, kTorque, x[long{k} * width], r, memory);
   }
@@ -628,10 +628,10 @@ struct WorldRecursion {
   static constexpr Rate kRate{};
   static constexpr Torque kTorque{};
 
-  static Response nothing() { return {none<L>(), recursion_detail::zero3<L>()}; }
+  static Response zero_response() { return {none<L>(), recursion_detail::zero3<L>()}; }
   static void clear_forks(const Links& tree, int end, Response* memory) {
     for (int k = 0; k < end; ++k) {
-      if (tree.link[k].forks) memory[k] = nothing();
+      if (tree.link[k].forks) memory[k] = zero_response();
     }
   }
 
@@ -668,7 +668,7 @@ struct WorldRecursion {
     const Link& link = tree.link[k];
     const Screw<S>& axis = joint[k].axis;
     const Screw<S>& reduced = joint[k].reduced;
-    if (link.parent != k - 1) r = link.parent < 0 ? nothing() : memory[link.parent];
+    if (link.parent != k - 1) r = link.parent < 0 ? zero_response() : memory[link.parent];
     L effort(0.0);
     if (k < end) effort = u;
     if constexpr (!std::is_same<Cause, Torque>::value) effort += dot(joint[k].spin, r.spin);

@@ -53,7 +53,7 @@ class JointSensors {
   /// Turns measured positions into true ones, and true positions into those that the encoders would
   /// read, such as set points of a robot that counts in encoder coordinates.
   void correct_positions(InPlace q) const noexcept { q -= offset_; }
-  void show_positions(InPlace q) const noexcept { q += offset_; }
+  void add_position_errors(InPlace q) const noexcept { q += offset_; }
 
   /// Turns measured torques into true ones, and true torques into recorded ones. The latter is also
   /// the command that makes a drive produce `tau` where commands and recordings share one scale, as
@@ -64,7 +64,7 @@ class JointSensors {
     tau.array() /= gain_.array();
     remove_crosstalk(tau);
   }
-  void show_torques(InPlace tau) const noexcept {
+  void add_torque_errors(InPlace tau) const noexcept {
     add_crosstalk(tau);
     tau.array() *= gain_.array();
   }
@@ -104,10 +104,10 @@ class JointSensors {
   /// Turns a true motion and its torques into the recorded ones, (rows x n) each, delay included;
   /// torques before the first row are taken equal to the first. Allocates.
   /// @param time  (rows) [s], rising.
-  void show(const VectorXd& time, MatrixXd& q, MatrixXd& tau) const;
+  void add_errors(const VectorXd& time, MatrixXd& q, MatrixXd& tau) const;
 
   /// A sentence for every error: "the encoder of joint 'pitch' shows 0.1 rad more than there is".
-  std::vector<std::string> in_words(const Model& arm) const;
+  std::vector<std::string> descriptions(const Model& arm) const;
 
  private:
   void remove_crosstalk(InPlace tau) const noexcept;

@@ -104,7 +104,7 @@ std::vector<WantedJoint> joints_of(const Model& arm);
 
 /// Options for reading a recording of the arm: all rows, with the columns, rate and signals of the
 /// options.
-RecordingOptions reading_of(const Model& arm, const PreprocessingOptions& options);
+RecordingOptions recording_options_for(const Model& arm, const PreprocessingOptions& options);
 
 /// Reads recordings of the arm into memory, each file once; joints are found by their names.
 /// @throws InvalidInput  as RecordingReader, or a recording does not fit the arm.

@@ -15,7 +15,7 @@ CLI::Option* add_output_option(CLI::App& command, const std::string& option, std
 
 /// For inputs that are named in a file rather than as arguments.
 /// @throws CLI::ValidationError  the option's file is one of those that are read.
-void expect_apart(const std::string& option, const std::string& output,
+void require_separate_output(const std::string& option, const std::string& output,
                   const std::vector<std::string>& inputs);
 
 /// Looks at what every command was given, after parsing and before it runs: numbers are finite, no
@@ -23,6 +23,6 @@ void expect_apart(const std::string& option, const std::string& output,
 /// there.
 ///
 /// The commands then throw CLI::ValidationError with the name of the option.
-void expect_sound_arguments(CLI::App& tool);
+void check_arguments(CLI::App& tool);
 
 }  // namespace veridyn::cli

@@ -20,7 +20,7 @@ struct RestRequest {
 void add_rest_options(CLI::App& command, RestRequest& request, const std::string& identifies);
 
 /// True where the options say that recordings are of poses, or every training recording shows it.
-bool are_poses(const RestRequest& request, const Model& arm, const std::vector<std::string>& train,
+bool are_rest_poses(const RestRequest& request, const Model& arm, const std::vector<std::string>& train,
                const PreprocessingOptions& how);
 
 /// Poses of the training and of the held-out recordings.

@@ -254,7 +254,7 @@ std::vector<Eigen::Index> independent_columns(MatrixXd K) {
 
 // Drops parameters that the arm has no longer from the combinations. They act as those of the body
 // that carries theirs do, so that the combination of the rest has the same value.
-void forget_parameters(const std::set<std::string>& gone, const std::vector<StandardParameter>& kept, IdentifiedBase& base) {
+void drop_parameters(const std::set<std::string>& gone, const std::vector<StandardParameter>& kept, IdentifiedBase& base) {
   bool leads = false;
   for (IdentifiedParameter& p : base.parameters) {
     for (const std::string& name : gone) p.combination.erase(name);
@@ -314,7 +314,7 @@ Model without_frames_of_its_own(const Model& arm, const Model& other) {
   if (d.frames.size() == arm.frames().size()) return arm;
   std::optional<IdentifiedBase> identified = std::exchange(d.identified, std::nullopt);
   if (identified) {
-    forget_parameters(gone, standard_parameters(Model(d)), *identified);
+    drop_parameters(gone, standard_parameters(Model(d)), *identified);
     d.identified = std::move(identified);
   }
   return Model(std::move(d));

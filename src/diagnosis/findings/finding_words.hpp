@@ -13,7 +13,7 @@ namespace veridyn {
 void refresh(const Identification& id, const std::vector<std::string>& names, Finding& f);
 
 /// Whether errors (n) fall in sum over the joints, of ln(mean square), and on a joint.
-bool falls(const VectorXd& before, const VectorXd& after, std::optional<JointIndex> joint);
+bool error_falls(const VectorXd& before, const VectorXd& after, std::optional<JointIndex> joint);
 
 /// Verdict on a joint whose error on the held-out recordings is no number: they have no torque of it, or there are none.
 JointVerdict not_judged(JointIndex joint, double held_out, const Identification& baseline);

@@ -60,10 +60,10 @@ void leave_out(const std::vector<ExcludedInterval>& parts, DiagnosisState& x);
 
 /// Leaves out the rows of joints without torque, and fits the arm again from the others. False if these do not determine
 /// it: every joint's verdict says so.
-bool leave_silent_joints_out(DiagnosisState& x);
+bool exclude_silent_joints(DiagnosisState& x);
 
 /// Ends a diagnosis without tests: every joint is cannot_tell, for this reason.
-void cannot_tell_of_all(DiagnosisState& x, const std::string& why);
+void end_without_verdicts(DiagnosisState& x, const std::string& why);
 
 /// Reports joints with significantly negative friction, which indicates a torque of the wrong sign.
 void check_torque_signs(DiagnosisState& x);

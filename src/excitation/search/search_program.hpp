@@ -77,7 +77,7 @@ class SearchProgram final : public NonlinearProgram {
   int evaluations() const { return evaluations_; }
 
  private:
-  void look();
+  void evaluate_point();
 
   const MotionObjective& objective_;
   const GridConstraints& limits_;

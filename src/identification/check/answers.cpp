@@ -93,7 +93,7 @@ class SetUp {
     if (concern_robot(set)) out_.arm = applied(set, out_.arm);
     if (std::none_of(set.begin(), set.end(), [](const RecordingQuestion& q) { return q.changes_recording(); })) return;
     const Recording* there = find_in_memory(options_.in_memory, name);
-    Recording recording = there != nullptr ? *there : read_rows(name, reading_of(out_.arm, options_), options_.kept.get());
+    Recording recording = there != nullptr ? *there : read_rows(name, recording_options_for(out_.arm, options_), options_.kept.get());
     recording.source = name;
     give_torques(out_.arm, recording);
     apply_to(set, out_.arm, recording);

@@ -442,7 +442,7 @@ std::optional<RobotCheck> check_of(const Model& arm, Recording recording, const 
 
 std::optional<RobotCheck> check_of(const Model& arm, const std::string& name, const PreprocessingOptions& options) {
   if (const Recording* there = find_in_memory(options.in_memory, name)) return check_of(arm, *there, options);
-  RecordingOptions reading = reading_of(arm, options);
+  RecordingOptions reading = recording_options_for(arm, options);
   reading.first_row = std::max(0L, options.first_row);
   reading.row_count = std::min<long>(options.row_count.value_or(checking::kMostRows), checking::kMostRows);
   Recording recording = read_rows(name, reading, options.kept.get());

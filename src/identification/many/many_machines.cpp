@@ -88,7 +88,7 @@ class Share {
  public:
   Share(const Model& file, const std::vector<std::string>& train, const std::vector<std::string>& test,
         const IdentificationOptions& options, const Communicator& ranks, const KeepFactors& keep)
-      : arm_(AskedArm(file, options.friction).used()),
+      : arm_(AskedArm(file, options.friction).effective_arm()),
         train_(train),
         test_(test),
         options_(options),
@@ -189,7 +189,7 @@ class RankPasses final : public RecordingPasses {
     write_settings(how, asked);
     FactorSet all;
     unusable_.clear();
-    ask_all(asked.bytes(), [&](ByteReader& in, const std::string& from) {
+    request_all(asked.bytes(), [&](ByteReader& in, const std::string& from) {
       add_unusable(in);
       all = merge(std::move(all), factors_from_bytes(in.text(), from));
     });
@@ -206,7 +206,7 @@ class RankPasses final : public RecordingPasses {
     asked.vector(values_of(arm, id.parameters));
     const ErrorSums none(arm.joints());
     MeasuredRecordings out;
-    ask_all(asked.bytes(), [&](ByteReader& in, const std::string& from) {
+    request_all(asked.bytes(), [&](ByteReader& in, const std::string& from) {
       add_unusable(in);
       FactorSet held_out = factors_from_bytes(in.text(), from);
       std::move(held_out.recordings.begin(), held_out.recordings.end(), std::back_inserter(out.held_out));
@@ -220,7 +220,7 @@ class RankPasses final : public RecordingPasses {
     return out;
   }
 
-  void tell_others(const std::string& bytes) const {
+  void broadcast(const std::string& bytes) const {
     for (int r = 1; r < ranks_.size(); ++r) ranks_.send(r, bytes);
   }
 
@@ -232,8 +232,8 @@ class RankPasses final : public RecordingPasses {
 
  private:
   template <typename Read>
-  void ask_all(const std::string& bytes, const Read& take) const {
-    tell_others(bytes);
+  void request_all(const std::string& bytes, const Read& take) const {
+    broadcast(bytes);
     std::vector<std::string> answers = {share_.answer(bytes)};
     for (int r = 1; r < ranks_.size(); ++r) answers.push_back(ranks_.receive(r));
     for (const bool refusals : {true, false}) {
@@ -321,13 +321,13 @@ Identification identify(const Model& file, const std::vector<std::string>& train
   } catch (const InvalidInput& error) {
     ByteWriter refusal = request(Request::kRefusal);
     refusal.text(error.what());
-    passes.tell_others(refusal.bytes());
+    passes.broadcast(refusal.bytes());
     throw;
   }
   ByteWriter done = request(Request::kDone);
   done.number(static_cast<std::uint64_t>(id.status));
   done.text(id.reason);
-  passes.tell_others(done.bytes());
+  passes.broadcast(done.bytes());
   if (keep) keep(passes.factors(id), true);
   return id;
 }

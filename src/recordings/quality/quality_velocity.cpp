@@ -162,7 +162,7 @@ void report_joint_scale(const Place& place, const VelocityFit& fit, Findings* fi
 
 // A position that goes on from row to row as it went is that of a motion. The noise of a resting joint
 // turns round, and poses at rest do not follow each other within a window.
-bool goes_on(const Head& head, int joint) {
+bool is_steady_motion(const Head& head, int joint) {
   if (head.step >= numbers.window) return false;
   const auto q = head.rows.q.col(joint);
   double onward = 0.0;
@@ -217,10 +217,10 @@ void check_velocities(const Head& head, Findings* findings) {
   for (int j = 0; j < head.rows.joints(); ++j) {
     if (!head.moves[j]) continue;
     const VelocityFit fit = velocity_fit(head, j);
-    if (fit.zero && goes_on(head, j)) report_joint_scale({"dq", j + 1}, fit, findings);
+    if (fit.zero && is_steady_motion(head, j)) report_joint_scale({"dq", j + 1}, fit, findings);
     const double range = range_of(head.rows.dq, j);
     check_quantised(head, j, fit, range, findings);
-    if (!fit.clear && std::abs(fit.correlation) < numbers.related && goes_on(head, j)) {
+    if (!fit.clear && std::abs(fit.correlation) < numbers.related && is_steady_motion(head, j)) {
       const Place place{"dq", j + 1};
       findings->add(Severity::kFault, "velocity_unrelated", place, {kNone, fit.correlation, ""},
                     text("The velocity of ", named(place), " is not the derivative of its position (correlation ", number(fit.correlation),

@@ -126,13 +126,13 @@ TEST(Evidence, TheSizeIsReestimatedWithoutItsFirstSteps) {
   steps[20].e[0] = 1.0;  // at 2.1 s
   const Score s = best_onset(steps, 0, -10.0, 10.0, 2.05, 2.15);
   EXPECT_LT(s.size[0], 2.95);
-  EXPECT_NEAR(measured_again(steps, s, 2.5 * kStep, kNumbers).size[0], 3.0, 1e-9);
+  EXPECT_NEAR(reestimated(steps, s, 2.5 * kStep, kNumbers).size[0], 3.0, 1e-9);
   // Nothing is left behind the last step, and a size that doubles is another change.
-  EXPECT_EQ(measured_again(steps, s, 5.0, kNumbers).size[0], s.size[0]);
+  EXPECT_EQ(reestimated(steps, s, 5.0, kNumbers).size[0], s.size[0]);
   for (WhiteStep& step : steps)
     if (step.time > 2.35) step.e[0] = 30.0;
-  EXPECT_EQ(measured_again(steps, s, 2.5 * kStep, kNumbers).size[0], s.size[0]);
-  EXPECT_EQ(measured_again(steps, Score(), 0.1, kNumbers).size.size(), 0);
+  EXPECT_EQ(reestimated(steps, s, 2.5 * kStep, kNumbers).size[0], s.size[0]);
+  EXPECT_EQ(reestimated(steps, Score(), 0.1, kNumbers).size.size(), 0);
 }
 
 class Companions : public testing::Test {

@@ -36,12 +36,12 @@ class Noise : public testing::Test {
   // Coefficients of the first joint's autoregression, from its answer to a single residual.
   Eigen::Vector2d coefficients() {
     const VectorXd none = VectorXd::Zero(2);
-    Step impulse = step(noise_.today()[0] + 1.0);
+    Step impulse = step(noise_.daily_offsets()[0] + 1.0);
     impulse.follows = false;
     noise_.whiten(impulse, none);
     Eigen::Vector2d a;
     for (double& one : a) {
-      Step quiet = step(noise_.today()[0]);
+      Step quiet = step(noise_.daily_offsets()[0]);
       one = -noise_.whiten(quiet, none).e[0] * noise_.deviation()[0];
     }
     return a;
@@ -99,10 +99,10 @@ TEST_F(Noise, DailyOffsetsAreEstimatedUnderAutoregressiveNoise) {
     s.torque[0] = 10.0;  // five times the offset
   }
   noise_.fit({}, today);
-  EXPECT_NEAR(noise_.today()[0], 2.0, 0.15);
-  EXPECT_NEAR(noise_.today()[1], 0.0, 1e-6);
+  EXPECT_NEAR(noise_.daily_offsets()[0], 2.0, 0.15);
+  EXPECT_NEAR(noise_.daily_offsets()[1], 0.0, 1e-6);
   EXPECT_NEAR(noise_.rest(today[7], VectorXd::Unit(2, 0))[0],
-              today[7].residual[0] - noise_.today()[0] - 1.0, 1e-12);
+              today[7].residual[0] - noise_.daily_offsets()[0] - 1.0, 1e-12);
 }
 
 // A few steps do not outweigh the prior: the day's difference is the ridge estimate whose prior deviation gives,
@@ -128,7 +128,7 @@ TEST_F(Noise, DifferencesOfADayAreTheRidgeEstimateOfTheirPrior) {
     }
     model.fit({}, today);
     const double variance = power + kRest, prior = today[0].torque[0] / speed;
-    EXPECT_NEAR(model.today()[0], xe / (xx + variance / (prior * prior)), 1e-9 * xe / xx);
+    EXPECT_NEAR(model.daily_offsets()[0], xe / (xx + variance / (prior * prior)), 1e-9 * xe / xx);
   }
 }
 

@@ -32,7 +32,7 @@ std::vector<std::string> csv_fields(std::string_view line, char separator);
 char csv_separator(std::string_view line);
 
 /// True if a field says in words that its value is missing, as "n/a" or "null".
-bool is_word_for_nothing(std::string field);
+bool is_missing_value(std::string field);
 
 /// Parses the number of a field, with a decimal comma unless the comma separates; NaN for an empty field or a word for
 /// nothing. False for other text.

@@ -26,7 +26,7 @@ inline constexpr Eigen::Index kCurveSamples = 3000;  ///< of one curve, at most
 
 /// Every `step`-th value as 16-bit numbers in base64: {"from", "step", "int16"}, value = from + k step,
 /// where zero is one of the steps, and k = 65535 is a value that is not finite.
-Json packed(const VectorRef& values, Eigen::Index step = 1);
+Json packed_values(const VectorRef& values, Eigen::Index step = 1);
 
 /// Every `step`-th time [s], to a tenth of a millisecond.
 Json times(const VectorRef& time, Eigen::Index step = 1);

@@ -43,7 +43,7 @@ void wrong_zero(WrongFile& w, const char* coordinate, double by) {
   w.named = {std::string("zero of ") + coordinate};
 }
 
-void base_elsewhere(WrongFile& w, double metres) {
+void move_base(WrongFile& w, double metres) {
   w.base_by = metres;
   w.free = true;
 }
@@ -59,8 +59,8 @@ std::vector<WrongFile> wrong_files() {
       {"nothing in positions alone", "psm-3dof", "tool", [](WrongFile& w) { w.orientation = false; }},
       {"nothing in few poses", "psm-3dof", "tool", [](WrongFile& w) { w.poses = 14; }},
       {"too few poses", "psm-3dof", "tool", [](WrongFile& w) { w.poses = 8; }},
-      {"base elsewhere by 20 mm", "ur10e", "flange", [](WrongFile& w) { base_elsewhere(w, 0.02); }},
-      {"base elsewhere by 300 mm", "ur10e", "flange", [](WrongFile& w) { base_elsewhere(w, 0.3); }},
+      {"base elsewhere by 20 mm", "ur10e", "flange", [](WrongFile& w) { move_base(w, 0.02); }},
+      {"base elsewhere by 300 mm", "ur10e", "flange", [](WrongFile& w) { move_base(w, 0.3); }},
       {"beta by 1 deg", "psm-3dof", "tool", [](WrongFile& w) { wrong_beta(w, 1.0); }},
       {"beta by 0.2 deg", "psm-3dof", "tool", [](WrongFile& w) {
          wrong_beta(w, 0.2);
@@ -71,7 +71,7 @@ std::vector<WrongFile> wrong_files() {
          w.constant = "delta";
          w.by = 0.02;
          w.named = {"delta"};
-         base_elsewhere(w, 0.5);
+         move_base(w, 0.5);
        }},
       {"printed counterweight", "psm-3dof-printed", "counterweight",
        [](WrongFile& w) {

@@ -33,7 +33,7 @@ PoseCapture pivoting(int frames, double across, double metres, double radians, u
                   Eigen::AngleAxisd(across * std::sin(5.0 * phase + 1.0), Vector3d::UnitY()))
                      .toRotationMatrix();
     T.translation() = kCentre - T.linear() * kTip;
-    out.push_back(noisy(T, metres, radians, random));
+    out.push_back(with_noise(T, metres, radians, random));
   }
   return capture_of(out);
 }
@@ -98,7 +98,7 @@ TEST(RemoteCenter, MayBeTheOriginOfTheBody) {
   for (int k = 0; k < 200; ++k) {
     Isometry3d T = random_pose(random, 0.0);
     T.translation() = kCentre;
-    poses.push_back(noisy(T, 2e-4, 2e-4, random));
+    poses.push_back(with_noise(T, 2e-4, 2e-4, random));
   }
   const RemoteCenter found = calibrate_remote_center(capture_of(poses));
   ASSERT_EQ(found.status, CalibrationStatus::kDone) << found.reason;
@@ -113,7 +113,7 @@ TEST(HandEye, InconsistentPosePairsAreRefused) {
   const Isometry3d T = random_pose(random, 0.4);
   for (int k = 0; k < 40; ++k) {
     A.push_back(random_pose(random, 0.3));
-    B.push_back(noisy(T.inverse() * A.back(), 1e-4, 2e-4, random));
+    B.push_back(with_noise(T.inverse() * A.back(), 1e-4, 2e-4, random));
   }
   ASSERT_EQ(calibrate_hand_eye(capture_of(A), capture_of(B)).status, CalibrationStatus::kDone);
   HandEyeOptions wrong;
@@ -146,8 +146,8 @@ TEST_P(HandEyeForms, ThirtyPosesDetermineTheTransform) {
       case HandEyeForm::kEyeInHand: b = T.inverse() * A.back().inverse() * other; break;
       case HandEyeForm::kTwoBases: b = T.inverse() * A.back() * other; break;
     }
-    B.push_back(noisy(b, 1e-4, 2e-4, random));
-    A.back() = noisy(A.back(), 1e-4, 2e-4, random);
+    B.push_back(with_noise(b, 1e-4, 2e-4, random));
+    A.back() = with_noise(A.back(), 1e-4, 2e-4, random);
   }
   const HandEye found = calibrate_hand_eye(capture_of(A), capture_of(B));
   ASSERT_EQ(found.status, CalibrationStatus::kDone) << found.reason;
@@ -180,8 +180,8 @@ TEST(HandEye, IntervalsCoverTheTruthOverSeeds) {
     Poses B;
     for (int k = 0; k < 30; ++k) {
       const Isometry3d a = random_pose(random, 0.15);
-      A.push_back(noisy(a, 1e-4, 3e-4, random));
-      B.push_back(noisy(T.inverse() * a * tool, 1e-4, 3e-4, random));
+      A.push_back(with_noise(a, 1e-4, 3e-4, random));
+      B.push_back(with_noise(T.inverse() * a * tool, 1e-4, 3e-4, random));
     }
     HandEyeOptions options;
     options.form = HandEyeForm::kTwoBases;

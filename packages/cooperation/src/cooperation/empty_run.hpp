@@ -8,6 +8,6 @@ namespace veridyn {
 ScenarioRun empty_run(const Scenario& scenario, const std::string& engine, Eigen::Index rows);
 
 /// Keeps the first rows alone.
-void cut(ScenarioRun& run, Eigen::Index rows);
+void keep_first_rows(ScenarioRun& run, Eigen::Index rows);
 
 }  // namespace veridyn

@@ -113,7 +113,7 @@ void JoinedArms::watch(std::function<void(const EmulatedInstant&)> watcher) {
   instant_.arms.resize(joints_.size());
 }
 
-bool JoinedArms::amplifies(std::size_t arm) {
+bool JoinedArms::drives_current(std::size_t arm) {
   BoardEmulator& boards = *emulators_[arm];
   for (int b = 0; b < boards.boards(); ++b)
     for (int c = 0; c < kChannels; ++c)
@@ -134,7 +134,7 @@ void JoinedArms::show() {
     arm.q = &world.q(index);
     arm.dq = &world.dq(index);
     arm.tau = &tau_[k];
-    arm.driven = amplifies(k);
+    arm.driven = drives_current(k);
   }
   watcher_(instant_);
 }

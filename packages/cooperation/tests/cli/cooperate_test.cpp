@@ -65,7 +65,7 @@ TEST_F(Cooperate, ThePageShowsTheNumbersOfTheJson) {
   const json out = json_of(path("out.json"));
   const std::vector<OpenedPage> opened = open_pages({{path("out.html"), 1200}, {path("out.html"), 400}});
   for (const OpenedPage& page : opened) {
-    expect_sound(page, &page == &opened[0] ? 1200 : 400);
+    expect_faultless(page, &page == &opened[0] ? 1200 : 400);
     long numbers = 0;
     for (const PageElement& shown : page.with("data-from")) {
       expect_number(shown, out);

@@ -23,7 +23,7 @@ class Spoken final : public ForceSource {
     return count;
   }
   double raw() const noexcept override { return raw_; }
-  double lay() const noexcept override { return lay_ != nullptr ? *lay_ : 0.0; }
+  double queue_delay() const noexcept override { return lay_ != nullptr ? *lay_ : 0.0; }
 
  private:
   int& fresh_;
@@ -66,14 +66,14 @@ class Torn final : public ForceSource {
     fresh_ = false;
     return count;
   }
-  void say(const std::string& line) {
+  void write_line(const std::string& line) {
     for (const char c : line) {
       const bool gone = std::uniform_real_distribution<double>()(random_) < lost_;
-      if (!gone && decoder_.take(static_cast<std::uint8_t>(c))) fresh_ = true;
+      if (!gone && decoder_.add_byte(static_cast<std::uint8_t>(c))) fresh_ = true;
     }
   }
   double raw() const noexcept override { return decoder_.raw(); }
-  long refused() const noexcept override { return decoder_.refused(); }
+  long rejected_readings() const noexcept override { return decoder_.rejected_readings(); }
 
  private:
   double lost_;
@@ -98,7 +98,7 @@ TEST(ForceChannel, LostBytesGiveNoReadingBeyondTheRange) {
     double largest = 0.0;
     bool noisy = false;
     for (int k = 0; k < 5000; ++k) {
-      line.say("-12.3" + std::to_string(10 + k % 90) + "\n");
+      line.write_line("-12.3" + std::to_string(10 + k % 90) + "\n");
       const ForceReading reading = channel.update(1e-3 * k);
       if (reading.number >= 0) largest = std::max(largest, std::abs(reading.force));
       noisy = noisy || channel.state() == ForceState::kNoisy;

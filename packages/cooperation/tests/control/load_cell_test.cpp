@@ -19,7 +19,7 @@ namespace {
 int readings_of(LoadCellDecoder& decoder, const std::string& bytes, std::vector<double>& out) {
   int count = 0;
   for (const char c : bytes) {
-    if (!decoder.take(static_cast<std::uint8_t>(c))) continue;
+    if (!decoder.add_byte(static_cast<std::uint8_t>(c))) continue;
     out.push_back(decoder.raw());
     ++count;
   }
@@ -36,7 +36,7 @@ TEST(LoadCell, TextLinesOfUsualConvertersAreRead) {
   std::vector<double> got;
   readings_of(decoder, "cut 5\nHX711 reading: 8388607\r\n-12.5\n0.1,512\nHX711\n\x01\x02 7\n1e3\n", got);
   EXPECT_EQ(got, (std::vector<double>{8388607.0, -12.5, 512.0, 1000.0}));
-  EXPECT_EQ(decoder.refused(), 2);  // a name without a number, bytes that are no text
+  EXPECT_EQ(decoder.rejected_readings(), 2);  // a name without a number, bytes that are no text
 }
 
 // Tabs, names with an equals sign and blanks at the end belong to usual lines; what is too long, whole or
@@ -46,11 +46,11 @@ TEST(LoadCell, BlankLinesAreSkippedAndLongLinesRejected) {
   std::vector<double> got;
   readings_of(decoder, "cut\n1\t2\nF=3\nt=1 F=4 \t\n0.1, 5\n   \n0" + std::string(48, '0') + "6\n", got);
   EXPECT_EQ(got, (std::vector<double>{2.0, 3.0, 4.0, 5.0}));
-  EXPECT_EQ(decoder.refused(), 2);
+  EXPECT_EQ(decoder.rejected_readings(), 2);
   readings_of(decoder, "7 " + std::string(100, ' ') + "8\n9\n", got);
   EXPECT_EQ(got.back(), 9.0);
   EXPECT_EQ(got.size(), 5U);
-  EXPECT_EQ(decoder.refused(), 3);
+  EXPECT_EQ(decoder.rejected_readings(), 3);
 }
 
 // Two weights with one reading each leave nothing to tell an interval from.
@@ -76,7 +76,7 @@ TEST(LoadCell, ALineWithANonFiniteLastFieldIsRejected) {
     std::vector<double> got;
     readings_of(decoder, "cut\n" + line + "\n", got);
     EXPECT_TRUE(got.empty()) << line << " gave " << got.front();
-    EXPECT_EQ(decoder.refused(), 1) << line;
+    EXPECT_EQ(decoder.rejected_readings(), 1) << line;
   }
   const std::vector<std::pair<std::string, double>> readings = {
       {"8388607", 8388607.0}, {"0.1,512", 512.0},  {"0.1; -512.5", -512.5}, {"1 2 3", 3.0},
@@ -107,7 +107,7 @@ TEST(LoadCell, BinaryFramesSurviveGarbageAndCuts) {
   }
   readings_of(decoder, line, got);
   EXPECT_EQ(got, sent);
-  EXPECT_GT(decoder.refused(), 200);
+  EXPECT_GT(decoder.rejected_readings(), 200);
 }
 
 // raw = 100 + 50 f by hand: offset 100, scale 1/50; the interval holds the truth.

@@ -17,7 +17,7 @@ Scenario shipped(const std::string& name) {
 }
 
 // [m] of the leader's tip at the end of a phase, the largest.
-double left_over(const Scenario& scenario) {
+double final_deflection(const Scenario& scenario) {
   const ScenarioRun run = run_scenario(scenario);
   EXPECT_TRUE(run.complete());
   double worst = 0.0;
@@ -43,18 +43,18 @@ double force_at_rest(const Scenario& scenario) {
 TEST(FeaturesOff, WithoutFrictionCompensationTheTipErrorIsLarger) {
   Scenario s = shipped("stick-slip");
   s.control.friction = 1.0;
-  const double with = left_over(s);
+  const double with = final_deflection(s);
   s.control.friction_rule = FrictionRule::kVelocity;
-  EXPECT_GT(left_over(s), 4.0 * with);  // the thesis's rule without its part at rest
+  EXPECT_GT(final_deflection(s), 4.0 * with);  // the thesis's rule without its part at rest
   s.control.friction = 0.0;
-  EXPECT_GT(left_over(s), 4.0 * with);
+  EXPECT_GT(final_deflection(s), 4.0 * with);
 }
 
 TEST(FeaturesOff, WithoutTheModelErrorObserverTheErrorStays) {
   Scenario s = shipped("one-arm-moves");
-  const double with = left_over(s);
+  const double with = final_deflection(s);
   s.control.observer = 0.0;
-  EXPECT_GT(left_over(s), 10.0 * with);
+  EXPECT_GT(final_deflection(s), 10.0 * with);
 }
 
 TEST(FeaturesOff, WithoutItsImpedanceAHeldBodyDeviatesMore) {

@@ -252,7 +252,7 @@ TEST(MotionPlan, TissueDragSlowsATip) {
   const Scenario s = example("tissue-three-axes");
   const ScenarioModels models = scenario_models(s, 0);
   MotionPlan plan(s, {{models.known, models.R_world_base_known, models.p_world_base_known, VectorXd::Constant(3, 1e3)}});
-  MotionPlan::State state = plan.standing({s.arms[0].start});
+  MotionPlan::State state = plan.initial_state({s.arms[0].start});
   ASSERT_EQ(plan.play(state, s.phases[0].commands, s.phases[0].duration), "");
   const Eigen::Vector3d before = state.seen.position[0];
   ASSERT_EQ(plan.play(state, s.phases[1].commands, 0.5 * s.phases[1].commands[0].over), "");
@@ -280,7 +280,7 @@ TEST(MotionPlan, RequiresTheInverseDynamicsTorquesOfTheMotion) {
   across.over = 0.7;
   constexpr double kEvery = 0.02;  // [s]
   MotionPlan strong = plan_of(VectorXd::Constant(3, 1e6));
-  MotionPlan::State state = strong.standing({s.arms[0].start});
+  MotionPlan::State state = strong.initial_state({s.arms[0].start});
   ASSERT_EQ(strong.play(state, {across}, kEvery), "");
   std::vector<VectorXd> q{state.q[0]};
   for (double t = kEvery; t < across.over; t += kEvery) {
@@ -293,12 +293,12 @@ TEST(MotionPlan, RequiresTheInverseDynamicsTorquesOfTheMotion) {
     const VectorXd ddq = (q[k + 1] - 2.0 * q[k] + q[k - 1]) / (kEvery * kEvery);
     most = most.cwiseMax(inverse_dynamics(arm, q[k], dq, ddq).cwiseAbs());
   }
-  EXPECT_EQ(plan_of(1.05 * most).take(plan_of(most).standing({s.arms[0].start}), across), "");
+  EXPECT_EQ(plan_of(1.05 * most).add_byte(plan_of(most).initial_state({s.arms[0].start}), across), "");
   for (int i = 0; i < 3; ++i) {
     VectorXd torque = 1.05 * most;
     torque[i] = 0.95 * most[i];
     MotionPlan weak = plan_of(torque);
-    const std::string why = weak.take(weak.standing({s.arms[0].start}), across);
+    const std::string why = weak.add_byte(weak.initial_state({s.arms[0].start}), across);
     EXPECT_NE(why.find("joint " + arm.coordinates()[i].name), std::string::npos) << why;
     EXPECT_NE(why.find("would need"), std::string::npos) << why;
   }

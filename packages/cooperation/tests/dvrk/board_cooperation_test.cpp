@@ -189,7 +189,7 @@ class Lines final : public LineSource {
 };
 
 // Boards by a stepped clock that are driven by lines, as fast as this machine computes.
-BoardCooperationOptions by_lines(LineSource& lines) {
+BoardCooperationOptions line_options(LineSource& lines) {
   BoardCooperationOptions options;
   options.emulate = emulate_boards;
   options.stepped = true;
@@ -204,7 +204,7 @@ TEST(BoardCooperation, CommandsByLineMoveTheArmsAndALostLineReleasesThem) {
   for (const bool quits : {true, false}) {
     Lines lines({"force spring 2 0.8", "wait 1", "leap 1", "move 0.005 0 0 0.5", "wait 0.8",
                  quits ? "quit" : "alive"});
-    BoardCooperationOptions options = by_lines(lines);
+    BoardCooperationOptions options = line_options(lines);
     std::vector<std::string> states, refusals;
     options.live_report.state = [&](const std::string& line) { states.push_back(line); };
     options.live_report.refused = [&](const std::string& line) { refusals.push_back(line); };
@@ -246,7 +246,7 @@ TEST(BoardCooperation, AStopIsExecutedImmediately) {
    private:
     int next_ = 0, cycle_ = 0;
   } lines;
-  BoardCooperationOptions options = by_lines(lines);
+  BoardCooperationOptions options = line_options(lines);
   std::vector<double> x;
   std::vector<std::string> refusals;
   options.live_report.state = [&](const std::string& line) { x.push_back(std::atof(line.c_str() + line.find("master=") + 7)); };
@@ -305,7 +305,7 @@ struct Heard {
 };
 
 // Two arms that shall do nothing but stand, with that cell.
-Heard with_cell(const Cell::Speech& speech) {
+Heard run_with_cell(const Cell::Speech& speech) {
   Scenario scenario = board_example("two-psm-spring");
   scenario.phases.resize(1);
   scenario.phases[0].duration = 0.5;
@@ -334,16 +334,16 @@ TEST(BoardCooperation, NoPowerBeforeEverySensorIsSteady) {
            {{never}, "waits for its first reading"},
            {{0, never, true}, "is stuck"},
            {{0, 100}, "is dead"}}) {
-    const Heard heard = with_cell(speech);
+    const Heard heard = run_with_cell(speech);
     EXPECT_NE(heard.refusal.find("no power"), std::string::npos) << heard.run.report();
     EXPECT_NE(heard.refusal.find("udp:5999 of member 'spring' " + words), std::string::npos) << heard.refusal;
     EXPECT_LT(heard.polls, 600);  // the patience, and not a run
   }
-  const Heard sound = with_cell({});
+  const Heard sound = run_with_cell({});
   EXPECT_EQ(sound.refusal, "");
   EXPECT_EQ(sound.run.end, BoardEnd::kDone) << sound.run.report();
   // One that speaks late is waited for.
-  EXPECT_EQ(with_cell({150}).run.end, BoardEnd::kDone);
+  EXPECT_EQ(run_with_cell({150}).run.end, BoardEnd::kDone);
 }
 
 // A sensor that gives 25, 50 or 200 readings where the scenario counts on 500.
@@ -351,7 +351,7 @@ TEST(BoardCooperation, ASlowSensorIsNamedBeforePower) {
   for (const int every : {40, 20, 5}) {
     Cell::Speech speech;
     speech.line = [every](int poll) { return poll % every == 0 ? Cell::Line::kReading : Cell::Line::kNothing; };
-    const Heard heard = with_cell(speech);
+    const Heard heard = run_with_cell(speech);
     EXPECT_NE(heard.refusal.find("no power"), std::string::npos) << heard.run.report();
     EXPECT_NE(heard.refusal.find("readings per second"), std::string::npos) << heard.refusal;
     EXPECT_NE(heard.refusal.find("the scenario counts on 500"), std::string::npos) << heard.refusal;
@@ -377,12 +377,12 @@ TEST(BoardCooperation, EverySensorFaultHoldsAllArmsUnderPower) {
       {"jumps from one reading to the next", [](int k) { return k == 0 ? Line::kSpike : Line::kReading; }},
       {"reading jumps", [](int k) { return k == 0 ? Line::kSpike : Line::kReading; }, 0.02, 1.5},
   };
-  const int at = with_cell({}).polls - 700;  // of the 500 cycles of the phase and 400 behind them
+  const int at = run_with_cell({}).polls - 700;  // of the 500 cycles of the phase and 400 behind them
   for (const Case& one : cases) {
     Cell::Speech speech;
     speech.spike = one.spike;
     speech.line = [&](int poll) { return poll < at ? Line::kReading : one.line(poll - at); };
-    const Heard heard = with_cell(speech);
+    const Heard heard = run_with_cell(speech);
     EXPECT_EQ(heard.refusal, "");
     EXPECT_EQ(heard.run.end, BoardEnd::kFault) << one.words;
     EXPECT_NE(heard.run.why.find(one.words), std::string::npos) << heard.run.why;
@@ -392,7 +392,7 @@ TEST(BoardCooperation, EverySensorFaultHoldsAllArmsUnderPower) {
   // A lost byte now and then is none of these.
   Cell::Speech speech;
   speech.line = [](int poll) { return poll % 50 == 0 ? Line::kUnusable : Line::kReading; };
-  EXPECT_EQ(with_cell(speech).run.end, BoardEnd::kDone);
+  EXPECT_EQ(run_with_cell(speech).run.end, BoardEnd::kDone);
 }
 
 // Commands that no arm can carry out, and what must be said of each.
@@ -452,7 +452,7 @@ TEST(BoardCooperation, AScenarioThatFailsInSimulationIsRefusedBeforePower) {
 }
 
 // Options of a run by lines on stepped boards that keeps every refusal.
-BoardCooperationOptions by_line(Lines& lines, std::vector<std::string>& refusals) {
+BoardCooperationOptions refusal_options(Lines& lines, std::vector<std::string>& refusals) {
   BoardCooperationOptions options;
   options.emulate = emulate_boards;
   options.stepped = true;
@@ -471,7 +471,7 @@ TEST(BoardCooperation, InfeasibleCommandsMoveNothing) {
   for (const char* line : {"jog 100 0 0", "wait 0.3", "quit"}) words.push_back(line);
   Lines lines(words);
   std::vector<std::string> refusals;
-  BoardCooperationOptions options = by_line(lines, refusals);
+  BoardCooperationOptions options = refusal_options(lines, refusals);
   double fastest = 0.0;
   options.watch = [&](const EmulatedInstant& now) {
     for (const EmulatedInstant::Arm& arm : now.arms)
@@ -499,7 +499,7 @@ TEST(BoardCooperation, AJogEndsBeforeTheArmsDo) {
   words.push_back("quit");
   Lines lines(words);
   std::vector<std::string> refusals;
-  BoardCooperationOptions options = by_line(lines, refusals);
+  BoardCooperationOptions options = refusal_options(lines, refusals);
   const std::atomic<bool> stop{false};
   const BoardCooperationRun done = run_on_boards(scenario, patient_side(2), options, stop);
   EXPECT_EQ(done.end, BoardEnd::kDone) << done.report();

@@ -119,7 +119,7 @@ class Observer {
             limits.runaway * (limits.held_seconds + 1.0 / limits.braking) * way.norm()};
   }
 
-  void see(const EmulatedInstant& now) {
+  void observe(const EmulatedInstant& now) {
     Step step;
     step.time = now.time;
     step.force = now.force;
@@ -296,7 +296,7 @@ TEST_P(SafetyDrills, HeldArmsDoNotMove) {
   for (CooperatingArm& arm : arms)
     for (ActuatorConfig& a : arm.robot.actuators) a.max_current *= drill.motors;
   Observer observer(scenario);
-  options.watch = [&](const EmulatedInstant& now) { observer.see(now); };
+  options.watch = [&](const EmulatedInstant& now) { observer.observe(now); };
   const BoardCooperationRun done = run_on_boards(scenario, arms, options, stop);
 
   if (!drill.found) {  // it rides through, and keeps what the scenario asks for

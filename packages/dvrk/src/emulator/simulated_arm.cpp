@@ -116,7 +116,7 @@ void SimulatedArm::advance(double seconds, const MotorDrive* drives, ChannelMoti
     q_.head(tau_.size()) = engine_.q();
   }
   shown_q_ = q_;
-  sensors_.show_positions(shown_q_.head(tau_.size()));
+  sensors_.add_position_errors(shown_q_.head(tau_.size()));
   actuator_q_.noalias() = joint_to_actuator_ * shown_q_;
   pot_q_ = actuator_q_;
   if (actuator_to_pot_.size() > 0) pot_q_.noalias() = actuator_to_pot_ * actuator_q_;

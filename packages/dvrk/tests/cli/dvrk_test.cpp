@@ -45,7 +45,7 @@ std::string io_xml() {
   return out.str();
 }
 
-std::string with(std::string text, const std::string& old, const std::string& now) {
+std::string with_replaced(std::string text, const std::string& old, const std::string& now) {
   for (auto at = text.find(old); at != std::string::npos; at = text.find(old, at + now.size()))
     text.replace(at, old.size(), now);
   return text;
@@ -410,12 +410,12 @@ TEST_F(Dvrk, UsageErrorsAreOneLine) {
        2,
        "late=SECONDS@S"},
       {{"dvrk", "emulate", "--config", io, "--firmware", "6", "--port", "0"}, 2, "--firmware"},
-      {{"dvrk", "emulate", "--config", folder_.write("dqla.xml", with(io_xml(), "QLA1", "DQLA")),
+      {{"dvrk", "emulate", "--config", folder_.write("dqla.xml", with_replaced(io_xml(), "QLA1", "DQLA")),
         "--port", "0"},
        3,
        "DQLA"},
       {{"dvrk", "config", "--config",
-        folder_.write("amps.xml", with(io_xml(), "Value=\"5.0\"", "Value=\"13.4\""))},
+        folder_.write("amps.xml", with_replaced(io_xml(), "Value=\"5.0\"", "Value=\"13.4\""))},
        3,
        "MaxCurrent 13.4"},
       {{"dvrk", "run", "--config", io, "--trajectory", folder_.path("none.csv"), "-o",

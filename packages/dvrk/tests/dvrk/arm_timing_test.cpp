@@ -57,7 +57,7 @@ class ChangesTheNetwork final : public MotionController {
     change_();
     return true;
   }
-  std::string why() const override { return ""; }
+  std::string refusal_reason() const override { return ""; }
   bool follows() const override { return false; }
 
  private:

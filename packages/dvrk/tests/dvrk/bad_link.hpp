@@ -31,7 +31,7 @@ class BadLink final : public DatagramLink {
     const double until = link_.now() + std::max(0.0, timeout);
     while (true) {
       pass(0.0);
-      take();
+      collect_replies();
       const auto first = std::min_element(coming_.begin(), coming_.end(),
                                           [](const Held& a, const Held& b) { return a.at < b.at; });
       if (first != coming_.end() && first->at <= link_.now()) {
@@ -73,7 +73,7 @@ class BadLink final : public DatagramLink {
       one = going_.erase(one);
     }
   }
-  void take() {
+  void collect_replies() {
     std::uint8_t buffer[kDatagramBuffer];
     for (Arrival a = link_.receive({buffer, sizeof buffer}, 0.0); a.any;
          a = link_.receive({buffer, sizeof buffer}, 0.0)) {

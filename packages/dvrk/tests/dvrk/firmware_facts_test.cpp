@@ -84,7 +84,7 @@ TEST(Rev7, LostWritesAreCounted) {
     }
     EXPECT_EQ(rig.session.state(), PowerState::kFault);
     EXPECT_EQ(rig.session.cause(), Condition::kNotEffective);
-    EXPECT_EQ(rig.session.cause_words(), "a write had no effect (board 7)");
+    EXPECT_EQ(rig.session.cause_text(), "a write had no effect (board 7)");
     EXPECT_LT(cycles, 60);
   }
 }
@@ -97,7 +97,7 @@ TEST(Causes, ARelayThatOpensIsNamedWithItsBoard) {
     rig.emulator.board(place).faults.relay_stuck_open = true;
     rig.cycles(30, 100.0);
     EXPECT_EQ(rig.session.cause(), Condition::kRelayOpen);
-    EXPECT_EQ(rig.session.cause_words(),
+    EXPECT_EQ(rig.session.cause_text(),
               "the safety relay is open (board " + std::to_string(6 + place) + ")");
   }
   Rig rig;  // an emergency stop leaves the relays alone

@@ -38,7 +38,7 @@ std::uint32_t crc_of(const std::vector<std::uint8_t>& b, std::size_t first, std:
   return ~crc;
 }
 
-Packet taken_apart(const std::vector<std::uint8_t>& b, Destination to) {
+Packet parsed_packet(const std::vector<std::uint8_t>& b, Destination to) {
   Packet p{};
   p.to = to;
   p.flags = b[0];
@@ -71,7 +71,7 @@ class Recorder final : public DatagramLink {
  public:
   explicit Recorder(DatagramLink& link) : link_(link) {}
   bool send(ByteView datagram, Destination to) noexcept override {
-    packets.push_back(taken_apart({datagram.data, datagram.data + datagram.size}, to));
+    packets.push_back(parsed_packet({datagram.data, datagram.data + datagram.size}, to));
     return link_.send(datagram, to);
   }
   Arrival receive(ByteSpan buffer, double timeout) noexcept override {

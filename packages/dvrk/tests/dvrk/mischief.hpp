@@ -33,7 +33,7 @@ class Fate {
   std::vector<Copy> of(ByteView datagram, const Mischief& mischief);
 
  private:
-  double even();  ///< 0 to 1
+  double uniform();  ///< 0 to 1
   std::uint64_t state_;
 };
 

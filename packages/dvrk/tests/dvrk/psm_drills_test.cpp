@@ -129,7 +129,7 @@ Event of_reply(double at, ReplyFault fault, int replies = 1, double delay = 0.0)
 }
 
 // The words of --event.
-Event as_said(const std::string& words, double at) {
+Event parsed_event(const std::string& words, double at) {
   return {at, [words](BoardEmulator& e) { board_events({words + "@0"}, e).front().happen(e); }};
 }
 
@@ -165,7 +165,7 @@ TEST(PsmDrills, OneReplyThatIsLostOrLateEndsNothing) {
 TEST(PsmDrills, PacketLossIsToleratedUpToOnePercentAndReportedBeyond) {
   for (const double percent : {0.2, 1.0, 5.0}) {
     Psm psm;
-    const RunResult run = psm.run(Law::kComputedTorque, {as_said("loss=" + std::to_string(percent), 1.0)});
+    const RunResult run = psm.run(Law::kComputedTorque, {parsed_event("loss=" + std::to_string(percent), 1.0)});
     EXPECT_EQ(run.complete, percent < 2.0) << percent << ": " << run.why;
     EXPECT_GT(psm.session.boards().faults().count(Condition::kLostReplies), 20);
     if (percent > 2.0) {
@@ -189,7 +189,7 @@ TEST(PsmDrills, APositionThatJumpsIsNoticedInOneCycle) {
       const double counts = degrees * M_PI / 180.0 / psm.robot.actuators[1].bits_to_position;
       bool flows = true;
       const RunResult run = psm.run(
-          Law::kComputedTorque, {as_said("encoder-jump:6.1=" + std::to_string(std::lround(counts)), at),
+          Law::kComputedTorque, {parsed_event("encoder-jump:6.1=" + std::to_string(std::lround(counts)), at),
                                  {at + 3.0 * Rig::kCycle, [&](BoardEmulator&) { flows = psm.currents_flow(); }}});
       EXPECT_EQ(run.why, "safety supervisor: a position that jumped (joint pitch)") << degrees;
       EXPECT_FALSE(flows);
@@ -219,7 +219,7 @@ TEST(PsmDrills, EveryEventIsNamedAndLeavesNoCurrent) {
     for (const Law law : {Law::kPid, Law::kComputedTorque}) {
       Psm psm;
       std::optional<bool> flows;  // nothing: the run was over before
-      const RunResult run = psm.run(law, {as_said(one.event, kFrom), {kFrom + one.within + Rig::kCycle, [&](BoardEmulator&) {
+      const RunResult run = psm.run(law, {parsed_event(one.event, kFrom), {kFrom + one.within + Rig::kCycle, [&](BoardEmulator&) {
                                                                        flows = psm.currents_flow();
                                                                      }}});
       EXPECT_FALSE(run.complete);

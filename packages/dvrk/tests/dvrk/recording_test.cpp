@@ -39,7 +39,7 @@ void keep(RowKeeper& keeper, int from, int to) {
 }
 
 template <typename Holds>
-bool comes(Holds&& holds) {
+bool arrives_in_time(Holds&& holds) {
   for (int k = 0; k < 1000 && !holds(); ++k)
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   return holds();
@@ -53,7 +53,7 @@ TEST(RowFile, RowsAreOnTheDiskWhileTheyAreRecorded) {
     RowFile file(path, keeper, 2);
     EXPECT_FALSE(std::filesystem::exists(path));  // nothing before the first row
     keep(keeper, 0, 500);
-    ASSERT_TRUE(comes([&] { return content(path).find("\n0.499,") != std::string::npos; }));
+    ASSERT_TRUE(arrives_in_time([&] { return content(path).find("\n0.499,") != std::string::npos; }));
     const std::string there = content(path);
     EXPECT_EQ(there.rfind("# incomplete: the program ended while it recorded", 0), 0U);
     EXPECT_EQ(there.back(), '\n');
@@ -83,7 +83,7 @@ TEST(RowFile, AFullDiskKeepsWholeRowsAndReportsTheirNumber) {
   {
     RowFile file(path, keeper, 2);
     keep(keeper, 0, 500);
-    EXPECT_TRUE(comes([&] { return file.failed(); }));
+    EXPECT_TRUE(arrives_in_time([&] { return file.failed(); }));
     file.finish("stopped");
     kept = file.rows();
     EXPECT_NE(file.error(), "");
@@ -115,7 +115,7 @@ TEST(RowFile, AFullDiskWithoutARowLeavesNoFile) {
       {
         RowFile file(path, keeper, 2);
         keep(keeper, 0, 500);
-        EXPECT_TRUE(comes([&] { return file.failed(); }));
+        EXPECT_TRUE(arrives_in_time([&] { return file.failed(); }));
         file.finish("stopped");
         EXPECT_EQ(file.rows(), 0);
         EXPECT_NE(file.error(), "");

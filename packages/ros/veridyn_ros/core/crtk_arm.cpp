@@ -98,7 +98,7 @@ void CrtkArm::hold() noexcept {
   } else if (mode_ != Mode::kHold) {
     goal_ = cycle_.state().q().cwiseMax(limits_.lower).cwiseMin(limits_.upper);
     way_.reset(goal_);
-    stand();
+    hold_position();
   }
   mode_ = Mode::kHold;
   silent_ = 0.0;
@@ -141,7 +141,7 @@ void CrtkArm::follow_joints(double dt) noexcept {
 }
 
 // The controller's reference rests where the arm is.
-void CrtkArm::stand() noexcept {
+void CrtkArm::hold_position() noexcept {
   smoothed_ = goal_;
   wanted_.q = goal_;
   wanted_.dq.setZero();
@@ -169,14 +169,14 @@ const VectorXd& CrtkArm::update(const VectorXd& shown_q, const VectorXd& dq, dou
   if (!seen_ && q.allFinite()) {
     way_.reset(q);
     goal_ = q;
-    stand();
+    hold_position();
     seen_ = true;
   }
   watch_silence(dt);
   if (!powered_ && q.allFinite()) {
     goal_ = q;
     way_.reset(goal_);
-    stand();
+    hold_position();
     if (mode_ != Mode::kOff) mode_ = Mode::kHold;
     stream_ = Kind::kHold;
   }
@@ -203,13 +203,13 @@ const VectorXd& CrtkArm::update(const VectorXd& shown_q, const VectorXd& dq, dou
   if (state_ == OperatingState::kDisabled || state_ == OperatingState::kFault) {
     goal_ = q.allFinite() ? q : goal_;
     way_.reset(goal_);
-    stand();
+    hold_position();
   }
-  tell();
+  publish_state();
   return drive;
 }
 
-void CrtkArm::tell() noexcept {
+void CrtkArm::publish_state() noexcept {
   Feedback& f = feedback_;
   f.time = now_;
   setpoint_.update(way_.x(), way_.dx());

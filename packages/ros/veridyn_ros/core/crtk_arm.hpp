@@ -121,20 +121,20 @@ class CrtkArm {
   Mode mode() const { return mode_; }
 
  private:
-  Refusal judge(const Command& c) noexcept;
+  Refusal refusal_of(const Command& c) noexcept;
   Refusal transition(Command::Kind kind) noexcept;
-  Refusal take_joints(const Command& c, bool move) noexcept;
-  Refusal take_pose(const Command& c, bool move) noexcept;
-  Refusal take_effort(const Command& c) noexcept;
-  Refusal take_twist(const Command& c) noexcept;
-  bool within(const VectorXd& q) const noexcept;
+  Refusal accept_joints(const Command& c, bool move) noexcept;
+  Refusal accept_pose(const Command& c, bool move) noexcept;
+  Refusal accept_effort(const Command& c) noexcept;
+  Refusal accept_twist(const Command& c) noexcept;
+  bool is_within_limits(const VectorXd& q) const noexcept;
   void hold() noexcept;
   void watch_silence(double dt) noexcept;
   void follow_twist(double dt) noexcept;
   void follow_joints(double dt) noexcept;
   void smooth(double dt) noexcept;
-  void stand() noexcept;
-  void tell() noexcept;
+  void hold_position() noexcept;
+  void publish_state() noexcept;
 
   veridyn::Model model_;
   CrtkOptions options_;

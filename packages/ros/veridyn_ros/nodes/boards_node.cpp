@@ -69,7 +69,7 @@ class Boards {
     spinner.start();
     while (ros::ok()) {
       bool any = false;
-      for (Arm& arm : arms_) any = tell(arm) || any;
+      for (Arm& arm : arms_) any = publish_state(arm) || any;
       if (!any) std::this_thread::sleep_for(std::chrono::microseconds(200));
     }
     ends_ = true;
@@ -106,7 +106,7 @@ class Boards {
     arm.state = space.advertise<std_msgs::String>("io/state", 10, true);
     arm.subscribers = {
         space.subscribe<sensor_msgs::JointState>(
-            "io/servo_jf", 1, [&arm](const sensor_msgs::JointState::ConstPtr& m) { hear_torques(arm.name, arm.joints, *m, arm.asked); }, ros::VoidConstPtr(),
+            "io/servo_jf", 1, [&arm](const sensor_msgs::JointState::ConstPtr& m) { receive_torques(arm.name, arm.joints, *m, arm.asked); }, ros::VoidConstPtr(),
             ros::TransportHints().tcpNoDelay()),
         space.subscribe<crtk_msgs::OperatingState>("operating_state", 10, [&arm](const crtk_msgs::OperatingState::ConstPtr& m) {
           arm.enabled = m->state == "ENABLED" || m->state == "PAUSED";
@@ -115,7 +115,7 @@ class Boards {
 
   // The loop: nothing here allocates or throws; it waits for the boards' replies alone.
   void cycles() noexcept {
-    if (priority_ > 0 && !(veridyn::take_real_time_priority(priority_) && veridyn::lock_memory()))
+    if (priority_ > 0 && !(veridyn::set_real_time_priority(priority_) && veridyn::lock_memory()))
       ROS_WARN("the system allows no real-time priority: cycles may come late");
     Cycle cycle(1.0 / rate_);
     while (!ends_) {
@@ -166,7 +166,7 @@ class Boards {
     arm.measured.write(s);
   }
 
-  bool tell(Arm& arm) {
+  bool publish_state(Arm& arm) {
     BoardWords words;
     if (arm.words.read(words) && words.state != arm.told_state) {
       std_msgs::String m;

@@ -129,7 +129,7 @@ class Show {
   }
 
   void add(const std::string& name, const Model& model, const std::string& tip, const VectorXd& start) {
-    const Looks looks = looks_of(model);
+    const Looks looks = appearance_of(model);
     root_.setParam(name + "/robot_description", looks.urdf);
     Arm& arm = arms_.emplace_back(name, looks.links);
     const std::string frame = !tip.empty() ? tip : model.find_frame("tool") >= 0 ? "tool" : model.frames().back().name;

@@ -14,7 +14,7 @@ class WaitingBytes {
  public:
   explicit WaitingBytes(LoadCellFormat format) : decoder_(format) {}
 
-  std::uint8_t* room() { return bytes_.data(); }
+  std::uint8_t* buffer() { return bytes_.data(); }
   std::size_t size() const { return bytes_.size() - 1; }
   /// Declares that room() now holds `count` bytes; `line` appends the end of a line.
   void filled(std::size_t count, bool line = false) {
@@ -25,7 +25,7 @@ class WaitingBytes {
   /// @returns false: all bytes are consumed, without another reading.
   bool reading() {
     while (at_ < end_) {
-      if (decoder_.take(bytes_[at_++])) return true;
+      if (decoder_.add_byte(bytes_[at_++])) return true;
     }
     return false;
   }

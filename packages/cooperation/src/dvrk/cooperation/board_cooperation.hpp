@@ -141,10 +141,10 @@ struct LaterFault {
 };
 
 /// A line for each of both, for reports.
-std::string words_after_fault(const std::vector<ArmAfterFault>& arms,
+std::string faults_text(const std::vector<ArmAfterFault>& arms,
                               const std::vector<LaterFault>& later);
 /// "power is off", or that it is not confirmed for these arms.
-std::string words_at_end(OffState power, const std::string& not_off);
+std::string power_text(OffState power, const std::string& not_off);
 
 struct BoardCooperationRun {
   ScenarioRun run;      ///< what was measured: tips from encoders, forces from sensors

@@ -172,21 +172,21 @@ std::string place_of(const std::string& content, std::size_t at, const std::stri
   return text(file, ":", 1 + line, ":", start == std::string::npos ? at + 1 : at - start);
 }
 
-bool in_word(char c) {
+bool is_name_character(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '+' || c == '-' ||
          c == '_';
 }
 
 // Start of the word that contains a character.
 std::size_t word_start(const std::string& content, std::size_t at) {
-  while (at > 0 && in_word(content[at]) && in_word(content[at - 1])) --at;
+  while (at > 0 && is_name_character(content[at]) && is_name_character(content[at - 1])) --at;
   return at;
 }
 
 // The text at a position: a whole word, or one character.
 std::string word_at(const std::string& content, std::size_t at) {
   std::size_t end = at;
-  while (end < content.size() && in_word(content[end]) && end - at < kShown) ++end;
+  while (end < content.size() && is_name_character(content[end]) && end - at < kShown) ++end;
   if (end > at) return "'" + content.substr(at, end - at) + "'";
   const auto c = static_cast<unsigned char>(content[at]);
   if (c == '\n') return "the end of the line";

@@ -79,8 +79,8 @@ class Exchange {
   }
   const ReplyLoss& loss() const { return loss_; }
   /// [s] for which replies lay ready before they were taken, since the last forget_lay().
-  double lay() const { return lay_; }
-  void forget_lay() noexcept { lay_ = 0.0; }
+  double queue_delay() const { return lay_; }
+  void reset_queue_delay() noexcept { lay_ = 0.0; }
   /// True if the last trailer reported a bus reset in progress.
   bool resetting() const { return resetting_; }
 
@@ -93,9 +93,9 @@ class Exchange {
   /// @param until  [s] of the link's clock. @returns kNoReply, not noted, where nothing came.
   ReadResult await(const Request& request, double until, Reply& reply) noexcept;
   bool answers_repeated(ByteView datagram) const noexcept;
-  ReadResult judge(const Request& request, ByteView datagram, Malformed malformed,
+  ReadResult classify_reply(const Request& request, ByteView datagram, Malformed malformed,
                    const Reply& reply) noexcept;
-  void take_trailer(const Trailer& trailer) noexcept;
+  void read_trailer(const Trailer& trailer) noexcept;
   void count_request() noexcept;
 
   DatagramLink& link_;

@@ -65,11 +65,11 @@ class ModelController final : public MotionController {
   bool torques(const BoardArmState& state, const JointReference& wanted, const CycleTimes& times,
                VectorXd& tau) noexcept override;
   void sent(const VectorXd& tau) noexcept override;  ///< as the drives count
-  std::string why() const override;
+  std::string refusal_reason() const override;
   bool follows() const override { return options_.law != ControlLaw::kGravity; }
   MotionLimits limits() const override;
   void require_possible(const MotionSamples& motion) const override;
-  MotionSamples as_shown(const MotionSamples& motion) const override;
+  MotionSamples to_board_positions(const MotionSamples& motion) const override;
 
   int joints() const { return cycle_.joints(); }  ///< Joints of the model
   /// Effects of the model that these laws leave out, in words.

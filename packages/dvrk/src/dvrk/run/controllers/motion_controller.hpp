@@ -48,7 +48,7 @@ class MotionController {
   virtual void sent(const VectorXd& tau) noexcept { (void)tau; }
 
   /// Why torques() returned false.
-  virtual std::string why() const { return ""; }
+  virtual std::string refusal_reason() const { return ""; }
   /// True if joints are expected near their set points.
   virtual bool follows() const { return true; }
   /// The limits that torques() enforces. A run applies them to the whole motion before power-up.
@@ -57,7 +57,7 @@ class MotionController {
   virtual void require_possible(const MotionSamples& motion) const { (void)motion; }
   /// Converts a motion to positions as the boards show them, in which a run works: a controller may
   /// know errors of the encoders. torques() and limits() use them too.
-  virtual MotionSamples as_shown(const MotionSamples& motion) const { return motion; }
+  virtual MotionSamples to_board_positions(const MotionSamples& motion) const { return motion; }
 };
 
 }  // namespace veridyn::dvrk

@@ -203,7 +203,7 @@ void RowFile::finish(const std::string& remark) {
     if (followed_)
       copy_rows(remark);
     else
-      write_recording(keeper_.take(joints_), path_, remark);
+      write_recording(keeper_.extract_rows(joints_), path_, remark);
     written_ = all;
   } catch (const std::exception& problem) {
     if (followed_) {
