@@ -50,7 +50,7 @@ class Keywords {
     refuse(name, word, words);
   }
 
-  /// @throws py::type_error  a keyword that nobody took, with a suggestion.
+  /// @throws py::type_error  an unused keyword, with a suggestion.
   void expect_all_taken() const;
 
   const std::string& function() const { return function_; }

@@ -7,7 +7,7 @@ int main(int argc, char** argv) {
   const auto add_excite = [](CLI::App& tool, Outcome& outcome) { add_excite_command(tool, outcome, {}); };
   const auto add_kinematics = [](CLI::App& tool, Outcome& outcome) { add_kinematics_command(tool, outcome, {}); };
   const auto add_numbers = [](CLI::App& tool, Outcome&) { add_numbers_command(tool); };
-  // In the order of the manual.
+  // Commands in the order of the manual.
   return run_tool({add_info_command, add_check_command, add_identify_command, add_diagnose_command,
                    add_friction_command, add_fleet_command, add_payload_command, package_command("calibrate"),
                    add_compare_command, add_export, add_excite, add_simulate_command, package_command("cooperate"),

@@ -35,7 +35,7 @@ void AdaptiveFriction::adapt(Learned& axis, double force, double s, double neede
   const Eigen::Vector3d row(force, 1.0, s - axis.place);
   axis.information += step * (row * row.transpose() - axis.information);
   axis.right += step * (needed * row - axis.right);
-  // F without what 1 and s explain of it, and y likewise.
+  // Remainders of F and y after regression on 1 and s.
   const Eigen::Matrix3d& J = axis.information;
   const double spread = J(2, 2) - J(1, 2) * J(1, 2) / J(1, 1);
   const double slope =

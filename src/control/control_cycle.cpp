@@ -147,7 +147,7 @@ const VectorXd& ControlCycle::send() noexcept {
     }
   }
   error_.sent(tau_, sent_);
-  // Where the law's torque is not sent, its acceleration does not come.
+  // Where the law's torque was not sent, its acceleration was not produced.
   for (Eigen::Index i = 0; i < y_.size(); ++i) {
     if (sent_[i] != tau_[i]) y_[i] = 0.0;
   }

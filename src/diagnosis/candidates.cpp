@@ -60,7 +60,7 @@ Candidate load_candidate(const Model& arm, FrameIndex frame) {
   return {cause, acting_joint(arm, cause), {VectorXd::Zero(arm.joints()), 0.0}, std::nullopt};
 }
 
-// The frame that a link's frames are fixed to, itself if it moves; nothing: it is fixed to the world.
+// The frame that a link's frames are fixed to, itself if it moves; nullopt: it is fixed to the world.
 std::optional<FrameIndex> link_of(const Model& arm, FrameIndex of) {
   std::optional<FrameIndex> frame = of;
   while (frame && arm.frames()[frame->value].type == JointType::kFixed) frame = arm.frames()[frame->value].parent;
@@ -101,7 +101,7 @@ class Enumeration {
     return some.empty() || std::find(some.begin(), some.end(), name) != some.end();
   }
 
-  // With more parameters than joints an error of the arm would be nearly any function of the positions.
+  // An arm error with more parameters than joints could imitate nearly any function of the positions.
   bool is_testable(const ChannelEffect& channel) const {
     return is_wanted(channel.name()) && (!scope_.wanted.empty() || static_cast<int>(channel.parameters().size()) <= arm_.joints());
   }

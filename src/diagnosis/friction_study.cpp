@@ -67,7 +67,7 @@ MatrixXd torque_of(const Model& arm, const Recording& r) {
   return tau;
 }
 
-// Frees friction and offsets for identification; bodies of a MODEL stay fixed.
+// Frees friction and offsets for identification; bodies of an identified model stay fixed.
 Model with_open_friction(const Model& arm) {
   ModelDescription d = arm.description();
   d.identified.reset();
@@ -127,7 +127,7 @@ VectorXd torque_at_rest(const Model& arm, const VectorXd& q) {
   return tau;
 }
 
-// Where it went: at its onset, of a mean over a tenth of a second, a joint may rest still.
+// Direction of the displacement: at its onset, a mean over a tenth of a second, a joint may still be at rest.
 int direction_of(const VectorXd& q, const Ramp& ramp, double way) {
   Eigen::Index k = ramp.onset;
   while (k + 1 < ramp.end && std::abs(q[k] - q[ramp.rest]) <= way) ++k;

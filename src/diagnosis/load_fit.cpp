@@ -180,7 +180,7 @@ std::pair<double, double> MassCost::masses_below(double cost, const PlacedMass& 
     }
     return from;
   };
-  // From a mass away from zero.
+  // Searches from a mass away from zero.
   const auto outwards = [&](double mass, PlacedMass near) {
     while (std::abs(mass) < kHeaviestLoad) {
       const double next = std::clamp(kGrowth * mass, -kHeaviestLoad, kHeaviestLoad);

@@ -29,7 +29,7 @@ namespace {
 
 using namespace loads;
 
-// The frame that a link's frames are fixed to, itself if it moves; nothing: it is fixed to the world.
+// The frame that a link's frames are fixed to, itself if it moves; nullopt: it is fixed to the world.
 std::optional<FrameIndex> moving_frame(const Model& arm, std::optional<FrameIndex> frame) {
   while (frame && arm.frames()[frame->value].type == JointType::kFixed) frame = arm.frames()[frame->value].parent;
   return frame;
@@ -85,14 +85,14 @@ Model with_load(const Model& arm, const PayloadEstimate& load) {
   return Model(std::move(d));
 }
 
-// The values that an arm's effects were fitted to beside a load.
+// The arm with the effect values that were fitted together with a load.
 Model with_effects_of(const Model& arm, const Model& fitted) {
   ModelDescription d = arm.description();
   d.effects = fitted.effects();
   return Model(std::move(d));
 }
 
-// An arm whose values are facts, with a load on every place and what may have changed with it.
+// An arm with fixed values, with a load in every place and the effects that may have changed.
 struct Asked {
   Model arm;
   std::vector<std::string> columns;  // ten of each place, then the friction of joints
@@ -117,7 +117,7 @@ Asked arm_with_unknown_loads(const Model& model, const std::vector<int>& places)
       EffectTerm term;
       term.effect = effect;
       term.axis = {VectorXd::Unit(model.joints(), i), 0.0};
-      // The step of an effect that the model has stays as smooth as it is.
+      // A change of an effect of the model keeps the effect's smoothness.
       for (const EffectTerm& own : model.effects())
         if (own.effect == effect && own.axis.coefficients == term.axis.coefficients) term.values = own.values;
       for (const EffectParameter& p : find_effect(effect).parameters()) term.values.erase(p.name);
@@ -191,7 +191,7 @@ class LoadFit {
     return load_cost(rows_.total(), without, weights_, first_, beside, reach_);
   }
 
-  // Squares left on `rows` by a load and the friction that all rows but `without` give beside it.
+  // Residual squares on `rows` of a load and of the friction fitted with it to all rows but `without`.
   VectorXd remaining_squares(const std::vector<RowSquares>& rows, const std::vector<RowSquares>* without, const InertialParameters& phi) const {
     const VectorXd beside = fitted_beside_load(rows_.total(), without, weights_, first_, sets_.back(), phi);
     return residual_squares(rows, first_, phi, sets_.back(), beside);
@@ -221,7 +221,7 @@ class LoadFit {
     };
     const Numbers centre = numbers(whole, best);
     out.inertia = centre.tail<6>();
-    // Scatter between phases (jackknife), and between what else may have changed with the load.
+    // Scatter between phases (jackknife), and between the alternative changes beside the load.
     const int clusters = rows_.clusters();
     Numbers sum = Numbers::Zero(), squares = Numbers::Zero();
     for (int k = 0; k < clusters; ++k) {
@@ -291,7 +291,7 @@ bool same_torques(const LoadRows& rows, int a, int b) {
 }
 
 // Best first; of links whose gains are a tie, as in a diagnosis, the outermost comes first: what
-// hangs on the axis of a joint can be held by either of the links that it connects.
+// is on the axis of a joint may be carried by either of the links that it connects.
 void sort_by_gain(const Model& model, double tie, std::vector<PayloadEstimate>& links) {
   std::stable_sort(links.begin(), links.end(), [](const auto& a, const auto& b) { return a.gain > b.gain; });
   if (links.empty()) return;
@@ -337,7 +337,7 @@ struct Question {
   const Thresholds& limits;
 };
 
-// Fits a load on every link to rows of the arm of asked_arm().
+// Fits a load on every link to rows of the arm of arm_with_unknown_loads().
 void fit_loads(const Question& q, const Asked& asked, const std::vector<int>& places, const std::vector<CompressedRecording>& recordings,
                double sample, const VectorXd& band, const VectorXd& floor, PayloadReport& out) {
   const LoadRows rows(recordings, asked.columns, q.model.joints());
@@ -395,7 +395,7 @@ PayloadReport payload_report(const Question& q, const std::string& robot, const 
   return out;
 }
 
-// Values that nobody measured explain a load as well as what hangs on the arm.
+// Wrong values of the model could explain the torque of a load as well.
 void remark_on_values(const Model& model, PayloadReport& out) {
   if (model.description().values == RobotValues::kPrior && !model.description().identified)
     out.remarks.push_back("The values of '" + model.name() + "' are those of its drawing, not measured on this arm: what they lack "
@@ -417,7 +417,7 @@ PayloadReport find_payload(const Model& given_model, const Recordings& loaded,
   if (has_all_values(given_model)) {
     out = payload_report({given_model, link, limits}, given_model.name(), recordings, named.how);
   } else {
-    // Friction and load in turns: what is fitted without the load has a part of it.
+    // Fits friction and load in turns: friction fitted without the load absorbs a part of it.
     Model cad = with_fitted_effects(given_model, recordings, named.how);
     for (int turn = 0; turn < kTurns; ++turn) {
       out = payload_report({cad, link, limits}, given_model.name(), recordings, named.how);
@@ -454,7 +454,7 @@ PayloadReport find_payload_at_rest(const Model& given, const std::vector<RestPos
   }
   out.error_before = (left2.array() / torque2.array().max(numerics::kTiny)).sqrt();
   const VectorXd band = approached ? VectorXd(VectorXd::Zero(model.joints())) : dry_friction(given);
-  // The friction band as a share of each joint's torque; a joint that gravity leaves alone has nothing to explain.
+  // The friction band as a share of each joint's torque; a joint without gravity torque is not evaluated.
   double poses = 0.0;
   for (const RestPoses& one : loaded) poses += static_cast<double>(one.poses());
   VectorXd floor(model.joints());

@@ -186,7 +186,7 @@ class Design {
   Candidate search(const std::shared_ptr<const Asked>& asked, int start, Found& found) const;
   Candidate widened(Candidate best, Found& found) const;
   double share_of_range(const VectorXd& x, int joint) const;
-  // Other criteria than these ask for one thing alone.
+  // Only these criteria need every joint to use its range.
   bool uses_whole_range() const {
     return options_.solver != ExcitationSolver::kRandom &&
            (options_.criterion == ExcitationCriterion::kDOptimal || options_.criterion == ExcitationCriterion::kAOptimal);

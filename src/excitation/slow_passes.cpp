@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kSlowest = 0.01;      // share of the largest speed
 constexpr double kFastest = 0.1;       // the same
-constexpr double kWayOut = 3.0;        // [s] duration of the way out
+constexpr double kWayOut = 3.0;        // [s] duration of the outward motion
 constexpr double kShortestWay = 0.3;   // [s] at a constant speed
 constexpr double kShortestRamp = 0.2;  // [s] from rest to the speed
 constexpr double kRoom = 0.95;         // share of the available range that is used

@@ -37,7 +37,7 @@ Eigen::Isometry3d origin_of(const pugi::xml_node& shape) {
   return eigen(Posed{rotation_from_rpy(from_eigen(rpy)), from_eigen(three_numbers(origin.attribute("xyz"), {0, 0, 0}))});
 }
 
-// The file of a mesh, or nothing.
+// The file of a mesh, or nullopt.
 std::optional<std::string> mesh_path(const std::string& name, const fs::path& urdf) {
   std::vector<fs::path> folders;
   std::error_code ignored;
@@ -141,7 +141,7 @@ Fitted capsule_along(const Points& points, const Eigen::Vector3d& along) {
       first = std::min(first, p.dot(along) + beyond);
       last = std::max(last, p.dot(along) - beyond);
     }
-    // Where the two have crossed, one point between them is near enough to all.
+    // If the ends have crossed, a point between them is close enough to all points.
     if (first > last) first = last = 0.5 * (first + last);
     const Eigen::Vector3d on_line = middle.x() * u + middle.y() * v;
     const Fitted next{on_line + first * along, on_line + last * along, radius};
@@ -267,7 +267,7 @@ std::vector<Capsule> capsules_along_links(const Model& arm, double radius) {
     if (to.norm() > 1e-9) out.push_back({frame, {0, 0, 0}, to, radius});
   };
   for (const Frame& frame : arm.frames()) {
-    // To the joint the way belongs to the parent, from there on to the frame.
+    // The segment up to the joint belongs to the parent, the rest to the frame.
     add(frame.parent ? arm.frames()[frame.parent->value].name : "world", eigen(frame.A.p));
     add(frame.name, eigen(inverse(frame.B).p));
   }

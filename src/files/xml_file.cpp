@@ -32,7 +32,7 @@ struct DepthWalker : pugi::xml_tree_walker {
   pugi::xml_node deep;
 };
 
-// The number at the beginning of the words, which are shortened by it; NaN if there is none.
+// Parses the number at the beginning and advances `at` behind it; NaN if there is none.
 double parse_leading_number(const char*& at, const char* end) {
   if (at != end && *at == '+') ++at;
   double value = kNaN;

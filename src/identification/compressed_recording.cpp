@@ -298,7 +298,7 @@ class SeriesCollector {
     }
   }
 
-  // Frees what the columns have grown by.
+  // Releases unused memory of the columns.
   void finish() {
     if (series_ == nullptr) return;
     series_->time.shrink_to_fit();
@@ -414,7 +414,7 @@ void ErrorSums::add(int i, double measured, double modelled, MovingSample moves)
 }
 
 PredictionError ErrorSums::error() const {
-  // Of a joint without torque an error is not a share of anything.
+  // A joint without torque has no relative error.
   const auto ratio = [](const VectorXd& a, const VectorXd& b) {
     return VectorXd(a.binaryExpr(b, [](double of, double to) { return of == 0.0 ? 0.0 : of / to; }));
   };

@@ -38,7 +38,7 @@ std::map<std::string, double> by_name(const std::vector<std::string>& names, con
   return out;
 }
 
-// Of the rows that were fitted.
+// Rms residuals of the fitted rows.
 VectorXd rms_residuals(const Model& arm, const Identification& id) {
   const auto values = by_name(parameter_names(standard_parameters(arm)), id.parameters);
   VectorXd squares = VectorXd::Zero(arm.joints());
@@ -120,7 +120,7 @@ FoldErrors fold_errors(const Identification& fitted, const IdentificationOptions
   SquareRootInformation total(names);
   for (const SquareRootInformation& factor : factors) total.merge(factor);
   // Directions that the parts hardly determine (asymmetric Coulomb friction beside an offset differs at rest
-  // alone) keep the values of all parts, which they would else leave by far.
+  // alone) keep the values of all parts, from which they would otherwise differ much.
   const MatrixXd anchor = (std::sqrt(hold_out.new_share) * total.column_norms()).asDiagonal();
   for (size_t part = 0; part < parts.size(); ++part) {
     Identification without;

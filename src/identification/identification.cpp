@@ -64,7 +64,7 @@ bool rank_deficient(const Model& arm, const BaseParameters& arm_base,
                               : base_parameters(structure, preferred_columns(parameters));
   id.undetermined =
       undetermined_parameters(arm_base, determined, identifiable_factor(arm, 3).column_norms());
-  if (enough && id.undetermined.empty()) return false;  // what the still joint would tell are facts
+  if (enough && id.undetermined.empty()) return false;  // the parameters of the joint at rest are fixed
   id.status = IdentificationStatus::kRankDeficient;
   std::string open;
   int told = 0;

@@ -43,7 +43,7 @@ VectorXd dry_friction(const Model& arm) {
 
 namespace {
 
-// The arm with what a resting arm shows. Whether dry friction is part of it depends on what is known.
+// The arm with the effects that act at rest; dry friction only if the approach is known.
 Model resting_arm(const Model& file, bool approached) {
   ModelDescription d = with_effects_at_rest(file, approached).description();
   d.identified.reset();
@@ -114,7 +114,7 @@ CompressedRecording compress(const Model& arm, const RestPoses& poses) {
 
 namespace {
 
-// Without effects that no pose shows: friction along an axis that was never approached would be any size.
+// Drops effects that no pose determines, such as friction along an axis that was never approached.
 Model without_idle_effects(const Model& arm, const std::vector<RestPoses>& poses) {
   const std::vector<StandardParameter> parameters = standard_parameters(arm);
   std::vector<char> acts(arm.effects().size(), 0);
@@ -210,8 +210,8 @@ double quantile(VectorXd values, double share) {
   return values[static_cast<Eigen::Index>(share * static_cast<double>(values.size() - 1))];
 }
 
-// How far torques spread about the model: dry friction of an approach that nobody wrote down, and what
-// else the model lacks.
+// Reports the spread of torques about the model: dry friction of an unrecorded approach, and errors
+// of the model.
 void report_friction_bands(const Model& arm, const MatrixXd& residuals, bool approached, Identification& id) {
   std::string words;
   for (int i = 0; i < arm.joints(); ++i) {

@@ -60,7 +60,7 @@ void fit_base(const Model& arm, const std::vector<CompressedRecording>& recordin
               std::vector<SquareRootInformation> joints, const BaseParameters& base,
               const IdentificationOptions& options, Identification& id);
 
-/// The errors of training go into the MODEL file with the statistics.
+/// The errors of training go into the model file with the statistics.
 void store_training_error(Identification& id);
 
 /// @throws InvalidInput  the factors belong to another arm, or have other settings.

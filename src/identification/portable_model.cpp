@@ -234,7 +234,7 @@ PortableModel portable_model(const Model& given, const std::optional<Model>& pri
   options.entropic_prior.weight = 1.0;
   options.entropic_prior.phi = priors;
   options.gap_tolerance = 1e-7;
-  // The method of multipliers: what the prior pulls the torques' rows away by is added to their right side.
+  // The method of multipliers: the violation of the torques' rows is added to their right side.
   FeasibleResult found;
   VectorXd wanted = rows.b;
   for (int turn = 0; turn < kTurns; ++turn) {
@@ -243,7 +243,7 @@ PortableModel portable_model(const Model& given, const std::optional<Model>& pri
     wanted += rows.b - rows.A * found.x;
   }
   // Corrects rounding by the shortest step, in the prior's units, that restores the torques. A rotor
-  // inertia of nearly nothing is none.
+  // inertia near zero is set to zero.
   VectorXd x = found.x;
   VectorXd step_scale = scale;
   for (Eigen::Index j = of_bodies; j < columns; ++j) {
@@ -289,7 +289,7 @@ std::map<std::string, std::string> remarks_on(const PortableModel& model) {
 }
 
 // [m] radius of gyration of a body that is known as a point, such as a diagnosed load: simulators
-// refuse bodies without inertia. A kilogram gets 1e-6 kg m^2, below what torques of any arm tell.
+// refuse bodies without inertia. A kilogram gets 1e-6 kg m^2, below the resolution of any arm's torques.
 constexpr double kPointRadius = 1e-3;
 
 Model with_sizes_of_points(const Model& arm) {

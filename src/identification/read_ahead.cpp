@@ -67,7 +67,7 @@ PreparationFacts read_ahead(const StretchPass& pass, const VisitSegment& visit) 
     try {
       facts = pass([&queue](const Segment& s) { queue.put(s); });
     } catch (const ReaderStopped&) {
-      // The visitor's own exception has the reason.
+      // The visitor's exception is rethrown instead, since it has the reason.
     } catch (...) {
       failed = std::current_exception();
     }

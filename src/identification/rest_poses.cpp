@@ -57,7 +57,7 @@ Recording corrected(const Model& arm, const Recording& r) {
   return rows;
 }
 
-// Segments in which nothing moves, one pose each. A velocity that is not there is no rest; and where rows
+// One pose for each segment without motion. A missing velocity does not count as rest; and where rows
 // were left out, or recordings joined, another position begins another pose with an unknown approach.
 RestPoses poses_between_motions(const Model& arm, const Recording& r) {
   const int n = arm.joints();

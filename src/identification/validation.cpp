@@ -217,7 +217,7 @@ void set_errors(const Model& arm, std::vector<MeasuredRecording> train,
 
 namespace {
 
-// Says of each recording how much of it gaps take away.
+// Remarks on the share of each recording that gaps exclude.
 void remark_on_gaps(const std::vector<CompressedRecording>& recordings,
                     std::vector<std::string>& remarks) {
   for (const CompressedRecording& r : recordings) {

@@ -34,7 +34,7 @@ VelocityChoice choose_velocities(const Identification& before, std::set<int> can
                                  double least,
                                  const std::function<Identification(const std::set<int>&)>& look);
 
-/// The rows of a recording from which glance_at() judges it.
+/// The rows of a recording from which quick_quality() judges it.
 RecordingOptions inspected_rows(const Model& arm, const PreprocessingOptions& how);
 
 /// Quality of the first rows of each recording, sufficient for units and noise; empty if it cannot

@@ -217,7 +217,7 @@ void SquareRootInformation::merge_known(const SquareRootInformation& other, doub
     z_.tail(count) = weight * other.z_.head(count);  // other may be this one
     return;
   }
-  // Row i begins at the first of its columns: in a triangle the beginnings never fall.
+  // Row i begins at the first of its columns: in a triangle the beginnings are non-decreasing.
   std::vector<int> begin(place.size() + 1, size());
   for (size_t j = place.size(); j-- > 0;) begin[j] = place[j] < 0 ? begin[j + 1] : std::min(begin[j + 1], place[j]);
   const double more = rho2_;

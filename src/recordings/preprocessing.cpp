@@ -213,7 +213,7 @@ RecordingOptions recording_options_for(const Model& arm, const PreprocessingOpti
 
 namespace {
 
-// Bytes of all segments of a recording of so many rows; less than none: they are not to be kept.
+// Bytes of all segments of a recording of so many rows; negative: they are not to be kept.
 long prepared_bytes(const Model& arm, const Recording* rows, const PreprocessingOptions& options) {
   if (rows == nullptr || rows->rows() < 2) return -1;
   const double seconds = rows->time[rows->rows() - 1] - rows->time[0];

@@ -47,7 +47,7 @@ struct JointControllerOptions {
 ///   JointController controller(arm, {400, 40});
 ///   Measured measured(arm.joints());
 ///   robot.read(measured.q);
-///   JointReference wanted = controller.here(measured);
+///   JointReference wanted = controller.reference_at(measured);
 ///   while (robot.read(measured.q)) robot.write(controller.update(measured, wanted, 1e-3));
 ///   if (controller.fault()) std::cerr << *controller.fault() << '\n';
 ///

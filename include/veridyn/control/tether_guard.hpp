@@ -59,7 +59,7 @@ class TetherGuard {
   void update_length(int member, double length, double force) noexcept;
   /// While targets are held: detects compression of a member. @param force  [N] reading.
   void detect_compression(int member, double force) noexcept;
-  /// Clears the estimate of a member that was released or taken anew.
+  /// Clears the estimate of a member that was released or attached again.
   void reset_member(int member) noexcept;
 
   /// While targets are held, once per period.
@@ -77,7 +77,7 @@ class TetherGuard {
     Eigen::Vector3d position{Eigen::Vector3d::Zero()};
     Eigen::Vector3d velocity{Eigen::Vector3d::Zero()};
     Eigen::Vector3d acceleration{Eigen::Vector3d::Zero()};
-    bool looked = false;  // at a position that is a number
+    bool looked = false;  // at a finite position
   };
   void update_positions(const std::vector<Eigen::Vector3d>& position) noexcept;
   void limit(std::size_t member, double length, double force) noexcept;

@@ -33,7 +33,7 @@ struct TipControllerOptions {
 /// that the supervisor does not compare the two.
 ///
 ///   TipController controller(arm, {2, 100, 100});
-///   TaskReference wanted = controller.here(measured);
+///   TaskReference wanted = controller.reference_at(measured);
 ///   every cycle: robot.write(controller.update(measured, wanted, 1e-3));
 ///
 /// Nothing allocates, throws or blocks after the constructor; one object serves one thread.

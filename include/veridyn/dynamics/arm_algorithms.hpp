@@ -538,7 +538,7 @@ struct ArmAlgorithms {
     }
   }
 
-  /// Calls body(coordinate, coefficient) for what the axis of link k stands for.
+  /// Calls body(coordinate, coefficient) for each coordinate of link k's joint variable.
   template <typename Body>
   static void for_coefficients(const Links& tree, int k, const Body& body) {
     const Link& link = tree.link[k];

@@ -139,7 +139,7 @@ struct ArticulatedInertia {
   Mat3<S> spin_moment, spin_force;  ///< of a rotation w: those of the accelerations w x xdot
 };
 
-/// What the passes along articulated bodies read of a joint.
+/// Quantities of a joint that the passes along articulated bodies read.
 template <typename S>
 struct ArticulatedJoint {
   Screw<S> axis;     ///< as kAxis
@@ -370,7 +370,7 @@ struct WorldRecursion {
     }
   }
 
-  // All of what follows needs the sums of carry().
+  // The functions below need the sums of carry().
 
   void forces(const Links& tree) const {
     for (int g = 0; g < groups(tree.count); ++g)
@@ -567,7 +567,7 @@ struct WorldRecursion {
     }
   }
 
-  /// What is passed on from link to link.
+  /// Quantities that are passed from link to link.
   struct Response {
     Screw<L> at;
     Vec3<L> spin;
@@ -614,7 +614,7 @@ struct WorldRecursion {
   }
 
  private:
-  /// What a joint changes, seen from the links above and from those that it carries.
+  /// Derivatives by a joint's position: for the links above it and for those that it carries.
   struct Position {
     static constexpr int torque = kTorqueByPosition, wrench = kByPosition, acceleration = kTurn,
                          spin = kDrift;

@@ -10,7 +10,7 @@
 namespace veridyn {
 
 /// Relation between measured and true signals of an arm's joints, as far as its model knows it
-/// (`recorded:` of a coordinate in a MODEL, which `diagnose --model-out` writes):
+/// (`recorded:` of a coordinate in an identified model, which `diagnose --model-out` writes):
 ///
 ///   measured q   = q + position_offset                  [rad], [m]; velocities have no error
 ///   measured tau = torque_gain * C d,  d = tau(t - torque_delay)  [N m], [N]
@@ -25,8 +25,8 @@ namespace veridyn {
 ///   every cycle:
 ///     sensors.correct_positions(q);  // as the encoders show them -> true
 ///     state.update(q, dq);
-///     tau = control.update(state, wanted);  // `wanted` is true, too: see show_positions()
-///     sensors.show_torques(tau);  // as the drives count them, if they share the recorded scale
+///     tau = control.update(state, wanted);  // `wanted` is true, too: see add_position_errors()
+///     sensors.add_torque_errors(tau);  // as the drives count them, if they share the recorded scale
 ///
 /// A delay is corrected in recordings only, where later samples are available (torque_at()). A loop
 /// cannot correct it: the torque that is measured now is that of torque_delay() seconds ago and

@@ -46,7 +46,7 @@ struct ExcludedInterval {
 struct SampleWeights {
   std::vector<double> time;  ///< [s] since the recording began, increasing
   MatrixXd of_joint;         ///< (times x n) >= 0
-  /// Of the first of the times that is not earlier; one beyond the last.
+  /// The weight at the first time that is not before `seconds`; one beyond the last.
   double at(int joint, double seconds) const;
 };
 

@@ -6,7 +6,7 @@
 
 namespace veridyn::cli {
 
-/// Adds an option whose value is a file to write: expect_sound_arguments() keeps it off the inputs.
+/// Adds an option whose value is a file to write: check_arguments() keeps it off the inputs.
 /// A name that ends as another format does is refused: --json, --report, --urdf, --mjcf, --sdf,
 /// --yaml, --coefficients, --model-out and --robot-out know theirs.
 /// @param endings  of an option of another name, as ".csv"; none: any.
@@ -18,7 +18,7 @@ CLI::Option* add_output_option(CLI::App& command, const std::string& option, std
 void require_separate_output(const std::string& option, const std::string& output,
                   const std::vector<std::string>& inputs);
 
-/// Looks at what every command was given, after parsing and before it runs: numbers are finite, no
+/// Checks the arguments of every command, after parsing and before it runs: numbers are finite, no
 /// two outputs go to one file, and no output goes over an input. Call it once all commands are
 /// there.
 ///

@@ -31,7 +31,7 @@ volatile std::sig_atomic_t interrupted = 0;
 
 void stop(int /*signal*/) { interrupted = 1; }
 
-// What a signal does that ends the program: what was watched so far is written, or nothing.
+// Handlers of signals that end the program: they either let the results so far be written, or nothing.
 void on_signals(void (*handler)(int)) {
   struct sigaction action {};  // without SA_RESTART, so that a blocking read ends
   action.sa_handler = handler;
@@ -135,7 +135,7 @@ class Watching {
     for (const std::string& remark : reader.facts().remarks) print_message(source + ": " + remark);
   }
 
-  // A clock that is set back takes the source's beginning and end with it.
+  // After a clock is set back, the source's beginning and end are shifted by the same time.
   void follow_clock(const WatchState& state) {
     const double by = state.set_back - set_back_;
     set_back_ = state.set_back;

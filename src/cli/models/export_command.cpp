@@ -50,7 +50,7 @@ void print_notes(const ExportRequest& request, const ExportedModel& out) {
   for (const std::string& note : out.notes) print_message(note + ".");
 }
 
-// The MODEL with its origin.
+// The model with its origin.
 std::string yaml_of(const ExportRequest& request, const Model& model) {
   const std::string path = robot_path(request.model);
   const bool yaml = robot_format(path) == RobotFormat::kYaml;

@@ -119,7 +119,7 @@ CollisionLimits collisions_of(const ExciteRequest& request, const Model& arm) {
   return collision_limits(arm, shapes, around, request.clearance.value_or(kLinkClearance));
 }
 
-// Takes the noise of recordings, which is what an identification of the arm from them leaves.
+// Estimates the noise of recordings as the residual of an identification of the arm from them.
 // @returns the reason if there is none, or "".
 std::string estimate_noise(const ExciteRequest& request, const Model& arm, ExcitationOptions& o) {
   IdentificationOptions how;
@@ -168,7 +168,7 @@ ExcitationOptions options_of(const ExciteRequest& request, const Model& arm,
   }
   if (!request.between.empty())
     o.between = value_of("--between", [&] { return parse_rivals(o.powered.value_or(arm), request.between); });
-  // What has no value gets a plausible one: deviations relative to a friction of zero would say nothing.
+  // Missing values are replaced by plausible ones: deviations relative to zero friction are undefined.
   if (!o.powered && !has_all_values(moved)) o.valued = plausible_model(moved, 1).arm;
   if (request.torque_noise)
     o.noise = noise_of_efforts(o.powered ? *o.powered : o.valued ? *o.valued : moved,

@@ -26,7 +26,7 @@
 namespace veridyn::cli {
 namespace {
 
-// A wanted motion is taken as it is written.
+// Reads a wanted motion without repairing its rows.
 MotionSamples wanted_motion(const Model& arm, const std::string& path) {
   RecordingOptions reading = recording_options_for(arm, {});
   reading.signals.as_recorded = true;
@@ -62,7 +62,7 @@ Model movable_arm(const SimulateRequest& request, const Model& arm) {
   return movable.arm;
 }
 
-// From the middle of the range.
+// Steps start from the middle of the range.
 MotionSamples wanted_steps(const Model& arm, const std::vector<double>& steps) {
   expect_value(static_cast<int>(steps.size()) == arm.joints(), "--steps", "found ", steps.size(),
                " numbers, expected ", arm.joints(), ", one per joint of ", arm.name());

@@ -289,7 +289,7 @@ bool CooperativeController::jumps(size_t member, const ForceReading& reading,
 
 // A reading is compared with the member's length over the whole time since the wanted force last
 // arrived: a law that tracks a drifting sensor stretches or slackens the member until they disagree.
-// A string that is slack carries nothing, though its length says less.
+// A slack string has no force, although its length would imply a negative one.
 bool CooperativeController::drifts(size_t member, const ForceReading& reading,
                                    const CooperativeInput& input) noexcept {
   Watch& watch = watches_[member];

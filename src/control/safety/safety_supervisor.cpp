@@ -16,7 +16,7 @@ constexpr double kBlindBraking = 0.8;     // share of the momentum; friction tak
 // is stopped at 1.5 times that limit (SafetyLimits::runaway).
 constexpr double kJumpShare = 2.0;
 
-// Of a motor's limit: one that stands still with so much presses on something.
+// Share of a motor's limit: a motor at rest with more torque is blocked.
 constexpr double kNearLimit = 0.95;
 
 // A position counts as newly measured if its time of measurement has advanced by this share of a cycle.
@@ -251,7 +251,7 @@ SafetySupervisor::Finding SafetySupervisor::check(const ArmState& arm, const Saf
   return found;
 }
 
-// Stores a valid state, for the time when there is none.
+// Stores a valid state, for later cycles without one.
 void SafetySupervisor::store_valid_state(const ArmState& arm, const SafetyInput& input) noexcept {
   q_sound_ = arm.q();
   extra_sound_ = extra_;

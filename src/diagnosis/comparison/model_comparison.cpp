@@ -42,7 +42,7 @@ struct Side {
     return out;
   }
 
-  // Unconstrained estimates; facts keep their values.
+  // Unconstrained estimates; fixed parameters keep their values.
   VectorXd free_values() const {
     VectorXd out = standard_parameters_of(numbers.free);
     for (size_t j = 0; j < torque.parameters().size(); ++j) {

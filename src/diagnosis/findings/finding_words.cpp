@@ -65,7 +65,7 @@ void refresh(const Identification& id, const std::vector<std::string>& names, Fi
     const double deviation = id.parameter_deviations[at];
     if (!std::isfinite(deviation)) continue;
     FoundParameter& parameter = f.parameters[p];
-    // The interval of the fit that found it, moved; it counts what differs between recordings.
+    // The interval of the first fit, shifted: it includes differences between recordings.
     const double half = std::max(t * deviation, 0.5 * (parameter.high - parameter.low));
     parameter.value = id.parameters[at];
     parameter.low = parameter.value - half;
@@ -115,7 +115,7 @@ FindingStatus status_of(const Finding& f) {
 }
 
 Agreement Finding::held_out() const {
-  // A push is no property of the arm that other recordings could show.
+  // A push is no property of the arm, so other recordings cannot confirm it.
   if (test_before.size() == 0 || test_after.size() != test_before.size() || std::holds_alternative<ExternalContact>(cause))
     return Agreement::kNotMeasured;
   return error_falls(test_before, test_after, only_joint(*this)) ? Agreement::kAgrees : Agreement::kContradicts;

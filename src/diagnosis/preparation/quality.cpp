@@ -10,12 +10,12 @@
 #include "recordings/kept_recordings.hpp"
 #include "recordings/velocity_trust.hpp"
 
-// What is wrong with the recordings, and the first fit to what is left of them.
+// Exclusion of faulty data of the recordings, and the first fit to the rest.
 
 namespace veridyn {
 namespace {
 
-// A velocity that is no derivative of its position is taken from the position.
+// A velocity that is inconsistent with its position is replaced by the position's derivative.
 void exclude_wrong_velocities(DiagnosisState& x) {
   for (RecordingQuality& recording : x.d.data_quality) {
     for (QualityFinding& f : recording.findings) {
@@ -107,7 +107,7 @@ void merge_overlaps(std::vector<ExcludedInterval>& parts) {
 }
 
 // A torque at the limit of its channel only says that the true one is beyond (a censored observation): such rows
-// would bend the parameters. They go with what the low-pass spreads of them, half a wave at its cut-off.
+// would bias the parameters. They are excluded with the rows to which the low-pass spreads them, half a wave at its cut-off.
 void exclude_saturated(DiagnosisState& x) {
   const double cutoff = x.options.identification.preprocessing.cutoff;
   const double margin = cutoff > 0.0 ? 0.5 / cutoff : 0.0;

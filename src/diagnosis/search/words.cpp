@@ -24,7 +24,7 @@ FoundParameter parameter(std::string name, std::string unit, double value, doubl
   return {std::move(name), std::move(unit), value, value - half, value + half};
 }
 
-// Of a quotient a/b with this covariance.
+// Standard deviation of a quotient a/b with this covariance.
 double quotient_deviation(double a, double b, double aa, double bb, double ab) {
   return std::sqrt(std::max(0.0, aa / (b * b) - 2.0 * a * ab / (b * b * b) + a * a * bb / (b * b * b * b)));
 }

@@ -342,7 +342,7 @@ void ChangeFinder::name(const std::vector<Score>& scores, double now) {
   c.named = now;
   WatchEvent e = event(c, WatchStage::kNamed, now);
   add_rivals(scores, c.score, e);
-  // The same change, the other way round: it was taken back.
+  // The same change with the opposite sign: it was reverted.
   const double size = c.score.size[0];
   const auto before = std::find_if(past_.rbegin(), past_.rend(), [&](const Change& p) {
     return p.score.hypothesis == c.score.hypothesis &&
@@ -441,7 +441,7 @@ void ChangeFinder::jump(const PositionJump& jump, double now) {
   refractory_until_ = jump.time + numbers_.refractory_time;
 }
 
-// What was suspected since the last usable row is the fault of the rows.
+// Changes suspected since the last usable row are attributed to the unusable rows.
 void ChangeFinder::discard_suspicion(const Blindness& blindness) {
   WatchEvent e;
   e.stage = WatchStage::kBlind;

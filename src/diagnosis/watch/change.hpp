@@ -25,7 +25,7 @@ struct Change {
   std::deque<WhiteStep> seen = {};
 };
 
-/// From steps to events: learns, raises alarms, tells causes apart, takes what is known off.
+/// From steps to events: estimates the noise, raises alarms, isolates causes, subtracts known changes.
 class ChangeFinder {
  public:
   ChangeFinder(const Model& arm, const std::vector<Hypothesis>& hypotheses,
@@ -35,7 +35,7 @@ class ChangeFinder {
   void add(const Step& step, WatchState& state);
   void jump(const PositionJump& jump, double now);
   void discard_suspicion(const Blindness& blindness);
-  /// The clock was set back: what is open is answered, as at the end, and nothing known is forgotten.
+  /// The clock was set back: open changes are reported, as at the end, and all estimates are kept.
   void restart_clock(const Blindness& blindness, double now);
   void finish(double now);
   std::vector<WatchEvent> take_events();

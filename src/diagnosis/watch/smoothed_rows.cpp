@@ -56,7 +56,7 @@ void SmoothedRows::check(const Recording& rows) const {
   sensors_.require_drive_gains(arm_, rows.source);
 }
 
-// What is wrong with the numbers of a row, or empty.
+// Reason why a row is unusable, or empty.
 std::string SmoothedRows::fault(const Row& row) const {
   const auto joint = [this](const char* signal, Eigen::Index j) {
     return text(signal, j + 1, " (", arm_.coordinates()[j].name, ")");

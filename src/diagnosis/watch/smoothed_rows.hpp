@@ -35,11 +35,11 @@ struct Blindness {
 };
 
 /// Prepares rows of a running arm for the equations of motion: skips gaps and repeated rows,
-/// interpolates on a uniform grid, corrects channels as the MODEL says, detects and removes jumps
+/// interpolates on a uniform grid, corrects channels by the model, detects and removes jumps
 /// of an encoder, and estimates velocity and acceleration by local least squares.
 ///
 /// Rows whose times do not rise above the last one's are skipped. Where they rise among themselves for half a
-/// pause the clock was set back: on_blind tells it, and smoothing begins anew.
+/// pause the clock was set back: on_blind reports it, and smoothing restarts.
 class SmoothedRows {
  public:
   SmoothedRows(const Model& arm, const WatchNumbers& numbers);
@@ -55,7 +55,7 @@ class SmoothedRows {
   void check(const Recording& rows) const;
   void add(const Recording& rows);
   double dt() const { return dt_; }
-  /// [s] so far of what on_blind told.
+  /// [s] of unusable rows so far, as reported by on_blind.
   double last_row_time() const { return heard_; }  ///< [s] of the last row
   double blind() const { return blind_ + (is_blind_ ? heard_ - usable_ : 0.0); }
 

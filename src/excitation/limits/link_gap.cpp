@@ -10,7 +10,7 @@
 namespace veridyn {
 namespace {
 
-constexpr int kPostures = 1000;        // random ones, that tell which links always touch
+constexpr int kPostures = 1000;        // random ones, to find links that always touch
 // A pair that touches in more of them is taken for two parts of one joint: joined links overlap
 // in all postures, while links that the joints can bring together do so in some.
 constexpr double kTouchesAlways = 0.9;

@@ -48,7 +48,7 @@ SmoothValue smooth_condition(const MatrixXd& gram, ColumnNorm norm, double sharp
   const double largest = std::max(eigen.eigenvalues().maxCoeff(), 1e-300);
   const VectorXd e = eigen.eigenvalues().cwiseMax(kSmallestShare * largest);
   const double smallest = e.minCoeff();
-  // Powers of ratios at most one: nothing overflows.
+  // Powers of ratios up to one cannot overflow.
   const Eigen::ArrayXd up = (e.array() / largest).pow(p);
   const Eigen::ArrayXd down = (smallest / e.array()).pow(p);
   SmoothValue out;

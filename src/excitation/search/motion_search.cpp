@@ -21,7 +21,7 @@ static_assert(kStages == 2, "one for each sharpness");
 constexpr double kSharpness[] = {2.0, 16.0};  // sharpness of the smooth condition number, one after the other
 constexpr double kLastSharpness = 100.0;      // for the best motion of all searches
 constexpr int kNarrowings = 5;                // rounds until limits hold between instants as well
-constexpr double kWide = 1.01;                // beyond a range that is asked for, since bounds are fitted afterwards
+constexpr double kWide = 1.01;                // margin beyond a requested range, because bounds are fitted afterwards
 constexpr double kInside = 1e-7;              // share of a limit's scale, as a margin for rounding
 
 constexpr double kRoundingShare = 1e-12;  // share of a joint's limits that stays free

@@ -41,7 +41,7 @@ void set_attribute(pugi::xml_node node, const char* name, const std::string& val
   a.set_value(value.c_str());
 }
 
-// What both formats share: which values differ, and what cannot be written.
+// Code for both formats: values that differ, and values that cannot be written.
 class UpdatedSimulation {
  public:
   UpdatedSimulation(const Model& arm, const Model& in_file, const std::string& path, const char* root)
@@ -74,7 +74,7 @@ class UpdatedSimulation {
     }
   }
 
-  // Bodies whose values the file has otherwise or lacks.
+  // Bodies whose values differ from those of the file, or are missing in it.
   void bodies(const std::function<void(const Frame& mine, const Frame& there)>& change,
               const std::function<bool(const Frame& mine)>& add) {
     for (const int k : arm_.bodies()) {
@@ -216,7 +216,7 @@ class UpdatedMjcf : public UpdatedSimulation {
   }
 
  private:
-  // Only "auto" lets a body's own inertial win, and then those that did not count must not come to life.
+  // Only "auto" uses a body's own inertial; inertials that were unused before must then be removed.
   void use_file_inertials() {
     from_geoms_.attribute("inertiafromgeom").set_value("auto");
     for (const pugi::xml_node tree : trees_) {

@@ -34,7 +34,7 @@ constexpr double kGapWithPrior = 1e-3;
 // times the prior's weight, a tenth by default, it contradicts them. Those of rods for psm-3dof and mtm
 // raise it by 0.4 and 2.3 %.
 constexpr double kContradicts = 100.0;
-// Share of the squared torques, an error of a thousandth, below which nothing does.
+// Share of the squared torques, an error of a thousandth, below which no prior contradicts them.
 constexpr double kHardlyAnError = 1e-6;
 
 struct Bounds {

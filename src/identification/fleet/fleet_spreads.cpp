@@ -38,7 +38,7 @@ double trigamma(double x) {
   return Eigen::numext::polygamma(1.0, x);
 }
 
-// One quantity over the arms.
+// One quantity of all arms.
 struct Quantity {
   FleetSpread spread;
   std::optional<JointIndex> joint;

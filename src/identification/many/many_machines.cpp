@@ -51,7 +51,7 @@ std::pair<size_t, size_t> share_of(size_t count, const Communicator& ranks) {
   return {count * rank / size, count * (rank + 1) / size};
 }
 
-// What rank 0 asks of all ranks, itself included, and its last message to the others.
+// Requests of rank 0 to all ranks, itself included, and its last message to the others.
 enum class Request : std::uint64_t { kCompress, kMeasure, kRefusal, kDone };
 
 ByteWriter request(Request kind) {
@@ -97,7 +97,7 @@ class Share {
 
   const Model& arm() const { return arm_; }
 
-  // A refusal, empty if there is none, and after it what the request asks for.
+  // The reply to a request: an error message, empty if there is none, and the result.
   std::string answer(const std::string& bytes) {
     ByteWriter out;
     out.text("");

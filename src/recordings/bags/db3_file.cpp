@@ -48,7 +48,7 @@ Database open_with_log(const std::string& path) {
   return database;
 }
 
-// What sqlite3 says of its last failure; it quotes the schema.
+// Message of sqlite3 about its last failure; it quotes the schema.
 std::string sqlite_error(const Database& database) {
   return excerpt(sqlite3_errmsg(database.get()), 200);
 }

@@ -116,7 +116,7 @@ class RowParser {
     p_ = rest;
     skip_padding();
     if (error == std::errc() && at_field_end()) return value;
-    // Quotes, a decimal comma, a word for nothing.
+    // Quotes, a decimal comma, a word for a missing value.
     p_ = first;
     skip_field();
     std::string field(first, p_);
@@ -178,7 +178,7 @@ constexpr long kMostEqual = 200;
 constexpr long kFewEqual = 10, kDistinct = 20;
 // step of a position <= kSteady * the step before + kSmallStep [rad, m]: the arm moves on.
 constexpr double kSteady = 5.0, kSmallStep = 2e-3;
-constexpr int kFirstRows = 4096;  // room of a piece at first; it doubles, as files may end early
+constexpr int kFirstRows = 4096;  // initial capacity of a piece; it doubles, as files may end early
 
 void reserve_rows(const CsvLayout& layout, int rows, Recording& recording) {
   recording.time.conservativeResize(rows);

@@ -21,7 +21,7 @@ constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
 constexpr std::int64_t kSinceAges = 100000000LL * 1000000000LL;
 // In median steps: other streams are interpolated across shorter steps only.
 constexpr double kLongStep = 2.5;
-// In the base's median steps: a stream with longer ones is told.
+// In the base's median steps: a stream with longer ones is reported.
 constexpr double kSlower = 1.5;
 
 // The stream that has the most columns; the longest of these.
@@ -198,7 +198,7 @@ class Assembler {
     facts->remarks = std::move(remarks);
   }
 
-  // What comes at a lower rate has nothing faster in it, whatever the rows' rate says.
+  // A stream of a lower rate has no higher frequencies, whatever the rate of the rows.
   void remark_on_slower_stream(int stream, int base, std::vector<std::string>* remarks) {
     const double step = 1e-9 * static_cast<double>(median_step(clock_of_stream(stream).time));
     const double own = 1e-9 * static_cast<double>(median_step(clock_of_stream(base).time));

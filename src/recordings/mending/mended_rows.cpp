@@ -12,9 +12,9 @@ namespace veridyn::recordings {
 namespace {
 
 constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
-/// rows read before the first one is passed on >= kFirstRows: what they show decides about the clock and the scales.
+/// rows read before the first one is passed on >= kFirstRows: they determine the clock and the scales.
 constexpr int kFirstRows = 8192;
-/// first rows < kFewestRows: too few to know what is usual; angles, dropouts and bursts stay as they are.
+/// first rows < kFewestRows: too few for usual ranges; angles, dropouts and bursts are not corrected.
 constexpr int kFewestRows = 50;
 /// rows of the past that stay in memory = kContext.
 constexpr int kContext = 8;
@@ -37,7 +37,7 @@ constexpr double kSmallestJump = 2e-3, kNoise = 5.0, kOfRange = 0.02, kAround = 
 constexpr double kSpike = 0.5;
 /// |position| > kFar [rad, m] is far from zero.
 constexpr double kFar = 0.05;
-/// Quantile of what is usual, so that single wrong values do not count.
+/// Quantile that defines the usual range, so that single wrong values do not count.
 constexpr double kUsual = 0.98;
 
 const double kPi = std::acos(-1.0);
@@ -62,9 +62,9 @@ class MendedRows : public RowSource {
   RecordingFacts facts() const override;
 
  private:
-  // What is known of one joint's position.
+  // Known properties of one joint's position.
   struct Joint {
-    double turn = 2.0 * kPi;  // in the unit of the file, if nobody declared it
+    double turn = 2.0 * kPi;  // in the unit of the file, if none is declared
     double turns = 0.0;       // added to coming rows
     double jump = HUGE_VAL;   // a larger step needs an explanation
     long wraps = 0;
@@ -177,7 +177,7 @@ Recording MendedRows::next(int rows) {
   return out;
 }
 
-// The scales of a step, the clock's way, and the turn of a joint whose angle is wrapped.
+// Determines the scales of a step, the behaviour of the clock, and the turn of joints with wrapped angles.
 void MendedRows::inspect_first_rows() {
   const int n = held_.rows();
   few_ = n < kFewestRows;
@@ -200,7 +200,7 @@ void MendedRows::inspect_first_rows() {
     for (int k = 2; k < n; ++k) change.push_back(std::abs(q[k] - 2.0 * q[k - 1] + q[k - 2]));
     const double range = quantile(all, kUsual) - quantile(all, 1.0 - kUsual);
     joints_[j].jump = std::max({kSmallestJump, kNoise * quantile(std::move(change), kUsual), kOfRange * range});
-    if (range > 4.0 * kPi) joints_[j].turn = 360.0;  // degrees that nobody declared
+    if (range > 4.0 * kPi) joints_[j].turn = 360.0;  // undeclared degrees
     if (held_.tau.cols() == 0) continue;
     const auto tau = held_.tau.col(static_cast<Eigen::Index>(j));
     const std::vector<double> torques(tau.data(), tau.data() + n);
@@ -300,7 +300,7 @@ void MendedRows::spread_bursts() {
   }
 }
 
-// How far a joint may have moved in some rows after a sound one.
+// Largest possible motion of a joint in some rows after a valid one.
 double MendedRows::reach(int last, int rows, int joint) const {
   double fastest = 0.0;
   for (int k = std::max(1, last - 2); k <= last; ++k) {
@@ -331,7 +331,7 @@ bool MendedRows::is_explained_by_next() const {
   return true;
 }
 
-// The first row behind `away` that goes on where the last sound row was, by a jump of a joint that jumped away; or -1.
+// The first row behind `away` that continues the last valid row, after a jump of a joint that jumped away; or -1.
 int MendedRows::row_of_return(int last, int away) const {
   const int end = std::min(held_.rows(), away + ahead_);
   for (int m = away + 1; m < end; ++m) {

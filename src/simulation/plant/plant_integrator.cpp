@@ -10,7 +10,7 @@ namespace {
 
 // Relative to the velocity at the substep's start: close enough to zero.
 constexpr double kLanded = 1e-7;
-constexpr double kStill = 1e-12;     // [rad/s] or [m/s] likewise
+constexpr double kStill = 1e-12;     // [rad/s] or [m/s] speed that counts as rest
 constexpr int kMostLocations = 40;   // iterations of locating a zero velocity
 // Iterations for forces that depend on the load, and the load on them.
 constexpr int kMostLoadRounds = 60;

@@ -46,7 +46,7 @@ class Sticking {
   /// The same without releasing any axis: all axes at rest are held.
   void hold(const double* L, double* y);
 
-  /// True if axis k was at rest at the last decide(), which found this force for it.
+  /// True if axis k was at rest at the last resolve_friction(), which found this force for it.
   bool decided(int k) const { return decided_[k] != 0; }
   double force(int k) const { return lambda_[k]; }
 
@@ -78,7 +78,7 @@ class Sticking {
   std::vector<double> shares_;  // pseudo-inverse of C, a column of n for each of rest_
   std::vector<double> square_;  // scratch of invert()
   std::vector<int> spanned_;    // the axes for which basis_ and shares_ hold
-  std::vector<double> next_;    // forces tried by stays()
+  std::vector<double> next_;    // forces tried by stays_at_rest()
   std::vector<double> free_;  // acceleration without friction at rest, and the force that holds it
   size_t rank_ = 0;
 };

@@ -20,7 +20,7 @@ namespace veridyn {
 //               style, values}]}], or q, dq, ddq, measured, model and extended
 //   friction    [{joint, velocity, torque, half}]: curves of the model with 95 % half widths
 //
-// and a page may add lists of its own. Columns are packed().
+// and a page may add lists of its own. Columns are packed_values().
 
 inline constexpr Eigen::Index kCurveSamples = 3000;  ///< of one curve, at most
 
