@@ -59,8 +59,8 @@ struct Rig {
 
 VectorXd near_by() { return Eigen::Vector3d(0.15, 0.0, 0.13); }
 
-// An encoder shows 0.1 rad too much. The server of a model that knows it goes to the true place and
-// tells true positions; that of one that does not is off by it.
+// An encoder shows 0.1 rad too much. The server of a model that knows it moves to the true position and
+// reports true positions; that of one that does not is off by it.
 TEST(CrtkArm, SensorErrorsOfTheModelAreCorrected) {
   veridyn::ModelDescription d = psm().description();
   d.coordinates[1].recorded.position_offset = 0.1;
@@ -106,7 +106,7 @@ TEST(CrtkArm, OperatingStatesAreThoseOfCrtk) {
   EXPECT_EQ(rig.execute_command(Kind::kResume), Refusal::kInvalidTransition);
   EXPECT_EQ(rig.execute_command(Kind::kMoveJp, near_by()), Refusal::kNotEnabled);
   EXPECT_EQ(rig.tau.norm(), 0.0);
-  EXPECT_EQ(rig.arm.feedback().wrench[2], 0.0);  // brakes carry the arm, nobody pulls at it
+  EXPECT_EQ(rig.arm.feedback().wrench[2], 0.0);  // brakes carry the arm, there is no external force
   EXPECT_EQ(rig.execute_command(Kind::kEnable), Refusal::kNone);
   EXPECT_EQ(rig.execute_command(Kind::kResume), Refusal::kInvalidTransition);
   EXPECT_EQ(rig.execute_command(Kind::kPause), Refusal::kNone);
@@ -133,7 +133,7 @@ TEST(CrtkArm, HoldsAfterAMove) {
   EXPECT_LT((rig.plant.q() - near_by()).cwiseAbs().maxCoeff(), 2e-3);
 }
 
-// Motors that get their power a second after enable: nothing is led meanwhile, and nothing jumps then.
+// Motors that get their power a second after enable: no motion starts meanwhile, and nothing jumps afterwards.
 TEST(CrtkArm, WaitsForTheMotorsPower) {
   Rig rig;
   rig.execute_command(Kind::kEnable);
@@ -151,7 +151,7 @@ TEST(CrtkArm, WaitsForTheMotorsPower) {
   EXPECT_EQ(rig.execute_command(Kind::kMoveJp, near_by()), Refusal::kNone);
 }
 
-// What a network held up for a while comes at once: the arm follows, at a speed that it may have.
+// Messages delayed by the network arrive in a burst: the arm follows within its speed limits.
 TEST(CrtkArm, FollowsABurstOfMessages) {
   Rig rig;
   rig.execute_command(Kind::kEnable);
@@ -176,7 +176,7 @@ TEST(CrtkArm, FollowsABurstOfMessages) {
   EXPECT_LT((rig.plant.q() - q).cwiseAbs().maxCoeff(), 2e-3);
 }
 
-// A pose that feedback told is a pose that move_cp goes to.
+// move_cp reaches a pose taken from the feedback.
 TEST(CrtkArm, GoesToAPoseInTheBase) {
   Rig rig;
   rig.execute_command(Kind::kEnable);
@@ -193,7 +193,7 @@ TEST(CrtkArm, GoesToAPoseInTheBase) {
   EXPECT_EQ(rig.arm.command(c), Refusal::kOutOfReach);
 }
 
-// 100 ms without a command: held. 1 s: gives way, and a push of a newton moves it then.
+// 100 ms without a command: held. 1 s: the arm yields, and a push of a newton moves it.
 TEST(CrtkArm, HoldsWhenAStreamStopsAndThenReleases) {
   Rig rig;
   rig.execute_command(Kind::kEnable);

@@ -232,7 +232,7 @@ void HingeBundle::finish() {
   }
   // Each pose was given as four markers: twelve coordinates for six degrees of freedom.
   correlation_ = correlation_factor(all);
-  // Rows that close a loop have no noise of their own: they take unknowns away.
+  // Rows that close a loop have no noise of their own: they reduce the number of unknowns.
   double taken = 0.0;
   for (std::size_t k = 0; k < closed_.size(); ++k)
     taken += closure_leverage(problem_.observations()[seen_.size() + k], closed_[k].frame);

@@ -14,7 +14,7 @@ constexpr double kDegree = M_PI / 180.0;
 constexpr double kMetres = 1e-4, kRadians = 5e-4;  // noise of a pose
 constexpr double kShare = 0.8;                     // of every joint's range
 
-// An arm whose file is wrong somewhere, or stands elsewhere, and what a calibration must name for it.
+// An arm whose file has a wrong constant or another base, and the constants that a calibration must report.
 struct WrongFile {
   const char* name;
   const char* robot;
@@ -64,7 +64,7 @@ std::vector<WrongFile> wrong_files() {
       {"beta by 1 deg", "psm-3dof", "tool", [](WrongFile& w) { wrong_beta(w, 1.0); }},
       {"beta by 0.2 deg", "psm-3dof", "tool", [](WrongFile& w) {
          wrong_beta(w, 0.2);
-         w.named = {"zero of insertion"};  // wrong as it is: too small to be told from it
+         w.named = {"zero of insertion"};  // fails: the error is too small to be distinguished
        }},
       {"beta by 1 deg in positions alone", "psm-3dof", "tool", [](WrongFile& w) { wrong_beta(w, 1.0), w.orientation = false; }},
       {"delta with base and tool unknown", "psm-3dof", "counterweight", [](WrongFile& w) {

@@ -135,7 +135,7 @@ TEST(Links, ALengthAndAnEncoderZeroOfASixJointArmAreFound) {
   EXPECT_TRUE(found.explained) << found.report();
   EXPECT_EQ(found.named.size(), 2U) << found.report();
   EXPECT_NEAR(constant(found, "a", "forearm").found, row.a, 1e-4);
-  // The poses cannot tell a zero from the constant of its row, and a zero is the likelier one. A
+  // The poses cannot separate a zero from the constant of its row, and a zero is the likelier one. A
   // recorded position is the true one plus its zero.
   EXPECT_NEAR(constant(found, "zero of elbow").found, -0.4 * kDegree, 0.02 * kDegree);
   EXPECT_NE(constant(found, "zero of elbow").why.find("theta of forearm"), std::string::npos);
@@ -150,7 +150,7 @@ TEST(Links, OnTiesEncoderZerosArePreferredAndBaseAndToolStay) {
     PoseCapture poses = captured_poses(arm, frame, 150, 0.9, 1e-4, 5e-4, 11);
     poses.q.col(1).array() += 0.02;
     for (const AttachedPose known : {AttachedPose::kAutomatic, AttachedPose::kFree}) {
-      // An instrument's frame that nothing else is on: its free pose takes the whole zero.
+      // No other body is on the instrument's frame, so its free pose absorbs the whole zero.
       if (known == AttachedPose::kFree && std::string(frame) == "wrist") continue;
       LinksOptions options;
       options.frame = frame;
@@ -263,7 +263,7 @@ TEST(Links, TheResidualOfAWrongConstantIsNotCountedAsNoise) {
   EXPECT_LT(found.held_out_rms, 3e-4) << found.report();
 }
 
-// D-optimal poses stay within the limits and tell more than random ones.
+// D-optimal poses stay within the limits and determine the constants better than random ones.
 TEST(PoseDesign, StaysWithinLimitsAndLowersTheVariance) {
   const Model arm = read_model("kuka-lwr4");
   PoseDesignOptions options;

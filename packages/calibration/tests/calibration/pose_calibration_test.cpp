@@ -166,7 +166,7 @@ INSTANTIATE_TEST_SUITE_P(All, HandEyeForms,
                            return name;
                          });
 
-// Two arms that hold one object, seen with the noise of three markers: figures of the issue.
+// Two arms that hold one object, seen with the noise of three markers.
 TEST(HandEye, IntervalsCoverTheTruthOverSeeds) {
   constexpr int kSeeds = 40;
   int inside = 0;

@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kLookEvery = 0.004;  // [s] between two looks at the joints
+constexpr double kLookEvery = 0.004;  // [s] between two checks of the joints
 constexpr double kReach = 1e-4;       // [m] that a tip may miss its place by
 constexpr double kRoomLeft = 0.0025;  // of a joint's range, as MotionCheck leaves
 constexpr double kJogMove = 0.1;     // [s] of each of the moves that make a jog
@@ -144,7 +144,7 @@ void MotionPlan::pull(State& state) {
       tips_[arm].force -=
           std::max(0.0, (wall.stiffness + wall.stiffening * depth) * depth + wall.damping * rate) *
           wall.normal;
-    // A sensor of one axis does not feel what acts along the plane.
+    // A sensor of one axis does not measure forces along the plane.
     if (depth > 0.0 && wall.sensor_axes == 3)
       tips_[arm].force += wall.drag * (state.seen.velocity[arm] + rate * wall.normal);
   }

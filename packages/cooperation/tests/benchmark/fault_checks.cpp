@@ -78,7 +78,7 @@ struct Trial {
   const char* fault;    // as of --board-fault, or "sensor-drift:N/s@S"; "": healthy
 };
 
-// What is varied.
+// The bounds that are varied.
 struct Bounds {
   FaultChecks checks;
   double drift_force = ScenarioControl().drift_force;

@@ -76,7 +76,7 @@ TEST_F(Cooperate, ThePageShowsTheNumbersOfTheJson) {
   }
 }
 
-// On emulated boards: one arm's fault is told and ends with 4, whatever was met before.
+// On emulated boards: one arm's fault is reported and exits with 4, even if all bounds were met before.
 TEST_F(Cooperate, AFaultOnBoardsExitsWithStatus4) {
   const std::string scenario = std::string(VERIDYN_SOURCE_DIR) + "/examples/dvrk/two-psm-spring.yaml";
   const ToolRun run = run_tool({"cooperate", scenario, "--boards", "PSM1", "PSM2", "--emulate",
@@ -93,7 +93,7 @@ TEST_F(Cooperate, AFaultOnBoardsExitsWithStatus4) {
   EXPECT_EQ(run_tool({"cooperate", scenario, "--boards", "PSM1", "PSM2", "--emulate", "--live", "-",
                       "--pace", "0"})
                 .status,
-            2);  // a pace of a stepped clock alone
+            2);  // a pace requires a stepped clock
   EXPECT_EQ(run_tool({"cooperate", scenario, "--stepped"}).status, 2);
   EXPECT_EQ(run_tool({"cooperate", scenario, "--boards", "PSM1", "PSM2", "--emulate", "--board-fault",
                       "limb:slave@1"})
@@ -106,7 +106,7 @@ TEST_F(Cooperate, AFaultOnBoardsExitsWithStatus4) {
 TEST_F(Cooperate, AHoldIsReportedAndExitsNormally) {
   const ToolRun run =
       run_tool({"cooperate", example("fault-stale"), "--json", path("out.json"), "--quiet"});
-  EXPECT_EQ(run.status, 0) << run.err;  // the bound that it asks for is met all the same
+  EXPECT_EQ(run.status, 0) << run.err;  // the required bound is met nevertheless
   EXPECT_NE(run.out.find("samples are too old"), std::string::npos);
   const json out = json_of(path("out.json"));
   EXPECT_EQ(out["status"], "held");
@@ -143,7 +143,7 @@ TEST_F(Cooperate, ASweepWritesAMapOfBothParameters) {
   EXPECT_EQ(page.root().at("data-errors"), "0");
 }
 
-// The second point is marked and the others are lost, the last in the middle of its line: a kill.
+// As after a kill: the second point is complete, the others are missing, the last is cut within its line.
 TEST_F(Cooperate, AKilledSweepResumes) {
   std::string content = content_of(example("two-arms-string"));
   content = content.substr(0, content.find("  - {name: turn")) + "sweep: {stiffness: [1000, 20000], stable_error: 0.25}\n";

@@ -8,7 +8,7 @@
 
 #include "veridyn/control/load_cell.hpp"
 
-// How a channel tells a force from a sensor that is dead, stuck, noisy or beyond its range.
+// How a channel distinguishes a force from a dead, stuck, noisy or saturated sensor.
 
 namespace veridyn {
 namespace {
@@ -109,12 +109,12 @@ TEST(ForceChannel, LostBytesGiveNoReadingBeyondTheRange) {
       EXPECT_GT(channel.beyond_range(), 50);
       EXPECT_GT(channel.jumps(), 50);
     } else {
-      EXPECT_GT(largest, 1e5);  // what the range and the watch over jumps keep away
+      EXPECT_GT(largest, 1e5);  // without the checks of range and jumps it would be used
     }
   }
 }
 
-// Whatever a converter gives: what is no number is beyond every range, and the filter forgets it.
+// Non-finite readings are beyond every range, and the filter drops them.
 TEST(ForceChannel, NonFiniteReadingsAreBeyondEveryRange) {
   int fresh = 0;
   double raw = 0.0;
@@ -188,7 +188,7 @@ TEST(ForceChannel, IsNoisyByTheShareOfUnusableReadings) {
   }
 }
 
-// From the first look on: a line that never spoke is as old as the look.
+// The age of a line without readings counts from the first poll.
 TEST(ForceChannel, TheAgeOfASensorWithoutReadingsCountsFromTheStart) {
   int fresh = 0;
   double raw = 0.0;
@@ -243,7 +243,7 @@ TEST(ForceChannel, TheReportedDelayIsTheActualDelay) {
   ForceChannel channel(std::make_unique<Spoken>(fresh, raw), options);
   ForceReading reading;
   for (int k = 0; k < 2000; ++k) {
-    raw = 1e-3 * k - options.latency;  // what the cell felt that long ago
+    raw = 1e-3 * k - options.latency;  // the force one latency ago
     fresh = 1;
     reading = channel.update(1e-3 * k);
   }

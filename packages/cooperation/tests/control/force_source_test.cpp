@@ -203,7 +203,7 @@ TEST(Udp, TheFirstSenderOwnsThePortUntilItIsSilent) {
   EXPECT_EQ(poll_all(*source), 0);
 }
 
-// What lay in the socket while the program did not look is as old as it is.
+// Datagrams that waited in the socket keep their age of arrival.
 // The kernel begins to stamp datagrams some time after the first socket wants it, and gives the time of reading until then:
 // a channel that stays open waits for it.
 TEST(Udp, TheAgeOfAReadingCountsFromItsArrival) {

@@ -11,7 +11,7 @@
 #include "control/load_cell_frame.hpp"
 #include "veridyn/math/require.hpp"
 
-// Load cells: what comes over a line, and calibration.
+// Load cells: decoding of serial lines, and calibration.
 
 namespace veridyn {
 namespace {
@@ -53,7 +53,7 @@ TEST(LoadCell, BlankLinesAreSkippedAndLongLinesRejected) {
   EXPECT_EQ(decoder.rejected_readings(), 3);
 }
 
-// Two weights with one reading each leave nothing to tell an interval from.
+// Two weights with one reading each leave no degree of freedom for an interval.
 TEST(LoadCell, WithoutRepetitionThereIsNoInterval) {
   const LoadCellCalibration found = calibrate_load_cell({0.0, 2.0}, {100.0, 300.0});
   EXPECT_NEAR(found.scale, 0.01, 1e-12);
@@ -89,7 +89,7 @@ TEST(LoadCell, ALineWithANonFiniteLastFieldIsRejected) {
   }
 }
 
-// Every frame but the ones that were damaged, whatever stands between them.
+// Every undamaged frame is read, whatever is between the frames.
 TEST(LoadCell, BinaryFramesSurviveGarbageAndCuts) {
   std::mt19937 random(7);
   LoadCellDecoder decoder(LoadCellFormat::kBinary);

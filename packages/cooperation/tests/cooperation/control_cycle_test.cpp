@@ -77,7 +77,7 @@ struct Cycle {
   double sum = 0.0;
 };
 
-// Processor time of this thread: what others on the machine do does not count.
+// Processor time of this thread, which other programs do not affect.
 double cpu_us() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);

@@ -12,7 +12,7 @@
 namespace veridyn {
 namespace {
 
-// Two joints: one at an end, the other free. What runs outwards stops there, what comes back goes on.
+// Two joints: one at an end, the other free. Outward motion stops there, inward motion continues.
 TEST(EndStops, AJointStopsAtItsEndStop) {
   ModelDescription description = robot("planar-2r").description();
   description.coordinates[0].limits.lower = -1.0;

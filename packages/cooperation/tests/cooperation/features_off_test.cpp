@@ -6,7 +6,7 @@
 
 #include "veridyn/cooperation/scenario_run.hpp"
 
-// What each feature of a scenario is for: the same run with the feature off is worse. The guard,
+// Each feature of a scenario improves it: the same run with the feature off is worse. The guard,
 // tracking with a damped force law and learned friction are in scenario_run_test.cpp.
 
 namespace veridyn {
@@ -65,7 +65,7 @@ TEST(FeaturesOff, WithoutItsImpedanceAHeldBodyDeviatesMore) {
   EXPECT_GT(without.phases[1].body_error, 5.0 * with.phases[1].body_error);
 }
 
-// Two hands that pull by F stretch their grasps, one way each, by F over their stiffness.
+// Two hands that pull with the force F stretch their grasps, in opposite directions, by F over their stiffness.
 TEST(FeaturesOff, WithoutInternalForceAHeldBodyHasNone) {
   const auto apart = [](double force) {
     Scenario s = shipped("held-body");
@@ -137,7 +137,7 @@ TEST(FeaturesOff, WithoutFurtherSensorAxesSideForcesStayUnseen) {
   EXPECT_LT(std::abs(smooth.lag), 0.3 * with.lag);
 }
 
-// A falling arm puts energy into the spring that nobody planned.
+// A falling arm puts unplanned energy into the spring.
 TEST(FeaturesOff, WithoutTheEnergyBoundAFallingArmIsNoticedLater) {
   Scenario s = shipped("fault-limp");
   s.control.largest_force_error = 1000.0;

@@ -18,7 +18,7 @@
 #include "cooperation/waiting_lines.hpp"
 #include "veridyn/math/require.hpp"
 
-// Commands by line: what they mean, and that the end of the line holds.
+// Commands by line: their effect, and that the end of the input holds the arms.
 
 namespace veridyn {
 namespace {
@@ -42,7 +42,7 @@ class Given final : public LineSource {
   std::deque<std::string> lines_;
 };
 
-// Each line comes at one of the calls that find nothing: one in every cycle of a wait, two in others.
+// Each line arrives at a given empty call: there is one in every cycle of a wait, and two in other cycles.
 class Timed final : public LineSource {
  public:
   struct Line {
@@ -68,7 +68,7 @@ class Timed final : public LineSource {
   int cycle_ = 0;
 };
 
-// How far the master has moved along x at the reports, [m].
+// Displacement of the leader along x at each report [m].
 struct Way {
   std::vector<double> x;
   LiveReport tell;
@@ -117,14 +117,14 @@ TEST(Live, StandardInputIsReadInBoundedLines) {
     EXPECT_TRUE(source->next(line));
     EXPECT_EQ(line, wanted);
   }
-  EXPECT_FALSE(source->next(line));  // the half of a line is none
+  EXPECT_FALSE(source->next(line));  // an incomplete line is not returned
   write(" 0.1\n" + std::string(9000, 'x'));
   EXPECT_TRUE(source->next(line));
   EXPECT_EQ(line, "jog 0 0 0.1");
   EXPECT_TRUE(source->next(line)) << "a line without an end would be read for ever";
   EXPECT_THROW(parse_live_command(line, example("two-arms-spring")), InvalidInput);
   EXPECT_FALSE(source->next(line));
-  write(" stop\nquit");  // the end of what was refused is no command
+  write(" stop\nquit");  // the rest of a refused line is no command
   ::close(ends[1]);
   EXPECT_FALSE(source->closed());
   EXPECT_TRUE(source->next(line));
@@ -184,7 +184,7 @@ TEST(Live, InvalidCommandsAreRefusedBeforeTheRun) {
   }
 }
 
-// The line stays open, but nobody speaks: a jog ends by itself, a watched line is lost.
+// The line stays open but sends nothing: a jog ends by itself, a watched line is lost.
 TEST(Live, AJogEndsWithoutFurtherCommands) {
   class Silent final : public LineSource {
    public:
@@ -241,7 +241,7 @@ TEST(Live, CommandsMoveTheObjectAndKeepItsForce) {
   EXPECT_NEAR(force, 5.0, 0.2);
 }
 
-// What no arm can do is refused with the place, and nothing moves.
+// Infeasible commands are refused with the place, and nothing moves.
 TEST(Live, InfeasibleCommandsAreRefused) {
   Given lines({"force spring 5 0.5", "wait 1", "move 5 0 0 0.1", "move 0.08 0 0 0.03", "tighten 1 0.01",
                "force spring 1000 0.1", "jog 100 0 0", "wait 0.5", "quit"});
@@ -256,8 +256,8 @@ TEST(Live, InfeasibleCommandsAreRefused) {
   EXPECT_EQ(run.state, CooperativeState::kTracking);
 }
 
-// A wait holds up no stop: the move ends when the stop comes, what waited before it is dropped, and what comes after it
-// is carried out. In a script, where nobody can speak in between, it has its turn.
+// A wait does not delay a stop: the move ends, waiting lines before the stop are dropped, and the lines after it
+// are executed. In a script a stop is executed in order.
 TEST(Live, AStopIsExecutedImmediately) {
   for (const bool script : {false, true}) {
     Timed lines({{0, "move 0.05 0 0 2"}, {0, "wait 3"}, {300, "move -0.05 0 0 1"}, {500, "stop"}, {2500, "move 0 0.01 0 0.5"},
@@ -284,7 +284,7 @@ TEST(Live, AStopIsExecutedImmediately) {
   }
 }
 
-// As a program writes its script into a pipe.
+// A program writes its whole script into a pipe at once.
 TEST(Live, AStopSentWithEarlierLinesKeepsItsOrder) {
   Timed lines({{0, "move 0.05 0 0 2"}, {0, "wait 2.5"}, {20, "stop"}, {20, "wait 0.5"}, {20, "quit"}});
   LiveOptions options = at_once();

@@ -125,7 +125,7 @@ bodies:
   EXPECT_EQ(s.bodies[1].impedance_stiffness, 0.0);
 }
 
-// Place, what was found, what was expected.
+// Each message names the place, the found and the expected value.
 TEST(ScenarioReader, NamesTheLineOfAnError) {
   const struct {
     const char* from;

@@ -12,7 +12,7 @@
 #include "cooperation/empty_run.hpp"
 #include "veridyn/cooperation/scenario_run.hpp"
 
-// What a run says of itself, on runs made by hand.
+// The report of a run, on runs filled in by hand.
 
 namespace veridyn {
 namespace {
@@ -62,7 +62,7 @@ TEST(ScenarioReport, AnArmThatNeverStartedIsReported) {
   EXPECT_FALSE(report_contains(run, "largest, steady, mean"));
 }
 
-// A bound is met where what was reached is the bound itself, and not above it; what is said is what met() finds.
+// A bound is met if the reached value is at most the bound; the report agrees with met().
 TEST(ScenarioReport, EveryBoundIsEvaluatedAndReported) {
   struct Bound {
     const char* words;
@@ -99,7 +99,7 @@ TEST(ScenarioReport, HeldBodiesAreReported) {
   EXPECT_TRUE(run.met());
 }
 
-// Of a member that was let go nothing is asked; if there is no other, a bound of forces is not met.
+// A released member is not evaluated; if there is no other member, a bound of forces is not met.
 TEST(ScenarioReport, AnUntrackedForceMeetsNoBound) {
   for (const bool steady : {false, true}) {
     ScenarioRun run = good();

@@ -13,7 +13,7 @@
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/math/require.hpp"
 
-// The thesis's experiments, at the figures that were asked for.
+// The thesis's experiments, with their required figures.
 
 namespace veridyn {
 namespace {
@@ -218,7 +218,7 @@ TEST(ScenarioRun, TheSameSeedGivesTheSameRun) {
   EXPECT_NE(a.member[0].force, c.member[0].force);
 }
 
-// What a phase says of its end is of its last row, and of its last fifth; not of the phase before or after.
+// The final figures of a phase are those of its last row and its last fifth, not of the phase before or after.
 TEST(ScenarioRun, FinalFiguresOfAPhaseAreThoseOfItsLastRows) {
   const Scenario s = example("two-arms-spring");
   const ScenarioRun run = run_scenario(s);
@@ -262,7 +262,7 @@ TEST(MotionPlan, TissueDragSlowsATip) {
   EXPECT_NEAR(behind, expected, 0.2 * expected);
 }
 
-// A tip that moves on a straight line past the remote centre: what the plan says the motors need is the inverse dynamics
+// A tip that moves on a straight line past the remote centre: the torques of the plan are the inverse dynamics
 // of its joints' own second differences, to 5 % on either side.
 TEST(MotionPlan, RequiresTheInverseDynamicsTorquesOfTheMotion) {
   Scenario s = example("tissue-three-axes");
@@ -304,7 +304,7 @@ TEST(MotionPlan, RequiresTheInverseDynamicsTorquesOfTheMotion) {
   }
 }
 
-// A point at which no force is tracked tells nothing of the loop: it is not stable.
+// A point at which no force is tracked does not count as stable.
 TEST(ScenarioSweep, APointWithoutTrackingIsNotCountedAsStable) {
   Scenario s = example("two-arms-string");
   s.phases.resize(1);
@@ -336,7 +336,7 @@ TEST(ScenarioSweep, FindsTheStableRegionOfTheLoop) {
   EXPECT_FALSE(map.at(1, 1, 0).stable);
   EXPECT_EQ(map.stable_delay(0, 0), 0.005);
   EXPECT_EQ(map.stable_delay(1, 0), 0.0);
-  // Where stable, nothing beyond sensor noise is made: 1 uJ. Where not, more, until all is held.
+  // A stable loop generates no energy beyond sensor noise: 1 uJ. An unstable one does, until targets are held.
   EXPECT_LT(map.largest_generated_where_stable(), 1e-6);
   EXPECT_GT(map.at(1, 1, 0).generated, 5e-6);
   s.sweep = {};
@@ -344,7 +344,7 @@ TEST(ScenarioSweep, FindsTheStableRegionOfTheLoop) {
 }
 
 // A loop far faster than its cycles throws its arm out: the run ends there with the rows until then, and of the phases after
-// that nothing is told; nor of one that begins there.
+// that there are no figures, nor for one that begins there.
 TEST(ScenarioRun, EndsWhereAnArmRunsAway) {
   Scenario s = example("one-arm-moves");
   s.control.position_frequency = 1e3;

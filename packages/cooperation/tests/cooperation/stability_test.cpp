@@ -32,7 +32,7 @@ Scenario example(const std::string& name) {
   return read_scenario(std::string(VERIDYN_SOURCE_DIR) + "/examples/cooperate/" + name + ".yaml");
 }
 
-// The example without dry friction, encoder steps and noise: what a linear loop can be equal to.
+// The example without dry friction, encoder steps and noise, which a linear loop can match.
 class WithoutFriction : public testing::Test {
  protected:
   Scenario smooth(const std::string& name) {
@@ -115,7 +115,7 @@ TEST_F(WithoutFriction, TheLinearCycleMatchesTheSimulatedOne) {
       off = std::max(off, std::abs(simulated - linear));
     }
     EXPECT_GT(largest, 0.2 * kStep);
-    // The pose of rest is the planned one, off the true one by what arms and object give way.
+    // The planned pose of rest differs from the true one by the deflection of arms and object.
     EXPECT_LT(off, 0.03 * largest) << off / largest;
   }
 }
@@ -134,7 +134,7 @@ TEST_F(WithoutFriction, ALoopWithANarrowDeadbandOscillatesLikeItsLinearModel) {
   EXPECT_NEAR(linear.frequency, 0.5 * turns, 0.1 * turns);
 }
 
-// At its margins the loop is on the unit circle, by another way to the same eigenvalues.
+// At its margins the loop is on the unit circle, by another computation of the same eigenvalues.
 TEST(Stability, AtItsMarginsTheLoopIsOnTheUnitCircle) {
   const Scenario s = example("two-arms-spring");
   const StabilityAnalysis a = analyse_stability(s);
@@ -173,7 +173,7 @@ TEST(Stability, TheDeadbandsOfTheThesisOscillateAsPublished) {
   EXPECT_TRUE(wide.stable);
 }
 
-// The gain from a missing torque to accelerations, by another way: responses to a pulse on each joint in each cycle of a
+// The gain from a missing torque to accelerations, by another computation: responses to a pulse on each joint in each cycle of a
 // hyperperiod, transformed. No frequency exceeds the gain; the gain exceeds the largest singular value by less than the
 // Frobenius norm does.
 TEST(Stability, TheGainFromTorqueErrorsIsThatOfThePulseResponses) {
@@ -298,7 +298,7 @@ TEST(Stability, TheIntervalFactorIsBelowAHalfIfTheLoopIsUnstableThere) {
   EXPECT_THROW(bound_stability(near_it, 0, 1), InvalidInput);
 }
 
-// Numbers that overflow before the last second show no correction in it.
+// If numbers overflow before the last second, the amplitude is infinite.
 TEST(Stability, ALoopThatIsUnstableWithoutEncoderStepsOscillatesWithThem) {
   const Scenario s = with_parameter(example("position-stable"), "law_damping", 50.0);
   const LinearPoint point = rest_points(s).back().loop;
@@ -356,7 +356,7 @@ TEST(Stability, ASlowSensorIsAnalysedAtItsOwnRate) {
   EXPECT_LT(limit(5.0), 0.9 * limit(10.0));
 }
 
-// Rates that are replaced are told; a sensor that hardly ever speaks is refused.
+// Replaced rates are reported; a sensor of a very low rate is refused.
 TEST(Stability, ReplacedSensorRatesAreReported) {
   Scenario s = with_parameter(example("two-arms-spring"), "sensor_rate", 970.0);
   s.phases.resize(1);
@@ -370,7 +370,7 @@ TEST(Stability, ReplacedSensorRatesAreReported) {
   EXPECT_TRUE(refuses_with("one sample in 2000 cycles", [&] { analyse_stability(with_parameter(s, "sensor_rate", 0.5)); }));
 }
 
-// Where no stiffness below the scenario's own is stable the ones above are searched; where none is at all, that is said.
+// Where no stiffness below the scenario's own is stable the ones above are searched; if there is none at all, this is reported.
 TEST(Stability, StableStiffnessesAboveTheScenariosOwnAreFound) {
   Scenario s = example("gazebo-y");
   s.control.force_cutoff = 106.0;

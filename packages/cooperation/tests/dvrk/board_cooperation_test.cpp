@@ -48,7 +48,7 @@ TEST(BoardCooperation, TwoArmsKeepTheForceInASpring) {
   EXPECT_NEAR(spring.rate.sum() / scenario.control.rate,
               (spring.force[rows - 1] - spring.force[0]) / scenario.members[0].stiffness, 2e-5);
   EXPECT_GT(spring.rate.cwiseAbs().maxCoeff(), 1e-4);
-  // The master has gone where it was sent, as its own encoders tell: along x of the world, which
+  // The leader has reached its target by its own encoders: along x of the world, which
   // is x of its base.
   const MatrixXd& tip = done.run.arm[0].tip;
   EXPECT_NEAR(tip(tip.rows() - 1, 0) - tip(0, 0), 0.01, 2e-4);
@@ -277,7 +277,7 @@ class Cell final : public ForceSource {
   };
   Cell(const Speech& speech, int& polls) : speech_(speech), polls_(polls) {}
   int poll() noexcept override {
-    fresh_ = !fresh_;  // the channel asks until nothing more is there
+    fresh_ = !fresh_;  // the channel polls until there is nothing more
     if (!fresh_) return 0;
     ++polls_;
     line_ = polls_ >= speech_.from && polls_ < speech_.until ? speech_.line(polls_) : Line::kNothing;
@@ -304,7 +304,7 @@ struct Heard {
   int polls = 0;
 };
 
-// Two arms that shall do nothing but stand, with that cell.
+// Two arms at rest, with that load cell.
 Heard run_with_cell(const Cell::Speech& speech) {
   Scenario scenario = board_example("two-psm-spring");
   scenario.phases.resize(1);
@@ -342,11 +342,11 @@ TEST(BoardCooperation, NoPowerBeforeEverySensorIsSteady) {
   const Heard sound = run_with_cell({});
   EXPECT_EQ(sound.refusal, "");
   EXPECT_EQ(sound.run.end, BoardEnd::kDone) << sound.run.report();
-  // One that speaks late is waited for.
+  // The run waits for a sensor that starts late.
   EXPECT_EQ(run_with_cell({150}).run.end, BoardEnd::kDone);
 }
 
-// A sensor that gives 25, 50 or 200 readings where the scenario counts on 500.
+// A sensor that gives 25, 50 or 200 readings a second where the scenario assumes 500.
 TEST(BoardCooperation, ASlowSensorIsNamedBeforePower) {
   for (const int every : {40, 20, 5}) {
     Cell::Speech speech;
@@ -389,13 +389,13 @@ TEST(BoardCooperation, EverySensorFaultHoldsAllArmsUnderPower) {
     EXPECT_NEAR(heard.run.fault_at, 0.2 + 0.5 * one.within, 0.5 * one.within + 0.002) << one.words;
     EXPECT_EQ(heard.run.power, OffState::kConfirmed);
   }
-  // A lost byte now and then is none of these.
+  // An occasional lost byte is no fault.
   Cell::Speech speech;
   speech.line = [](int poll) { return poll % 50 == 0 ? Line::kUnusable : Line::kReading; };
   EXPECT_EQ(run_with_cell(speech).run.end, BoardEnd::kDone);
 }
 
-// Commands that no arm can carry out, and what must be said of each.
+// Infeasible commands, with the required words of each refusal.
 struct Infeasible {
   const char* line;
   const char* why;
@@ -414,7 +414,7 @@ const Infeasible kInfeasible[] = {
 
 TEST(BoardCooperation, AnInfeasibleScenarioIsRefusedBeforePower) {
   for (const Infeasible& one : kInfeasible) {
-    if (std::string(one.why).rfind("found 'nan'", 0) == 0) continue;  // no file says that
+    if (std::string(one.why).rfind("found 'nan'", 0) == 0) continue;  // a file cannot contain a NaN
     Scenario scenario = board_example("two-psm-spring");
     scenario.phases.resize(2);
     scenario.phases[1].commands = {
@@ -463,7 +463,7 @@ BoardCooperationOptions refusal_options(Lines& lines, std::vector<std::string>& 
   return options;
 }
 
-// By line they are refused one by one, and nothing moves; what can be done between them is done.
+// As lines they are refused one by one, and nothing moves; feasible lines between them are executed.
 TEST(BoardCooperation, InfeasibleCommandsMoveNothing) {
   const Scenario scenario = board_example("two-psm-spring");
   std::vector<std::string> words{"force spring 2 0.8", "wait 1"};
@@ -485,7 +485,7 @@ TEST(BoardCooperation, InfeasibleCommandsMoveNothing) {
     EXPECT_NE(refusals[k].find(kInfeasible[k].why), std::string::npos) << refusals[k];
   EXPECT_NE(refusals.back().find("jog 100 0 0"), std::string::npos);
   EXPECT_LT(done.largest_force, 2.3);
-  EXPECT_LT(fastest, 0.2);  // the spring is drawn and let go
+  EXPECT_LT(fastest, 0.2);  // the spring is stretched and released
 }
 
 // A jog that is kept up ends before it leads where an arm cannot go.
@@ -568,7 +568,7 @@ TEST(ScenarioRowFile, AFullDiskWithoutARowLeavesNoFile) {
   std::filesystem::remove_all(folder);
 }
 
-// What the report says of an arm is what its encoders saw.
+// The report on an arm agrees with its encoders.
 // A healthy run ends without a fault although its wanted force is beyond largest_force_error (2 N).
 TEST(BoardCooperation, ReleasingAPretensionIsNoFault) {
   Scenario scenario = board_example("two-psm-string");

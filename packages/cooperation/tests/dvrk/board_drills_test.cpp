@@ -9,7 +9,7 @@
 #include "dvrk/cooperation/board_cooperation.hpp"
 #include "veridyn/files/model_file.hpp"
 
-// One arm's fault stops all in a defined way: hold, give up the pretension, power off.
+// One arm's fault stops all arms in a defined sequence: hold, release the pretension, power off.
 
 namespace veridyn::dvrk {
 namespace {
@@ -77,7 +77,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Drill{Kind::kEncoder, "a pot disagrees", 0.5, 8.0},
                     Drill{Kind::kJump, "a position that jumped", 0.01}));
 
-// Sensors fail as the scenario says: all stand still, forces being unknown, and power goes.
+// Sensors fail as in the scenario: all arms stop, since forces are unknown, and power is switched off.
 TEST(BoardDrills, AFailedForceSensorHoldsTheArms) {
   for (const auto kind : {ScenarioFault::Kind::kSensorStale, ScenarioFault::Kind::kSensorStuck}) {
     Scenario s = board_example("two-psm-spring");
@@ -98,7 +98,7 @@ TEST(BoardDrills, AFailedForceSensorHoldsTheArms) {
 }
 
 // A sensor that is suddenly off by 2 N while the spring keeps its length: nothing but the sensor has
-// changed. Without the watch over jumps the loop believes it.
+// changed. Without the check of jumps the loop would use it.
 TEST(BoardDrills, AJumpOfAForceSensorHoldsTheArms) {
   Scenario s = board_example("two-psm-spring");
   s.phases.resize(1);
@@ -119,7 +119,7 @@ TEST(BoardDrills, AJumpOfAForceSensorHoldsTheArms) {
   EXPECT_GT(believed.largest_force, 4.5) << believed.report();
 }
 
-// An arm out of balance that loses its torque without a word, on a string: the other goes along
+// An unbalanced arm loses its torque without a report, on a string: the other arm moves along
 // with it. Without the guard the string carries several times as much.
 TEST(BoardDrills, AnArmThatFallsDoesNotJerkTheString) {
   std::ifstream file(std::string(VERIDYN_SOURCE_DIR) + "/examples/dvrk/light-psm.yaml");

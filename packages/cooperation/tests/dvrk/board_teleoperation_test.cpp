@@ -69,8 +69,8 @@ TEST(BoardTeleoperation, FollowsTheLeaderClutchesAndReflectsForces) {
   EXPECT_LT(done.force_follower[4], 0.05);
 }
 
-// Nothing is compared with rows before a phase, whatever the loop's rate, and what no phase tells
-// is not told.
+// No row before a phase is used, whatever the loop's rate, and a latency that no phase determines
+// is not reported.
 TEST(BoardTeleoperation, LatencyIsReportedOnlyForLongEnoughPhases) {
   TeleoperationScenario scenario = example();
   scenario.scenario.control.rate = 2500.0;

@@ -9,7 +9,7 @@
 namespace veridyn {
 namespace {
 
-// A force that is the time: a sample says when it was taken.
+// The force equals the time, so that each sample shows its own time.
 TEST(ForceSensor, SamplesHaveItsRateAndDelay) {
   for (const double delay : {0.0, 0.003, 0.005}) {
     ForceSensorOptions options;

@@ -212,7 +212,7 @@ Answer BoardEmulator::read(const Request& request, int place, ByteSpan out) noex
   Reply reply;
   reply.destination = request.source;
   reply.label = request.label;
-  // Rev 9 answers what is meant for it alone with its board id (section 4.2).
+  // Rev 9 answers requests to itself alone with its board id (section 4.2).
   reply.node = static_cast<std::uint8_t>(echo_ != 0 ? board(place).setup().id : node_of(place));
   reply.trailer = trailer(0);
   const auto where = static_cast<std::uint16_t>(request.address);

@@ -158,7 +158,7 @@ class Bare {
   std::array<std::uint8_t, kDatagramBuffer> reply_{};
 };
 
-// Both take turns, so that what else the machine does is the same for both.
+// Both run in turns, so that other load of the machine affects both alike.
 void run(CycleProtocol protocol, const char* name, double seconds) {
   BoardEmulator emulator({Rig::setup(6), Rig::setup(7)});
   BoardServer server(emulator, 0);

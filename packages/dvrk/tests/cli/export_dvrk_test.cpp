@@ -51,7 +51,7 @@ TEST(ExportDvrk, GravityRowsHaveTheModelsTorques) {
   }
 }
 
-// Efforts at rest that are the model's own leave nothing; half a newton metre more leaves that.
+// Measured efforts equal to the model's have no difference; half a newton metre more is reported.
 TEST(ExportDvrk, RowsAreComparedWithTheRestingArm) {
   const TemporaryFolder folder;
   Model arm = read_model("psm-3dof");

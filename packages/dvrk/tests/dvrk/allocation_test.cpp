@@ -5,7 +5,7 @@
 #include "dvrk/arms/arm_kinematics.hpp"
 #include "veridyn/kinematics/kinematics.hpp"
 
-// What runs in a control loop takes nothing from the heap.
+// Code of a control loop does not allocate.
 
 namespace veridyn::dvrk {
 namespace {

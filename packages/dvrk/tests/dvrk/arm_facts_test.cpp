@@ -159,7 +159,7 @@ TEST(ArmFacts, AWrongFileNamesLineAndReason) {
   std::filesystem::remove(path);
 }
 
-// Folders of one's own come first; one without arms is passed over.
+// User folders come first; one without arms is skipped.
 TEST(ArmFacts, UserArmsAreFoundInTheirFolder) {
   namespace fs = std::filesystem;
   const fs::path folder = fs::path(testing::TempDir()) / ("veridyn_arms_" + std::to_string(::getpid()));

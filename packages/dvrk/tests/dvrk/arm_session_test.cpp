@@ -21,7 +21,7 @@ struct ArmCase {
 
 class OnEveryHomedArm : public testing::TestWithParam<ArmCase> {};
 
-// From pots to encoders to joints: the arm knows where it stands, to a bit of the pots and a count.
+// From pots to encoders to joints: the arm's position is known to a bit of the pots and a count.
 TEST_P(OnEveryHomedArm, HomingFindsThePositionOfTheArm) {
   const ArmFacts facts = read_arm(GetParam().arm);
   const RobotConfig robot = nominal_config(facts).robots.at(0);
@@ -76,7 +76,7 @@ TEST(ArmSession, TorquesArriveAtTheJoints) {
   bench.run(0.01, [&] { bench.arm.set_torques(tau); });
   const VectorXd at_joints = K.inverse().transpose() * bench.load.effort;
   for (int i = 0; i < 7; ++i) EXPECT_NEAR(at_joints[i], tau[i], 5e-3 * std::abs(tau[i]) + 2e-4);
-  // And back: measured currents say the same. The example's feedback is calibrated apart from its
+  // Measured currents convert back to the same torques. The example's feedback is calibrated apart from its
   // command, by some milliamperes.
   for (int i = 0; i < 7; ++i) EXPECT_NEAR(bench.arm.state().tau[i], tau[i], 0.05 * 1.5);
   // A cycle without a command is a cycle without current.
@@ -219,7 +219,7 @@ TEST(ArmSession, HomingRefusesImplausiblePots) {
     ASSERT_EQ(bench.arm.power_on(), nullptr);
     bench.idle(0.5);
     EXPECT_EQ(bench.arm.home().reason, "power is on");
-    // A refusal changes nothing: what was loaded stays good.
+    // A refusal changes nothing: loaded encoders stay valid.
     bench.arm.power_off();
     bench.idle(0.05);
     EXPECT_EQ(bench.arm.power_on(), nullptr);
@@ -239,7 +239,7 @@ TEST(ArmSession, StartHomesAnArmAfterPowerUp) {
     arm.update();
     EXPECT_TRUE(near(arm.state().q, example_start(), 5e-4));
   }
-  // Who comes later finds the encoders loaded and leaves them.
+  // A later session finds the encoders loaded and does not change them.
   ArmSession later(link, robot);
   later.start();
   EXPECT_FALSE(later.preloaded());
@@ -282,7 +282,7 @@ TEST(ArmSession, CurrentLimitsComeFromTheCalibration) {
   EXPECT_NEAR(safety.max_current, 0.67 * 5242.88, 0.6);
   EXPECT_NEAR(safety.pot_tolerance, 5.0 * M_PI / 180.0, 1e-12);
   EXPECT_FALSE(options.channels.at(1).at(3).used);  // seven actuators on eight channels
-  // A pot in the middle of its way, through the configuration and through the guard.
+  // A pot in the middle of its range, converted by the configuration and by the safety check.
   const ActuatorConfig& a = robot.actuators[4];
   EXPECT_NEAR(safety.pot_to_position(30000.0), a.volts_to_position(a.bits_to_volts(30000.0)),
               1e-12);
@@ -294,7 +294,7 @@ TEST(ArmSession, CurrentLimitsComeFromTheCalibration) {
   EXPECT_THROW(session_options(robot), InvalidInput);
 }
 
-// Two arms may have boards with the same ids; the configuration says whose they are.
+// Two arms may have boards with the same ids; serial numbers in the configuration distinguish them.
 TEST(ArmSessionBoards, MustBelongToTheRobot) {
   for (const std::string& there : {std::string("1234-57"), std::string("9999-01"), std::string()}) {
     RobotConfig robot = example();
@@ -307,7 +307,7 @@ TEST(ArmSessionBoards, MustBelongToTheRobot) {
     emulator.attach(&load);
     EmulatedLink link(emulator);
     ArmSession free(link, robot);
-    EXPECT_NO_THROW(free.start());  // nobody said whose boards they are
+    EXPECT_NO_THROW(free.start());  // no serial numbers are configured
     robot.board_serials = {{ids[0], "1234-56"}, {ids[1], "1234-57"}};
     ArmSession own(link, robot);
     try {

@@ -46,7 +46,7 @@ TEST_F(ArmTiming, ACycleDoesNotAllocate) {
   EXPECT_EQ(arm.boards().state(), PowerState::kOn);
 }
 
-// Does as it is told, and changes the network when it is first asked for torques.
+// A controller that changes the network at its first call.
 class ChangesTheNetwork final : public MotionController {
  public:
   explicit ChangesTheNetwork(std::function<void()> change) : change_(std::move(change)) {}
@@ -79,7 +79,7 @@ TEST_F(ArmTiming, APersistentlyLateLoopIsStopped) {
   EXPECT_LT(link.now(), 3.0);
 }
 
-// The same from the start: nothing is powered, and the first thing said is why.
+// The same from the start: no motor gets power, and the message names the reason.
 TEST_F(ArmTiming, ABusyMachineIsReportedBeforePower) {
   BadLink link(emulator_);
   ArmSession arm(link, planar_config());
@@ -109,7 +109,7 @@ TEST_F(ArmTiming, AStallBeforePowerIsTolerated) {
   EXPECT_GT(asked, 250);
 }
 
-// One datagram of a hundred gets lost, both ways: a read is asked for again within a millisecond.
+// One datagram of a hundred gets lost, both ways: a read is repeated within a millisecond.
 // Without that a cycle waits 20 ms for it, and the run does not keep its rate.
 TEST_F(ArmTiming, OnePercentOfPacketLossIsTolerated) {
   for (const bool again : {true, false}) {

@@ -207,7 +207,7 @@ TEST(ArmUnits, SoftwareVelocityIsTheDifferenceOfCounts) {
   raw[2].encoder.position = preload_word(1000);
   raw[2].seconds = 0.001;
   units.read(raw.data(), state);
-  EXPECT_EQ(state.dq[2], 0.0);  // there is nothing before
+  EXPECT_EQ(state.dq[2], 0.0);  // there is no previous sample
   raw[2].encoder.position = preload_word(1200);
   units.read(raw.data(), state);
   EXPECT_NEAR(state.dq[2], 200.0 / 0.001 * robot.actuators[2].bits_to_position, 1e-12);

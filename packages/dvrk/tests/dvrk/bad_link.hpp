@@ -61,7 +61,7 @@ class BadLink final : public DatagramLink {
   };
   static constexpr double kStep = 20e-6;
 
-  // Time goes on; what is due arrives at the boards.
+  // Advances the time and delivers due datagrams to the boards.
   void pass(double seconds) {
     if (seconds > 0.0) link_.advance(std::max(seconds, 1e-7));
     for (auto one = going_.begin(); one != going_.end();) {

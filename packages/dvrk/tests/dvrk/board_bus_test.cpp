@@ -19,7 +19,7 @@ long dvrk_malloc_count() {
 
 namespace {
 
-// Keeps what the client sends.
+// Records the datagrams that the client sends.
 class Witness final : public DatagramLink {
  public:
   explicit Witness(DatagramLink& link) : link_(link) {}
@@ -48,7 +48,7 @@ BusOptions both_boards() {
   return options;
 }
 
-// Section 19.1: what the laboratory's own host sends when it starts.
+// Section 19.1: the datagrams that the laboratory's host sends at its start.
 TEST(BoardBus, StartsASessionWithTheBytesOfTheLaboratorysHost) {
   BoardEmulator emulator({Rig::setup(6), Rig::setup(7)}, 3);
   EmulatedLink link(emulator);
@@ -333,7 +333,7 @@ TEST(BoardBus, OffByRegisterSparesTheOtherArmWhileNodesAreUnknown) {
   are_on(false);
 }
 
-// Fails to send as often as it is told.
+// Fails a given number of sends.
 class Stutter final : public DatagramLink {
  public:
   explicit Stutter(DatagramLink& link) : link_(link) {}

@@ -10,7 +10,7 @@
 #include "dvrk/protocol/hub_block.hpp"
 #include "veridyn/math/require.hpp"
 
-// The checklist of section 18, asked of the core with an injected clock.
+// The checklist of section 18, tested on the emulator with an injected clock.
 
 namespace veridyn::dvrk {
 namespace {
@@ -141,7 +141,7 @@ TEST(BoardEmulator, ReplaysTheCapturedSessionStart) {
       bench.raw({bytes.data(), bytes.size()});
       continue;
     }
-    // Their responder writes no CRC for board 7 either, which a host does not look at.
+    // Their responder writes no CRC for board 7 either, which a host does not check.
     std::array<std::uint8_t, kDatagramBuffer> plain{};
     const std::size_t size = encode(bench.reply, Crc::kZero, {plain.data(), plain.size()});
     EXPECT_EQ(hex_of({plain.data(), size}), v.hex) << "to " << request->hex;
@@ -323,7 +323,7 @@ TEST(BoardEmulator, RegistersKeepWrittenValues) {
   bench.write(0, address::kDigitalOut, digital_output_word(0x3, 0x1));
   EXPECT_EQ(bench.feedback(0).digital.outputs(), 0xDU);
   EXPECT_EQ(bench.read(0, address::of_channel(2, address::kMotorConfig)), kMotorConfigDefault);
-  EXPECT_EQ(bench.read(0, 0x00F0), 0U);  // nothing lives there
+  EXPECT_EQ(bench.read(0, 0x00F0), 0U);  // no register is there
   bench.write(0, address::kFpgaPromCommand, 0x03000000 | 0x1FFF00);
   EXPECT_EQ(bench.read(0, address::kFpgaPromResult), 64U);
   Request r = bench.request(Tcode::kBlockRead, 0, address::kFpgaPromData);
@@ -357,7 +357,7 @@ TEST(BoardEmulator, AnInstrumentHasItsChip) {
   EXPECT_EQ(out[15], 19);
 }
 
-// Noise has the deviation that it was given, and means what it hides.
+// Noise has the given deviation and no mean.
 TEST(BoardEmulator, PotsAndCurrentsHaveTheRequestedNoise) {
   BoardSetup setup;
   setup.pot_noise = 3.0;

@@ -47,7 +47,7 @@ TEST(BoardSession, CommandsAreLimitedAndNonFiniteOnesAreZero) {
   EXPECT_EQ(rig.emulator.board(1).drive(2).bits, -Rig::kLargest);
   rig.cycle(std::nan(""));
   EXPECT_FALSE(rig.currents_flow());
-  rig.session.update();  // nobody says anything
+  rig.session.update();  // no board answers
   rig.session.commit();
   EXPECT_FALSE(rig.currents_flow());
 }
@@ -67,7 +67,7 @@ TEST(BoardSession, PowerDownDisablesAmplifiersFirstAndIsConfirmed) {
   EXPECT_FALSE(rig.any_amp_on());
 }
 
-// Every way out leaves no current: the destructor, an exception through it, a client that dies.
+// Every exit leaves no current: the destructor, an exception through it, a client that dies.
 TEST(BoardSession, EveryExitLeavesNoCurrent) {
   for (const bool by_exception : {false, true}) {
     BoardEmulator emulator({Rig::setup(6), Rig::setup(7)}, 3);
@@ -126,7 +126,7 @@ TEST(BoardSession, ABoardThatIgnoresEverythingIsLeftToItsWatchdog) {
   EXPECT_FALSE(rig.any_amp_on());
 }
 
-// What it ignores are signs of life to it all the same, and so are the queries of a broadcast read: all must end.
+// Ignored writes still reset its watchdog, and so do the queries of a broadcast read: all must end.
 TEST(BoardSession, ABoardThatIgnoresRegistersTooIsLeftToItsWatchdog) {
   for (const CycleProtocol protocol : {CycleProtocol::kSequential, CycleProtocol::kBroadcastWrite, CycleProtocol::kBroadcast}) {
     SCOPED_TRACE(static_cast<int>(protocol));
@@ -142,7 +142,7 @@ TEST(BoardSession, ABoardThatIgnoresRegistersTooIsLeftToItsWatchdog) {
   }
 }
 
-// Nobody sees that it ignores what is sent: without replies, or while a scan looks for boards that do not come back.
+// Its ignoring of writes is invisible: without replies, or while a scan looks for boards that do not come back.
 TEST(BoardSession, AnUnresponsiveBoardIsLeftToItsWatchdog) {
   for (const CycleProtocol protocol : {CycleProtocol::kSequential, CycleProtocol::kBroadcastWrite, CycleProtocol::kBroadcast}) {
     for (const bool reset : {false, true}) {
@@ -170,7 +170,7 @@ TEST(BoardSession, AnUnresponsiveBoardIsLeftToItsWatchdog) {
   }
 }
 
-// What would end a run at once is a reason not to begin it.
+// Conditions that would end a run at once prevent power-up.
 TEST(BoardSession, PowerIsRefusedWithItsReason) {
   struct Trouble {
     const char* words;
@@ -224,7 +224,7 @@ TEST(BoardSession, PowerIsRefusedWithItsReason) {
   EXPECT_TRUE(rig.power_up());
 }
 
-// Its encoders have lost what was loaded. A moment after the restart nothing that is read in every cycle tells it.
+// Its encoders have lost their loaded counts. Soon after the restart no real-time word shows it.
 TEST(BoardSession, ABoardThatRestartedIsFoundBeforeItsAmplifiersAreOn) {
   for (int b = 0; b < 2; ++b) {
     Rig rig;

@@ -237,7 +237,7 @@ TEST_P(ConditionOfSection17, IsDetectedHandledAndSurvived) {
     }
   }
 
-  // The cause goes away: nothing comes back by itself, all comes back when it is asked for.
+  // After the cause is removed nothing restarts by itself, and everything restarts on request.
   row.remove(rig);
   for (int k = 0; k < 400; ++k) {
     rig.cycle(1234.0);
@@ -272,7 +272,7 @@ TEST(ConditionsOfSection17, EachHaveATest) {
   }
 }
 
-// Whatever drives it: a motor that stands still with nearly its largest current, not one that moves
+// Under any controller: a motor at rest with nearly its largest current, not one that moves
 // with it, nor one that has less.
 TEST(StallCheck, AStalledMotorIsSwitchedOff) {
   struct Case {

@@ -16,7 +16,7 @@ void follow(EmulatedEncoder& encoder, double from, double until, Position x) {
     encoder.move(x(t + 1e-4), static_cast<Ticks>((t + 1e-4) * kClock));
 }
 
-// What one tick in the time of four edges does to a velocity [counts/s].
+// Change of a velocity by one tick in the time of four edges [counts/s].
 double one_tick(double speed) {
   return 1.01 * speed * speed / (4.0 * kClock) + 1e-9;
 }

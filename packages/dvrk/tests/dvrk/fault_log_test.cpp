@@ -6,7 +6,7 @@
 
 #include "dvrk/run/loop_timing.hpp"
 
-// What a person reads of faults and late cycles, in units that the words of the boards have by section 12.
+// Texts about faults and late cycles, with the units of section 12.
 
 namespace veridyn::dvrk {
 namespace {

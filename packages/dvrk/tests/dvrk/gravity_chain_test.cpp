@@ -132,13 +132,13 @@ TEST(GravityChain, UnrepresentableModelsAreRefused) {
   ModelDescription tilted = with_random_bodies(read_model("psm-3dof"), 1).description();
   tilted.gravity = {1.0, 0.0, -9.7};
   EXPECT_NE(message_of(Model(tilted), psm).find("along -z"), std::string::npos);
-  // As the thesis prints it, with bars that do not close.
+  // With the thesis's printed constants, whose parallelogram does not close.
   EXPECT_NE(message_of(with_random_bodies(read_model("psm-3dof-printed"), 7), psm)
                 .find("expected at most 5 %"),
             std::string::npos);
 }
 
-// Limits of the model that have nothing in common with those of the arm tell nothing of where it is: the arm's count.
+// If the limits of model and arm do not overlap, those of the arm are used.
 TEST(GravityChain, DisjointLimitsAreTakenFromTheArm) {
   const auto fitted = [](double lower, double upper) {
     ModelDescription description = with_random_bodies(read_model("psm-3dof"), 9).description();
@@ -157,7 +157,7 @@ TEST(GravityChain, DisjointLimitsAreTakenFromTheArm) {
   EXPECT_GT((narrow.largest_torque - free.largest_torque).norm(), 1e-3);
 }
 
-// What holds the arm beside gravity is named; a spring of unknown stiffness, and friction that rests, are not.
+// Effects that hold the arm besides gravity are named; a spring of unknown stiffness, and friction that rests, are not.
 TEST(GravityChain, OtherHoldingEffectsAreNamed) {
   ModelDescription description = with_random_bodies(read_model("psm-3dof"), 10).description();
   description.effects.clear();

@@ -23,7 +23,7 @@ std::string content_of(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// One change to the example, and what the message must name.
+// One change to the example, and the required words of the message.
 struct Mistake {
   std::string from, to;
   std::vector<std::string> named;
@@ -184,7 +184,7 @@ TEST(IoConfig, ABrakesCurrentsAreWithinItsLargest) {
   EXPECT_TRUE(refuses_with("AnalogBrake: found a current above the brake's MaxCurrent", [&] { read_io_xml(to_io_xml(config), "f"); }));
 }
 
-// Whether a file is XML or JSON is told by its first character, after a byte order mark and blanks.
+// Whether a file is XML or JSON is recognised by its first character, after a byte order mark and blanks.
 TEST(IoConfig, EitherFormatIsKnownByItsFirstCharacter) {
   const IoConfig config = nominal_config(read_arm("PSM2"));
   const std::string path = testing::TempDir() + "veridyn_format_" + std::to_string(::getpid());
@@ -200,7 +200,7 @@ TEST(IoConfig, EitherFormatIsKnownByItsFirstCharacter) {
   EXPECT_TRUE(refuses_with("found a folder", [] { read_io_config(testing::TempDir()); }));
 }
 
-// Axes beyond a QLA's four belong to other boards, which have ten; nobody drives those.
+// Axes beyond a QLA's four belong to other boards, which have ten and are not supported as drives.
 TEST(IoConfig, AxisNumbersAreCheckedAgainstTheBoardType) {
   IoConfig config = nominal_config(read_arm("ECM"));
   config.robots[0].hardware = "dRA1";

@@ -171,7 +171,7 @@ TEST(IoConfig, JsonRoundTripKeepsEveryValue) {
 }
 
 // By hand, with the names of specification 15.1, an editor's comment on top, and a member that
-// nobody knows.
+// is unknown.
 TEST(IoConfig, HandWrittenJsonIsRead) {
   const std::string json = R"(/* -*- Mode: Javascript -*- */
 { "$id": "saw-robot-io.schema.json", "$version": "6",
@@ -209,7 +209,7 @@ TEST(IoConfig, EmptyListsOfJsonAreNoItems) {
   EXPECT_TRUE(read_io_json("{\"robots\": []}", "lists.json").robots.empty());
 }
 
-// What only one of the formats can hold is not written as something that no reader takes.
+// Values that a format cannot represent are not written.
 TEST(IoConfig, NumbersThatAFileCannotHoldAreRefused) {
   IoConfig config = read_io_config(kExample);
   config.robots[0].actuators[2].upper = 1e306;  // [m]

@@ -15,7 +15,7 @@
 #include "dvrk/vectors.hpp"
 #include "dvrk/protocol/protocol.hpp"
 
-// Mutated datagrams, each in front of a page that nobody may read: a byte read beyond the end ends
+// Mutated datagrams, each in front of an unreadable page: a byte read beyond the end ends
 // the test, with or without a sanitizer.
 
 namespace veridyn::dvrk {
@@ -68,8 +68,8 @@ TEST(MutatedDatagrams, EveryPrefixOfEveryVectorIsSafe) {
   }
 }
 
-// A board answers with what is a reply, or not at all; whatever comes, its currents stay within
-// what a well-formed command asked for.
+// A board answers with a valid reply or not at all; for any input its currents stay within
+// the commands of well-formed datagrams.
 TEST(MutatedDatagrams, DoNotCrashTheEmulator) {
   GuardedBuffer buffer;
   Mutator mutator(18);
@@ -91,7 +91,7 @@ TEST(MutatedDatagrams, DoNotCrashTheEmulator) {
   EXPECT_GT(emulator.counters().malformed, 1000);
 }
 
-// Replies are changed at random on their way.
+// Replies are changed at random in transit.
 class HostileLink final : public DatagramLink {
  public:
   explicit HostileLink(DatagramLink& link) : link_(link) {}
@@ -126,7 +126,7 @@ TEST(MutatedDatagrams, NeverMakeASessionExceedItsCurrents) {
     session.start();
     long runs = 0, faults = 0;
     for (long k = 0; k < 60000; ++k) {
-      link.hostile = k % 2000 > 400;  // now and then there is peace, and power comes up again
+      link.hostile = k % 2000 > 400;  // at times the link is good, and power comes up again
       link.wait(Rig::kCycle);
       session.update();
       for (int b = 0; b < 2; ++b) {

@@ -120,7 +120,7 @@ TEST(Vectors, BlocksAreReadAndWrittenByteForByte) {
   EXPECT_EQ(hubs, 3);
 }
 
-// Built from what the specification's words say, not from what was decoded.
+// Built from the text of the specification, not from decoded packets.
 TEST(Requests, HostRequestsAreEncodedByteForByte) {
   Request r;
   r.flags = kNoForward;
@@ -192,7 +192,7 @@ TEST(Requests, CommandRequestsAreEncodedByteForByte) {
   for (ChannelCommand& c : amps.channel) c = {true, false, AmpRequest::kOn, 0, kZeroCurrent};
   EXPECT_EQ(encoded(block_write(0, 60, &amps, 1, 8, buffer)),
             hex("19.5", "amps on + zero current, board 6"));
-  // The same wish in the words of Rev 7: through the control word.
+  // The same command in the format of Rev 7: through the control word.
   EXPECT_EQ(encoded(block_write(0, 52, &amps, 1, 7, buffer)), hex("19.8", "amps on, board 6"));
 
   BoardCommand both[2];
@@ -313,7 +313,7 @@ TEST(HubHeaders, OfAnotherSequenceDoNotAnswer) {
   EXPECT_FALSE(answers(header, 0x0034, 7));
 }
 
-// Words that a firmware does not have belong to whatever is behind its block.
+// Words beyond a firmware's block belong to the next block.
 TEST(Feedback, HasOnlyTheWordsOfItsFirmware) {
   std::array<std::uint8_t, 4 * 32> bytes{};
   bytes.fill(0xA5);

@@ -12,7 +12,7 @@
 #include "emulator/board_events.hpp"
 
 // A PSM on two emulated boards that moves at up to 94 % of its velocity limits, by a clock that does not
-// depend on the machine: what an event does to the run, what the run says of it, and how far the arm
+// depend on the machine: the effect of an event on the run, the report, and how far the arm
 // goes on. Motors saturate, and the arm has end stops.
 
 namespace veridyn::dvrk {
@@ -161,7 +161,7 @@ TEST(PsmDrills, OneReplyThatIsLostOrLateEndsNothing) {
   }
 }
 
-// What the page promises: one of a hundred datagrams may be lost, each way. Of five the run says so.
+// What the page promises: one of a hundred datagrams may be lost in each direction; five are reported.
 TEST(PsmDrills, PacketLossIsToleratedUpToOnePercentAndReportedBeyond) {
   for (const double percent : {0.2, 1.0, 5.0}) {
     Psm psm;
@@ -218,7 +218,7 @@ TEST(PsmDrills, EveryEventIsNamedAndLeavesNoCurrent) {
   for (const Ending& one : endings) {
     for (const Law law : {Law::kPid, Law::kComputedTorque}) {
       Psm psm;
-      std::optional<bool> flows;  // nothing: the run was over before
+      std::optional<bool> flows;  // nullopt: the run had ended before
       const RunResult run = psm.run(law, {parsed_event(one.event, kFrom), {kFrom + one.within + Rig::kCycle, [&](BoardEmulator&) {
                                                                        flows = psm.currents_flow();
                                                                      }}});

@@ -45,7 +45,7 @@ bool arrives_in_time(Holds&& holds) {
   return holds();
 }
 
-// What a program leaves that is killed now: whole rows, and a first line that says so.
+// A program killed now leaves whole rows and a first line that marks the file as incomplete.
 TEST(RowFile, RowsAreOnTheDiskWhileTheyAreRecorded) {
   const std::string path = temporary("veridyn-rows-");
   RowKeeper keeper(2, 10.0, 100.0);

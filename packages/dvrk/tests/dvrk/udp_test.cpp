@@ -133,7 +133,7 @@ TEST(Udp, RepliesCountFromTheBoardsOwnAddressesAlone) {
   for (const int one : {board, seventh, other, far}) ::close(one);
 }
 
-// Programs of this machine alone may drive an emulated arm, unless somebody asks for more.
+// Programs of this machine alone may drive an emulated arm, unless the user allows others.
 TEST(Udp, AnEmulatorListensToThisMachineAlone) {
   for (const auto listens : {BoardServer::Listens::kHere, BoardServer::Listens::kEverywhere}) {
     BoardEmulator emulator({Rig::setup(6)});

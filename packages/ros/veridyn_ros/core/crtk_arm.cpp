@@ -37,7 +37,7 @@ SafetyLimits limits_of(const Model& arm, const CrtkOptions& o) {
     if (!std::isfinite(limits.velocity[i]) || limits.velocity[i] <= 0.0)
       limits.velocity[i] = o.velocity * (slides ? kSliding : 1.0);
   }
-  limits.tracking.setConstant(1e9);  // clients lead; what is too far is refused
+  limits.tracking.setConstant(1e9);  // clients set the reference; targets that are too far are refused
   limits.force = 1e9;
   limits.overrun = o.longest_cycle;
   limits.sensor_age = o.oldest_positions;
@@ -114,7 +114,7 @@ void CrtkArm::watch_silence(double dt) noexcept {
     client_ = 0;
     return;
   }
-  // Held because a stream was lost, not because somebody asked for it.
+  // Held because a stream was lost, not by a hold command.
   const bool lost = mode_ == Mode::kHold && stream_ != Kind::kHold;
   if (lost && silent_ > options_.release_after) mode_ = Mode::kReleased;
   if (mode_ == Mode::kMove && way_.arrived()) {

@@ -3,7 +3,7 @@
 
 #include "core/crtk_arm.hpp"
 
-// What clients ask of an arm, and why it refuses.
+// Commands of clients, and the reasons for refusals.
 
 namespace veridyn_ros {
 namespace {
@@ -98,7 +98,7 @@ Refusal CrtkArm::command(const Command& c) noexcept {
 Refusal CrtkArm::refusal_of(const Command& c) noexcept {
   if (!finite(c)) return Refusal::kNotFinite;
   if (std::abs(c.age) > options_.oldest) return Refusal::kTooOld;
-  // Whoever asks for less motion is always heard.
+  // Commands that reduce motion are always accepted.
   if (c.kind == Kind::kDisable || c.kind == Kind::kPause || c.kind == Kind::kEnable ||
       c.kind == Kind::kResume || c.kind == Kind::kHome || c.kind == Kind::kUnhome)
     return transition(c.kind);

@@ -135,7 +135,7 @@ void ArmTopics::state_command(const Event<crtk_msgs::StringStamped>& event) {
   push(command(event, found->second, 0.0));
 }
 
-// When the loop took what it told, by ROS' clock: the loop's own clock, which is even, put at the
+// Time of the loop's feedback, by ROS' clock: the loop's own clock, which is even, put at the
 // place of ROS' clock anew only where that jumped.
 ros::Time ArmTopics::stamp() {
   const double now = ros::Time::now().toSec();

@@ -1,6 +1,6 @@
 // Arms on dVRK boards, real or emulated, behind topics: NAME/io/measured_js at the loop's rate, NAME/io/servo_jf. Efforts of
 // measured_js are those of the measured currents; without power there are none. Power is on only while a controller says
-// ENABLED or PAUSED on NAME/operating_state and sends torques: silence of ~patience switches off. NAME/io/state tells in words.
+// ENABLED or PAUSED on NAME/operating_state and sends torques: silence of ~patience switches off. NAME/io/state has the state as text.
 
 #include <crtk_msgs/OperatingState.h>
 #include <sensor_msgs/JointState.h>
@@ -24,7 +24,7 @@ namespace {
 using veridyn::BoardArm;
 using veridyn::VectorXd;
 
-// What the loop says of an arm, in words that never change.
+// State of an arm as fixed texts, written by the loop.
 struct BoardWords {
   const char* state = "off";
 };
@@ -37,12 +37,12 @@ struct Arm {
   Snapshot<MotorState> measured;
   Snapshot<BoardWords> words;
   std::atomic<bool> enabled{false};
-  // The loop's own.
+  // Used by the loop's thread only.
   MotorTorque now;
   VectorXd tau;
   bool refused = false;  // since the controller was last not enabled
   Spread answered;
-  // The network's own.
+  // Used by the network's thread only.
   MotorState told;
   const char* told_state = nullptr;
   sensor_msgs::JointState message;
@@ -148,7 +148,7 @@ class Boards {
     }
     boards.write();
     if (valid && !(arm.refused && arm.enabled)) put(arm);  // silence makes a fault of the controller
-    if (why == nullptr && arm.refused) return;              // the last words stand
+    if (why == nullptr && arm.refused) return;              // the last text is kept
     arm.words.write({why != nullptr ? why : boards.ready() ? "on" : boards.powered() ? "powering up" : "off"});
   }
 

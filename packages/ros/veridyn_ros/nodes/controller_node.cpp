@@ -112,7 +112,7 @@ class Controller {
     std::copy(m.velocity.begin(), m.velocity.end(), s.dq);
     s.stamp = steady_now();
     s.said = m.header.stamp.toSec();
-    s.powered = !m.effort.empty();  // CRTK leaves out what is not there
+    s.powered = !m.effort.empty();  // CRTK omits missing values
     s.seen = true;
     arm.from_motors.write(s);
   }
@@ -150,7 +150,7 @@ class Controller {
     }
     Command c;
     while (arm.commands.pop(c)) arm.arm.command(c);
-    // A simulated arm lives by the cycles, whenever they come.
+    // A simulated arm advances by one cycle, whatever the clock shows.
     arm.tau = arm.arm.update(arm.q, arm.dq, age, inside_ ? 1.0 / rate_ : dt, inside_ || arm.motors.powered);
     if (inside_) {
       if (arm.arm.state() != OperatingState::kDisabled) {  // else its brakes hold it

@@ -1,6 +1,6 @@
 // Arms that hold an object, led over topics: a scenario of `veridyn cooperate` under run_live(), the cooperative controller
 // of the thesis. Commands are those of `--live` as lines on ~command; cmd_vel is the object's velocity, and cmd_force adds to
-// the force wanted in a member, as the thesis's keyboard node does. Each arm tells NAME/measured_js and NAME/tip, each member
+// the force wanted in a member, as the thesis's keyboard node does. Each arm publishes NAME/measured_js and NAME/tip, each member
 // MEMBER/force, so that a bag of it is a recording of every arm. With ~phases true the scenario's own phases come first.
 
 #include <geometry_msgs/PointStamped.h>
@@ -44,7 +44,7 @@ class TopicLines final : public LineSource {
     std::memcpy(line.text, text.c_str(), text.size());
     if (!lines_.push(line)) ROS_WARN_THROTTLE(1.0, "commands come faster than they are taken");
   }
-  /// Before the node runs: lines that come before all others.
+  /// Lines that are executed before all others; call it before the node runs.
   void prepend_script(std::deque<std::string> script) { script_ = std::move(script); }
   bool next(std::string& line) override {
     if (!script_.empty()) {

@@ -1,6 +1,6 @@
 // Simulated arms behind topics, as boards would be: NAME/io/measured_js at the loop's rate,
 // NAME/io/servo_jf. Without torques for some milliseconds brakes hold an arm. With ~clock true it
-// publishes /clock, which is what other nodes then live by (/use_sim_time).
+// publishes /clock, which other nodes then use as their clock (/use_sim_time).
 
 #include <rosgraph_msgs/Clock.h>
 #include <sensor_msgs/JointState.h>

@@ -32,7 +32,7 @@ struct Arm {
         ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
   }
 
-  // Stamps of zero are what CRTK says of data that are not valid.
+  // In CRTK a stamp of zero marks invalid data.
   void receive(const sensor_msgs::JointState& m) {
     const auto n = static_cast<std::size_t>(model.joints());
     if (m.header.stamp.isZero()) return;

@@ -72,7 +72,7 @@ Loosest most_uncertain(const LinkParameters& parameters, const LinkNormal& norma
 
 // Removes parameters whose uncertainty is too large, worst first. A parameter that was dependent on
 // them can then be well determined: an encoder zero beside two lengths that hardly differ in their
-// effect. Such ones come in, or what only they explain would be nobody's.
+// effect. Such parameters are added, or their part of the errors would stay unexplained.
 void drop_uncertain(const LinkParameters& parameters, const LinkNormal& normal, LinkChoice& out) {
   std::vector<int> removed;
   for (;;) {

@@ -16,7 +16,7 @@ class WaitingBytes {
 
   std::uint8_t* buffer() { return bytes_.data(); }
   std::size_t size() const { return bytes_.size() - 1; }
-  /// Declares that room() now holds `count` bytes; `line` appends the end of a line.
+  /// Declares that buffer() now holds `count` bytes; `line` appends the end of a line.
   void filled(std::size_t count, bool line = false) {
     at_ = 0;
     end_ = count;
@@ -29,7 +29,7 @@ class WaitingBytes {
     }
     return false;
   }
-  /// One poll of a line: `read` puts bytes into room() and returns how many, zero: no more now. At
+  /// One poll of a line: `read` puts bytes into buffer() and returns how many, zero: no more now. At
   /// most 64 reads, so that the time is bounded. @returns 1: there is a reading.
   template <typename Read>
   int poll(const Read& read) {

@@ -57,7 +57,7 @@ void read_settings(const YamlNode& node, TeleoperationScenario& out) {
   }
 }
 
-// Nobody would look at them: what is asked would count as met, and a fault would not come.
+// These keys have no effect here: bounds would count as met, and faults would not occur.
 void refuse_unused_keys(const YamlNode& root, const Scenario& scenario) {
   const auto ask = root.find("ask");
   if (ask) ask->fail("a bound of the run beside 'teleoperation'", "none: its report tells what was reached");

@@ -14,7 +14,7 @@ struct LinearElement {
   Eigen::Vector3d u{Eigen::Vector3d::UnitX()};  ///< its line in the world, from `from` to `to`
   double length = 0.0;     ///< [m]; infinite for a wall: its line does not turn
   double force = 0.0;      ///< [N] at the equilibrium, tension positive
-  bool attached = true;    ///< false: let go, nothing acts
+  bool attached = true;    ///< false: released, without force
 };
 
 /// All arms and objects about one equilibrium.

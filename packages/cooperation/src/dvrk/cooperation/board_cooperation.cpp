@@ -179,7 +179,7 @@ class BoardRun : private BoardLoop {
     return wall_channels_[reading - scenario_.members.size()];
   }
 
-  // Force on the tip in the world that a wall's channels say.
+  // Force on the tip, in the world, from a wall's channels.
   Vector3d wall_force(size_t wall, const Vector3d& channels) const noexcept {
     const ScenarioWall& w = scenario_.walls[wall];
     return force_of_channels(w, channels, sides_[w.arm]->loop().rotation());
@@ -210,8 +210,8 @@ class BoardRun : private BoardLoop {
     const CooperativeState state = control_->state();
     if (state != CooperativeState::kTracking) fail(describe(state), {});
     const bool holds = state != CooperativeState::kTracking || winding_;
-    // A sensor or an encoder is wrong, nobody knows which: supervisors release all arms, since neither
-    // places nor forces can be kept.
+    // A sensor or an encoder is wrong, it is unknown which: supervisors release all arms, since neither
+    // positions nor forces can be controlled.
     const bool unknown = state == CooperativeState::kSensorDrifted;
     if (unknown) std::fill(ages_.begin(), ages_.end(), kNever);
     for (size_t k = 0; k < sides_.size(); ++k) {

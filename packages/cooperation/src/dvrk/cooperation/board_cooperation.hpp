@@ -129,7 +129,7 @@ struct ArmAfterFault {
   bool known = true;          ///< its boards answered throughout
   double moved = 0.0;         ///< [m] largest displacement of its tip
   std::optional<double> rest_after;  ///< [s] after which it was at rest; nothing: it was not at rest at the end
-  std::optional<double> off_at;      ///< [s] at which its own power went, before that of all; nothing: not
+  std::optional<double> off_at;      ///< [s] at which its own power was cut, before that of all; nullopt: it was not
   /// True if it was powered and came to rest.
   bool held() const { return known && rest_after && !off_at; }
 };

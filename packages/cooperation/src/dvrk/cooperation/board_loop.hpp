@@ -29,11 +29,11 @@ class BoardLoop {
             const BoardCooperationOptions& options, const std::atomic<bool>& stop);
   ~BoardLoop() { end_serving(); }
 
-  /// A sensor on a line, and what a person calls it: "udp:5600 of member 'spring'".
+  /// A sensor on a line, with its name in messages: "udp:5600 of member 'spring'".
   struct Sensor {
     std::string name;
     std::unique_ptr<ForceChannel> channel;
-    double rate = 0.0;  ///< [Hz] of readings that the scenario counts on
+    double rate = 0.0;  ///< [Hz] of readings that the scenario assumes
     long jumps = 0;     ///< ForceChannel::jumps() until now
   };
   /// Opens a source; its readings are refused where they jump by more than forces can.
@@ -57,7 +57,7 @@ class BoardLoop {
 
   /// Reads the boards for a while before power-up.
   void read_before_power();
-  /// After look(). Sensors are read meanwhile, and not judged.
+  /// After read_before_power(). Sensors are read meanwhile, and not judged.
   bool power_up(std::vector<Sensor>& sensors);
   /// Switches power off everywhere, and returns the boards' confirmation.
   OffState power_down();
@@ -154,7 +154,7 @@ class BoardLoop {
   /// True if the torques of all arms that share a member with arm k explain the measured forces.
   bool neighbours_explain_force(std::size_t k) const noexcept;
   std::vector<Watched> watched_;
-  std::vector<Later> later_;  // has room
+  std::vector<Later> later_;  // memory is reserved
 };
 
 }  // namespace veridyn::dvrk

@@ -29,7 +29,7 @@ class BoardSide {
   void read(double now) noexcept;
   void write() noexcept { session_.commit(); }
 
-  /// Its loop and its supervisor for this cycle; only while its boards are ready and answered.
+  /// Runs the arm's loop and supervisor for this cycle; only while its boards are ready and answer.
   /// @param exerted  force of the tip on the object as measured [N]. @param age  [s] of it.
   void act(const TipTarget& target, const Eigen::Vector3d& exerted, double age,
            double dt) noexcept;

@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kLargestLatency = 0.06;  // [s] that is looked for
+constexpr double kLargestLatency = 0.06;  // [s] end of the search
 
 // The leader: weightless, with forces at its tip and brakes for joints that the tip does not need.
 class LeaderLoop {
@@ -97,8 +97,8 @@ class TeleoperationLoop : private BoardLoop {
   BoardSide& leader() { return *sides_[leader_]; }
   BoardSide& follower() { return *sides_[follower_]; }
 
-  // An operator goes where he likes; the steps of an emulated hand are known, and what the follower
-  // cannot do along them is not begun.
+  // An operator's motion is unknown; the steps of an emulated hand are known, and steps that the follower
+  // cannot execute are refused.
   void plan() {
     if (!options_.planned || !options_.emulate) return;
     MotionPlan plan(scenario_, planned_arms());

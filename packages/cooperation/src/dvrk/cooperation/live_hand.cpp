@@ -46,7 +46,7 @@ LiveHand::Shown LiveHand::shown() {
   return shown_;
 }
 
-// The next line becomes a command when the loop has taken all before it: it is planned from there.
+// The next line becomes a command once the loop has executed all before it: it is planned from that state.
 void LiveHand::plan_next_line() {
   const Shown now = shown();
   if (!now.plan) return;
@@ -77,7 +77,7 @@ void LiveHand::put(const LiveCommand& command) {
 }
 
 void LiveHand::plan_line(const std::string& line, const Shown& now) {
-  LiveCommand command = LiveAlive{};  // also a line that is not understood shows a living hand
+  LiveCommand command = LiveAlive{};  // an invalid line is a sign of life, too
   try {
     command = parse_live_command(line, scenario_);
     const std::string why = plan_ ? objection(command, now) : "";
@@ -95,7 +95,7 @@ void LiveHand::plan_line(const std::string& line, const Shown& now) {
 std::string LiveHand::objection(const LiveCommand& command, const Shown& now) {
   MotionPlan::State state =
       plan_->state_during_run(now.plan->control, now.plan->seen, now.plan->q);
-  if (state.control.state() != CooperativeState::kTracking) return "";  // all is held: not taken
+  if (state.control.state() != CooperativeState::kTracking) return "";  // targets are held: the command is ignored
   if (const auto* jog = std::get_if<LiveJog>(&command))
     return plan_->jog(std::move(state), jog->velocity, options_.silence);
   const auto* one = std::get_if<ScenarioCommand>(&command);
@@ -154,7 +154,7 @@ LiveHand::End LiveHand::act(double time, CooperativeController& control) noexcep
     jogs_ = false;
     control.stop();
   }
-  // Asked first: what was written before the end came is in the queue then.
+  // Read first: lines written before the end of the input are in the queue then.
   const bool closed = closed_.load();
   if (const std::size_t stop = stop_.load(); stop > read_.load()) {
     refused_ += static_cast<long>(stop - 1 - read_.load());

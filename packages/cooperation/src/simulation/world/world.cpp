@@ -198,7 +198,7 @@ void World::State::update_forces() {
 }
 
 StepStatus World::State::substep(const std::vector<VectorXd>& tau, double h) {
-  // At this point the forces are those of the last settle().
+  // At this point the forces are those of the last update_forces().
   for (size_t k = 0; k < arms.size(); ++k) {
     Arm& arm = arms[k];
     arm.all = tau[k] + arm.external;

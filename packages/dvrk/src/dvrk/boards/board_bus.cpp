@@ -16,8 +16,8 @@ constexpr double kQueryLatency = 10e-6;  // [s] section 8.3, #3
 constexpr double kQueryPerBoard = 10e-6;
 constexpr double kShortestWait = 0.001;  // [s] that a reply gets when the cycle is late already
 constexpr double kLateCycles = 2.5;      // cycles between time stamps that indicate a missed one
-constexpr int kRegisterEvery = 4;        // cycles between two looks at a command of Rev 7
-constexpr double kJump = 0.005;          // [s] between timestamp and clock: look at the board
+constexpr int kRegisterEvery = 4;        // cycles between two reads of a command of Rev 7
+constexpr double kJump = 0.005;          // [s] difference of timestamp and clock from which the board is checked
 
 }  // namespace
 
@@ -227,9 +227,9 @@ void BoardBus::check_timestamp(Board& b) noexcept {
   if (std::abs(told - passed) > kJump) b.suspect = true;
 }
 
-// Section 17 #27: the board shows the last command that it took.
+// Section 17 #27: the board shows the last command that it executed.
 void BoardBus::check_commands(Board& b) noexcept {
-  if (b.info.firmware < 8) return;  // look_for_lost_writes() reads its registers
+  if (b.info.firmware < 8) return;  // check_written_commands() reads its registers
   for (size_t c = 0; c < kChannels; ++c) {
     const std::uint16_t shown = b.feedback.channel[c].motor.command();
     // The last write may still be in transmission: a network may let a read overtake it.

@@ -130,7 +130,7 @@ void BoardSession::check_current(int b, int c, const BoardFeedback& f) noexcept 
          f.channel[c].current);
 }
 
-// A motor that presses with all that it may have: whatever controls it, and whatever it believes.
+// A stalled motor at its current limit, independent of the controller and its estimates.
 void BoardSession::check_stall(int b, int c, const BoardFeedback& f) noexcept {
   ChannelState& state = channel(b, c);
   const ChannelSafety& s = safety(b, c);

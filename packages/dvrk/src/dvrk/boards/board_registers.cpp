@@ -2,7 +2,7 @@
 
 #include "dvrk/boards/board_bus.hpp"
 
-// Single registers: those that change slowly, and real-time words for a client that only looks.
+// Single registers: those that change slowly, and real-time words for a client that only reads.
 
 namespace veridyn::dvrk {
 

@@ -77,7 +77,7 @@ void BoardSession::start() {
           "boards: a watchdog does not take the period that it was given.");
 }
 
-// The reaction that is worse stays; nothing leads out of kFault but acknowledge().
+// The stronger reaction is kept; only acknowledge() leaves kFault.
 void BoardSession::escalate(Reaction reaction, Condition condition, std::optional<int> board,
                          std::optional<int> channel) noexcept {
   if (reaction == Reaction::kReport) return;
@@ -108,7 +108,7 @@ bool BoardSession::update() noexcept {
   since_check_ = now - checked_at_;
   checked_at_ = now;
   check_bus();
-  // A relay that opens takes the supply from all boards: it is the cause, wherever it is.
+  // An open relay of any board removes the supply of all boards: it is reported as the cause.
   for (int b = 0; b < bus_.boards(); ++b) {
     if (bus_.valid(b)) check_relay(b, bus_.feedback(b));
   }
@@ -205,7 +205,7 @@ void BoardSession::commit() noexcept {
   const double in_state = link_.now() - entered_;
   const bool blind = off && !all_valid_;
   const bool disobeyed = off && in_state > kObeyBlocks && amps_stay_on();
-  // A board may take blocks for signs of life and nothing else. A watchdog that has tripped stays tripped (14.1).
+  // A board may use blocks as signs of life only. A watchdog that has tripped stays tripped (14.1).
   const bool silent = (disobeyed && in_state > kObeyRegisters) ||
                       (blind && in_state > kBlind && in_state < kBlind + kBite * options_.watchdog);
   bus_.set_silent(silent);
@@ -273,7 +273,7 @@ const char* BoardSession::power_on() noexcept {
     }
   }
   bus_.check_all_for_restart();
-  power_off_asked_ = true;  // what follows a fault or power_off() in later states
+  power_off_asked_ = true;  // requested after a fault or by power_off()
   enter(PowerState::kRelay);
   return nullptr;
 }

@@ -107,7 +107,7 @@ class Reader {
     return robot;
   }
 
-  // "6=1234-56 7=1234-57": this program's own key; the laboratory's passes over it.
+  // "6=1234-56 7=1234-57": a key of this program, which the laboratories' programs ignore.
   static void read_board_serials(const ConfigNode& node, RobotConfig& robot) {
     std::istringstream list(node.word());
     for (std::string one; list >> one;) {
@@ -123,7 +123,7 @@ class Reader {
 
   void read_actuators(const ConfigNode& node, RobotConfig& robot) const {
     const int there = node.count("Actuator");
-    // JSON counts them by its list.
+    // In JSON the length of the list is the number.
     if (!json_ || node.has("NumOfActuator")) {
       const int promised = node.integer_in("NumOfActuator", 0, 4 * kBoards);
       if (promised != there)

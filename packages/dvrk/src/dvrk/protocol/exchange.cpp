@@ -112,7 +112,7 @@ ReadResult Exchange::classify_reply(const Request& request, ByteView datagram, M
 // A late reply to an earlier request has an old label: it is discarded, and the wait continues. Any
 // other wrong reply ends it.
 ReadResult Exchange::await(const Request& request, double until, Reply& reply) noexcept {
-  int overdue = 0;  // datagrams taken after the time is up: a flood of them ends as well
+  int overdue = 0;  // datagrams read after the timeout, bounded so that a flood ends
   while (true) {
     const double left = until - link_.now();
     if (left <= 0.0 && overdue++ > kMostStale) return ReadResult::kNoReply;

@@ -143,7 +143,7 @@ std::string watch_while(ArmSession& arm, CycleClock& clock, DatagramLink& link, 
   return "stopped by a signal";
 }
 
-// What a reader must know of positions whose encoders failed: nobody acts on it while nothing is driven.
+// Remark on positions whose encoders failed, which stops nothing while no motor is driven.
 std::string encoder_remark(const FaultLog& faults) {
   const FaultEntry& failed = faults[Condition::kEncoder];
   if (failed.count == 0) return "";

@@ -115,7 +115,7 @@ void MotionRun::note_blindness(double now, bool valid) noexcept {
     if (!bus.valid(b)) blindness_ = bus.loss_reason(b);
 }
 
-// What a controller finds after a gap in the reads is its consequence.
+// A fault that a controller reports after a gap in the reads is a consequence of the gap.
 std::string MotionRun::blindness_text(double now) const {
   return text(describe(blindness_), " for ", 1e3 * (now - *blind_since_), " ms, then ", controller_.refusal_reason());
 }
@@ -151,7 +151,7 @@ bool MotionRun::end(const std::string& why) {
 }
 
 // Before power: whether this machine and its boards keep the time that a watchdog allows. A stall is
-// waited for; a machine that stalls again and again is one that nothing should be moved with.
+// tolerated; a machine that stalls repeatedly must not move an arm.
 bool MotionRun::check_reads() {
   looks_ = true;
   for (int trial = 0; trial < kLooks; ++trial) {

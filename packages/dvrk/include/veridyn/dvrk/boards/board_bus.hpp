@@ -25,7 +25,7 @@ enum class CycleProtocol {
 /// Access of a client to the boards.
 enum class Access {
   kDrive,  ///< reads and writes
-  /// Reads alone: no packet is sent that changes a board, so another client may drive it meanwhile.
+  /// Only reads: no packet is sent that changes a board, so that another client may drive it.
   /// Reads of real-time blocks restart the boards' timestamps, however, which that client sees.
   kListen,
   kListenByRegister  ///< the same by reads of single registers, which change nothing at all; slow
@@ -94,7 +94,7 @@ class BoardBus {
 
   /// Reads all boards. @returns whether all of them are valid.
   bool read() noexcept;
-  /// While silent, reads send no query: it is a write, and keeps watchdogs quiet (section 14.1).
+  /// While silent, reads send no query, because a query is a write that resets watchdogs (section 14.1).
   void set_silent(bool silent) noexcept { silent_ = silent; }
   bool valid(int b) const { return boards_[b].valid; }
   const BoardFeedback& feedback(int b) const { return boards_[b].feedback; }
@@ -121,7 +121,7 @@ class BoardBus {
     double from = 0.0, to = 0.0;
   };
   Interval measured() const noexcept;
-  /// Why the boards are looked for again, while they are.
+  /// Reason for the present scan for boards.
   Condition scan_reason() const { return unrest_; }
 
   /// Command of the next write(), which resets it to "nothing".
@@ -146,7 +146,7 @@ class BoardBus {
   bool write_checked(int b, std::uint16_t address, std::uint32_t value) noexcept;
   /// Serial number "1234-56" of a QLA, from its memory: section 7.6. Empty: it has none.
   std::string qla_serial(int b);
-  /// Sets all watchdogs and verifies them; forgets that boards were rebooted.
+  /// Sets and verifies all watchdogs; clears the record of rebooted boards.
   bool set_watchdog(double seconds) noexcept;
 
   const ReplyLoss& reply_loss() const { return exchange_.loss_reason(); }
@@ -166,7 +166,7 @@ class BoardBus {
     double asked_at = 0.0;
     bool valid = false;
     bool rebooted = false;
-    bool suspect = false;  ///< look at its registers soon
+    bool suspect = false;  ///< its registers are to be checked soon
     int lost_reads = 0;
     Condition loss = Condition::kNoReply;
     int lost_writes = 0;

@@ -62,7 +62,7 @@ struct SessionOptions {
 /// Status of the boards after switching off.
 enum class OffState {
   kConfirmed,  ///< every board in use was read: amplifiers off, power not requested
-  kNotAsked,   ///< the session never wrote, so there is nothing to confirm
+  kNotAsked,   ///< the session never wrote, and needs no confirmation
   kPowerOn,    ///< amplifiers are off, but a board still requests power
   kAmpsOn,     ///< an amplifier is on
   kUnknown     ///< a board could not be read

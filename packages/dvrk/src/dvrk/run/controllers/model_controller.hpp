@@ -41,7 +41,7 @@ struct ModelControlOptions {
 };
 
 /// Errors of encoders and currents that the model knows are undone (JointSensors): a motion is led in
-/// true positions, while a run, its limits and its rows count as the boards do, see as_shown().
+/// true positions, while a run, its limits and its rows count as the boards do, see to_board_positions().
 ///
 /// The laws of control/ for a run: torques of the model's joints, which are the arm's first ones,
 /// by a law; those of the others by a PID. SafetySupervisor watches the model's joints: numbers,

@@ -13,7 +13,7 @@ namespace veridyn::dvrk {
 /// Times of a cycle [s].
 struct CycleTimes {
   double dt = 0.0;   ///< since the previous cycle with torques
-  double age = 0.0;  ///< Largest age of the positions: since the boards were asked for them
+  double age = 0.0;  ///< Largest age of the positions, since the request to the boards
   double age_range = 0.0;  ///< by which they may be younger: until the replies came
 };
 
@@ -31,15 +31,15 @@ class MotionController {
  public:
   virtual ~MotionController() = default;
 
-  /// Called in every cycle without power: what was remembered is forgotten. Neither throws nor
+  /// Clears the controller's state; called in every cycle without power. Neither throws nor
   /// allocates.
   virtual void reset() noexcept = 0;
 
   /// Called when the arm rests at the first set point and the motion begins.
   virtual void motion_begins() noexcept {}
 
-  /// @param wanted  where the joints shall be, (n) of the arm. @param tau  (n), written [N m], [N].
-  /// @returns false: the run must end now, see why(); tau does not count. Never allocates.
+  /// @param wanted  reference of the joints, (n) of the arm. @param tau  (n), written [N m], [N].
+  /// @returns false: the run must end now, see refusal_reason(); tau does not count. Never allocates.
   virtual bool torques(const BoardArmState& state, const JointReference& wanted, const CycleTimes& times,
                        VectorXd& tau) noexcept = 0;
 

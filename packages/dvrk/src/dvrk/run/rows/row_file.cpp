@@ -91,7 +91,7 @@ void RowFile::open() {
   put(remark_line("incomplete: the program ended while it recorded") + header(joints_));
 }
 
-// Gives the file its name once it has rows, or takes it away where there will be none.
+// Gives the file its name once it has rows, or removes it if there will be none.
 void RowFile::name_or_remove() {
   if (file_ < 0 || (written_ == 0 && !failed())) return;
   if (written_ > 0 && aside_.empty()) return;
