@@ -131,7 +131,7 @@ MUTANTS = [
     ("dvrk/config/config_tree.cpp", "member.line > 0 ? text(\":\", member.line)", "false ? text(\":\", member.line)", ["dvrk"]),
     ("dvrk/run/run_json.cpp", "run.power == OffState::kConfirmed ?", "run.power != OffState::kNotAsked ?", ["dvrk_io"]),
     ("dvrk/boards/board_session.cpp", "(blind && in_state > kBlind && in_state < kBlind + kBite * options_.watchdog)", "false", ["dvrk_io"]),
-    ("dvrk/boards/board_session.cpp", "  bus_.suspect_all();\n", "", ["dvrk_io"]),
+    ("dvrk/boards/board_session.cpp", "  bus_.check_all_for_restart();\n", "", ["dvrk_io"]),
     ("dvrk/boards/board_bus.cpp", "protocol_ == CycleProtocol::kBroadcast && !silent_", "protocol_ == CycleProtocol::kBroadcast", ["dvrk_io"]),
     ("dvrk/boards/board_write.cpp", "state_ == BusState::kRunning && !exchange_.generation_changed();", "true;", ["dvrk_io"]),
     ("dvrk/arms/arm_file.cpp", "check_io_config(nominal_config(facts), source_.file);", "", ["dvrk"]),
