@@ -41,7 +41,7 @@ MUTANTS = [
     ("diagnosis/watch/evidence.cpp", "A > kNothing ? std::clamp(b / A, least, largest) : 0.0", "A > kNothing ? b / A : 0.0", ["watch"]),
     ("diagnosis/watch/evidence.cpp", "if (step->time > latest || gain", "if (gain", ["watch"]),
     ("diagnosis/watch/change.cpp", "c.score.onset -= blindness.set_back;", "c.score.onset -= 0.0;", ["watch"]),
-    ("diagnosis/watch/smoothed_rows.cpp", "back_last_ - back_first_ >= numbers_.jump_reach) begin_again();", "back_last_ < back_first_) begin_again();", ["watch"]),
+    ("diagnosis/watch/smoothed_rows.cpp", "back_last_ - back_first_ >= numbers_.jump_reach) restart();", "back_last_ < back_first_) restart();", ["watch"]),
     ("diagnosis/watch/change.cpp", "above_ < numbers_.above_in_a_row", "above_ < 1", ["watch"]),
     ("diagnosis/watch/change.cpp", "refractory_until_ = step.time + numbers_.refractory_time;", "refractory_until_ = step.time;", ["watch"]),
     ("diagnosis/watch/change.cpp", "open_->alarm, numbers_.push_ends, price", "open_->alarm, 80.0, price", ["watch"]),
@@ -137,7 +137,7 @@ MUTANTS = [
     ("dvrk/arms/arm_file.cpp", "check_io_config(nominal_config(facts), source_.file);", "", ["dvrk"]),
     ("dvrk/arms/gravity_chain.cpp", "const bool overlap = lower < upper;", "const bool overlap = true;", ["dvrk"]),
     ("cooperation/scenario/scenario_objects.cpp", "if (!impedance || body.grasps.size() < 2)", "if (false)", ["cooperation"]),
-    ("cooperation/scenario/teleoperation_reader.cpp", "refuse_unheeded(root, out.scenario);", "", ["cooperation"]),
+    ("cooperation/scenario/teleoperation_reader.cpp", "refuse_unused_keys(root, out.scenario);", "", ["cooperation"]),
     ("dvrk/boards/board_session.cpp", "require(std::isfinite(seconds) && seconds > 0.0", "require(seconds > 0.0", ["dvrk_io"]),
 ]
 

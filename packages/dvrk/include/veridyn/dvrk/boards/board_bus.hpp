@@ -149,7 +149,7 @@ class BoardBus {
   /// Sets and verifies all watchdogs; clears the record of rebooted boards.
   bool set_watchdog(double seconds) noexcept;
 
-  const ReplyLoss& reply_loss() const { return exchange_.loss_reason(); }
+  const ReplyLoss& reply_loss() const { return exchange_.loss(); }
   /// [s] of the last read() in which replies had come, but this program did not run.
   double queue_delay() const { return exchange_.queue_delay(); }
 
