@@ -147,7 +147,7 @@ std::shared_ptr<Simulated> led_by_pid(const Model& arm, const MotionSamples& wan
                                       const SimulationOptions& options, const std::string& engine) {
   const ControlledRecording done =
       simulate_controlled(with_movable_rotors(arm).arm, wanted, {options, {}, engine});
-  require(done.run.complete(), "simulate: the run ", done.run.why(arm));
+  require(done.run.complete(), "simulate: the run ", done.run.stop_reason(arm));
   const SimulatedRecording& r = done.recording;
   return std::make_shared<Simulated>(
       Simulated{recording_of(r.measured, r.tau, "simulated " + arm.name()),

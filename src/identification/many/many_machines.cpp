@@ -305,7 +305,7 @@ Identification identify(const Model& file, const std::vector<std::string>& train
           "identify: found a method with instruments, which need samples; ranks share factors alone.");
   if (options.method == Method::kFeasible) require_prior_fits(file, options);
   Share share(file, train, test, options, ranks, keep);
-  if (ranks.rank() != 0) return serve(share, ranks, described(file, options));
+  if (ranks.rank() != 0) return serve(share, ranks, empty_identification(file, options));
   const RankPasses passes(share, ranks, train.size() + test.size(), static_cast<bool>(keep));
   const auto fit = [&](const IdentificationOptions& how) {
     Identification id = identify_compressed(file, {}, train, test, how, passes);

@@ -209,7 +209,7 @@ TEST(ScenarioReport, ATruncatedRunHasEqualLengths) {
   s.walls[0].sensor_axes = 3;
   s.bodies.resize(1);
   ScenarioRun run = empty_run(s, "veridyn", 5);
-  cut(run, 3);
+  keep_first_rows(run, 3);
   EXPECT_EQ(run.time.size(), 3);
   for (const MatrixXd* m : {&run.arm[0].q, &run.arm[0].dq, &run.arm[0].tau, &run.arm[0].tip, &run.arm[0].motion, &run.arm[0].target,
                             &run.member[1].axes, &run.body[0].position, &run.body[0].wanted})

@@ -358,7 +358,7 @@ class BoardRun : private BoardLoop {
     out_.mean_cycle = timing_.mean_cycle;
     out_.longest_cycle = timing_.longest_cycle;
     if (out_.run.arm.empty()) out_.run = empty_run(scenario_, "boards", 0);  // the arms were never powered
-    cut(out_.run, row_);
+    keep_first_rows(out_.run, row_);
     for (const Span& span : spans_)
       out_.run.phases.push_back(
           phase_figures(scenario_, *span.phase, out_.run, span.first, span.end));

@@ -99,7 +99,7 @@ std::string LiveHand::objection(const LiveCommand& command, const Shown& now) {
   if (const auto* jog = std::get_if<LiveJog>(&command))
     return plan_->jog(std::move(state), jog->velocity, options_.silence);
   const auto* one = std::get_if<ScenarioCommand>(&command);
-  return one == nullptr ? "" : plan_->plan_line(std::move(state), *one);
+  return one == nullptr ? "" : plan_->check_command(std::move(state), *one);
 }
 
 // A jog continues while the next half second can be planned.
