@@ -293,12 +293,12 @@ TEST(MotionPlan, RequiresTheInverseDynamicsTorquesOfTheMotion) {
     const VectorXd ddq = (q[k + 1] - 2.0 * q[k] + q[k - 1]) / (kEvery * kEvery);
     most = most.cwiseMax(inverse_dynamics(arm, q[k], dq, ddq).cwiseAbs());
   }
-  EXPECT_EQ(plan_of(1.05 * most).add_byte(plan_of(most).initial_state({s.arms[0].start}), across), "");
+  EXPECT_EQ(plan_of(1.05 * most).check_command(plan_of(most).initial_state({s.arms[0].start}), across), "");
   for (int i = 0; i < 3; ++i) {
     VectorXd torque = 1.05 * most;
     torque[i] = 0.95 * most[i];
     MotionPlan weak = plan_of(torque);
-    const std::string why = weak.add_byte(weak.initial_state({s.arms[0].start}), across);
+    const std::string why = weak.check_command(weak.initial_state({s.arms[0].start}), across);
     EXPECT_NE(why.find("joint " + arm.coordinates()[i].name), std::string::npos) << why;
     EXPECT_NE(why.find("would need"), std::string::npos) << why;
   }

@@ -288,7 +288,7 @@ class Cell final : public ForceSource {
     if (line_ == Line::kBeyond) return 1e300;
     return (speech_.stuck ? 0.25 : 1e-3 * (polls_ % 7)) + (line_ == Line::kSpike ? speech_.spike : 0.0);
   }
-  long refused() const noexcept override { return refused_; }
+  long rejected_readings() const noexcept override { return refused_; }
 
  private:
   Speech speech_;
