@@ -225,7 +225,7 @@ struct Emulated {
   void trigger_event() {
     const double t = time();
     for (; next < events.size() && events[next].time <= t; ++next) {
-      events[next].trigger_event(emulator);
+      events[next].happen(emulator);
       if (!quiet) print_message(fmt::format("{:.3f} s: {}", t, events[next].words));
     }
     watch_arms(arms, t);
