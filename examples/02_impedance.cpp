@@ -17,7 +17,7 @@ int main(int argc, char** argv) {
                                  .cycle = {.error_limit = 1.0, .torque = 40}});
   Measured measured(arm.joints());
   robot.read(measured.q);
-  TaskReference wanted = controller.here(measured);
+  TaskReference wanted = controller.reference_at(measured);
   const Eigen::Vector3d anchor = wanted.x.head<3>();
   for (int k = 0; k < 3000; ++k) {
     robot.read(measured.q);

@@ -15,7 +15,7 @@ int main(int argc, char** argv) {
   JointController controller(arm, {.kp = 400, .kd = 40, .cycle = {.torque = 40}});
   Measured measured(arm.joints());
   robot.read(measured.q);
-  JointReference wanted = controller.here(measured);
+  JointReference wanted = controller.reference_at(measured);
   QuinticInterpolator path(wanted.q);  // begins where the arm stands
   path.move_to(wanted.q + Eigen::Vector3d(0.4, -0.3, 0.05), 2.0);
   double worst = 0.0;

@@ -16,7 +16,7 @@ Recording record(const Model& arm, double frequency) {
   JointController controller(arm, {.kp = 400, .kd = 40, .cycle = {.torque = 40}});
   Measured measured(arm.joints());
   robot.read(measured.q);
-  JointReference wanted = controller.here(measured);
+  JointReference wanted = controller.reference_at(measured);
   MatrixXd a(3, 4);  // [rad/s], [m/s] of four harmonics, which cancel at the start
   a << 0.4, 0.2, -0.4, -0.2, 0.15, -0.3, -0.15, 0.3, -0.04, 0.04, 0.02, -0.02;
   const FourierTrajectory path(frequency, a, MatrixXd::Zero(3, 4), wanted.q);

@@ -17,7 +17,7 @@ double steps(const Model& arm, const JointControllerOptions& options) {
   JointController controller(arm, options);
   Measured measured(3);
   robot.read(measured.q);
-  JointReference wanted = controller.here(measured);
+  JointReference wanted = controller.reference_at(measured);
   QuinticInterpolator path(wanted.q);
   VectorXd error(3);
   for (int joint = 0; joint < 3; ++joint) {

@@ -26,7 +26,7 @@ class SimulatedRobot {
   /// What the encoders show [rad], [m].
   void read(veridyn::VectorXd& q) {
     q = plant_.q();
-    real_.sensors.show_positions(q);
+    real_.sensors.add_position_errors(q);
     q = (q / kEncoderStep).array().round() * kEncoderStep;
   }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-/// Header for controllers: reading a MODEL, JointController and TipController, which are the whole
+/// Header for controllers: reading an identified model, JointController and TipController, which are the whole
 /// loop, and their parts for other loops: correction of sensors, laws, observers, limits. Each class
 /// documents its equations and its units; docs/control.md gives an overview.
 ///

@@ -327,8 +327,8 @@ void bind_controllers(py::module_& m) {
            py::arg("q"), py::arg("x"), py::arg("dt"), py::arg("dx") = py::none(), py::arg("ddx") = py::none(),
            py::arg("wrench") = py::none(), py::arg("dq") = py::none(),
            "Torques (n) of the drives; x (3) or (6) wanted [m, rad]; wrench that the tip exerts [N, N m].")
-      .def("here", [](const TipController& c, const VectorXd& q) {
-             return Vector6d(c.here(measured_of(c.joints(), q, std::nullopt, "TipController.here")).x);
+      .def("reference_at", [](const TipController& c, const VectorXd& q) {
+             return Vector6d(c.reference_at(measured_of(c.joints(), q, std::nullopt, "TipController.reference_at")).x);
            }, py::arg("q"), "(6) where the tip is at these positions.");
   bind_controller(tip);
 }

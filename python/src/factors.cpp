@@ -10,7 +10,7 @@ namespace {
 
 py::bytes compress_call(const py::object& model, const py::object& given, const py::dict& words) {
   Keywords keywords("compress", words);
-  const py::object callback = keywords.take("progress");
+  const py::object callback = keywords.value_of("progress");
   const Progress progress(callback ? callback : py::none());
   const Model arm = with_fix(keywords, model_of(model));
   const Recordings recordings = recordings_of(given);
@@ -18,7 +18,7 @@ py::bytes compress_call(const py::object& model, const py::object& given, const 
   keywords.expect_all_taken();
   return py::bytes(interruptible(progress, [arm, recordings, options] {
     PreprocessingOptions how = options.preprocessing;
-    const std::vector<std::string> names = recordings.placed_in(how.in_memory);
+    const std::vector<std::string> names = recordings.register_in(how.in_memory);
     return to_bytes(compress(with_friction(arm, options.friction), names, how, options.threads));
   }));
 }
@@ -36,7 +36,7 @@ std::shared_ptr<Identification> identify_factors(const py::object& model,
                                                  const py::object& train, const py::object& test,
                                                  const py::dict& words) {
   Keywords keywords("identify", words);
-  const py::object callback = keywords.take("progress");
+  const py::object callback = keywords.value_of("progress");
   const Progress progress(callback ? callback : py::none());
   const Model arm = with_fix(keywords, model_of(model));
   const Recordings more = recordings_of(train), held_out = recordings_of(test);
@@ -44,8 +44,8 @@ std::shared_ptr<Identification> identify_factors(const py::object& model,
   keywords.expect_all_taken();
   return interruptible(progress, [arm, bytes, more, held_out, options] {
     IdentificationOptions how = options;
-    const std::vector<std::string> train_names = more.placed_in(how.preprocessing.in_memory);
-    const std::vector<std::string> test_names = held_out.placed_in(how.preprocessing.in_memory);
+    const std::vector<std::string> train_names = more.register_in(how.preprocessing.in_memory);
+    const std::vector<std::string> test_names = held_out.register_in(how.preprocessing.in_memory);
     if (how.test_preprocessing) how.test_preprocessing->in_memory = how.preprocessing.in_memory;
     return std::make_shared<Identification>(
         identify(arm, factors_of(bytes), train_names, test_names, how));

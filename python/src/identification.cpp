@@ -61,7 +61,7 @@ py::dict series_of(const Identification& id, std::size_t recording) {
   return out;
 }
 
-// What every function here takes: the model, the recordings, keywords and someone to report to.
+// Common arguments of the functions here: the model, the recordings, keywords and a progress callback.
 struct Call {
   Call(const char* function, const py::object& model, const py::object& train_,
        const py::object& test_, const py::dict& words)
@@ -72,7 +72,7 @@ struct Call {
         test(recordings_of(test_)) {}
 
   static py::object callback(Keywords& keywords) {
-    const py::object given = keywords.take("progress");
+    const py::object given = keywords.value_of("progress");
     return given ? given : py::none();
   }
 

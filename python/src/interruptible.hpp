@@ -22,7 +22,7 @@ class Progress {
   /// @param callback  called as callback(what, share); None: nothing is reported.
   explicit Progress(const py::object& callback);
 
-  /// Reports, unless there is nobody to report to. @throws Interrupted  after Ctrl-C.
+  /// Reports progress, if there is a callback. @throws Interrupted  after Ctrl-C.
   void operator()(const std::string& what, double share) const;
 
   bool stopped() const { return *stop_; }
@@ -44,7 +44,7 @@ bool wait(const std::function<bool(double)>& ready);
 
 /// Runs `work` on a thread of its own without the GIL, and Python's signal handlers meanwhile.
 ///
-/// After Ctrl-C the work is asked to stop; KeyboardInterrupt is raised as soon as it has, or after
+/// After Ctrl-C the work is requested to stop; KeyboardInterrupt is raised as soon as it has, or after
 /// a second, whichever comes first: the thread then ends by itself. `work` must own what it uses.
 template <typename Work>
 auto interruptible(const Progress& progress, Work work) -> decltype(work()) {

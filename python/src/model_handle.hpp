@@ -15,7 +15,7 @@ struct BatchOf {
   std::optional<VectorXd> phi;
 };
 
-/// A Model of Python's: the model with its batch, made when it is first asked for.
+/// A Model of Python's: the model with its batch, made at its first use.
 class SharedModel : public Model {
  public:
   explicit SharedModel(Model arm) : Model(std::move(arm)) {}

@@ -88,7 +88,7 @@ CollisionLimits read_collisions(Keywords& keywords, const py::object& robot, con
 
 std::shared_ptr<Excitation> excite_call(const py::object& model, const py::dict& words) {
   Keywords keywords("excite", words);
-  const py::object callback = keywords.take("progress");
+  const py::object callback = keywords.value_of("progress");
   const Progress progress(callback ? callback : py::none());
   const Model arm = model_of(model);
   ExcitationOptions o;
@@ -102,7 +102,7 @@ std::shared_ptr<Excitation> excite_call(const py::object& model, const py::dict&
       ExcitationCriterion::kAOptimal, ExcitationCriterion::kDiscriminate};
   keywords.read_choice("criterion", o.criterion, criteria,
                        [](ExcitationCriterion c) { return name_of(c); });
-  const py::object between = keywords.take("between");
+  const py::object between = keywords.value_of("between");
   keywords.read("essential", o.essential);
   keywords.read("starts", o.starts);
   keywords.read("iterations", o.iterations);
@@ -112,9 +112,9 @@ std::shared_ptr<Excitation> excite_call(const py::object& model, const py::dict&
                        [](JointFriction f) { return name_of(f); });
   keywords.read("seed", o.seed);
   keywords.read("threads", o.threads);
-  if (const py::object powered = keywords.take("model")) o.powered = model_of(powered);
+  if (const py::object powered = keywords.value_of("model")) o.powered = model_of(powered);
   if (between) read_between(between, o.powered.value_or(arm), o);
-  if (const py::object identified = keywords.take("noise_of")) {
+  if (const py::object identified = keywords.value_of("noise_of")) {
     const Model left = model_of(identified);
     require(left.description().identified && left.description().identified->noise.size() == arm.joints(),
             "excite: noise_of= is '", left.name(), "', expected an identified model of ", arm.name(), ".");
@@ -136,7 +136,7 @@ std::shared_ptr<Excitation> excite_call(const py::object& model, const py::dict&
 MotionSamples motion_of(const py::object& given) {
   const Recordings one = recordings_of(given);
   RecordingsInMemory memory;
-  const std::vector<std::string> names = one.placed_in(memory);
+  const std::vector<std::string> names = one.register_in(memory);
   require(names.size() == 1, "simulate: found ", names.size(), " motions, expected one.");
   const Recording* there = find_in_memory(memory, names.front());
   const Recording rows = there != nullptr ? *there : read_recording(names.front());
@@ -147,7 +147,7 @@ std::shared_ptr<Simulated> led_by_pid(const Model& arm, const MotionSamples& wan
                                       const SimulationOptions& options, const std::string& engine) {
   const ControlledRecording done =
       simulate_controlled(with_movable_rotors(arm).arm, wanted, {options, {}, engine});
-  require(done.run.complete(), "simulate: the run ", done.run.why(arm));
+  require(done.run.complete(), "simulate: the run ", done.run.stop_reason(arm));
   const SimulatedRecording& r = done.recording;
   return std::make_shared<Simulated>(
       Simulated{recording_of(r.measured, r.tau, "simulated " + arm.name()),
@@ -164,7 +164,7 @@ std::shared_ptr<Simulated> simulate_call(const py::object& model, const py::obje
   std::string noise = "low", engine = "veridyn", controller = "none", name;
   unsigned arm_seed = 1;
   double rate = 0.0;
-  if (const py::object given = keywords.take("effects")) {
+  if (const py::object given = keywords.value_of("effects")) {
     effects = py::isinstance<py::str>(given)
                   ? std::vector<std::string>{given.cast<std::string>()}
                   : given.cast<std::vector<std::string>>();

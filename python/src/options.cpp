@@ -42,7 +42,7 @@ void add(Recordings& out, const py::handle& given) {
 
 // (first, end) of rows, end -1 or None: to the end.
 void read_rows(Keywords& keywords, const std::string& name, PreprocessingOptions& options) {
-  const py::object rows = keywords.take(name);
+  const py::object rows = keywords.value_of(name);
   if (!rows) return;
   const bool pair = py::isinstance<py::sequence>(rows) && py::len(rows) == 2;
   if (!pair) throw py::type_error(text(keywords.function(), ": ", name, " is (first, end)"));
@@ -57,7 +57,7 @@ void read_rows(Keywords& keywords, const std::string& name, PreprocessingOptions
 // A dictionary, or "q=deg,t=ms".
 std::map<std::string, std::string> words_by_name(Keywords& keywords, const std::string& name) {
   std::map<std::string, std::string> out;
-  const py::object given = keywords.take(name);
+  const py::object given = keywords.value_of(name);
   if (!given) return out;
   if (!py::isinstance<py::str>(given)) {
     try {
@@ -84,7 +84,7 @@ Keywords::Keywords(std::string function, const py::dict& given) : function_(std:
     left_.emplace(py::str(name), py::reinterpret_borrow<py::object>(value));
 }
 
-py::object Keywords::take(const std::string& name) {
+py::object Keywords::value_of(const std::string& name) {
   asked_.push_back(name);
   const auto found = left_.find(name);
   if (found == left_.end()) return {};
@@ -134,7 +134,7 @@ Model model_of(const py::object& given) {
 }
 
 void read_signals(Keywords& keywords, SignalChoice& signals) {
-  if (const py::object topics = keywords.take("topic")) {
+  if (const py::object topics = keywords.value_of("topic")) {
     if (py::isinstance<py::str>(topics)) {
       signals.topics = {topics.cast<std::string>()};
     } else {
@@ -193,8 +193,8 @@ IdentificationOptions read_identification(Keywords& keywords, const Progress& pr
   keywords.read_choice("friction", o.friction,
                        {JointFriction::kAuto, JointFriction::kPlain, JointFriction::kFile},
                        [](JointFriction f) { return name_of(f); });
-  if (const py::object prior = keywords.take("prior")) o.prior = model_of(prior);
-  if (const py::object masses = keywords.take("known_mass")) {
+  if (const py::object prior = keywords.value_of("prior")) o.prior = model_of(prior);
+  if (const py::object masses = keywords.value_of("known_mass")) {
     const bool one = py::isinstance<py::str>(masses);
     for (const std::string& asked : one ? std::vector<std::string>{masses.cast<std::string>()}
                                         : masses.cast<std::vector<std::string>>())

@@ -23,12 +23,12 @@ class Keywords {
   bool given(const std::string& name) const { return left_.count(name) != 0; }
 
   /// The value of that name, or null where it was not given or is None.
-  py::object take(const std::string& name);
+  py::object value_of(const std::string& name);
 
   /// Sets `target` if the keyword was given.
   template <typename T>
   void read(const std::string& name, T& target) {
-    const py::object value = take(name);
+    const py::object value = value_of(name);
     if (value) target = convert<T>(name, value);
   }
 
@@ -36,7 +36,7 @@ class Keywords {
   template <typename E, typename Name>
   void read_choice(const std::string& name, E& target, const std::vector<E>& choices,
                    const Name& name_of_choice) {
-    const py::object value = take(name);
+    const py::object value = value_of(name);
     if (!value) return;
     const std::string word = convert<std::string>(name, value);
     std::vector<std::string> words;
@@ -50,7 +50,7 @@ class Keywords {
     refuse(name, word, words);
   }
 
-  /// @throws py::type_error  a keyword that nobody took, with a suggestion.
+  /// @throws py::type_error  an unused keyword, with a suggestion.
   void expect_all_taken() const;
 
   const std::string& function() const { return function_; }

@@ -32,15 +32,15 @@ Recording from_arrays(const VectorXd& time, const MatrixXd& q, const Signals& dq
     require(std::isfinite(time[k]) && (k == 0 || time[k] > time[k - 1]),
             "Recording: time is ", time[k], " in row ", k, ", expected numbers that rise.");
   }
-  const auto take = [&r](const Signals& given, MatrixXd& target, const char* name) {
+  const auto set_signal = [&r](const Signals& given, MatrixXd& target, const char* name) {
     if (!given) return;
     require_size(*given, r, name);
     target = *given;
   };
-  take(dq, r.dq, "dq");
-  take(ddq, r.ddq, "ddq");
-  take(tau, r.tau, "tau");
-  take(current, r.current, "current");
+  set_signal(dq, r.dq, "dq");
+  set_signal(ddq, r.ddq, "ddq");
+  set_signal(tau, r.tau, "tau");
+  set_signal(current, r.current, "current");
   return r;
 }
 
@@ -89,9 +89,9 @@ py::object time_view(py::object self) {
 
 // The arm whose joints are looked for, if one is named.
 std::optional<Model> robot_of(Keywords& keywords) {
-  const py::object robot = keywords.take("robot");
+  const py::object robot = keywords.value_of("robot");
   if (robot) return with_fix(keywords, model_of(robot));
-  require(!keywords.take("fix"), keywords.function(), ": found fix without robot, expected both.");
+  require(!keywords.value_of("fix"), keywords.function(), ": found fix without robot, expected both.");
   return std::nullopt;
 }
 
@@ -101,7 +101,7 @@ RecordingOptions reading_options(Keywords& keywords, const std::optional<Model>&
   keywords.read("rate", options.rate);
   read_signals(keywords, options.signals);
   if (robot) options.signals.joints = joints_of(*robot);
-  if (const py::object given = keywords.take("rows")) {
+  if (const py::object given = keywords.value_of("rows")) {
     const auto both = given.cast<std::pair<long, std::optional<long>>>();
     options.first_row = both.first;
     if (both.second && *both.second >= 0) options.row_count = *both.second - both.first;
@@ -150,7 +150,7 @@ void bind_recordings(py::module_& m) {
     return interruptible(Progress(py::none()), [recordings, options, robot] {
       RecordingsInMemory memory;
       std::vector<RecordingQuality> seen;
-      for (const std::string& name : recordings.placed_in(memory)) {
+      for (const std::string& name : recordings.register_in(memory)) {
         const Recording* there = find_in_memory(memory, name);
         seen.push_back(there != nullptr ? check_recording(*there) : check_recording(name, options));
         seen.back().file = name;

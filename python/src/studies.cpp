@@ -20,7 +20,7 @@ namespace veridyn::python {
 namespace {
 
 Progress progress_of(Keywords& keywords) {
-  const py::object callback = keywords.take("progress");
+  const py::object callback = keywords.value_of("progress");
   return Progress(callback ? callback : py::none());
 }
 
@@ -110,7 +110,7 @@ SharedStudy kinematics_call(const py::object& model, const py::dict& words) {
   std::string frame;
   int workspace = 1000;
   std::vector<double> start;
-  const py::object forward = keywords.take("forward"), inverse = keywords.take("inverse");
+  const py::object forward = keywords.value_of("forward"), inverse = keywords.value_of("inverse");
   require(!forward || !inverse, "kinematics: found forward and inverse, expected one of them.");
   keywords.read("workspace", workspace);
   keywords.read("frame", frame);

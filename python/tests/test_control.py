@@ -58,7 +58,7 @@ def test_tip_controller_rests_where_it_is(smooth):
     plant = veridyn.Plant(smooth)
     q = np.array([0.1, 0.2, 0.12])
     plant.set_state(q, np.zeros(3))
-    x = controller.here(q)
+    x = controller.reference_at(q)
     for _ in range(300):
         plant.step(controller.update(plant.q, x, 0.001), 0.001)
     np.testing.assert_allclose(plant.q, q, atol=1e-3)

@@ -7,11 +7,11 @@ int main(int argc, char** argv) {
   const auto add_excite = [](CLI::App& tool, Outcome& outcome) { add_excite_command(tool, outcome, {}); };
   const auto add_kinematics = [](CLI::App& tool, Outcome& outcome) { add_kinematics_command(tool, outcome, {}); };
   const auto add_numbers = [](CLI::App& tool, Outcome&) { add_numbers_command(tool); };
-  // In the order of the manual.
+  // Commands in the order of the manual.
   return run_tool({add_info_command, add_check_command, add_identify_command, add_diagnose_command,
-                   add_friction_command, add_fleet_command, add_payload_command, of_package("calibrate"),
-                   add_compare_command, add_export, add_excite, add_simulate_command, of_package("cooperate"),
-                   add_kinematics, add_page_command, add_numbers, of_package("loadcell"), of_package("stability"),
-                   of_package("dvrk"), add_watch_command},
+                   add_friction_command, add_fleet_command, add_payload_command, package_command("calibrate"),
+                   add_compare_command, add_export, add_excite, add_simulate_command, package_command("cooperate"),
+                   add_kinematics, add_page_command, add_numbers, package_command("loadcell"), package_command("stability"),
+                   package_command("dvrk"), add_watch_command},
                   argc, argv);
 }

@@ -27,7 +27,7 @@ AdaptiveFriction::AdaptiveFriction(const FrictionCompensation& friction,
           friction.share(), " between them and a rate that is not below zero.");
 }
 
-void AdaptiveFriction::learn(Learned& axis, double force, double s, double needed,
+void AdaptiveFriction::adapt(Learned& axis, double force, double s, double needed,
                              double dt) const noexcept {
   if (axis.first) axis.place = s;
   axis.first = false;
@@ -35,7 +35,7 @@ void AdaptiveFriction::learn(Learned& axis, double force, double s, double neede
   const Eigen::Vector3d row(force, 1.0, s - axis.place);
   axis.information += step * (row * row.transpose() - axis.information);
   axis.right += step * (needed * row - axis.right);
-  // F without what 1 and s explain of it, and y likewise.
+  // Remainders of F and y after regression on 1 and s.
   const Eigen::Matrix3d& J = axis.information;
   const double spread = J(2, 2) - J(1, 2) * J(1, 2) / J(1, 1);
   const double slope =
@@ -68,7 +68,7 @@ void AdaptiveFriction::update(const ArmState& arm, const VectorXd& missing, doub
         friction.sliding(k, v < 0.0 ? -1.0 : 1.0, v);  // carries the direction's sign
     if (std::abs(force) < kNoFriction) continue;
     const double needed = c.dot(missing) / c.squaredNorm() + applied;
-    learn(axis, force, c.dot(arm.q()), needed, dt);
+    adapt(axis, force, c.dot(arm.q()), needed, dt);
     friction.set_scale(k, axis.share / friction.share());
   }
 }

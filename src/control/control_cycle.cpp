@@ -80,7 +80,7 @@ ControlCycle::ControlCycle(const Model& arm, const Tip& tip, const CycleOptions&
   require(limits_.torque.size() == q_.size(), "controller: found torque limits of ",
           limits_.torque.size(), " entries, expected ", q_.size(), ".");
   input_.force_expected.setConstant(kUnknown);
-  forget();
+  reset_observers();
 }
 
 const ArmState& ControlCycle::measure(const Measured& measured, double dt) noexcept {
@@ -147,12 +147,12 @@ const VectorXd& ControlCycle::send() noexcept {
     }
   }
   error_.sent(tau_, sent_);
-  // Where the law's torque is not sent, its acceleration does not come.
+  // Where the law's torque was not sent, its acceleration was not produced.
   for (Eigen::Index i = 0; i < y_.size(); ++i) {
     if (sent_[i] != tau_[i]) y_[i] = 0.0;
   }
   drive_ = sent_;
-  sensors_.show_torques(drive_);
+  sensors_.add_torque_errors(drive_);
   return drive_;
 }
 
@@ -178,7 +178,7 @@ void ControlCycle::resume() noexcept {
   limp_ = false;
 }
 
-void ControlCycle::forget() noexcept {
+void ControlCycle::reset_observers() noexcept {
   velocity_.reset();
   if (friction_) friction_->reset();
   error_.reset();
@@ -195,7 +195,7 @@ void ControlCycle::reset() noexcept {
   known_ = SafetyFault::kNone;
   time_ = fault_time_ = 0.0;
   limp_ = off_ = false;
-  forget();
+  reset_observers();
 }
 
 void ControlCycle::disable() noexcept {

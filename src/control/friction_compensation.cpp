@@ -65,7 +65,7 @@ FrictionCompensation::FrictionCompensation(const Model& arm, const FrictionOptio
     known->constant = known->constant && !traits.uses_position && !traits.uses_load && !traits.memory;
     known->terms.push_back(std::move(bound));
   }
-  for (Axis& axis : axes_) axis.at_rest = at_rest(axis);
+  for (Axis& axis : axes_) axis.at_rest = rest_force(axis);
   reset();
 }
 
@@ -108,7 +108,7 @@ double FrictionCompensation::sliding(int k, double direction, double speed) cons
   return sliding(axes_[k], direction, speed);
 }
 
-double FrictionCompensation::at_rest(const Axis& axis) noexcept {
+double FrictionCompensation::rest_force(const Axis& axis) noexcept {
   return std::max(std::abs(sliding(axis, 1.0, 0.0)), std::abs(sliding(axis, -1.0, 0.0)));
 }
 
@@ -121,7 +121,7 @@ double FrictionCompensation::tank_level(int k) const noexcept {
   return tank_level(axes_[k]);
 }
 
-double FrictionCompensation::by_velocity(const Axis& axis, double v, double v_wanted,
+double FrictionCompensation::velocity_force(const Axis& axis, double v, double v_wanted,
                                          double error) const noexcept {
   if (std::abs(v) >= axis.velocity_deadband) {
     const double direction = v < 0.0 ? -1.0 : 1.0;
@@ -134,7 +134,7 @@ double FrictionCompensation::by_velocity(const Axis& axis, double v, double v_wa
 
 // Terms with memory by their state; the others sliding at `speed` in the direction of `will`,
 // scaled by its magnitude, -1 to 1.
-double FrictionCompensation::by_memory(Axis& axis, double will, double speed, double v) noexcept {
+double FrictionCompensation::memory_force(Axis& axis, double will, double speed, double v) noexcept {
   const double direction = will < 0.0 ? -1.0 : 1.0;
   AxisSample x;
   x.s = axis.s;
@@ -150,20 +150,20 @@ double FrictionCompensation::by_memory(Axis& axis, double will, double speed, do
   return sum;
 }
 
-double FrictionCompensation::whole(Axis& axis, double v, double v_wanted,
+double FrictionCompensation::total_force(Axis& axis, double v, double v_wanted,
                                    double error) const noexcept {
   if (options_.rule == FrictionRule::kMeasured)
-    return by_memory(axis, std::clamp(v / axis.velocity_deadband, -1.0, 1.0), std::abs(v), v);
-  if (options_.rule != FrictionRule::kPresliding) return by_velocity(axis, v, v_wanted, error);
+    return memory_force(axis, std::clamp(v / axis.velocity_deadband, -1.0, 1.0), std::abs(v), v);
+  if (options_.rule != FrictionRule::kPresliding) return velocity_force(axis, v, v_wanted, error);
   // Full friction along a wanted motion; within the deadband at rest proportional to the error.
   const double will =
       std::clamp(v_wanted / axis.velocity_deadband + error / axis.position_deadband, -1.0, 1.0);
-  return by_memory(axis, will, std::max(0.0, will < 0.0 ? -v_wanted : v_wanted), v);
+  return memory_force(axis, will, std::max(0.0, will < 0.0 ? -v_wanted : v_wanted), v);
 }
 
 void FrictionCompensation::supervise(Axis& axis, double v_wanted, double dt) const noexcept {
   if (!std::isfinite(axis.tank_capacity)) return;
-  const double level = axis.constant ? axis.at_rest : at_rest(axis);
+  const double level = axis.constant ? axis.at_rest : rest_force(axis);
   axis.largest = options_.share * axis.scale * level * axis.tank_capacity;
   if (axis.first) {
     axis.energy = axis.largest;
@@ -196,7 +196,7 @@ const VectorXd& FrictionCompensation::update(const ArmState& arm, const VectorXd
     const double v_wanted = along(axis.along, dq_wanted);
     const double e = along(axis.along, error);
     supervise(axis, v_wanted, dt);
-    const double force = whole(axis, v, v_wanted, e);
+    const double force = total_force(axis, v, v_wanted, e);
     axis.force = options_.share * axis.scale * std::min(1.0, tank_level(axis) / kFadesBelow) * force;
     axis.before = axis.s;
     axis.first = false;

@@ -49,7 +49,7 @@ const VectorXd& JointController::act(const JointReference& reference) noexcept {
   return cycle_.send();
 }
 
-JointReference JointController::here(const Measured& measured) const {
+JointReference JointController::reference_at(const Measured& measured) const {
   JointReference out(joints());
   out.q = measured.q;
   cycle_.sensors().correct_positions(out.q);

@@ -96,7 +96,7 @@ const VectorXd& MomentumObserver::update(const ArmState& arm, const VectorXd& ta
     return r_;
   }
   dynamics_.lagrangian_gradient(arm.q(), arm.dq(), gradient_);
-  // What effects add to the bias is its difference from C dq + g.
+  // The contribution of effects to the bias is its difference from C dq + g.
   sum_ += dt * (tau_motor - friction - (arm.bias() - arm.rigid_bias()) + gradient_ - r_);
   r_ = options_.bandwidth * (sum_ - p_ + p_start_);
   inverse_.update(arm.tip().jacobian());

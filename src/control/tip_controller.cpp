@@ -29,7 +29,7 @@ const VectorXd& TipController::act(const TaskReference& reference) noexcept {
   return cycle_.send();
 }
 
-TaskReference TipController::here(const Measured& measured) const {
+TaskReference TipController::reference_at(const Measured& measured) const {
   VectorXd q = measured.q;
   cycle_.sensors().correct_positions(q);
   TipKinematics tip = state().tip();

@@ -55,12 +55,12 @@ Candidate on_channel(const Model& arm, const ChannelEffect& channel, std::option
   return {ChannelError{channel.name(), joint}, joint, {std::move(axis), 0.0}, from};
 }
 
-Candidate load_on(const Model& arm, FrameIndex frame) {
+Candidate load_candidate(const Model& arm, FrameIndex frame) {
   const Cause cause = AddedLoad{frame};
   return {cause, acting_joint(arm, cause), {VectorXd::Zero(arm.joints()), 0.0}, std::nullopt};
 }
 
-// The frame that a link's frames are fixed to, itself if it moves; nothing: it is fixed to the world.
+// The frame that a link's frames are fixed to, itself if it moves; nullopt: it is fixed to the world.
 std::optional<FrameIndex> link_of(const Model& arm, FrameIndex of) {
   std::optional<FrameIndex> frame = of;
   while (frame && arm.frames()[frame->value].type == JointType::kFixed) frame = arm.frames()[frame->value].parent;
@@ -76,7 +76,7 @@ class Enumeration {
     const bool whole_arm = 2 * (arm_.joints() - still) >= arm_.joints();
     for (const ChannelEffect* channel : channel_effects()) {
       const bool of_arm = channel->whole_arm() || channel->can_be_common();
-      if (whole_arm && of_arm && is_asked(*channel))
+      if (whole_arm && of_arm && is_testable(*channel))
         out_.push_back(on_channel(arm_, *channel, std::nullopt));
     }
     for (const Axis& axis : axes_of(arm_)) {
@@ -86,11 +86,11 @@ class Enumeration {
         continue;
       for (const AxisEffect* effect : axis_effects()) add(*effect, axis, joint);
       for (const ChannelEffect* channel : channel_effects()) {
-        if (is_plain(axis) && !channel->whole_arm() && is_asked(*channel)) add(*channel, joint);
+        if (is_plain(axis) && !channel->whole_arm() && is_testable(*channel)) add(*channel, joint);
       }
     }
     if (whole_arm && scope_.changes && is_wanted(AddedLoad::kName)) {
-      for (const FrameIndex frame : payload_frames(arm_)) out_.push_back(load_on(arm_, frame));
+      for (const FrameIndex frame : payload_frames(arm_)) out_.push_back(load_candidate(arm_, frame));
     }
     return std::move(out_);
   }
@@ -101,8 +101,8 @@ class Enumeration {
     return some.empty() || std::find(some.begin(), some.end(), name) != some.end();
   }
 
-  // With more parameters than joints an error of the arm would be nearly any function of the positions.
-  bool is_asked(const ChannelEffect& channel) const {
+  // An arm error with more parameters than joints could imitate nearly any function of the positions.
+  bool is_testable(const ChannelEffect& channel) const {
     return is_wanted(channel.name()) && (!scope_.wanted.empty() || static_cast<int>(channel.parameters().size()) <= arm_.joints());
   }
 
@@ -180,7 +180,7 @@ std::vector<Candidate> sudden_candidates(const Model& arm, const std::vector<Fra
     if (sensor->can_be_common() && n > 1) out.push_back(on_channel(arm, *sensor, std::nullopt));
     for (int j = 0; j < n; ++j) out.push_back(on_channel(arm, *sensor, JointIndex{j}));
   }
-  for (const FrameIndex frame : loads) out.push_back(load_on(arm, frame));
+  for (const FrameIndex frame : loads) out.push_back(load_candidate(arm, frame));
   return out;
 }
 

@@ -44,7 +44,7 @@ struct Scope {
 /// each axis, loads.
 std::vector<Candidate> candidates(const Model& arm, const Scope& scope);
 
-/// Those that may begin while the arm moves: what every joint has and no day has from the day before,
+/// Candidates that may begin while the arm moves: effects of every joint that vary from day to day,
 /// sensor errors that begin suddenly, a load on these frames.
 std::vector<Candidate> sudden_candidates(const Model& arm, const std::vector<FrameIndex>& loads);
 

@@ -41,7 +41,7 @@ const char* state_words(const JointVerdict& v) {
 }
 
 // "3 %", and never "0 %" of something.
-std::string share_words(double share) {
+std::string share_text(double share) {
   const double percent = kPercent * std::abs(share);
   return percent < 0.5 ? "less than 1 %" : fmt::format("{:.0f} %", percent);
 }
@@ -52,14 +52,14 @@ std::string status_words(const Finding& f) {
   if (f.held_out() == Agreement::kContradicts)
     return "confirmed in training, yet the held-out recordings are predicted no better with it";
   if (f.explains < 0.0) return "confirmed on its own joint and in the mean over all joints";
-  return "confirmed: explains " + share_words(f.explains) + " of the removable error";
+  return "confirmed: explains " + share_text(f.explains) + " of the removable error";
 }
 
 std::string place_of_joint(const CauseWords& w) {
   return w.joint > 0 ? fmt::format(" on joint {} ({})", w.joint, w.coordinate) : " of the whole arm";
 }
 
-std::string rival_words(const Diagnosis& d, const Rival& r) {
+std::string rival_text(const Diagnosis& d, const Rival& r) {
   const CauseWords w = words_of(*d.baseline.model, r.cause);
   return w.effect + (w.frame.empty() ? place_of_joint(w) : " on " + w.frame);
 }
@@ -80,7 +80,7 @@ std::string finding_text(const Diagnosis& d, const Finding& f) {
     out += fmt::format("     p = {:.1e}, {}\n", f.p_value, status_words(f));
   }
   for (const Rival& r : f.rivals) {
-    out += fmt::format("     rival: {}: {}\n", rival_words(d, r), r.why);
+    out += fmt::format("     rival: {}: {}\n", rival_text(d, r), r.why);
   }
   return out;
 }
@@ -97,12 +97,12 @@ bool errors_jump(const Diagnosis& d) {
   return false;
 }
 
-std::string small_text(const Diagnosis& d, const Finding& f) {
+std::string small_finding_text(const Diagnosis& d, const Finding& f) {
   return fmt::format("{:>4}. {} p = {:.1e}, {}\n", f.rank, d.sentence(f), f.p_value, status_words(f));
 }
 
 // "3 small ones, 0.1 to 0.4 points each: --all-findings lists them", by the largest fall of a joint's held-out error.
-std::string small_line(const Diagnosis& d, size_t count) {
+std::string small_findings_line(const Diagnosis& d, size_t count) {
   double least = numerics::kHuge, most = 0.0;
   for (const Finding& f : d.findings) {
     if (f.main || f.test_before.size() == 0 || f.test_after.size() != f.test_before.size()) continue;
@@ -148,7 +148,7 @@ std::string summary_text(const Diagnosis& d) {
   return out;
 }
 
-std::string worse_words(const Diagnosis& d, int joint) {
+std::string worsening_text(const Diagnosis& d, int joint) {
   const Eigen::Index i = joint - 1;
   const std::string name =
       d.baseline.model ? d.baseline.model->coordinates()[i].name : "";
@@ -226,7 +226,7 @@ std::string Diagnosis::verdict() const {
     out += " The held-out recordings are predicted no better with it.";
   std::string same;
   for (const Rival& r : findings.front().rivals) {
-    if (r.share >= numerics::kWhole) same += (same.empty() ? "" : ", or from ") + rival_words(*this, r);
+    if (r.share >= numerics::kWhole) same += (same.empty() ? "" : ", or from ") + rival_text(*this, r);
   }
   if (!same.empty()) out += " The recordings cannot tell it from " + same + ".";
   const auto is_cut = [&](const RecordingQuality& q) {
@@ -238,9 +238,9 @@ std::string Diagnosis::verdict() const {
     return a.explains < b.explains;
   });
   if (!findings.front().shape && largest->shape)
-    out += fmt::format(" More of the error, {}, has no name: {}", share_words(largest->explains), sentence(*largest));
+    out += fmt::format(" More of the error, {}, has no name: {}", share_text(largest->explains), sentence(*largest));
   for (const int joint : summary.worse_joints) {
-    std::string words = worse_words(*this, joint);
+    std::string words = worsening_text(*this, joint);
     words.front() = 'T';
     out += " " + words + ".";
   }
@@ -277,7 +277,7 @@ std::string Diagnosis::report(const std::string& next_command) const {
   }
   const size_t small = findings.size() - static_cast<size_t>(summary.main);
   if (small > 0 && small_apart) {
-    out += small_line(*this, small);
+    out += small_findings_line(*this, small);
   } else if (small > 0) {
     out += "small ones";
     if (errors_jump(*this))
@@ -285,11 +285,11 @@ std::string Diagnosis::report(const std::string& next_command) const {
     out += ":\n";
   }
   for (const Finding& f : findings) {
-    if (!f.main && !small_apart) out += small_text(*this, f);
+    if (!f.main && !small_apart) out += small_finding_text(*this, f);
   }
   for (const std::string& remark : remarks) out += "remark: " + remark + "\n";
   out += summary_text(*this);
-  for (const int joint : summary.worse_joints) out += "WARNING: " + worse_words(*this, joint) + "\n";
+  for (const int joint : summary.worse_joints) out += "WARNING: " + worsening_text(*this, joint) + "\n";
   out += "\nerrors, % of the torque, per joint; held out: every row as recorded\n";
   if (baseline.weights == JointWeights::kResidual)
     out += "  joints weighted by their residual: the baseline is that of `identify --weights residual`\n";

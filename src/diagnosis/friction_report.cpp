@@ -21,7 +21,7 @@ std::string words(FrictionState state) {
   return "cannot tell";
 }
 
-std::string together(const std::vector<std::string>& names) {
+std::string joined_names(const std::vector<std::string>& names) {
   std::string out;
   for (const std::string& name : names) out += (out.empty() ? "" : ", ") + name;
   return out;
@@ -70,8 +70,8 @@ std::string breakaway_line(const JointFrictionStudy& j, int direction) {
 std::string FrictionStudy::report() const {
   if (!reason.empty()) return robot + ": no friction curve: " + reason + "\n";
   std::string out = fmt::format("{}: friction of {} joint{}", robot, joints.size(), joints.size() == 1 ? "" : "s");
-  out += resting.empty() ? "\n" : fmt::format("; {} at rest and left out\n", together(resting));
-  out += "held out for the verdicts: " + together(held_out) + "\n";
+  out += resting.empty() ? "\n" : fmt::format("; {} at rest and left out\n", joined_names(resting));
+  out += "held out for the verdicts: " + joined_names(held_out) + "\n";
   for (const JointFrictionStudy& j : joints) {
     out += fmt::format("\njoint {} ({}): held-out error {} % with viscous and Coulomb friction, {} % with what is confirmed\n",
                        j.joint.value + 1, j.coordinate, in_percent(j.error_plain), in_percent(j.error));

@@ -41,7 +41,7 @@ Travel travel_of(const Model& arm, const std::vector<Recording>& recordings) {
     if (travels(low, high, c.prismatic)) {
       out.moving.push_back(i);
     } else {
-      out.held[c.name] = held_at(count > 0.0 ? sum / count : 0.0, c.prismatic);
+      out.held[c.name] = rounded_hold_position(count > 0.0 ? sum / count : 0.0, c.prismatic);
     }
   }
   return out;
@@ -67,7 +67,7 @@ MatrixXd torque_of(const Model& arm, const Recording& r) {
   return tau;
 }
 
-// Frees friction and offsets for identification; bodies of a MODEL stay fixed.
+// Frees friction and offsets for identification; bodies of an identified model stay fixed.
 Model with_open_friction(const Model& arm) {
   ModelDescription d = arm.description();
   d.identified.reset();
@@ -127,7 +127,7 @@ VectorXd torque_at_rest(const Model& arm, const VectorXd& q) {
   return tau;
 }
 
-// Where it went: at its onset, of a mean over a tenth of a second, a joint may rest still.
+// Direction of the displacement: at its onset, a mean over a tenth of a second, a joint may still be at rest.
 int direction_of(const VectorXd& q, const Ramp& ramp, double way) {
   Eigen::Index k = ramp.onset;
   while (k + 1 < ramp.end && std::abs(q[k] - q[ramp.rest]) <= way) ++k;
@@ -238,7 +238,7 @@ FrictionStudy study_friction(const Model& arm, const Recordings& recordings, con
   out.robot = arm.name();
   NamedRecordings<IdentificationOptions> named(recordings, test, options.identification);
   keep_recordings(named.how, KeptRecordings::kManyQuestions);
-  const RecordingOptions reading = reading_of(arm, named.how.preprocessing);
+  const RecordingOptions reading = recording_options_for(arm, named.how.preprocessing);
   const auto read = [&](const std::vector<std::string>& names) {
     std::vector<Recording> rows;
     for (const std::string& name : names) {

@@ -180,7 +180,7 @@ std::pair<double, double> MassCost::masses_below(double cost, const PlacedMass& 
     }
     return from;
   };
-  // From a mass away from zero.
+  // Searches from a mass away from zero.
   const auto outwards = [&](double mass, PlacedMass near) {
     while (std::abs(mass) < kHeaviestLoad) {
       const double next = std::clamp(kGrowth * mass, -kHeaviestLoad, kHeaviestLoad);
@@ -250,14 +250,14 @@ MassCost load_cost(const std::vector<RowSquares>& rows, const std::vector<RowSqu
   return {std::move(A), std::move(b), reach};
 }
 
-VectorXd beside_load(const std::vector<RowSquares>& rows, const std::vector<RowSquares>* without, const VectorXd& weights,
+VectorXd fitted_beside_load(const std::vector<RowSquares>& rows, const std::vector<RowSquares>* without, const VectorXd& weights,
                      int first, const std::vector<int>& beside, const InertialParameters& phi) {
   const Weighted sums = weighted(rows, without, weights, first, beside);
   const Eigen::Index n = sums.b.size() - kBodyParameters;
   return solve_scaled(sums.A.bottomRightCorner(n, n), VectorXd(sums.b.tail(n) - sums.A.bottomLeftCorner(n, kBodyParameters) * phi));
 }
 
-VectorXd squares_left(const std::vector<RowSquares>& rows, int first, const InertialParameters& phi,
+VectorXd residual_squares(const std::vector<RowSquares>& rows, int first, const InertialParameters& phi,
                       const std::vector<int>& beside, const VectorXd& values) {
   std::vector<int> set;
   for (int c = 0; c < kBodyParameters; ++c) set.push_back(first + c);

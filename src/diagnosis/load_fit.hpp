@@ -47,7 +47,7 @@ struct PlacedMass {
 
 /// phi' A phi - 2 b' phi + com' com / reach^2 over the parameters of a load: the change of the weighted
 /// squares with the other columns fitted beside it. Weights are in units of independent samples, so that the
-/// last term says how far a load usually is from its frame; directions that no torque sees stay at zero.
+/// last term is a prior on the distance of a load from its frame; undetermined directions stay at zero.
 class MassCost {
  public:
   MassCost(MatrixXd A, VectorXd b, double reach) : A_(std::move(A)), b_(std::move(b)), reach_(reach) {}
@@ -88,12 +88,12 @@ class MassCost {
 MassCost load_cost(const std::vector<RowSquares>& rows, const std::vector<RowSquares>* without, const VectorXd& weights,
                    int first, const std::vector<int>& beside, double reach);
 
-/// The columns of `beside` fitted with weights to what a load on `first` leaves.
-VectorXd beside_load(const std::vector<RowSquares>& rows, const std::vector<RowSquares>* without, const VectorXd& weights,
+/// Coefficients of the columns `beside`, fitted with weights to the residual of a load on `first`.
+VectorXd fitted_beside_load(const std::vector<RowSquares>& rows, const std::vector<RowSquares>* without, const VectorXd& weights,
                      int first, const std::vector<int>& beside, const InertialParameters& phi);
 
 /// Squared residual per joint of a load and these other columns.
-VectorXd squares_left(const std::vector<RowSquares>& rows, int first, const InertialParameters& phi,
+VectorXd residual_squares(const std::vector<RowSquares>& rows, int first, const InertialParameters& phi,
                       const std::vector<int>& beside, const VectorXd& values);
 
 /// Solves A x = b for A >= 0 whose columns may be zero or equal.

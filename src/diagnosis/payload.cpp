@@ -29,8 +29,8 @@ namespace {
 
 using namespace loads;
 
-// The frame that a link's frames are fixed to, itself if it moves; nothing: it is fixed to the world.
-std::optional<FrameIndex> mover(const Model& arm, std::optional<FrameIndex> frame) {
+// The frame that a link's frames are fixed to, itself if it moves; nullopt: it is fixed to the world.
+std::optional<FrameIndex> moving_frame(const Model& arm, std::optional<FrameIndex> frame) {
   while (frame && arm.frames()[frame->value].type == JointType::kFixed) frame = arm.frames()[frame->value].parent;
   return frame;
 }
@@ -46,9 +46,9 @@ std::vector<int> places_of(const Model& arm, const std::string& link) {
   }
   std::vector<int> out;
   for (int k = 0; k < static_cast<int>(arm.frames().size()); ++k) {
-    const std::optional<FrameIndex> own = mover(arm, FrameIndex{k});
+    const std::optional<FrameIndex> own = moving_frame(arm, FrameIndex{k});
     if (!own) continue;
-    const auto same = std::find_if(out.begin(), out.end(), [&](int other) { return mover(arm, FrameIndex{other}) == own; });
+    const auto same = std::find_if(out.begin(), out.end(), [&](int other) { return moving_frame(arm, FrameIndex{other}) == own; });
     if (same == out.end()) out.push_back(k);
     else *same = k;
   }
@@ -85,14 +85,14 @@ Model with_load(const Model& arm, const PayloadEstimate& load) {
   return Model(std::move(d));
 }
 
-// The values that an arm's effects were fitted to beside a load.
+// The arm with the effect values that were fitted together with a load.
 Model with_effects_of(const Model& arm, const Model& fitted) {
   ModelDescription d = arm.description();
   d.effects = fitted.effects();
   return Model(std::move(d));
 }
 
-// An arm whose values are facts, with a load on every place and what may have changed with it.
+// An arm with fixed values, with a load in every place and the effects that may have changed.
 struct Asked {
   Model arm;
   std::vector<std::string> columns;  // ten of each place, then the friction of joints
@@ -100,7 +100,7 @@ struct Asked {
   std::vector<std::vector<int>> friction;
 };
 
-Asked asked_arm(const Model& model, const std::vector<int>& places) {
+Asked arm_with_unknown_loads(const Model& model, const std::vector<int>& places) {
   ModelDescription d = with_fixed_parameters(model).description();
   const size_t bodies = model.bodies().size(), effects = d.effects.size();
   for (const int place : places) {
@@ -117,7 +117,7 @@ Asked asked_arm(const Model& model, const std::vector<int>& places) {
       EffectTerm term;
       term.effect = effect;
       term.axis = {VectorXd::Unit(model.joints(), i), 0.0};
-      // The step of an effect that the model has stays as smooth as it is.
+      // A change of an effect of the model keeps the effect's smoothness.
       for (const EffectTerm& own : model.effects())
         if (own.effect == effect && own.axis.coefficients == term.axis.coefficients) term.values = own.values;
       for (const EffectParameter& p : find_effect(effect).parameters()) term.values.erase(p.name);
@@ -153,7 +153,7 @@ class LoadFit {
     weights_ = weights(sample, band);
   }
 
-  bool felt() const {
+  bool is_observable() const {
     double load = 0.0, all = 0.0;
     for (const RowSquares& joint : rows_.total()) {
       load += joint.AA.diagonal().segment(first_, kBodyParameters).sum();
@@ -177,7 +177,7 @@ class LoadFit {
     intervals(whole, best, out);
     held_out(best, out);
     const InertialParameters none = InertialParameters::Zero();
-    const VectorXd drift = left(rows_.total(), nullptr, none), with = left(rows_.total(), nullptr, best.phi());
+    const VectorXd drift = remaining_squares(rows_.total(), nullptr, none), with = remaining_squares(rows_.total(), nullptr, best.phi());
     VectorXd before(model_.joints());
     for (int i = 0; i < model_.joints(); ++i) before[i] = std::max(rows_.total()[static_cast<size_t>(i)].bb, numerics::kTiny);
     out.explained = weights_.dot(drift) > 0.0 ? 1.0 - weights_.dot(with) / weights_.dot(drift) : 0.0;
@@ -191,10 +191,10 @@ class LoadFit {
     return load_cost(rows_.total(), without, weights_, first_, beside, reach_);
   }
 
-  // Squares left on `rows` by a load and the friction that all rows but `without` give beside it.
-  VectorXd left(const std::vector<RowSquares>& rows, const std::vector<RowSquares>* without, const InertialParameters& phi) const {
-    const VectorXd beside = beside_load(rows_.total(), without, weights_, first_, sets_.back(), phi);
-    return squares_left(rows, first_, phi, sets_.back(), beside);
+  // Residual squares on `rows` of a load and of the friction fitted with it to all rows but `without`.
+  VectorXd remaining_squares(const std::vector<RowSquares>& rows, const std::vector<RowSquares>* without, const InertialParameters& phi) const {
+    const VectorXd beside = fitted_beside_load(rows_.total(), without, weights_, first_, sets_.back(), phi);
+    return residual_squares(rows, first_, phi, sets_.back(), beside);
   }
 
   // 1 / variance of each joint's rows, per independent sample.
@@ -221,7 +221,7 @@ class LoadFit {
     };
     const Numbers centre = numbers(whole, best);
     out.inertia = centre.tail<6>();
-    // Scatter between phases (jackknife), and between what else may have changed with the load.
+    // Scatter between phases (jackknife), and between the alternative changes beside the load.
     const int clusters = rows_.clusters();
     Numbers sum = Numbers::Zero(), squares = Numbers::Zero();
     for (int k = 0; k < clusters; ++k) {
@@ -263,8 +263,8 @@ class LoadFit {
     VectorXd with = VectorXd::Zero(model_.joints()), before = with;
     for (int k = 0; k < rows_.clusters(); ++k) {
       const std::vector<RowSquares>& part = rows_.cluster(k);
-      with += left(part, &part, cost(sets_.back(), &part).fit(best).phi());
-      before += left(part, &part, none);
+      with += remaining_squares(part, &part, cost(sets_.back(), &part).fit(best).phi());
+      before += remaining_squares(part, &part, none);
     }
     for (int i = 0; i < model_.joints(); ++i)
       if (weights_[i] > 0.0 && with[i] > 0.0 && before[i] > 0.0 && model_.moves(place_, i)) out.gain += std::log(before[i] / with[i]);
@@ -291,8 +291,8 @@ bool same_torques(const LoadRows& rows, int a, int b) {
 }
 
 // Best first; of links whose gains are a tie, as in a diagnosis, the outermost comes first: what
-// hangs on the axis of a joint can be held by either of the links that it connects.
-void put_best_first(const Model& model, double tie, std::vector<PayloadEstimate>& links) {
+// is on the axis of a joint may be carried by either of the links that it connects.
+void sort_by_gain(const Model& model, double tie, std::vector<PayloadEstimate>& links) {
   std::stable_sort(links.begin(), links.end(), [](const auto& a, const auto& b) { return a.gain > b.gain; });
   if (links.empty()) return;
   const double least = tie * links.front().gain;
@@ -320,10 +320,10 @@ std::vector<std::string> unexplained(const Model& model, const PayloadEstimate& 
 
 // [kg] of the bodies of one link: of the prior if there is one, since torques alone determine no masses.
 double mass_on(const Model& model, const std::string& frame) {
-  const std::optional<FrameIndex> own = mover(model, FrameIndex{model.find_frame(frame)});
+  const std::optional<FrameIndex> own = moving_frame(model, FrameIndex{model.find_frame(frame)});
   double drawn = 0.0, valued = 0.0;
   for (const int k : model.bodies()) {
-    if (mover(model, FrameIndex{k}) != own) continue;
+    if (moving_frame(model, FrameIndex{k}) != own) continue;
     const Body& body = *model.frames()[k].body;
     valued += body.phi ? (*body.phi)[0] : 0.0;
     drawn += body.prior ? (*body.prior)[0] : 0.0;
@@ -337,7 +337,7 @@ struct Question {
   const Thresholds& limits;
 };
 
-// Fits a load on every link to rows of the arm of asked_arm().
+// Fits a load on every link to rows of the arm of arm_with_unknown_loads().
 void fit_loads(const Question& q, const Asked& asked, const std::vector<int>& places, const std::vector<CompressedRecording>& recordings,
                double sample, const VectorXd& band, const VectorXd& floor, PayloadReport& out) {
   const LoadRows rows(recordings, asked.columns, q.model.joints());
@@ -346,7 +346,7 @@ void fit_loads(const Question& q, const Asked& asked, const std::vector<int>& pl
     const int first = static_cast<int>(kBodyParameters * k);
     const std::string& name = q.model.frames()[places[k]].name;
     const LoadFit fit(q.model, rows, asked, places[k], first, sample, band);
-    if (!fit.felt()) continue;
+    if (!fit.is_observable()) continue;
     const auto twin = std::find_if(firsts.begin(), firsts.end(), [&](int other) { return same_torques(rows, other, first); });
     if (twin != firsts.end()) {
       out.links[static_cast<size_t>(twin - firsts.begin())].others.push_back(name);
@@ -358,7 +358,7 @@ void fit_loads(const Question& q, const Asked& asked, const std::vector<int>& pl
   out.links.erase(std::remove_if(out.links.begin(), out.links.end(), [](const PayloadEstimate& l) { return l.mass == 0.0; }), out.links.end());
   for (PayloadEstimate& link : out.links) link.most_off = mass_on(q.model, link.frame);
   for (PayloadEstimate& link : out.links) link.unexplained = unexplained(q.model, link, out.error_before, floor);
-  put_best_first(q.model, q.limits.tie, out.links);
+  sort_by_gain(q.model, q.limits.tie, out.links);
   if (out.links.empty()) {
     out.reason = "no link moves enough in these recordings to feel a load";
     return;
@@ -368,12 +368,12 @@ void fit_loads(const Question& q, const Asked& asked, const std::vector<int>& pl
 }
 
 // The report of an arm all of whose values are known.
-PayloadReport find_on(const Question& q, const std::string& robot, const std::vector<std::string>& recordings,
+PayloadReport payload_report(const Question& q, const std::string& robot, const std::vector<std::string>& recordings,
                       IdentificationOptions options) {
   PayloadReport out;
   out.smallest_gain = q.limits.smallest_change;
   out.robot = robot;
-  leave_wrong_velocities_out(q.model, recordings, {}, options);
+  exclude_wrong_velocities(q.model, recordings, {}, options);
   options.choose_velocities = false;
   Identification start = evaluate(q.model, recordings, {}, options);
   if (!start.model) {
@@ -388,15 +388,15 @@ PayloadReport find_on(const Question& q, const std::string& robot, const std::ve
   }
   out.error_before = start.train_error.relative;
   const std::vector<int> places = places_of(q.model, q.link);
-  const Asked asked = asked_arm(q.model, places);
+  const Asked asked = arm_with_unknown_loads(q.model, places);
   std::vector<CompressedRecording> factors = compress_all(asked.arm, recordings, options.preprocessing, options.threads);
   for (CompressedRecording& one : factors) merge_blocks(one, std::max(1, kMostClusters / static_cast<int>(factors.size())));
   fit_loads(q, asked, places, factors, kRowsPerSample, VectorXd::Zero(q.model.joints()), start.noise_floor, out);
   return out;
 }
 
-// Values that nobody measured explain a load as well as what hangs on the arm.
-void say_what_values_are(const Model& model, PayloadReport& out) {
+// Wrong values of the model could explain the torque of a load as well.
+void remark_on_values(const Model& model, PayloadReport& out) {
   if (model.description().values == RobotValues::kPrior && !model.description().identified)
     out.remarks.push_back("The values of '" + model.name() + "' are those of its drawing, not measured on this arm: what they lack "
                           "counts as load. `identify` on recordings without the load gives a MODEL to compare with");
@@ -415,18 +415,18 @@ PayloadReport find_payload(const Model& given_model, const Recordings& loaded,
   const std::vector<std::string>& recordings = named.train;
   PayloadReport out;
   if (has_all_values(given_model)) {
-    out = find_on({given_model, link, limits}, given_model.name(), recordings, named.how);
+    out = payload_report({given_model, link, limits}, given_model.name(), recordings, named.how);
   } else {
-    // Friction and load in turns: what is fitted without the load has a part of it.
+    // Fits friction and load in turns: friction fitted without the load absorbs a part of it.
     Model cad = with_fitted_effects(given_model, recordings, named.how);
     for (int turn = 0; turn < kTurns; ++turn) {
-      out = find_on({cad, link, limits}, given_model.name(), recordings, named.how);
+      out = payload_report({cad, link, limits}, given_model.name(), recordings, named.how);
       if (out.links.empty() || turn + 1 == kTurns) break;
       const Model loaded_arm = with_fitted_effects(with_load(given_model, out.links.front()), recordings, named.how);
       cad = with_effects_of(cad, loaded_arm);
     }
   }
-  say_what_values_are(given_model, out);
+  remark_on_values(given_model, out);
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return out;
 }
@@ -442,7 +442,7 @@ PayloadReport find_payload_at_rest(const Model& given, const std::vector<RestPos
   out.smallest_gain = limits.smallest_change;
   out.robot = given.name();
   const std::vector<int> places = places_of(model, link);
-  const Asked asked = asked_arm(model, places);
+  const Asked asked = arm_with_unknown_loads(model, places);
   std::vector<CompressedRecording> factors;
   VectorXd torque2 = VectorXd::Zero(model.joints()), left2 = torque2;
   for (const RestPoses& poses : loaded) {
@@ -454,7 +454,7 @@ PayloadReport find_payload_at_rest(const Model& given, const std::vector<RestPos
   }
   out.error_before = (left2.array() / torque2.array().max(numerics::kTiny)).sqrt();
   const VectorXd band = approached ? VectorXd(VectorXd::Zero(model.joints())) : dry_friction(given);
-  // The friction band as a share of each joint's torque; a joint that gravity leaves alone has nothing to explain.
+  // The friction band as a share of each joint's torque; a joint without gravity torque is not evaluated.
   double poses = 0.0;
   for (const RestPoses& one : loaded) poses += static_cast<double>(one.poses());
   VectorXd floor(model.joints());
@@ -471,7 +471,7 @@ PayloadReport find_payload_at_rest(const Model& given, const std::vector<RestPos
   else if (!approached)
     out.remarks.push_back("The model has no dry friction, which holds a resting joint anywhere within a band: the intervals know of it "
                           "only by the scatter of the poses");
-  say_what_values_are(given, out);
+  remark_on_values(given, out);
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return out;
 }
@@ -482,7 +482,7 @@ namespace {
 bool at_end(const PayloadEstimate& load) { return load.at_bound || std::abs(load.mass) >= kAtEnd * kHeaviestLoad; }
 
 // An interval of masses in words.
-std::string range_of(const PayloadEstimate& load) {
+std::string mass_interval_text(const PayloadEstimate& load) {
   const auto bound = [](double mass) {
     return fmt::format("{:.4g}{}", mass, std::abs(mass) >= kAtEnd * kHeaviestLoad ? " or beyond" : "");
   };
@@ -536,7 +536,7 @@ std::string PayloadReport::report() const {
     for (size_t c = 0; c < link.seen.size(); ++c)
       centre += told && link.seen[c] ? fmt::format("{:>8.3f}", link.com[static_cast<Eigen::Index>(c)]) : fmt::format("{:>8}", "-");
     out += fmt::format("  {:<22}{:>14}  {:<21}{}  {:>7.1f} %{:>10.3f}\n", link.frame, told ? fmt::format("{:.4g}", link.mass) : "not determined",
-                       range_of(link), centre, numerics::kPercent * std::max(0.0, link.explained),
+                       mass_interval_text(link), centre, numerics::kPercent * std::max(0.0, link.explained),
                        link.gain == 0.0 ? 0.0 : link.gain);
     for (const std::string& other : link.others)
       out += fmt::format("    or on {}: it moves so alike that the torques cannot tell\n", other);

@@ -53,7 +53,7 @@ ModelDescription on_free_base(ModelDescription arm) {
   return arm;
 }
 
-MatrixXd with_turns(const MatrixXd& of_joints, const MatrixXd& of_base) {
+MatrixXd stacked_turns(const MatrixXd& of_joints, const MatrixXd& of_base) {
   MatrixXd out(of_joints.rows(), of_joints.cols() + 2);
   out << of_joints, of_base;
   return out;
@@ -83,8 +83,8 @@ class BaseCompliance final : public ArmEffect {
     const Eigen::Index rows = motion.q.rows(), n = motion.q.cols();
     const MatrixXd none = MatrixXd::Zero(rows, 2);
     MatrixXd tau;
-    bodies.torques(with_turns(motion.q, none), with_turns(motion.dq, none),
-                   with_turns(motion.ddq, none), motion.phi, tau);
+    bodies.torques(stacked_turns(motion.q, none), stacked_turns(motion.dq, none),
+                   stacked_turns(motion.ddq, none), motion.phi, tau);
     std::vector<MatrixXd> out;
     for (int k = 0; k < 2; ++k) {
       MatrixXd x = none;  // per unit of compliance
@@ -92,10 +92,10 @@ class BaseCompliance final : public ArmEffect {
       const MatrixXd dx = differentiate(x, motion.dt), ddx = differentiate(dx, motion.dt);
       const double step = kSmallTurn / std::max(1e-9, x.cwiseAbs().maxCoeff());
       MatrixXd above, below;
-      bodies.torques(with_turns(motion.q, step * x), with_turns(motion.dq, step * dx),
-                     with_turns(motion.ddq, step * ddx), motion.phi, above);
-      bodies.torques(with_turns(motion.q, -step * x), with_turns(motion.dq, -step * dx),
-                     with_turns(motion.ddq, -step * ddx), motion.phi, below);
+      bodies.torques(stacked_turns(motion.q, step * x), stacked_turns(motion.dq, step * dx),
+                     stacked_turns(motion.ddq, step * ddx), motion.phi, above);
+      bodies.torques(stacked_turns(motion.q, -step * x), stacked_turns(motion.dq, -step * dx),
+                     stacked_turns(motion.ddq, -step * ddx), motion.phi, below);
       out.push_back((above - below).leftCols(n) / (2.0 * step));
     }
     return out;

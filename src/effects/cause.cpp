@@ -36,7 +36,7 @@ constexpr std::array<const char*, 11> kFrameNumbers = {"a", "alpha", "d",     "t
                                                        "z", "roll",  "pitch", "yaw",   "ratio of "};
 constexpr int kOfRow = 4;  // the first ones are of a DH row
 
-const char* word_for(FrameNumber number) {
+const char* frame_number_word(FrameNumber number) {
   return kFrameNumbers[static_cast<int>(number)];
 }
 
@@ -191,7 +191,7 @@ std::vector<FrameConstant> constants_of(const Model& arm, FrameIndex k) {
 }
 
 std::string name_of(const Model& arm, const FrameConstant& constant) {
-  const std::string word = word_for(constant.number);
+  const std::string word = frame_number_word(constant.number);
   return constant.joint ? word + arm.coordinates()[constant.joint->value].name : word;
 }
 
@@ -295,7 +295,7 @@ std::optional<JointIndex> acting_joint(const Model& arm, const Cause& cause) {
   return last;
 }
 
-bool alike(const Cause& a, const Cause& b) {
+bool same_cause(const Cause& a, const Cause& b) {
   return effect_of(a) == effect_of(b) && joint_of(a) == joint_of(b) && frame_of(a) == frame_of(b);
 }
 

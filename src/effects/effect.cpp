@@ -32,7 +32,7 @@ std::vector<double> spread(const EffectShape& shape) {
   return out;
 }
 
-std::vector<double> by_unit(const EffectShape& shape, const AxisMotion& motion) {
+std::vector<double> scaled_choices(const EffectShape& shape, const AxisMotion& motion) {
   if (shape.unit_revolute == "rad") return scaled(usual_lengths(), motion.travel);
   if (shape.unit_revolute == "rad/s") return scaled(usual_speeds(), motion.speed);
   return spread(shape);
@@ -61,7 +61,7 @@ std::optional<std::vector<double>> choices(const EffectShape& shape, const AxisM
       break;
   }
   if (!shape.searched) return std::nullopt;
-  return by_unit(shape, motion);
+  return scaled_choices(shape, motion);
 }
 
 }  // namespace

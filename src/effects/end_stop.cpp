@@ -39,7 +39,7 @@ class EndStop final : public AxisEffect, public WrittenInC {
     t.lasting = true;
     return t;
   }
-  // A bend of any force of position looks like one.
+  // Any curved force of position can look like a stop.
   bool imitates_others() const override { return true; }
   void columns(const AxisSample& x, const ShapeValues& shape, EffectState& /*state*/,
                EffectColumns& row) const noexcept override {

@@ -17,7 +17,7 @@ std::string two_digits(double value) {
 }
 
 // False where the unit starts with a power, which would apply to the prefix as well: no "ms^2".
-bool takes_prefix(const std::string& unit) {
+bool accepts_prefix(const std::string& unit) {
   const std::string first = unit.substr(0, unit.find_first_of(" /"));
   return first == "N" || first == "rad" || first == "m" || first == "s";
 }
@@ -28,7 +28,7 @@ std::string quantity(double value, const std::string& unit) {
   if (unit == "1") return two_digits(value);
   const bool small = value != 0.0 && std::abs(value) < kSmall;
   if (small && unit == "kg") return two_digits(1e3 * value) + " g";
-  if (small && takes_prefix(unit)) return two_digits(1e3 * value) + " m" + unit;
+  if (small && accepts_prefix(unit)) return two_digits(1e3 * value) + " m" + unit;
   return two_digits(value) + " " + unit;
 }
 

@@ -35,7 +35,7 @@ class Registry {
     file_names_.push_back(effect->name());
   }
 
-  const Effect& adopt(std::unique_ptr<const Effect> effect) {
+  const Effect& register_and_keep(std::unique_ptr<const Effect> effect) {
     owned_.push_back(std::move(effect));
     add(owned_.back().get());
     return *owned_.back();
@@ -155,7 +155,7 @@ const AxisEffect& find_axis_effect(const std::string& name) {
 const Effect& register_effect(std::unique_ptr<const Effect> effect) {
   require(effect != nullptr, "register_effect: found no effect.");
   check(*effect);
-  return Registry::instance().adopt(std::move(effect));
+  return Registry::instance().register_and_keep(std::move(effect));
 }
 
 // Defines the functions of effects/effect_names.hpp for the reader of robot files.

@@ -44,7 +44,7 @@ class TipForce final : public ArmEffect {
     t.holds_at_rest = true;
     return t;
   }
-  // Along few paths it is what springs, cables and wrong zeros are, too.
+  // Along few paths springs, cables and wrong zeros have the same torque.
   bool imitates_others() const override { return true; }
   std::vector<MatrixXd> columns(const ChannelMotion& motion, std::optional<JointIndex> /*joint*/) const override {
     ModelDescription d = motion.arm.description();

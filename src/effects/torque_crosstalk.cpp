@@ -22,7 +22,7 @@ class TorqueCrosstalk final : public SensorError {
     t.lasting = true;
     return t;
   }
-  // One torque of another joint imitates cables, springs and offsets.
+  // Another joint's torque can imitate cables, springs and offsets.
   bool imitates_others() const override { return true; }
   bool acts_on(int i, std::optional<JointIndex> joint) const override { return i == joint->value; }
   std::vector<MatrixXd> columns(const ChannelMotion& motion, std::optional<JointIndex> joint) const override {

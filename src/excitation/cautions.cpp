@@ -17,7 +17,7 @@ namespace {
 
 // Names of the coordinates for which the file gives no such limit.
 template <typename Lacks>
-std::vector<std::string> lacking(const Model& arm, const Lacks& lacks) {
+std::vector<std::string> missing_data_cautions(const Model& arm, const Lacks& lacks) {
   std::vector<std::string> out;
   for (const Coordinate& c : arm.coordinates()) {
     if (lacks(c)) out.push_back(c.name);
@@ -96,7 +96,7 @@ std::vector<std::string> cautions(const Model& arm, const ExcitationOptions& opt
       out.push_back(fmt::format("ASSUMED: a range of {:.3g} to {:.3g} {} for {}, of which the robot file gives no end (missing)",
                                 assumed.lower[i], assumed.upper[i], position_unit(c), c.name));
   }
-  const std::vector<std::string> speeds = lacking(arm, [](const Coordinate& c) { return !std::isfinite(c.limits.velocity); });
+  const std::vector<std::string> speeds = missing_data_cautions(arm, [](const Coordinate& c) { return !std::isfinite(c.limits.velocity); });
   if (!speeds.empty())
     out.push_back("ASSUMED: at most 2 rad/s (0.2 m/s of a slide) for " + listed(speeds) +
                   ", of which the robot file gives no speed limit (missing or 0)");
@@ -104,7 +104,7 @@ std::vector<std::string> cautions(const Model& arm, const ExcitationOptions& opt
     out.push_back("NOT CHECKED: torques, for the bodies have no values (--model M.yaml gives them)");
     return out;
   }
-  const std::vector<std::string> efforts = lacking(*powered, [](const Coordinate& c) { return !std::isfinite(c.limits.effort); });
+  const std::vector<std::string> efforts = missing_data_cautions(*powered, [](const Coordinate& c) { return !std::isfinite(c.limits.effort); });
   if (!efforts.empty())
     out.push_back("NOT LIMITED: torques of " + listed(efforts) + ", of which the robot file gives no effort limit (missing or 0)");
   if (efforts.size() < arm.coordinates().size() && !has_friction_values(*powered))

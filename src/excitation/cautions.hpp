@@ -11,7 +11,7 @@ namespace veridyn {
 /// frames that move.
 LowestPoint lowest_point(const Model& arm, const std::vector<Capsule>& shapes, const MotionSamples& motion);
 
-/// What was not checked and what was assumed, one sentence each, with the option that checks or gives it.
+/// Unchecked limits and assumptions, one sentence each, with the option that checks or sets it.
 /// @param powered  the arm whose efforts limit the torques, where there is one.
 std::vector<std::string> cautions(const Model& arm, const ExcitationOptions& options, const LowestPoint& lowest,
                                   const std::optional<Model>& powered);

@@ -156,7 +156,7 @@ class Design {
         space_(share_of(limits_, options), options.harmonics, options.frequency),
         signals_(arm, limits_, options.workspace, with_values(arm, options),
                  options.limit_share ? 0.0 : options.braking),
-        progress_(options.progress, options.starts, MotionSearch::most_steps(options)) {}
+        progress_(options.progress, options.starts, MotionSearch::expected_iterations(options)) {}
 
   Excitation run();
 
@@ -164,7 +164,7 @@ class Design {
   double seconds() const { return periods_ / options_.frequency; }
   bool stopped() const { return options_.stop && options_.stop(); }
   // True if the criterion depends on the choice of base columns.
-  bool choice_matters() const {
+  bool depends_on_base_choice() const {
     return options_.criterion == ExcitationCriterion::kCondition &&
            options_.scaling == ColumnScaling::kNorm;
   }
@@ -186,12 +186,12 @@ class Design {
   Candidate search(const std::shared_ptr<const Asked>& asked, int start, Found& found) const;
   Candidate widened(Candidate best, Found& found) const;
   double share_of_range(const VectorXd& x, int joint) const;
-  // Other criteria than these ask for one thing alone.
-  bool widens() const {
+  // Only these criteria need every joint to use its range.
+  bool uses_whole_range() const {
     return options_.solver != ExcitationSolver::kRandom &&
            (options_.criterion == ExcitationCriterion::kDOptimal || options_.criterion == ExcitationCriterion::kAOptimal);
   }
-  bool all_wide(const VectorXd& x) const {
+  bool uses_range_on_all_joints(const VectorXd& x) const {
     for (int i = 0; i < space_.joints(); ++i) {
       if (share_of_range(x, i) < kLittleUse) return false;
     }
@@ -213,7 +213,7 @@ class Design {
 };
 
 std::vector<int> Design::best_choice(const std::vector<int>& base, const VectorXd& x) const {
-  if (!choice_matters() || x.size() == 0) return base;
+  if (!depends_on_base_choice() || x.size() == 0) return base;
   MatrixXd gram = gram_of_all_columns(arm_, samples(x));
   for (const MotionSamples& before : options_.given) {
     const double lasts = before.time[before.rows() - 1] - before.time[0];
@@ -253,7 +253,7 @@ Design::Candidate Design::search(const std::shared_ptr<const Asked>& asked, int 
     Candidate next = polished({asked, end}, start, found);
     if (best.x.size() == 0 || next.cost < best.cost) best = std::move(next);
   }
-  progress_.over(start);
+  progress_.report_ended_search(start);
   return best;
 }
 
@@ -265,7 +265,7 @@ double Design::share_of_range(const VectorXd& x, int joint) const {
 // The best motion in which joints of little use have a larger range, one after the other, the least used
 // first; a joint that the limits hold stays where it is.
 Design::Candidate Design::widened(Candidate best, Found& found) const {
-  if (!widens() || best.x.size() == 0) return best;
+  if (!uses_whole_range() || best.x.size() == 0) return best;
   std::vector<int> order;
   for (int i = 0; i < space_.joints(); ++i) {
     const double most = (space_.limits().upper[i] - space_.limits().lower[i]) / (limits_.upper[i] - limits_.lower[i]);
@@ -368,7 +368,7 @@ void Design::describe(const Candidate& best, const VectorXd& random, Excitation&
   const double share = part ? options_.essential : kUsualShare;
   const EssentialColumns essential = essential_columns(arm_, share);
   if (part || !essential.non_essential.empty()) {
-    const BaseRegressor kept(arm_, choice_matters() && part ? asked.exact.base() : essential.kept);
+    const BaseRegressor kept(arm_, depends_on_base_choice() && part ? asked.exact.base() : essential.kept);
     out.essential = judge_essential(arm_, essential, share, kept, motion);
   }
   const std::optional<Model> known = values_of(arm_, options_);
@@ -403,7 +403,7 @@ Excitation Design::run() {
     const auto kept = options_.kept ? options_.kept(start) : std::nullopt;
     if (auto end = kept ? from_numbers(asked, *kept, found[own]) : std::nullopt) {
       ends[own] = std::move(*end);
-      progress_.over(start);
+      progress_.report_ended_search(start);
       return;
     }
     if (start > 0 && stopped()) return;
@@ -419,8 +419,8 @@ Excitation Design::run() {
   Candidate last = widened(*first, of_last);
   // Another start may have found a better motion of wide ranges.
   for (const Candidate& other : ends) {
-    const bool wide = widens() && other.x.size() > 0 && all_wide(other.x);
-    if (wide && last.x.size() > 0 && !all_wide(first->x) && (!all_wide(last.x) || other.cost < last.cost)) last = other;
+    const bool wide = uses_whole_range() && other.x.size() > 0 && uses_range_on_all_joints(other.x);
+    if (wide && last.x.size() > 0 && !uses_range_on_all_joints(first->x) && (!uses_range_on_all_joints(last.x) || other.cost < last.cost)) last = other;
   }
   const bool within = last.x.size() > 0;
   Excitation out{within ? ExcitationStatus::kDone : ExcitationStatus::kLimitsNotMet, arm_.name(),

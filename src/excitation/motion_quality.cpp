@@ -78,7 +78,7 @@ EssentialParameters judge_essential(const Model& arm, const EssentialColumns& co
 Discrimination judge_rivals(const Question& question, const MatrixXd& gram) {
   Discrimination out;
   std::tie(out.first, out.second) = question.rival_names;
-  const auto [first, second] = rivals_left(gram, question.scale, question.rivals);
+  const auto [first, second] = rival_remainders(gram, question.scale, question.rivals);
   const auto share = [](const RivalLeft& r) {
     return r.alone > 0.0 ? std::sqrt(r.left / r.alone) : 0.0;
   };

@@ -24,7 +24,7 @@ constexpr int kStates = 200;
 constexpr double kOfRms = 4.0;     // typical ratio of the largest effort to the rms torque
 constexpr double kBeyondCount = 1e9;  // relative deviation reported for a zero value
 
-double lasts(const MotionSamples& motion) {
+double duration_with_last_step(const MotionSamples& motion) {
   require(motion.rows() >= 2, "prediction: found a motion of ", motion.rows(),
           " rows, expected two or more.");
   return motion.time[motion.rows() - 1] - motion.time[0];
@@ -116,7 +116,7 @@ Prediction predict_identification(const Model& arm, const MotionSamples& motion,
   out.rms_torque = rms_torque(arm, motion);
   const VectorXd weights = noise.deviation.cwiseInverse();
   const auto information = [&](const MotionSamples& m) {
-    const double independent = lasts(m) / noise.seconds / static_cast<double>(m.rows());
+    const double independent = duration_with_last_step(m) / noise.seconds / static_cast<double>(m.rows());
     return MatrixXd(independent * regressor.columns()->gram(m, weights));
   };
   MatrixXd sum = information(motion);

@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kSlowest = 0.01;      // share of the largest speed
 constexpr double kFastest = 0.1;       // the same
-constexpr double kWayOut = 3.0;        // [s] duration of the way out
+constexpr double kWayOut = 3.0;        // [s] duration of the outward motion
 constexpr double kShortestWay = 0.3;   // [s] at a constant speed
 constexpr double kShortestRamp = 0.2;  // [s] from rest to the speed
 constexpr double kRoom = 0.95;         // share of the available range that is used
@@ -25,7 +25,7 @@ struct Point {
   double q = 0.0, dq = 0.0, ddq = 0.0;
 };
 
-double way_of(const Part& p) {
+double distance_of(const Part& p) {
   return 0.5 * (p.from + p.to) * p.seconds;
 }
 
@@ -33,7 +33,7 @@ Point at(const std::vector<Part>& parts, double t) {
   Point out;
   for (const Part& p : parts) {
     if (t > p.seconds) {
-      out.q += way_of(p);
+      out.q += distance_of(p);
       t -= p.seconds;
       continue;
     }

@@ -13,7 +13,7 @@ namespace veridyn {
 /// reversals, which a Fourier series passes quickly.
 ///
 /// The speeds of a joint's passes are spread logarithmically from 1 to 10 % of its largest one. A
-/// way out lasts 3 s, less where the range is too short.
+/// outward motion lasts 3 s, less where the range is too short.
 ///
 /// @param limits  of positions, speeds and accelerations.
 /// @param rest    (n) pose at the beginning and the end.

@@ -25,7 +25,7 @@ std::optional<double> plain_number(const std::string& text) {
   return error == std::errc{} ? value : std::numeric_limits<double>::infinity();
 }
 
-bool in_name(char c) {
+bool is_name_character(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
 }
 
@@ -35,8 +35,8 @@ mu::Parser parser_of(const std::string& expression, const Constants& constants) 
   parser.DefineConst("pi", M_PI);
   for (std::size_t at = 0; at < expression.size();) {
     std::size_t end = at;
-    const bool name = in_name(expression[at]) && std::isdigit(static_cast<unsigned char>(expression[at])) == 0;
-    while (name && end < expression.size() && in_name(expression[end])) ++end;
+    const bool name = is_name_character(expression[at]) && std::isdigit(static_cast<unsigned char>(expression[at])) == 0;
+    while (name && end < expression.size() && is_name_character(expression[end])) ++end;
     const auto known = constants.find(expression.substr(at, end - at));
     if (known != constants.end()) parser.DefineConst(known->first, known->second);
     at = std::max(end, at + 1);
@@ -45,7 +45,7 @@ mu::Parser parser_of(const std::string& expression, const Constants& constants) 
   return parser;
 }
 
-std::string hint(const mu::Parser::exception_type& error, const Constants& constants) {
+std::string error_hint(const mu::Parser::exception_type& error, const Constants& constants) {
   if (error.GetCode() != mu::ecUNASSIGNABLE_TOKEN) return "";
   std::vector<std::string> names{"pi"};
   for (const auto& [name, value] : constants) names.push_back(name);
@@ -57,7 +57,7 @@ std::string why(const mu::Parser::exception_type& error) {
   return "'" + error.GetToken() + "' is neither a number nor a constant";
 }
 
-double parsed(const std::string& expression, const Constants& constants) {
+double evaluated(const std::string& expression, const Constants& constants) {
   try {
     mu::Parser parser = parser_of(expression, constants);
     const double value = parser.Eval();
@@ -65,7 +65,7 @@ double parsed(const std::string& expression, const Constants& constants) {
             "' (several values, separated by commas)");
     return value;
   } catch (const mu::Parser::exception_type& error) {
-    throw InvalidInput(text("'", excerpt(expression), "' (", excerpt(why(error), 200), ")", hint(error, constants)));
+    throw InvalidInput(text("'", excerpt(expression), "' (", excerpt(why(error), 200), ")", error_hint(error, constants)));
   }
 }
 
@@ -73,7 +73,7 @@ double parsed(const std::string& expression, const Constants& constants) {
 
 double evaluate(const std::string& expression, const Constants& constants) {
   const std::optional<double> number = plain_number(expression);
-  const double value = number ? *number : parsed(expression, constants);
+  const double value = number ? *number : evaluated(expression, constants);
   require(std::isfinite(value), "'", excerpt(expression), "' (not finite)");
   return value;
 }

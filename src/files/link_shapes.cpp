@@ -37,18 +37,18 @@ Eigen::Isometry3d origin_of(const pugi::xml_node& shape) {
   return eigen(Posed{rotation_from_rpy(from_eigen(rpy)), from_eigen(three_numbers(origin.attribute("xyz"), {0, 0, 0}))});
 }
 
-// The file of a mesh, or nothing.
+// The file of a mesh, or nullopt.
 std::optional<std::string> mesh_path(const std::string& name, const fs::path& urdf) {
   std::vector<fs::path> folders;
   std::error_code ignored;
   for (fs::path at = fs::absolute(urdf, ignored).parent_path(); at != at.parent_path(); at = at.parent_path())
     folders.push_back(at);
   std::string rest = name;
-  const bool of_package = name.rfind("package://", 0) == 0;
-  if (of_package) rest = name.substr(10);
+  const bool package_command = name.rfind("package://", 0) == 0;
+  if (package_command) rest = name.substr(10);
   if (name.rfind("file://", 0) == 0) rest = name.substr(7);
-  if (!of_package) folders.resize(std::min<size_t>(1, folders.size()));
-  if (const char* own = std::getenv("ROS_PACKAGE_PATH"); own != nullptr && of_package) {
+  if (!package_command) folders.resize(std::min<size_t>(1, folders.size()));
+  if (const char* own = std::getenv("ROS_PACKAGE_PATH"); own != nullptr && package_command) {
     std::istringstream in(own);
     for (std::string folder; std::getline(in, folder, ':');) folders.emplace_back(folder);
   }
@@ -56,7 +56,7 @@ std::optional<std::string> mesh_path(const std::string& name, const fs::path& ur
   for (const fs::path& folder : folders) {
     if (fs::is_regular_file(folder / rest, ignored)) return (folder / rest).string();
     // The folder of the package itself may have another name.
-    if (of_package && slash != std::string::npos && fs::is_regular_file(folder / rest.substr(slash + 1), ignored))
+    if (package_command && slash != std::string::npos && fs::is_regular_file(folder / rest.substr(slash + 1), ignored))
       return (folder / rest.substr(slash + 1)).string();
   }
   return std::nullopt;
@@ -141,7 +141,7 @@ Fitted capsule_along(const Points& points, const Eigen::Vector3d& along) {
       first = std::min(first, p.dot(along) + beyond);
       last = std::max(last, p.dot(along) - beyond);
     }
-    // Where the two have crossed, one point between them is near enough to all.
+    // If the ends have crossed, a point between them is close enough to all points.
     if (first > last) first = last = 0.5 * (first + last);
     const Eigen::Vector3d on_line = middle.x() * u + middle.y() * v;
     const Fitted next{on_line + first * along, on_line + last * along, radius};
@@ -267,7 +267,7 @@ std::vector<Capsule> capsules_along_links(const Model& arm, double radius) {
     if (to.norm() > 1e-9) out.push_back({frame, {0, 0, 0}, to, radius});
   };
   for (const Frame& frame : arm.frames()) {
-    // To the joint the way belongs to the parent, from there on to the frame.
+    // The segment up to the joint belongs to the parent, the rest to the frame.
     add(frame.parent ? arm.frames()[frame.parent->value].name : "world", eigen(frame.A.p));
     add(frame.name, eigen(inverse(frame.B).p));
   }

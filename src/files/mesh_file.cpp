@@ -39,7 +39,7 @@ class MeshPoints {
   std::map<std::array<double, 3>, int> known_;
 };
 
-Mesh binary_stl(const std::string& path, const std::string& bytes, std::size_t count) {
+Mesh read_binary_stl(const std::string& path, const std::string& bytes, std::size_t count) {
   Mesh out;
   MeshPoints points(path, out);
   for (std::size_t k = 0; k < count; ++k) {
@@ -54,7 +54,7 @@ Mesh binary_stl(const std::string& path, const std::string& bytes, std::size_t c
   return out;
 }
 
-Mesh text_stl(const std::string& path, const std::string& content) {
+Mesh read_text_stl(const std::string& path, const std::string& content) {
   Mesh out;
   MeshPoints points(path, out);
   std::istringstream words(content);
@@ -71,7 +71,7 @@ Mesh text_stl(const std::string& path, const std::string& content) {
   return out;
 }
 
-Mesh obj(const std::string& path, const std::string& content) {
+Mesh read_obj(const std::string& path, const std::string& content) {
   Mesh out;
   std::istringstream lines(content);
   for (std::string line; std::getline(lines, line);) {
@@ -100,15 +100,15 @@ Mesh obj(const std::string& path, const std::string& content) {
   return out;
 }
 
-Mesh stl(const std::string& path, const std::string& content) {
+Mesh read_stl(const std::string& path, const std::string& content) {
   if (content.size() >= kStlHeader) {
     std::uint32_t count = 0;
     std::memcpy(&count, content.data() + 80, sizeof count);
-    if (content.size() == kStlHeader + kStlTriangle * count) return binary_stl(path, content, count);
+    if (content.size() == kStlHeader + kStlTriangle * count) return read_binary_stl(path, content, count);
   }
   require(content.compare(0, 5, "solid") == 0, path,
           ": found neither a text STL file nor a binary one with the triangles that it counts.");
-  return text_stl(path, content);
+  return read_text_stl(path, content);
 }
 
 }  // namespace
@@ -119,7 +119,7 @@ Mesh read_mesh(const std::string& path) {
   require(ending == ".stl" || ending == ".obj", path, ": found a mesh that ends in '", ending,
           "', expected .stl or .obj.");
   const std::string content = content_of_file(path, "a mesh");
-  const Mesh out = ending == ".stl" ? stl(path, content) : obj(path, content);
+  const Mesh out = ending == ".stl" ? read_stl(path, content) : read_obj(path, content);
   require(!out.triangles.empty(), path, ": found no triangles.");
   return out;
 }

@@ -6,7 +6,7 @@
 #include <iterator>
 
 #include "files/input_file.hpp"
-#include "files/beside_program.hpp"
+#include "files/path_near_program.hpp"
 #include "files/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "files/robot_format.hpp"
@@ -29,7 +29,7 @@ std::vector<fs::path> robot_folders() {
 #ifdef VERIDYN_ROBOTS_INSTALL_DIR
   folders.emplace_back(VERIDYN_ROBOTS_INSTALL_DIR);
 #endif
-  folders.emplace_back(beside_program("share/veridyn/robots"));
+  folders.emplace_back(path_near_program("share/veridyn/robots"));
   return folders;
 }
 

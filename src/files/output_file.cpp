@@ -24,7 +24,7 @@ int open_nameless(const std::string& path) {
 }
 
 // Names the file; a file of that name is replaced, which takes a second name for an instant.
-bool give_name(int descriptor, const std::string& aside, const std::string& path) {
+bool link_to_name(int descriptor, const std::string& aside, const std::string& path) {
   const std::string from = path_of(descriptor);
   const auto link_to = [&](const std::string& name) {
     return ::linkat(AT_FDCWD, from.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0;
@@ -65,7 +65,7 @@ void OutputFile::commit() {
   stream_.close();
   require(!stream_.fail(), path_, ": writing failed (disk full?); nothing was kept.");
   if (through_) return;
-  const bool named = nameless_ >= 0 ? give_name(nameless_, aside_, path_)
+  const bool named = nameless_ >= 0 ? link_to_name(nameless_, aside_, path_)
                                     : std::rename(aside_.c_str(), path_.c_str()) == 0;
   require(named, path_, ": cannot be replaced.");
   committed_ = true;

@@ -32,8 +32,8 @@ struct DepthWalker : pugi::xml_tree_walker {
   pugi::xml_node deep;
 };
 
-// The number at the beginning of the words, which are shortened by it; NaN if there is none.
-double take_number(const char*& at, const char* end) {
+// Parses the number at the beginning and advances `at` behind it; NaN if there is none.
+double parse_leading_number(const char*& at, const char* end) {
   if (at != end && *at == '+') ++at;
   double value = kNaN;
   const auto [after, error] = std::from_chars(at, end, value);
@@ -75,7 +75,7 @@ std::vector<double> XmlFile::numbers(pugi::xml_node at, const std::string& name,
   while (true) {
     while (next != end && std::isspace(static_cast<unsigned char>(*next))) ++next;
     if (next == end) break;
-    out.push_back(take_number(next, end));
+    out.push_back(parse_leading_number(next, end));
     if (!std::isfinite(out.back())) fail(at, name + " " + quoted(words), "finite numbers");
   }
   const int count = static_cast<int>(out.size());
@@ -91,7 +91,7 @@ double XmlFile::number(pugi::xml_node at, const std::string& name, const std::st
   const auto last = words.find_last_not_of(" \t\r\n");
   const std::string trimmed = first == std::string::npos ? std::string() : words.substr(first, last + 1 - first);
   const char* next = trimmed.data();
-  const double value = take_number(next, trimmed.data() + trimmed.size());
+  const double value = parse_leading_number(next, trimmed.data() + trimmed.size());
   if (std::isnan(value) || next != trimmed.data() + trimmed.size()) fail(at, name + " " + quoted(words), "a number");
   return value;
 }

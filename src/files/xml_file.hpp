@@ -22,7 +22,7 @@ class XmlFile {
   /// Line of an element, from 1.
   long line(pugi::xml_node at) const;
 
-  /// Numbers separated by white space. @throws InvalidInput  others than finite numbers, or a count
+  /// Numbers separated by white space. @throws InvalidInput  non-finite or no numbers, or a count
   /// outside of least ... most. @param name  what the message calls them.
   std::vector<double> numbers(pugi::xml_node at, const std::string& name, const std::string& words, int least,
                               int most) const;

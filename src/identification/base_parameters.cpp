@@ -65,7 +65,7 @@ std::vector<int> leading_columns(const MatrixXd& A, const std::vector<int>& orde
     }
     if (!too_many && static_cast<int>(chosen.size()) == rank) return chosen;
   }
-  // No threshold separates them: the best-conditioned set is taken, in whatever order.
+  // No threshold separates them: the best-conditioned set is used instead.
   const Eigen::ColPivHouseholderQR<MatrixXd> qr(A);
   std::vector<int> chosen;
   for (int i = 0; i < rank; ++i) chosen.push_back(qr.colsPermutation().indices()[i]);

@@ -70,7 +70,7 @@ BaseSolution solve_base(const std::vector<CompressedRecording>& recordings,
   const MatrixXd inverse =
       total.R().triangularView<Eigen::Upper>().solve(MatrixXd::Identity(total.size(), total.size()));
   out.white_std = inverse.rowwise().norm() * std::sqrt(out.residual2 / freedom);
-  take_deviations(solutions_without(blocks), out);
+  set_deviations(solutions_without(blocks), out);
   std::vector<double> ratios;
   for (Eigen::Index j = 0; j < out.beta.size(); ++j) {
     const double ratio = std::pow(out.white_std[j] / out.std[j], 2);
@@ -80,7 +80,7 @@ BaseSolution solve_base(const std::vector<CompressedRecording>& recordings,
   return out;
 }
 
-void take_deviations(const MatrixXd& without, BaseSolution& solution) {
+void set_deviations(const MatrixXd& without, BaseSolution& solution) {
   solution.clusters = static_cast<int>(without.cols());
   solution.scatter = solution.clusters < 3 ? MatrixXd(without.rows(), 0) : jackknife_factor(without);
   solution.std = solution.clusters < 3 ? VectorXd::Constant(without.rows(), std::numeric_limits<double>::quiet_NaN())

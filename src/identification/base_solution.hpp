@@ -38,7 +38,7 @@ BaseSolution solve_base(const std::vector<CompressedRecording>& recordings,
                         const std::vector<std::string>& names);
 
 /// Sets clusters, scatter and std from the estimates (base x clusters) that leave one cluster out each.
-void take_deviations(const MatrixXd& without, BaseSolution& solution);
+void set_deviations(const MatrixXd& without, BaseSolution& solution);
 
 /// 1 / (max - min) of every joint's torque over all recordings; one where it never changes.
 VectorXd range_weights(const std::vector<CompressedRecording>& recordings);

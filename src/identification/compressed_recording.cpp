@@ -63,7 +63,7 @@ class Blocks {
     });
   }
 
-  std::vector<std::vector<SquareRootInformation>> take() {
+  std::vector<std::vector<SquareRootInformation>> extract() {
     const auto empty = [](const std::vector<SquareRootInformation>& b) {
       return std::all_of(b.begin(), b.end(),
                          [](const SquareRootInformation& f) { return f.rows() == 0.0; });
@@ -191,7 +191,7 @@ CompressedRecording run_compress(const Model& arm, const std::string& source,
     add_facts(s, columns.filtered_torque(s), first, fold, out.joints);
   };
   out.facts = threads > 1 ? read_ahead(pass, visit) : pass(visit);
-  out.blocks = blocks.take();
+  out.blocks = blocks.extract();
   for (const auto& block : out.blocks) {
     for (const SquareRootInformation& factor : block) {
       require(factor.column_norms().allFinite() && std::isfinite(factor.rhs_norm2()), source, ": torques of robot '", arm.name(),
@@ -242,7 +242,7 @@ class ThinnedPositions {
 
 Recording first_positions(const Model& arm, const std::string& path,
                           const PreprocessingOptions& options) {
-  const OpenedRows rows = open_rows(path, reading_of(arm, options), options.kept.get());
+  const OpenedRows rows = open_rows(path, recording_options_for(arm, options), options.kept.get());
   ThinnedPositions positions;
   while (positions.duration() < identifying::numbers.period_time) {
     const Recording piece = rows.next(identifying::kPieceRows);
@@ -263,7 +263,7 @@ MotionPeriod period_of(const Model& arm, const std::string& path,
   const Recording* there = find_in_memory(options.in_memory, path);
   if (there == nullptr && options.kept && options.first_row == 0 && !options.row_count) {
     // The judgement of a short recording has found the period from the same positions.
-    const auto seen = options.kept->known_quality(path, rows_looked_at(arm, options));
+    const auto seen = options.kept->known_quality(path, inspected_rows(arm, options));
     if (seen && seen->rows < identifying::kPeriodRows && seen->duration < identifying::numbers.period_time &&
         seen->find("short_recording") == nullptr && seen->find("absurd_numbers") == nullptr)
       return seen->period;
@@ -298,7 +298,7 @@ class SeriesCollector {
     }
   }
 
-  // Frees what the columns have grown by.
+  // Releases unused memory of the columns.
   void finish() {
     if (series_ == nullptr) return;
     series_->time.shrink_to_fit();
@@ -382,7 +382,7 @@ CompressedRecording compress(const Model& arm, const Recording& recording,
 std::vector<CompressedRecording> compress_all(const Model& arm,
                                               const std::vector<std::string>& paths,
                                               const PreprocessingOptions& options, int threads) {
-  return of_each(paths, threads, [&](const std::string& path, int own) { return compress(arm, path, options, own); });
+  return compress_each(paths, threads, [&](const std::string& path, int own) { return compress(arm, path, options, own); });
 }
 
 ErrorSums::ErrorSums(int joints)
@@ -414,7 +414,7 @@ void ErrorSums::add(int i, double measured, double modelled, MovingSample moves)
 }
 
 PredictionError ErrorSums::error() const {
-  // Of a joint without torque an error is not a share of anything.
+  // A joint without torque has no relative error.
   const auto ratio = [](const VectorXd& a, const VectorXd& b) {
     return VectorXd(a.binaryExpr(b, [](double of, double to) { return of == 0.0 ? 0.0 : of / to; }));
   };

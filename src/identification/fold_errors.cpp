@@ -38,7 +38,7 @@ std::map<std::string, double> by_name(const std::vector<std::string>& names, con
   return out;
 }
 
-// Of the rows that were fitted.
+// Rms residuals of the fitted rows.
 VectorXd rms_residuals(const Model& arm, const Identification& id) {
   const auto values = by_name(parameter_names(standard_parameters(arm)), id.parameters);
   VectorXd squares = VectorXd::Zero(arm.joints());
@@ -55,7 +55,7 @@ VectorXd rms_residuals(const Model& arm, const Identification& id) {
 // Factor that inflates residuals with a longer correlation time to equivalent ones with one
 // independent sample in kNoiseSeconds. Noise held for T seconds (a zero-order hold) and a column that oscillates with
 // f hertz give sqrt(T / kNoiseSeconds) |sinc(pi f T)|.
-double as_if_independent(const Model& arm, const Identification& id) {
+double correlation_inflation(const Model& arm, const Identification& id) {
   double seconds = 0.0;
   for (const CompressedRecording& r : id.factors) seconds += r.facts.duration;
   if (!(id.effective_samples > 0.0)) return 1.0;
@@ -120,7 +120,7 @@ FoldErrors fold_errors(const Identification& fitted, const IdentificationOptions
   SquareRootInformation total(names);
   for (const SquareRootInformation& factor : factors) total.merge(factor);
   // Directions that the parts hardly determine (asymmetric Coulomb friction beside an offset differs at rest
-  // alone) keep the values of all parts, which they would else leave by far.
+  // alone) keep the values of all parts, from which they would otherwise differ much.
   const MatrixXd anchor = (std::sqrt(hold_out.new_share) * total.column_norms()).asDiagonal();
   for (size_t part = 0; part < parts.size(); ++part) {
     Identification without;
@@ -139,10 +139,10 @@ FoldErrors fold_errors(const Identification& fitted, const IdentificationOptions
   return out;
 }
 
-void keep_training_error(Identification& id) {
+void store_training_error(Identification& id) {
   ModelDescription description = id.model->description();
   description.identified->error = id.train_error.relative;
-  description.identified->noise = rms_residuals(*id.model, id) * as_if_independent(*id.model, id);
+  description.identified->noise = rms_residuals(*id.model, id) * correlation_inflation(*id.model, id);
   id.model = Model(std::move(description));
 }
 

@@ -64,7 +64,7 @@ bool rank_deficient(const Model& arm, const BaseParameters& arm_base,
                               : base_parameters(structure, preferred_columns(parameters));
   id.undetermined =
       undetermined_parameters(arm_base, determined, identifiable_factor(arm, 3).column_norms());
-  if (enough && id.undetermined.empty()) return false;  // what the still joint would tell are facts
+  if (enough && id.undetermined.empty()) return false;  // the parameters of the joint at rest are fixed
   id.status = IdentificationStatus::kRankDeficient;
   std::string open;
   int told = 0;
@@ -106,7 +106,7 @@ bool all_bodies_possible(const Model& arm, const VectorXd& parameters) {
   return true;
 }
 
-void keep_facts(const std::vector<StandardParameter>& parameters, VectorXd& values) {
+void restore_fixed_parameters(const std::vector<StandardParameter>& parameters, VectorXd& values) {
   for (size_t j = 0; j < parameters.size(); ++j) {
     if (parameters[j].fixed) values[static_cast<Eigen::Index>(j)] = parameters[j].value;
   }
@@ -125,7 +125,7 @@ void describe_base(const Model& arm, const BaseParameters& base, const VectorXd&
   }
 }
 
-void take_solution(const Model& arm, const std::vector<CompressedRecording>& recordings, const BaseParameters& base,
+void set_solution(const Model& arm, const std::vector<CompressedRecording>& recordings, const BaseParameters& base,
                    const BaseSolution& solution, const VectorXd& beta, Identification& id);
 
 // Computes all parameters from the factors.
@@ -177,23 +177,23 @@ void fit_base(const Model& arm, const std::vector<CompressedRecording>& recordin
   } else {
     id.parameters = shortest_parameters(base, solution.beta, norms);
   }
-  take_solution(arm, recordings, base, solution, beta, id);
+  set_solution(arm, recordings, base, solution, beta, id);
 }
 
 namespace {
 
 // Model and tables of a solution whose parameters are set.
-void take_solution(const Model& arm, const std::vector<CompressedRecording>& recordings, const BaseParameters& base,
+void set_solution(const Model& arm, const std::vector<CompressedRecording>& recordings, const BaseParameters& base,
                    const BaseSolution& solution, const VectorXd& beta, Identification& id) {
   const auto parameters = standard_parameters(arm);
-  keep_facts(parameters, id.parameters);
+  restore_fixed_parameters(parameters, id.parameters);
   id.feasible = all_bodies_possible(arm, id.parameters);
   describe_base(arm, base, beta, solution.std, id);
   ModelDescription description =
       with_values(arm, id.parameters, id.parameter_deviations).description();
   for (size_t k = 0; k < description.frames.size(); ++k) {
     if (description.frames[k].body)
-      description.frames[k].body->prior = maker_of(arm, *arm.frames()[k].body);
+      description.frames[k].body->prior = manufacturer_values(arm, *arm.frames()[k].body);
   }
   description.values = RobotValues::kFacts;
   description.identified = identified_base(base, parameters, solution, beta, recordings);
@@ -217,7 +217,7 @@ void refit_with_instruments(const Model& arm, const std::vector<CompressedRecord
   id.objective = fit.objective;
   id.parameters = shortest_parameters(base, fit.solution.beta, norms);
   id.base.clear();
-  take_solution(arm, recordings, base, fit.solution, fit.solution.beta, id);
+  set_solution(arm, recordings, base, fit.solution, fit.solution.beta, id);
 }
 
 }  // namespace
@@ -225,7 +225,7 @@ void refit_with_instruments(const Model& arm, const std::vector<CompressedRecord
 AskedArm::AskedArm(const Model& file, JointFriction friction)
     : file_(file), friction_(friction), used_(with_friction(file, friction)) {}
 
-bool AskedArm::leave_rotors_out() {
+bool AskedArm::drop_rotors() {
   Model lean = with_friction_alone(file_, friction_);
   const bool fewer = lean.effects().size() < used_.effects().size();
   used_ = std::move(lean);
@@ -237,7 +237,7 @@ std::string AskedArm::remark() const { return friction_remark(file_, used_); }
 namespace {
 
 // Removes columns of effects that the arm does not have, as in factors of an arm with more effects.
-void forget_other_columns(const Model& arm, std::vector<CompressedRecording>& recordings) {
+void drop_other_columns(const Model& arm, std::vector<CompressedRecording>& recordings) {
   const std::vector<std::string> names = parameter_names(standard_parameters(arm));
   const std::set<std::string> known(names.begin(), names.end());
   for (CompressedRecording& r : recordings) {
@@ -284,16 +284,16 @@ bool fit_arm(const Model& arm, const std::vector<CompressedRecording>& recording
 bool fit_factors(AskedArm& arm, std::vector<CompressedRecording>& recordings,
                  const IdentificationOptions& options, Identification& id) {
   const Identification question = id;
-  forget_other_columns(arm.used(), recordings);
-  bool done = fit_arm(arm.used(), recordings, options, id);
-  if (!done && id.status == IdentificationStatus::kRankDeficient && arm.leave_rotors_out()) {
+  drop_other_columns(arm.effective_arm(), recordings);
+  bool done = fit_arm(arm.effective_arm(), recordings, options, id);
+  if (!done && id.status == IdentificationStatus::kRankDeficient && arm.drop_rotors()) {
     id = question;
-    forget_other_columns(arm.used(), recordings);
-    done = fit_arm(arm.used(), recordings, options, id);
+    drop_other_columns(arm.effective_arm(), recordings);
+    done = fit_arm(arm.effective_arm(), recordings, options, id);
   }
   if (std::string remark = arm.remark(); !remark.empty())
     id.remarks.insert(id.remarks.begin(), std::move(remark));
-  for (const std::string& fault : physical_faults(arm.used()))
+  for (const std::string& fault : physical_faults(arm.effective_arm()))
     id.remarks.push_back("The robot file has what no arm has, and its values are no prior: " + fault + ".");
   return done;
 }
@@ -321,7 +321,7 @@ Identification identify_with_known_masses(const Model& arm, const std::vector<st
     plain.choose_velocities = false;  // decided for all recordings together, with the gains
     id = identify(with_drive_gains(arm, gains), gains.unloaded, test, plain);
   } else {
-    id = described(arm, options);
+    id = empty_identification(arm, options);
     id.status = IdentificationStatus::kNoDriveGains;
     id.reason = open;
   }
@@ -342,7 +342,7 @@ Identification identify_named(const Model& arm, const std::vector<std::string>& 
 namespace {
 
 // Torques so small that no body is as light: the model leaves more of a joint than there is.
-bool torques_are_none(Identification& id) {
+bool torques_are_negligible(Identification& id) {
   double largest = 0.0;
   for (const CompressedRecording& r : id.factors) {
     for (const TorqueFacts& joint : r.joints) largest = std::max({largest, joint.maximum, -joint.minimum});
@@ -361,14 +361,14 @@ Identification identify_compressed(const Model& file, std::vector<CompressedReco
                                    const std::vector<std::string>& train,
                                    const std::vector<std::string>& test,
                                    const IdentificationOptions& options, const RecordingPasses& passes) {
-  Identification id = described(file, options);
+  Identification id = empty_identification(file, options);
   const auto say = [&options](const std::string& what, double share) {
     if (options.progress) options.progress(what, share);
   };
   say("compressing", 0.0);
   const auto begin = std::chrono::steady_clock::now();
   AskedArm arm(file, options.friction);
-  for (CompressedRecording& r : passes.compress(arm.used(), train, id.preprocessing, options.threads))
+  for (CompressedRecording& r : passes.compress(arm.effective_arm(), train, id.preprocessing, options.threads))
     trained.push_back(std::move(r));
   for (CompressedRecording& r : trained)
     merge_blocks(r, blocks_of_each(static_cast<int>(trained.size())));
@@ -383,19 +383,19 @@ Identification identify_compressed(const Model& file, std::vector<CompressedReco
     id.remarks.push_back("The torque of " + names + " is zero throughout: it was not recorded, or nothing drove the joint. Its rows are "
                          "left out, and what it alone shows, as its friction, is not identified.");
     if (std::string friction = arm.remark(); !friction.empty()) id.remarks.push_back(std::move(friction));
-    arm = AskedArm(without_effects_of(silent, arm.used()), JointFriction::kFile);
-    leave_joints_out(silent, trained);
+    arm = AskedArm(without_effects_of(silent, arm.effective_arm()), JointFriction::kFile);
+    exclude_joints(silent, trained);
   }
   if (!fit_factors(arm, trained, options, id)) {
     if (!silent.empty()) id.reason += "; the torque of " + names + " is zero throughout, and the other joints alone do not determine the arm";
     return id;
   }
-  refit_with_instruments(arm.used(), trained, options, id);
+  refit_with_instruments(arm.effective_arm(), trained, options, id);
   say("validating", identifying::kValidating);
   id.factors = std::move(trained);
-  validate(arm.used(), test, options, passes, id);
-  if (torques_are_none(id)) return id;
-  keep_training_error(id);
+  validate(arm.effective_arm(), test, options, passes, id);
+  if (torques_are_negligible(id)) return id;
+  store_training_error(id);
   say("done", 1.0);
   return id;
 }
@@ -415,9 +415,9 @@ Identification identify(const Model& arm, const Recordings& train, const Recordi
                               [&](const IdentificationOptions& how) {
                                 return identify_named(arm, named.train, named.test, how);
                               });
-  forget_recordings(id);
+  drop_recordings(id);
   id.preprocessing.in_memory = options.preprocessing.in_memory;  // shared with the caller
-  train.placed_in(id.preprocessing.in_memory);
+  train.register_in(id.preprocessing.in_memory);
   return id;
 }
 

@@ -11,7 +11,7 @@
 
 namespace veridyn {
 
-/// All numbers that can change what `identify` says or which model it gives, outside of the feasible
+/// All numbers that can change the report or the model of `identify`, outside of the feasible
 /// solver, each with its inequality, and with its reason where one is known.
 struct IdentificationNumbers {
   // Which joints move, and where.
@@ -77,7 +77,7 @@ struct IdentificationNumbers {
   double untied = 1e-6;
 };
 
-/// What no answer turns on: definitions of what is printed, memory, and sound arithmetic.
+/// Numbers that change no result: definitions of printed figures, memory, and safe arithmetic.
 namespace identifying {
 
 constexpr IdentificationNumbers numbers;

@@ -22,7 +22,7 @@ double to_four_digits(double value) {
 
 // Compresses a factor of the covariance to at most as many columns as rows, if there are more than
 // kClustersKept.
-MatrixXd compact(const MatrixXd& scatter) {
+MatrixXd compressed_scatter(const MatrixXd& scatter) {
   if (scatter.cols() <= std::max<Eigen::Index>(kClustersKept, scatter.rows())) return scatter;
   const Eigen::HouseholderQR<MatrixXd> qr(scatter.transpose());
   const Eigen::Index k = scatter.rows();
@@ -70,7 +70,7 @@ IdentifiedBase identified_base(const BaseParameters& base,
   out.clusters = solution.clusters;
   if (out.clusters <= kClustersKept)
     out.motion = motion_of(recordings, out.clusters).unaryExpr(&to_four_digits);
-  const MatrixXd scatter = compact(solution.scatter);
+  const MatrixXd scatter = compressed_scatter(solution.scatter);
   for (int j = 0; j < base.size(); ++j) {
     IdentifiedParameter p;
     const auto own = static_cast<size_t>(base.independent[j]);

@@ -4,7 +4,7 @@
 
 namespace veridyn {
 
-/// The statistics of an identification for its MODEL file; numbers are rounded to nine digits.
+/// The statistics of an identification for its model file; numbers are rounded to nine digits.
 ///
 /// @param solution  unconstrained. @param beta      (base) of the model's parameters.
 IdentifiedBase identified_base(const BaseParameters& base,

@@ -43,7 +43,7 @@ VectorXd dry_friction(const Model& arm) {
 
 namespace {
 
-// The arm with what a resting arm shows. Whether dry friction is part of it depends on what is known.
+// The arm with the effects that act at rest; dry friction only if the approach is known.
 Model resting_arm(const Model& file, bool approached) {
   ModelDescription d = with_effects_at_rest(file, approached).description();
   d.identified.reset();
@@ -114,7 +114,7 @@ CompressedRecording compress(const Model& arm, const RestPoses& poses) {
 
 namespace {
 
-// Without effects that no pose shows: friction along an axis that was never approached would be any size.
+// Drops effects that no pose determines, such as friction along an axis that was never approached.
 Model without_idle_effects(const Model& arm, const std::vector<RestPoses>& poses) {
   const std::vector<StandardParameter> parameters = standard_parameters(arm);
   std::vector<char> acts(arm.effects().size(), 0);
@@ -156,7 +156,7 @@ std::vector<std::vector<double>> columns(const MatrixXd& m) {
 }
 
 // No joint moves: there is no error of moving rows.
-PredictionError of_rest(const ErrorSums& sums) {
+PredictionError rest_error(const ErrorSums& sums) {
   PredictionError out = sums.error();
   out.moving_relative.resize(0);
   return out;
@@ -172,7 +172,7 @@ RecordingError error_on(const Model& arm, const RestPoses& poses, const VectorXd
   all.add(sums);
   RecordingError out;
   out.source = poses.source;
-  out.error = of_rest(sums);
+  out.error = rest_error(sums);
   out.rows = static_cast<long>(poses.poses());
   for (Eigen::Index k = 0; k < poses.poses(); ++k) out.series.time.push_back(static_cast<double>(k));
   out.series.q = columns(poses.q);
@@ -186,7 +186,7 @@ RecordingError error_on(const Model& arm, const RestPoses& poses, const VectorXd
 }
 
 // Plausible bodies, as a prior for parameters that poses at rest do not determine.
-Model balls(const Model& arm) {
+Model with_ball_priors(const Model& arm) {
   ModelDescription d = arm.description();
   for (Frame& frame : d.frames) {
     if (!frame.body) continue;
@@ -210,9 +210,9 @@ double quantile(VectorXd values, double share) {
   return values[static_cast<Eigen::Index>(share * static_cast<double>(values.size() - 1))];
 }
 
-// How far torques spread about the model: dry friction of an approach that nobody wrote down, and what
-// else the model lacks.
-void say_bands(const Model& arm, const MatrixXd& residuals, bool approached, Identification& id) {
+// Reports the spread of torques about the model: dry friction of an unrecorded approach, and errors
+// of the model.
+void report_friction_bands(const Model& arm, const MatrixXd& residuals, bool approached, Identification& id) {
   std::string words;
   for (int i = 0; i < arm.joints(); ++i) {
     const Coordinate& c = arm.coordinates()[i];
@@ -250,8 +250,8 @@ Identification identify_at_rest(const Model& file, const std::vector<RestPoses>&
   });
   const Model arm = without_idle_effects(resting_arm(file, approached), train);
   IdentificationOptions how = options;
-  if (!how.prior && !has_prior(arm)) how.prior = arm.inertial_values() ? arm : balls(arm);
-  Identification id = described(arm, options);
+  if (!how.prior && !has_prior(arm)) how.prior = arm.inertial_values() ? arm : with_ball_priors(arm);
+  Identification id = empty_identification(arm, options);
   std::vector<CompressedRecording> factors;
   for (const RestPoses& poses : train) factors.push_back(compress(arm, poses));
   for (const CompressedRecording& r : factors) id.rows += r.rows;
@@ -271,13 +271,13 @@ Identification identify_at_rest(const Model& file, const std::vector<RestPoses>&
   MatrixXd residuals(0, arm.joints());
   for (const RestPoses& poses : train)
     id.train.push_back(error_on(arm, poses, id.parameters, of_train, residuals));
-  say_bands(arm, residuals, approached, id);
+  report_friction_bands(arm, residuals, approached, id);
   for (const RestPoses& poses : test)
     id.test.push_back(error_on(arm, poses, id.parameters, of_test, residuals));
-  id.train_error = of_rest(of_train);
-  if (!test.empty()) id.test_error = of_rest(of_test);
+  id.train_error = rest_error(of_train);
+  if (!test.empty()) id.test_error = rest_error(of_test);
   id.factors = std::move(factors);
-  keep_training_error(id);
+  store_training_error(id);
   id.remarks.insert(id.remarks.begin(),
                     text("Identified from ", static_cast<long>(id.rows / arm.joints()),
                          " poses at rest: they determine ", base.size(),

@@ -257,7 +257,7 @@ struct AllMoments {
 
   // (base x blocks) Estimates that leave one block out each.
   template <typename Estimate>
-  MatrixXd without_each(const Estimate& estimate) const {
+  MatrixXd leave_one_out(const Estimate& estimate) const {
     MatrixXd out(scale.size(), static_cast<Eigen::Index>(blocks.size()));
     for (size_t b = 0; b < blocks.size(); ++b) {
       CrossMoments rest = sum;
@@ -325,7 +325,7 @@ InstrumentalFit fit_with_instruments(const Model& arm, const std::vector<Compres
   std::vector<std::string> leading;
   for (const int j : base.independent) leading.push_back(names[j]);
   out.objective = weighted_total(joint_totals(recordings), weights, names).restricted(leading).residual2(out.solution.beta);
-  take_deviations(all.without_each(estimated), out.solution);
+  set_deviations(all.leave_one_out(estimated), out.solution);
   const double share = std::clamp(out.solution.effective_samples / std::max(1.0, all.rows), 0.0, 1.0);
   for (size_t i = 0; i < all.joints.size(); ++i) out.tests.push_back(endogeneity(all.totals[i], all.joints[i].count(), share));
   return out;
@@ -349,7 +349,7 @@ InstrumentalContrast contrast_with_repeats(const Model& arm, const std::vector<C
   out.least_squares = least_squares(all.sum);
   out.instrumental = instrumental(all.sum);
   const VectorXd deviation =
-      jackknife_deviations(all.without_each([&](const CrossMoments& m) { return VectorXd(instrumental(m) - least_squares(m)); }));
+      jackknife_deviations(all.leave_one_out([&](const CrossMoments& m) { return VectorXd(instrumental(m) - least_squares(m)); }));
   for (Eigen::Index k = 0; k < deviation.size(); ++k) {
     const double contrast = out.instrumental[k] - out.least_squares[k];
     if (deviation[k] > 0.0 && std::isfinite(contrast))

@@ -12,7 +12,7 @@
 namespace veridyn {
 namespace {
 
-bool adds(const Model& arm, JointFriction friction) {
+bool adds_friction(const Model& arm, JointFriction friction) {
   return friction == JointFriction::kPlain ||
          (friction == JointFriction::kAuto && has_no_friction(arm) &&
           arm.description().values == RobotValues::kPrior);
@@ -21,7 +21,7 @@ bool adds(const Model& arm, JointFriction friction) {
 bool is_rotor(const EffectTerm& term) { return term.effect == kRotorInertia; }
 
 // Adds to `plain` the rotor inertia of the joints where it is identifiable on its own.
-Model with_told_rotors(const Model& plain) {
+Model with_identifiable_rotors(const Model& plain) {
   const Model all = with_effect_of_all_joints(plain, kRotorInertia);
   const BaseParameters base = identifiable_base_parameters(all);
   const std::vector<StandardParameter> parameters = standard_parameters(all);
@@ -42,11 +42,11 @@ const char* name_of(JointFriction friction) {
 }
 
 Model with_friction_alone(const Model& arm, JointFriction friction) {
-  return adds(arm, friction) ? with_plain_friction(arm) : arm;
+  return adds_friction(arm, friction) ? with_plain_friction(arm) : arm;
 }
 
 Model with_friction(const Model& arm, JointFriction friction) {
-  return adds(arm, friction) ? with_told_rotors(with_plain_friction(arm)) : arm;
+  return adds_friction(arm, friction) ? with_identifiable_rotors(with_plain_friction(arm)) : arm;
 }
 
 std::string friction_remark(const Model& file, const Model& arm) {

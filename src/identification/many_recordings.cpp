@@ -27,7 +27,7 @@ void merge_blocks(CompressedRecording& recording, int most) {
   recording.blocks.shrink_to_fit();
 }
 
-std::vector<CompressedRecording> of_each(const std::vector<std::string>& paths, int threads,
+std::vector<CompressedRecording> compress_each(const std::vector<std::string>& paths, int threads,
                                          const std::function<CompressedRecording(const std::string&, int)>& read) {
   const auto count = static_cast<int>(paths.size());
   std::vector<CompressedRecording> out(paths.size());
@@ -38,7 +38,7 @@ std::vector<CompressedRecording> of_each(const std::vector<std::string>& paths, 
 std::vector<CompressedRecording> compress_many(const Model& arm,
                                                const std::vector<std::string>& paths,
                                                const PreprocessingOptions& options, int threads) {
-  return of_each(paths, threads, [&](const std::string& path, int own) {
+  return compress_each(paths, threads, [&](const std::string& path, int own) {
     CompressedRecording one = compress(arm, path, options, own);
     merge_blocks(one, blocks_of_each(static_cast<int>(paths.size())));
     return one;

@@ -20,7 +20,7 @@ CompressedRecording compress_facts(const Model& arm, const std::string& path,
                                    const PreprocessingOptions& options, int threads);
 
 /// The recordings of a list, read in parallel by read(path, threads), in the order of the list.
-std::vector<CompressedRecording> of_each(const std::vector<std::string>& paths, int threads,
+std::vector<CompressedRecording> compress_each(const std::vector<std::string>& paths, int threads,
                                          const std::function<CompressedRecording(const std::string&, int)>& read);
 
 /// Merges neighbouring blocks, joint by joint: half as many are left.
@@ -36,9 +36,9 @@ int blocks_of_each(int recordings);
 class AskedArm {
  public:
   AskedArm(const Model& file, JointFriction friction);
-  const Model& used() const { return used_; }
+  const Model& effective_arm() const { return used_; }
   /// Removes the rotor inertia that with_friction() added. False if there was none.
-  bool leave_rotors_out();
+  bool drop_rotors();
   std::string remark() const;  ///< friction_remark()
 
  private:
@@ -60,8 +60,8 @@ void fit_base(const Model& arm, const std::vector<CompressedRecording>& recordin
               std::vector<SquareRootInformation> joints, const BaseParameters& base,
               const IdentificationOptions& options, Identification& id);
 
-/// The errors of training go into the MODEL file with the statistics.
-void keep_training_error(Identification& id);
+/// The errors of training go into the model file with the statistics.
+void store_training_error(Identification& id);
 
 /// @throws InvalidInput  the factors belong to another arm, or have other settings.
 void require_factors_of(const Model& arm, const FactorSet& factors,

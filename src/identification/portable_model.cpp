@@ -35,7 +35,7 @@ constexpr const char* kRotorValue = "inertia";  // parameter of the effect
 const char* const kSymbols[] = {"m", "hx", "hy", "hz", "Lxx", "Lxy", "Lyy", "Lxz", "Lyz", "Lzz"};
 
 // A rod that connects the frame's joint, its origin and the joints attached to it.
-InertialVector rod(const Model& arm, int frame) {
+InertialVector rod_body(const Model& arm, int frame) {
   std::vector<Eigen::Vector3d> points = {Eigen::Vector3d::Zero(),
                                          eigen(inverse(arm.frames()[frame].B).p)};
   for (const Frame& child : arm.frames()) {
@@ -81,7 +81,7 @@ BodyPrior prior_of(const Model& arm, int frame, const std::optional<Model>& prio
   }
   const Body& own = *arm.frames()[frame].body;
   if (usable(own.prior)) return {with_size(*own.prior, kSmallestRadius)};
-  return {rod(arm, frame), false};
+  return {rod_body(arm, frame), false};
 }
 
 bool all_possible(const VectorXd& phi) {
@@ -160,7 +160,7 @@ VectorXd sizes_of(const std::vector<InertialVector>& priors, Eigen::Index rotors
   return out;
 }
 
-std::vector<PortableBody> described(const Model& arm, const BaseParameters& base,
+std::vector<PortableBody> portable_bodies(const Model& arm, const BaseParameters& base,
                                     const VectorXd& before) {
   std::vector<PortableBody> out;
   for (size_t b = 0; b < arm.bodies().size(); ++b) {
@@ -202,7 +202,7 @@ PortableModel portable_model(const Model& given, const std::optional<Model>& pri
   if (!given.description().identified) return out;
   const Model arm = rotors == RotorPlace::kArmatures ? with_all_rotors(given) : given;
   const BaseParameters base = base_parameters(arm);
-  out.bodies = described(given, base, *phi);
+  out.bodies = portable_bodies(given, base, *phi);
   const std::vector<Eigen::Index> free = free_columns(arm, rotors);
   FeasibleProblem problem;
   FeasibleOptions options;
@@ -234,7 +234,7 @@ PortableModel portable_model(const Model& given, const std::optional<Model>& pri
   options.entropic_prior.weight = 1.0;
   options.entropic_prior.phi = priors;
   options.gap_tolerance = 1e-7;
-  // The method of multipliers: what the prior pulls the torques' rows away by is added to their right side.
+  // The method of multipliers: the violation of the torques' rows is added to their right side.
   FeasibleResult found;
   VectorXd wanted = rows.b;
   for (int turn = 0; turn < kTurns; ++turn) {
@@ -243,7 +243,7 @@ PortableModel portable_model(const Model& given, const std::optional<Model>& pri
     wanted += rows.b - rows.A * found.x;
   }
   // Corrects rounding by the shortest step, in the prior's units, that restores the torques. A rotor
-  // inertia of nearly nothing is none.
+  // inertia near zero is set to zero.
   VectorXd x = found.x;
   VectorXd step_scale = scale;
   for (Eigen::Index j = of_bodies; j < columns; ++j) {
@@ -268,7 +268,7 @@ PortableModel portable_model(const Model& given, const std::optional<Model>& pri
               : count == static_cast<long>(drawn.size())
                   ? "the bodies of the robot file that the model was identified from"
                   : "the bodies of the robot file that the model was identified from, and " + rod_words + "other link";
-  out.bodies = described(out.arm, base, *phi);
+  out.bodies = portable_bodies(out.arm, base, *phi);
   return out;
 }
 
@@ -289,7 +289,7 @@ std::map<std::string, std::string> remarks_on(const PortableModel& model) {
 }
 
 // [m] radius of gyration of a body that is known as a point, such as a diagnosed load: simulators
-// refuse bodies without inertia. A kilogram gets 1e-6 kg m^2, below what torques of any arm tell.
+// refuse bodies without inertia. A kilogram gets 1e-6 kg m^2, below the resolution of any arm's torques.
 constexpr double kPointRadius = 1e-3;
 
 Model with_sizes_of_points(const Model& arm) {

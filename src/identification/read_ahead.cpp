@@ -26,7 +26,7 @@ class Queue {
   }
 
   // False at the end of the recording.
-  bool take(Segment& out) {
+  bool pop(Segment& out) {
     std::unique_lock<std::mutex> lock(guard_);
     changed_.wait(lock, [this] { return ended_ || !segments_.empty(); });
     if (segments_.empty()) return false;
@@ -67,7 +67,7 @@ PreparationFacts read_ahead(const StretchPass& pass, const VisitSegment& visit) 
     try {
       facts = pass([&queue](const Segment& s) { queue.put(s); });
     } catch (const ReaderStopped&) {
-      // The visitor's own exception has the reason.
+      // The visitor's exception is rethrown instead, since it has the reason.
     } catch (...) {
       failed = std::current_exception();
     }
@@ -81,7 +81,7 @@ PreparationFacts read_ahead(const StretchPass& pass, const VisitSegment& visit) 
   std::exception_ptr of_visitor;
   try {
     Segment segment;
-    while (queue.take(segment)) visit(segment);
+    while (queue.pop(segment)) visit(segment);
   } catch (...) {
     of_visitor = std::current_exception();
     queue.close();

@@ -13,7 +13,7 @@ namespace veridyn {
 namespace {
 
 RecordingOptions reading_poses(const Model& arm, const PreprocessingOptions& how, double rate) {
-  RecordingOptions reading = reading_of(arm, how);
+  RecordingOptions reading = recording_options_for(arm, how);
   if (reading.rate <= 0.0) reading.rate = rate;  // of a file without time
   reading.first_row = how.first_row;
   reading.row_count = how.row_count;
@@ -57,7 +57,7 @@ Recording corrected(const Model& arm, const Recording& r) {
   return rows;
 }
 
-// Segments in which nothing moves, one pose each. A velocity that is not there is no rest; and where rows
+// One pose for each segment without motion. A missing velocity does not count as rest; and where rows
 // were left out, or recordings joined, another position begins another pose with an unknown approach.
 RestPoses poses_between_motions(const Model& arm, const Recording& r) {
   const int n = arm.joints();
@@ -131,7 +131,7 @@ RestPoses read_rest_poses(const Model& arm, const std::string& path, const Prepr
 
 bool is_at_rest(const Model& arm, const std::string& path, const PreprocessingOptions& how) {
   if (find_in_memory(how.in_memory, path) != nullptr) return false;
-  const OpenedRows rows = open_rows(path, reading_of(arm, how), how.kept.get());
+  const OpenedRows rows = open_rows(path, recording_options_for(arm, how), how.kept.get());
   Recording piece = rows.next(identifying::kRestPiece);
   if (piece.rows() == 0 || piece.dq.size() == 0) return false;
   const Eigen::RowVectorXd first = piece.q.row(0);
@@ -141,7 +141,7 @@ bool is_at_rest(const Model& arm, const std::string& path, const PreprocessingOp
     piece = rows.next(identifying::kRestPiece);
   }
   if (piece.rows() > 0 || one_pose) return false;
-  return trust_in_velocities(glance_at(arm, {path}, how, 1)).wrong.empty();
+  return trust_in_velocities(quick_quality(arm, {path}, how, 1)).wrong.empty();
 }
 
 }  // namespace veridyn

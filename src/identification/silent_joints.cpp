@@ -40,7 +40,7 @@ Model without_effects_of(const std::set<int>& joints, const Model& arm) {
   return Model(std::move(d));
 }
 
-void leave_joints_out(const std::set<int>& joints, std::vector<CompressedRecording>& recordings) {
+void exclude_joints(const std::set<int>& joints, std::vector<CompressedRecording>& recordings) {
   for (CompressedRecording& r : recordings) {
     for (auto& block : r.blocks) {
       for (const int j : joints) {

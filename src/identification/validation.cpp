@@ -54,7 +54,7 @@ ErrorSums factor_errors(const Model& arm, const CompressedRecording& recording,
   return sums;
 }
 
-bool any(const std::vector<RecordingError>& recordings, PredictionError RecordingError::* figure) {
+bool any_has(const std::vector<RecordingError>& recordings, PredictionError RecordingError::* figure) {
   return std::any_of(recordings.begin(), recordings.end(), [figure](const RecordingError& r) {
     return (r.*figure).relative.size() > 0;
   });
@@ -69,7 +69,7 @@ PredictionError total(const std::vector<MeasuredErrors>& all, ErrorSums Measured
 
 }  // namespace
 
-Identification described(const Model& arm, const IdentificationOptions& options) {
+Identification empty_identification(const Model& arm, const IdentificationOptions& options) {
   Identification id;
   id.robot = arm.name();
   id.method = options.method;
@@ -170,7 +170,7 @@ std::vector<CompressedRecording> compress_test(const Model& arm,
                                                const std::vector<std::string>& test,
                                                const PreprocessingOptions& how, int threads) {
   const std::vector<CompressedRecording> out =
-      of_each(test, threads, [&](const std::string& path, int own) { return compress_facts(arm, path, how, own); });
+      compress_each(test, threads, [&](const std::string& path, int own) { return compress_facts(arm, path, how, own); });
   for (const CompressedRecording& r : out) {
     require(
         r.rows > 0.0, r.source,
@@ -180,7 +180,7 @@ std::vector<CompressedRecording> compress_test(const Model& arm,
   return out;
 }
 
-void take_errors(const Model& arm, std::vector<MeasuredRecording> train,
+void set_errors(const Model& arm, std::vector<MeasuredRecording> train,
                  std::vector<MeasuredRecording> test, Identification& id) {
   struct Part {
     std::vector<MeasuredRecording>& measured;
@@ -202,7 +202,7 @@ void take_errors(const Model& arm, std::vector<MeasuredRecording> train,
     }
     const auto figure = [&](PredictionError RecordingError::* of_one,
                             ErrorSums MeasuredErrors::* of_sums) {
-      return any(part.out, of_one) ? total(sums, of_sums, arm.joints()) : PredictionError();
+      return any_has(part.out, of_one) ? total(sums, of_sums, arm.joints()) : PredictionError();
     };
     part.error = figure(&RecordingError::error, &MeasuredErrors::as_recorded);
     if (detached) {
@@ -217,7 +217,7 @@ void take_errors(const Model& arm, std::vector<MeasuredRecording> train,
 
 namespace {
 
-// Says of each recording how much of it gaps take away.
+// Remarks on the share of each recording that gaps exclude.
 void remark_on_gaps(const std::vector<CompressedRecording>& recordings,
                     std::vector<std::string>& remarks) {
   for (const CompressedRecording& r : recordings) {
@@ -252,7 +252,7 @@ void validate(const Model& arm, const std::vector<std::string>& test, const Iden
               const RecordingPasses& passes, Identification& id) {
   const auto begin = std::chrono::steady_clock::now();
   MeasuredRecordings measured = passes.measure(arm, test, options.threads, id);
-  take_errors(arm, std::move(measured.train), std::move(measured.test), id);
+  set_errors(arm, std::move(measured.train), std::move(measured.test), id);
   for (const auto* recordings : {&id.factors, &measured.held_out}) remark_on_gaps(*recordings, id.remarks);
   id.seconds.validate =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -287,7 +287,7 @@ Identification evaluate_named(const Model& arm, const std::vector<std::string>& 
                               const IdentificationOptions& options) {
   require(!train.empty(), "evaluate: there is no recording.");
   require(has_all_values(arm), "evaluate: robot '", arm.name(), "' has parameters without values.");
-  Identification id = described(arm, options);
+  Identification id = empty_identification(arm, options);
   const Model facts = with_fixed_parameters(arm);
   const std::vector<StandardParameter> parameters = standard_parameters(facts);
   id.parameters.resize(static_cast<Eigen::Index>(parameters.size()));
@@ -317,10 +317,10 @@ Identification evaluate(const Model& arm, const Recordings& train, const Recordi
                         const IdentificationOptions& options) {
   NamedRecordings<IdentificationOptions> named(train, test, options);
   keep_recordings(named.how, KeptRecordings::kFewPasses);
-  const std::set<int> wrong = leave_wrong_velocities_out(arm, named.train, named.test, named.how);
+  const std::set<int> wrong = exclude_wrong_velocities(arm, named.train, named.test, named.how);
   Identification id = evaluate_named(arm, named.train, named.test, named.how);
   for (std::string& remark : remarks_on(wrong, arm)) id.remarks.push_back(std::move(remark));
-  forget_recordings(id);
+  drop_recordings(id);
   return id;
 }
 

@@ -9,7 +9,7 @@
 namespace veridyn {
 
 /// A result with the settings filled in and no values yet.
-Identification described(const Model& arm, const IdentificationOptions& options);
+Identification empty_identification(const Model& arm, const IdentificationOptions& options);
 
 /// Root mean square of the recordings' noise floors, relative, (n); empty if none has one.
 VectorXd mean_noise_floor(const std::vector<CompressedRecording>& recordings, int joints);
@@ -57,7 +57,7 @@ std::vector<CompressedRecording> compress_test(const Model& arm,
                                                const PreprocessingOptions& how, int threads);
 
 /// Fills train, test and their errors.
-void take_errors(const Model& arm, std::vector<MeasuredRecording> train,
+void set_errors(const Model& arm, std::vector<MeasuredRecording> train,
                  std::vector<MeasuredRecording> test, Identification& id);
 
 /// Fills train, test and their errors for id.parameters, on the recordings of id.factors and on

@@ -17,7 +17,7 @@ VectorXd logarithm(const VectorXd& relative) {
 
 RecordingQuality quality_of(const Model& arm, const std::string& name,
                             const PreprocessingOptions& how) {
-  const RecordingOptions reading = rows_looked_at(arm, how);
+  const RecordingOptions reading = inspected_rows(arm, how);
   const auto judge = [&] { return check_rows(name, open_rows(name, reading, how.kept.get())); };
   try {
     const Recording* there = find_in_memory(how.in_memory, name);
@@ -30,8 +30,8 @@ RecordingQuality quality_of(const Model& arm, const std::string& name,
 
 }  // namespace
 
-RecordingOptions rows_looked_at(const Model& arm, const PreprocessingOptions& how) {
-  RecordingOptions reading = reading_of(arm, how);
+RecordingOptions inspected_rows(const Model& arm, const PreprocessingOptions& how) {
+  RecordingOptions reading = recording_options_for(arm, how);
   reading.first_row = std::max(0L, how.first_row);
   reading.row_count = std::min(how.row_count.value_or(identifying::kLookedAt), identifying::kLookedAt);
   return reading;
@@ -67,7 +67,7 @@ VelocityChoice choose_velocities(const Identification& before, std::set<int> can
   return {};
 }
 
-std::vector<RecordingQuality> glance_at(const Model& arm,
+std::vector<RecordingQuality> quick_quality(const Model& arm,
                                         const std::vector<std::string>& recordings,
                                         const PreprocessingOptions& how, int threads) {
   std::vector<RecordingQuality> seen(recordings.size());
@@ -90,7 +90,7 @@ VelocityTrust trust_in_velocities(const Model& arm, const std::vector<std::strin
   if (!how.choose_velocities || from.velocity != VelocitySource::kRecorded ||
       from.filtering != Filtering::kMatched || !from.derive_velocity_of.empty())
     return {};
-  return trust_in_velocities(glance_at(arm, recordings, from, how.threads));
+  return trust_in_velocities(quick_quality(arm, recordings, from, how.threads));
 }
 
 Identification with_chosen_velocities(
@@ -125,7 +125,7 @@ Identification with_chosen_velocities(
   return std::move(*choice.fit);
 }
 
-std::set<int> leave_wrong_velocities_out(const Model& arm, const std::vector<std::string>& train,
+std::set<int> exclude_wrong_velocities(const Model& arm, const std::vector<std::string>& train,
                                          const std::vector<std::string>& test,
                                          IdentificationOptions& how) {
   std::vector<std::string> all = train;

@@ -34,12 +34,12 @@ VelocityChoice choose_velocities(const Identification& before, std::set<int> can
                                  double least,
                                  const std::function<Identification(const std::set<int>&)>& look);
 
-/// The rows of a recording from which glance_at() judges it.
-RecordingOptions rows_looked_at(const Model& arm, const PreprocessingOptions& how);
+/// The rows of a recording from which quick_quality() judges it.
+RecordingOptions inspected_rows(const Model& arm, const PreprocessingOptions& how);
 
 /// Quality of the first rows of each recording, sufficient for units and noise; empty if it cannot
 /// be read, which a later step reports.
-std::vector<RecordingQuality> glance_at(const Model& arm, const std::vector<std::string>& recordings,
+std::vector<RecordingQuality> quick_quality(const Model& arm, const std::vector<std::string>& recordings,
                                         const PreprocessingOptions& how, int threads);
 
 /// Takes the velocities of these joints from the position, in training and in held-out recordings.
@@ -63,7 +63,7 @@ Identification with_chosen_velocities(
 /// Replaces the velocities of a joint by those derived from its position, in `how`, if the velocities
 /// of any of these recordings are wrong (trust_in_velocities).
 /// @returns  the joints concerned.
-std::set<int> leave_wrong_velocities_out(const Model& arm, const std::vector<std::string>& train,
+std::set<int> exclude_wrong_velocities(const Model& arm, const std::vector<std::string>& train,
                                          const std::vector<std::string>& test,
                                          IdentificationOptions& how);
 

@@ -105,7 +105,7 @@ void PointMotion::update(const double* q, const double* dq) noexcept {
     v_ = v_ + cross(omega_, p - from);
     from = p;
   };
-  // First the point's velocity, then what the axes' velocities leave of it.
+  // First the point's velocity, then its remainder beyond each axis.
   for (const Axis& axis : axes_) {
     const double ds = along_joint(tree, axis.link, dq);
     move_to(axis.p);

@@ -73,7 +73,7 @@ class SquareRootInformation::Triangle {
     triangle_kernels().update({R_, A_, stride_, columns_, begun.data()});
   }
 
-  void give_to(SquareRootInformation& to) const {
+  void move_rows_to(SquareRootInformation& to) const {
     to.resize(k_);
     for (Eigen::Index i = 0; i < k_; ++i) {
       std::copy_n(R_ + i * stride_ + i, k_ - i, to.row(i).data());
@@ -115,7 +115,7 @@ SquareRootInformation::SquareRootInformation(std::vector<std::string> columns, M
   rows_ = rows;
 }
 
-bool SquareRootInformation::may_stay_open(Eigen::Index more) const {
+bool SquareRootInformation::may_defer_factorization(Eigen::Index more) const {
   return !is_triangle() && size() >= kManyColumns && 2 * (stored_rows() + more) <= size();
 }
 
@@ -127,7 +127,7 @@ void SquareRootInformation::resize(Eigen::Index rows) {
 
 SquareRootInformation SquareRootInformation::as_triangle() const {
   SquareRootInformation out(*this);
-  if (!is_triangle()) Triangle(*this, 0).give_to(out);
+  if (!is_triangle()) Triangle(*this, 0).move_rows_to(out);
   return out;
 }
 
@@ -149,7 +149,7 @@ void SquareRootInformation::absorb(const MatrixRef& A, const VectorRef& b) {
           " columns and equal rows.");
   if (A.rows() == 0) return;
   rows_ += static_cast<double>(A.rows());
-  if (may_stay_open(A.rows())) {
+  if (may_defer_factorization(A.rows())) {
     const Eigen::Index before = stored_rows();
     resize(before + A.rows());
     for (Eigen::Index i = 0; i < A.rows(); ++i) row(before + i) = A.row(i);
@@ -164,7 +164,7 @@ void SquareRootInformation::absorb(const MatrixRef& A, const VectorRef& b) {
     triangle.clear_rows_from(n);
     triangle.update(n, [](Eigen::Index) { return 0; });
   }
-  triangle.give_to(*this);
+  triangle.move_rows_to(*this);
 }
 
 void SquareRootInformation::merge(const SquareRootInformation& other, double weight) {
@@ -209,7 +209,7 @@ void SquareRootInformation::merge_known(const SquareRootInformation& other, doub
     for (size_t j = first; j < place.size(); ++j)
       if (place[j] >= 0) to[place[j]] = weight * from[static_cast<Eigen::Index>(j - first)];
   };
-  if (!other.is_triangle() && may_stay_open(count)) {
+  if (!other.is_triangle() && may_defer_factorization(count)) {
     const Eigen::Index before = stored_rows();
     resize(before + count);
     data_.tail(count * size()).setZero();
@@ -217,7 +217,7 @@ void SquareRootInformation::merge_known(const SquareRootInformation& other, doub
     z_.tail(count) = weight * other.z_.head(count);  // other may be this one
     return;
   }
-  // Row i begins at the first of its columns: in a triangle the beginnings never fall.
+  // Row i begins at the first of its columns: in a triangle the beginnings are non-decreasing.
   std::vector<int> begin(place.size() + 1, size());
   for (size_t j = place.size(); j-- > 0;) begin[j] = place[j] < 0 ? begin[j + 1] : std::min(begin[j + 1], place[j]);
   const double more = rho2_;
@@ -228,7 +228,7 @@ void SquareRootInformation::merge_known(const SquareRootInformation& other, doub
     triangle.row(i)[size()] = weight * other.z_[i];
   }
   triangle.update(count, [&](Eigen::Index i) { return begin[place.size() - static_cast<size_t>(other.row(i).size())]; });
-  triangle.give_to(*this);
+  triangle.move_rows_to(*this);
   rho2_ += more;
 }
 

@@ -122,7 +122,7 @@ void JointSensors::require_drive_gains(const Model& arm, const std::string& wher
   }
 }
 
-void JointSensors::show(const VectorXd& time, MatrixXd& q, MatrixXd& tau) const {
+void JointSensors::add_errors(const VectorXd& time, MatrixXd& q, MatrixXd& tau) const {
   q.rowwise() += offset_.transpose();
   for (Eigen::Index j = 0; j < tau.cols(); ++j) {
     if (delay_[j] > 0.0) tau.col(j) = delayed(tau.col(j), time, delay_[j]);
@@ -137,7 +137,7 @@ void JointSensors::show(const VectorXd& time, MatrixXd& q, MatrixXd& tau) const 
   for (Eigen::Index j = 0; j < tau.cols(); ++j) tau.col(j) *= gain_[j];
 }
 
-std::vector<std::string> JointSensors::in_words(const Model& arm) const {
+std::vector<std::string> JointSensors::descriptions(const Model& arm) const {
   std::vector<std::string> out;
   for (int j = 0; j < joints(); ++j) {
     const Coordinate& c = arm.coordinates()[j];

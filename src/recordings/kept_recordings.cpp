@@ -58,7 +58,7 @@ class MadeOnce {
   }
 
   // The value if it has been made; else null.
-  std::shared_ptr<const Made> made(const Key& key) {
+  std::shared_ptr<const Made> find_made(const Key& key) {
     const std::lock_guard<std::mutex> lock(mutex_);
     const auto found = all_.find(key);
     const bool ready = found != all_.end() && found->second.wait_for(std::chrono::seconds(0)) ==
@@ -151,7 +151,7 @@ RecordingQuality KeptRecordings::quality(const std::string& path, const Recordin
 
 std::shared_ptr<const RecordingQuality> KeptRecordings::known_quality(
     const std::string& path, const RecordingOptions& options) {
-  return state_->qualities.made(key_of(path, options));
+  return state_->qualities.find_made(key_of(path, options));
 }
 
 std::shared_ptr<const PreparedRecording> KeptRecordings::prepared(
@@ -174,7 +174,7 @@ PreparationKey preparation_key(const Model& arm, const std::string& recording,
   std::sort(choices.begin(), choices.end());
   choices.insert(choices.end(), {o.order, static_cast<int>(o.filtering), static_cast<int>(o.velocity),
                                  static_cast<int>(o.stale_rows)});
-  RecordingOptions reading = reading_of(arm, o);
+  RecordingOptions reading = recording_options_for(arm, o);
   reading.first_row = o.first_row;
   reading.row_count = o.row_count;
   return {key_of(recording, reading), std::move(numbers), std::move(choices)};

@@ -38,11 +38,11 @@ class KeptRecordings {
   };
   std::shared_ptr<const Whole> find(const std::string& path, const RecordingOptions& options);
 
-  /// What a recording's first rows say, judged by the first caller.
+  /// Quality of a recording's first rows, evaluated by the first caller.
   RecordingQuality quality(const std::string& path, const RecordingOptions& options,
                            const std::function<RecordingQuality()>& judge);
 
-  /// The same where it has been judged already; else null.
+  /// The same if it has been evaluated already; else null.
   std::shared_ptr<const RecordingQuality> known_quality(const std::string& path,
                                                         const RecordingOptions& options);
 

@@ -18,8 +18,8 @@ struct NamedRecordings {
 
   NamedRecordings(const Recordings& train_list, const Recordings& test_list, const Options& options)
       : how(options) {
-    train = train_list.placed_in(how.preprocessing.in_memory);
-    test = test_list.placed_in(how.preprocessing.in_memory);
+    train = train_list.register_in(how.preprocessing.in_memory);
+    test = test_list.register_in(how.preprocessing.in_memory);
     if (how.test_preprocessing)
       how.test_preprocessing->in_memory = how.preprocessing.in_memory;
   }
@@ -37,7 +37,7 @@ void keep_recordings(Options& how, long most_bytes) {
 /// Removes recordings in memory and callbacks from the options inside a result, which would keep
 /// them alive.
 template <typename Result>
-void forget_recordings(Result& result) {
+void drop_recordings(Result& result) {
   for (PreprocessingOptions* how : {&result.preprocessing, &result.test_preprocessing}) {
     how->in_memory.clear();
     how->kept.reset();

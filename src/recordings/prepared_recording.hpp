@@ -9,7 +9,7 @@
 namespace veridyn {
 
 /// A recording as the equations of motion take it under one setting: resampled, filtered and
-/// differentiated. Every question after the first visits these segments.
+/// differentiated. All passes after the first visit these segments.
 struct PreparedRecording {
   std::vector<Segment> segments;
   PreparationFacts facts;

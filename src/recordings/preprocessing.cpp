@@ -196,13 +196,13 @@ std::vector<WantedJoint> joints_of(const Model& arm) {
 
 Recordings read_recordings(const Model& arm, const std::vector<std::string>& paths,
                            const PreprocessingOptions& options) {
-  const RecordingOptions how = reading_of(arm, options);
+  const RecordingOptions how = recording_options_for(arm, options);
   Recordings out;
   for (const std::string& path : paths) out.add(read_recording(path, how));
   return out;
 }
 
-RecordingOptions reading_of(const Model& arm, const PreprocessingOptions& options) {
+RecordingOptions recording_options_for(const Model& arm, const PreprocessingOptions& options) {
   RecordingOptions reading;
   reading.columns = options.columns;
   reading.rate = options.header_rate;
@@ -213,7 +213,7 @@ RecordingOptions reading_of(const Model& arm, const PreprocessingOptions& option
 
 namespace {
 
-// Bytes of all segments of a recording of so many rows; less than none: they are not to be kept.
+// Bytes of all segments of a recording of so many rows; negative: they are not to be kept.
 long prepared_bytes(const Model& arm, const Recording* rows, const PreprocessingOptions& options) {
   if (rows == nullptr || rows->rows() < 2) return -1;
   const double seconds = rows->time[rows->rows() - 1] - rows->time[0];
@@ -226,7 +226,7 @@ PreparationFacts run_named(const Model& arm, const std::string& name,
                            const std::function<void(const Segment&)>& visit) {
   if (const Recording* there = find_in_memory(options.in_memory, name))
     return for_each_stretch_of(arm, name, *there, options, visit);
-  const OpenedRows rows = open_rows(name, reading_of(arm, options), options.kept.get());
+  const OpenedRows rows = open_rows(name, recording_options_for(arm, options), options.kept.get());
   return run(arm, name, rows.next, options, visit);
 }
 
@@ -238,7 +238,7 @@ PreparationFacts for_each_segment(const Model& arm, const std::string& path,
   if (!options.kept) return run_named(arm, path, options, visit);
   const Recording* rows = find_in_memory(options.in_memory, path);
   std::shared_ptr<const KeptRecordings::Whole> file;
-  if (rows == nullptr && (file = options.kept->find(path, reading_of(arm, options)))) rows = &file->rows;
+  if (rows == nullptr && (file = options.kept->find(path, recording_options_for(arm, options)))) rows = &file->rows;
   const auto prepared = options.kept->prepared(
       preparation_key(arm, path, options), prepared_bytes(arm, rows, options), [&] {
         PreparedRecording out;

@@ -12,7 +12,7 @@ constexpr Eigen::Index kFewest = 20;  // rows of a segment
 
 std::vector<MotionSamples> recorded_motion(const Model& arm, const std::string& path,
                                            const PreprocessingOptions& how) {
-  RecordingOptions reading = reading_of(arm, how);
+  RecordingOptions reading = recording_options_for(arm, how);
   reading.first_row = how.first_row;
   reading.row_count = how.row_count;
   Recording rows = read_recording(path, reading);

@@ -18,7 +18,7 @@ namespace veridyn {
 std::vector<MotionSamples> recorded_motion(const Model& arm, const std::string& path,
                                            const PreprocessingOptions& how = {});
 
-/// @throws InvalidInput  a recording has another number of joints than the arm; the message names the way on.
+/// @throws InvalidInput  a recording has another number of joints than the arm; the message names the option that helps.
 void require_joints_of(const Model& arm, int found, const std::string& recording);
 
 }  // namespace veridyn

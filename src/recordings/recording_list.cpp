@@ -36,7 +36,7 @@ void Recordings::add(std::shared_ptr<const Recording> recording) {
   in_memory_.emplace(name, std::move(recording));
 }
 
-std::vector<std::string> Recordings::placed_in(RecordingsInMemory& memory) const {
+std::vector<std::string> Recordings::register_in(RecordingsInMemory& memory) const {
   std::vector<std::string> out;
   for (const std::string& name : names_) {
     const auto own = in_memory_.find(name);

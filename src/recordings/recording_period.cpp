@@ -125,7 +125,7 @@ class Differences {
         longest_(static_cast<int>(kLongestShare * static_cast<double>(grid.q.rows()))),
         values_(static_cast<std::size_t>(longest_) + 1, -1.0) {}
 
-  int longest() const { return longest_; }
+  int longest_lag() const { return longest_; }
 
   double operator()(int lag, double most = kDeep) {
     double& value = values_[lag];
@@ -136,7 +136,7 @@ class Differences {
   // True if an estimate of d from kSampledTimes only exceeds `most`. The estimate is a lower bound:
   // positions are smooth, and samples that all fall on one phase of the motion make d look smaller,
   // never larger.
-  bool is_above(double most, int lag) {
+  bool exceeds(double most, int lag) {
     const Eigen::Index columns = rows_.cols();
     const Eigen::Index times = rows_.rows() - lag;
     const Eigen::Index count = std::min<Eigen::Index>(times, kSampledTimes);
@@ -173,11 +173,11 @@ class Differences {
 int coarse_period(const Grid& grid) {
   Differences d(grid);
   int lag = 0;
-  while (lag <= d.longest() && (!d.is_above(kSurelyRisen * kRisen, lag) || d(lag, kRisen) <= kRisen)) ++lag;
+  while (lag <= d.longest_lag() && (!d.exceeds(kSurelyRisen * kRisen, lag) || d(lag, kRisen) <= kRisen)) ++lag;
   std::vector<int> minima;
   double best = kDeep;
-  for (++lag; lag < d.longest(); ++lag) {
-    if (d.is_above(kSuspected * kDeep, lag) || d(lag) > kDeep) continue;
+  for (++lag; lag < d.longest_lag(); ++lag) {
+    if (d.exceeds(kSuspected * kDeep, lag) || d(lag) > kDeep) continue;
     if (d(lag) > d(lag - 1) || d(lag) > d(lag + 1)) continue;
     minima.push_back(lag);
     best = std::min(best, d(lag));

@@ -84,7 +84,7 @@ class WithoutHeldJoints : public recordings::RowSource {
   }
 
  private:
-  static constexpr double kHeldStill = 0.01;  // [rad] or [m], from where it is said to stand
+  static constexpr double kHeldStill = 0.01;  // [rad] or [m] from the position at which it is declared to rest
 
   std::unique_ptr<recordings::RowSource> whole_;
   std::vector<HeldJoint> held_;

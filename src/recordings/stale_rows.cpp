@@ -135,7 +135,7 @@ std::string filled_text(const FilledRows& filled, long rows) {
 SoundRows::SoundRows(Source source) : source_(std::move(source)) {}
 
 // Number of held rows that are final and not yet returned.
-int SoundRows::settled() const {
+int SoundRows::settled_rows() const {
   if (held_.rows() == 0) return 0;
   int end = held_.rows();
   if (!ended_) {
@@ -146,7 +146,7 @@ int SoundRows::settled() const {
 }
 
 // Drops rows that are too old to be neighbours of coming ones.
-void SoundRows::forget() {
+void SoundRows::clear_position_history() {
   const double next = held_.time[std::min(given_, held_.rows() - 1)];
   int first = 0;
   while (first < given_ && held_.time[first] < next - kLongest) ++first;
@@ -155,12 +155,12 @@ void SoundRows::forget() {
 }
 
 Recording SoundRows::next(int rows) {
-  while (!ended_ && settled() < rows) {
+  while (!ended_ && settled_rows() < rows) {
     Recording more = source_(rows);
     ended_ = more.rows() == 0;
     if (!ended_) append(held_, std::move(more));
   }
-  const int count = std::min(rows, settled());
+  const int count = std::min(rows, settled_rows());
   if (count == 0) return {};
   Recording out = rows_of(held_, given_, count);
   Filling filling(held_, given_, out);
@@ -169,7 +169,7 @@ Recording SoundRows::next(int rows) {
   filled_.count += here.count;
   filled_.age += here.age;
   given_ += count;
-  forget();
+  clear_position_history();
   return out;
 }
 

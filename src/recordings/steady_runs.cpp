@@ -52,7 +52,7 @@ bool travels(double from, double to, bool prismatic) {
   return to - from >= (prismatic ? kTravelSlide : kTravelTurn);
 }
 
-double held_at(double position, bool prismatic) {
+double rounded_hold_position(double position, bool prismatic) {
   const double step = 0.5 * (prismatic ? kTravelSlide : kTravelTurn);
   return step * std::round(position / step);
 }

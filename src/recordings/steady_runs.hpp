@@ -26,6 +26,6 @@ bool travels(double from, double to, bool prismatic);
 
 /// Position at which a joint that does not travel is held, rounded to 10 mrad or 1 mm: an axis
 /// tilted by less would add an unidentifiable parameter.
-double held_at(double position, bool prismatic);
+double rounded_hold_position(double position, bool prismatic);
 
 }  // namespace veridyn

@@ -19,7 +19,7 @@ class ColumnSource {
   virtual int count() const = 0;
 
   /// True if a row depends on the rows before it.
-  virtual bool remembers() const { return false; }
+  virtual bool has_memory() const { return false; }
 
   /// Columns that can differ from zero in the rows of a joint, ascending.
   virtual std::vector<int> columns(int joint) const = 0;

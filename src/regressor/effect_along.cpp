@@ -11,7 +11,7 @@ struct RowRange {
   Eigen::Index first, count;
 };
 
-void take_samples(const BoundEffect& effect, const MotionView& motion, const MatrixXd& load,
+void fill_samples(const BoundEffect& effect, const MotionView& motion, const MatrixXd& load,
                   double start, const RowRange& rows, std::vector<AxisSample>& out) {
   const EffectTerm& term = effect.term();
   AxisSample origin;
@@ -42,7 +42,7 @@ void take_samples(const BoundEffect& effect, const MotionView& motion, const Mat
 }
 
 // Columns of samples in order of time, into rows from `first` on.
-void take_columns(BoundEffect& effect, const std::vector<AxisSample>& samples, Eigen::Index first,
+void fill_columns(BoundEffect& effect, const std::vector<AxisSample>& samples, Eigen::Index first,
                   MatrixXd& columns) {
   EffectColumns row{};
   for (const AxisSample& sample : samples) {
@@ -75,7 +75,7 @@ VectorXd effort_along(const Axis& axis, const MatrixXd& tau) {
 std::vector<AxisSample> axis_samples(const BoundEffect& effect, const MotionView& motion,
                                      const MatrixXd& load, double start) {
   std::vector<AxisSample> out;
-  take_samples(effect, motion, load, start, {0, motion.rows()}, out);
+  fill_samples(effect, motion, load, start, {0, motion.rows()}, out);
   return out;
 }
 
@@ -87,15 +87,15 @@ MatrixXd columns_along(const BoundEffect& effect, const MotionView& motion, cons
   std::vector<AxisSample> samples;
   for (Eigen::Index first = 0; first < motion.rows(); first += kBlockRows) {
     const Eigen::Index count = std::min(kBlockRows, motion.rows() - first);
-    take_samples(effect, motion, load, start, {first, count}, samples);
-    take_columns(own, samples, first, columns);
+    fill_samples(effect, motion, load, start, {first, count}, samples);
+    fill_columns(own, samples, first, columns);
   }
   return columns;
 }
 
 MatrixXd ColumnsInPieces::next(const std::vector<AxisSample>& samples) {
   MatrixXd columns(samples.size(), effect_.parameter_count());
-  take_columns(effect_, samples, 0, columns);
+  fill_columns(effect_, samples, 0, columns);
   return columns;
 }
 

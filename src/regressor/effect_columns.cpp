@@ -55,7 +55,7 @@ class EffectSource final : public ColumnSource {
   }
 
   int count() const override { return bound_.parameter_count(); }
-  bool remembers() const override { return remembers_; }
+  bool has_memory() const override { return remembers_; }
   std::vector<int> columns(int joint) const override {
     std::vector<int> out;
     for (int p = 0; p < count() && axis()[joint] != 0.0; ++p) out.push_back(p);
@@ -94,7 +94,7 @@ class EffectSource final : public ColumnSource {
     } else {
       slopes_without_memory(samples, w, by_input);
     }
-    chain(m, by_input, slopes);
+    apply_chain_rule(m, by_input, slopes);
   }
 
  private:
@@ -205,7 +205,7 @@ class EffectSource final : public ColumnSource {
   }
 
   // Chain rule from the axis to the coordinates.
-  void chain(const MotionSamples& m, const MatrixXd& by_input, MatrixXd& slopes) const {
+  void apply_chain_rule(const MotionSamples& m, const MatrixXd& by_input, MatrixXd& slopes) const {
     const Eigen::Index n = m.joints();
     for (Eigen::Index part = 0; part < 3; ++part) {
       for (Eigen::Index i = 0; i < n; ++i) {

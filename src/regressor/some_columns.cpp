@@ -12,7 +12,7 @@ class SomeColumns final : public ColumnSource {
       : from_(std::move(from)), kept_(std::move(kept)) {}
 
   int count() const override { return static_cast<int>(kept_.size()); }
-  bool remembers() const override { return from_->remembers(); }
+  bool has_memory() const override { return from_->has_memory(); }
   std::vector<int> columns(int joint) const override {
     std::vector<int> out;
     for (const auto& [own, theirs] : places(joint)) {

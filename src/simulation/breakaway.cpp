@@ -40,7 +40,7 @@ class Push {
     const double first = effort_at(time, in_.tau.col(joint_), ramp.rest);
     const double slope = (event.recorded - first) / length;
     event.simulated = kNaN;
-    if (!settle(home, first, speed)) {
+    if (!creep_to_rest(home, first, speed)) {
       event.simulated = first;
       event.simulated_at = time[ramp.rest] - time[0];
       return;
@@ -65,7 +65,7 @@ class Push {
  private:
   // Lets the joint creep, heavily damped, until it rests under the recorded effort, so that
   // friction with memory reaches its recorded state. False if the model does not rest under it.
-  bool settle(const VectorXd& home, double effort, double speed) {
+  bool creep_to_rest(const VectorXd& home, double effort, double speed) {
     while (engine_.time() < kSettle) {
       const double v = engine_.dq()[joint_];
       if (!step(home, effort - kHeavy * gains_.d[joint_] * v)) return false;

@@ -128,11 +128,11 @@ class Loop {
     }
     const double follow = options_.drive.lag > 0.0 ? 1.0 - std::exp(-h / options_.drive.lag) : 1.0;
     for (Eigen::Index i = 0; i < n_; ++i) {
-      motors_[i] += follow * (in_steps(std::clamp(whole_[i], -limit_[i], limit_[i])) - motors_[i]);
+      motors_[i] += follow * (quantised(std::clamp(whole_[i], -limit_[i], limit_[i])) - motors_[i]);
     }
   }
 
-  double in_steps(double tau) const {
+  double quantised(double tau) const {
     const double step = options_.drive.step;
     return step > 0.0 ? std::round(tau / step) * step : tau;
   }
@@ -187,7 +187,7 @@ void check(const Model& arm, const MotionSamples& m, const LoopOptions& o) {
 }
 
 // The joint that has run away, or -1.
-int run_away(const VectorXd& q, const VectorXd& wanted, const VectorXd& range) {
+int runaway_joint(const VectorXd& q, const VectorXd& wanted, const VectorXd& range) {
   for (Eigen::Index i = 0; i < q.size(); ++i) {
     if (std::abs(q[i] - wanted[i]) > kFar * range[i]) return static_cast<int>(i);
   }
@@ -196,7 +196,7 @@ int run_away(const VectorXd& q, const VectorXd& wanted, const VectorXd& range) {
 
 }  // namespace
 
-std::string EngineRun::why(const Model& arm) const {
+std::string EngineRun::stop_reason(const Model& arm) const {
   const std::string who =
       joint ? "joint " + arm.coordinates()[*joint].name : "the arm";
   return fmt::format("stopped at {:.6g} s: {} {}", stopped_at, who, describe(status));
@@ -249,7 +249,7 @@ EngineRun run_with_pid(Engine& engine, const Model& arm, const MotionSamples& se
         log.stop(k + 1, status, engine);
         return log.take();
       }
-      const int lost = run_away(engine.q(), wanted.q, range);
+      const int lost = runaway_joint(engine.q(), wanted.q, range);
       if (lost < 0) continue;
       log.stop(k + 1, StepStatus::kRanAway, engine, lost);
       return log.take();

@@ -55,7 +55,7 @@ class Injector {
     size_t term = out_.arm.effects().size() - terms_.size();
     const Model sized = with_sensible_effects(out_.arm);
     for (const size_t injected : terms_) {
-      require(was_given(term) || has_force(sized.effects()[term]), "effect '", asked_[injected],
+      require(has_all_values(term) || has_force(sized.effects()[term]), "effect '", asked_[injected],
               "': found no sensible size for it on this arm, expected its parameters.");
       out_.effects[injected].values = sized.effects()[term].values;
       ++term;
@@ -245,7 +245,7 @@ class Injector {
   }
 
   // True if the request gave all parameters of a term.
-  bool was_given(size_t term) const {
+  bool has_all_values(size_t term) const {
     return EffectFacts(out_.arm, out_.arm.effects()[term]).has_values();
   }
 

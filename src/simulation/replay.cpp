@@ -66,7 +66,7 @@ bool any(const EffectTerm& /*term*/) {
 
 // The reference that a PD with these gains must have had to give tau: e = wanted - actual follows
 // de/dt = (tau - p e) / d, solved exactly for a torque that is constant over a row.
-void lead(MotionSamples& wanted, const MatrixXd& tau, const PidGains& gains) {
+void reference_from_torques(MotionSamples& wanted, const MatrixXd& tau, const PidGains& gains) {
   for (Eigen::Index i = 0; i < tau.cols(); ++i) {
     const double p = gains.p[i];
     const double d = gains.d[i];
@@ -119,7 +119,7 @@ Replay replay(Engine& engine, const Model& arm, const ReplayInput& input,
     MotionSamples wanted = input.motion;
     wanted.q = low_pass(fused_positions(wanted, low_pass), options.set_point_cutoff);
     if (options.drive == ReplayDrive::kCommands)
-      lead(wanted, low_pass(input.tau, options.set_point_cutoff), loop.gains);
+      reference_from_torques(wanted, low_pass(input.tau, options.set_point_cutoff), loop.gains);
     // The reference velocity must be the derivative of the reference: a recorded velocity that lags
     // or has a wrong scale would act through the damping as a torque.
     wanted.dq = differentiate(wanted.q, dt);
@@ -127,7 +127,7 @@ Replay replay(Engine& engine, const Model& arm, const ReplayInput& input,
     out.run = run_with_pid(engine, arm, wanted, loop);
   }
   const Eigen::Index done = out.run.motion.rows();
-  require(done >= kFewestRows, "replay: ", out.run.why(arm), ", after ", done, " rows.");
+  require(done >= kFewestRows, "replay: ", out.run.stop_reason(arm), ", after ", done, " rows.");
   compare_motion(input, out);
   const auto load = [&](const MotionSamples& motion) {
     return low_pass(rigid_torques(arm, motion), kLoadCutoffShare * options.cutoff);

@@ -7,7 +7,7 @@
 namespace veridyn {
 ReplayInput replay_input(const Model& arm, const std::string& recording, PreprocessingOptions how) {
   ReplayInput out;
-  out.quality = check_recording(recording, reading_of(arm, how));
+  out.quality = check_recording(recording, recording_options_for(arm, how));
   const std::set<int> wrong = trust_in_velocities({out.quality}).wrong;
   how.derive_velocity_of.assign(wrong.begin(), wrong.end());
   for (const int joint : wrong) {

@@ -90,7 +90,7 @@ void add_torque_noise(const SensorNoise& noise, unsigned seed, Eigen::Index join
 }
 
 // Makes every row show the state shortly before its time.
-void come_late(const SensorNoise& noise, unsigned seed, MotionSamples& motion, MatrixXd& tau) {
+void delay_rows(const SensorNoise& noise, unsigned seed, MotionSamples& motion, MatrixXd& tau) {
   const VectorXd time = motion.time;
   VectorXd shown = time;
   RandomNumbers random = stream(seed, kLate, 0);
@@ -153,7 +153,7 @@ MotionSamples with_tracking_deviation(const Model& arm, const MotionSamples& wan
 
 void measure(const Model& arm, const SensorNoise& noise, unsigned seed, MotionSamples& motion,
              MatrixXd& tau) {
-  if (noise.delay > 0.0 || noise.late > 0.0) come_late(noise, seed, motion, tau);
+  if (noise.delay > 0.0 || noise.late > 0.0) delay_rows(noise, seed, motion, tau);
   for (Eigen::Index i = 0; i < motion.joints(); ++i) {
     const double step = amount(arm, noise.encoder_step, i);
     if (step > 0.0) motion.q.col(i) = (motion.q.col(i).array() / step).round() * step;

@@ -28,7 +28,7 @@ ControlledRecording simulate_controlled(const Model& arm, const MotionSamples& w
   loop.contacts = injected.contacts;
   const auto engine = make_engine(options.engine, injected.arm);
   EngineRun run = run_with_pid(*engine, injected.arm, wanted, loop);
-  require(run.motion.rows() > 0, "simulation: ", run.why(arm), ", before the first row.");
+  require(run.motion.rows() > 0, "simulation: ", run.stop_reason(arm), ", before the first row.");
   ControlledRecording out{{injected.arm, injected.effects, run.motion, run.tau, run.motion, {}},
                           run,
                           loop.gains,

@@ -39,7 +39,7 @@ void record(const Model& arm, const PerturbedArm& plant, const SimulationOptions
             SimulatedRecording& out) {
   out.measured = out.actual;
   out.tau = out.actual_tau;
-  plant.sensors.show(out.actual.time, out.measured.q, out.tau);
+  plant.sensors.add_errors(out.actual.time, out.measured.q, out.tau);
   measure(arm, options.noise, options.seed, out.measured, out.tau);
 }
 

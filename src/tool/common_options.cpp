@@ -179,7 +179,7 @@ void warn_of_shared_recordings(const std::vector<std::string>& train,
   for (const std::string& path : test) {
     if (std::any_of(train.begin(), train.end(),
                     [&path](const std::string& other) { return same_recording(path, other); }))
-      say("warning: " + path + " is both learned from and tested on: its error is not held out.");
+      print_message("warning: " + path + " is both learned from and tested on: its error is not held out.");
   }
 }
 
@@ -195,7 +195,7 @@ void warn_of_repeated_recordings(const std::vector<std::string>& train) {
   for (const std::vector<std::string>& files : alike) {
     if (files.size() == 1) continue;
     const size_t others = files.size() - 2;
-    say("warning: " + files[1] +
+    print_message("warning: " + files[1] +
         (others == 0 ? " holds the same as " + files[0] + " and counts"
                      : fmt::format(" and {} other{} hold the same as {} and count", others, others == 1 ? "" : "s", files[0])) +
         " once more: error bars come out too small; give it once.");

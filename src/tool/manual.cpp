@@ -246,7 +246,7 @@ std::string to_json(const std::vector<CommandHelp>& help) {
                    {"sections", sections}, {"notes", one.page.notes}, {"examples", entries_json(one.page.examples)},
                    {"commands", one.commands}, {"options", one.options}});
   }
-  return written(out);
+  return json_text(out);
 }
 
 std::vector<CommandHelp> help_from_json(const std::string& json, const std::string& program) {

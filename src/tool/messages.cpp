@@ -83,7 +83,7 @@ class Lines {
     if (stage == stage_ && seconds_since(said_) < kQuietFor) return;
     stage_ = stage;
     said_ = Clock::now();
-    say(what + estimate_.left(share));
+    print_message(what + estimate_.left(share));
   }
 
  private:
@@ -121,7 +121,7 @@ std::string command_line(const std::vector<std::string>& words) {
   return out;
 }
 
-void say(const std::string& line) {
+void print_message(const std::string& line) {
   to_standard_error("{}veridyn: {}\n", on_terminal() ? kClearLine : "", excerpt(line, line.size()));
 }
 
@@ -168,7 +168,7 @@ void Busy::show() {
       to_standard_error("{}{}, {} s", kClearLine, what_, seconds);
       std::fflush(stderr);
     } else if (seconds == 1) {
-      say(what_);
+      print_message(what_);
     }
   }
   if (terminal) to_standard_error("{}", kClearLine);

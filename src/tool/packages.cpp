@@ -49,7 +49,7 @@ bool matches(const std::string& argument, const std::string& word) {
 }
 
 // The first argument that makes the call the package's; empty: none.
-std::string word_for(const PackageCommand& row, const std::vector<std::string>& arguments) {
+std::string matching_argument(const PackageCommand& row, const std::vector<std::string>& arguments) {
   for (std::size_t k = 1; k < arguments.size(); ++k) {
     for (const std::string& word : row.words)
       if (matches(arguments[k], word)) return arguments[k].substr(0, arguments[k].find('='));
@@ -107,20 +107,20 @@ std::optional<int> pass_to_package(const std::vector<std::string>& arguments) {
   for (const PackageCommand& row : package_commands()) {
     if (call.front() != row.command) continue;
     const bool extended = row.summary.empty();
-    const std::string word = extended ? word_for(row, call) : "";
+    const std::string word = extended ? matching_argument(row, call) : "";
     const bool help = extended && word.empty() && std::any_of(call.begin(), call.end(), is_help);
     if (extended && word.empty() && !help) continue;
     const std::string program = found_program(row.program);
     if (!program.empty() && arguments.front() == "help" && arguments.size() > 2) {
       const std::vector<std::string> below = commands_below(row);
       if (std::find(below.begin(), below.end(), arguments[2]) == below.end()) {
-        say("found '" + arguments[2] + "', expected " + (below.empty() ? "nothing after '" + arguments[1] + "'" : "one of " + listed(below) + did_you_mean(arguments[2], below)));
+        print_message("found '" + arguments[2] + "', expected " + (below.empty() ? "nothing after '" + arguments[1] + "'" : "one of " + listed(below) + did_you_mean(arguments[2], below)));
         return kWrongUsage;
       }
     }
     if (!program.empty()) become(program, call);
     if (help) continue;
-    say("'" + row.command + (word.empty() ? "" : " " + word) + "' needs the package " + row.package + ": found no program " +
+    print_message("'" + row.command + (word.empty() ? "" : " " + word) + "' needs the package " + row.package + ": found no program " +
         row.program + " beside veridyn or on the path; build it with `make all`, or install the package.");
     return kWrongUsage;
   }

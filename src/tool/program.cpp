@@ -33,7 +33,7 @@ int run(const std::vector<AddCommand>& commands, const Words& words) {
   Outcome outcome;
   outcome.command_line = command_line(Words{"veridyn"}) + (words.empty() ? "" : " " + command_line(words));
   add_all(commands, tool, outcome);
-  expect_sound_arguments(tool);
+  check_arguments(tool);
   try {
     tool.parse(Words(words.rbegin(), words.rend()));
     return outcome.status;
@@ -41,26 +41,26 @@ int run(const std::vector<AddCommand>& commands, const Words& words) {
     tool.exit(help_or_version);
     return kDone;
   } catch (const CLI::ParseError& error) {
-    say(usage_message(tool, error));
+    print_message(usage_message(tool, error));
     return kWrongUsage;
   }
 }
 
 template <typename Work>
-int explained(const Work& work) {
+int run_and_explain(const Work& work) {
   try {
     const int status = work();
     require(static_cast<bool>(std::cout.flush()), "standard output: writing failed.");
     return status;
   } catch (const InvalidInput& error) {
-    say(with_reason(error.what()));
+    print_message(with_reason(error.what()));
     // An error that begins with an option is a bad value of that option, detected where it is used.
     return std::string(error.what()).rfind("--", 0) == 0 ? kWrongUsage : kBadInput;
   } catch (const std::bad_alloc&) {
-    say("out of memory.");
+    print_message("out of memory.");
     return kProgramFault;
   } catch (const std::exception& error) {
-    say(std::string("internal fault: ") + error.what());
+    print_message(std::string("internal fault: ") + error.what());
     return kProgramFault;
   }
 }
@@ -74,7 +74,7 @@ void hold_places_of_closed_streams() {
 }
 
 // A large recording is mapped into memory: pages that another program cuts from it are a fault on access.
-void refuse_cut_files() {
+void handle_truncated_files() {
   struct sigaction action {};
   action.sa_handler = [](int) {
     static constexpr char kWords[] = "veridyn: found a recording that another program cut while it was read, expected one that stays.\n";
@@ -100,7 +100,7 @@ int describe(const std::vector<AddCommand>& commands) {
 
 }  // namespace
 
-AddCommand of_package(const std::string& command) {
+AddCommand package_command(const std::string& command) {
   for (const PackageCommand& row : package_commands()) {
     if (row.command == command) return [&row](CLI::App& tool, Outcome&) { tool.add_subcommand(row.command, row.summary); };
   }
@@ -109,8 +109,8 @@ AddCommand of_package(const std::string& command) {
 
 int run_tool(const std::vector<AddCommand>& commands, int argc, char** argv) {
   hold_places_of_closed_streams();
-  refuse_cut_files();
-  return explained([&] {
+  handle_truncated_files();
+  return run_and_explain([&] {
     const Words words(argv + std::min(argc, 1), argv + argc);
     if (const std::optional<int> status = pass_to_package(words)) return *status;
     std::vector<AddCommand> all = commands;
@@ -121,8 +121,8 @@ int run_tool(const std::vector<AddCommand>& commands, int argc, char** argv) {
 
 int run_package(const std::vector<AddCommand>& commands, int argc, char** argv) {
   hold_places_of_closed_streams();
-  refuse_cut_files();
-  return explained([&] {
+  handle_truncated_files();
+  return run_and_explain([&] {
     Words words(argv + std::min(argc, 1), argv + argc);
     if (words == Words{"--describe"}) return describe(commands);
     if (!words.empty() && words.front() == "--as") {

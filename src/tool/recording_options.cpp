@@ -98,8 +98,8 @@ void add_robot_options(CLI::App& command, CommonOptions& options) {
            });
 }
 
-void say_impossible(const std::string& robot, const Model& arm) {
-  for (const std::string& fault : physical_faults(arm)) say("warning: " + robot + ": impossible: " + fault + ".");
+void warn_of_impossible_bodies(const std::string& robot, const Model& arm) {
+  for (const std::string& fault : physical_faults(arm)) print_message("warning: " + robot + ": impossible: " + fault + ".");
 }
 
 Model read_robot(const std::string& robot, const CommonOptions& options, SignalChoice* signals) {
@@ -118,7 +118,7 @@ Model read_robot(const std::string& robot, const CommonOptions& options, SignalC
   return value_of("--drive-gains", [&] { return with_drive_gains(turned, options.drive_gains); });
 }
 
-std::vector<std::string> words_for_given(const PreprocessingOptions& how,
+std::vector<std::string> options_for_given(const PreprocessingOptions& how,
                                          const std::map<std::string, double>& fixed) {
   std::vector<std::string> words;
   const auto add = [&words](const char* option, const std::string& value) {
@@ -138,19 +138,19 @@ std::vector<std::string> words_for_given(const PreprocessingOptions& how,
   return words;
 }
 
-void tell_facts(const std::vector<RecordingQuality>& recordings) {
+void report_facts(const std::vector<RecordingQuality>& recordings) {
   std::set<std::string> told;
   for (const RecordingQuality& quality : recordings) {
     const std::string match = quality.facts.match();
-    if (!match.empty() && told.insert(match).second) say(quality.file + ": " + match);
-    for (const std::string& remark : quality.facts.remarks) say(quality.file + ": " + remark);
+    if (!match.empty() && told.insert(match).second) print_message(quality.file + ": " + match);
+    for (const std::string& remark : quality.facts.remarks) print_message(quality.file + ": " + remark);
   }
 }
 
-void look_at_recordings(const Model& arm, const std::vector<std::string>& recordings,
+void check_recordings(const Model& arm, const std::vector<std::string>& recordings,
                         const PreprocessingOptions& how, int threads) {
-  const std::vector<RecordingQuality> seen = glance_at(arm, recordings, how, threads);
-  tell_facts(seen);
+  const std::vector<RecordingQuality> seen = quick_quality(arm, recordings, how, threads);
+  report_facts(seen);
   for (const RecordingQuality& quality : seen) {
     for (const QualityFinding& f : quality.findings) {
       // A recording with hardly any usable row is reported by the reader.
@@ -161,7 +161,7 @@ void look_at_recordings(const Model& arm, const std::vector<std::string>& record
         continue;
       }
       if (f.finding == "degrees" || dead_joint || (f.severity == Severity::kFault && (f.finding != "gaps" || no_number)))
-        say("warning: " + quality.file + ": " + f.sentence);
+        print_message("warning: " + quality.file + ": " + f.sentence);
     }
   }
 }

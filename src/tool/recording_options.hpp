@@ -27,21 +27,21 @@ void add_robot_options(CLI::App& command, CommonOptions& options);
 /// or the number of drive gains differs from that of the joints.
 /// @param signals  gets the joints that --fix holds: recordings may have them all the same.
 /// Says which bodies of the robot file cannot be; for commands whose results do not.
-void say_impossible(const std::string& robot, const Model& arm);
+void warn_of_impossible_bodies(const std::string& robot, const Model& arm);
 
 Model read_robot(const std::string& robot, const CommonOptions& options, SignalChoice* signals = nullptr);
 
 /// The options for `excite --given` that correspond to `how`: columns, rate, topics, names, units,
 /// rows, and joints held by --fix.
-std::vector<std::string> words_for_given(const PreprocessingOptions& how,
+std::vector<std::string> options_for_given(const PreprocessingOptions& how,
                                          const std::map<std::string, double>& fixed);
 
 /// Reports matched joints and remarks of the readers.
-void tell_facts(const std::vector<RecordingQuality>& recordings);
+void report_facts(const std::vector<RecordingQuality>& recordings);
 
 /// Checks the first rows of every recording: reports matched joints, remarks of the reader, and
 /// recordings that seem to be in degrees or millimetres.
-void look_at_recordings(const Model& arm, const std::vector<std::string>& recordings,
+void check_recordings(const Model& arm, const std::vector<std::string>& recordings,
                         const PreprocessingOptions& how, int threads);
 
 }  // namespace veridyn::cli

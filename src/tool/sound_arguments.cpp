@@ -84,7 +84,7 @@ void expect_topics_somewhere(const CLI::App& command) {
     throw CLI::ValidationError("--topic", "means nothing here, " + plain + " is a plain table without topics");
 }
 
-void expect_sound(const CLI::App& command) {
+void check_command_arguments(const CLI::App& command) {
   expect_topics_somewhere(command);
   std::vector<NamedFile> outputs;
   std::vector<NamedFile> inputs;
@@ -144,7 +144,7 @@ CLI::Option* add_output_option(CLI::App& command, const std::string& option, std
   });
 }
 
-void expect_apart(const std::string& option, const std::string& output,
+void require_separate_output(const std::string& option, const std::string& output,
                   const std::vector<std::string>& inputs) {
   for (const std::string& input : inputs) {
     if (!output.empty() && same_file(place(output), place(input)))
@@ -152,10 +152,10 @@ void expect_apart(const std::string& option, const std::string& output,
   }
 }
 
-void expect_sound_arguments(CLI::App& tool) {
+void check_arguments(CLI::App& tool) {
   for (CLI::App* command : tool.get_subcommands([](const CLI::App*) { return true; })) {
-    command->parse_complete_callback([command] { expect_sound(*command); });
-    expect_sound_arguments(*command);
+    command->parse_complete_callback([command] { check_command_arguments(*command); });
+    check_arguments(*command);
   }
 }
 

@@ -14,7 +14,7 @@ extern "C" void ask_to_stop(int) {
 
 }  // namespace
 
-const std::atomic<bool>& stop_asked() {
+const std::atomic<bool>& stop_requested() {
   return stop_flag;
 }
 

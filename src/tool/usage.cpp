@@ -31,7 +31,7 @@ struct Meant {
 };
 
 // Options come first among the arguments that were not understood, because they affect the others.
-std::string odd_word(const CLI::App& command) {
+std::string unexpected_argument(const CLI::App& command) {
   const std::vector<std::string> rest = command.remaining();
   for (const std::string& word : rest) {
     if (word.size() > 1 && word[0] == '-') return word;
@@ -39,12 +39,12 @@ std::string odd_word(const CLI::App& command) {
   return rest.empty() ? "" : rest.front();
 }
 
-Meant meant_by(const CLI::App& tool) {
-  Meant out{&tool, "veridyn", odd_word(tool)};
+Meant intended_command(const CLI::App& tool) {
+  Meant out{&tool, "veridyn", unexpected_argument(tool)};
   while (!out.command->get_subcommands().empty()) {
     out.command = out.command->get_subcommands().front();
     out.name += " " + out.command->get_name();
-    if (out.odd.empty()) out.odd = odd_word(*out.command);
+    if (out.odd.empty()) out.odd = unexpected_argument(*out.command);
   }
   return out;
 }
@@ -61,7 +61,7 @@ std::string kind_of(const CLI::Option* option) {
 }
 
 // "0.500000" as "0.5".
-std::string plain(const std::string& number) {
+std::string trimmed_number(const std::string& number) {
   const bool decimals = number.find('.') != std::string::npos;
   std::string out = decimals ? number.substr(0, number.find_last_not_of('0') + 1) : number;
   if (!out.empty() && out.back() == '.') out.pop_back();
@@ -83,7 +83,7 @@ std::string found_and_expected(const CLI::App& command, const std::string& words
     const std::string kind = kind_of(option(m[1]));
     const bool bounded = m[4].length() < 100;
     const std::string expected =
-        bounded ? "a number from " + plain(m[3]) + " to " + plain(m[4]) : kind;
+        bounded ? "a number from " + trimmed_number(m[3]) + " to " + trimmed_number(m[4]) : kind;
     return m[1].str() + ": found '" + m[2].str() + "', expected " + expected;
   }
   if (std::regex_match(words, m, kOneOf)) {
@@ -116,7 +116,7 @@ std::string one_line(std::string words) {
 }  // namespace
 
 std::string usage_message(const CLI::App& tool, const CLI::ParseError& error) {
-  const Meant meant = meant_by(tool);
+  const Meant meant = intended_command(tool);
   const CLI::App& command = *meant.command;
   const std::string& word = meant.odd;
   const std::vector<std::string> commands = command_names(command);

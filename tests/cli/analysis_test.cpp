@@ -26,7 +26,7 @@ class Analysis : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(Analysis, StabilityWritesWhatChecksRelyOn) {
+TEST_F(Analysis, StabilityJsonHasTheKeysOfTheContract) {
   const ToolRun run = run_tool({"stability", example("two-arms-spring"), "--map",
                                 "stiffness=500:50000:6,delay=0:0.02:4", "--locus", "gain=0.05:20:8",
                                 "--recommend", "45", "--bounds", "2", "--json", path("out.json"),
@@ -63,7 +63,7 @@ TEST_F(Analysis, SetChangesTheScenario) {
   }
 }
 
-TEST_F(Analysis, StabilityTakesAModel) {
+TEST_F(Analysis, StabilityAcceptsAModelFile) {
   for (const char* model : {"psm-3dof", "psm-wrist", "planar-2r"}) {
     const ToolRun run = run_tool({"stability", model, "--json", path("out.json"), "--quiet"});
     EXPECT_EQ(run.status, 0) << model << run.err;
@@ -74,7 +74,7 @@ TEST_F(Analysis, StabilityTakesAModel) {
   EXPECT_EQ(run.status, 0) << run.err;
 }
 
-TEST_F(Analysis, SaysWhatIsWrong) {
+TEST_F(Analysis, NamesInvalidInput) {
   const std::string spring = example("two-arms-spring");
   const struct {
     std::vector<std::string> arguments;
@@ -101,7 +101,7 @@ TEST_F(Analysis, SaysWhatIsWrong) {
 }
 
 // Closed forms of the kit's arms, and Newton's steps: the pose that forward gives is taken back.
-TEST_F(Analysis, InverseKinematicsTakesForwardBack) {
+TEST_F(Analysis, InverseKinematicsInvertsForwardKinematics) {
   const struct {
     const char* arm;
     const char* joints;
@@ -141,7 +141,7 @@ TEST_F(Analysis, InverseKinematicsTakesForwardBack) {
   }
 }
 
-TEST_F(Analysis, ThePagesAreSound) {
+TEST_F(Analysis, PagesRenderWithoutFaults) {
   if (browser().empty()) GTEST_SKIP() << "no browser: chromium is not installed";
   ASSERT_EQ(run_tool({"stability", example("two-arms-spring"), "--locus", "gain=0.05:20:12", "--map",
                       "stiffness=500:50000:8,delay=0:0.02:6", "--report", path("s.html"), "--quiet"})
@@ -150,7 +150,7 @@ TEST_F(Analysis, ThePagesAreSound) {
   ASSERT_EQ(run_tool({"kinematics", "PSM1", "--workspace", "200", "--report", path("k.html"), "--quiet"})
                 .status,
             0);
-  for (const OpenedPage& opened : open_pages({{path("s.html"), 1200}, {path("k.html"), 1200}})) expect_sound(opened, 1200);
+  for (const OpenedPage& opened : open_pages({{path("s.html"), 1200}, {path("k.html"), 1200}})) expect_faultless(opened, 1200);
 }
 
 }  // namespace

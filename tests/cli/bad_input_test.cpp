@@ -72,12 +72,12 @@ TEST_F(BadInput, NoOutputGoesOverAnInput) {
   }
 }
 
-TEST_F(BadInput, MissingRecording) {
+TEST_F(BadInput, AMissingRecordingIsNamed) {
   expect_refused(identify("planar-2r", folder_.path("missing.csv")), 3, {"missing.csv"});
 }
 
 // A folder opens like a file, and reading it fails: everywhere in one line that says so.
-TEST_F(BadInput, AFolderInPlaceOfAFile) {
+TEST_F(BadInput, AFolderInPlaceOfAFileIsRefused) {
   const std::string folder = folder_.path("folder");
   ASSERT_TRUE(std::filesystem::create_directory(folder));
   const std::string recording = folder_.write("recording.csv", planar_recording(3.0));
@@ -107,7 +107,7 @@ TEST_F(BadInput, AFolderInPlaceOfAFile) {
 }
 
 // Where a motion has a gap, its file and row are named.
-TEST_F(BadInput, AMotionWithAGap) {
+TEST_F(BadInput, AMotionWithAGapIsRefused) {
   const std::string motion = with_line(5, "0.03,nan,0,0,0,0,0");
   const ToolRun run = run_tool({"simulate", "planar-2r", "--trajectory", motion, "-o", folder_.path("o.csv"), "--quiet"});
   expect_refused(run, 3, {"recording.csv", "gap", "row 3"});
@@ -119,7 +119,7 @@ TEST_F(BadInput, MissingRobotSuggestsOne) {
 }
 
 // What no machine could hold is refused before it is begun, with the number of rows.
-TEST_F(BadInput, MoreRowsThanTheMachineHolds) {
+TEST_F(BadInput, MoreRowsThanMemoryHoldsAreRefused) {
   const std::string recording = folder_.write("recording.csv", planar_recording(3.0));
   const Words too_many[] = {
       {"identify", "planar-2r", "--train", recording, "--resample", "1e12"},
@@ -138,16 +138,16 @@ TEST_F(BadInput, MoreRowsThanTheMachineHolds) {
                  {"recording.csv", "what this machine holds"});
 }
 
-TEST_F(BadInput, EmptyRecording) {
+TEST_F(BadInput, AnEmptyRecordingIsRefused) {
   expect_refused(identify("planar-2r", folder_.write("recording.csv", "")), 3, {"recording.csv"});
 }
 
-TEST_F(BadInput, RaggedRow) {
+TEST_F(BadInput, ARaggedRowIsRefusedWithItsLine) {
   expect_refused(identify("planar-2r", with_line(57, "0.55,1,2,3,4,5")), 3,
                  {"recording.csv:57", "6", "7"});
 }
 
-TEST_F(BadInput, TextInANumber) {
+TEST_F(BadInput, TextInANumberIsRefusedWithItsPlace) {
   expect_refused(identify("planar-2r", with_line(57, "0.55,1,2,3,4x,5,6")), 3,
                  {"recording.csv:57:5", "4x", "number"});
 }
@@ -160,18 +160,18 @@ TEST_F(BadInput, TimeThatStandsStillIsRemarked) {
       << run.err;
 }
 
-TEST_F(BadInput, TimeThatRunsBack) {
+TEST_F(BadInput, TimeThatRunsBackIsRefused) {
   expect_refused(identify("planar-2r", with_line(57, "0.2,1,2,3,4,5,6")), 3,
                  {"recording.csv:57", "0.2"});
 }
 
-TEST_F(BadInput, NumberOfJointsThatTheRobotDoesNotHave) {
+TEST_F(BadInput, AWrongNumberOfJointsIsRefused) {
   const std::string recording = folder_.write("recording.csv", planar_recording(3.0));
   expect_refused(identify("elbow-6r", recording), 3,
                  {"recording.csv", "2 joints", "elbow-6r", "6"});
 }
 
-TEST_F(BadInput, ColumnsOfAHeaderlessFileThatDoNotFit) {
+TEST_F(BadInput, WrongColumnsOfAHeaderlessFileAreRefused) {
   std::string content = planar_recording(3.0);
   const std::string recording =
       folder_.write("recording.csv", content.substr(content.find('\n') + 1));
@@ -180,7 +180,7 @@ TEST_F(BadInput, ColumnsOfAHeaderlessFileThatDoNotFit) {
   expect_refused(run, 3, {"recording.csv", "7"});
 }
 
-TEST_F(BadInput, NothingButGaps) {
+TEST_F(BadInput, ARecordingOfGapsIsRefused) {
   std::string content = "t,q1,q2,dq1,dq2,tau1,tau2\n";
   for (int k = 0; k < 300; ++k) content += std::to_string(0.01 * k) + ",nan,nan,nan,nan,nan,nan\n";
   const ToolRun run = identify("planar-2r", folder_.write("recording.csv", content));
@@ -208,20 +208,20 @@ TEST_F(BadInput, AnOldResultSurvivesAFailure) {
 
 // Data that cannot answer: status 4, one line with the reason.
 
-TEST_F(BadInput, AJointThatNeverMovesNamesWhatStaysUnknown) {
+TEST_F(BadInput, UndeterminedParametersOfAJointAtRestAreNamed) {
   const std::string recording = folder_.write("recording.csv", planar_recording(8.0, 1.0, 0.0));
   expect_refused(identify("planar-2r", recording), 4,
                  {"joint elbow never moves", "viscous_friction(elbow).coefficient"});
 }
 
-TEST_F(BadInput, AllZero) {
+TEST_F(BadInput, AllZeroRecordingsAreRefused) {
   std::string content = "t,q1,q2,dq1,dq2,tau1,tau2\n";
   for (int k = 0; k < 800; ++k) content += std::to_string(0.01 * k) + ",0,0,0,0,0,0\n";
   const ToolRun run = identify("planar-2r", folder_.write("recording.csv", content));
   expect_refused(run, 4, {"shoulder", "elbow", "never move"});
 }
 
-TEST_F(BadInput, NoRowsLeft) {
+TEST_F(BadInput, ASelectionWithoutRowsIsRefused) {
   const std::string recording = folder_.write("recording.csv", planar_recording(3.0));
   const ToolRun run = run_tool({"identify", "planar-2r", "--train", recording, "--quiet",
                                 "--drop-start", "2", "--drop-end", "2"});
@@ -246,7 +246,7 @@ std::string changed(const std::string& recording, const std::function<void(std::
 }
 
 // Neither a crash nor a number: three rows, a clock a thousand times too fast, torques of zero.
-TEST_F(BadInput, EveryCommandRefusesWhatCannotBeAnswered) {
+TEST_F(BadInput, EveryCommandExitsWithStatus4OnUndeterminedData) {
   const auto as_it_is = [](std::vector<double>&) {};
   const std::string good = planar_recording(12.0);
   const std::string three = changed(good, as_it_is, 3);
@@ -297,7 +297,7 @@ TEST_F(BadInput, NumbersOfNoArmAreRefusedWithTheRobot) {
 }
 
 // The default filter does not fit a rate as low as this: the recording is bad input, and no option was wrong.
-TEST_F(BadInput, ARateTooLowForTheFilterIsOfTheRecording) {
+TEST_F(BadInput, ALowRateIsReportedAsTheRecordings) {
   const std::string slow = changed(planar_recording(12.0), [](std::vector<double>& v) { v[0] *= 1e3; }, 1200);
   const std::string recording = folder_.write("recording.csv", slow);
   const ToolRun run = identify("planar-2r", recording);
@@ -307,7 +307,7 @@ TEST_F(BadInput, ARateTooLowForTheFilterIsOfTheRecording) {
 }
 
 // Steps of 0.1 s are a rate of 10 Hz, or by rounding a little more: a filter there would never settle.
-TEST_F(BadInput, TwiceTheCutOffIsTooLowARate) {
+TEST_F(BadInput, ARateOfTwiceTheCutOffIsRefused) {
   for (const double stretch : {10.0, 10.0 * (1.0 - 1e-12)}) {
     const std::string ten = changed(planar_recording(12.0), [&](std::vector<double>& v) { v[0] *= stretch, v[3] /= stretch, v[4] /= stretch; }, 1200);
     const std::string recording = folder_.write("recording.csv", ten);

@@ -188,14 +188,14 @@ class CompareRealArms : public Compare {
 };
 
 // The same day, another motion: nothing has changed, though the model leaves 4 to 25 % unexplained.
-TEST_F(CompareRealArms, AWristOfOneDayIsTheSame) {
+TEST_F(CompareRealArms, AWristDoesNotDifferWithinADay) {
   const json out = compared(wrist("one"), wrist("two"));
   EXPECT_FALSE(out["same_motion"].get<bool>());
   EXPECT_EQ(out["verdict"], "same") << json(named(out));
 }
 
 // Another day, probably another instrument: friction of the wrist and its cables (joints 4 to 7).
-TEST_F(CompareRealArms, AnotherDayAnotherFrictionOfTheWrist) {
+TEST_F(CompareRealArms, FrictionOfTheWristDiffersBetweenDays) {
   const json out = compared(wrist("one"), wrist("one-no-weight"));
   EXPECT_TRUE(out["same_motion"].get<bool>());
   EXPECT_EQ(out["verdict"], "differ");
@@ -213,7 +213,7 @@ TEST_F(CompareRealArms, AnotherDayAnotherFrictionOfTheWrist) {
 }
 
 // 100 g more, taped about 16.5 cm from the centre of the parallel link's shaft: 16.5 g m.
-TEST_F(CompareRealArms, AHundredGramsShowInTheMomentOfPitch) {
+TEST_F(CompareRealArms, AHundredGramsChangeTheMomentOfPitch) {
   const json out = compared(wrist("one-105g-parallel"), wrist("one-205g-parallel"));
   EXPECT_TRUE(out["same_motion"].get<bool>());
   const Words all = named(out);
@@ -229,7 +229,7 @@ TEST_F(CompareRealArms, AHundredGramsShowInTheMomentOfPitch) {
 }
 
 // Six motions of one arm in one session: fifteen comparisons, none different.
-TEST_F(CompareRealArms, TheThesisArmIsOneArmInAllItsRecordings) {
+TEST_F(CompareRealArms, TheThesisArmDoesNotDifferBetweenItsRecordings) {
   Words models;
   for (const char* k : {"1", "2", "3", "4", "5", "6"}) {
     models.push_back(identified("psm-3dof", data_ + "/psm1-thesis/fourier-" + k + ".csv",

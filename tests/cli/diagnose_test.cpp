@@ -81,7 +81,7 @@ TEST_P(HideAndSeek, TheHiddenEffectIsNamedFirstAndGains) {
 
 // Of the motions within 95 % of the limits the insertion's velocity is all noise where it turns
 // round.
-TEST_F(SimulatedArm, NothingHiddenNothingFound) {
+TEST_F(SimulatedArm, HasNoFindingsIfNothingIsHidden) {
   for (const char* limit_share : {"1", "0.95"}) {
     const json out = diagnosis_of("", limit_share);
     EXPECT_TRUE(out["findings"].empty()) << limit_share << ": " << out["findings"];

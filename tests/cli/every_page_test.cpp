@@ -167,7 +167,7 @@ TEST_P(EveryPage, IsSoundWideAndNarrowLightAndDark) {
     EXPECT_EQ(opened.root().at("data-overflow"), "0") << opened.root().at("data-overflow-by");
     EXPECT_EQ(opened.console, "");
     EXPECT_GE(std::stoi(opened.root().at("data-words")), 75);  // of 11.5 pixels
-    if (!GetParam().figures.empty()) expect_sound(opened, width);
+    if (!GetParam().figures.empty()) expect_faultless(opened, width);
     std::map<std::string, int> kinds = kinds_of(opened);
     for (const char* figure : GetParam().figures) EXPECT_GE(kinds[figure], 1) << figure;
     const std::string text = without_scripts(opened.html);

@@ -50,7 +50,7 @@ TEST(Excite, WritesMotionCoefficientsAndMargins) {
 
 // Predicted deviations follow the noise of a recording of the arm; without one they are those of
 // real arms, which leave more than this simulated one.
-TEST(Excite, LearnsTheNoiseFromARecording) {
+TEST(Excite, EstimatesTheNoiseFromARecording) {
   const TemporaryFolder folder;
   const Words quick = kQuick + Words{"--duration", "16", "--rate", "100"};
   const std::string motion = folder.path("m.csv"), recording = folder.path("rec.csv"), out = folder.path("e.json");
@@ -88,7 +88,7 @@ TEST(Excite, AnObstacleThatCannotBeKeptIsRefused) {
 }
 
 // Ctrl-C keeps the best motion so far, and a script sees that the search did not end by itself.
-TEST(Excite, AnInterruptIsStatus130) {
+TEST(Excite, AnInterruptExitsWithStatus130) {
   const TemporaryFolder folder;
   const std::string motion = folder.path("m.csv");
   int from_tool[2];
@@ -120,7 +120,7 @@ TEST(Excite, AnInterruptIsStatus130) {
 }
 
 // Killed after its first finished search, the same command writes what it would have written.
-TEST(Excite, GoesOnAfterAKill) {
+TEST(Excite, AKilledSearchResumes) {
   const TemporaryFolder folder;
   const std::string kept = folder.path("searches");
   const auto command = [&](const std::string& out) {
@@ -158,7 +158,7 @@ TEST(Excite, GoesOnAfterAKill) {
 }
 
 // A motion of marked searches: what is kept is taken, not searched again.
-TEST(Excite, TakesAKeptSearchAsItIs) {
+TEST(Excite, AFinishedSearchIsReused) {
   const TemporaryFolder folder;
   const std::string kept = folder.path("searches");
   const Words command = {"excite", "planar-2r", "-o", folder.path("m.csv"), "--starts", "1", "--iterations", "30", "--quiet",
@@ -187,7 +187,7 @@ TEST(Excite, TakesAKeptSearchAsItIs) {
 }
 
 // Read as a file, a device without an end would be read for ever.
-TEST(Excite, KeepsNoSearchInADevice) {
+TEST(Excite, RefusesToResumeFromADevice) {
   const TemporaryFolder folder;
   const ToolRun run = run_tool({"excite", "planar-2r", "-o", folder.path("m.csv"), "--quiet", "--resume", "/dev/zero"}, "", 60);
   EXPECT_EQ(run.status, 3) << run.err;
@@ -244,7 +244,7 @@ TEST(Excite, LinksKeepAboveAFloorUnlessCollisionsAreOff) {
   }
 }
 
-TEST(Excite, ToldRivalsItSaysWhatIsLeftOfThem) {
+TEST(Excite, RivalsAreReportedWithTheirRemainder) {
   const TemporaryFolder folder;
   const ToolRun run =
       run_tool(Words{"excite", "psm-3dof", "-o", folder.path("m.csv"), "--json",
@@ -272,7 +272,7 @@ TEST(Excite, ThePageShowsTheMotionItsLimitsAndWhatItWillIdentify) {
   EXPECT_EQ(result["prediction"]["base_parameters"].size(), result["base_parameters"]);
   const std::vector<OpenedPage> opened = open_pages({{folder.path("m.html"), 400}, {folder.path("m.html"), 1200}});
   for (const OpenedPage& page : opened) {
-    expect_sound(page, &page == &opened[0] ? 400 : 1200);
+    expect_faultless(page, &page == &opened[0] ? 400 : 1200);
     std::map<std::string, int> kinds;
     for (const PageElement& plot : page.with("data-plot")) ++kinds[plot.at("data-plot")];
     EXPECT_EQ(kinds["error"], 3 * 3);  // position, velocity and acceleration of three joints
@@ -333,7 +333,7 @@ TEST(Excite, SlowPassesFollowInTheFile) {
 
 // What is recorded with noisy velocities counts as what it is: half of the information is there
 // already, and not more.
-TEST(Excite, NoisyRecordingsThatAreGivenCountAsTheMotionThatTheyShow) {
+TEST(Excite, NoiseOfGivenRecordingsAddsNoInformation) {
   const TemporaryFolder folder;
   const auto path = [&](const char* name) { return folder.path(name); };
   ASSERT_EQ(run_tool(Words{"excite", "psm-3dof", "-o", path("m.csv")} + kQuick).status, 0);
@@ -378,7 +378,7 @@ TEST(Excite, AJointThatIsHeldIsLeftOutAndReadingOptionsNeedARecording) {
 
 // What `diagnose` prints as the next experiment is a command that runs as it stands, and its
 // recording settles the question.
-TEST(Excite, AMotionThatDiscriminatesLeavesNoRivals) {
+TEST(Excite, TheDesignedMotionSeparatesItsRivals) {
   const TemporaryFolder folder;
   const auto path = [&](const std::string& name) { return folder.path(name); };
   const auto record = [&](const std::string& motion, const std::string& seed) {
@@ -450,7 +450,7 @@ TEST(Excite, TheNamedSolverSearches) {
   }
 }
 
-TEST(Excite, WordsThatMakeNoSenseAreUsageErrors) {
+TEST(Excite, MalformedOptionsAreUsageErrors) {
   const TemporaryFolder folder;
   const Words base = {"excite", "psm-3dof", "-o", folder.path("m.csv")};
   for (const Words& wrong : std::vector<Words>{{"--between", "payload"},

@@ -100,7 +100,7 @@ std::vector<NumberCase> number_cases() {
   };
 }
 
-TEST(Numbers, OfNoSensorAreReadOrRefusedInTheRightWords) {
+TEST(Numbers, BeyondSensorRangesAreReadOrRefusedClearly) {
   for (const NumberCase& given : number_cases()) {
     const TemporaryFolder folder;
     const std::string recording = folder.write("recording.csv", given.content);
@@ -163,7 +163,7 @@ TEST(AKilledTool, LeavesWholeFilesOrNone) {
 }
 
 // Ctrl-C ends a watch that still learns from a long recording at once, and writes nothing; progress is told.
-TEST(AnInterruptedTool, EndsAWatchThatStillLearns) {
+TEST(AnInterruptedTool, EndsAWatchDuringItsQuietTime) {
   const TemporaryFolder folder;
   const std::string model = folder.path("model.yaml"), out = folder.path("o.json");
   ASSERT_EQ(run_tool({"export", "planar-2r", "--yaml", model, "--quiet"}).status, 0);
@@ -238,7 +238,7 @@ TEST(APipeAsOutput, GetsTheWholeResult) {
 }
 
 // A log on a full disk, a program that closed its streams: the work is done, and no file takes a stream's place.
-TEST(AStreamThatTakesNothing, EndsNoWork) {
+TEST(AStreamThatTakesNothing, DoesNotEndTheWork) {
   if (!std::ofstream("/dev/full").is_open()) GTEST_SKIP() << "no /dev/full here";
   const TemporaryFolder folder;
   const std::string recording = folder.write("recording.csv", planar_recording(4.0));

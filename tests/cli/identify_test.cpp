@@ -154,7 +154,7 @@ TEST_F(Identify, FeasibleIsNeverBelowTheUnconstrainedObjective) {
   EXPECT_GE(feasible["objective"].get<double>(), objective * (1.0 - 1e-9));
 }
 
-TEST_F(Identify, SettingsSayHowToRepeatTheRun) {
+TEST_F(Identify, SettingsListTheOptionsOfTheRun) {
   const json s = result({"--method",        "wls",     "--weights",      "residual",
                          "--filter-cutoff", "7.5",     "--filter-order", "3",
                          "--filtering",     "signals", "--velocity",     "derived",
@@ -254,7 +254,7 @@ TEST_F(Identify, ARecordingInDegreesIsWarnedOf) {
 }
 
 // What is mended in a row is reported where a recording is learned from, too.
-TEST_F(Identify, ANumberThatNoArmReachesIsReported) {
+TEST_F(Identify, ImpossiblePositionsAreReported) {
   std::string spoilt = content_of(train_);
   const size_t row = spoilt.find("\n4.00,") + 1;
   ASSERT_NE(row, 0U);

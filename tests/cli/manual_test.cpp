@@ -106,7 +106,7 @@ TEST(Manual, ExamplesRunOneAfterTheOther) {
   EXPECT_EQ(run, known);
 }
 
-TEST(Manual, WhatIsNoCommandIsRefused) {
+TEST(Manual, UnknownCommandsAreRefused) {
   const std::vector<std::pair<Words, std::string>> wrong = {
       {{"help", "idenfity"}, "found 'idenfity', expected one of info, check"},
       {{"help", "dvrk", "walk"}, "found 'walk', expected one of emulate"},
@@ -123,7 +123,7 @@ TEST(Manual, WhatIsNoCommandIsRefused) {
   EXPECT_EQ(nowhere.error_lines(), 1) << nowhere.err;
 }
 
-TEST(Manual, ManPagesAreOnesThatManReads) {
+TEST(Manual, ManPagesRenderWithoutWarnings) {
   const TemporaryFolder folder;
   ASSERT_EQ(run_tool({"help", "--man", folder.path("man")}).status, 0);
   const std::string page = content_of(folder.path("man") + "/veridyn-dvrk-run.1");
@@ -168,7 +168,7 @@ TEST(Manual, HelpFitsTheTerminalAndShowsDefaults) {
 }
 
 // A number stands below its inequality and its reason, as in the header.
-TEST(Numbers, StandBelowTheirInequality) {
+TEST(Numbers, ArePrintedBelowTheirInequality) {
   const std::string quality = run_tool({"numbers", "quality"}).out;
   EXPECT_EQ(quality.rfind("quality (src/", 0), 0U) << quality;
   EXPECT_NE(quality.find("  share of stale rows >= few_stale: reported; > many_stale: a warning; > frozen: a fault.\n"

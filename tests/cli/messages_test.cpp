@@ -26,7 +26,7 @@ class Messages : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(Messages, AreOfTheCommandThatWasMeant) {
+TEST_F(Messages, SuggestTheIntendedCommand) {
   expect({"calibrate", "links", "planar-2r", "poses.csv", "--fram", "tool"}, 2,
          {"unknown option '--fram' (did you mean '--frame'?); see veridyn calibrate links --help"});
   expect({"calibrate", "link"}, 2,
@@ -35,7 +35,7 @@ TEST_F(Messages, AreOfTheCommandThatWasMeant) {
   expect({"calibrate", "handeye"}, 2, {"A: found nothing, expected", "see veridyn calibrate handeye --help"});
 }
 
-TEST_F(Messages, SayWhatWasFoundAndExpected) {
+TEST_F(Messages, NameFoundAndExpectedValues) {
   const Words identify = {"identify", "planar-2r", "--train", "a.csv"};
   expect(identify + Words{"--filter-cutoff", "five"}, 2,
          {"--filter-cutoff: found 'five', expected a number that is not negative"});
@@ -55,7 +55,7 @@ TEST_F(Messages, SayWhatWasFoundAndExpected) {
 }
 
 // A quaternion of length zero is no turn, and joints outside their limits are named.
-TEST_F(Messages, OfKinematics) {
+TEST_F(Messages, OfKinematicsNameTheInvalidOption) {
   expect({"kinematics", "PSM1", "--inverse=0,0,-0.1,0,0,0,0"}, 2, {"found a quaternion of length zero"});
   expect({"kinematics", "planar-2r", "--forward=0,0,0"}, 2, {"--forward: found 3 joints, expected the 2"});
   const ToolRun beyond = run_tool({"kinematics", "psm-3dof", "--forward=9,0,0.1"});
@@ -66,7 +66,7 @@ TEST_F(Messages, OfKinematics) {
 }
 
 // Values that a file lacks and a command makes up are announced, with their seed.
-TEST_F(Messages, TellWhatWasMadeUp) {
+TEST_F(Messages, ReportAssumedValues) {
   const ToolRun made = run_tool({"stability", "psm-3dof"});
   EXPECT_NE(made.err.find("has no values for"), std::string::npos) << made.err;
   EXPECT_NE(made.err.find("plausible ones (seed "), std::string::npos) << made.err;
@@ -78,7 +78,7 @@ TEST_F(Messages, TellWhatWasMadeUp) {
          {"nope.csv: found no such file, expected a recording"});
 }
 
-TEST_F(Messages, NameWhatIsMissing) {
+TEST_F(Messages, NameMissingInput) {
   const std::string rec = folder_.write("rec.csv", planar_recording(3.0));
   const Words identify = {"identify", "planar-2r", "--quiet", "--train", rec};
   expect(identify + Words{"--prior", "psm-3dof"}, 2, {"--prior: found bodies without values in 'psm-3dof'"});

@@ -119,7 +119,7 @@ TEST_F(OwnRobot, BodiesStayNearThoseOfTheMaker) {
 }
 
 // --prior with point masses, with bodies that cannot be and with ones far away.
-TEST_F(OwnRobot, APriorConvergesFromAnyBody) {
+TEST_F(OwnRobot, TheFitWithAPriorConvergesFromAnyBody) {
   const Model maker = read_model(kUrdf);
   const auto changed = [&](auto change) {
     ModelDescription d = maker.description();
@@ -200,7 +200,7 @@ TEST_F(OwnRobot, DriveGainsTurnCurrentsIntoTorques) {
   EXPECT_EQ(wrong.error_lines(), 1);
 }
 
-TEST_F(OwnRobot, InfoWritesARobotFileToGoOnWith) {
+TEST_F(OwnRobot, InfoWritesAReadableRobotFile) {
   const std::string yaml = folder().path("info.yaml");
   ASSERT_EQ(run_tool({"info", kUrdf, "--yaml", yaml}).status, 0);
   const Model model = read_model(yaml);
@@ -235,7 +235,7 @@ TEST_F(OwnRobot, AnEndingOfAnotherFormatIsRefused) {
   EXPECT_NE(content_of(folder().path("m.html")).find("upper_arm"), std::string::npos);
 }
 
-TEST_F(OwnRobot, HelpAndBeginningsOfNamesAreUnderstood) {
+TEST_F(OwnRobot, HelpAndPrefixesOfNamesAreAccepted) {
   const ToolRun help = run_tool({"help", "identify"});
   EXPECT_EQ(help.status, 0);
   EXPECT_EQ(help.out, run_tool({"identify", "--help"}).out);

@@ -129,7 +129,7 @@ json identify_thesis_arm(const std::function<json(const Words&)>& identify) {
   return identify(words + Words{"--filter-cutoff", "3.5", "--filter-order", "8"});
 }
 
-TEST_F(RealRecordings, ThesisArmWithItsErrata) {
+TEST_F(RealRecordings, TheErrataReduceTheErrorOfTheThesisArm) {
   const json out =
       identify_thesis_arm([this](const Words& words) { return identify("psm-3dof", words); });
   ASSERT_FALSE(out.is_null());
@@ -169,7 +169,7 @@ TEST_F(RealRecordings, ThesisArmsLateRowsAreFilledIn) {
 
 // With the constants as the thesis prints them, the errors are what the printed table gives; it was
 // made from the rows as recorded.
-TEST_F(RealRecordings, ThesisArmAsPrinted) {
+TEST_F(RealRecordings, ThePrintedTableHasItsPublishedError) {
   const json out = identify_thesis_arm([this](const Words& words) {
     return identify("psm-3dof-printed", words + Words{"--method", "wls", "--filtering", "signals",
                                                       "--stale-rows", "kept"});
@@ -219,7 +219,7 @@ TEST_F(RealRecordings, DiagnosisOfTheMasterArmPredictsAnotherMotion) {
                   {6.4, 12.7, 12.3, 13.2, 23, 18, 31.3});
 }
 
-TEST_F(RealRecordings, IndustrialArmFromMotorCurrents) {
+TEST_F(RealRecordings, AnIndustrialArmIsIdentifiedFromMotorCurrents) {
   const json out =
       identify("ur10e", {"--train", file("ur10e/free-12harm30s-2020-02-10.csv"), "--rows",
                          "635:3510", "--test", file("ur10e/free-point-to-point-2020-01-17.csv"),
@@ -237,7 +237,7 @@ TEST_F(RealRecordings, IndustrialArmFromMotorCurrents) {
 }
 
 // As recorded: numbers up to 1e305 in rows that are well formed.
-TEST_F(RealRecordings, ABrokenFileIsToldApart) {
+TEST_F(RealRecordings, ABrokenFileIsRecognised) {
   const ToolRun run = run_tool(
       {"check", file("ur10e/broken-file-2019-09-27.csv"), "--json", folder_.path("check.json")});
   ASSERT_EQ(run.status, 0) << run.err;
@@ -250,7 +250,7 @@ TEST_F(RealRecordings, ABrokenFileIsToldApart) {
 }
 
 // Section 5.6 of the thesis: constant speeds and ramps of the insertion alone.
-TEST_F(RealRecordings, FrictionOfTheInsertionAlone) {
+TEST_F(RealRecordings, FrictionOfTheInsertionIsEstimatedAlone) {
   const TemporaryFolder folder;
   const std::string path = folder.path("f.json");
   const auto part = [](const char* name) { return file(std::string("psm1-thesis/") + name + ".csv"); };
@@ -273,7 +273,7 @@ TEST_F(RealRecordings, FrictionOfTheInsertionAlone) {
 }
 
 // These real arms are mounted upright and their files are right: whatever error is left, gravity and DH convention are not blamed for it.
-TEST_F(RealRecordings, OfArmsWithFrictionInCablesAreNotMendedByAnotherRobotFile) {
+TEST_F(RealRecordings, OfArmsWithCableFrictionAreNotExplainedByAnotherRobotFile) {
   const std::vector<std::pair<std::string, std::string>> recordings = {
       {"psm-wrist", "psm-wrist/one.csv"}, {"psm-3dof", "psm1-thesis/fourier-1.csv"}, {"psm-3dof", "psm1-thesis/fourier-2.csv"}};
   for (const auto& [robot, name] : recordings) {

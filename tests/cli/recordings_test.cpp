@@ -25,7 +25,7 @@ TEST(CheckOfABag, WritesRateJointsRowsAndTopics) {
       << run.out;
 }
 
-TEST(CheckOfACutFile, RemarksIt) {
+TEST(CheckOfACutFile, RemarksOnTheTruncation) {
   const TemporaryFolder folder;
   const std::string path = folder.path("check.json");
   ASSERT_EQ(run_tool({"check", sample("mcap_cdr_truncated.mcap"), "--json", path}).status, 0);

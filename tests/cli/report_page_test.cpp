@@ -140,7 +140,7 @@ void expect_all_samples(const OpenedPage& page, std::size_t recording) {
 
 TEST_P(OpenedReport, ADiagnosisShowsTheNumbersOfItsJson) {
   const OpenedPage& page = opened("why.html");
-  expect_sound(page, GetParam());
+  expect_faultless(page, GetParam());
   const json result = json_of(path("why.json"));
   EXPECT_EQ(embedded(page.html, "result"), result);
   ASSERT_FALSE(result["findings"].empty());
@@ -179,7 +179,7 @@ TEST_P(OpenedReport, ADiagnosisDrawsEverySampleOfThreeJoints) {
 
 TEST_P(OpenedReport, AnIdentificationShowsTheNumbersOfItsJson) {
   const OpenedPage& page = opened("id.html");
-  expect_sound(page, GetParam());
+  expect_faultless(page, GetParam());
   const json result = json_of(path("id.json"));
   EXPECT_EQ(embedded(page.html, "result"), result);
   const std::vector<PageElement> numbers = page.with("data-from");
@@ -201,10 +201,10 @@ TEST_P(OpenedReport, TheReaderChoosesRecordingAndTime) {
       "const select = page.document.querySelector('#chooser select');"
       "select.value = 1; select.dispatchEvent(new page.Event('change'));";
   const OpenedPage& other = opened("why.html", choose);
-  expect_sound(other, GetParam());
+  expect_faultless(other, GetParam());
   expect_all_samples(other, 1);
   const OpenedPage& zoomed = opened("why.html", "page.showTime([5, 10]); page.noteState();");
-  expect_sound(zoomed, GetParam());
+  expect_faultless(zoomed, GetParam());
   const json time = embedded(zoomed.html, "series")["recordings"][0]["time"];
   long inside = 0;
   for (const json& t : time) inside += t >= 5.0 && t <= 10.0 ? 1 : 0;
@@ -216,7 +216,7 @@ TEST_P(OpenedReport, TheReaderChoosesRecordingAndTime) {
   }
 }
 
-TEST_F(ReportPage, ItNeedsNoOtherFileAndIsSmall) {
+TEST_F(ReportPage, IsSelfContainedAndSmall) {
   for (const char* name : {"why.html", "id.html"}) {
     const std::string page = content_of(path(name));
     EXPECT_LT(static_cast<double>(page.size()), kMostBytes);
@@ -232,7 +232,7 @@ TEST_F(ReportPage, ItNeedsNoOtherFileAndIsSmall) {
   }
 }
 
-TEST_F(ReportPage, ItTellsHowToRepeatTheRun) {
+TEST_F(ReportPage, ShowsTheCommandOfTheRun) {
   const json series = embedded(content_of(path("why.html")), "series");
   const std::string command = series["command"];
   EXPECT_EQ(command.rfind("veridyn diagnose psm-3dof --train /", 0), 0u) << command;

@@ -179,11 +179,11 @@ TEST(ANumberOfALine, IsFoundAmongTheNumbersOfTheJsonOrNot) {
   EXPECT_FALSE(all_found("joint_2 has no figure"));
 }
 
-TEST_F(EverySentence, OfACleanArmSaysWhatTheJsonSays) { read_all(arm_, recorded("clean")); }
+TEST_F(EverySentence, AboutACleanArmAgreesWithTheJson) { read_all(arm_, recorded("clean")); }
 
-TEST_F(EverySentence, OfASpringSaysWhatTheJsonSays) { read_all(arm_, recorded("spring", {"--effect", "joint_spring:lift:stiffness=12"})); }
+TEST_F(EverySentence, AboutASpringAgreesWithTheJson) { read_all(arm_, recorded("spring", {"--effect", "joint_spring:lift:stiffness=12"})); }
 
-TEST_F(EverySentence, AboutALoadSaysWhatTheJsonSays) {
+TEST_F(EverySentence, AboutALoadAgreesWithTheJson) {
   const Words clean = recorded("clean"), loaded = recorded("loaded", {"--effect", "payload:tool0:mass=0.8"});
   const auto model = [&](const Words& rec, const std::string& name) {
     EXPECT_EQ(run_tool({"identify", arm_, "--train", rec[0], rec[1], "--test", rec[2], "--model-out", path(name), "--quiet"}).status, 0);
@@ -195,7 +195,7 @@ TEST_F(EverySentence, AboutALoadSaysWhatTheJsonSays) {
   read({"compare", before, after});
 }
 
-TEST_F(EverySentence, AboutWrongUnitsSaysWhatTheJsonSays) {
+TEST_F(EverySentence, AboutWrongUnitsAgreesWithTheJson) {
   Words rec = recorded("clean");
   for (std::string& one : rec) {
     std::istringstream in(content_of(one));
@@ -217,10 +217,10 @@ TEST_F(EverySentence, AboutWrongUnitsSaysWhatTheJsonSays) {
   read_all(arm_, rec);
 }
 
-TEST_F(EverySentence, AboutAnotherGravitySaysWhatTheJsonSays) { read_all(arm_, recorded("wall", {"--gravity", "9.81,0,0"})); }
+TEST_F(EverySentence, AboutAnotherGravityAgreesWithTheJson) { read_all(arm_, recorded("wall", {"--gravity", "9.81,0,0"})); }
 
 // Mounted with a lean of 30 degrees: the errors of all joints depend on position, and none of them sticks anywhere.
-TEST_F(EverySentence, OfALeaningArmNamesNoStickingSpots) {
+TEST_F(EverySentence, AboutALeaningArmNamesNoStickingSpots) {
   const std::string robots = VERIDYN_SOURCE_DIR "/examples/own_robot/";
   Words rec;
   for (const char* seed : {"20", "21", "22"}) {
@@ -236,7 +236,7 @@ TEST_F(EverySentence, OfALeaningArmNamesNoStickingSpots) {
   ++results_;
 }
 
-TEST_F(EverySentence, OfAShortOrStillRecordingSaysWhatTheJsonSays) {
+TEST_F(EverySentence, AboutAShortOrStillRecordingAgreesWithTheJson) {
   for (int k = 0; k < 3; ++k) trajectory(k, 2.5, 1.0);
   read_all(arm_, recorded("short"));
   for (int k = 0; k < 3; ++k) trajectory(k, 12.0, 0.0);

@@ -21,7 +21,7 @@ class Simulate : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(Simulate, AControllerMovesTheArmAndTheRecordingReplays) {
+TEST_F(Simulate, AControlledRecordingCanBeReplayed) {
   const std::string recording = folder_.path("rec.csv");
   const std::string model = folder_.path("model.yaml");
   const std::string out = folder_.path("out.json");
@@ -75,7 +75,7 @@ TEST_F(Simulate, EnginesAgree) {
     EXPECT_NEAR(ours[i].get<double>(), theirs[i].get<double>(), 1e-3 * ours[i].get<double>());
 }
 
-TEST_F(Simulate, MistakesGetOneLine) {
+TEST_F(Simulate, UsageErrorsAreOneLine) {
   const std::string traj = trajectory();
   const std::string rec = folder_.path("rec.csv");
   const std::vector<Words> wrong_usage = {
@@ -172,7 +172,7 @@ TEST_F(Simulate, AnExtendedModelRunsLikeTheRealArm) {
 
 // Figure 7.3 of the thesis, with its gains: friction that the law does not know keeps joints off, and
 // compensation brings them back.
-TEST(SimulateSteps, ComputedTorqueTakesGainsOfOnesOwn) {
+TEST(SimulateSteps, ComputedTorqueAcceptsUserGains) {
   const TemporaryFolder folder;
   const auto left = [&](const Words& more) {
     const ToolRun done =

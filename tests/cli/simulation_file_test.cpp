@@ -55,7 +55,7 @@ void expect_refused(const ToolRun& run, const std::string& begin) {
   EXPECT_NE(run.err.find(begin), std::string::npos) << run.err;
 }
 
-TEST(SimulationFileAsRobot, FromDiagnosisBackIntoTheFile) {
+TEST(SimulationFileAsRobot, DiagnosedValuesAreWrittenBackIntoTheFile) {
   const TemporaryFolder folder;
   const std::string sim = folder.write("sim.xml", mjcf("0.5"));
   const std::string real = folder.write("real.xml", mjcf("2.5"));  // what the simulation does not know
@@ -95,7 +95,7 @@ TEST(SimulationFileAsRobot, FromDiagnosisBackIntoTheFile) {
   EXPECT_EQ(run_tool({"identify", "planar-2r", "--train", one, "--model-out", folder.path("no.xml")}).status, 2);
 }
 
-TEST(SimulationFileAsRobot, IdentifiesFromIt) {
+TEST(SimulationFileAsRobot, IsIdentified) {
   const TemporaryFolder folder;
   const std::string sim = folder.write("sim.xml", mjcf("0.5"));
   const std::string rows = folder.path("rows.csv");
@@ -108,7 +108,7 @@ TEST(SimulationFileAsRobot, IdentifiesFromIt) {
   EXPECT_EQ(run_tool({"info", sdf}).status, 0);
 }
 
-TEST(SimulationFileAsRobot, BadInputIsOneLine) {
+TEST(SimulationFileAsRobot, BadInputIsReportedInOneLine) {
   const TemporaryFolder folder;
   const std::string bad = folder.write("bad.xml", mjcf("much"));
   expect_refused(run_tool({"info", bad}), bad + ":6:7: found damping 'much', expected finite numbers.");

@@ -126,7 +126,7 @@ TEST_F(LateRecordings, TheFirstErrorIsOnRowsAsRecorded) {
   EXPECT_EQ(out["train"], kept["train"]);
 }
 
-TEST_F(LateRecordings, DiagnoseSaysWhatItFilledIn) {
+TEST_F(LateRecordings, DiagnoseReportsFilledRows) {
   const std::string train = record("train.csv", "dvrk-late", 1);
   const json out = result({"diagnose", "planar-2r", "--train", train, "--test",
                            record("test.csv", "low", 2, 0.7), "--effects", "quadratic_drag"});

@@ -46,7 +46,7 @@ TEST(Usage, HelpNamesEveryCommandAndEveryOption) {
   }
 }
 
-TEST(Usage, NoCommandListsTheCommands) {
+TEST(Usage, WithoutACommandTheCommandsAreListed) {
   expect_usage_error({}, "expected one of info, check, identify");
 }
 
@@ -62,7 +62,7 @@ TEST(Usage, AMisspeltOptionIsCorrected) {
                      "unknown option '--filter-cutof' (did you mean '--filter-cutoff'?)");
 }
 
-TEST(Usage, RecordingsWithoutTheirOptionAreToldApart) {
+TEST(Usage, RecordingsWithoutTheirOptionAreRecognised) {
   expect_usage_error({"identify", "planar-2r", "a.csv"}, "found 'a.csv', which nothing asks for; recordings follow --train or --test");
   EXPECT_EQ(run_tool({"info", "planar-2r", "a.csv"}).err.find("--train"), std::string::npos);
 }
@@ -92,7 +92,7 @@ TEST(Usage, BadValuesAreNamedWithWhatIsExpected) {
 }
 
 // Options that nothing would use are refused, before any file is read.
-TEST(Usage, OptionsThatMeanNothingAreRefused) {
+TEST(Usage, OptionsWithoutEffectAreRefused) {
   const Words identify = {"identify", "planar-2r", "--train", "a.csv"};
   const Words simulate = {"simulate", "planar-2r", "--trajectory", "a.csv", "-o", "b.csv"};
   const Words replay = {"simulate", "planar-2r", "--replay", "a.csv"};

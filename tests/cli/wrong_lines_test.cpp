@@ -232,7 +232,7 @@ std::pair<std::string, Words> WrongLines::wrong_line(const std::string& command)
   }
 }
 
-TEST_F(WrongLines, OfEveryCommandEndInOneLineAndLeaveNothing) {
+TEST_F(WrongLines, OfEveryCommandFailInOneLineAndWriteNothing) {
   for (const auto& [command, options] : options_) {
     const bool of_others = command == "dvrk" || command == "calibrate" || command == "loadcell";
     EXPECT_TRUE(of_others || short_lines().count(command) == 1) << command << " has no right line to start from";
@@ -248,7 +248,7 @@ TEST_F(WrongLines, OfEveryCommandEndInOneLineAndLeaveNothing) {
 }
 
 // Numbers that some options take and others do not.
-TEST_F(WrongLines, OfExtremeNumbersEndInOneLineOrAreRight) {
+TEST_F(WrongLines, WithExtremeNumbersFailInOneLineOrSucceed) {
   static const Words kExtremes = {"1e305", "-1e305", "1e-305", "-1", "0", "99999999999999999999"};
   // A long time is right, and takes long.
   const auto number = [](const Option& o) { return o.number() && o.name != "--seconds"; };

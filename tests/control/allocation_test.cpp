@@ -44,7 +44,7 @@ void expect_no_allocation(const char* what, int joints, const Update& update) {
   EXPECT_EQ(malloc_count(), before) << what;
 }
 
-TEST(Allocation, NoUpdateTakesMemory) {
+TEST(Allocation, NoUpdateAllocates) {
   if (VERIDYN_COUNTS_MALLOC == 0) GTEST_SKIP() << "the sanitizer has a malloc of its own";
   const Model arm = plausible_model(read_model("psm-wrist"), 1).arm;
   const int n = arm.joints();

@@ -71,7 +71,7 @@ TEST_P(ArmStateOnEverySampleArm, MassAndBiasAreThoseOfTheRigidBodies) {
 
 // With rotors, springs and cables in the model, a computed torque gives the plant the acceleration
 // that was asked for: the plant reads the same model through code of its own.
-TEST_P(ArmStateOnEverySampleArm, ComputedTorqueGivesThePlantTheAskedAcceleration) {
+TEST_P(ArmStateOnEverySampleArm, ComputedTorqueProducesTheRequestedAcceleration) {
   std::vector<EffectTerm> effects;
   for (int i = 0; i < joints(); ++i) {
     effects.push_back(effect_on(arm(), "rotor_inertia", i, {{"inertia", 0.3 + 0.1 * i}}));
@@ -100,7 +100,7 @@ TEST_P(ArmStateOnEverySampleArm, ComputedTorqueGivesThePlantTheAskedAcceleration
 
 // What is counted from the start of a recording means nothing to a controller, nor does what was
 // measured; everything else is compensated in one place.
-TEST(ArmState, LeavesOutWhatHasNoMeaningInControl) {
+TEST(ArmState, OmitsEffectsThatControlCannotUse) {
   std::vector<std::string> left_out;
   for (const Effect* e : all_effects()) {
     if (control_part(e->traits()) == ControlPart::kLeftOut) left_out.push_back(e->name());
@@ -113,7 +113,7 @@ TEST(ArmState, LeavesOutWhatHasNoMeaningInControl) {
 }
 
 // Joint control needs no tip: the same dynamics, with the frame behind the most joints for a tip.
-TEST(ArmState, NoTipIsAskedForWhereJointsAreControlled) {
+TEST(ArmState, JointControlNeedsNoTip) {
   const Model arm = sample_arms().at("planar_2R");
   ArmState without(arm), with(arm, {last_frame(arm)});
   const VectorXd q = Eigen::Vector2d(0.3, -0.7), dq = Eigen::Vector2d(0.5, 0.2);
@@ -124,7 +124,7 @@ TEST(ArmState, NoTipIsAskedForWhereJointsAreControlled) {
   EXPECT_EQ(without.tip().position(), with.tip().position());
 }
 
-TEST(ArmState, WhatHasNoValuesIsRefused) {
+TEST(ArmState, ModelsWithoutValuesAreRefused) {
   const Model arm = sample_arms().at("planar_2R");
   EXPECT_THROW(ArmState(arm, {"nowhere"}), InvalidInput);
   EXPECT_THROW(

@@ -25,7 +25,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
 const double kNoTimes[] = {kNan, kInf, -kInf, -1e-3, -1e4};
 
-TEST(BadNumbers, AVelocityObserverPassesOverTimesThatCannotBe) {
+TEST(BadNumbers, AVelocityObserverIgnoresInvalidTimes) {
   for (const double bad : {kNan, kInf, -kInf, -1e-3, 0.0}) {
     VelocityObserver observer(1), undisturbed(1);
     const VectorXd none = VectorXd::Zero(1);
@@ -39,7 +39,7 @@ TEST(BadNumbers, AVelocityObserverPassesOverTimesThatCannotBe) {
 }
 
 // Each input alone: the residual starts afresh and finds the same as before.
-TEST(BadNumbers, AMomentumObserverStartsAfresh) {
+TEST(BadNumbers, AMomentumObserverRestartsAfterANonFiniteCycle) {
   const Model arm = psm_like();
   const VectorXd none = VectorXd::Zero(3), bad = Eigen::Vector3d(0.0, kNan, 0.0);
   const VectorXd q = Eigen::Vector3d(0.1, 0.2, 0.1), push = Eigen::Vector3d(1.0, -2.0, 3.0);
@@ -66,7 +66,7 @@ TEST(BadNumbers, AMomentumObserverStartsAfresh) {
   }
 }
 
-TEST(BadNumbers, AModelErrorObserverKeepsWhatItKnowsInTimesThatCannotBe) {
+TEST(BadNumbers, AModelErrorObserverKeepsItsEstimateAtInvalidTimes) {
   const Model arm = psm_like();
   const VectorXd y = Eigen::Vector3d(0.1, -0.1, 0.1);
   for (const double bad : kNoTimes) {
@@ -83,7 +83,7 @@ TEST(BadNumbers, AModelErrorObserverKeepsWhatItKnowsInTimesThatCannotBe) {
 
 // An encoder without a sample: q is no number, and the velocity is extrapolated. What is learned
 // afterwards is the same.
-TEST(BadNumbers, AdaptiveFrictionLearnsOnAfterACycleThatIsNoNumber) {
+TEST(BadNumbers, AdaptiveFrictionContinuesAfterANonFiniteCycle) {
   const Model arm = psm_like();
   const VectorXd none = VectorXd::Zero(3);
   AdaptiveFrictionOptions options;
@@ -143,7 +143,7 @@ struct Tether {
 };
 
 // The falling end of TetherGuard's own test, without its position now and then or at the start.
-TEST(BadNumbers, ATetherGuardFollowsAFallingEndThroughThem) {
+TEST(BadNumbers, ATetherGuardFollowsAFallingEndThroughNonFiniteCycles) {
   Tether tether;
   tether.guard.learn(0, kNan, 1.0);
   tether.guard.learn(0, 1.0, kInf);
@@ -165,7 +165,7 @@ TEST(BadNumbers, ATetherGuardFollowsAFallingEndThroughThem) {
 }
 
 // A fall that is over says nothing about the next one.
-TEST(BadNumbers, ATetherGuardForgetsAMotionThatIsOver) {
+TEST(BadNumbers, ATetherGuardDropsAFinishedMotion) {
   Tether tether;
   tether.learn();
   tether.healthy[0] = 0;  // so that it does not follow
@@ -178,7 +178,7 @@ TEST(BadNumbers, ATetherGuardForgetsAMotionThatIsOver) {
   EXPECT_LT(tether.guard.motion(0).position.norm(), 1e-9);
 }
 
-TEST(BadNumbers, TeleoperationLetsGoAndEngagesAgainWithoutAJump) {
+TEST(BadNumbers, TeleoperationReleasesAndEngagesAgainWithoutAJump) {
   const Eigen::Vector3d none = Eigen::Vector3d::Zero(), bad(0.0, kNan, 0.0), leader(0.1, 0.2, 0.3);
   for (const int lost : {0, 1, 2}) {
     Teleoperation tele({}, none, none);
@@ -199,7 +199,7 @@ TEST(BadNumbers, TeleoperationLetsGoAndEngagesAgainWithoutAJump) {
   }
 }
 
-TEST(BadNumbers, AnObjectKeepsItsMotionWhereAHandIsNowhere) {
+TEST(BadNumbers, AnObjectKeepsItsMotionIfAHandPositionIsNotFinite) {
   ObjectImpedanceOptions o;
   o.grasps = {{0.05, 0.01, 0.0}, {-0.03, 0.05, 0.01}, {-0.02, -0.05, 0.02}};
   ObjectImpedance control(o);
@@ -223,7 +223,7 @@ TEST(BadNumbers, AnObjectKeepsItsMotionWhereAHandIsNowhere) {
 }
 
 // Internal forces need two hands at two places and a number.
-TEST(BadNumbers, InternalForcesThatCannotBe) {
+TEST(BadNumbers, NonFiniteInternalForcesAreRefused) {
   ObjectImpedanceOptions o;
   o.grasps = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
   ObjectImpedance control(o);

@@ -57,7 +57,7 @@ CooperativeInput at(const std::vector<Vector3d>& where, int members) {
 }
 
 // (6.2): every arm moves by (R_follower_leader)' dx in its own axes, for dx in the leader's.
-TEST(CooperativeController, MovesEveryArmByTheSameWayInItsOwnAxes) {
+TEST(CooperativeController, MovesEveryArmByTheSameDisplacementInItsOwnAxes) {
   CooperativeOptions o = options(3);
   o.leader = 1;
   CooperativeController control(o, kTips);
@@ -209,7 +209,7 @@ struct Tracking {
   double rest = 0.0;
 };
 
-TEST(CooperativeController, HoldsWhenAnArmIsLostAndSaysSo) {
+TEST(CooperativeController, HoldsAndReportsWhenAnArmIsLost) {
   Tracking t;
   t.control->move({0.02, 0.0, 0.0}, 1.0);
   t.run(500);
@@ -246,7 +246,7 @@ TEST(CooperativeController, AStopEndsAChangeOfForcesToo) {
   EXPECT_EQ(t.control->wanted_force(0), 5.0);
 }
 
-TEST(CooperativeController, HoldsOnOldSamplesAndOnOnesThatAreStuck) {
+TEST(CooperativeController, HoldsOnOldAndOnStuckSamples) {
   Tracking stale;
   stale.input.force[0].age = 0.05;
   stale.run(1);
@@ -283,7 +283,7 @@ TEST(CooperativeController, HoldsOnASensorThatDrifts) {
   }
 }
 
-TEST(CooperativeController, GivesWayToAForceThatIsTooLarge) {
+TEST(CooperativeController, YieldsToAnExcessiveForce) {
   Tracking t;
   t.input.position[1] += Vector3d(0.03, 0.0, 0.0);  // pulled away: 30 N
   const double before = t.spring(t.input);
@@ -294,7 +294,7 @@ TEST(CooperativeController, GivesWayToAForceThatIsTooLarge) {
   EXPECT_LT(t.spring(t.input), 6.0);
 }
 
-TEST(CooperativeController, NotFiniteEndsTheTask) {
+TEST(CooperativeController, ANonFinitePositionEndsTheTask) {
   Tracking t;
   t.input.position[1].x() = NAN;
   const auto& targets = t.control->update(t.input);
@@ -303,7 +303,7 @@ TEST(CooperativeController, NotFiniteEndsTheTask) {
 }
 
 // Once targets are held, what is no number leaves no trace either: an arm that is lost often has none.
-TEST(CooperativeController, NotFiniteWhileTargetsAreHeldMovesNothing) {
+TEST(CooperativeController, NonFinitePositionsDuringAHoldMoveNothing) {
   const auto breaks = {+[](CooperativeInput& in) { in.position[1].x() = NAN; },
                        +[](CooperativeInput& in) { in.velocity[1].y() = NAN; },
                        +[](CooperativeInput& in) { in.force[0].force = NAN; },
@@ -329,7 +329,7 @@ TEST(CooperativeController, NotFiniteWhileTargetsAreHeldMovesNothing) {
 }
 
 // A reading without a number, or without an age, ends the task like a position without one.
-TEST(CooperativeController, AReadingThatIsNoNumberEndsTheTask) {
+TEST(CooperativeController, ANonFiniteReadingEndsTheTask) {
   Tracking number, age;
   number.input.force[0].force = NAN;
   number.control->update(number.input);
@@ -352,7 +352,7 @@ TEST(CooperativeController, AReadingThatIsNoNumberEndsTheTask) {
 }
 
 // Commands with a number out of range are refused and change nothing.
-TEST(CooperativeController, CommandsThatCannotBeChangeNothing) {
+TEST(CooperativeController, InvalidCommandsChangeNothing) {
   Tracking t;
   CooperativeController& c = *t.control;
   for (const double time : {0.0, -1.0, static_cast<double>(NAN), HUGE_VAL}) {
@@ -376,7 +376,7 @@ TEST(CooperativeController, CommandsThatCannotBeChangeNothing) {
 
 // Force control that is on already goes on: neither the correction nor the checks of its sensor start
 // afresh. A member that is not tracked may have any reading.
-TEST(CooperativeController, SwitchingOnWhatIsOnChangesNothing) {
+TEST(CooperativeController, ReenablingForceControlChangesNothing) {
   Tracking t;
   const double correction = t.control->correction(0);
   EXPECT_GT(correction, 1e-3);
@@ -395,7 +395,7 @@ TEST(CooperativeController, SwitchingOnWhatIsOnChangesNothing) {
 }
 
 // The other reasons that end a task, and who gives way: an end whose arm does not follow is told nothing.
-TEST(CooperativeController, OtherReasonsEndTheTask) {
+TEST(CooperativeController, EveryFaultInputEndsTheTask) {
   Tracking missed, error;
   missed.input.force[0].force = -5.0;
   missed.input.force[0].number = 100000;
@@ -418,7 +418,7 @@ TEST(CooperativeController, OtherReasonsEndTheTask) {
   }
 }
 
-TEST(CooperativeController, RefusesWhatCannotBe) {
+TEST(CooperativeController, RejectsInvalidOptions) {
   CooperativeOptions o = options(2);
   EXPECT_THROW(CooperativeController(o, tips(1)), InvalidInput);
   o.members = {{0, 0, {}, 1.0}};

@@ -176,7 +176,7 @@ TEST(FaultInjection, WithoutFaultsNothingIsReported) {
   EXPECT_NEAR(loop.rig().force().x(), 12.0, 0.1);
 }
 
-TEST(FaultInjection, ShortDropoutsAreRiddenThrough) {
+TEST(FaultInjection, ShortDropoutsAreTolerated) {
   Loop loop(true);
   loop.pull(12.0, 2.0);
   for (int k = 0; k < 40; ++k) {
@@ -239,7 +239,7 @@ TEST(FaultInjection, AStuckForceSensorIsNoticedByTheJoints) {
   EXPECT_LT(loop.rig().force().norm(), 3.0);  // it let go
 }
 
-TEST(FaultInjection, TooMuchForceIsLetGo) {
+TEST(FaultInjection, ExcessiveForceReleasesTheArm) {
   Loop loop(true);
   loop.pull(20.0, 2.0);
   loop.run(5.0);

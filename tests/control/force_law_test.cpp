@@ -12,7 +12,7 @@ namespace {
 constexpr double kCycle = 1e-3;
 
 // What the thesis saw: a step of 0.49 N cannot come to rest in a deadband 0.4 N wide.
-TEST(ForceTracker, StepsOverADeadbandThatIsNarrowerThanOneStep) {
+TEST(ForceTracker, OscillatesAcrossADeadbandNarrowerThanOneStep) {
   for (const double deadband : {0.2, 0.4}) {
     ForceLaw law;
     law.kind = ForceLaw::Kind::kIncrement;
@@ -30,7 +30,7 @@ TEST(ForceTracker, StepsOverADeadbandThatIsNarrowerThanOneStep) {
   }
 }
 
-TEST(ForceTracker, CountsTheTimeBetweenSamplesAndStaysWithinItsReach) {
+TEST(ForceTracker, IntegratesOverTheSampleIntervalAndStaysWithinItsReach) {
   ForceLaw law;
   law.gain = 0.1;
   law.reach = 0.004;
@@ -48,7 +48,7 @@ TEST(ForceTracker, CountsTheTimeBetweenSamplesAndStaysWithinItsReach) {
   EXPECT_EQ(a, 0.004);
 }
 
-TEST(ForceTracker, DampingGivesWayAgainstTheRate) {
+TEST(ForceTracker, DampingOpposesTheRate) {
   ForceLaw law;
   law.damping = 0.4;
   ForceTracker tracker(law);
@@ -57,7 +57,7 @@ TEST(ForceTracker, DampingGivesWayAgainstTheRate) {
 
 // x_f = integral + feed_forward h_d - damping dl/dt + proportional e, each with its sign; held
 // targets keep the first three.
-TEST(ForceTracker, AddsItsTerms) {
+TEST(ForceTracker, IsTheSumOfItsTerms) {
   ForceLaw law;
   law.gain = 0.1;
   law.proportional = 0.002;
@@ -73,7 +73,7 @@ TEST(ForceTracker, AddsItsTerms) {
 }
 
 // The gains that tuned_force_law() promises: crossover, damping within bounds, zero on the pole.
-TEST(TunedForceLaw, SuitsTheStiffness) {
+TEST(TunedForceLaw, HasTheDesignedBandwidthForTheStiffness) {
   for (const double K : {200.0, 2450.0, 50000.0}) {
     const ForceLaw law = tuned_force_law(K, 300.0, 30.0);
     EXPECT_DOUBLE_EQ(law.gain * 300.0, 30.0);
@@ -87,7 +87,7 @@ TEST(TunedForceLaw, SuitsTheStiffness) {
   EXPECT_THROW(tuned_force_law(0.0, 300.0, 30.0), InvalidInput);
 }
 
-TEST(ForceTracker, RefusesWhatCannotBe) {
+TEST(ForceTracker, RejectsInvalidGains) {
   ForceLaw law;
   law.gain = -1.0;
   EXPECT_THROW(ForceTracker{law}, InvalidInput);

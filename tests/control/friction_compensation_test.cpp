@@ -46,7 +46,7 @@ double torque(FrictionCompensation& friction, ArmState& state, const Asked& aske
 
 // Listing 7.5.1 with the errata, in numbers: velocity deadband 5 mm/s, position deadband 0.3 mm,
 // Fs = the Coulomb level.
-TEST(FrictionCompensation, TheRuleOfTheThesisWithItsErrata) {
+TEST(FrictionCompensation, MatchesTheRuleOfTheThesisWithItsErrata) {
   const Model arm = thesis_friction();
   ArmState state(arm, {"tool"});
   FrictionCompensation stick(arm, rule(FrictionRule::kStickSlip));
@@ -131,7 +131,7 @@ TEST(FrictionCompensation, ThePreslidingRuleFollowsTheMemory) {
 
 // The stronger the compensation, the more a joint that is pushed through its work moves; the store
 // bounds the energy: after any reference has stopped, compensation has given at most one reserve.
-TEST(FrictionCompensation, TheStoreBoundsWhatCompensationGivesAway) {
+TEST(FrictionCompensation, TheTankBoundsTheEnergyOfCompensation) {
   const Model arm = thesis_friction();
   ArmState state(arm, {"tool"});
   FrictionCompensation friction(arm, rule(FrictionRule::kVelocity));
@@ -229,13 +229,13 @@ TEST(FrictionCompensation, NothingMovesByItselfWhereFrictionIsFourFifthsOfTheIde
 }
 
 // What the supervision is for: without it the rule of the thesis keeps the arm moving.
-TEST(FrictionCompensation, WithoutSupervisionItWouldMoveByItself) {
+TEST(FrictionCompensation, WithoutTheTankTheArmMovesByItself) {
   EXPECT_GT(after_a_push(FrictionRule::kStickSlip, 1.0, false, true).late, 3.0);
   EXPECT_GT(after_a_push(FrictionRule::kStickSlip, 1.0, false, false).late, 100.0);
 }
 
 // A time that is none empties the tank, which is safe; reset() fills it at once.
-TEST(FrictionCompensation, ATimeThatIsNoneEmptiesTheTank) {
+TEST(FrictionCompensation, ANonFiniteTimeEmptiesTheTank) {
   const Model arm = thesis_friction();
   ArmState state(arm, {"tool"});
   FrictionCompensation friction(arm, rule(FrictionRule::kVelocity));
@@ -255,7 +255,7 @@ TEST(FrictionCompensation, ATimeThatIsNoneEmptiesTheTank) {
 }
 
 // Terms along one direction that count from different places are different frictions.
-TEST(FrictionCompensation, AxesDifferByTheirOffset) {
+TEST(FrictionCompensation, AxesWithDifferentOffsetsAreSeparate) {
   const Model arm = plausible_model(read_model("psm-3dof"), 1).arm;
   EffectTerm here = effect_on(arm, "coulomb_friction", 2, {{"level", 1.0}}), there = here;
   there.axis.offset = 0.05;
@@ -263,7 +263,7 @@ TEST(FrictionCompensation, AxesDifferByTheirOffset) {
   EXPECT_EQ(FrictionCompensation(with_effects(arm, {here, there})).axes(), 2);
 }
 
-TEST(FrictionCompensation, WhatCannotBeIsRefused) {
+TEST(FrictionCompensation, InvalidOptionsAreRefused) {
   const Model arm = thesis_friction();
   EXPECT_THROW(FrictionCompensation(with_effects(arm, {effect_on(arm, "coulomb_friction", 0, {})})),
                InvalidInput);
@@ -320,7 +320,7 @@ double learned_share(double real_share, const AdaptiveFrictionOptions& options) 
   return adaptive.share(2);
 }
 
-TEST(AdaptiveFriction, FindsTheFrictionThatThereIsWithinItsBounds) {
+TEST(AdaptiveFriction, ConvergesToTheTrueFrictionWithinItsBounds) {
   AdaptiveFrictionOptions options;
   EXPECT_EQ(learned_share(0.7, options), FrictionOptions().share);
   options.enabled = true;

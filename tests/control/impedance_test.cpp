@@ -60,7 +60,7 @@ TEST(AnalyticalTask, JacobianRateAndWrenchBelongToTheCoordinates) {
   }
 }
 
-TEST(AnalyticalTask, NearItsSingularPlaceRatesStayBounded) {
+TEST(AnalyticalTask, NearItsSingularityRatesStayBounded) {
   const Model arm = sample_arms().at("elbow_6R");
   TipKinematics tip(arm, {last_frame(arm)});
   const VectorXd q = Random(3).vector(6, -1, 1);
@@ -147,7 +147,7 @@ TEST_P(ImpedanceOn, TheTipObeysTheLaw) {
   EXPECT_GE(tried, 3);
 }
 
-TEST(Impedance, GainsThatCannotBeAreRefused) {
+TEST(Impedance, InvalidGainsAreRefused) {
   const Model& arm = sample_arms().at("spherical_RRP");
   ImpedanceGains gains;
   gains.mass[1] = 0.0;

@@ -39,7 +39,7 @@ TEST(QuinticInterpolator, MeetsBothEndsAndItsDerivativesAreThoseOfItsPath) {
   EXPECT_NEAR(QuinticInterpolator::duration_for(-0.7, 1e9, hardest), 1.0, 1e-5);
 }
 
-TEST(QuinticInterpolator, ANewGoalOnTheWayBreaksNeitherVelocityNorAcceleration) {
+TEST(QuinticInterpolator, ANewGoalDuringAMotionKeepsVelocityAndAccelerationContinuous) {
   QuinticInterpolator way(Eigen::VectorXd::Zero(1));
   way.move_to(Eigen::VectorXd::Ones(1), 1.0);
   VectorXd x = way.x();
@@ -66,7 +66,7 @@ TEST(QuinticInterpolator, ANewGoalOnTheWayBreaksNeitherVelocityNorAcceleration) 
   EXPECT_EQ(way.dx()[0], 0.0);
 }
 
-TEST(QuinticInterpolator, WhatCannotBeIsRefusedAndChangesNothing) {
+TEST(QuinticInterpolator, InvalidGoalsAreRefusedAndChangeNothing) {
   EXPECT_THROW(QuinticInterpolator(VectorXd{}), InvalidInput);
   QuinticInterpolator way(Eigen::VectorXd::Zero(2));
   EXPECT_FALSE(way.move_to(Eigen::VectorXd::Ones(3), 1.0));
@@ -85,7 +85,7 @@ TEST(QuinticInterpolator, WhatCannotBeIsRefusedAndChangesNothing) {
   EXPECT_EQ(way.x(), Eigen::VectorXd::Ones(2));
 }
 
-TEST(QuinticInterpolator, APlaceOrATimeThatIsNoneChangesNothing) {
+TEST(QuinticInterpolator, NonFiniteGoalsAndTimesChangeNothing) {
   QuinticInterpolator way(Eigen::Vector2d(0.1, 0.2));
   way.move_to(Eigen::Vector2d(0.3, 0.1), 1.0);
   way.advance(0.4);

@@ -42,7 +42,7 @@ void at(int cycle, Measured& measured, JointReference& wanted) {
 }
 
 // The parts in the order that ArmState, ComputedTorque and the others document, by hand.
-TEST(JointController, IsItsPartsInOrder) {
+TEST(JointController, EqualsItsComponentsInSequence) {
   const Model arm = with_sensor_errors(psm_like());
   JointController controller(arm, {{25, 20, 75}, {10, 11, 15}, 0.0, {}, with_limits()});
   JointSensors sensors(arm);
@@ -74,14 +74,14 @@ TEST(JointController, IsItsPartsInOrder) {
     safety.set_holding_torque(error.torque());
     sent = safety.update(state, input, tau);
     error.sent(tau, sent);
-    sensors.show_torques(sent);
+    sensors.add_torque_errors(sent);
     ASSERT_EQ(controller.update(measured, wanted, kPeriod), sent) << k;
   }
   EXPECT_FALSE(controller.fault());
   EXPECT_GT(controller.cycle().error().torque().norm(), 0.0);
 }
 
-TEST(JointController, AFaultSaysWhatWhereAndWhen) {
+TEST(JointController, AFaultReportsItsKindJointAndTime) {
   JointController controller(psm_like(), {400, 40, 0, {}, with_limits()});
   Measured measured(3);
   JointReference wanted(3);
@@ -113,7 +113,7 @@ void run(Controller& controller, const Reference& wanted, double seconds, ArmRig
   }
 }
 
-TEST(JointController, HoldsGivesWayAndGoesOn) {
+TEST(JointController, HoldsYieldsAndResumes) {
   const Model real = psm_like();
   ArmRig rig(real, kTip);
   rig.place(Eigen::Vector3d(0.1, 0.05, 0.12));
@@ -145,7 +145,7 @@ TEST(JointController, HoldsGivesWayAndGoesOn) {
 
 // Drives that give no more than what carries the arm: where the controller is told so, its observer
 // does not take the rest for an error of the model.
-TEST(JointController, TorqueThatWasNotSentIsNoErrorOfTheModel) {
+TEST(JointController, UnsentTorqueIsNotCountedAsModelError) {
   const Model arm = psm_like();
   double observed[2];
   for (const bool tells : {false, true}) {
@@ -184,7 +184,7 @@ TEST(JointController, PidDoesNotWindUp) {
   EXPECT_LT(controller.cycle().commanded()[0], 0.0);
 }
 
-TEST(JointController, GravityCarriesTheArmAndLeavesReferencesAlone) {
+TEST(JointController, GravityCompensationHoldsTheArmWithoutTracking) {
   const Model real = psm_like();
   JointController controller(real, {400, 40, 0, JointLaw::kGravity, with_limits()});
   GravityCompensation gravity(real);
@@ -195,7 +195,7 @@ TEST(JointController, GravityCarriesTheArmAndLeavesReferencesAlone) {
   EXPECT_EQ(controller.update(measured, wanted, kPeriod), gravity.update(measured.q));
 }
 
-TEST(JointController, RefusesWhatCannotBe) {
+TEST(JointController, RejectsInvalidOptions) {
   const Model arm = psm_like();
   const auto message = [&](const JointControllerOptions& options) {
     try {
@@ -211,7 +211,7 @@ TEST(JointController, RefusesWhatCannotBe) {
   EXPECT_EQ(message({400, 40, 0, {}, with_limits()}), "");
 }
 
-TEST(JointController, RefusesNoArm) {
+TEST(JointController, RejectsAnEmptyModel) {
   EXPECT_THROW(JointController{Model()}, InvalidInput);
   EXPECT_THROW(TipController{Model()}, InvalidInput);
 }
@@ -228,7 +228,7 @@ TEST(TipController, PullsASpringWithTheForceOfItsLaw) {
   TipController controller(with_wrong_parameters(real, 0.05, 1), options);
   Measured measured(3);
   measured.q = rig.q();
-  TaskReference wanted = controller.here(measured);
+  TaskReference wanted = controller.reference_at(measured);
   EXPECT_LT((wanted.x.head<3>() - start).norm(), 1e-4);
   wanted.x[0] += 0.055;  // two springs in series: 5 N
   run(controller, wanted, 4.0, rig);
@@ -237,7 +237,7 @@ TEST(TipController, PullsASpringWithTheForceOfItsLaw) {
   EXPECT_TRUE(controller.hold());
 }
 
-TEST(Controllers, NoUpdateTakesMemory) {
+TEST(Controllers, NoUpdateAllocates) {
   if (VERIDYN_COUNTS_MALLOC == 0) GTEST_SKIP() << "the sanitizer has a malloc of its own";
   const Model arm = with_sensor_errors(plausible_model(read_model("psm-wrist"), 1).arm);
   const int n = arm.joints();

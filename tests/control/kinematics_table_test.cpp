@@ -12,7 +12,7 @@ namespace veridyn {
 namespace {
 
 // What forward kinematics gives, inverse kinematics takes back.
-TEST(KinematicsTable, InverseTakesForwardBack) {
+TEST(KinematicsTable, InverseInvertsForwardKinematics) {
   for (const char* name : {"psm-3dof", "ur10e"}) {
     SCOPED_TRACE(name);
     const Model arm = read_model(name);

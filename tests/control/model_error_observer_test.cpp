@@ -16,7 +16,7 @@ namespace {
 
 // A torque that the model does not know, on an arm in motion: d(t) = unknown (1 - exp(-b t)),
 // whatever acceleration is asked for meanwhile.
-TEST(ModelErrorObserver, FindsWhatTheModelLacksAsAFirstOrderLag) {
+TEST(ModelErrorObserver, EstimatesTheModelErrorWithAFirstOrderLag) {
   for (const char* name : {"spherical_RRP", "elbow_6R", "parallelogram"}) {
     const Model& arm = sample_arms().at(name);
     const int n = arm.joints();
@@ -48,7 +48,7 @@ TEST(ModelErrorObserver, FindsWhatTheModelLacksAsAFirstOrderLag) {
 
 // A motor that gives half of what is asked for is no error of the model: nothing winds up, and when
 // the motor is free again d is there at once. Not told, the observer takes it for one.
-TEST(ModelErrorObserver, WhatWasNotSentIsNoErrorOfTheModel) {
+TEST(ModelErrorObserver, UnsentTorqueIsNotCountedAsModelError) {
   const Model& arm = sample_arms().at("spherical_RRP");
   const double dt = 5e-4;
   for (const bool told : {true, false}) {
@@ -78,7 +78,7 @@ TEST(ModelErrorObserver, WhatWasNotSentIsNoErrorOfTheModel) {
 }
 
 // Where less was sent than asked for, the estimate grows no further that way.
-TEST(ModelErrorObserver, DoesNotGrowBeyondAMotorThatGivesNoMore) {
+TEST(ModelErrorObserver, DoesNotWindUpOnASaturatedMotor) {
   const Model& arm = sample_arms().at("spherical_RRP");
   ArmState state(arm, {last_frame(arm)});
   state.update(Eigen::Vector3d(0.1, 0.2, 0.3), Eigen::Vector3d::Zero());
@@ -111,7 +111,7 @@ TEST(ModelErrorObserver, NeverAddsMoreThanItsLimit) {
 }
 
 // One cycle that is no number leaves no trace in what remembers.
-TEST(WhatRemembers, ForgetsACycleThatIsNoNumber) {
+TEST(WhatRemembers, RecoversFromANonFiniteCycle) {
   const Model arm = psm_like();
   const Tip tip{"tool"};
   ArmState state(arm, tip);
@@ -139,7 +139,7 @@ TEST(WhatRemembers, ForgetsACycleThatIsNoNumber) {
 }
 
 // Each input alone that is no number leaves d as it is, and the change of velocity across the gap unused.
-TEST(ModelErrorObserver, KeepsWhatItKnowsInACycleThatIsNoNumber) {
+TEST(ModelErrorObserver, KeepsItsEstimateInANonFiniteCycle) {
   const Model arm = psm_like();
   const VectorXd q = Eigen::Vector3d(0.1, 0.2, 0.1), dq = Eigen::Vector3d(0.1, 0.1, 0.05);
   const VectorXd y = Eigen::Vector3d(0.1, -0.1, 0.1), none = VectorXd::Constant(3, NAN);
@@ -163,7 +163,7 @@ TEST(ModelErrorObserver, KeepsWhatItKnowsInACycleThatIsNoNumber) {
 }
 
 // With springs and offsets in the model an arm stays where it is let go.
-TEST(GravityCompensation, AnArmThatIsLetGoStays) {
+TEST(GravityCompensation, AReleasedArmStays) {
   const Model bare = sample_arms().at("coupled_wrist");
   const Model arm = with_effects(bare, {effect_on(bare, "joint_spring", 1, {{"stiffness", 3.0}}),
                                         effect_on(bare, "torque_offset", 0, {{"offset", 0.4}})});

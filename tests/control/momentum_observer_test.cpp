@@ -102,7 +102,7 @@ TEST(TorqueUncertainty, IsTheRootSumOfSquaresOverTheParameters) {
 }
 
 // An identified model is asked for its covariance, and for the error that it leaves.
-TEST(TorqueUncertainty, AnIdentifiedModelIsAskedForItsCovariance) {
+TEST(TorqueUncertainty, RequiresTheCovarianceOfAnIdentifiedModel) {
   ModelDescription description = sample_arms().at("planar_2R").description();
   const std::string body = description.frames[1].name;
   IdentifiedBase base;
@@ -208,7 +208,7 @@ TEST(MomentumObserver, NamesTheLinkThatIsTouchedAndRaisesNoFalseAlarm) {
   EXPECT_EQ(nothing.false_alarms, 0);
 }
 
-TEST(MomentumObserver, WhatCannotBeIsRefused) {
+TEST(MomentumObserver, InvalidOptionsAreRefused) {
   const Model& arm = sample_arms().at("planar_2R");
   MomentumObserverOptions options;
   options.bandwidth = 0.0;
@@ -219,7 +219,7 @@ TEST(MomentumObserver, WhatCannotBeIsRefused) {
 }
 
 // At rest the whole level of friction is unknown: that of this position and of this load.
-TEST(TorqueUncertainty, FrictionIsThatOfThePositionAndTheLoad) {
+TEST(TorqueUncertainty, FrictionIsEvaluatedAtThePositionAndTheLoad) {
   const Model bare = plausible_model(read_model("psm-3dof"), 1).arm;
   const auto with = [&bare](const std::vector<EffectTerm>& effects) {
     std::vector<EffectTerm> all = {effect_on(bare, "coulomb_friction", 2, {{"level", 1.0}})};

@@ -37,7 +37,7 @@ ObjectMotion somewhere() {
 }
 
 // Newton and Euler of the object under the hands' forces give the impedance that was asked for.
-TEST(ObjectImpedance, TheObjectMovesAsItsImpedanceSays) {
+TEST(ObjectImpedance, TheObjectFollowsItsImpedanceEquation) {
   const ObjectImpedanceOptions o = object(3);
   ObjectImpedance control(o);
   const ObjectMotion now = somewhere();
@@ -68,7 +68,7 @@ TEST(ObjectImpedance, TheObjectMovesAsItsImpedanceSays) {
 }
 
 // Targets of the hands are points of the object where it is wanted: velocities and accelerations are the derivatives of positions.
-TEST(ObjectImpedance, TargetsAreOneMotion) {
+TEST(ObjectImpedance, TargetsFormOneRigidMotion) {
   const ObjectImpedanceOptions o = object(3);
   ObjectImpedance control(o);
   const Vector3d spin(2.0, -1.0, 3.0), velocity(0.2, 0.1, -0.3);
@@ -141,7 +141,7 @@ TEST(ObjectImpedance, EstimatesTheObjectFromItsHands) {
   EXPECT_NEAR((found.spin - truth.spin).norm(), 0.0, 1e-4);
 }
 
-TEST(ObjectImpedance, RefusesWhatCannotBe) {
+TEST(ObjectImpedance, RejectsInvalidOptions) {
   ObjectImpedanceOptions o = object(3);
   o.grasps.clear();
   EXPECT_THROW(ObjectImpedance{o}, InvalidInput);

@@ -20,7 +20,7 @@ TEST(PositionLimit, AJointMustStopBeforeItsLimit) {
   EXPECT_TRUE(leaves_range(1.2, 0.0, range, 10.0));
 }
 
-TEST(PositionLimit, WhatIsNoNumberIsNowhereWithin) {
+TEST(PositionLimit, NonFinitePositionsAreOutsideEveryRange) {
   const PositionRange range{-1.0, 1.0};
   EXPECT_TRUE(leaves_range(kNone, 0.0, range, 10.0));
   EXPECT_TRUE(leaves_range(0.0, kNone, range, 10.0));

@@ -31,7 +31,7 @@ const Model& three_joints() {
   return sample_arms().at("spherical_RRP");
 }
 
-TEST(Refusals, ComputedTorque) {
+TEST(Refusals, ComputedTorqueRejectsInvalidOptions) {
   using O = JointGains;
   refuses<O>({VectorXd::Ones(3), VectorXd::Zero(3)},
              {[](O& o) { o.p.resize(2); }, [](O& o) { o.d = VectorXd::Ones(4); }, [](O& o) { o.p[1] = kNone; },
@@ -39,7 +39,7 @@ TEST(Refusals, ComputedTorque) {
              [](const O& o) { ComputedTorque(3, o); });
 }
 
-TEST(Refusals, Impedance) {
+TEST(Refusals, ImpedanceRejectsInvalidOptions) {
   using O = ImpedanceGains;
   const Wrongs<O> wrongs = {[](O& o) { o.mass[5] = 0.0; },       [](O& o) { o.mass[0] = kEndless; },
                             [](O& o) { o.damping[3] = -1.0; },   [](O& o) { o.damping[1] = kNone; },
@@ -69,7 +69,7 @@ TEST(Refusals, Impedance) {
              [&](const P& o) { Impedance(arm, {last_frame(arm)}, {}, o); });
 }
 
-TEST(Refusals, Observers) {
+TEST(Refusals, ObserversRejectInvalidOptions) {
   const Model& arm = three_joints();
   using E = ModelErrorOptions;
   const VectorXd limit = VectorXd::Ones(3);
@@ -91,7 +91,7 @@ TEST(Refusals, Observers) {
     EXPECT_THROW(QuinticInterpolator(VectorXd::Constant(2, wrong)), InvalidInput);
 }
 
-TEST(Refusals, Friction) {
+TEST(Refusals, FrictionCompensationRejectsInvalidOptions) {
   const Model& bare = three_joints();
   const Model arm = with_effects(bare, {effect_on(bare, "coulomb_friction", 0, {{"level", 0.1}})});
   using F = FrictionOptions;
@@ -110,7 +110,7 @@ TEST(Refusals, Friction) {
              [&](const A& o) { AdaptiveFriction(friction, o); });
 }
 
-TEST(Refusals, ForceLawAndTeleoperation) {
+TEST(Refusals, ForceLawAndTeleoperationRejectInvalidOptions) {
   using L = ForceLaw;
   refuses<L>({},
              each<L>({&L::deadband, &L::increment, &L::gain, &L::proportional, &L::damping, &L::feed_forward,
@@ -132,7 +132,7 @@ TEST(Refusals, ForceLawAndTeleoperation) {
   EXPECT_THROW(Teleoperation({}, here, nowhere), InvalidInput);
 }
 
-TEST(Refusals, ObjectImpedance) {
+TEST(Refusals, ObjectImpedanceRejectsInvalidOptions) {
   using O = ObjectImpedanceOptions;
   O good;
   good.grasps = {Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitX()};
@@ -146,7 +146,7 @@ TEST(Refusals, ObjectImpedance) {
              [](const O& o) { ObjectImpedance control(o); });
 }
 
-TEST(Refusals, TetherGuardAndCooperativeController) {
+TEST(Refusals, TetherGuardAndCooperativeControllerRejectInvalidOptions) {
   using G = TetherGuardOptions;
   refuses<G>({},
              each<G>({&G::period, &G::margin, &G::horizon, &G::least_push, &G::rest, &G::acceleration, &G::speed,
@@ -181,7 +181,7 @@ TEST(Refusals, TetherGuardAndCooperativeController) {
   EXPECT_THROW(CooperativeController(good, {tips[0], Eigen::Vector3d(0.0, kNone, 0.0)}), InvalidInput);
 }
 
-TEST(Refusals, SafetySupervisor) {
+TEST(Refusals, SafetySupervisorRejectsInvalidOptions) {
   using L = SafetyLimits;
   const Model& arm = three_joints();
   L good = safety_limits(arm, 30.0);
@@ -212,7 +212,7 @@ void expect_words(Enum last) {
   EXPECT_EQ(words.count(""), 0U);
 }
 
-TEST(Words, EveryStateHasItsOwn) {
+TEST(Words, DifferForEveryState) {
   expect_words(CooperativeState::kNotFinite);
   expect_words(SafetyState::kFault);
   expect_words(SafetyFault::kNotHeld);

@@ -99,7 +99,7 @@ const Wrong kWrongs[] = {
      }},
 };
 
-TEST(SafetySupervisor, EveryFaultHasItsActionWithinOneCycleAndSaysWhy) {
+TEST(SafetySupervisor, EveryFaultTriggersItsActionWithinOneCycleWithAReason) {
   for (const Wrong& wrong : kWrongs) {
     Supervised s;
     EXPECT_TRUE(near(s.run(), Eigen::Vector3d(1, 2, 3), 0.0));
@@ -126,7 +126,7 @@ TEST(SafetySupervisor, EveryFaultHasItsActionWithinOneCycleAndSaysWhy) {
   }
 }
 
-TEST(SafetySupervisor, StatesAllowTheirTransitionsAndNoOthers) {
+TEST(SafetySupervisor, OnlyDefinedStateTransitionsAreAllowed) {
   Supervised s;
   SafetySupervisor& safety = s.safety_;
   EXPECT_FALSE(safety.home());
@@ -165,7 +165,7 @@ TEST(SafetySupervisor, StatesAllowTheirTransitionsAndNoOthers) {
 }
 
 // A lost encoder in motion: what is left brakes by what was last known, and ends in what holds.
-TEST(SafetySupervisor, BlindItBrakesByTheLastSoundMomentum) {
+TEST(SafetySupervisor, WithoutSensorsItBrakesByTheLastValidMomentum) {
   Supervised s;
   VectorXd extra = Eigen::Vector3d(0.1, -0.2, 0.3);
   s.safety_.set_holding_torque(extra);
@@ -186,7 +186,7 @@ TEST(SafetySupervisor, BlindItBrakesByTheLastSoundMomentum) {
 }
 
 // What a controller makes of samples that did not come anew is not kept for the fault.
-TEST(SafetySupervisor, OldSamplesLeaveNoTraceInWhatIsHeld) {
+TEST(SafetySupervisor, OldSamplesDoNotAffectTheHeldPosition) {
   Supervised s;
   s.safety_.set_holding_torque(Eigen::Vector3d(0.1, 0.2, 0.3));
   s.run();
@@ -206,7 +206,7 @@ TEST(SafetySupervisor, OldSamplesLeaveNoTraceInWhatIsHeld) {
 
 // The position is repeated for ten cycles, then a new one arrives. At 0.9 of its largest velocity the arm can have moved
 // there meanwhile; at 2.2 times that velocity it cannot.
-TEST(SafetySupervisor, APositionAfterAPauseIsAJumpOnlyWhereTheArmCouldNotBe) {
+TEST(SafetySupervisor, APositionAfterAPauseIsAJumpOnlyIfUnreachable) {
   for (const double factor : {0.9, 2.2}) {
     Supervised s;
     SafetyLimits limits = safety_limits(s.arm_, kTorque);
@@ -227,7 +227,7 @@ TEST(SafetySupervisor, APositionAfterAPauseIsAJumpOnlyWhereTheArmCouldNotBe) {
 
 // Positions that are always some cycles old are new ones: an arm that moves at 0.9 of its largest velocity is not
 // stopped, and a jump is found.
-TEST(SafetySupervisor, PositionsOfAConstantLatencyAreNewOnes) {
+TEST(SafetySupervisor, PositionsWithConstantLatencyCountAsNew) {
   for (const double cycles : {1.0, 1.7, 5.0}) {
     Supervised s;
     SafetyLimits limits = safety_limits(s.arm_, kTorque);
@@ -275,7 +275,7 @@ TEST(SafetySupervisor, APositionOfALateReplyHasNotJumped) {
 }
 
 // One step of a coarse encoder is no jump; two are.
-TEST(SafetySupervisor, AStepOfAnEncoderIsNoJump) {
+TEST(SafetySupervisor, AnEncoderIncrementIsNoJump) {
   for (const int steps : {1, 2}) {
     Supervised s;
     SafetyLimits limits = safety_limits(s.arm_, kTorque);
@@ -311,7 +311,7 @@ void too_fast(Supervised& s) {
 }
 
 // The test of hold: the energy falls to a half within held_seconds, or the motors go off.
-TEST(SafetySupervisor, AHeldArmComesToRestOrLosesItsPower) {
+TEST(SafetySupervisor, AHeldArmComesToRestOrIsSwitchedOff) {
   for (const bool by_controller : {false, true}) {
     for (const double half_life : {0.08, 1.0}) {  // [s] of the energy
       Supervised s;
@@ -347,7 +347,7 @@ TEST(SafetySupervisor, AHeldArmComesToRestOrLosesItsPower) {
   EXPECT_EQ(s.safety_.fault(), SafetyFault::kNone);
 }
 
-TEST(SafetySupervisor, AnArmThatRunsAwayAfterAFaultLosesItsPowerAtOnce) {
+TEST(SafetySupervisor, ARunawayArmAfterAFaultIsSwitchedOffAtOnce) {
   Supervised s;
   too_fast(s);
   s.dq_[0] = 2.9;
@@ -389,7 +389,7 @@ TEST(SafetySupervisor, LaterFaultsCountWhereTheirActionIsStronger) {
 }
 
 // What holds beside the model is no more than the model may be wrong by and the measured force takes.
-TEST(SafetySupervisor, AHoldingTorqueStaysWithinWhatTheModelMayBeWrongBy) {
+TEST(SafetySupervisor, AHoldingTorqueStaysWithinTheModelUncertainty) {
   for (const bool pulled : {false, true}) {
     for (const double sign : {-1.0, 1.0}) {
       Supervised s;
@@ -416,7 +416,7 @@ TEST(SafetySupervisor, AHoldingTorqueStaysWithinWhatTheModelMayBeWrongBy) {
   }
 }
 
-TEST(SafetySupervisor, BrakesAndGivesWayAgainstTheMotion) {
+TEST(SafetySupervisor, BrakesAgainstTheMotion) {
   Supervised s;
   s.safety_.set_holding_torque(Eigen::Vector3d(0.01, 0.02, -0.01));
   s.run();
@@ -434,13 +434,13 @@ TEST(SafetySupervisor, BrakesAndGivesWayAgainstTheMotion) {
   EXPECT_TRUE(near(out, wanted.cwiseMin(kTorque).cwiseMax(-kTorque), 1e-9));
 }
 
-TEST(SafetySupervisor, NeverSendsMoreThanTheMotorsHave) {
+TEST(SafetySupervisor, NeverExceedsTheMotorLimits) {
   Supervised s;
   s.tau_ << 50, -50, 31;
   EXPECT_TRUE(near(s.run(), Eigen::Vector3d(30, -30, 30), 0.0));
 }
 
-TEST(SafetySupervisor, AnArmThatWasNeverSeenGetsNoTorque) {
+TEST(SafetySupervisor, AnArmWithoutValidSamplesGetsNoTorque) {
   Supervised s;
   s.safety_.disable();
   EXPECT_TRUE(s.safety_.enable());
@@ -452,7 +452,7 @@ TEST(SafetySupervisor, AnArmThatWasNeverSeenGetsNoTorque) {
 }
 
 // Numbers that are none, or too large to be computed with, come out as torques that are finite.
-TEST(SafetySupervisor, WhatIsHeldIsFiniteWhateverWasGiven) {
+TEST(SafetySupervisor, HoldingTorquesAreFiniteForAnyInput) {
   for (const double dt : {0.0, -1.0, static_cast<double>(NAN)}) {
     Supervised s;
     s.safety_.set_holding_torque(Eigen::Vector3d(NAN, 0.01, INFINITY));

@@ -94,7 +94,7 @@ TEST_P(SingleArm, ComputedTorqueStepsEndWithinFiveMilliradAndThreeTenthsOfAMilli
 
 // Friction that falls by a third as a joint begins to move, and of which the model knows nothing:
 // integral action has made joints hunt for less.
-TEST(SingleArmFriction, StepsEndAsCloselyWhereFrictionFallsWithSpeed) {
+TEST(SingleArmFriction, StepErrorsStaySmallIfFrictionFallsWithSpeed) {
   const Model model = psm_like();
   ModelDescription description = model.description();
   for (int i = 0; i < 3; ++i)

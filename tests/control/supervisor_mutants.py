@@ -42,7 +42,7 @@ MUTANTS = [
     ("std::clamp(out_[i], -limits_.torque[i], limits_.torque[i])", "std::clamp(out_[i], -2.0 * limits_.torque[i], 2.0 * limits_.torque[i])"),
     ("strength(found.fault) > strength(fault_)", "fault_ == SafetyFault::kNone && strength(found.fault) > 0"),
     ("fault_ == SafetyFault::kNone || found.fault != SafetyFault::kForceSensor", "true"),
-    ("found.fault != SafetyFault::kNone) note(found)", "false) note(found)"),
+    ("found.fault != SafetyFault::kNone) record_finding(found)", "false) record_finding(found)"),
     ("if (worse) keep_holding_torque()", "if (false) keep_holding_torque()"),
     ("since_sound_ > kNewer * input.dt || !seen_", "true"),
     ("input.dt + age_ - input.sensor_age", "(input.sensor_age < input.dt ? input.dt : 0.0)"),
@@ -89,7 +89,7 @@ def form(old, new):
         return "if (state_ == SafetyState::kFault && mutant() != {k}) return;  // what"
     if old.startswith("if (saturated_[i] > limits_.torque_seconds) return"):
         return "if (saturated_[i] > (mutant() == {k} ? 2.0 : 1.0) * limits_.torque_seconds) return {{SafetyFault::kTorque"
-    if old.endswith(") note(found)") or ") found = " in old:
+    if old.endswith(") record_finding(found)") or ") found = " in old:
         condition, rest = old.split(")", 1)
         return f"mutant() != {{k}} && {condition}){rest}"
     if old.startswith("input.force.norm() > limits_.force)"):

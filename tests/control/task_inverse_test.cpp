@@ -22,7 +22,7 @@ MatrixXd jacobian_at(const Model& arm, const VectorXd& q) {
   return tip.jacobian();
 }
 
-TEST(TaskInverse, AwayFromSingularitiesItSolvesTheTaskAndThePostureOnlyFillsWhatIsFree) {
+TEST(TaskInverse, AwayFromSingularitiesThePostureUsesOnlyTheNullSpace) {
   for (const auto& [name, rows] :
        {std::pair("elbow_6R", TaskRows::kPose), std::pair("serial_RRPRRPR", TaskRows::kPose),
         std::pair("serial_RRPRRPR", TaskRows::kPosition)}) {
@@ -49,7 +49,7 @@ TEST(TaskInverse, AwayFromSingularitiesItSolvesTheTaskAndThePostureOnlyFillsWhat
 
 // The inverse as its definition says, from a singular value decomposition: poses where no direction is
 // damped take a Cholesky factor, the others eigenvectors. The threshold is half way between the poses.
-TEST(TaskInverse, DampedOrNotItIsTheInverseOfItsDefinition) {
+TEST(TaskInverse, SatisfiesItsDefinitionWithAndWithoutDamping) {
   constexpr double kLength = 0.5;
   constexpr int kPoses = 64;
   const Model& arm = sample_arms().at("serial_RRPRRPR");
@@ -202,7 +202,7 @@ TEST(InverseKinematics, FindsThePoseOfRandomJointsFromNearby) {
   }
 }
 
-TEST(InverseKinematics, LimitsHoldAndTheOtherJointsTakeOver) {
+TEST(InverseKinematics, LimitsAreKeptAndOtherJointsCompensate) {
   const Model arm = with_limits(sample_arms().at("serial_RRPRRPR"), 0.6);
   const int frame = static_cast<int>(arm.frames().size()) - 1;
   InverseKinematics inverse(arm, {last_frame(arm)});
@@ -225,7 +225,7 @@ TEST(InverseKinematics, LimitsHoldAndTheOtherJointsTakeOver) {
   EXPECT_GE(at_limit, 3);
 }
 
-TEST(InverseKinematics, OutOfReachIsSaidAndTheBestPlaceIsLeft) {
+TEST(InverseKinematics, UnreachablePosesAreReportedWithTheNearestSolution) {
   const Model arm = sample_arms().at("planar_2R");  // both links in a vertical plane
   ModelDescription description = arm.description();
   description.frames.back().B.p = {0.3, 0, 0};

@@ -22,7 +22,7 @@ TeleoperationOptions turned() {
   return o;
 }
 
-TEST(Teleoperation, ScalesTurnsAndClutches) {
+TEST(Teleoperation, AppliesScaleRotationAndClutch) {
   Teleoperation tele(turned(), kLeader, kFollower);
   const Vector3d none = Vector3d::Zero();
   tele.update(kLeader + Vector3d(0.1, 0.0, 0.0), none, none);  // the clutch is out
@@ -46,7 +46,7 @@ TEST(Teleoperation, ScalesTurnsAndClutches) {
   EXPECT_LT((tele.follower().position - kFollower - Vector3d(0.0, 0.004, 0.0)).norm(), 1e-12);
 }
 
-TEST(Teleoperation, BringsForcesBackWithinTheirBound) {
+TEST(Teleoperation, ReflectedForcesAreBounded) {
   Teleoperation tele(turned(), kLeader, kFollower);
   tele.clutch(true);
   const Vector3d none = Vector3d::Zero();
@@ -61,7 +61,7 @@ TEST(Teleoperation, BringsForcesBackWithinTheirBound) {
   EXPECT_LT(tele.leader_force().x(), -0.4);  // damping
 }
 
-TEST(Teleoperation, AVelocityThatIsMeasuredWrongIsNoFasterThanAsked) {
+TEST(Teleoperation, AWrongVelocityMeasurementDoesNotExceedTheSpeedLimit) {
   Teleoperation tele(turned(), kLeader, kFollower);
   tele.clutch(true);
   const Vector3d none = Vector3d::Zero();
@@ -71,7 +71,7 @@ TEST(Teleoperation, AVelocityThatIsMeasuredWrongIsNoFasterThanAsked) {
   EXPECT_EQ(tele.follower().position, kFollower);
 }
 
-TEST(Teleoperation, IsNeverFasterThanAskedAndLetsGoOfWhatIsNoNumber) {
+TEST(Teleoperation, NeverExceedsItsSpeedAndReleasesOnNonFiniteInput) {
   Teleoperation tele(turned(), kLeader, kFollower);
   tele.clutch(true);
   const Vector3d none = Vector3d::Zero();
@@ -83,7 +83,7 @@ TEST(Teleoperation, IsNeverFasterThanAskedAndLetsGoOfWhatIsNoNumber) {
     before = tele.follower().position;
   }
   tele.update(Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()), none, none);
-  EXPECT_FALSE(tele.in());
+  EXPECT_FALSE(tele.is_engaged());
   EXPECT_EQ(tele.follower().position, before);
   EXPECT_EQ(tele.leader_force(), none);
   TeleoperationOptions bad;

@@ -34,13 +34,13 @@ struct Line {
   std::vector<char> healthy{1, 0};
 };
 
-TEST(TetherGuard, LearnsTheLengthWithoutForce) {
+TEST(TetherGuard, EstimatesTheLengthWithoutForce) {
   const Line line;
   EXPECT_NEAR(line.guard.free_length(0), 0.1, 1e-9);
 }
 
 // What it learned first gives way to what it feels later.
-TEST(TetherGuard, LearnsAnotherLength) {
+TEST(TetherGuard, AdaptsToAnotherLength) {
   Line line;
   double before = line.guard.free_length(0);
   for (int k = 0; k < 20000; ++k) {
@@ -55,7 +55,7 @@ TEST(TetherGuard, LearnsAnotherLength) {
 TEST(TetherGuard, OnlyAStringKeepsAMargin) {
   for (const bool pushes : {false, true}) {
     Line line;
-    if (pushes) line.guard.feel(0, -1.0);
+    if (pushes) line.guard.detect_compression(0, -1.0);
     for (int k = 0; k < 2000; ++k) line.step({0.1 - 0.01 * std::sin(M_PI * k / 2000), 0.0, 0.0});
     EXPECT_EQ(line.guard.motion(0).position.x() > 1e-3, !pushes) << line.guard.motion(0).position.x();
   }
@@ -76,7 +76,7 @@ TEST(TetherGuard, AFallingEndDoesNotTightenASlackString) {
 }
 
 // Sideways: a pendulum that swings by tightens the string by its path's curvature alone.
-TEST(TetherGuard, AnEndThatFliesByDoesNotTightenASlackString) {
+TEST(TetherGuard, APassingEndDoesNotTightenASlackString) {
   Line line;
   double longest = 0.0;
   for (int k = 0; k < 300; ++k) {
@@ -99,10 +99,10 @@ TEST(TetherGuard, ATautMemberCarriesAtMostTwiceTheForce) {
 }
 
 // Members that have pushed are not crushed; strings, which cannot push, are left alone.
-TEST(TetherGuard, OnlyWhatPushesIsKeptFromBeingCrushed) {
+TEST(TetherGuard, OnlyCompressibleMembersAreProtectedFromCompression) {
   for (const bool pushes : {false, true}) {
     Line line(2000.0);
-    if (pushes) line.guard.feel(0, -1.0);
+    if (pushes) line.guard.detect_compression(0, -1.0);
     double shortest = 1.0;
     for (int k = 0; k < 200; ++k) {
       const double t = kPeriod * k;
@@ -117,7 +117,7 @@ TEST(TetherGuard, OnlyWhatPushesIsKeptFromBeingCrushed) {
   }
 }
 
-TEST(TetherGuard, WhatPressesNothingIsNotMoved) {
+TEST(TetherGuard, UncompressedMembersAreNotMoved) {
   Line line;
   for (int k = 0; k < 1000; ++k)
     line.step({0.10025 + 1e-7 * std::sin(0.1 * k), 0.0, 0.0});
@@ -127,7 +127,7 @@ TEST(TetherGuard, WhatPressesNothingIsNotMoved) {
   EXPECT_LT(line.guard.motion(0).acceleration.norm(), 1e-6);
 }
 
-TEST(TetherGuard, SaysWhatIsWrong) {
+TEST(TetherGuard, NamesInvalidOptions) {
   EXPECT_THROW(TetherGuard(2, {{0, 2, 1.0}}, {}), InvalidInput);
   TetherGuardOptions bad;
   bad.horizon = 0.0;

@@ -17,7 +17,7 @@ namespace {
 
 // The whole wrist: six coordinates of the first jaw by impedance in motor coordinates, coupled
 // friction, 10 % error everywhere. The seventh motor, which the task leaves free, holds the jaws.
-TEST(Wrist, PoseImpedanceMovesTheJawAndHoldsTheOtherOne) {
+TEST(Wrist, PoseImpedanceMovesTheTipAndHoldsTheRemainingJoint) {
   const Model real = plausible_model(read_model("psm-wrist"), 1).arm;
   const Model wrong = with_wrong_parameters(real, 0.1, 2);
   const Tip tip{"yaw1"};

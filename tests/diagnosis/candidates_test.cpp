@@ -59,7 +59,7 @@ TEST(Candidates, ContainLoadsOnlyAgainstAModel) {
 }
 
 // A watch tests the effects that differ from day to day, and sensor errors that begin suddenly.
-TEST(Candidates, ThatBeginSuddenlyAreAmongAllCandidates) {
+TEST(Candidates, WithSuddenOnsetAreASubsetOfAllCandidates) {
   const Model arm = read_model("psm-3dof");
   const std::vector<FrameIndex> loads = payload_frames(arm);
   const std::vector<Candidate> all = candidates(arm, {{}, true, {}});

@@ -40,7 +40,7 @@ class Changes : public TwoJointArm {
 };
 
 // On an upright arm no torque depends on the first moments of the first link: a MODEL has those of its file, here false ones.
-TEST_F(Changes, MomentsThatOnlyALeaningArmFeelsAreNoLoad) {
+TEST_F(Changes, MomentsVisibleOnlyUnderALeanAreNoLoad) {
   const Model leaning(with_gravity(truth_, {0.25, -0.15, -9.8}));
   ModelDescription upright = with_gravity(truth_, {0.0, 0.0, -9.81});
   truth_ = Model(upright);

@@ -15,7 +15,7 @@ namespace {
 
 // The jackknife of a mean is its textbook standard error: the estimates without one of n values are
 // (sum - x_k) / (n - 1), and their scatter times (n - 1) / n is s / sqrt(n).
-TEST(Jackknife, OfAMeanIsItsStandardError) {
+TEST(Jackknife, OfAMeanEqualsItsStandardError) {
   std::mt19937 random(3);
   std::normal_distribution<double> gauss;
   const VectorXd x = VectorXd::NullaryExpr(12, [&] { return gauss(random); });
@@ -46,7 +46,7 @@ TEST(SolveScaled, IsIndifferentToTheUnitsOfColumns) {
   EXPECT_TRUE(near(unit.asDiagonal() * x, VectorXd(solve_scaled(A, b)), 1e-9));
 }
 
-TEST(Median, IsTheMiddleOne) {
+TEST(Median, IsTheMiddleValue) {
   EXPECT_EQ(median(std::vector<double>{3.0, 1.0, 2.0}), 2.0);
   EXPECT_EQ(median(std::vector<double>{}), 0.0);
 }

@@ -120,7 +120,7 @@ TEST(CurveTables, OfTwoPositionsReproduceTheSurface) {
   EXPECT_EQ(shape_words(surface(value), {own_signal(SignalKind::kPosition), other}).find("a function of both, "), 0U);
 }
 
-TEST(CurveTables, OfADirectionAreOneCurveForEach) {
+TEST(CurveTables, WithADirectionHaveOneCurveForEachDirection) {
   const Model arm = read_model("planar-2r");
   const UnnamedShape shape = curves(-1.0, {[](double x) { return -x; }, [](double x) { return 3.0 * x; }});
   const std::vector<EffectTerm> terms =

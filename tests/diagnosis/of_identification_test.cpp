@@ -43,7 +43,7 @@ std::vector<std::string> recorded(int count) {
   return out;
 }
 
-TEST(OfIdentification, FromFilesToASavedModelEveryFileIsReadOnce) {
+TEST(OfIdentification, ReadsEveryFileOnceFromRecordingsToASavedModel) {
   const std::vector<std::string> files = recorded(3);
   const Model robot = unknown_arm();
   const Recordings train = read_recordings(robot, {files[0], files[1]});
@@ -82,7 +82,7 @@ TEST(OfIdentification, FromFilesToASavedModelEveryFileIsReadOnce) {
   EXPECT_EQ(read_model(path).effects().size(), effects.size());
 }
 
-TEST(OfIdentification, WithoutAModelItComesBackAsTheBaseline) {
+TEST(OfIdentification, WithoutAModelTheIdentificationIsTheBaseline) {
   Identification none;
   none.reason = "no data";
   const Diagnosis why = diagnose(none, {});

@@ -64,7 +64,7 @@ TEST(Geometry, ConstantsOfRowsAreReadAndReplaced) {
     EXPECT_EQ(words_for(arm, c), name_of(arm, c) + " of frame " + arm.frames()[frame].name);
     EXPECT_EQ(unit_of(c), c.number == FrameNumber::kTheta || c.number == FrameNumber::kAlpha ? "rad" : "m");
     // The text form of the cause is read back.
-    EXPECT_TRUE(alike(parse_cause(arm, to_text(arm, KinematicError{c})), KinematicError{c})) << words_for(arm, c);
+    EXPECT_TRUE(same_cause(parse_cause(arm, to_text(arm, KinematicError{c})), KinematicError{c})) << words_for(arm, c);
   }
 }
 

@@ -93,17 +93,17 @@ Diagnosis diagnosed_between_limits(double share) {
   return diagnose(read_model("planar-2r"), {rows[0], rows[1]}, {rows[2]}, {});
 }
 
-bool says(const Diagnosis& d, const std::string& words) {
+bool report_contains(const Diagnosis& d, const std::string& words) {
   return std::any_of(d.remarks.begin(), d.remarks.end(),
                      [&words](const std::string& r) { return r.find(words) != std::string::npos; });
 }
 
 TEST(ATorqueAtItsLimit, IsLeftOutAndBiasesNothing) {
   const Diagnosis plain = diagnosed_between_limits(2.0);
-  EXPECT_FALSE(says(plain, "stands at its limit"));
+  EXPECT_FALSE(report_contains(plain, "stands at its limit"));
   EXPECT_TRUE(plain.excluded_intervals.empty());
   const Diagnosis d = diagnosed_between_limits(0.7);
-  EXPECT_TRUE(says(d, "stands at its limit")) << d.report();
+  EXPECT_TRUE(report_contains(d, "stands at its limit")) << d.report();
   EXPECT_TRUE(d.findings.empty()) << d.report();
   for (const ExcludedInterval& part : d.excluded_intervals) EXPECT_EQ(part.joint, 1);
   const double recorded = d.baseline.test_error.relative[1];
@@ -117,7 +117,7 @@ TEST(ATorqueAtItsLimit, IsLeftOutAndBiasesNothing) {
 
 TEST(ATorqueAtItsLimit, IsKeptWithARemarkIfItIsThereMostOfTheTime) {
   const Diagnosis d = diagnosed_between_limits(0.1);
-  EXPECT_TRUE(says(d, "too much to be left out")) << d.report();
+  EXPECT_TRUE(report_contains(d, "too much to be left out")) << d.report();
   for (const ExcludedInterval& part : d.excluded_intervals) EXPECT_NE(part.why, "torque at its limit");
 }
 

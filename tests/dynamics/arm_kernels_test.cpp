@@ -129,7 +129,7 @@ TEST_P(OnEveryArm, TheRegressorWritesEveryEntry) {
 
 // d ddq / dx by central differences of forward dynamics; their error is h^2/6 f''' + eps/h f with
 // all f of these arms below 1e3 of the acceleration.
-TEST_P(OnEveryArm, ForwardDynamicsChangesAsItsDerivativesSay) {
+TEST_P(OnEveryArm, ForwardDynamicsDerivativesMatchCentralDifferences) {
   const int n = joints();
   RigidBodyDynamics dynamics(arm(), phi());
   const double step = std::cbrt(std::numeric_limits<double>::epsilon());
@@ -186,7 +186,7 @@ TEST_P(OnEveryArm, DerivativesAndRegressorAllocateNothingTheSecondTime) {
 }
 
 // Beyond the range of the quick sine a joint still is where it is.
-TEST_P(OnEveryArm, WholeTurnsDoNotMatter) {
+TEST_P(OnEveryArm, TorquesArePeriodicInWholeTurns) {
   // A motor's turn may be a part of a turn of a link, or metres.
   if (GetParam() == "coupled_wrist" || GetParam() == "long_tree")
     GTEST_SKIP() << "a turn of a motor is no turn of a link";

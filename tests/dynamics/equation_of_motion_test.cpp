@@ -30,7 +30,7 @@ TEST_P(EquationOfMotionOnEverySampleArm, IsTheMassMatrixAndTheTorquesAtNoAcceler
 }
 
 // Against central differences. Velocity torques are quadratic, so that these are exact for D.
-TEST_P(EquationOfMotionOnEverySampleArm, ChangesAsItsDerivativesSay) {
+TEST_P(EquationOfMotionOnEverySampleArm, DerivativesMatchCentralDifferences) {
   RigidBodyDynamics scalar(arm(), phi());
   RigidBodyDynamics lanes(arm(), phi());
   const int n = joints();

@@ -161,12 +161,12 @@ class ScalarsOnEverySampleArm : public OnSampleArm {
 INSTANTIATE_TEST_SUITE_P(Sample, ScalarsOnEverySampleArm, testing::ValuesIn(all_arm_names()),
                          sample_arm_name);
 
-TEST_P(ScalarsOnEverySampleArm, PlainDoubles) { expect_the_same<double>(1e-12); }
-TEST_P(ScalarsOnEverySampleArm, Floats) { expect_the_same<float>(1e-3); }
-TEST_P(ScalarsOnEverySampleArm, DualNumbers) { expect_the_same<Dual<double>>(1e-12); }
-TEST_P(ScalarsOnEverySampleArm, PacksOfSamples) { expect_the_same<Packed>(1e-12); }
-TEST_P(ScalarsOnEverySampleArm, DualsOfPacks) { expect_the_same<Dual<Packed>>(1e-12); }
-TEST_P(ScalarsOnEverySampleArm, ATapeOfOnesOwn) { expect_the_same<Taped>(1e-12); }
+TEST_P(ScalarsOnEverySampleArm, DoublesGiveTheSameTorques) { expect_the_same<double>(1e-12); }
+TEST_P(ScalarsOnEverySampleArm, FloatsGiveTheSameTorquesToTheirPrecision) { expect_the_same<float>(1e-3); }
+TEST_P(ScalarsOnEverySampleArm, DualNumbersGiveTheDerivatives) { expect_the_same<Dual<double>>(1e-12); }
+TEST_P(ScalarsOnEverySampleArm, PacksGiveTheTorquesOfEachSample) { expect_the_same<Packed>(1e-12); }
+TEST_P(ScalarsOnEverySampleArm, DualsOfPacksGiveTheSameTorques) { expect_the_same<Dual<Packed>>(1e-12); }
+TEST_P(ScalarsOnEverySampleArm, AUserDefinedScalarGivesTheSameTorques) { expect_the_same<Taped>(1e-12); }
 
 // What the tape is for: all derivatives of one torque in one way back.
 TEST_P(ScalarsOnEverySampleArm, TheTapeGivesTheDerivativesOfTheTorques) {

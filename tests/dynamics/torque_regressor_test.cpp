@@ -66,7 +66,7 @@ TEST_P(BatchOnEverySampleArm, RegressorIsThatOfEachState) {
   }
 }
 
-TEST_P(BatchOnEverySampleArm, AGroupOfJointsHasTheColumnsOfAll) {
+TEST_P(BatchOnEverySampleArm, AGroupOfJointsHasTheSameColumnsAsTheWholeArm) {
   const TorqueRegressor batch(arm());
   for (const int rows : {5, 150}) {
     const Samples s = samples(rows, joints());
@@ -173,7 +173,7 @@ TEST(TorqueRegressor, ReadsBlocksOfLargerMatrices) {
   }
 }
 
-TEST(TorqueRegressor, ColumnsBehindItsOwnStay) {
+TEST(TorqueRegressor, ColumnsBeyondItsOwnAreNotWritten) {
   const TorqueRegressor batch(elbow_6r());
   for (const int rows : {20, 300}) {  // directly, and by blocks
     const Samples s = samples(rows, 6);
@@ -189,7 +189,7 @@ TEST(TorqueRegressor, ColumnsBehindItsOwnStay) {
   }
 }
 
-TEST(TorqueRegressor, NoRowsAreNoRows) {
+TEST(TorqueRegressor, AnEmptyBatchGivesNoRows) {
   const TorqueRegressor batch(elbow_6r());
   const MatrixXd none(0, 6);
   std::vector<MatrixXd> Y;

@@ -67,7 +67,7 @@ TEST_P(EveryBoundEffect, NothingIsAllocatedAfterTheConstructor) {
   EXPECT_TRUE(std::isfinite(sum));
 }
 
-TEST_P(EveryBoundEffect, AnUnknownKeyIsAnsweredWithAllThatTheEffectHas) {
+TEST_P(EveryBoundEffect, AnUnknownKeyIsRejectedWithTheKnownKeys) {
   EffectTerm term = term_of(GetParam(), yaw_axis(), {{"rubbish", 1.0}});
   term.where = "arm.yaml:12:5";
   const std::string message = message_of(term);
@@ -150,7 +150,7 @@ TEST(BoundEffect, UnitsFollowTheAxisAndTheSource) {
   EXPECT_EQ(BoundEffect(arm, term_of("rotor_inertia", insertion_axis())).unit(0), "kg");
 }
 
-TEST(BoundEffect, MetresMayStartElsewhereThanRadians) {
+TEST(BoundEffect, InitialShapeConstantsDependOnTheJointType) {
   const Model arm = bare_arm({});
   EXPECT_EQ(BoundEffect(arm, term_of("presliding_hysteresis", yaw_axis())).shape()[0], 5e-3);
   EXPECT_EQ(BoundEffect(arm, term_of("presliding_hysteresis", insertion_axis())).shape()[0],

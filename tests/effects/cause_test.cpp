@@ -26,7 +26,7 @@ std::string refusal(const std::string& words) {
 }
 
 // Every number of every frame, of rows and of origins, is set alone: the others keep their values.
-TEST(Cause, ANumberOfAFrameIsSetAlone) {
+TEST(Cause, OnlyTheGivenConstantOfAFrameIsSet) {
   std::map<std::string, Model> arms = sample_arms();
   arms.emplace("psm-3dof", psm());
   int rows = 0, origins = 0;
@@ -58,7 +58,7 @@ TEST(Cause, ANumberOfAFrameIsSetAlone) {
 }
 
 // What is printed is read back as the same cause, for every effect at every place that it can have.
-TEST(Cause, PrintsWhatItReads) {
+TEST(Cause, TextFormRoundTrips) {
   const Model arm = psm();
   std::vector<Cause> causes;
   for (int i = 0; i < arm.joints(); ++i) {
@@ -105,7 +105,7 @@ TEST(Cause, ReadsJointsByNumberFromOneOrByName) {
   EXPECT_EQ(to_text(arm, parse_cause(arm, "time_delay:arm")), "time_delay:arm");
 }
 
-TEST(Cause, RefusesWhatTheArmDoesNotHaveAndSaysWhatItHas) {
+TEST(Cause, RejectsUnknownNamesAndListsKnownOnes) {
   EXPECT_NE(refusal("backlash:yau").find("did you mean 'yaw'?"), std::string::npos);
   EXPECT_NE(refusal("backlash:4").find("expected a number from 1 to 3 or one of: yaw"),
             std::string::npos);
@@ -136,12 +136,12 @@ TEST(Cause, ActsAtAJointOrOnTheArm) {
   const CauseWords of_arm = words_of(arm, ChannelError{"time_delay", std::nullopt});
   EXPECT_EQ(of_arm.joint, 0);
   EXPECT_EQ(of_arm.coordinate, "arm");
-  EXPECT_TRUE(alike(NewEffect{"backlash", {1}}, ChangedEffect{"backlash", {1}}));
-  EXPECT_FALSE(alike(NewEffect{"backlash", {1}}, NewEffect{"backlash", {2}}));
+  EXPECT_TRUE(same_cause(NewEffect{"backlash", {1}}, ChangedEffect{"backlash", {1}}));
+  EXPECT_FALSE(same_cause(NewEffect{"backlash", {1}}, NewEffect{"backlash", {2}}));
 }
 
 // Whatever turned gravity, the roll and pitch that are said turn it there.
-TEST(GravityTilt, ItsValuesLeadFromOneGravityToTheOther) {
+TEST(GravityTilt, ValuesMapOneGravityToTheOther) {
   const auto& tilt = dynamic_cast<const ArmEffect&>(find_effect("gravity_tilt"));
   for (const Eigen::Vector3d& gravity : {Eigen::Vector3d(0.0, 0.0, -9.81), Eigen::Vector3d(9.81, 0.0, 0.0), Eigen::Vector3d(3.0, 5.0, -7.0)}) {
     for (const auto& [roll, pitch] : {std::pair(0.02, -0.01), std::pair(M_PI, 0.0), std::pair(1.6, 0.3), std::pair(-2.5, 1.2)}) {

@@ -19,7 +19,7 @@ TEST(RigidFriction, IsProportionalToVelocityOrToItsSignAndAnOffsetToNothing) {
   EXPECT_EQ(columns_of("rotor_inertia", x)[0], 3.5);
 }
 
-TEST(CoulombFriction, PassesRestOnAStraightLine) {
+TEST(CoulombFriction, IsLinearThroughRest) {
   for (const double share : {-1.0, -0.25, 0.0, 1e-5, 0.5, 1.0}) {
     EXPECT_NEAR(columns_of("coulomb_friction", moving(0, share * kRestSpeed))[0], share, kEps);
   }
@@ -90,7 +90,7 @@ TEST(AsymmetricFriction, IsForwardsMinusBackwards) {
 }
 
 // Columns 1 (torque_offset), |sign(ds)| / 2, |ds| / 2: the first two are apart at rest only.
-TEST(AsymmetricFriction, CannotBeToldFromAnOffsetUnlessSomeSamplesAreAtRest) {
+TEST(AsymmetricFriction, IsCollinearWithAnOffsetUnlessSomeSamplesAreAtRest) {
   const auto rank = [](const std::vector<double>& speeds) {
     MatrixXd A(speeds.size(), 3);
     for (Eigen::Index k = 0; k < A.rows(); ++k) {
@@ -106,7 +106,7 @@ TEST(AsymmetricFriction, CannotBeToldFromAnOffsetUnlessSomeSamplesAreAtRest) {
   EXPECT_EQ(rank({-0.5, -0.2, 0.0, 0.3, 0.8}), 3);
 }
 
-TEST(PositionDependentFriction, ChangesItsLevelOrItsCoefficientAlongTheWay) {
+TEST(PositionDependentFriction, ChangesItsLevelOrItsCoefficientWithPosition) {
   for (const double ds : {-0.3, 0.3}) {
     const EffectColumns level =
         columns_of("position_dependent_friction", moving(0.7, ds), {{"centre", 0.2}});
@@ -196,7 +196,7 @@ INSTANTIATE_TEST_SUITE_P(Effect, FrictionWithoutMemory,
                                          "quadratic_drag", "sublinear_viscous", "warm_up"),
                          effect_case);
 
-TEST_P(FrictionWithoutMemory, TakesPowerAtEverySampleForAnyAllowedParameters) {
+TEST_P(FrictionWithoutMemory, DissipatesPowerAtEverySampleForAnyAllowedParameters) {
   const auto parameters = find_effect(GetParam()).parameters();
   for (const AxisSample& x : random_samples(8)) {
     const EffectColumns row = columns_of(GetParam(), x);

@@ -115,7 +115,7 @@ TEST_P(RateIndependent, TheFirstSampleIsTheUnloadedStateWhereverItLies) {
   EXPECT_EQ(row[0], 0.0);
 }
 
-TEST_P(RateIndependent, AtRestItHoldsWhatItHeldAndFarAwayItIsCoulombFriction) {
+TEST_P(RateIndependent, KeepsItsForceAtRestAndTendsToCoulombFriction) {
   BoundEffect e = effect();
   EffectColumns row{};
   for (const double s : {0.0, 0.3, 0.295}) e.columns(moving(s, 0), row);
@@ -129,7 +129,7 @@ TEST_P(RateIndependent, AtRestItHoldsWhatItHeldAndFarAwayItIsCoulombFriction) {
 }
 
 // Whatever was done before, a closed path of force over position takes work.
-TEST_P(RateIndependent, ClosedLoopsNeverGiveEnergy) {
+TEST_P(RateIndependent, ClosedLoopsNeverGenerateEnergy) {
   const double step = kDistance / 1000;
   for (unsigned seed = 30; seed < 40; ++seed) {
     const std::vector<double> path = random_places(seed, 1.5 * kDistance);
@@ -147,7 +147,7 @@ TEST_P(RateIndependent, ClosedLoopsNeverGiveEnergy) {
   }
 }
 
-TEST_P(RateIndependent, FromTheUnloadedStateItNeverGivesMoreThanItTook) {
+TEST_P(RateIndependent, FromTheUnloadedStateItNeverReturnsMoreEnergyThanItStored) {
   const double step = kDistance / 1000;
   for (unsigned seed = 50; seed < 60; ++seed) {
     const std::vector<double> path = random_places(seed, kDistance);
@@ -170,7 +170,7 @@ TEST(PreslidingHysteresis, LoadsFromRestAndReversesAlongExponentials) {
 
 // From z it gives back at most distance * (|z| - ln(1 + |z|)); what it took beyond the change of
 // that is heat.
-TEST(PreslidingHysteresis, EveryStepTakesAtLeastTheEnergyThatItCanGiveBack) {
+TEST(PreslidingHysteresis, EveryStepStoresAtLeastTheRecoverableEnergy) {
   const auto available = [](double z) {
     return kDistance * (std::abs(z) - std::log1p(std::abs(z)));
   };
@@ -279,7 +279,7 @@ TEST(TransmissionCompliance, ARepeatedSampleChangesNothing) {
   EXPECT_NEAR(row[0], 1.0, 1e-14);
 }
 
-TEST(Memory, IsForgottenAtAReset) {
+TEST(Memory, IsClearedByAReset) {
   for (const std::string& name : axis_effect_names()) {
     BoundEffect fresh = bound(name);
     BoundEffect used = bound(name);

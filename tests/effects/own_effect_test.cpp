@@ -124,7 +124,7 @@ class OwnEffect : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(OwnEffect, StandsInRobotFilesAndOutlivesARoundTrip) {
+TEST_F(OwnEffect, IsKeptByARobotFileRoundTrip) {
   const std::string file = to_yaml(with_brake({{"level", kLevel}, {"peak_speed", kPeak}}));
   const Model again = read_yaml(file, "brake.yaml");
   EXPECT_EQ(again.effects().back().effect, "eddy_current_brake");
@@ -196,7 +196,7 @@ TEST_F(OwnEffect, IsSimulatedForward) {
       1e-5);
 }
 
-TEST_F(OwnEffect, IsToldApartByAMotion) {
+TEST_F(OwnEffect, IsSeparatedByADesignedMotion) {
   ExcitationOptions options;
   options.criterion = ExcitationCriterion::kDiscriminate;
   options.between = {parse_cause(plain(), "eddy_current_brake:shoulder"), parse_cause(plain(), "stribeck_friction:1")};
@@ -221,7 +221,7 @@ TEST_F(OwnEffect, IsCompensated) {
   }
 }
 
-TEST_F(OwnEffect, ANameIsTakenOnce) {
+TEST_F(OwnEffect, ADuplicateNameIsRefused) {
   EXPECT_THROW(register_effect(std::make_unique<EddyCurrentBrake>()), InvalidInput);
 }
 

@@ -55,7 +55,7 @@ TEST(EffectRegistry, HasTheNamesOfTheContractAndOfThePageOfCauses) {
   EXPECT_EQ(explained, known);
 }
 
-TEST(EffectRegistry, AnUnknownNameIsAnsweredWithAlternatives) {
+TEST(EffectRegistry, AnUnknownNameIsRejectedWithAlternatives) {
   EXPECT_FALSE(has_effect("payload"));
   EXPECT_TRUE(has_effect("backlash"));
   try {
@@ -117,7 +117,7 @@ TEST_P(EveryAxisEffect, WritesFiniteNumbersIntoExactlyItsOwnColumns) {
   }
 }
 
-TEST_P(EveryAxisEffect, KeepsAStateOnlyIfItSaysSo) {
+TEST_P(EveryAxisEffect, KeepsAStateOnlyIfDeclared) {
   if (effect().traits().memory) GTEST_SKIP() << "has a memory";
   const BoundEffect e = bound(GetParam());
   EffectState state{};
@@ -126,7 +126,7 @@ TEST_P(EveryAxisEffect, KeepsAStateOnlyIfItSaysSo) {
   EXPECT_EQ(state, EffectState{});
 }
 
-TEST_P(EveryAxisEffect, LooksAtTheLoadAndAtTheSourceOnlyIfItSaysSo) {
+TEST_P(EveryAxisEffect, UsesLoadAndSourceOnlyIfDeclared) {
   BoundEffect plain = bound(GetParam());
   BoundEffect other_load = bound(GetParam());
   BoundEffect other_source = bound(GetParam());
@@ -153,7 +153,7 @@ TEST_P(EveryAxisEffect, LooksAtTheLoadAndAtTheSourceOnlyIfItSaysSo) {
   EXPECT_EQ(source_matters, effect().traits().uses_source);
 }
 
-TEST_P(EveryAxisEffect, HasAPhraseForEitherKindOfAxisWithoutAnOpenUnit) {
+TEST_P(EveryAxisEffect, HasACompletePhraseForBothJointTypes) {
   for (const Axis& axis : {yaw_axis(), insertion_axis()}) {
     const BoundEffect e(bare_arm({}), term_of(GetParam(), axis));
     const std::vector<double> values(e.parameter_count(), 0.25);
@@ -165,7 +165,7 @@ TEST_P(EveryAxisEffect, HasAPhraseForEitherKindOfAxisWithoutAnOpenUnit) {
   }
 }
 
-TEST(EffectPhrase, NamesSizesInUnitsThatOneCanImagine) {
+TEST(EffectPhrase, PrintsSizesWithSuitablePrefixes) {
   const auto insertion = [](const std::string& effect, std::map<std::string, double> shape,
                             const std::vector<double>& values) {
     return BoundEffect(bare_arm({}), term_of(effect, insertion_axis(), std::move(shape)))

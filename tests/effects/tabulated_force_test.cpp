@@ -39,7 +39,7 @@ TEST(TabulatedForce, ReproducesAStraightLineAndDoesNotGrowOutside) {
   }
 }
 
-TEST(TabulatedForce, LooksAtTheSignalThatItsNumberSays) {
+TEST(TabulatedForce, ReadsTheSelectedSignal) {
   AxisSample x;
   x.s = 0.1;
   x.ds = 0.3;

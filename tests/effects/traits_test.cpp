@@ -58,7 +58,7 @@ INSTANTIATE_TEST_SUITE_P(Axis, EveryEffect, testing::ValuesIn(cases()),
                          [](const auto& test) { return test.param.label; });
 
 // An input matters if, moved at any of many samples, it changes the columns or the state.
-TEST_P(EveryEffect, ReadsTheInputsThatItNames) {
+TEST_P(EveryEffect, ReadsOnlyDeclaredInputs) {
   std::map<std::string, double AxisSample::*> inputs{
       {"s", &AxisSample::s},       {"ds", &AxisSample::ds},
       {"dds", &AxisSample::dds},   {"from_s", &AxisSample::from_s},
@@ -89,7 +89,7 @@ TEST_P(EveryEffect, KeepsAStateOnlyWithAMemory) {
 }
 
 // The four numbers of an affine force, asked at slow and fast, near and far samples.
-TEST_P(EveryEffect, IsAffineIfItSaysSo) {
+TEST_P(EveryEffect, IsAffineIfDeclared) {
   if (traits().memory || traits().uses_load || traits().uses_source) {
     EXPECT_FALSE(traits().affine);
     return;
@@ -118,7 +118,7 @@ TEST_P(EveryEffect, IsAffineIfItSaysSo) {
 
 // Between minus and plus the rest speed dry friction is a straight line, beyond it bends off;
 // constant where nothing but the direction counts.
-TEST_P(EveryEffect, IsDryIfItSaysSo) {
+TEST_P(EveryEffect, IsDryIfDeclared) {
   bool dry = false;
   bool constant = true;
   for (size_t p = 0; p < count(); ++p) {
@@ -146,7 +146,7 @@ TEST_P(EveryEffect, IsDryIfItSaysSo) {
 
 // Friction vanishes or opposes at rest and takes power out of a motion; a force at rest that
 // depends on where the joint is, or is simply there, moves it.
-TEST_P(EveryEffect, HoldsTorqueAtRestIfItSaysSo) {
+TEST_P(EveryEffect, HasTorqueAtRestOnlyIfDeclared) {
   if (traits().memory || traits().depends_on_time) {
     EXPECT_FALSE(traits().holds_at_rest);
     return;
@@ -163,7 +163,7 @@ TEST_P(EveryEffect, HoldsTorqueAtRestIfItSaysSo) {
   EXPECT_EQ(holds, traits().holds_at_rest);
 }
 
-TEST_P(EveryEffect, CountsTimeIfItSaysSo) {
+TEST_P(EveryEffect, DependsOnTimeOnlyIfDeclared) {
   if (traits().memory) return;  // differences of time are no time
   bool counts = false;
   for (AxisSample x : random_samples(74)) {
@@ -214,7 +214,7 @@ TEST_P(EveryEffect, OffersChoicesOfEveryConstantThatIsSearched) {
   }
 }
 
-TEST(Traits, AMemoryIsAMatterOfTheConstants) {
+TEST(Traits, MemoryDependsOnTheShapeConstants) {
   for (const char* name : {"load_dependent_friction", "position_dependent_friction"}) {
     const AxisEffect& effect = find_axis_effect(name);
     ShapeValues shape{};

@@ -22,7 +22,7 @@ MatrixXd unit_columns(const Model& arm, const MotionSamples& motion) {
 }
 
 // What least squares cannot explain of a column by others.
-double left_of(const MatrixXd& W, int column, std::vector<int> others) {
+double regression_remainder(const MatrixXd& W, int column, std::vector<int> others) {
   others.erase(std::remove(others.begin(), others.end(), column), others.end());
   const MatrixXd A = W(Eigen::all, others);
   const VectorXd b = W.col(column);
@@ -31,7 +31,7 @@ double left_of(const MatrixXd& W, int column, std::vector<int> others) {
 
 // Front and intermediate bars of the wrist's arm never turn against each other: of their first
 // moments only a sum is seen, but for an offset of 38 mm.
-TEST(BaseColumns, EssentialOnesAddMoreThanTheShareAndOthersLess) {
+TEST(BaseColumns, EssentialColumnsAddMoreThanTheShareAndOthersLess) {
   const Model arm = read_model("psm-wrist");
   const BaseRegressor all(arm);
   const MatrixXd W = unit_columns(arm, random_states(arm, 300));
@@ -39,9 +39,9 @@ TEST(BaseColumns, EssentialOnesAddMoreThanTheShareAndOthersLess) {
     const EssentialColumns e = essential_columns(arm, share);
     EXPECT_EQ(static_cast<int>(e.kept.size() + e.non_essential.size()), all.size());
     // The states are others: a tenth either way.
-    for (const int c : e.kept) EXPECT_GT(left_of(W, c, e.kept), 0.9 * 1e-3) << c;
+    for (const int c : e.kept) EXPECT_GT(regression_remainder(W, c, e.kept), 0.9 * 1e-3) << c;
     for (const WeakColumn& weak : e.non_essential) {
-      EXPECT_LT(left_of(W, weak.column, e.kept), 1.1 * share) << weak.column;
+      EXPECT_LT(regression_remainder(W, weak.column, e.kept), 1.1 * share) << weak.column;
       EXPECT_LE(weak.share, share);
     }
   }
@@ -49,7 +49,7 @@ TEST(BaseColumns, EssentialOnesAddMoreThanTheShareAndOthersLess) {
   EXPECT_TRUE(essential_columns(arm, 1e-6).non_essential.empty());
 }
 
-TEST(BaseColumns, TheBestConditionedOnesSpanTheSameAndAreNoWorse) {
+TEST(BaseColumns, TheBestConditionedColumnsSpanTheSameSpace) {
   const Model arm = read_model("psm-3dof");
   ExcitationOptions options;
   options.solver = ExcitationSolver::kRandom;
@@ -67,7 +67,7 @@ TEST(BaseColumns, TheBestConditionedOnesSpanTheSameAndAreNoWorse) {
   const MatrixXd W = unit_columns(arm, random_states(arm, 100));
   for (const int c : before.base()) {
     const bool kept = std::find(chosen.begin(), chosen.end(), c) != chosen.end();
-    EXPECT_LT(kept ? 0.0 : left_of(W, c, chosen), 1e-9) << c;
+    EXPECT_LT(kept ? 0.0 : regression_remainder(W, c, chosen), 1e-9) << c;
   }
 }
 

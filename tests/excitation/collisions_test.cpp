@@ -110,7 +110,7 @@ double smallest_gap(const Model& arm, const Excitation& e, const CollisionPair& 
   return least;
 }
 
-TEST(Collisions, LinksKeepApartAndAboveTheFloor) {
+TEST(Collisions, LinksKeepTheirClearanceAndStayAboveTheFloor) {
   const Model arm = read_model(folding_path());
   const Obstacle floor{"floor", {-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, -0.1}};
   ExcitationOptions options = short_search();
@@ -166,7 +166,7 @@ TEST(Collisions, GapsAreThoseOfPointsAlongTheAxes) {
   }
 }
 
-TEST(Collisions, SlopesAreThoseOfDifferences) {
+TEST(Collisions, GradientsMatchCentralDifferences) {
   const Model arm = read_model(folding_path());
   CollisionLimits limits = collision_limits(arm, folding_capsules(), {{"table", {0.2, -1, -1}, {0.6, 1, -0.2}}});
   WorkspaceLimits workspace;
@@ -227,7 +227,7 @@ TEST(Collisions, AnObstacleIsNeverDropped) {
 }
 
 // The first lines say what was not checked, with the option that does.
-TEST(Cautions, SayWhatWasNotCheckedAndWhatWasAssumed) {
+TEST(Cautions, ListUncheckedAndAssumedShapes) {
   ModelDescription d = read_model(folding_path()).description();
   d.coordinates[1].limits.velocity = INFINITY;
   d.coordinates[2].limits.effort = INFINITY;
@@ -379,7 +379,7 @@ TEST(Collisions, MeshesAreReadFromStlAndObj) {
   EXPECT_EQ(read.remarks.size(), 3u);
 }
 
-TEST(Collisions, AnArmOfLinesHasCapsulesFromJointToJoint) {
+TEST(Collisions, AnArmWithoutShapesHasCapsulesFromJointToJoint) {
   const Model arm = read_model("ur10e");
   const std::vector<Capsule> capsules = capsules_along_links(arm, 0.05);
   double length = 0.0;

@@ -44,7 +44,7 @@ TEST(ChosenColumns, AreIndependent) {
 }
 
 // A column that hardly differs from the others is taken where little is enough.
-TEST(ChosenColumns, KeepTheLeastPart) {
+TEST(ChosenColumns, ExcludeColumnsBelowTheShare) {
   MatrixXd W = MatrixXd::Identity(3, 2);
   W(0, 1) = 1.0;
   W(1, 1) = 0.05;

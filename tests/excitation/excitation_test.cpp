@@ -84,7 +84,7 @@ TEST(Excitation, EverySolverImprovesOnARandomMotion) {
   }
 }
 
-TEST(Excitation, EveryCriterionIsServedBestByItsOwnMotion) {
+TEST(Excitation, EachCriterionIsBestForItsOwnMotion) {
   const Model arm = read_model("psm-3dof");
   ExcitationOptions options = small_search();
   options.iterations = 100;
@@ -117,7 +117,7 @@ TEST(Excitation, ConditionNumbersAreNoWorseThanThoseOfTheThesis) {
 
 // A supervisor stops an arm that is too fast to stop before a limit: from every instant of the motion
 // q + dq / braking lies within the range, and speeds have a fiftieth to spare.
-TEST(Excitation, LeavesWhatASafetySupervisorNeeds) {
+TEST(Excitation, LeavesTheBrakingMarginOfASafetySupervisor) {
   const Model arm = read_model("psm-3dof");
   const Excitation e = optimise_excitation(arm, small_search());
   const MotionLimits limits = motion_limits(arm);
@@ -150,7 +150,7 @@ TEST(Excitation, TheDefaultMovesEveryJoint) {
 }
 
 // A joint that a limit holds is warned of with the name of the limit.
-TEST(Excitation, AJointThatHardlyMovesIsWarnedOf) {
+TEST(Excitation, AHardlyMovingJointIsReported) {
   ModelDescription d = read_model("planar-2r").description();
   d.coordinates[1].limits.acceleration = 1e-3;
   const Excitation e = optimise_excitation(Model(std::move(d)), small_search());
@@ -160,7 +160,7 @@ TEST(Excitation, AJointThatHardlyMovesIsWarnedOf) {
 }
 
 // A maker's file has no friction: the motion is designed for the arm that will be identified.
-TEST(Excitation, OfAMakersFileIsDesignedWithFriction) {
+TEST(Excitation, OfAFileWithoutFrictionIsDesignedWithFriction) {
   ModelDescription d = plausible_model(read_model("planar-2r"), 2).arm.description();
   d.effects.clear();
   d.values = RobotValues::kPrior;
@@ -195,7 +195,7 @@ TEST(Excitation, RelativeDeviationsAreHalfOfThoseOfARandomMotion) {
 }
 
 // What is recorded already need not be recorded again.
-TEST(Excitation, GivenRecordingsCount) {
+TEST(Excitation, GivenRecordingsReduceTheVariance) {
   const Model arm = read_model("psm-3dof");
   ExcitationOptions options = small_search();
   options.iterations = 60;
@@ -268,7 +268,7 @@ TEST(Excitation, RefusesOptionsOutOfRange) {
   EXPECT_THROW(optimise_excitation(arm, with([](auto& o) { o.essential = 1.0; })), InvalidInput);
 }
 
-TEST(Excitation, RefusesRivalsThatNoMotionTellsApart) {
+TEST(Excitation, RefusesRivalsThatNoMotionSeparates) {
   const Model arm = read_model("psm-3dof");
   ExcitationOptions options = small_search();
   options.criterion = ExcitationCriterion::kDiscriminate;

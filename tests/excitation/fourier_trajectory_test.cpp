@@ -70,7 +70,7 @@ TEST(FourierTrajectory, RestsAtTheStartOfEveryPeriod) {
   EXPECT_TRUE(near(s.q.row(1), s.q.row(0), 1e-12));
 }
 
-TEST(FourierTrajectory, CoefficientsThatRestStayAsTheyAre) {
+TEST(FourierTrajectory, CoefficientsAlreadyAtRestAreUnchanged) {
   const FourierTrajectory t = random_trajectory(4);
   MatrixXd a = t.a();
   MatrixXd b = t.b();
@@ -90,7 +90,7 @@ TEST(FourierTrajectory, TheSampledMotionRepeatsAndEndsWhereItBegan) {
 }
 
 // 0.17 Hz and 200 Hz: the period is not a whole number of rows.
-TEST(FourierTrajectory, TheLastRowRestsWhateverTheRate) {
+TEST(FourierTrajectory, TheLastRowIsAtRestForAnyRate) {
   const FourierTrajectory t = random_trajectory(6);
   const MotionSamples m = t.motion(2, 200.0);
   EXPECT_GE(m.time[m.rows() - 1], 2.0 * t.period());

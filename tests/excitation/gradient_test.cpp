@@ -99,7 +99,7 @@ TEST(Gradient, OfEveryKindOfEffectAgreesWithCentralDifferences) {
 }
 
 // The base columns span all columns: nothing of the regressor is lost.
-TEST_P(GradientOf, TheOrthogonalBasisIsOne) {
+TEST_P(GradientOf, TheBaseColumnsSpanAllColumns) {
   const BaseRegressor r(read_model(GetParam()));
   EXPECT_EQ(r.orthogonal_basis().rows(), r.size());
   EXPECT_TRUE(r.orthogonal_basis().allFinite());

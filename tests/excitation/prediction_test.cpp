@@ -36,7 +36,7 @@ TorqueNoise noise(int joints, double deviation) {
 }
 
 // Weighted least squares on many noisy copies of the torques scatters as predicted.
-TEST(Prediction, IsTheScatterOfLeastSquares) {
+TEST(Prediction, EqualsTheScatterOfLeastSquares) {
   const Model arm = plausible_model(read_model("planar-2r"), 2).arm;
   const MotionSamples motion = some_motion(2, 3);
   const TorqueNoise assumed = noise(2, 0.05);  // [N m]
@@ -99,7 +99,7 @@ TEST(Prediction, BaseParametersGiveTheTorquesOfTheArm) {
 }
 
 // The names that `identify` prints, in its order: one computation of base parameters.
-TEST(Prediction, SpeaksOfTheParametersThatAnIdentificationFinds) {
+TEST(Prediction, ListsTheParametersOfAnIdentification) {
   ExcitationOptions options;
   options.solver = ExcitationSolver::kRandom;
   options.iterations = 1;
@@ -142,7 +142,7 @@ TEST(Prediction, ExpectedNoiseFollowsTheTorquesOfTheMotion) {
   EXPECT_EQ(expected_noise(Model(d), motion).deviation, d.identified->noise);
 }
 
-TEST(Prediction, WithoutValuesThereIsNone) {
+TEST(Prediction, IsMissingForAModelWithoutValues) {
   const Model arm = read_model("psm-3dof");
   EXPECT_THROW(predict_identification(arm, some_motion(3, 1), noise(3, 0.04)), InvalidInput);
   const Model known = plausible_model(arm, 1).arm;

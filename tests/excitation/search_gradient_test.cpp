@@ -75,7 +75,7 @@ MotionSamples recorded(const Search& s) {
 
 class SearchGradient : public testing::TestWithParam<bool> {};
 
-TEST_P(SearchGradient, OfTheConditionNumberInEveryScaling) {
+TEST_P(SearchGradient, OfTheConditionNumberMatchesCentralDifferences) {
   const Search s(read_model("psm-3dof"));
   ExcitationOptions options;
   if (GetParam()) options.given = {recorded(s)};
@@ -88,7 +88,7 @@ TEST_P(SearchGradient, OfTheConditionNumberInEveryScaling) {
   }
 }
 
-TEST_P(SearchGradient, OfTheConfidenceEllipsoid) {
+TEST_P(SearchGradient, OfTheConfidenceEllipsoidMatchesCentralDifferences) {
   const Search s(read_model("scara"));
   ExcitationOptions options;
   if (GetParam()) options.given = {recorded(s)};
@@ -96,7 +96,7 @@ TEST_P(SearchGradient, OfTheConfidenceEllipsoid) {
   expect_exact(s, options, 0.0);
 }
 
-TEST_P(SearchGradient, OfTheRelativeDeviations) {
+TEST_P(SearchGradient, OfTheRelativeDeviationsMatchesCentralDifferences) {
   for (const char* name : {"scara", "psm-3dof"}) {
     const Search s(read_model(name));
     ExcitationOptions options;
@@ -138,7 +138,7 @@ TEST_P(SearchGradient, TheRelativeDeviationsAreThoseOfThePrediction) {
   for (int k = 0; k < 3; ++k) EXPECT_NEAR(difference(), first, 1e-6);
 }
 
-TEST_P(SearchGradient, OfTheDiscriminationOfRivals) {
+TEST_P(SearchGradient, OfTheDiscriminationMatchesCentralDifferences) {
   const Search s(read_model("psm-3dof"));
   ExcitationOptions options;
   options.criterion = ExcitationCriterion::kDiscriminate;
@@ -185,7 +185,7 @@ TEST(SearchJacobian, OfEveryKindOfLimitAgreesWithCentralDifferences) {
 }
 
 // A rival that can do all that the other one does: what the other one leaves is asked only.
-TEST(Discrimination, OfNestedRivalsAsksForWhatOneOfThemCannotDo) {
+TEST(Discrimination, OfNestedRivalsUsesThePartOnlyOneExplains) {
   const Search s(read_model("planar-2r"));
   ExcitationOptions options;
   options.criterion = ExcitationCriterion::kDiscriminate;

@@ -59,7 +59,7 @@ TEST(WorkspaceLimits, ABoxHoldsBetweenSamples) {
   EXPECT_LT(lowest, 0.2);
 }
 
-TEST(WorkspaceLimits, SpheresKeepApart) {
+TEST(WorkspaceLimits, SpheresKeepTheirClearance) {
   const Model arm = read_model("kuka-lwr4");
   ExcitationOptions options = small_search();
   options.workspace.pairs = {{{"link7", 0.1}, {"world", 0.15, {0.3, 0.0, 0.4}}, 0.02}};
@@ -73,7 +73,7 @@ TEST(WorkspaceLimits, SpheresKeepApart) {
 }
 
 // The tool of the PSM turns about its remote centre; it is at the centre at 0.4318 - 0.4162 m.
-TEST(WorkspaceLimits, TheInsertionIsThatOfTheCoordinate) {
+TEST(WorkspaceLimits, InsertionLimitsApplyToTheCoordinate) {
   const Model arm = read_model("psm-3dof");
   const VectorXd at_centre = (VectorXd(3) << 0.3, 0.2, 0.4318 - 0.4162).finished();
   const Eigen::Vector3d centre =
@@ -124,7 +124,7 @@ TEST(WorkspaceLimits, TorquesStayBelowTheEffortOfAnArmWithValues) {
   for (int i = 0; i < arm.joints(); ++i) EXPECT_LE(after[i], 0.95 * 0.9 * before[i] * (1 + 1e-9));
 }
 
-TEST(WorkspaceLimits, WhatCannotBeMetIsMeasured) {
+TEST(WorkspaceLimits, InfeasibleLimitsAreReportedWithTheirViolation) {
   const Model arm = read_model("planar-2r");
   ExcitationOptions options = small_search();
   const int last = static_cast<int>(arm.frames().size()) - 1;
@@ -140,7 +140,7 @@ TEST(WorkspaceLimits, WhatCannotBeMetIsMeasured) {
   EXPECT_GT(worst, -51.0);
 }
 
-TEST(WorkspaceLimits, RefusesWhatTheArmDoesNotHave) {
+TEST(WorkspaceLimits, RefusesUnknownFramesAndCoordinates) {
   const Model arm = read_model("planar-2r");
   ExcitationOptions options = small_search();
   options.workspace.boxes = {{"nowhere", {0, 0, 0}, {1, 1, 1}}};

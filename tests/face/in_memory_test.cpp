@@ -55,7 +55,7 @@ struct InFile {
   Recording memory;
 };
 
-TEST(RecordingsInMemoryAreAsGoodAsFiles, ForIdentification) {
+TEST(RecordingsInMemoryAreAsGoodAsFiles, ForIdentificationGiveTheSameResult) {
   const Laboratory lab;
   const InFile train(lab.recording(1)), test(lab.recording(2));
   const Identification files = identify(lab.bare, {train.path}, {test.path});
@@ -71,7 +71,7 @@ TEST(RecordingsInMemoryAreAsGoodAsFiles, ForIdentification) {
   }
 }
 
-TEST(RecordingsInMemoryAreAsGoodAsFiles, ForEvaluationAndPayload) {
+TEST(RecordingsInMemoryAreAsGoodAsFiles, ForEvaluationAndPayloadGiveTheSameResult) {
   const Laboratory lab;
   const InFile loaded(lab.recording(
       3, {parse_hidden_effect("payload:" + lab.arm.frames().back().name + ":mass=0.4")}));
@@ -85,7 +85,7 @@ TEST(RecordingsInMemoryAreAsGoodAsFiles, ForEvaluationAndPayload) {
   EXPECT_EQ(memory.links.front().mass, files.links.front().mass);
 }
 
-TEST(RecordingsInMemoryAreAsGoodAsFiles, ForDiagnosis) {
+TEST(RecordingsInMemoryAreAsGoodAsFiles, ForDiagnosisGiveTheSameResult) {
   const Laboratory lab;
   const std::vector<HiddenEffect> hidden = {
       parse_hidden_effect("quadratic_drag:yaw:coefficient=0.5")};
@@ -96,12 +96,12 @@ TEST(RecordingsInMemoryAreAsGoodAsFiles, ForDiagnosis) {
   const Diagnosis memory = diagnose(lab.bare, {a.memory, b.memory}, {c.memory}, options);
   ASSERT_EQ(files.findings.size(), memory.findings.size());
   ASSERT_FALSE(files.findings.empty());
-  EXPECT_TRUE(alike(memory.findings.front().cause, files.findings.front().cause));
+  EXPECT_TRUE(same_cause(memory.findings.front().cause, files.findings.front().cause));
   EXPECT_EQ(memory.findings.front().p_value, files.findings.front().p_value);
   EXPECT_EQ(memory.data_quality.size(), 3u);
 }
 
-TEST(Recordings, KeepTheirNamesApart) {
+TEST(Recordings, HaveUniqueNames) {
   const Laboratory lab;
   Recording one = lab.recording(1), two = lab.recording(2);
   one.source = two.source = "";
@@ -111,11 +111,11 @@ TEST(Recordings, KeepTheirNamesApart) {
   const Recordings same{one, two};
   EXPECT_EQ(same.names(), (std::vector<std::string>{"monday", "monday (2)"}));
   RecordingsInMemory memory;
-  const std::vector<std::string> train = same.placed_in(memory);
-  const std::vector<std::string> test = Recordings{two}.placed_in(memory);
+  const std::vector<std::string> train = same.register_in(memory);
+  const std::vector<std::string> test = Recordings{two}.register_in(memory);
   EXPECT_EQ(test, std::vector<std::string>{"monday (3)"});
   EXPECT_EQ(memory.at("monday (3)")->q, two.q);
-  EXPECT_EQ(same.placed_in(memory), train) << "what is there already keeps its name";
+  EXPECT_EQ(same.register_in(memory), train) << "what is there already keeps its name";
   EXPECT_THROW(Recordings{Recording()}, InvalidInput);
 }
 

@@ -37,7 +37,7 @@ TEST(JointTorques, AreRigidBodiesPlusEffectsInClosedForm) {
 }
 
 // Dahl friction along a way that turns round, whatever the rows: z is a function of the path.
-TEST(JointTorques, RememberThePath) {
+TEST(JointTorques, DependOnThePathOfEffectsWithMemory) {
   ModelDescription d = planar();
   const double level = 0.4, distance = 0.02;
   d.effects = {term("presliding_hysteresis", {{"level", level}, {"distance", distance}})};
@@ -62,7 +62,7 @@ TEST(JointTorques, RememberThePath) {
   EXPECT_NEAR(tau(300, 0) - rigid(300, 0), level * down, 1e-3 * level);
 }
 
-TEST(JointTorques, RefuseWhatDoesNotFit) {
+TEST(JointTorques, RejectMotionsOfTheWrongSize) {
   ModelDescription d = planar();
   d.effects = {term("viscous_friction", {})};
   const VectorXd two = VectorXd::Zero(2), three = VectorXd::Zero(3);

@@ -58,7 +58,7 @@ VectorXd tracking(const Model& truth, const JointSensors& real, const Model& mod
     wanted.dq = w * std::cos(angle) * size;
     wanted.ddq = -w * w * std::sin(angle) * size;
     q = plant.q();
-    real.show_positions(q);
+    real.add_position_errors(q);
     dq = plant.dq();
     known.correct_positions(q);
     off = wanted.q - q;
@@ -66,7 +66,7 @@ VectorXd tracking(const Model& truth, const JointSensors& real, const Model& mod
     tau = control.update(state, wanted);
     tau += friction.update(state, wanted.dq, off, kPeriod);
     tau += error.update(state, control.acceleration(), kPeriod);
-    known.show_torques(tau);
+    known.add_torque_errors(tau);
     real.correct_torques(tau);
     EXPECT_EQ(plant.step(tau, kPeriod), StepStatus::kOk);
     sum += (plant.q() - wanted.q).cwiseAbs2();
@@ -109,11 +109,11 @@ Model* SlippedEncoder::truth_ = nullptr;
 Model* SlippedEncoder::before_ = nullptr;
 Model* SlippedEncoder::after_ = nullptr;
 
-TEST_F(SlippedEncoder, TheModelKnowsTheSlip) {
+TEST_F(SlippedEncoder, IsPartOfTheModel) {
   EXPECT_NEAR(after_->coordinates()[1].recorded.position_offset, kSlip, 0.003);
 }
 
-TEST_F(SlippedEncoder, TheControllerOnTheModelTracksAsBefore) {
+TEST_F(SlippedEncoder, IsCorrectedByAControllerOnTheModel) {
   const VectorXd before = tracking(*truth_, JointSensors(*truth_), *before_, JointSensors(*before_));
   const VectorXd with = tracking(*truth_, slipped(), *after_, JointSensors(*after_));
   const VectorXd without =
@@ -134,7 +134,7 @@ TEST_F(SlippedEncoder, GravityIsThatOfTheTruePlace) {
   const JointSensors known(*after_);
   VectorXd q = Eigen::Vector3d(0.4, 0.5, 0.15);
   const VectorXd needed = real.update(q);
-  slipped().show_positions(q);
+  slipped().add_position_errors(q);
   const double uncorrected = (hold.update(q) - needed).norm();
   known.correct_positions(q);
   const double corrected = (hold.update(q) - needed).norm();

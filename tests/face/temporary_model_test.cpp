@@ -50,7 +50,7 @@ const VectorXd kQ = Eigen::Vector3d(0.3, -0.2, 0.11);
 const VectorXd kDq = Eigen::Vector3d(0.4, 0.5, -0.1);
 const VectorXd kDdq = Eigen::Vector3d(1.0, -2.0, 0.5);
 
-TEST(ATemporaryModel, LeavesDynamicsBehindThatOwnTheirData) {
+TEST(ATemporaryModel, MayBeDestroyedBeforeItsDynamics) {
   expect_no_difference(
       "RigidBodyDynamics",
       [](const Model& m) { return RigidBodyDynamics(m, *m.inertial_values()); },
@@ -75,7 +75,7 @@ TEST(ATemporaryModel, LeavesDynamicsBehindThatOwnTheirData) {
       });
 }
 
-TEST(ATemporaryModel, LeavesControlBehindThatOwnsItsData) {
+TEST(ATemporaryModel, MayBeDestroyedBeforeItsControllers) {
   expect_no_difference(
       "GravityCompensation", [](const Model& m) { return GravityCompensation(m); },
       [](GravityCompensation& g) { return g.update(kQ); });
@@ -104,7 +104,7 @@ TEST(ATemporaryModel, LeavesControlBehindThatOwnsItsData) {
       });
 }
 
-TEST(ATemporaryModel, LeavesAPlantAndEffectsBehindThatOwnTheirData) {
+TEST(ATemporaryModel, MayBeDestroyedBeforeItsPlantAndEffects) {
   expect_no_difference(
       "Plant", [](const Model& m) { return Plant(m); },
       [](Plant& p) {

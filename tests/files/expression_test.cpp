@@ -25,7 +25,7 @@ TEST(Expression, KnowsPiFunctionsAndConstants) {
   EXPECT_EQ(evaluate("2*l^2 + sqrt(l)", {{"l", 4.0}}), 34.0);
 }
 
-TEST(Expression, ANameIsTheLongestThatStandsThere) {
+TEST(Expression, TheLongestMatchingNameIsRead) {
   const Constants constants = {{"l", 1.0}, {"l_2", 10.0}, {"l_20", 100.0}, {"_a", 1000.0}, {"E", 7.0}, {"e3", 9.0}};
   EXPECT_EQ(evaluate("l_20-l_2+l", constants), 91.0);
   EXPECT_EQ(evaluate("(_a)*2", constants), 2000.0);
@@ -44,7 +44,7 @@ TEST(Expression, WhatIsNotFiniteIsRejected) {
     EXPECT_NE(reason(expression), "") << expression;
 }
 
-TEST(Expression, ConstantsMustNotHideWhatHasAMeaning) {
+TEST(Expression, ConstantsMustNotHideFunctions) {
   for (const char* name : {"pi", "sin", "2x", "a-b", ""})
     EXPECT_THROW(require_constant_name(name), InvalidInput) << name;
   EXPECT_NO_THROW(require_constant_name("l_2"));

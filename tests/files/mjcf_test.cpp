@@ -117,7 +117,7 @@ TEST_P(Mjcf, HasTheFramesOfTheArm) {
 }
 
 // A rotor that turns with two coordinates at once has no joint of the arm: it gets one.
-TEST(MjcfOfARotor, AlongTwoCoordinates) {
+TEST(MjcfOfARotor, AlongTwoCoordinatesHasTheTorquesOfTheArm) {
   ModelDescription d = plausible_model(read_model("planar-2r"), 3).arm.description();
   EffectTerm rotor;
   rotor.effect = "rotor_inertia";
@@ -220,7 +220,7 @@ TEST(StrangersMjcfInMujoco, HasTheSameTorquesAndFrames) {
   }
 }
 
-TEST(MjcfRefuses, BodiesThatCannotBe) {
+TEST(MjcfRefuses, ImpossibleBodies) {
   ModelDescription d = plausible_model(read_model("planar-2r"), 3).arm.description();
   for (Frame& frame : d.frames) {
     if (frame.body) (*frame.body->phi)[9] *= -1.0;

@@ -44,7 +44,7 @@ std::string error_of(const std::string& content, const ModelFileOptions& options
   return "no error";
 }
 
-TEST(ModelFile, ReadsWhatItSays) {
+TEST(ModelFile, ReadsEveryKey) {
   const Model arm = read_yaml(kArm, "arm.yaml");
   EXPECT_EQ(arm.name(), "arm");
   EXPECT_EQ(arm.gravity(), Eigen::Vector3d(0, 0, -9.81));
@@ -66,7 +66,7 @@ TEST(ModelFile, ReadsWhatItSays) {
   EXPECT_EQ(arm.effects()[0].where, "arm.yaml:11");
 }
 
-TEST(ModelFile, OverriddenConstantsReachWhatDependsOnThem) {
+TEST(ModelFile, OverriddenConstantsChangeDependentFormulas) {
   ModelFileOptions options;
   options.constants["l"] = 0.8;
   const Model arm = read_yaml(kArm, "arm.yaml", options);

@@ -41,7 +41,7 @@ class AnOutputFile : public testing::Test {
   fs::path folder_;
 };
 
-TEST_F(AnOutputFile, IsThereOnceItIsCommitted) {
+TEST_F(AnOutputFile, ExistsOnceItIsCommitted) {
   {
     OutputFile file(path());
     file.stream() << "first\n" << 2;
@@ -61,7 +61,7 @@ TEST_F(AnOutputFile, LeavesNothingBehindUnlessCommitted) {
   EXPECT_EQ(files(), 0);
 }
 
-TEST_F(AnOutputFile, OfAKilledProgramIsNotThere) {
+TEST_F(AnOutputFile, OfAKilledProgramDoesNotExist) {
   if (::open(folder_.c_str(), O_TMPFILE | O_WRONLY, 0600) < 0) GTEST_SKIP() << "this file system has no files without a name";
   const pid_t child = ::fork();
   if (child == 0) {

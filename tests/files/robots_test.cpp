@@ -78,7 +78,7 @@ INSTANTIATE_TEST_SUITE_P(Robot, BaseParameters,
                                          Count{"planar-2r", 6, 10}, Count{"elbow-6r", 36, 52}),
                          [](const auto& test) { return std::to_string(test.index); });
 
-TEST_P(BaseParameters, AreAsManyAsPublished) {
+TEST_P(BaseParameters, HaveThePublishedNumber) {
   const Ranks ranks = base_parameters(read_model(GetParam().robot));
   EXPECT_EQ(ranks.inertial, GetParam().inertial) << GetParam().robot;
   EXPECT_EQ(ranks.total, GetParam().total) << GetParam().robot;
@@ -160,7 +160,7 @@ TEST(Psm3Dof, CounterweightSlidesAgainstTheInsertion) {
 }
 
 // The priors of rods and blocks: the arm's own kinematics, and bodies that could exist.
-TEST(Rods, AreBodiesOfTheSameArm) {
+TEST(Rods, HaveTheKinematicsOfTheirArm) {
   Random random(65);
   for (const char* name : {"psm-3dof", "mtm"}) {
     const Model arm = read_model(name);
@@ -177,7 +177,7 @@ TEST(Rods, AreBodiesOfTheSameArm) {
   }
 }
 
-TEST(TextbookArms, HaveValuesThatCouldExist) {
+TEST(TextbookArms, HavePhysicallyConsistentValues) {
   Random random(64);
   for (const char* name : {"planar-2r", "scara", "elbow-6r"}) {
     const Model arm = read_model(name);

@@ -154,7 +154,7 @@ TEST_P(OnEveryRobot, YamlKeepsEverything) {
 
 // Calibration and diagnosis change numbers of a model that came from a file: what counts is the
 // model, not the row or the arithmetic that it came from.
-TEST(RobotFiles, HoldChangedModels) {
+TEST(RobotFiles, KeepChangedValues) {
   for (const std::string& name : robot_names()) {
     ModelDescription d = read_model(name).description();
     Random random(32);
@@ -168,7 +168,7 @@ TEST(RobotFiles, HoldChangedModels) {
 }
 
 // (The poses of the sample arms, which have no DH rows, are rounded again each time.)
-TEST(RobotFiles, AreWrittenLetterByLetterTheSameEachTime) {
+TEST(RobotFiles, AreWrittenIdenticallyEachTime) {
   ASSERT_FALSE(robot_names().empty());
   for (const std::string& name : robot_names()) {
     const std::string written = to_yaml(read_model(name));
@@ -178,7 +178,7 @@ TEST(RobotFiles, AreWrittenLetterByLetterTheSameEachTime) {
 
 // A URDF may call a joint what YAML takes for nothing, a truth value or a number: the file is read
 // back with the same names, and other readers of YAML find texts as well.
-TEST(RobotFiles, HoldNamesThatYamlTakesForSomethingElse) {
+TEST(RobotFiles, QuoteNamesThatYamlWouldMisread) {
   for (const std::string& name : {std::string("null"), std::string("Yes"), std::string("1e5"),
                                   std::string("0x10"), std::string("1_000"), std::string("~"),
                                   std::string("a: b # c"), std::string(300, 'n')}) {

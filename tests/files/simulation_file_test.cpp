@@ -74,11 +74,11 @@ void expect_same_torques(const Model& a, const Model& b) {
   }
 }
 
-bool holds(const std::string& text, const std::string& part) {
+bool contains_text(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-TEST_F(SimulationFile, MjcfTakesTheValuesAndKeepsTheRest) {
+TEST_F(SimulationFile, MjcfGetsTheValuesAndKeepsTheRest) {
   std::string content = kStrangerMjcf;
   content.insert(content.find("  <equality>"), "  <!-- a camera for the film -->\n  <sensor><jointpos joint=\"yaw\"/></sensor>\n");
   content.insert(content.find("stiffness=\"4\""), "springlength=\"0.1\" ");
@@ -91,7 +91,7 @@ TEST_F(SimulationFile, MjcfTakesTheValuesAndKeepsTheRest) {
   expect_same_torques(after, read);
   for (const char* kept : {"<!-- a camera for the film -->", "<jointpos joint=\"yaw\" />", "class=\"weak\"", "kp=\"100\"", "fromto=\"0 0 0 0.3 0.05 0\"",
                            "fullinertia=\"0.03 0.02 0.025 0.001 0.002 -0.001\""})
-    EXPECT_TRUE(holds(updated.xml, kept)) << kept;
+    EXPECT_TRUE(contains_text(updated.xml, kept)) << kept;
   EXPECT_TRUE(std::count(updated.changed.begin(), updated.changed.end(), "inertial of fore") == 1);
   EXPECT_TRUE(std::count(updated.changed.begin(), updated.changed.end(), "inertial of upper") == 0);
   EXPECT_TRUE(updated.left_out.empty()) << updated.left_out.front();
@@ -99,7 +99,7 @@ TEST_F(SimulationFile, MjcfTakesTheValuesAndKeepsTheRest) {
 
 // An equality called as a joint is, and a resting model with a link called as one of the arm's, stand before
 // the arm: neither is taken for it.
-TEST_F(SimulationFile, NamesThatOthersHaveTooAreTheArms) {
+TEST_F(SimulationFile, AmbiguousNamesReferToTheArm) {
   std::string content = kStrangerMjcf;
   const std::string equality = "<equality><joint joint1";
   content.erase(content.find(equality), content.find("</equality>") + 11 - content.find(equality));
@@ -138,25 +138,25 @@ TEST_F(SimulationFile, TheFilesOwnModelChangesNothing) {
   const std::string mjcf = write("arm.xml", kStrangerMjcf);
   const UpdatedFile a = updated_mjcf(read_model(mjcf), mjcf);
   EXPECT_TRUE(a.changed.empty()) << a.changed.front();
-  EXPECT_FALSE(holds(a.xml, "diaginertia=\"0.0"));
+  EXPECT_FALSE(contains_text(a.xml, "diaginertia=\"0.0"));
   const std::string sdf = write("arm.sdf", kStrangerSdf);
   const UpdatedFile b = updated_sdf(read_model(sdf), sdf);
   EXPECT_TRUE(b.changed.empty()) << b.changed.front();
 }
 
-TEST_F(SimulationFile, SdfTakesTheValuesAndKeepsTheRest) {
+TEST_F(SimulationFile, SdfGetsTheValuesAndKeepsTheRest) {
   const std::string path = write("arm.sdf", kStrangerSdf);
   const Model after = extended(read_model(path), "upper");
   const UpdatedFile updated = updated_sdf(after, path);
   const Model read = read_model(write("new.sdf", updated.xml));
   EXPECT_GE(read.find_frame("load"), 0);
   expect_same_torques(after, read);
-  EXPECT_TRUE(holds(updated.xml, "<plane") || holds(updated.xml, "name=\"plane\""));
+  EXPECT_TRUE(contains_text(updated.xml, "<plane") || contains_text(updated.xml, "name=\"plane\""));
   EXPECT_TRUE(updated.left_out.empty()) << updated.left_out.front();
 }
 
 // What the format has no words for is named, in the result and in the file.
-TEST_F(SimulationFile, OtherEffectsAreNamed) {
+TEST_F(SimulationFile, UnrepresentedEffectsAreReported) {
   const std::string path = write("arm.xml", kStrangerMjcf);
   ModelDescription d = read_model(path).description();
   EffectTerm term;
@@ -176,8 +176,8 @@ TEST_F(SimulationFile, OtherEffectsAreNamed) {
   ASSERT_EQ(updated.left_out.size(), 3U);
   EXPECT_EQ(updated.left_out[0], "quadratic_drag on pitch");
   EXPECT_EQ(updated.left_out[1], "a constant force of 0.7 on elbow");
-  EXPECT_TRUE(holds(updated.left_out[2], "of reach, which other parts of the file share"));
-  EXPECT_TRUE(holds(updated.xml, "<!-- left out: quadratic_drag on pitch -->"));
+  EXPECT_TRUE(contains_text(updated.left_out[2], "of reach, which other parts of the file share"));
+  EXPECT_TRUE(contains_text(updated.xml, "<!-- left out: quadratic_drag on pitch -->"));
   EXPECT_TRUE(updated.changed.empty());
 }
 
@@ -186,8 +186,8 @@ TEST_F(SimulationFile, AReferenceThatATendonUsesStays) {
   const std::string path = write("arm.xml", kStrangerMjcf);
   const UpdatedFile updated = updated_mjcf(extended(read_model(path), "fore"), path);
   ASSERT_EQ(updated.left_out.size(), 1U);
-  EXPECT_TRUE(holds(updated.left_out[0], "of pitch, which other parts of the file share")) << updated.left_out[0];
-  EXPECT_TRUE(holds(updated.xml, "springref=\"20\""));
+  EXPECT_TRUE(contains_text(updated.left_out[0], "of pitch, which other parts of the file share")) << updated.left_out[0];
+  EXPECT_TRUE(contains_text(updated.xml, "springref=\"20\""));
 }
 
 // Its first joint has no name, the first body's <inertial> does not count, and the second body's frame is turned.
@@ -208,7 +208,7 @@ const char* const kFromGeoms = R"(<mujoco model="two">
 </mujoco>
 )";
 
-TEST_F(SimulationFile, BodiesOfGeomsStayAsTheyCounted) {
+TEST_F(SimulationFile, BodiesOfGeomsKeepTheirInertia) {
   const std::string path = write("arm.xml", kFromGeoms);
   ModelDescription d = read_model(path).description();
   for (Frame& f : d.frames) {
@@ -229,7 +229,7 @@ TEST_F(SimulationFile, AJointWithoutANameIsNamedAndStays) {
 }
 
 // A refined length or another base: the inertials belong to places that the file does not have.
-TEST_F(SimulationFile, OtherPlacesAreNamed) {
+TEST_F(SimulationFile, DifferingFramesAreReported) {
   const std::string path = write("arm.xml", kFromGeoms);
   ModelDescription d = read_model(path).description();
   d.gravity = {0.1, 0, -9.8};
@@ -238,7 +238,7 @@ TEST_F(SimulationFile, OtherPlacesAreNamed) {
   EXPECT_EQ(updated.left_out, (std::vector<std::string>{"gravity", "the place of fore"}));
   // A second export tells what it left out itself, and nothing of the first one.
   const UpdatedFile again = updated_mjcf(read_model(path), write("new.xml", updated.xml));
-  EXPECT_FALSE(holds(again.xml, "left out"));
+  EXPECT_FALSE(contains_text(again.xml, "left out"));
 }
 
 TEST_F(SimulationFile, AnotherArmsFileIsRefused) {

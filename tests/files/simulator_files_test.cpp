@@ -222,7 +222,7 @@ TEST(StrangersMjcf, IsReadWithItsClassesUnitsAndActuators) {
 }
 
 // A joint's effort limit is the sum of what its actuators can give; one without a limit leaves none.
-TEST(MjcfActuators, TheirLargestForceIsTheJointsLimit) {
+TEST(MjcfActuators, SetTheEffortLimitOfTheirJoint) {
   const TemporaryFolder folder;
   const auto limit = [&](const std::string& actuators) {
     const std::string arm = "<mujoco model=\"a\"><worldbody><body name=\"b\"><joint name=\"j\" type=\"hinge\"/>"
@@ -329,7 +329,7 @@ class BadFile : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(BadFile, MjcfThatIsNotUnderstood) {
+TEST_F(BadFile, UnsupportedMjcfIsRefusedWithItsPlace) {
   const auto error = [&](const char* old_text, const char* new_text) { return error_of("arm.xml", kStrangerMjcf, old_text, new_text); };
   EXPECT_EQ(error("<site name=\"mark\"", "<joint type=\"ball\" name=\"x\" range=\"1 2\""), "23:9: found a joint of type 'ball', expected hinge or slide.");
   EXPECT_EQ(error("<geom type=\"box\" size=\"0.1 0.1 0.1\"/>", "<freejoint/>"), "18:7: found a body that moves freely, expected arms on a fixed base.");
@@ -357,7 +357,7 @@ TEST_F(BadFile, MjcfThatIsNotUnderstood) {
   EXPECT_EQ(error("frictionloss=\"0.4\"", "frictionloss=\"-0.4\""), "20:9: found a frictionloss of -0.4, expected one that is not negative.");
 }
 
-TEST_F(BadFile, SdfThatIsNotUnderstood) {
+TEST_F(BadFile, UnsupportedSdfIsRefusedWithItsPlace) {
   const auto error = [&](const char* old_text, const char* new_text) { return error_of("arm.sdf", kStrangerSdf, old_text, new_text); };
   EXPECT_EQ(error("type=\"prismatic\"", "type=\"screw\""), "29:7: found a joint of type 'screw', expected revolute, continuous, prismatic or fixed.");
   EXPECT_EQ(error("<child>fore</child>", "<child>for</child>"), "29:7: found the name 'for', expected that of a link of this model.");
@@ -430,7 +430,7 @@ TEST(RobotFormats, ArmsOfThousandsOfJointsAreRefused) {
 }
 
 // An ending .xml says nothing: the root element does.
-TEST(RobotFormats, ByRootElement) {
+TEST(RobotFormats, AreRecognisedByTheirRootElement) {
   const TemporaryFolder folder;
   EXPECT_EQ(read_model(folder.write("a.xml", kStrangerMjcf)).name(), "stranger");
   EXPECT_EQ(read_model(folder.write("b.xml", kStrangerSdf)).joints(), 3);

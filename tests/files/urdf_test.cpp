@@ -155,7 +155,7 @@ TEST_F(UrdfFile, DampingAndFrictionBecomeEffects) {
 }
 
 // One attribute of <dynamics> does not need the other, and terms of one attribute add up.
-TEST_F(UrdfFile, DampingAndFrictionAreWrittenEachForItself) {
+TEST_F(UrdfFile, DampingAndFrictionAreWrittenSeparately) {
   struct Term {
     const char* effect;
     double value;
@@ -201,7 +201,7 @@ TEST_F(UrdfFile, DampingActsOnTheSpeedOfItsJoint) {
 }
 
 // 1e10 and more mean "no limit", as exporters write them.
-TEST_F(UrdfFile, LimitsThatMeanNoneAreNone) {
+TEST_F(UrdfFile, UnlimitedJointsHaveNoLimits) {
   const auto limits = [&](const std::string& attributes) {
     std::string content = kGripper;
     const std::string old = "lower=\"0\" upper=\"0.05\" velocity=\"0.1\" effort=\"30\"";
@@ -302,7 +302,7 @@ TEST_F(UrdfFile, ANegativeMassIsRefusedAndANegativeMomentIsNamed) {
   EXPECT_NE(faults[0].find("-0.02"), std::string::npos) << faults[0];
 }
 
-TEST_F(UrdfFile, FrictionThatDrivesIsRefused) {
+TEST_F(UrdfFile, NegativeFrictionIsRefused) {
   EXPECT_NE(error_of("damping=\"0.7\"", "damping=\"-0.7\"").find("'zeta' with a damping of -0.7"),
             std::string::npos);
   EXPECT_NE(error_of("friction=\"0.2\"", "friction=\"-0.2\"").find("a friction of -0.2"),
@@ -332,7 +332,7 @@ std::vector<std::string> faults_with(const Model& arm, const std::string& link, 
   return physical_faults(Model(changed));
 }
 
-TEST_F(UrdfFile, WhatNoArmHasIsNamed) {
+TEST_F(UrdfFile, UnsupportedJointsAreNamed) {
   const Model arm = read(kGripper);
   Eigen::Matrix<double, 6, 1> plate, beyond;  // xx, xy, yy, xz, yz, zz
   plate << 0.01, 0, 0.01, 0, 0, 0.0201;

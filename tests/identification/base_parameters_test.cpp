@@ -100,7 +100,7 @@ TEST_P(OfEveryRobot, TheyHaveTheRankAndTheSpanOfTheSingularValueDecomposition) {
 }
 
 // The tolerance of 1e-8 is not a matter of taste: nothing lies anywhere near it.
-TEST_P(OfEveryRobot, TheRankIsBeyondDoubt) {
+TEST_P(OfEveryRobot, TheSingularValuesHaveALargeGapAtTheRank) {
   ASSERT_LT(base_.size(), base_.singular_values.size());
   EXPECT_GT(base_.rank_gap, 1e6);
   EXPECT_GT(base_.singular_values[base_.size() - 1], 1e-5 * base_.singular_values[0]);
@@ -114,7 +114,7 @@ TEST_P(OfEveryRobot, TheRankIsBeyondDoubt) {
 
 // kAlone: the torques determine the parameter itself, e_j lies in the row space of K. kNot: they do
 // not depend on it.
-TEST_P(OfEveryRobot, TheClassesSayWhatTheTorquesKnow) {
+TEST_P(OfEveryRobot, TheClassesMatchTheNullSpace) {
   const MatrixXd Y = random_regressor(arm_, 60, 6);
   const MatrixXd P = row_space(base_.K, column_scale(arm_));
   ASSERT_EQ(static_cast<Eigen::Index>(base_.classes.size()), Y.cols());
@@ -146,7 +146,7 @@ TEST_P(OfEveryRobot, TheyAreNamedAfterTheirIndependentParameter) {
 
 // Bodies and friction as the files declare them. psm and ur10e: counted by numpy's SVD of the same
 // regressors in the prototypes; planar-2r: 6 + 4 friction, closed form below.
-TEST(BaseParametersOf, TheRobotsAreAsManyAsKnown) {
+TEST(BaseParametersOf, TheRobotsHaveThePublishedNumber) {
   const std::map<std::string, int> known{{"psm-3dof", 25},  {"psm-3dof-printed", 28},
                                          {"psm-wrist", 49}, {"ur10e", 58},
                                          {"kuka-lwr4", 43},  // Gaz et al., ICRA 2014
@@ -188,7 +188,7 @@ TEST(BaseParametersOf, ThePlanar2RAreThoseOfTheTextbook) {
 }
 
 // A preference decides which columns stand for the others and not what is determined.
-TEST(BaseParametersOf, OneArmDependOnThePreferenceInNameOnly) {
+TEST(BaseParametersOf, OneArmSpanTheSameSpaceForAnyPreference) {
   const Model arm = robot("elbow-6r");
   const SquareRootInformation factor = factor_of(arm);
   std::vector<int> preferred = preferred_columns(standard_parameters(arm));
@@ -215,7 +215,7 @@ TEST(BaseParametersOf, AFactorWithoutDependenciesAreItsColumns) {
 }
 
 // Three columns, the third 2 a - 0.5 b in other units: K says so in words.
-TEST(BaseParametersOf, AFactorSayHowColumnsDepend) {
+TEST(BaseParametersOf, AFactorExpressTheDependentColumns) {
   Random random(4);
   MatrixXd A(30, 4);
   A.col(0) = random.vector(30, -1, 1);
@@ -231,7 +231,7 @@ TEST(BaseParametersOf, AFactorSayHowColumnsDepend) {
   EXPECT_EQ(base.classes[3], Identifiability::kNot);
 }
 
-TEST(BaseParametersOf, NothingAreNone) {
+TEST(BaseParametersOf, ZeroColumnsAreEmpty) {
   EXPECT_EQ(base_parameters(SquareRootInformation(std::vector<std::string>{}), {}).size(), 0);
   SquareRootInformation zero(std::vector<std::string>{"a", "b"});
   zero.absorb(MatrixXd::Zero(5, 2), VectorXd::Ones(5));
@@ -241,7 +241,7 @@ TEST(BaseParametersOf, NothingAreNone) {
   for (const Identifiability one : none.classes) EXPECT_EQ(one, Identifiability::kNot);
 }
 
-TEST(ARandomStateFactor, HoldsStillWhatIsAskedTo) {
+TEST(ARandomStateFactor, KeepsGivenJointsAtRest) {
   const Model arm = robot("planar-2r");
   const std::vector<StandardParameter> parameters = standard_parameters(arm);
   const VectorXd norms = random_state_factor(arm, 50, 1, {"elbow"}).column_norms();

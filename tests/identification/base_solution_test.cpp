@@ -141,7 +141,7 @@ TEST(TheBaseSolution, HasTheStandardDeviationOfTheJackknife) {
 
 // With independent noise both standard deviations mean the same: over many draws their squares have
 // one mean, and the solutions scatter as they say.
-TEST(TheBaseSolution, HasHonestStandardDeviations) {
+TEST(TheBaseSolution, HasStandardDeviationsThatCoverTheErrors) {
   const int draws = 200;
   Eigen::Vector3d jackknife2 = Eigen::Vector3d::Zero();
   Eigen::Vector3d white2 = Eigen::Vector3d::Zero();
@@ -160,7 +160,7 @@ TEST(TheBaseSolution, HasHonestStandardDeviations) {
   }
 }
 
-TEST(TheBaseSolution, SaysThatTwoBlocksAreTooFewForAStandardDeviation) {
+TEST(TheBaseSolution, HasNoStandardDeviationFromTwoBlocks) {
   Data d = data(2, 0.3, 3);
   d.recordings.pop_back();
   const BaseSolution s = solve_base(d.recordings, Eigen::Vector2d(1, 1), base(), names());

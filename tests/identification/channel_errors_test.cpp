@@ -84,7 +84,7 @@ INSTANTIATE_TEST_SUITE_P(
       return std::string(test.param.effect) + std::to_string(test.param.parameter);
     });
 
-TEST_P(ArmEffect, ColumnIsWhatASmallOneAddsToTheRecordedTorque) {
+TEST_P(ArmEffect, ColumnIsTheDerivativeOfTheRecordedTorque) {
   const Case c = GetParam();
   // Frictionless: a sign at rest would jump.
   ModelDescription d = plausible_model(read_model("elbow-6r"), 4).arm.description();
@@ -118,7 +118,7 @@ TEST_P(ArmEffect, ColumnIsWhatASmallOneAddsToTheRecordedTorque) {
   EXPECT_LT((expected - without.column).norm(), tolerance * without.column.norm());
 }
 
-TEST(ArmEffect, AnErrorInTheModelIsUndoneWhenRecordingsAreRead) {
+TEST(ArmEffect, ErrorsOfTheModelAreCorrectedWhenRecordingsAreRead) {
   ModelDescription d = plausible_model(read_model("scara"), 2).arm.description();
   d.effects.clear();
   const Model arm(std::move(d));

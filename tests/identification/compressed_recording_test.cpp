@@ -105,7 +105,7 @@ TEST(ACompressedRecording, HasEightToSixteenBlocksHoweverLong) {
 }
 
 // Repeats of a phase fall into one block, so that each of the eight holds every repeat.
-TEST(ACompressedRecording, HasTheEightPhasesOfAMotionThatRepeats) {
+TEST(ACompressedRecording, SplitsARepeatingMotionIntoEightPhases) {
   const Model arm = robot("planar-2r");
   const CompressedRecording c =
       compress(arm, synthetic_recording(arm, lasting(40.0, 8.0)), without_edges());
@@ -126,7 +126,7 @@ TEST(ACompressedRecording, LeavesOutFixedParameters) {
 }
 
 // Rows of slow joints are left out of the factors of that joint alone.
-TEST(ACompressedRecording, LeavesOutSlowRows) {
+TEST(ACompressedRecording, ExcludesSlowRows) {
   const Model arm = robot("planar-2r");
   const Recording r = synthetic_recording(arm, lasting(20.0));
   PreprocessingOptions options = without_edges();
@@ -163,7 +163,7 @@ TEST(ACompressedRecording, KnowsRangesOfTorqueSpeedAndPosition) {
 }
 
 // White noise of known size, seen through the filter, over the rms of the torque.
-TEST(TheNoiseFloor, IsTheNoiseThatWasPlanted) {
+TEST(TheNoiseFloor, EqualsTheSimulatedNoise) {
   const Model arm = robot("scara");
   const PreprocessingOptions options;
   for (const double share : {0.02, 0.1, 0.5}) {
@@ -259,7 +259,7 @@ TEST(PredictionErrors, OfSeveralRecordingsAddUp) {
   EXPECT_EQ(ErrorSums(1).error().relative[0], 0.0);
 }
 
-TEST(ThePredictionSeries, IsThinnedAndNotCutShort) {
+TEST(ThePredictionSeries, IsThinnedOverItsWholeLength) {
   const Model arm = robot("planar-2r");
   for (const double seconds : {5.0, 40.0, 150.0}) {
     const Recording r = synthetic_recording(arm, lasting(seconds));

@@ -92,7 +92,7 @@ class KnownMasses : public testing::Test {
   std::vector<std::string> written_;
 };
 
-TEST_F(KnownMasses, GiveTheGainsOfEveryJointBack) {
+TEST_F(KnownMasses, RecoverTheGainsOfEveryJoint) {
   const std::string load = with_load(3, 2.0, 0.0);
   const DriveGains found =
       find({free_arm(1, 0.0), free_arm(2, 0.0), load}, {{2.0, frame_, {load}}});
@@ -102,7 +102,7 @@ TEST_F(KnownMasses, GiveTheGainsOfEveryJointBack) {
   EXPECT_TRUE(near(*found.loads[0].centre, kCentre, 1e-4));
 }
 
-TEST_F(KnownMasses, GiveThemWithinOnePercentDespiteNoise) {
+TEST_F(KnownMasses, RecoverGainsWithinOnePercentUnderNoise) {
   const std::string load = with_load(3);
   const DriveGains found = find({free_arm(1), free_arm(2), load}, {{2.0, frame_, {load}}});
   expect_gains(found, 0.01);
@@ -112,7 +112,7 @@ TEST_F(KnownMasses, GiveThemWithinOnePercentDespiteNoise) {
 }
 
 // Friction and offsets of another day, or of warmer gears, do not pass for a load.
-TEST_F(KnownMasses, AreToldFromFrictionThatDrifted) {
+TEST_F(KnownMasses, AreSeparatedFromFrictionDrift) {
   ModelDescription warm = loaded(arm_, frame_, 2.0).description();
   for (EffectTerm& term : warm.effects) {
     if (term.effect == "rotor_inertia") continue;
@@ -150,7 +150,7 @@ TEST_F(KnownMasses, MayBeSeveral) {
 }
 
 // A load on the first link, whose axis is vertical, weighs on no joint; one on the flange does.
-TEST_F(KnownMasses, OfSeveralWeighOnAJointIfOneDoes) {
+TEST_F(KnownMasses, OfSeveralLoadsOneOnTheJointSuffices) {
   const std::string column = arm_.frames().front().name;
   constexpr double kNoise = 50.0;  // no gain is identifiable
   const std::string first = record(loaded(arm_, column, 1.0), 3, kNoise);
@@ -163,7 +163,7 @@ TEST_F(KnownMasses, OfSeveralWeighOnAJointIfOneDoes) {
 }
 
 // Gains scale with the mass that is claimed.
-TEST_F(KnownMasses, SetTheScale) {
+TEST_F(KnownMasses, ScaleTheGains) {
   const std::string load = with_load(3);
   const std::string without = free_arm(1);
   const DriveGains right = find({without, load}, {{2.0, frame_, {load}}});
@@ -172,7 +172,7 @@ TEST_F(KnownMasses, SetTheScale) {
     EXPECT_NEAR(doubled.joints[j].value, 2.0 * right.joints[j].value, 1e-6 * right.joints[j].value);
 }
 
-TEST_F(KnownMasses, ThatAreNotThereAreNotFound) {
+TEST_F(KnownMasses, ThatAreAbsentAreNotFound) {
   const DriveGains none = find({free_arm(1), free_arm(2)}, {{2.0, frame_, {}}});
   EXPECT_NE(none.problem.find("do not show the known mass"), std::string::npos) << none.problem;
 }
@@ -184,7 +184,7 @@ TEST_F(KnownMasses, InTheOtherRecordingsAreNoticed) {
   EXPECT_NE(swapped.problem.find("in the other recordings"), std::string::npos) << swapped.problem;
 }
 
-TEST_F(KnownMasses, SayWhichJointTheyCannotTell) {
+TEST_F(KnownMasses, ReportJointsWhoseGainIsUndetermined) {
   ModelDescription d = arm_.description();
   d.frames.back().body.reset();  // the last joint turns nothing but its own rotor and friction
   const Model bare(d);
@@ -212,7 +212,7 @@ TEST_F(KnownMasses, SayWhichJointTheyCannotTell) {
 }
 
 // The gains are in the model, and the model is that of the arm without its load.
-TEST_F(KnownMasses, LeadToAModelInNewtonMetres) {
+TEST_F(KnownMasses, GiveAModelInNewtonMetres) {
   const std::string load = with_load(3);
   IdentificationOptions options;
   options.method = Method::kWls;
@@ -234,7 +234,7 @@ TEST_F(KnownMasses, LeadToAModelInNewtonMetres) {
   EXPECT_LT((Y * id.parameters - truth).norm(), 0.02 * truth.norm());
 }
 
-TEST_F(KnownMasses, AreRefusedWhereTheyMakeNoSense) {
+TEST_F(KnownMasses, AreRefusedIfInconsistent) {
   const std::string load = with_load(3);
   const std::string without = free_arm(1);
   const auto error = [&](const std::vector<std::string>& recordings,

@@ -97,7 +97,7 @@ TEST(ManyRecordings, AreParsedOnce) {
   EXPECT_EQ(in_memory.test_error.relative, on_disk.test_error.relative);
 }
 
-TEST(Factors, AreTheSameAfterAFile) {
+TEST(Factors, SurviveAFileRoundTrip) {
   const Model arm = robot("scara");
   const Files files("same-after-a-file");
   const FactorSet factors = compress(arm, files.recordings(arm, 2));
@@ -116,7 +116,7 @@ TEST(Factors, AreTheSameAfterAFile) {
 
 // Whoever merges factors learns what the recordings together say; the errors are those of the rows
 // that went in, a few thousandths off those of all samples.
-TEST(Factors, TellWhatTheRecordingsTell) {
+TEST(Factors, GiveTheSameIdentificationAsTheRecordings) {
   const Model arm = robot("scara");
   const Files files("tell-the-same");
   const std::vector<std::string> train = files.recordings(arm, 3);
@@ -140,7 +140,7 @@ TEST(Factors, TellWhatTheRecordingsTell) {
 }
 
 // A maker's file without friction: factors are made with plain friction, of which `file` uses nothing.
-TEST(Factors, OfAFileWithoutFrictionTellWhatItsRecordingsTell) {
+TEST(Factors, OfAFileWithoutFrictionGiveTheSameIdentification) {
   const Model arm = robot("planar-2r");
   const Files files("no-friction");
   const std::vector<std::string> train = files.recordings(arm, 2);
@@ -243,7 +243,7 @@ class Mail {
     boxes_[{from, to}].push_back(bytes);
     arrived_.notify_all();
   }
-  std::string take(int from, int to) {
+  std::string read_part(int from, int to) {
     std::unique_lock<std::mutex> lock(guard_);
     std::deque<std::string>& box = boxes_[{from, to}];
     if (!arrived_.wait_for(lock, kLongestWait, [&] { return !box.empty(); }))
@@ -265,7 +265,7 @@ class ThreadRank final : public Communicator {
   int rank() const override { return rank_; }
   int size() const override { return size_; }
   void send(int to, const std::string& bytes) override { mail_.put(rank_, to, bytes); }
-  std::string receive(int from) override { return mail_.take(from, rank_); }
+  std::string receive(int from) override { return mail_.read_part(from, rank_); }
 
  private:
   int rank_, size_;
@@ -299,7 +299,7 @@ Identification by_ranks(const Model& arm, const std::vector<std::string>& train,
   return answer;
 }
 
-TEST(ManyMachines, FindWhatOneMachineFinds) {
+TEST(ManyMachines, GiveTheSameResultAsOne) {
   const Model arm = robot("scara");
   const Files files("ranks");
   std::vector<std::string> train = files.recordings(arm, 6, 8.0);
@@ -346,7 +346,7 @@ TEST(ManyMachines, ChooseTheVelocitiesThatOneMachineChooses) {
   EXPECT_THROW(merge(factors, compress(arm, test)), InvalidInput);
 }
 
-TEST(ManyMachines, GoOnWithoutWhatCannotBeRead) {
+TEST(ManyMachines, SkipUnreadableRecordings) {
   const Model arm = robot("scara");
   const Files files("ranks-left-out");
   const std::vector<std::string> good = files.recordings(arm, 3, 8.0);
@@ -368,7 +368,7 @@ TEST(ManyMachines, GoOnWithoutWhatCannotBeRead) {
 // What rank 0 alone finds out is refused by all, in the same words, and nobody waits: a prior of another arm, before
 // anything is read; a weight that no solver takes, once all have compressed; and a recording that is gone when its
 // errors are measured; and what another rank cannot keep.
-TEST(ManyMachines, RefuseTogether) {
+TEST(ManyMachines, FailTogether) {
   const Model arm = robot("scara");
   const Files files("ranks-refuse");
   const std::vector<std::string> train = files.recordings(arm, 3, 8.0);
@@ -408,7 +408,7 @@ TEST(ManyMachines, RefuseTogether) {
 }
 
 // Factors are kept while the work goes on, and once as a whole, with the velocities that were chosen in the end.
-TEST(ManyMachines, KeepTheirFactors) {
+TEST(ManyMachines, WriteTheSameFactorsAsOne) {
   const Model arm = robot("scara");
   const Files files("kept");
   std::vector<std::string> train = files.recordings(arm, 3, 8.0);
@@ -438,7 +438,7 @@ TEST(ManyMachines, KeepTheirFactors) {
 }
 
 // Ranks tell what recordings leave open as one machine does.
-TEST(ManyMachines, HaveTheReasonOfOne) {
+TEST(ManyMachines, ReportTheSameErrorAsOne) {
   const Model arm = robot("scara");
   const Files files("still");
   std::vector<std::string> train = files.recordings(arm, 2, 8.0);
@@ -456,7 +456,7 @@ TEST(ManyMachines, HaveTheReasonOfOne) {
 }
 
 // They share factors, and drive gains and instruments need samples.
-TEST(ManyMachines, RefuseWhatNeedsSamples) {
+TEST(ManyMachines, RefuseOptionsThatNeedSamples) {
   const Model arm = robot("scara");
   Mail mail;
   ThreadRank alone(0, 1, mail);

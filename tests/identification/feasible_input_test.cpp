@@ -10,7 +10,7 @@
 namespace veridyn {
 namespace {
 
-TEST(FeasibleLeastSquares, SaysWhatMakesNoSense) {
+TEST(FeasibleLeastSquares, NamesInvalidInput) {
   const Eigen::Index n = 20;  // two bodies
   const FeasibleProblem good{MatrixXd::Identity(n, n), VectorXd::Ones(n), 0.0, {0, 10}, MatrixXd::Ones(1, n), VectorXd::Ones(1)};
   const auto refuses = [&](const std::string& part, const std::function<void(FeasibleProblem&, FeasibleOptions&)>& change) {

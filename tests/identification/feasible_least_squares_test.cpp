@@ -149,7 +149,7 @@ TEST_F(ReferenceInstance, WithBoundedInertiasTheCertificateIsRigorous) {
 
 // Normal equations of a triangle are summed otherwise than those of any rows, and with so many
 // variables the corrector is repeated (without: 13 iterations).
-TEST(FeasibleLeastSquares, ATriangleGivesWhatItsRowsGive) {
+TEST(FeasibleLeastSquares, ATriangleGivesTheSolutionOfItsRows) {
   const FeasibleProblem rows = random_problem({22, 5, 225, 2.0}, 5);
   const Eigen::HouseholderQR<MatrixXd> qr(rows.R);
   FeasibleProblem triangle = rows;
@@ -332,7 +332,7 @@ TEST(FeasibleLeastSquares, SurvivesUnidentifiableParameters) {
 
 // Rows weighed over twelve orders, columns that are equal, that depend on each other or that are zero, up
 // to sixty bodies, with and without a box: a possible optimum, or a status with its reason.
-TEST(FeasibleLeastSquares, IsPossibleOrSaysWhyNot) {
+TEST(FeasibleLeastSquares, IsFeasibleOrReportsTheReason) {
   int optimal = 0;
   std::vector<Shape> shapes;
   for (int k = 0; k < 30; ++k) shapes.push_back({1 + k % 4, 3, 4 + k % 11, std::pow(10.0, k % 5 - 2)});
@@ -372,7 +372,7 @@ TEST(FeasibleLeastSquares, FitsExactDataExactly) {
             1e-14 * problem.z.squaredNorm());  // gap_tolerance * floor = 1e-15*||z||^2
 }
 
-TEST(FeasibleLeastSquares, SaysWhenNothingIsFeasible) {
+TEST(FeasibleLeastSquares, ReportsInfeasibleProblems) {
   FeasibleProblem problem = random_problem({2, 3, 15, 1.0}, 7);
   FeasibleProblem contradiction = problem;
   add_row(contradiction, VectorXd::Unit(23, 20), -0.5);  // x_20 >= 0 stands already
@@ -432,7 +432,7 @@ TEST(FeasibleLeastSquares, KeepsTheEigenvalueMargin) {
   }
 }
 
-TEST(FeasibleLeastSquares, AHeavyEntropicPriorWins) {
+TEST(FeasibleLeastSquares, AHeavyEntropicPriorDeterminesTheSolution) {
   const FeasibleProblem problem = random_problem({2, 3, 15, 1.0}, 30);
   std::mt19937 generator(31);
   FeasibleOptions options;
@@ -474,7 +474,7 @@ TEST(FeasibleLeastSquares, PriorsEnterTheOptimalityConditions) {
   EXPECT_NEAR(result.cost, cost, 1e-12 * cost);
 }
 
-TEST(FeasibleLeastSquares, RejectsWhatMakesNoSense) {
+TEST(FeasibleLeastSquares, RejectsInvalidProblems) {
   const FeasibleProblem good = random_problem({2, 3, 15, 1.0}, 1);
   FeasibleProblem problem = good;
   problem.z.conservativeResize(5);

@@ -66,11 +66,11 @@ Simulated fleet(int arms, int odd, const Change& change, unsigned seed = 3) {
   return out;
 }
 
-void nothing(const std::vector<StandardParameter>&, VectorXd&, double&) {}
+void no_change(const std::vector<StandardParameter>&, VectorXd&, double&) {}
 
 TEST(AFleet, FindsTheBodiesThatAllArmsShare) {
   const Model arm = scara();
-  const Simulated all = fleet(12, -1, nothing);
+  const Simulated all = fleet(12, -1, no_change);
   const Fleet found = identify_fleet(arm, all.names, all.factors);
   EXPECT_TRUE(found.outliers.empty()) << found.report();
   EXPECT_TRUE(found.other_bodies.empty()) << found.report();
@@ -86,13 +86,13 @@ TEST(AFleet, FindsTheBodiesThatAllArmsShare) {
 
 // A tool left mounted must not bend the bodies of all, and the report says whose recordings were
 // left out of them.
-TEST(AFleet, SaysWhichArmIsLeftOutOfTheSharedBodies) {
+TEST(AFleet, NamesArmsExcludedFromTheSharedBodies) {
   const auto tool = [](const auto& parameters, VectorXd& factors, double&) {
     for (size_t p = 0; p < parameters.size(); ++p)
       if (parameters[p].body == 3) factors[static_cast<Eigen::Index>(p)] = 3.0;
   };
   const Simulated one_with_a_tool = fleet(12, 5, tool);
-  const Simulated none = fleet(12, -1, nothing);
+  const Simulated none = fleet(12, -1, no_change);
   const Fleet found =
       identify_fleet(scara(), one_with_a_tool.names, one_with_a_tool.factors);
   const Fleet same = identify_fleet(scara(), none.names, none.factors);
@@ -120,8 +120,8 @@ FactorSet one_way(const Model& arm) {
   return set;
 }
 
-TEST(AFleet, LeavesOutWhoseRecordingsLeaveTheBodiesOpen) {
-  Simulated all = fleet(12, -1, nothing);
+TEST(AFleet, ExcludesArmsWithUndeterminedBodies) {
+  Simulated all = fleet(12, -1, no_change);
   const Fleet same = identify_fleet(scara(), all.names, all.factors);
   EXPECT_TRUE(same.undetermined.empty());
   all.names.insert(all.names.begin() + 2, "one-way");
@@ -140,8 +140,8 @@ TEST(AFleet, LeavesOutWhoseRecordingsLeaveTheBodiesOpen) {
 }
 
 // Torques of zero would weigh infinitely.
-TEST(AFleet, LeavesOutWhoseTorquesAreZero) {
-  Simulated all = fleet(6, -1, nothing);
+TEST(AFleet, ExcludesArmsWithZeroTorques) {
+  Simulated all = fleet(6, -1, no_change);
   MotionShape shape;
   shape.duration = 10.0;
   shape.rate = 100.0;
@@ -161,7 +161,7 @@ TEST(AFleet, LeavesOutWhoseTorquesAreZero) {
 }
 
 TEST(AFleet, OfFewerThanThreeDeterminedArmsHasAReasonAndNoModel) {
-  Simulated all = fleet(2, -1, nothing);
+  Simulated all = fleet(2, -1, no_change);
   const Fleet two = identify_fleet(scara(), all.names, all.factors);
   EXPECT_FALSE(two.model);
   EXPECT_EQ(two.reason, "found 2 arms, expected 3 at least");
@@ -176,7 +176,7 @@ TEST(AFleet, OfFewerThanThreeDeterminedArmsHasAReasonAndNoModel) {
 TEST(AFleet, OfFewEqualArmsNamesNone) {
   for (const unsigned seed : {3U, 4U, 5U}) {
     for (const int arms : {3, 4, 5, 6, 8}) {
-      const Simulated all = fleet(arms, -1, nothing, seed);
+      const Simulated all = fleet(arms, -1, no_change, seed);
       const Fleet found = identify_fleet(scara(), all.names, all.factors);
       ASSERT_TRUE(found.model);
       EXPECT_TRUE(found.outliers.empty()) << arms << ": " << found.report();
@@ -192,7 +192,7 @@ TEST(AFleet, NamesNoArmForWhatItsShortRecordingLeavesUncertain) {
   shape.duration = 2.0;  // a fifth of the others'
   shape.rate = 100.0;
   for (const unsigned seed : {3U, 4U, 5U}) {
-    Simulated all = fleet(12, -1, nothing, seed);
+    Simulated all = fleet(12, -1, no_change, seed);
     shape.seed = seed;
     Recording r = synthetic_recording(arm, shape);
     r.tau += noise_like(r.tau, 0.01, seed);
@@ -244,7 +244,7 @@ TEST(AFleet, NamesTheArmWithAnotherGain) {
 // Elimination arm by arm against one dense QR of the whole block arrow.
 TEST(AFleet, IsTheLeastSquaresSolutionOfTheBlockArrow) {
   const Model arm = scara();
-  const Simulated all = fleet(5, -1, nothing);
+  const Simulated all = fleet(5, -1, no_change);
   std::vector<ArmFactor> arms;
   for (size_t a = 0; a < all.factors.size(); ++a) {
     ArmFactor one;
@@ -263,8 +263,8 @@ TEST(AFleet, IsTheLeastSquaresSolutionOfTheBlockArrow) {
   SquareRootInformation total(problem.shared());
   std::vector<SquareRootInformation> factors;
   for (size_t a = 0; a < arms.size(); ++a) {
-    factors.push_back(problem.of_arm(a, weights, {}, {}));
-    total.merge(problem.over_shared(factors.back()));
+    factors.push_back(problem.arm_information(a, weights, {}, {}));
+    total.merge(problem.shared_information(factors.back()));
   }
   const VectorXd beta = Eigen::ColPivHouseholderQR<MatrixXd>(total.R()).solve(total.z());
   const auto shared = static_cast<Eigen::Index>(problem.shared().size());
@@ -287,7 +287,7 @@ TEST(AFleet, IsTheLeastSquaresSolutionOfTheBlockArrow) {
 
 // One arm's logger writes the velocity of a joint in degrees. Taken as it is, it would look like
 // other bodies and other friction.
-TEST(AFleet, TakesAVelocityThatIsNoDerivativeFromThePosition) {
+TEST(AFleet, DerivesInconsistentVelocitiesFromThePosition) {
   const Model arm = scara();
   const auto folder = std::filesystem::temp_directory_path() / ("veridyn-fleet-" + std::to_string(::getpid()));
   std::filesystem::create_directories(folder);
@@ -321,8 +321,8 @@ TEST(AFleet, TakesAVelocityThatIsNoDerivativeFromThePosition) {
   for (const FleetMember& m : found.members) EXPECT_LT(m.relative_error.maxCoeff(), 0.03) << m.name;
 }
 
-TEST(AFleet, NeedsASoundProbability) {
-  const Simulated some = fleet(3, -1, nothing);
+TEST(AFleet, RefusesProbabilitiesOutsideOfZeroToOne) {
+  const Simulated some = fleet(3, -1, no_change);
   for (const double p : {0.0, -0.1, 1.0, std::nan("")}) {
     FleetOptions options;
     options.significance = p;
@@ -330,7 +330,7 @@ TEST(AFleet, NeedsASoundProbability) {
   }
 }
 
-TEST(AFleet, ReadsItsListAndSaysWhatIsWrongWithIt) {
+TEST(AFleet, ReadsItsListAndNamesErrors) {
   const std::string folder = testing::TempDir() + "veridyn-fleet-list";
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);

@@ -77,7 +77,7 @@ TEST(FrictionCurves, HaveTheIntervalOfTheScatter) {
 }
 
 // Between its speeds a curve is straight, and beyond them it stays.
-TEST(FrictionCurves, StayAtTheirEnds) {
+TEST(FrictionCurves, AreConstantBeyondTheirEnds) {
   const FrictionCurve c{{0}, Eigen::Vector3d(-1.0, 1.0, 3.0), Eigen::Vector3d(-2.0, 2.0, 8.0), Eigen::Vector3d::Zero()};
   EXPECT_EQ(c.at(-9.0), -2.0);
   EXPECT_EQ(c.at(-1.0), -2.0);
@@ -94,7 +94,7 @@ TEST(FrictionCurves, OfAModelWithoutFrictionAreNone) {
 }
 
 // Friction that depends on position is that of the mean position, counted from where the effect's axis has its zero.
-TEST(FrictionCurves, AreOfTheMeanPosition) {
+TEST(FrictionCurves, AreEvaluatedAtTheMeanPosition) {
   ModelDescription d = file();
   EffectTerm term = d.effects.front();
   term.effect = "position_dependent_viscosity";

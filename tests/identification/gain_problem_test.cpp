@@ -59,7 +59,7 @@ VectorXd sigma(const std::vector<GainEquation>& all, double noise) {
   return out;
 }
 
-TEST(TheGainProblem, GivesTheTruthBackWithoutNoise) {
+TEST(TheGainProblem, RecoversTheTruthWithoutNoise) {
   const std::vector<GainEquation> all = equations(0.0, 1);
   const GainSolution s = solve_gains(all, sigma(all, 0), start_gains(all, sigma(all, 0)));
   EXPECT_TRUE(s.converged);
@@ -68,7 +68,7 @@ TEST(TheGainProblem, GivesTheTruthBackWithoutNoise) {
 }
 
 // At the optimum no parameter lowers the cost: central differences of it vanish.
-TEST(TheGainProblem, EndsWhereTheCostIsFlat) {
+TEST(TheGainProblem, TerminatesOnAFlatCost) {
   const std::vector<GainEquation> all = equations(0.1, 2);
   const VectorXd w = sigma(all, 0.1);
   const GainSolution s = solve_gains(all, w, start_gains(all, w));
@@ -125,7 +125,7 @@ TEST(TheGainProblem, IsNotBiasedByNoise) {
 
 // Nothing of the known torque is in the currents: the scale is zero within its scatter, and the
 // currents are explained all the same.
-TEST(TheGainProblem, StaysFiniteWhereNothingKnownShows) {
+TEST(TheGainProblem, StaysFiniteWithoutAKnownTorque) {
   const std::vector<GainEquation> all = equations(0.05, 5, 0.0);
   const VectorXd w = sigma(all, 0.05);
   const GainSolution s = solve_gains(all, w, start_gains(all, w));
@@ -136,7 +136,7 @@ TEST(TheGainProblem, StaysFiniteWhereNothingKnownShows) {
 }
 
 // A joint that shares no unknowns with one that feels what is known has no scale of its own.
-TEST(TheGainProblem, ShowsWhichGainNothingTells) {
+TEST(TheGainProblem, MarksUndeterminedGains) {
   std::vector<GainEquation> all = equations(0.02, 6);
   all[2].U.leftCols(6).setZero();  // unknowns 6 and 7 are its own
   all[2].z = 3.0 * (all[2].U * truth().x);

@@ -97,7 +97,7 @@ INSTANTIATE_TEST_SUITE_P(Arms, OfTextbookArms, testing::Values("planar-2r", "sca
 // What is wrong without noise is the derivative of the velocity, (w h)^4 / 30 = 3e-8 at 1 Hz, and
 // what the ends of the light filter leave after 1.2 s and 0.5 s, about 1e-5 of a sample. So: 1e-4
 // of itself, or 1e-6 of the largest of its unit.
-TEST_P(OfTextbookArms, CleanRecordingsGiveTheTruthBack) {
+TEST_P(OfTextbookArms, CleanRecordingsRecoverTheTruth) {
   const Recording r = synthetic_recording(arm_, lasting(30.0));
   const std::map<std::string, double> truth = true_base(arm_);
   for (const Method method : {Method::kOls, Method::kWls, Method::kFeasible}) {
@@ -164,7 +164,7 @@ TEST_P(OfTextbookArms, StandardDeviationsCoverTheErrors) {
 }
 
 // Residual weights are the inverse noise of every joint: they beat none where joints differ.
-TEST(ResidualWeights, HelpWhereJointsAreNotEquallyGood) {
+TEST(ResidualWeights, ReduceTheErrorIfJointNoiseDiffers) {
   const Model arm = robot("elbow-6r");
   Recording r = synthetic_recording(arm, lasting(30.0));
   MatrixXd noise = noise_like(r.tau, 0.02, 5);
@@ -239,7 +239,7 @@ INSTANTIATE_TEST_SUITE_P(Arms, FeasibleFits, testing::Values("scara", "elbow-6r"
                                                         : std::string("elbow");
                          });
 
-TEST_P(FeasibleFits, ArePossibleAndNeverBelowTheUnconstrainedOnes) {
+TEST_P(FeasibleFits, AreConsistentAndNeverBelowTheUnconstrainedOptimum) {
   const Identification free = identify(arm_, noisy_, with(Method::kWls));
   const Identification id = identify(arm_, noisy_, with(Method::kFeasible));
   ASSERT_EQ(id.status, IdentificationStatus::kDone) << id.reason;
@@ -322,7 +322,7 @@ TEST(Facts, AreKeptAndTheOthersIdentifiedBesideThem) {
   }
 }
 
-TEST(Facts, MayBeEffectsToo) {
+TEST(Facts, MayBeEffects) {
   ModelDescription d = robot("planar-2r").description();
   for (EffectTerm& term : d.effects) term.fixed = term.effect == "coulomb_friction";
   const Model arm{d};
@@ -369,7 +369,7 @@ TEST(AJointThatNeverMoves, IsNamedWithTheParametersItLeavesOpen) {
   }
 }
 
-TEST(AMotionThatIsTooPoor, IsToldByItsRank) {
+TEST(AMotionThatIsTooPoor, IsReportedAsRankDeficient) {
   const Model arm = robot("planar-2r");
   // Both joints at one slow speed forever: inertia does not act.
   Recording r;
@@ -389,7 +389,7 @@ TEST(AMotionThatIsTooPoor, IsToldByItsRank) {
   EXPECT_FALSE(id.undetermined.empty());
 }
 
-TEST(ARecordingWithoutUsableSamples, IsAStatus) {
+TEST(ARecordingWithoutUsableSamples, HasItsOwnStatus) {
   const Model arm = robot("planar-2r");
   const Identification id = identify(arm, synthetic_recording(arm, lasting(1.5)));
   EXPECT_EQ(id.status, IdentificationStatus::kNoData);
@@ -402,7 +402,7 @@ TEST(ARecordingWithoutUsableSamples, IsAStatus) {
 // ----------------------------------------------------------------------------------------------
 
 // What gaps take from a recording is said, of those it was learned from and of those it was tested on.
-TEST(GapsOfARecording, AreARemarkWithTheirShare) {
+TEST(GapsOfARecording, AreReportedWithTheirShare) {
   const Model arm = robot("planar-2r");
   MotionShape shape;
   Recording whole = synthetic_recording(arm, shape);
@@ -502,7 +502,7 @@ TEST(Errors, AreThoseOfTheFittedModelOnEachRecording) {
 
 // The elbow moves in the last of four recordings alone. Without it the others say nothing of the elbow's friction,
 // which then keeps its value: noise-free, the recording is predicted as it was fitted.
-TEST(HeldOutFits, KeepWhatTheOtherPartsDoNotDetermine) {
+TEST(HeldOutFits, KeepParametersThatOtherPartsLeaveOpen) {
   const Model arm = robot("planar-2r");
   std::vector<Recording> all;
   for (unsigned k = 0; k < 4; ++k) {

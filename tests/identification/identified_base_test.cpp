@@ -77,7 +77,7 @@ TEST(TheIdentifiedBase, SpreadsEachJointsInformationOverItsClusters) {
   EXPECT_TRUE(near(base.motion.colwise().squaredNorm().transpose(), Eigen::Vector2d(1, 1), 1e-3));
 }
 
-TEST(TheIdentifiedBase, ComesBackFromTheFileAndGoesWhereValuesChange) {
+TEST(TheIdentifiedBase, SurvivesAFileAndIsDroppedIfValuesChange) {
   const Identification id = identified(Method::kFeasible);
   const std::string path =
       testing::TempDir() + "identified_base_test_" + std::to_string(::getpid()) + ".yaml";

@@ -116,7 +116,7 @@ TEST(Instruments, AgreeWithLeastSquaresWhereTheMotionIsExact) {
   EXPECT_LE(small, 4);
 }
 
-TEST(Instruments, HaveHonestDeviations) {
+TEST(Instruments, HaveDeviationsThatCoverTheErrors) {
   const Model arm = viscous_arm();
   for (const Method method : {Method::kIv, Method::kDidim}) {
     const Identification id = identify(arm, swings(arm, 1e-4, 0.2, 0.05, 5), with(method));
@@ -140,7 +140,7 @@ TEST(Instruments, HaveNoDeviationsFromTwoClusters) {
 }
 
 // A joint whose parameters are all facts has nothing that could be biased; the other one is identified beside it.
-TEST(Instruments, LeaveAJointOfFactsAlone) {
+TEST(Instruments, DoNotChangeAJointWithFixedParameters) {
   const Model truth = viscous_arm();
   ModelDescription d = truth.description();
   d.frames[1].body->fixed = true;
@@ -155,7 +155,7 @@ TEST(Instruments, LeaveAJointOfFactsAlone) {
   }
 }
 
-TEST(Instruments, RefuseALeastSpeed) {
+TEST(Instruments, RefuseAMinimumSpeed) {
   const Model arm = viscous_arm();
   IdentificationOptions o = with(Method::kIv);
   o.preprocessing.min_speed = 0.1;

@@ -68,7 +68,7 @@ TEST(AnEffectThatIsGivenTwice, HasTheSumOfOne) {
   EXPECT_TRUE(near(two.train_error.relative, one.train_error.relative, 1e-9));
 }
 
-TEST(JointsThatMoveAsOne, LeaveParametersOpenOrFitWhatTheyShow) {
+TEST(JointsThatMoveAsOne, LeaveParametersOpenOrFitTheirSum) {
   const Model arm = planar();
   for (const double ratio : {1.0, -1.0, 0.5}) {
     MatrixXd ddq;
@@ -107,7 +107,7 @@ TEST(AJointThatRestsInTheLastRecording, IsNotStill) {
 }
 
 // What a joint that never moves would tell may be known already.
-TEST(AStillJoint, IsNoObstacleWhereItLeavesNothingOpen) {
+TEST(AStillJoint, IsAcceptedIfAllParametersAreDetermined) {
   ModelDescription d = planar().description();
   d.frames[1].body->fixed = true;
   for (EffectTerm& term : d.effects) term.fixed = term.axis.coefficients[1] != 0.0;
@@ -144,7 +144,7 @@ TEST(StillJoints, AreNamedTogether) {
 }
 
 // A box of one body is kept to, and named where it is the limit.
-TEST(ABox, OfABodyIsKept) {
+TEST(ABox, OfABodyIsRespected) {
   ModelDescription d = planar().description();
   d.frames[1].body->box.mass_max = 1.5;  // its mass is 2.5 kg
   d.frames[1].body->box.com_reach = 0.1;  // its centre is at 0.2 m
@@ -168,7 +168,7 @@ TEST(Evaluation, OfNoSamplesHasAReason) {
 }
 
 // An arm whose parameters are all facts has none to identify.
-TEST(AnArm, OfFactsAloneHasAReason) {
+TEST(AnArm, WithOnlyFixedParametersIsRefusedWithAReason) {
   for (const Method method : {Method::kOls, Method::kFeasible, Method::kIv}) {
     const Identification id = identify(with_fixed_parameters(planar()), recorded(planar()), with(method));
     EXPECT_EQ(id.status, IdentificationStatus::kNoData);
@@ -216,7 +216,7 @@ TEST(Torques, ThatAreZeroThroughoutAreRefused) {
 }
 
 // Torques below those of the lightest possible body: the best possible arm is worse than none.
-TEST(Torques, OfLessThanTheLightestBodyAreRefused) {
+TEST(Torques, TooSmallForAnyBodyAreRefused) {
   Recording tiny = recorded(planar());
   tiny.tau *= 1e-9;
   IdentificationOptions with_prior;
@@ -232,7 +232,7 @@ TEST(Torques, OfLessThanTheLightestBodyAreRefused) {
 
 // A prior fills what torques leave open. Where it is far from the arm, the fit is as good as without,
 // or a status says that it is not.
-TEST(APrior, IsNeverAWrongAnswerThatCountsAsDone) {
+TEST(APrior, NeverGivesAWrongConvergedSolution) {
   const Recording r = recorded(planar());
   int done = 0, refused = 0;
   for (const double factor : {1e-6, 1e-3, 1.0, 1e3, 1e6}) {
@@ -264,7 +264,7 @@ TEST(APrior, IsNeverAWrongAnswerThatCountsAsDone) {
 
 // Two columns that differ by a share of noise: with less of it the rank falls once, and never comes
 // back; whatever it is, the kept columns predict what all of them do.
-TEST(TheRank, FallsOnceWhereColumnsBecomeAlike) {
+TEST(TheRank, DropsByOneAsColumnsBecomeCollinear) {
   Random random(8);
   const VectorXd a = random.vector(60, -1, 1), b = random.vector(60, -1, 1), noise = random.vector(60, -1, 1);
   int before = 3;

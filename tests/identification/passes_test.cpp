@@ -38,7 +38,7 @@ TEST(ReadingAhead, BringsEverySegmentInOrder) {
 }
 
 // A visitor that fails ends the reading, which waits for room; a reader that fails has brought what was before.
-TEST(ReadingAhead, PassesOnWhatFails) {
+TEST(ReadingAhead, ForwardsExceptions) {
   for (const int at : {0, 3}) {
     try {
       read_ahead(pass_of(50), [&](const Segment& s) {
@@ -73,7 +73,7 @@ VectorXd floor_of(double difference, double from = -1.0, double to = -1.0) {
   return fold.relative_floor();
 }
 
-TEST(Repeats, AreComparedWhereNoGapIs) {
+TEST(Repeats, AreComparedOutsideOfGaps) {
   ASSERT_EQ(floor_of(0.0).size(), 1);
   EXPECT_EQ(floor_of(0.0)[0], 0.0);
   // The variance of a difference is twice that of one repeat.

@@ -71,7 +71,7 @@ TEST_P(PortableModels, HavePossibleBodiesAndTheSameTorques) {
 }
 
 // Where the torques admit the prior itself, nothing is nearer to it.
-TEST_P(PortableModels, AreThePriorWhereTheTorquesAreItsOwn) {
+TEST_P(PortableModels, EqualThePriorIfTorquesAgree) {
   const PortableModel portable = portable_model(as_identified(arm()), arm());
   ASSERT_TRUE(portable.changed) << portable.remark;
   EXPECT_EQ(portable.prior, "the bodies of " + arm().name());
@@ -176,7 +176,7 @@ class GearedArm : public testing::Test {
   Model drawing_;
 };
 
-TEST_F(GearedArm, ExportedBodiesWeighWhatTheDrawingSays) {
+TEST_F(GearedArm, ExportedBodiesHaveTheMassOfTheDrawing) {
   const Model model = identified();
   ASSERT_LT(least_eigenvalue(*model.inertial_values()), 0.0);
   const MatrixXd before = torques(model);
@@ -190,7 +190,7 @@ TEST_F(GearedArm, ExportedBodiesWeighWhatTheDrawingSays) {
 }
 
 // Where the format has a place for it, the gear's inertia is no link's.
-TEST_F(GearedArm, AnArmatureTakesWhatNoLinkHas) {
+TEST_F(GearedArm, ArmaturesHoldTheRotorInertia) {
   const PortableModel portable = portable_model(identified(), std::nullopt, RotorPlace::kArmatures);
   ASSERT_TRUE(portable.changed) << portable.remark;
   ASSERT_EQ(portable.arm.effects().size(), 6U);
@@ -206,7 +206,7 @@ TEST_F(GearedArm, AnArmatureTakesWhatNoLinkHas) {
   EXPECT_NEAR((*portable.arm.frames()[1].body->phi)[6], drawn, 0.3 * drawn);
 }
 
-TEST(PortableModel, LeavesFactsAndWhatWasNotIdentified) {
+TEST(PortableModel, KeepsFixedAndUnidentifiedParameters) {
   ArmBuilder builder("facts", 2, 7);
   const int fact = builder.link(-1, JointType::kRevolute, {1.0, 0.0}, 0.0, identity_pose(), identity_pose());
   const int other = builder.link(fact, JointType::kRevolute, {0.0, 1.0}, 0.0, {identity3(), {0.3, 0.0, 0.1}}, identity_pose());

@@ -69,7 +69,7 @@ double coulomb_of(const Model& arm, int joint) {
 }
 
 // Friction is as large as a joint's torque here, and is told from gravity by the sides of the approach.
-TEST_F(Resting, GravityAndDryFrictionComeApartWhereTheApproachIsKnown) {
+TEST_F(Resting, KnownApproachesSeparateGravityAndDryFriction) {
   const Identification id = identify_at_rest(read_model("psm-3dof"), {poses(1, 60), poses(2, 60)}, {poses(3, 40)});
   ASSERT_TRUE(id.model.has_value()) << id.reason;
   EXPECT_TRUE(id.feasible);
@@ -130,7 +130,7 @@ TEST_F(Resting, WithoutAnApproachFrictionIsABand) {
 
 // The links of a SCARA that turn about the vertical have no weight in any torque: the solver leaves them near the solid
 // balls that it begins with, whose moments of inertia are two fifths of mass times squared radius.
-TEST(RestingScara, LinksThatNoPoseShowsAreNearlySolidBalls) {
+TEST(RestingScara, UnobservedLinksAreNearlySolidBalls) {
   const Model truth = read_model("scara");
   ModelDescription unknown = truth.description();
   for (Frame& frame : unknown.frames)
@@ -163,7 +163,7 @@ TEST(RestingScara, LinksThatNoPoseShowsAreNearlySolidBalls) {
 }
 
 // One joint stands still in all poses: the others tell less, and an answer is there.
-TEST_F(Resting, AJointThatStandsStillIsNoObstacle) {
+TEST_F(Resting, AStationaryJointIsAccepted) {
   RestPoses p = poses(1, 80);
   RigidBodyDynamics bodies(truth_, *truth_.inertial_values());
   VectorXd g(3);
@@ -246,7 +246,7 @@ TEST_F(Resting, TwoPositionsAreTwoPoses) {
 
 // Without velocities every row is a pose, as where all are zero, and currents are torques by the drive gains; rows
 // with gaps are none.
-TEST_F(Resting, PosesComeFromWhatIsRecorded) {
+TEST_F(Resting, PosesAreThoseOfTheRecording) {
   Recording r;
   r.source = "table";
   r.time = VectorXd::LinSpaced(4, 0.0, 3.0);
@@ -279,7 +279,7 @@ TEST_F(Resting, PosesComeFromWhatIsRecorded) {
 }
 
 // An arm whose bodies and offsets are facts leaves nothing to identify at rest.
-TEST_F(Resting, AnArmOfFactsHasAReason) {
+TEST_F(Resting, AnArmWithOnlyFixedParametersIsRefused) {
   ModelDescription d = with_fixed_parameters(truth_).description();
   d.effects.clear();
   for (int j = 0; j < 3; ++j) {
@@ -295,7 +295,7 @@ TEST_F(Resting, AnArmOfFactsHasAReason) {
   EXPECT_EQ(id.reason, "the poses determine no parameter");
 }
 
-TEST_F(Resting, PosesThatAreNoneAreRefused) {
+TEST_F(Resting, MotionsAreRefusedAsPoses) {
   const Model file = read_model("psm-3dof");
   const RestPoses good = poses(1, 30);
   RestPoses none = good;

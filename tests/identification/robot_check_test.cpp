@@ -54,13 +54,13 @@ class AMistakenRecording : public testing::Test {
 
 using Names = std::vector<std::string>;
 
-TEST_F(AMistakenRecording, IsNotSeenInASoundOne) {
+TEST_F(AMistakenRecording, IsNotReportedForACorrectOne) {
   for (const char* robot : {"psm-3dof", "elbow-6r", "scara"})
     EXPECT_EQ(findings(recorded(robot, 3)), Names{}) << robot << "\n" << sentences_;
 }
 
 // Standing still, moving one joint only, or too short: none of it tells signs or order.
-TEST_F(AMistakenRecording, IsNotSeenWhereTheMotionDoesNotTell) {
+TEST_F(AMistakenRecording, IsNotReportedIfTheMotionDoesNotDetermineIt) {
   for (const char* robot : {"psm-3dof", "elbow-6r"}) {
     const Recording sound = recorded(robot, 11);
     Recording still = sound;
@@ -111,7 +111,7 @@ TEST_F(AMistakenRecording, WithTorquesTurnedRoundIsMendedByUnits) {
   }
 }
 
-TEST_F(AMistakenRecording, WithAllTorquesTurnedRoundIsSeenByItsFriction) {
+TEST_F(AMistakenRecording, WithAllTorquesNegatedIsDetectedByItsFriction) {
   Recording r = recorded("psm-3dof", 5);
   r.tau *= -1.0;
   EXPECT_EQ(findings(r), Names{"torque_sign:0"}) << sentences_;
@@ -180,7 +180,7 @@ TEST_F(AMistakenRecording, OfAnotherArmIsExplainedByNothing) {
 }
 
 // A torque that is cut off makes many units a little better, and none right.
-TEST_F(AMistakenRecording, WithAClippedTorqueIsInNoOtherUnit) {
+TEST_F(AMistakenRecording, WithAClippedTorqueIsNotReportedAsAnotherUnit) {
   Recording r = recorded("elbow-6r", 4);
   const double most = 0.5 * r.tau.col(1).cwiseAbs().maxCoeff();
   r.tau.col(1) = r.tau.col(1).cwiseMax(-most).cwiseMin(most);
@@ -203,7 +203,7 @@ TEST_F(AMistakenRecording, IsNotInDegreesWhereRadiansAreWithinTheLimits) {
   EXPECT_NE(sentences_.find("Perhaps positions and velocities are degrees"), std::string::npos) << sentences_;
 }
 
-TEST_F(AMistakenRecording, OfCurrentsIsSeenByAnArmWithValues) {
+TEST_F(AMistakenRecording, OfCurrentsIsDetectedByAnArmWithValues) {
   Recording r = recorded("elbow-6r", 9);
   ModelDescription d = plausible_model(*arm_, 9).arm.description();
   for (Coordinate& c : d.coordinates) c.drive_gain = 11.0;
@@ -215,7 +215,7 @@ TEST_F(AMistakenRecording, OfCurrentsIsSeenByAnArmWithValues) {
 }
 
 // Gains that differ from joint to joint are told from the fit alone.
-TEST_F(AMistakenRecording, OfCurrentsIsSeenByGainsThatDiffer) {
+TEST_F(AMistakenRecording, OfCurrentsIsDetectedByDifferingGains) {
   Recording r = recorded("elbow-6r", 10);
   ModelDescription d = arm_->description();
   for (int i = 0; i < 6; ++i) {
@@ -227,7 +227,7 @@ TEST_F(AMistakenRecording, OfCurrentsIsSeenByGainsThatDiffer) {
 }
 
 // One motor counts the other way round, in its position and in its torque: neither alone explains anything.
-TEST_F(AMistakenRecording, OfAMotorThatCountsTheOtherWayIsMendedByUnits) {
+TEST_F(AMistakenRecording, OfAMotorWithTheOppositeSignIsCorrectedByUnits) {
   Recording r = recorded("elbow-6r", 31);
   for (MatrixXd* values : {&r.q, &r.dq, &r.tau}) values->col(1) *= -1.0;
   EXPECT_EQ(findings(r), Names{"position_sign:2"}) << sentences_;
@@ -235,7 +235,7 @@ TEST_F(AMistakenRecording, OfAMotorThatCountsTheOtherWayIsMendedByUnits) {
 }
 
 // The option that undoes a zero beside that of the robot file.
-TEST(AZero, StandsBehindTheUnit) {
+TEST(AZero, IsCheckedAfterTheUnit) {
   EXPECT_NEAR((*recordings::unit_scale("q", "rad@1.5"))(2.0), 0.5, 1e-12);
   EXPECT_NEAR((*recordings::unit_scale("q", "deg@90"))(180.0), 0.5 * M_PI, 1e-12);
   EXPECT_NEAR((*recordings::unit_scale("q", "4096/rev@2048"))(3072.0), 0.5 * M_PI, 1e-12);
@@ -269,7 +269,7 @@ TEST_F(AMistakenRecording, InDegreesAndTheOtherWayRoundIsMendedByBothOptions) {
   EXPECT_NE(sentences_.find("--units q=deg,dq=deg/s,q2=-deg,dq2=-deg/s mends it"), std::string::npos) << sentences_;
 }
 
-TEST_F(AMistakenRecording, WithoutVelocitiesIsAskedWithTheirDerivatives) {
+TEST_F(AMistakenRecording, WithoutVelocitiesIsCheckedWithDerivatives) {
   Recording r = recorded("elbow-6r", 36);
   r.dq.setZero();
   EXPECT_EQ(findings(r), Names{}) << sentences_;
@@ -297,14 +297,14 @@ TEST_F(AMistakenRecording, InTheOrderOfNamesIsMendedByMap) {
   EXPECT_NE(sentences_.find("one column too far to the right"), std::string::npos) << sentences_;
 }
 
-TEST_F(AMistakenRecording, OfAJointThatNothingDrivesSaysSo) {
+TEST_F(AMistakenRecording, OfAnUndrivenJointIsReported) {
   Recording r = recorded("elbow-6r", 39);
   r.tau.col(4) = 0.01 * noise_like(r.tau, 1.0, 40).col(4);
   EXPECT_EQ(findings(r), Names{"unexplained:5"}) << sentences_;
 }
 
 // Small errors are what an arm lacks, and no exchange of its joints: an amplifier with a small dead zone.
-TEST_F(AMistakenRecording, IsNotSeenInASmallError) {
+TEST_F(AMistakenRecording, IsNotReportedForASmallError) {
   Recording r = recorded("scara", 37);
   for (double& t : r.tau.col(1)) t = std::copysign(std::max(0.0, std::abs(t) - 0.1), t);
   for (const std::string& name : findings(r)) EXPECT_NE(name.rfind("swapped_joints", 0), 0U) << sentences_;
@@ -339,7 +339,7 @@ TEST_F(ARobotFile, WithoutFrictionRaisesNoQuestion) {
   EXPECT_EQ(findings(r), Names{}) << sentences_;
 }
 
-TEST_F(ARobotFile, TellsTheUnitOfTorques) {
+TEST_F(ARobotFile, ShowsTheUnitOfTorques) {
   const Recording sound = recorded_beside_values("elbow-6r", 22);
   Recording r = sound;
   r.tau *= 1e3;
@@ -357,14 +357,14 @@ TEST_F(ARobotFile, TellsTheUnitOfTorques) {
   expect(r, {"torque_sign:0"}, "--units tau=-Nm");
 }
 
-TEST_F(ARobotFile, TellsTorquesInFrontOfGears) {
+TEST_F(ARobotFile, ShowsTorquesMeasuredBeforeTheGears) {
   Recording r = recorded_beside_values("elbow-6r", 23);
   r.tau /= 121.0;
   EXPECT_EQ(findings(r), Names{"torque_unit:0"}) << sentences_;
   EXPECT_NE(sentences_.find("in front of gears of about 1"), std::string::npos) << sentences_;
 }
 
-TEST_F(ARobotFile, TellsTheDirectionOfGravity) {
+TEST_F(ARobotFile, ShowsTheDirectionOfGravity) {
   const Recording sound = recorded_beside_values("elbow-6r", 24);
   const auto mounted = [&](const Eigen::Vector3d& gravity) {
     ModelDescription d = arm_->description();
@@ -438,7 +438,7 @@ TEST_F(AMistakenRecording, OfTheOtherConventionIsNotMendedByAnExchange) {
 }
 
 // A torque that no transformation explains: what helps is said to be not the whole truth.
-TEST_F(AMistakenRecording, ThatAnswersHelpOnlyInPartIsNotMended) {
+TEST_F(AMistakenRecording, ThatIsOnlyPartlyExplainedIsNotCorrected) {
   Recording r = recorded("elbow-6r", 29);
   r.tau.col(2) += 4.0 * r.tau.col(2).cwiseAbs().mean() * (3.0 * r.q.col(2)).array().sin().matrix();
   r.tau.col(1) *= -1.0;
@@ -461,7 +461,7 @@ TEST_F(AMistakenRecording, OfCurrentsWithoutGainsIsMendedByUnits) {
 }
 
 // Velocities that are not those of the positions are left to the check of velocities.
-TEST_F(AMistakenRecording, WithVelocitiesTurnedRoundIsInNoOtherUnit) {
+TEST_F(AMistakenRecording, WithNegatedVelocitiesIsNotReportedAsAnotherUnit) {
   const Recording sound = recorded("elbow-6r", 42);
   Recording r = sound;
   r.dq *= -1.0;
@@ -498,7 +498,7 @@ TEST_F(AMistakenRecording, WithSizesOfOneTorqueIsNotMendedByItsSign) {
 }
 
 // A shoulder that moves over a fifth of its range: gravity there is nearly a straight line, as a spring is.
-TEST_F(AMistakenRecording, OfASmallMotionDoesNotTellASpringFromALoad) {
+TEST_F(AMistakenRecording, OfASmallMotionDoesNotSeparateASpringFromALoad) {
   const auto weak = [this](double share) {
     arm_.emplace(read_model("planar-2r"));
     const Model plausible = plausible_model(*arm_, 30).arm;
@@ -518,7 +518,7 @@ TEST_F(AMistakenRecording, OfASmallMotionDoesNotTellASpringFromALoad) {
 }
 
 // Columns that hold no torques, or joints that move as one, explain by themselves that the arm does not fit.
-TEST(MergedFindings, BesideColumnsThatExplainItNothingIsSaidOfAnArmThatDoesNotFit) {
+TEST(MergedFindings, ExplainedByColumnsOmitTheMismatchOfTheArm) {
   const auto finding = [](const char* name) {
     QualityFinding f;
     f.finding = name;

@@ -47,7 +47,7 @@ double distance(const Recording& r, bool choose) {
   return (identify(arm(), r, options).parameters - true_parameters(arm())).norm();
 }
 
-TEST(VelocityChoice, SoundVelocitiesAreTakenAsRecorded) {
+TEST(VelocityChoice, ConsistentVelocitiesAreUsedAsRecorded) {
   EXPECT_TRUE(derived(recording()).empty());
 }
 
@@ -62,7 +62,7 @@ TEST(VelocityChoice, ACoarseVelocityComesFromThePositionAndItsJointOnly) {
 }
 
 // The same rule without a fit: the error of a model must not be that of a velocity in degrees.
-TEST(VelocityChoice, AModelIsNotBlamedForAVelocityThatIsWrong) {
+TEST(VelocityChoice, AWrongVelocityIsNotReportedAsAModelError) {
   Recording r = recording();
   const Identification good = identify(arm(), r);
   ASSERT_TRUE(good.model.has_value());
@@ -95,20 +95,20 @@ TEST(VelocityChoice, AVelocityOfAnotherUnitComesFromThePosition) {
 }
 
 // Velocities are judged from the rows that are asked about, and from a bounded number of them.
-TEST(VelocityChoice, OnlyRowsThatAreUsedAreLookedAt) {
+TEST(VelocityChoice, OnlyUsedRowsAreInspected) {
   PreprocessingOptions how;
   how.first_row = 7;
   how.row_count = 30;
-  EXPECT_EQ(rows_looked_at(arm(), how).first_row, 7);
-  EXPECT_EQ(rows_looked_at(arm(), how).row_count, 30);
+  EXPECT_EQ(inspected_rows(arm(), how).first_row, 7);
+  EXPECT_EQ(inspected_rows(arm(), how).row_count, 30);
   how.row_count = identifying::kLookedAt + 1;
-  EXPECT_EQ(rows_looked_at(arm(), how).row_count, identifying::kLookedAt);
+  EXPECT_EQ(inspected_rows(arm(), how).row_count, identifying::kLookedAt);
   how.row_count.reset();
-  EXPECT_EQ(rows_looked_at(arm(), how).row_count, identifying::kLookedAt);
+  EXPECT_EQ(inspected_rows(arm(), how).row_count, identifying::kLookedAt);
 }
 
 // The torques are the judge: a position that is worse than the doubtful velocity is not asked.
-TEST(VelocityChoice, ItIsTheTorquesThatDecide) {
+TEST(VelocityChoice, TheTorqueErrorDecides) {
   Identification before;
   before.train_error.relative = Eigen::Vector3d(0.10, 0.10, 0.10);
   std::vector<std::set<int>> asked;

@@ -35,7 +35,7 @@ Identification result(const std::vector<double>& errors, const std::vector<doubl
 
 std::string name(const Identification& id, int joint) { return id.model->coordinates()[joint].name; }
 
-TEST(TheVerdict, TellsEveryJointsState) {
+TEST(TheVerdict, ListsTheStateOfEveryJoint) {
   Identification id = result({0.05, 0.009, 0.5, 30.0, std::numeric_limits<double>::infinity(), 0.3},
                              {0.03, 1e-6, 0.05, 0.01, 0.01, 0.3});
   TorqueFacts& hardly = id.factors.front().joints[5];
@@ -57,7 +57,7 @@ TEST(TheVerdict, TellsEveryJointsState) {
 }
 
 // Repetitions that differ by a fifth of the torque are no noise.
-TEST(TheVerdict, CallsNoLargeDifferenceNoise) {
+TEST(TheVerdict, DoesNotReportALargeDifferenceAsNoise) {
   for (const bool large : {false, true}) {
     const Identification id = result({large ? 0.2 : 0.02, 0.01, 0.01, 0.01, 0.01, 0.01}, {large ? 0.25 : 0.02, 0.01, 0.01, 0.01, 0.01, 0.01});
     const IdentificationVerdict v = verdict_of(id);
@@ -68,7 +68,7 @@ TEST(TheVerdict, CallsNoLargeDifferenceNoise) {
 }
 
 // Rows that came late are no error of the model: where they are repaired, the repaired error decides.
-TEST(TheVerdict, JudgesRepairedRows) {
+TEST(TheVerdict, UsesRepairedRows) {
   Identification id = result({0.1, 0.1, 0.1, 0.1, 0.1, 0.1}, {0.01, 0.01, 0.01, 0.01, 0.01, 0.01});
   EXPECT_EQ(verdict_of(id).joints[0].state, IdentifiedState::kUnexplained);
   id.test_repaired.relative = VectorXd::Constant(6, 0.011);
@@ -78,7 +78,7 @@ TEST(TheVerdict, JudgesRepairedRows) {
 
 // Without repeats the noise is not known, except that one per cent is better than any sensor; without limits no
 // joint hardly moves; and a joint that moves slowly over its range, or quickly over little of it, moves.
-TEST(TheVerdict, DoesNotTellWhatItCannotKnow) {
+TEST(TheVerdict, OmitsStatesWithoutData) {
   Identification id = result({0.2, 0.005, 0.2, 0.2, 0.2, 0.2}, {});
   id.train_error = id.test_error;
   id.test_error = {};
@@ -100,7 +100,7 @@ TEST(TheVerdict, DoesNotTellWhatItCannotKnow) {
   EXPECT_EQ(verdict_of(id).joints[1].state, IdentifiedState::kAtFloor);
 }
 
-TEST(TheVerdict, OfNoModelIsNone) {
+TEST(TheVerdict, WithoutAModelIsEmpty) {
   const IdentificationVerdict none = verdict_of(Identification());
   EXPECT_TRUE(none.joints.empty());
   EXPECT_EQ(none.sentence, "");
@@ -110,7 +110,7 @@ TEST(TheVerdict, OfNoModelIsNone) {
 }
 
 // A contact in one recording does not repeat and is no noise; a recording without repetitions has no floor.
-TEST(NoiseFloor, IsTheMeanOfRecordingsInWhichNothingHappenedOnce) {
+TEST(NoiseFloor, ExcludesAContactInOneRecording) {
   std::vector<CompressedRecording> recordings(4);
   recordings[0].noise_floor = Eigen::Vector2d(0.01, 0.03);
   recordings[1].noise_floor = Eigen::Vector2d(0.02, 0.04);

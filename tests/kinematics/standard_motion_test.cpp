@@ -27,7 +27,7 @@ TEST(TheStandardMotion, StaysWithinEveryRobotsLimitsAndMovesEveryJoint) {
 }
 
 // A limit that is tight on acceleration alone is kept, too.
-TEST(TheStandardMotion, KeepsToATightAcceleration) {
+TEST(TheStandardMotion, StaysWithinATightAccelerationLimit) {
   ModelDescription d = read_model("planar-2r").description();
   d.coordinates[1].limits.acceleration = 0.01;
   EXPECT_LT(standard_motion(Model(d)).ddq.col(1).cwiseAbs().maxCoeff(), 0.01);

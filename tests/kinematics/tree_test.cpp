@@ -32,7 +32,7 @@ TEST_P(TreeOnEverySampleArm, MoversAreTheCoordinatesThatTheModelSaysMoveTheLink)
   }
 }
 
-TEST_P(TreeOnEverySampleArm, EveryFrameIsALinkIfAsked) {
+TEST_P(TreeOnEverySampleArm, EveryFrameCanBeALink) {
   const Tree tree(arm(), Tree::Keep::kEveryFrame);
   for (size_t k = 0; k < arm().frames().size(); ++k)
     EXPECT_EQ(tree.link_of_frame[k], static_cast<int>(k));
@@ -49,7 +49,7 @@ TEST_P(TreeOnEverySampleArm, BodiesKeepTheirOrder) {
 
 // Of the coupled wrist's frames the fixed base and stand and the empty last one are not needed for
 // dynamics.
-TEST(Tree, FramesThatNeitherMoveNorCarryAreFoldedAway) {
+TEST(Tree, FixedFramesWithoutBodiesAreMerged) {
   const Model arm = sample_arms().at("coupled_wrist");
   const Tree tree(arm);
   EXPECT_EQ(tree.links.size(), arm.frames().size() - 3);

@@ -6,7 +6,7 @@ namespace veridyn {
 namespace {
 
 // Recordings that determine nothing leave no column behind.
-TEST(AnOrthonormalBasis, OfNoColumnsHasNone) {
+TEST(AnOrthonormalBasis, OfNoColumnsIsEmpty) {
   const MatrixXd basis = orthonormal_basis(MatrixXd(5, 0));
   EXPECT_EQ(basis.rows(), 5);
   EXPECT_EQ(basis.cols(), 0);

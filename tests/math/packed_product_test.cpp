@@ -31,7 +31,7 @@ MatrixXd by_definition(const MatrixXd& A, const MatrixXd& B) {
   return C;
 }
 
-TEST(PackedProduct, IsTheDefinition) {
+TEST(PackedProduct, EqualsTheDefinition) {
   Random random(71);
   for (const int rows : {1, 2, 3, 7, 12, 13, 18, 23, 40}) {
     for (const int cols : {1, 3, 4, 6, 9, 17}) {
@@ -89,7 +89,7 @@ TEST(PackedProduct, BothWidthsAreEqualToTheLastBit) {
   }
 }
 
-TEST(PackedProduct, IsThereOnThisProcessor) {
+TEST(PackedProduct, IsAvailableOnThisProcessor) {
 #if defined(__x86_64__)
   if (widest_instruction_set() < InstructionSet::kAvx2) GTEST_SKIP() << "a processor without AVX2";
   EXPECT_NE(packed_product_avx2(), nullptr);

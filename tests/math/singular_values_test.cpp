@@ -35,7 +35,7 @@ TEST(SingularValues, AreThoseOfJacobi) {
 }
 
 // Twelve decades, and columns that depend on others.
-TEST(SingularValues, OfGradedAndSingularMatrices) {
+TEST(SingularValues, OfGradedAndSingularMatricesAreAccurate) {
   Random random(8);
   MatrixXd A = random_matrix(random, 30);
   for (int j = 0; j < 30; ++j) A.col(j) *= std::pow(10.0, -0.4 * j);
@@ -46,7 +46,7 @@ TEST(SingularValues, OfGradedAndSingularMatrices) {
   EXPECT_LT(singular_values(A)[29], 1e-15);
 }
 
-TEST(SingularValues, OfNothing) {
+TEST(SingularValues, OfAnEmptyMatrixAreNone) {
   EXPECT_EQ(singular_values(MatrixXd(0, 0)).size(), 0);
   EXPECT_EQ(singular_values(MatrixXd::Zero(4, 4)), VectorXd::Zero(4));
   EXPECT_DOUBLE_EQ(singular_values(MatrixXd::Constant(1, 1, -3.0))[0], 3.0);

@@ -94,7 +94,7 @@ TEST_P(OfAnyShape, TheSumOfSquaresIsThatOfTheRowsForEveryX) {
   }
 }
 
-TEST_P(OfAnyShape, BlocksAreAsGoodAsAllAtOnce) {
+TEST_P(OfAnyShape, BlocksGiveTheFactorOfAllRows) {
   Random random(2);
   const Rows rows = random_rows(GetParam(), 5, random);
   const SquareRootInformation once = factor_of(rows, names(5));
@@ -292,7 +292,7 @@ TEST(TheFactor, KeepsColumnsOfAllScales) {
 }
 
 // What a filter leaves at its start: columns whose squares are below the smallest double.
-TEST(TheFactor, TakesColumnsOfAlmostNothing) {
+TEST(TheFactor, AcceptsNearlyZeroColumns) {
   Random random(17);
   Rows p = random_rows(51, 20, random);
   const VectorXd truth = random.vector(20, -1, 1);
@@ -306,7 +306,7 @@ TEST(TheFactor, TakesColumnsOfAlmostNothing) {
   }
 }
 
-TEST(TheFactor, DoesNotHideWhatIsNotANumber) {
+TEST(TheFactor, PropagatesNaN) {
   Random random(15);
   Rows p = random_rows(40, 11, random);
   p.A(17, 3) = std::numeric_limits<double>::quiet_NaN();

@@ -55,7 +55,7 @@ TEST(StudentsT, BecomesNormalWithManyDegreesOfFreedom) {
 }
 
 // Small probabilities keep their digits: for nu = 2 the tail is 1 / t^2 (1 - 3 / t^2 ...).
-TEST(StudentsT, IsAccurateFarOut) {
+TEST(StudentsT, IsAccurateInTheTails) {
   for (const double t : {1e3, 1e5, 1e8})
     EXPECT_NEAR(student_t_two_sided(t, 2) * t * t, 1.0, 3.1 / (t * t) + 1e-12);
 }

@@ -93,7 +93,7 @@ TEST(TheZeroPhaseFilter, HasASymmetricImpulseResponse) {
 
 // The start-up settles to 1e-4 of its size over the reflected ends. What starts up is the lag of a
 // pass on a line, which is order / (2 pi cutoff) or less times 1.5 [s].
-TEST(TheZeroPhaseFilter, LeavesAStraightLineAsItIsToItsVeryEnds) {
+TEST(TheZeroPhaseFilter, KeepsAStraightLineUpToItsEnds) {
   for (int order = 1; order <= 10; ++order) {
     for (const double cutoff : {2.0, 5.0, 20.0}) {
       const double slope = 3.0;
@@ -169,7 +169,7 @@ TEST(TheZeroPhaseFilter, AcceptsRecordingsShorterThanItself) {
   }
 }
 
-TEST(TheZeroPhaseFilter, RefusesWhatIsNoLowPass) {
+TEST(TheZeroPhaseFilter, RefusesInvalidCutOffs) {
   EXPECT_NO_THROW(ZeroPhaseFilter(99.9, 1, kRate));
   EXPECT_NO_THROW(ZeroPhaseFilter(5.0, 20, kRate));
   EXPECT_THROW(ZeroPhaseFilter(0.0, 4, kRate), InvalidInput);

@@ -44,7 +44,7 @@ TEST_P(OnEverySampleArm, WithAJointHeldMovesLikeTheWholeArmWithItAtRest) {
   }
 }
 
-TEST(AnArm, KeepsAJointThatMoves) {
+TEST(AnArm, WithAllJointsFixedIsRefused) {
   const Model arm = planar_2r();
   std::map<std::string, double> all;
   for (const Coordinate& c : arm.coordinates()) all[c.name] = 0.0;

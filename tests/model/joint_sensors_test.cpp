@@ -20,14 +20,14 @@ Model wrong_arm() {
   return Model(std::move(d));
 }
 
-TEST(JointSensors, ShowWhatTheModelSaysAndTakeItOffAgain) {
+TEST(JointSensors, AddAndRemoveTheErrorsOfTheModel) {
   const JointSensors sensors(wrong_arm());
   const VectorXd true_q = Eigen::Vector3d(0.3, -0.2, 0.1);
   const VectorXd true_tau = Eigen::Vector3d(1.0, 2.0, -3.0);
   VectorXd q = true_q;
   VectorXd tau = true_tau;
-  sensors.show_positions(q);
-  sensors.show_torques(tau);
+  sensors.add_position_errors(q);
+  sensors.add_torque_errors(tau);
   EXPECT_TRUE(near(q, Eigen::Vector3d(0.3, -0.1, 0.1), 1e-15));   // measured = true + offset
   EXPECT_TRUE(near(tau, Eigen::Vector3d(1.0, 2.5, -3.0), 1e-15));  // measured = gain * true
   sensors.correct_positions(q);
@@ -45,21 +45,21 @@ TEST(JointSensors, CurrentsBecomeTrueTorques) {
   EXPECT_DOUBLE_EQ(current[1], 5.0 * 2.0 / 1.25);
 }
 
-TEST(JointSensors, AModelThatKnowsNoErrorChangesNoBit) {
+TEST(JointSensors, AModelWithoutErrorsChangesNoBit) {
   const JointSensors sensors(read_model("psm-3dof"));
   const VectorXd before = Eigen::Vector3d(0.1, 1.0 / 3.0, -7e-12);
   VectorXd v = before;
   sensors.correct_positions(v);
-  sensors.show_positions(v);
+  sensors.add_position_errors(v);
   sensors.correct_torques(v);
-  sensors.show_torques(v);
+  sensors.add_torque_errors(v);
   EXPECT_TRUE(sensors.ideal());
   EXPECT_EQ(v, before);
-  EXPECT_TRUE(sensors.in_words(read_model("psm-3dof")).empty());
+  EXPECT_TRUE(sensors.descriptions(read_model("psm-3dof")).empty());
 }
 
 // A strong joint in the channel of a weak one: no command exceeds its drive for any signs, and one reaches it.
-TEST(JointSensors, LimitsStandWhateverTheCrosstalkAdds) {
+TEST(JointSensors, LimitsHoldUnderCrosstalk) {
   std::vector<RecordedChannel> channels(3);
   channels[0].torque_gain = 1.25;
   channels[1].torque_crosstalk = {{0, -0.15}};
@@ -72,7 +72,7 @@ TEST(JointSensors, LimitsStandWhateverTheCrosstalkAdds) {
   for (int signs = 0; signs < 8; ++signs) {
     VectorXd tau = most;
     for (int i = 0; i < 3; ++i) tau[i] *= (signs >> i & 1) == 0 ? 1.0 : -1.0;
-    sensors.show_torques(tau);
+    sensors.add_torque_errors(tau);
     EXPECT_TRUE((tau.cwiseAbs().array() <= largest.array() * (1.0 + 1e-12)).all()) << tau.transpose();
     reached = std::max(reached, std::abs(tau[1]));
   }
@@ -82,7 +82,7 @@ TEST(JointSensors, LimitsStandWhateverTheCrosstalkAdds) {
 }
 
 // Gain, then crosstalk, then delay are taken off in this order, and put on in the other.
-TEST(JointSensors, CrosstalkIsPutOnAndTakenOffWithTheGain) {
+TEST(JointSensors, CrosstalkAndGainAreInvertible) {
   ModelDescription d = wrong_arm().description();
   d.coordinates[1].recorded.torque_crosstalk = {{0, 0.5}, {2, -0.1}};
   d.coordinates[2].recorded.torque_crosstalk = {{1, 0.2}};
@@ -90,7 +90,7 @@ TEST(JointSensors, CrosstalkIsPutOnAndTakenOffWithTheGain) {
   const JointSensors sensors(read_yaml(to_yaml(arm), "again"));
   const VectorXd true_tau = Eigen::Vector3d(1.0, 2.0, -3.0);
   VectorXd tau = true_tau;
-  sensors.show_torques(tau);
+  sensors.add_torque_errors(tau);
   EXPECT_TRUE(near(tau, Eigen::Vector3d(1.0, 1.25 * (2.0 + 0.5 + 0.3), -3.0 + 0.4), 1e-14));
   sensors.correct_torques(tau);
   EXPECT_TRUE(near(tau, true_tau, 1e-14));
@@ -99,10 +99,10 @@ TEST(JointSensors, CrosstalkIsPutOnAndTakenOffWithTheGain) {
   EXPECT_NEAR(current[1], 2.8 / (1.0 + 0.1 * 0.2), 1e-14);
   VectorXd time = VectorXd::LinSpaced(3, 0.0, 1.0);
   MatrixXd q = MatrixXd::Zero(3, 3), all = true_tau.transpose().replicate(3, 1);
-  sensors.show(time, q, all);
+  sensors.add_errors(time, q, all);
   EXPECT_NEAR(all(2, 1), 3.5, 1e-14);
   EXPECT_FALSE(sensors.ideal());
-  EXPECT_EQ(sensors.in_words(arm).back(),
+  EXPECT_EQ(sensors.descriptions(arm).back(),
             "the recorded torque of joint 'insertion' is mixed with 0.2 times that of joint 'pitch'");
 }
 
@@ -115,7 +115,7 @@ TEST(JointSensors, CrosstalkFollowsItsJointWhereAnotherIsFixed) {
   EXPECT_THROW(with_fixed(arm, {{"insertion", 0.1}}), InvalidInput);
 }
 
-TEST(JointSensors, CrosstalkThatLeavesNothingIsRefused) {
+TEST(JointSensors, SingularCrosstalkIsRefused) {
   std::vector<RecordedChannel> both(2);
   both[0].torque_crosstalk = {{1, 2.0}};
   both[1].torque_crosstalk = {{0, 0.5}};
@@ -126,14 +126,14 @@ TEST(JointSensors, CrosstalkThatLeavesNothingIsRefused) {
 
 // A ramp that is recorded late is exactly the ramp of earlier times, and comes back whole but for
 // its last samples, whose record lies beyond the end.
-TEST(JointSensors, ADelayIsShownAndUndone) {
+TEST(JointSensors, ADelayIsAppliedAndCorrected) {
   const JointSensors sensors(wrong_arm());
   constexpr int kRows = 50;
   constexpr double kStep = 0.0015;  // [s]: the delay is no whole number of rows
   const VectorXd time = VectorXd::LinSpaced(kRows, 0.0, kStep * (kRows - 1));
   MatrixXd q = MatrixXd::Zero(kRows, 3);
   MatrixXd tau = time.replicate(1, 3);
-  sensors.show(time, q, tau);
+  sensors.add_errors(time, q, tau);
   EXPECT_NEAR(tau(40, 1), 1.25 * (time[40] - 0.004), 1e-12);
   EXPECT_DOUBLE_EQ(tau(40, 0), time[40]);
   EXPECT_DOUBLE_EQ(q(7, 1), 0.1);
@@ -143,16 +143,16 @@ TEST(JointSensors, ADelayIsShownAndUndone) {
   EXPECT_DOUBLE_EQ(sensors.torque_at(1, kRows - 1, kRows, kStep, recorded), tau(kRows - 1, 1));
 }
 
-TEST(JointSensors, SayInWordsWhatIsWrong) {
+TEST(JointSensors, DescribeTheirErrors) {
   const Model arm = wrong_arm();
-  const std::vector<std::string> words = JointSensors(arm).in_words(arm);
+  const std::vector<std::string> words = JointSensors(arm).descriptions(arm);
   ASSERT_EQ(words.size(), 3U);
   EXPECT_EQ(words[0], "the encoder of joint 'pitch' shows 0.1 rad more than there is");
   EXPECT_EQ(words[1], "the recorded torque of joint 'pitch' is 1.25 times the true one");
   EXPECT_EQ(words[2], "the recorded torque of joint 'pitch' is 4 ms late");
 }
 
-TEST(JointSensors, AGainThatCannotBeIsRefused) {
+TEST(JointSensors, InvalidGainsAreRefused) {
   EXPECT_THROW(JointSensors({{0.0, 0.0, 0.0}}), InvalidInput);
   EXPECT_THROW(JointSensors({{1.0, 0.0, std::nan("")}}), InvalidInput);
 }

@@ -7,13 +7,13 @@ namespace {
 
 const std::vector<std::string> kNames{"yaw", "pitch", "insertion"};
 
-TEST(Suggestion, OneSlipOfTheKeyboardIsUnderstood) {
+TEST(Suggestion, OneTypingErrorIsCorrected) {
   EXPECT_EQ(did_you_mean("ptich", kNames), " (did you mean 'pitch'?)");
   EXPECT_EQ(did_you_mean("insertoin", kNames), " (did you mean 'insertion'?)");
   EXPECT_EQ(did_you_mean("YAW", kNames), " (did you mean 'yaw'?)");
 }
 
-TEST(Suggestion, NothingIsSuggestedForSomethingElse) {
+TEST(Suggestion, NothingIsSuggestedForDissimilarNames) {
   EXPECT_EQ(did_you_mean("gripper", kNames), "");
   EXPECT_EQ(did_you_mean("yaw", {}), "");
 }

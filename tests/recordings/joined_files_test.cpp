@@ -83,7 +83,7 @@ TEST_F(Joined, FilesOfOneJointEachAreOneRecordingInTheOrderOfTheFiles) {
   EXPECT_EQ(read_recording(path, some).rows(), 100);
 }
 
-TEST_F(Joined, NumbersOfTheColumnsCountWhereTheyDiffer) {
+TEST_F(Joined, JointNumbersFollowTheColumnsIfTheyDiffer) {
   expect_joints(read_recording(file("b.csv", 1, 2) + "+" + file("a.csv", 0, 1)), {0, 1});
 }
 
@@ -95,7 +95,7 @@ TEST_F(Joined, OtherRatesAreInterpolatedAndOnlyTimesInCommonCount) {
 }
 
 // A joint at a tenth of the rate has nothing fast in it, and the rows look as if it had.
-TEST_F(Joined, ASlowerFileIsTold) {
+TEST_F(Joined, ASlowerFileIsReported) {
   RecordingFacts facts;
   const std::string fast = file("a.csv", 0, 1) + "+" + file("b.csv", 1, 1, 99.0);
   (void)read_recording(fast, RecordingOptions(), facts);
@@ -112,7 +112,7 @@ TEST_F(Joined, AJointInTwoFilesIsRefusedWhereOneHasAName) {
   EXPECT_NE(refusal([&] { (void)read_recording(file("a.csv", 0, 1) + "+" + named); }).find("named.csv: found joint 1, expected one that no file before it has"), std::string::npos);
 }
 
-TEST_F(Joined, UnitsOfAJointAreThoseOfItsKind) {
+TEST_F(Joined, UnitsFollowTheJointType) {
   const std::string path = file("a.csv", 0, 1) + "+" + file("b.csv", 1, 1);
   RecordingOptions options;
   options.signals.joints = {{"yaw", false}, {"insertion", true}};
@@ -207,7 +207,7 @@ TEST(Arrays, NamedByAMapHaveTheirLongerDimensionAsTheTime) {
 }
 
 // A file may hold any number of arrays: a message names a few, and groups with signals have a limit.
-TEST(Arrays, ThousandsOfThemAreToldInOneShortLine) {
+TEST(Arrays, ThousandsAreReportedInOneShortLine) {
   recordings::ArraySet others, groups;
   for (int k = 0; k < 5000; ++k) {
     others.arrays.push_back({text("a", k), 1, 1, {0.0}});

@@ -15,7 +15,7 @@ struct Column {
   const char* joint;
 };
 
-TEST(TheNameOfAColumn, SaysWhichSignalOfWhichJointItIs) {
+TEST(TheNameOfAColumn, DeterminesSignalAndJoint) {
   const Column columns[] = {{"q1", 0, "1"},
                             {"actual_q_0", 0, "0"},
                             {"actual_qd_3", 1, "3"},
@@ -83,13 +83,13 @@ TEST(Joints, AreNeverMatchedByTheirPlace) {
   EXPECT_EQ(match_joints({"yaw", "pitch"}, {"alpha", "pitch"}, {}), (std::vector<int>{-1, 1}));
 }
 
-TEST(Joints, GoByTheNameThatTheUserGives) {
+TEST(Joints, AreMatchedByTheGivenNames) {
   EXPECT_EQ(match_joints({"yaw", "pitch"}, {"alpha", "pitch"}, {{"yaw", "alpha"}}),
             (std::vector<int>{0, 1}));
   EXPECT_THROW(match_joints({"yaw"}, {"alpha"}, {{"yaw", "gamma"}}), InvalidInput);
 }
 
-TEST(Joints, ThatFitTwoNamesEquallyWellAreAskedFor) {
+TEST(Joints, ThatFitTwoNamesEquallyAreRefused) {
   try {
     match_joints({"yaw"}, {"left_yaw", "right_yaw"}, {});
     FAIL();

@@ -278,7 +278,7 @@ std::string name_of(const testing::TestParamInfo<Layout>& info) {
 
 INSTANTIATE_TEST_SUITE_P(Of, TheLayout, testing::ValuesIn(layouts()), name_of);
 
-TEST_P(TheLayout, IsReadOrRefusedWithTheRightWords) {
+TEST_P(TheLayout, IsReadOrRefusedWithItsMessage) {
   const Layout& layout = GetParam();
   try {
     RecordingReader reader(path_, layout.options);
@@ -319,7 +319,7 @@ TEST(ANameWithSlashes, IsSplitIntoTopicAndJoint) {
   EXPECT_EQ(split_topic("/arm/shoulder/position").path, "shoulder/position");
 }
 
-TEST(JointsInAnotherOrder, GoWhereTheRobotHasThem) {
+TEST(JointsInAnotherOrder, AreReorderedForTheRobot) {
   const std::string path = testing::TempDir() + "veridyn-order-" + std::to_string(::getpid());
   std::ofstream(path) << table("time,pos_elbow,pos_shoulder,tau_elbow,tau_shoulder");
   const Recording r = read_recording(path, asking({}, {}, {"shoulder", "elbow"}));

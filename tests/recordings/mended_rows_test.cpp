@@ -80,7 +80,7 @@ class AWrongRow : public testing::Test {
 };
 
 // A torque far beyond its range in one row alone; a push of several rows stays.
-TEST_F(AWrongRow, OfASpikeInATorqueIsFilledIn) {
+TEST_F(AWrongRow, WithATorqueSpikeIsInterpolated) {
   Recording r = smooth();
   for (const int k : {300, 700, 701, 702}) r.tau(k, 0) += 60.0;
   const Recording mended = read(r);
@@ -90,7 +90,7 @@ TEST_F(AWrongRow, OfASpikeInATorqueIsFilledIn) {
   EXPECT_NEAR(read(r, as_recorded()).tau(300, 0), r.tau(300, 0), 1e-6);
 }
 
-TEST_F(AWrongRow, IsNotSeenInASoundRecording) {
+TEST_F(AWrongRow, IsNotReportedForACorrectRecording) {
   const Recording r = smooth();
   const Recording plain = read(r, as_recorded()), mended = read(r);
   EXPECT_EQ(remarks_, "");
@@ -100,7 +100,7 @@ TEST_F(AWrongRow, IsNotSeenInASoundRecording) {
 }
 
 // Encoders that read zero for some rows, also one row behind the other, and rows of another publisher in between.
-TEST_F(AWrongRow, OfADropoutThereAndBackIsFilledInOrAGap) {
+TEST_F(AWrongRow, InAShortDropoutIsInterpolatedOrAGap) {
   Recording r = smooth();
   for (const int at : {100, 103, 400, 700, 705, 1100}) r.q.row(at).setZero();
   r.q.block(800, 1, 7, 1).setZero();
@@ -118,7 +118,7 @@ TEST_F(AWrongRow, OfADropoutThereAndBackIsFilledInOrAGap) {
   EXPECT_EQ(remarks_, "");
 }
 
-TEST_F(AWrongRow, OfZerosAloneIsOfAnotherPublisher) {
+TEST_F(AWrongRow, OfIsolatedZerosIsDropped) {
   const Recording r = smooth();
   Recording both;
   both.time.resize(kMendedRows + kMendedRows / 3);
@@ -139,14 +139,14 @@ TEST_F(AWrongRow, OfZerosAloneIsOfAnotherPublisher) {
 }
 
 // A step to another place for good is no dropout: the check of jumps names it.
-TEST_F(AWrongRow, ThatStaysAwayIsKept) {
+TEST_F(AWrongRow, ThatDoesNotReturnIsKept) {
   Recording r = smooth();
   r.q.bottomRows(500).array() += 0.9;
   EXPECT_TRUE(read(r).q.allFinite());
   EXPECT_EQ(remarks_, "");
 }
 
-TEST_F(AWrongRow, OfTorquesThatDropToZeroIsAGap) {
+TEST_F(AWrongRow, WithTorquesDroppingToZeroIsAGap) {
   Recording r = smooth();
   r.tau.middleRows(300, 3).setZero();
   const Recording mended = read(r);
@@ -155,7 +155,7 @@ TEST_F(AWrongRow, OfTorquesThatDropToZeroIsAGap) {
   EXPECT_NE(remarks_.find("all torques drop to zero amid the motion in 3 rows, which are gaps"), std::string::npos) << remarks_;
 }
 
-TEST_F(AWrongRow, OfAWrappedAngleGoesOnOverWholeTurns) {
+TEST_F(AWrongRow, WithAWrappedAngleIsUnwrapped) {
   const double turn = 2.0 * std::acos(-1.0);
   Recording r = smooth();
   const Recording whole = r;
@@ -175,7 +175,7 @@ TEST_F(AWrongRow, OfAWrappedAngleGoesOnOverWholeTurns) {
   EXPECT_LT((undeclared.q.bottomRows(kMendedRows - 1) - undeclared.q.topRows(kMendedRows - 1)).cwiseAbs().maxCoeff(), 2.0);
 }
 
-TEST_F(AWrongRow, OfABurstIsSpreadSinceTheBurstBefore) {
+TEST_F(AWrongRow, OfABurstIsSpreadOverTheTimeSinceThePreviousBurst) {
   const Recording r = smooth();
   write_times(r, [&](int k) { return std::to_string(r.time[k - k % 8 + 7] + 1e-4 * (k % 8 - 7)); });
   const Recording mended = read_again({});
@@ -186,7 +186,7 @@ TEST_F(AWrongRow, OfABurstIsSpreadSinceTheBurstBefore) {
   EXPECT_EQ(remarks_, "");
 }
 
-TEST_F(AWrongRow, OfAClockThatSteppedBackIsMovedOn) {
+TEST_F(AWrongRow, AfterAClockStepIsShiftedInTime) {
   const Recording r = smooth();
   write_times(r, [&](int k) { return std::to_string(r.time[k] - (k >= 600 ? 0.49 : 0.0)); });
   const Recording mended = read_again({});
@@ -194,7 +194,7 @@ TEST_F(AWrongRow, OfAClockThatSteppedBackIsMovedOn) {
   EXPECT_NE(remarks_.find("at row 600 while the arm moves on"), std::string::npos) << remarks_;
 }
 
-TEST_F(AWrongRow, OfASecondRecordingIsNamedWithTheWaysOn) {
+TEST_F(AWrongRow, OfASecondRecordingIsReportedWithOptions) {
   const Recording r = smooth();
   write_times(r, [&](int k) { return std::to_string(r.time[k % 600]); });
   EXPECT_NE(error_of({}).find(":602:1: found time 0 s after 5.99 s, expected it to grow; a second recording begins at row 600: --rows 0:600"), std::string::npos)
@@ -209,7 +209,7 @@ TEST_F(AWrongRow, OfASecondRecordingIsNamedWithTheWaysOn) {
   EXPECT_NE(remarks_.find("the rows are counted at 100 Hz"), std::string::npos) << remarks_;
 }
 
-TEST_F(AWrongRow, WhoseTimeLostItsDigitsIsCountedAtARate) {
+TEST_F(AWrongRow, WithTruncatedTimesIsTimedByTheRate) {
   const Recording r = smooth();
   for (const std::string time : {"1.75E+09", "1748433664.000000"}) {
     write_times(r, [&](int) { return time; });
@@ -227,7 +227,7 @@ TEST_F(AWrongRow, WhoseTimeLostItsDigitsIsCountedAtARate) {
   EXPECT_NEAR(spread.time[401], 1.0025, 1e-6);
 }
 
-TEST_F(AWrongRow, IsNoneWhereTimesAreDates) {
+TEST_F(AWrongRow, IsNotReportedForDates) {
   const Recording r = smooth();
   for (const char* form : {"2024-02-29 23:59:%06.3f", "2024-02-29T23:59:%06.3fZ", "2024/02/29 23:59:%06.3f+01:00", "23:59:%06.3f"}) {
     write_times(r, [&](int k) {
@@ -242,7 +242,7 @@ TEST_F(AWrongRow, IsNoneWhereTimesAreDates) {
 }
 
 // Counts about a zero, shares of a range and of a torque, a register with a direction bit, a factor.
-TEST_F(AWrongRow, IsNoneInAnotherUnit) {
+TEST_F(AWrongRow, IsNotReportedForAnotherUnit) {
   const double turn = 2.0 * std::acos(-1.0);
   const Recording r = smooth();
   Recording other = r;

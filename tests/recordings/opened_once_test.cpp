@@ -65,7 +65,7 @@ TEST_F(Opened, FilesAreKeptUpToABoundInTotal) {
 }
 
 // A file that cannot be parsed takes no room from the next one.
-TEST_F(Opened, WhatCannotBeReadTakesNoRoom) {
+TEST_F(Opened, UnreadableFilesUseNoMemory) {
   const std::string bad = path_ + ".bad.csv";
   write(kPlain);
   std::ofstream(bad, std::ios::binary) << "t,q1,tau1\n0,1,x\n";
@@ -134,7 +134,7 @@ TEST_F(Opened, SomeRowsOfAKeptFileAreThoseOfTheFile) {
   }
 }
 
-TEST_F(Opened, ARecordingIsJudgedOncePerWayOfReading) {
+TEST_F(Opened, ARecordingIsCheckedOncePerSetOfOptions) {
   KeptRecordings kept;
   int judged = 0;
   const auto judge = [&] {

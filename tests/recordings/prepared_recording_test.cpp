@@ -38,7 +38,7 @@ class Prepared : public testing::Test {
   Model arm_ = read_model("planar-2r");
 };
 
-TEST_F(Prepared, IsTheSameAsStreamedAndMadeOnce) {
+TEST_F(Prepared, EqualsTheStreamedOneAndIsPreparedOnce) {
   PreprocessingOptions kept;
   kept.kept = std::make_shared<KeptRecordings>();
   const std::vector<Segment> streamed = visited(arm_, path_, {});
@@ -57,7 +57,7 @@ TEST_F(Prepared, IsTheSameAsStreamedAndMadeOnce) {
 }
 
 // Whatever changes a segment makes it be prepared anew, and what does not, does not.
-TEST_F(Prepared, IsAnotherOneWhereASettingChangesIt) {
+TEST_F(Prepared, IsPreparedAnewIfASettingChanges) {
   PreprocessingOptions how;
   how.kept = std::make_shared<KeptRecordings>();
   visited(arm_, path_, how);
@@ -106,7 +106,7 @@ TEST_F(Prepared, IsStreamedBeyondTheBoundAndMadeAgainAfterAFailure) {
   EXPECT_FALSE(visited(arm_, path_, how).empty());
 }
 
-TEST(VelocityTrust, WrongOnesAreNeverDoubtful) {
+TEST(VelocityTrust, WrongVelocitiesAreNotAlsoDoubtful) {
   RecordingQuality quality;
   const auto add = [&quality](const char* finding, int joint, Severity severity) {
     QualityFinding f;

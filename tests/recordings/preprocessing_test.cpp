@@ -290,7 +290,7 @@ TEST(IrregularTime, IsResampledOnTrueTime) {
   EXPECT_TRUE(near(p.ddq, MatrixXd::Zero(p.ddq.rows(), 4), 1e-9));
 }
 
-TEST(TheRate, MayBeAskedFor) {
+TEST(TheRate, MayBeSet) {
   const Model arm = robot("planar-2r");
   for (const double rate : {50.0, 100.0, 333.0}) {
     PreprocessingOptions o = unfiltered();
@@ -308,7 +308,7 @@ TEST(TheRate, MayBeAskedFor) {
 
 // One lost row is interpolated, and what is shorter than a quarter of a wave at the cut-off; of more,
 // nothing between and within half a filter period is used.
-TEST(Gaps, AreNotUsedNorWhatLeansOnThem) {
+TEST(Gaps, AreExcludedWithTheSamplesTheyAffect) {
   const Model arm = robot("planar-2r");
   for (const double cutoff : {0.0, 5.0}) {
     PreprocessingOptions o = unfiltered();
@@ -500,7 +500,7 @@ TEST(Recordings, ThatDoNotFitTheArmAreRefused) {
   EXPECT_NE(refused(lines(even_time(1, 0.005), 2)).find("one row"), std::string::npos);
 }
 
-TEST(Decimation, KeepsFourTimesTheCutOff) {
+TEST(Decimation, KeepsARateOfFourTimesTheCutOff) {
   PreprocessingOptions o;
   o.cutoff = 5.0;
   EXPECT_EQ(decimation(o, 0.005), 10);

@@ -59,7 +59,7 @@ TEST(ACleanRecording, StaysCleanWithoutVelocitiesOrWithoutTorques) {
 }
 
 // What keeps an identification from its work is said by `check`, with the way on.
-TEST(ARecording, ThatCannotAnswerSaysWhy) {
+TEST(ARecording, ThatIsUnusableReportsTheReason) {
   Recording r = clean_recording();
   r.tau.setConstant(1e-308);
   EXPECT_EQ(found(check_recording(r), "zero_signal").severity, Severity::kFault);
@@ -147,7 +147,7 @@ TEST(AFault, MissingRowsAreCounted) {
 }
 
 // The second half comes at a quarter of the rate: no row is missing there.
-TEST(AFault, AnotherRateInTheSecondHalfIsSaid) {
+TEST(AFault, AnotherRateInTheSecondHalfIsReported) {
   const Recording r = clean_recording();
   Recording two = rows_of(r, 0, kRows / 2);
   for (int k = kRows / 2; k < kRows; k += 4) append(two, rows_of(r, k, 1));
@@ -156,7 +156,7 @@ TEST(AFault, AnotherRateInTheSecondHalfIsSaid) {
   EXPECT_EQ(quality.find("missing_rows"), nullptr) << quality.report();
 }
 
-TEST(AFault, OneColumnWrittenTwiceIsSaid) {
+TEST(AFault, ADuplicatedColumnIsReported) {
   Recording r = clean_recording();
   r.tau.col(2) = r.tau.col(0);
   EXPECT_EQ(found(check_recording(r), "same_column").joint, 3);
@@ -173,7 +173,7 @@ TEST(AFault, ATorqueThatIsHeldIsNotSaturated) {
   EXPECT_TRUE(quality.saturated.empty());
 }
 
-TEST(AFault, TorquesThatAreNeverNegativeHaveNoSign) {
+TEST(AFault, TorquesThatAreNeverNegativeAreReported) {
   Recording r = clean_recording();
   EXPECT_EQ(check_recording(r).find("no_sign"), nullptr);
   r.tau = r.tau.cwiseAbs().eval();
@@ -181,7 +181,7 @@ TEST(AFault, TorquesThatAreNeverNegativeHaveNoSign) {
 }
 
 // Commanded positions are ahead of measured velocities, and no clock is off.
-TEST(AFault, PositionsThatAreAheadAreNoOtherClock) {
+TEST(AFault, PositionsThatLeadAreNotReportedAsAnotherClock) {
   Recording r = clean_recording();
   const int ahead = static_cast<int>(0.08 * kRate);
   r.q.topRows(kRows - ahead) = r.q.bottomRows(kRows - ahead).eval();
@@ -191,7 +191,7 @@ TEST(AFault, PositionsThatAreAheadAreNoOtherClock) {
   EXPECT_EQ(quality.find("rate_contradiction"), nullptr) << quality.report();
 }
 
-TEST(AFault, TurnsAMinuteAreNoDegrees) {
+TEST(AFault, RevolutionsPerMinuteAreNotReportedAsDegrees) {
   Recording r = clean_recording();
   r.dq *= 60.0;
   EXPECT_NE(found(check_recording(r), "rate_contradiction").sentence.find("--units q=rev,dq=rpm"), std::string::npos);
@@ -408,7 +408,7 @@ TEST(AFault, ALateVelocityIsMeasuredToATenthOfASample) {
   }
 }
 
-TEST(AFault, AJointAtRestIsSaid) {
+TEST(AFault, AJointAtRestIsReported) {
   Recording r = clean_recording();
   r.q.col(2) *= 1e-4;
   r.dq.col(2) *= 1e-4;
@@ -420,7 +420,7 @@ TEST(AFault, AJointAtRestIsSaid) {
   expect_only(check_recording(r), {"no_motion"});
 }
 
-TEST(AFault, ZeroSignalsAreSaid) {
+TEST(AFault, ZeroSignalsAreReported) {
   Recording r = clean_recording();
   r.tau.setZero();
   RecordingQuality quality = check_recording(r);
@@ -461,7 +461,7 @@ TEST(AFault, VelocitiesOfZeroBesideAMotionAreWrong) {
   EXPECT_EQ(check_recording(poses).find("velocity_scale", 1), nullptr);
 }
 
-TEST(AFault, AMotionThatRepeatsIsToldWithItsPeriod) {
+TEST(AFault, ARepeatingMotionIsReportedWithItsPeriod) {
   Recording r = clean_recording();
   const int period = 1296;
   for (int k = period; k < kRows; ++k) r.q.row(k) = MatrixXd(r.q.row(k - period));
@@ -470,7 +470,7 @@ TEST(AFault, AMotionThatRepeatsIsToldWithItsPeriod) {
   EXPECT_NEAR(quality.period.seconds, period / kRate, 0.2 / kRate);
 }
 
-TEST(AFault, AFewRowsAreTooFew) {
+TEST(AFault, ARecordingOfFewRowsIsReportedAsTooShort) {
   const RecordingQuality quality = check_recording(rows_of(clean_recording(), 0, 20));
   EXPECT_EQ(names_of(quality), std::set<std::string>{"short_recording"});
   EXPECT_EQ(check_recording(rows_of(clean_recording(), 0, 1)).rows, 1);

@@ -88,7 +88,7 @@ TEST_F(AGoodFile, EmptyFieldsAndNanAreGaps) {
 }
 
 // As spreadsheets and data bases write what is missing.
-TEST_F(AGoodFile, WordsForNothingAreGaps) {
+TEST_F(AGoodFile, WordsForMissingValuesAreGaps) {
   const Recording r = read("t,q1,tau1\n0,null,#N/A\n1,-,None\n2,1,2\n");
   EXPECT_TRUE(r.q.topRows(2).array().isNaN().all() && r.tau.topRows(2).array().isNaN().all());
   EXPECT_EQ(r.tau(2, 0), 2.0);
@@ -248,7 +248,7 @@ TEST_F(AGoodFile, SignalsOfUnequalSizeAreNotWritten) {
 
 // ---- files that cannot be used: the whole message, so that it stays worth reading
 
-TEST_F(ABadFile, ThatIsNotThereIsNamed) {
+TEST_F(ABadFile, ThatDoesNotExistIsNamed) {
   try {
     read_recording("/no/such/file.csv");
     FAIL();
@@ -334,7 +334,7 @@ TEST_F(ABadFile, WithAMisspeltHeaderSuggestsTheRightName) {
             "something else).");
 }
 
-TEST_F(AGoodFile, MayNameItsSignalsInOtherWords) {
+TEST_F(AGoodFile, MayUseAlternativeSignalNames) {
   for (const std::string name : {"Q1", "q_1", "position1", "qpos[0]"})
     EXPECT_EQ(read("t," + name + "\n0,1\n1,2\n").q(1, 0), 2.0) << name;
   for (const std::string name : {"torque_1", "effort1", "TAU1"})
@@ -368,7 +368,7 @@ TEST_F(AGoodFile, MayHaveADecimalComma) {
   EXPECT_EQ(r.tau(1, 0), 3.25);
 }
 
-TEST_F(ABadFile, WhoseHeaderMakesNoSenseSaysWhy) {
+TEST_F(ABadFile, WithAnInvalidHeaderReportsTheReason) {
   EXPECT_EQ(error_of("t,a,b\n0,1,2\n"),
             ":1: found columns t, a, b, expected a header with t and q1 to qn.");
   EXPECT_EQ(error_of("t,q1,q3\n0,1,2\n"),

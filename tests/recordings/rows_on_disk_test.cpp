@@ -90,7 +90,7 @@ TEST_F(RowsReadBack, AreParsedOnceWhateverThePieces) {
   EXPECT_EQ(parsed(kept, {4096}, many), 0);
 }
 
-TEST_F(RowsReadBack, OfWhichOnlyAPartIsReadAreParsedAgain) {
+TEST_F(RowsReadBack, ReadInPartAreParsedAgain) {
   KeptRecordings kept(0);
   RecordingOptions some;
   some.row_count = 600;

@@ -134,7 +134,7 @@ TEST(StaleRows, WithoutVelocitiesTheyLieOnAStraightLine) {
 }
 
 // Velocities in degrees, or in steps far above their range.
-TEST(StaleRows, AWrongVelocityDoesNotLeadPositionsAstray) {
+TEST(StaleRows, AWrongVelocityDoesNotDistortPositions) {
   Recording late = waves(400);
   late.dq *= 57.3;
   late.dq.col(1).array() += 50.0;

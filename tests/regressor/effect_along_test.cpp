@@ -31,7 +31,7 @@ Model with_effect(const Model& arm, const std::string& effect, int joint,
 
 // Friction of the load is the load times the direction: the load is M ddq + C dq + g, one number
 // per joint, found here by inverse dynamics state by state.
-TEST(EffectAlong, TheLoadIsWhatTheRigidBodiesAskFor) {
+TEST(EffectAlong, TheLoadIsTheTorqueOfTheRigidBodies) {
   const Model arm = with_effect(read_model("planar-2r"), "load_dependent_friction", 1);
   const MotionSamples states = random_states(arm, 50);
   const TorqueRegressor bodies(arm);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-TEST(StandardParameters, GoIntoAnArmAndComeBack) {
+TEST(StandardParameters, SurviveARoundTripThroughAnArm) {
   const Model arm = read_model("planar-2r");
   const VectorXd values = standard_values(arm) * 1.5;
   VectorXd deviations = VectorXd::Constant(values.size(), kNan);

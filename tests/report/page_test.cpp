@@ -120,7 +120,7 @@ class OpenedInMemory : public testing::Test {
 TEST_F(OpenedInMemory, NoLineCrossesAGap) {
   const auto gaps = [](double t) { return (t > 2.0 && t < 3.0) || (t > 5.0 && t < 5.5); };
   const OpenedPage page = open(to_page(identification({recording("gaps.csv", 800, gaps)})));
-  expect_sound(page, 800);
+  expect_faultless(page, 800);
   int plots = 0;
   for (const PageElement& plot : page.with("data-gaps")) {
     EXPECT_EQ(plot.at("data-gaps"), "2");
@@ -129,14 +129,14 @@ TEST_F(OpenedInMemory, NoLineCrossesAGap) {
   EXPECT_EQ(plots, 4);
 }
 
-TEST_F(OpenedInMemory, RecordingsOfAnyLengthAndNumbersThatAreMissing) {
+TEST_F(OpenedInMemory, RecordingsOfAnyLengthWithMissingValuesAreDrawn) {
   RecordingError odd = recording("odd.csv", 40, nowhere);
   odd.series.modelled[0][7] = std::nan("");
   Identification id = identification({odd, recording("long.csv", 9000, nowhere)});
   id.base[0].std = std::nan("");
   id.rank_gap = INFINITY;
   const OpenedPage page = open(to_page(id));
-  expect_sound(page, 800);
+  expect_faultless(page, 800);
   for (const PageElement& n : page.with("data-from"))
     expect_number(n, embedded(page.html, "result"));
   for (const PageElement& plot : page.with("data-plot")) {
@@ -276,14 +276,14 @@ TEST_F(OpenedInMemory, AJointAtRestIsAPlotAndNotAFault) {
 }
 
 // Names of files and words of findings come from outside.
-TEST_F(OpenedInMemory, NothingInTheResultIsTakenForMarkup) {
+TEST_F(OpenedInMemory, MarkupInTheResultIsEscaped) {
   Diagnosis d = diagnosis();
   const std::string name = "</script><b data-planted=\"1\">&amp; \\ \xff \u00e9.csv";
   d.baseline.test[0].source = name;
   d.findings[0].phrase = "<b data-planted=\"1\">bold</b> {{result}}";
   d.findings[0].rivals = {{AddedLoad{{0}}, "<i data-planted=\"1\">"}};
   const OpenedPage page = open(to_page(d, "veridyn 'a</script>b'"));
-  expect_sound(page, 800);
+  expect_faultless(page, 800);
   EXPECT_TRUE(page.with("data-planted").empty());
   EXPECT_EQ(embedded(page.html, "series")["command"].get<std::string>(), "veridyn 'a</script>b'");
   EXPECT_EQ(embedded(page.html, "result")["findings"][0]["sentence"].get<std::string>(),
@@ -291,7 +291,7 @@ TEST_F(OpenedInMemory, NothingInTheResultIsTakenForMarkup) {
 }
 
 // Parts of the result that most diagnoses do not have.
-TEST_F(OpenedInMemory, WhatChangedSinceAndWhatWasLeftOutIsShown) {
+TEST_F(OpenedInMemory, ChangesAndExcludedRowsAreShown) {
   std::string page = to_page(diagnosis());
   const std::string before = "\"seconds\": ";
   const std::string added =
@@ -302,7 +302,7 @@ TEST_F(OpenedInMemory, WhatChangedSinceAndWhatWasLeftOutIsShown) {
          )";
   page.insert(page.rfind(before), added);
   const OpenedPage opened = open(page);
-  expect_sound(opened, 800);
+  expect_faultless(opened, 800);
   EXPECT_NE(opened.html.find("Since the model was made"), std::string::npos);
   EXPECT_NE(opened.html.find("payload on fore from torque gain on joint 2"), std::string::npos);
   EXPECT_NE(opened.html.find("<code>veridyn excite planar-2r</code>"), std::string::npos);
@@ -336,12 +336,12 @@ TEST(DiagnosisPage, CrosstalkIsDrawnOverTheTorqueThatItComesFrom) {
   EXPECT_EQ(series_of(to_page(d))["causes"], json({"tau1"}));
 }
 
-TEST_F(OpenedInMemory, NothingFoundIsSaidInWords) {
+TEST_F(OpenedInMemory, AResultWithoutFindingsIsStated) {
   Diagnosis d = diagnosis();
   d.findings.clear();
   d.extended = d.baseline;
   const OpenedPage page = open(to_page(d));
-  expect_sound(page, 800);
+  expect_faultless(page, 800);
   EXPECT_NE(page.html.find("Nothing found"), std::string::npos);
   for (const PageElement& plot : page.with("data-plot")) {
     EXPECT_NE(plot.at("data-plot"), "waterfall");
@@ -359,7 +359,7 @@ TEST_F(OpenedInMemory, AFaultIsCountedAndShown) {
 }
 
 // The curve of the extended model is its distance from what it was fitted to, on the same samples.
-TEST(PageSeries, TheExtendedModelStandsAtTheSamplesOfTheRecording) {
+TEST(PageSeries, TheExtendedModelIsDrawnAtTheSamplesOfTheRecording) {
   Diagnosis d = diagnosis();
   PredictionSeries& s = d.extended.test[0].series;
   const auto expected = [&](std::size_t joint, double t) {

@@ -32,7 +32,7 @@ class SimulationPage : public testing::Test {
     std::ofstream(path) << page;
     OpenedPage opened = open_page(path.string(), width);
     std::filesystem::remove(path);
-    expect_sound(opened, width);
+    expect_faultless(opened, width);
     const json result = embedded(opened.html, "result");
     for (const PageElement& n : opened.with("data-from")) expect_number(n, result);
     return opened;
@@ -78,7 +78,7 @@ Replay stopped_replay(const ReplayInput& in, Eigen::Index rows) {
   return r;
 }
 
-TEST_F(SimulationPage, AReplayShowsMotionTorqueAndWhatIsLeft) {
+TEST_F(SimulationPage, AReplayShowsMotionTorqueAndResidual) {
   const Model arm = read_model("planar-2r");
   const ReplayInput in = waves();
   const std::string page =

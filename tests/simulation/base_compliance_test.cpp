@@ -55,7 +55,7 @@ TEST(BaseCompliance, StandsAmongTheEffectsOfTheArmAndInFiles) {
 
 // At rest the columns times the compliance are what an engine in balance needs beyond the stiff arm,
 // to second order in the turn of the base.
-TEST(BaseCompliance, ColumnsAreWhatTheStatesDoAtRest) {
+TEST(BaseCompliance, ColumnsMatchTheStatesAtRest) {
   const VectorXd q = VectorXd::LinSpaced(6, 0.2, 0.8), rest = VectorXd::Zero(6);
   double before = 0.0;
   for (const double c : {2.0 * kCompliance, kCompliance}) {
@@ -83,7 +83,7 @@ TEST(BaseCompliance, ColumnsAreWhatTheStatesDoAtRest) {
 
 // In motion, below the resonance of arm and base (7 Hz): what the motors of a controlled arm gave
 // beyond the stiff arm's torques, beside what the columns say of its motion.
-TEST(BaseCompliance, ColumnsAreWhatTheStatesDoInMotion) {
+TEST(BaseCompliance, ColumnsMatchTheStatesInMotion) {
   constexpr double kStep = 0.005;  // [s]
   ControlledOptions options;
   options.recording.hidden = {parse_hidden_effect("base_compliance:arm:about_x=1e-4,about_y=1e-4")};
@@ -103,7 +103,7 @@ TEST(BaseCompliance, ColumnsAreWhatTheStatesDoInMotion) {
 }
 
 // From recordings of an arm whose base truly swings, by name; nothing where the base stands firm.
-TEST(BaseCompliance, IsFoundWhereItIsNamed) {
+TEST(BaseCompliance, IsIdentifiedFromASimulatedRecording) {
   const auto diagnosed = [](const std::vector<HiddenEffect>& hidden) {
     std::vector<Recording> rows;
     for (const unsigned seed : {1U, 2U}) {

@@ -66,7 +66,7 @@ TEST(Breakaway, IsTheLevelOfCoulombFriction) {
 
 // Friction with a memory of 2 mm creeps by millimetres before it slides: that is no breakaway yet,
 // and a rest under a preload that Coulomb friction alone could not hold is a rest of the model too.
-TEST(Breakaway, ACreepIsNoneAndARestStaysARest) {
+TEST(Breakaway, CreepIsNotCountedAsBreakaway) {
   const Model arm = with_effects(
       slide(), {effect(slide(), "coulomb_friction", 0, {{"level", 0.4}}),
                 effect(slide(), "presliding_hysteresis", 0, {{"level", 0.8}, {"distance", 2e-3}})});

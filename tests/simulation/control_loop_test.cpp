@@ -32,7 +32,7 @@ MotionSamples slow_waves(const VectorXd& middle, double size, double seconds) {
   return m;
 }
 
-TEST(ControlLoop, TheIntegralTakesTheWeightWithoutFriction) {
+TEST(ControlLoop, TheIntegralTermConvergesToTheWeightWithoutFriction) {
   const Model arm = planar_2r();
   const MotionSamples wanted = held(VectorXd::Constant(2, 0.4), 8.0);
   ControlledOptions options;
@@ -66,7 +66,7 @@ TEST(ControlLoop, MotorsKeepToTheirLimitTheirStepsAndTheirLag) {
   }
 }
 
-TEST(ControlLoop, RecordingsKeepTheEquationOfMotion) {
+TEST(ControlLoop, RecordingsSatisfyTheEquationOfMotion) {
   const Model arm = robot("psm-3dof");
   VectorXd middle(3);
   middle << 0.1, 0.0, 0.1;
@@ -100,7 +100,7 @@ class Fragile final : public Engine {
   Plant plant_;
 };
 
-TEST(ControlLoop, ARunThatStopsKeepsItsRowsAndSaysWhere) {
+TEST(ControlLoop, AStoppedRunKeepsItsRowsAndReportsThePlace) {
   const Model arm = planar_2r();
   Fragile engine(arm);
   LoopOptions loop;
@@ -111,7 +111,7 @@ TEST(ControlLoop, ARunThatStopsKeepsItsRowsAndSaysWhere) {
   EXPECT_NEAR(run.stopped_at, 1.0, 1e-9);
   EXPECT_EQ(run.motion.rows(), 201);  // the row at 1 s was still sound
   EXPECT_TRUE(run.motion.q.allFinite());
-  EXPECT_NE(run.why(arm).find("1 s: joint q2"), std::string::npos) << run.why(arm);
+  EXPECT_NE(run.stop_reason(arm).find("1 s: joint q2"), std::string::npos) << run.stop_reason(arm);
 }
 
 // At 50 Hz, motors under rows at 200 Hz hold what they give for four rows.
@@ -139,7 +139,7 @@ TEST(ControlLoop, AnArmThatRunsAwayIsStopped) {
   ASSERT_EQ(run.status, StepStatus::kRanAway);
   EXPECT_LT(run.motion.time[run.motion.rows() - 1], 59.0);
   EXPECT_TRUE(run.motion.q.allFinite());
-  EXPECT_NE(run.why(arm).find("more than ten times its range"), std::string::npos) << run.why(arm);
+  EXPECT_NE(run.stop_reason(arm).find("more than ten times its range"), std::string::npos) << run.stop_reason(arm);
 }
 
 TEST(ControlLoop, GainsComeFromAFile) {
@@ -158,7 +158,7 @@ TEST(ControlLoop, GainsComeFromAFile) {
 
 // A recording of the arm itself, made with another controller, is what the arm makes of it again:
 // whatever drives.
-TEST(ControlLoop, SensorsThatAreYearsLateAreRefused) {
+TEST(ControlLoop, ExcessiveSensorDelaysAreRefused) {
   const MotionSamples wanted = held(VectorXd::Constant(2, 0.4), 0.1);
   ControlledOptions options;
   for (const double delay : {-1.0, 1e305, std::nan("")}) {
@@ -167,7 +167,7 @@ TEST(ControlLoop, SensorsThatAreYearsLateAreRefused) {
   }
 }
 
-TEST(Replay, TheArmThatWasRecordedReplaysItsRecording) {
+TEST(Replay, TheRecordedArmReproducesItsRecording) {
   const Model arm = robot("psm-3dof");
   VectorXd middle(3);
   middle << 0.1, 0.0, 0.1;
@@ -205,7 +205,7 @@ TEST(Replay, TheArmThatWasRecordedReplaysItsRecording) {
 
 // Rows that were written a little late: their positions are off by the velocity times that, as
 // those of real publishers. Differences of such positions are worse than the recorded velocity.
-TEST(Replay, RowsThatComeLateDoNotShakeTheArm) {
+TEST(Replay, LateRowsDoNotExciteTheArm) {
   const Model arm = robot("psm-3dof");
   VectorXd middle(3);
   middle << 0.1, 0.0, 0.1;

@@ -101,7 +101,7 @@ TEST(HiddenEffect, PayloadIsABodyOfItsOwn) {
   }
 }
 
-TEST(HiddenEffect, PayloadOnAFrameWithoutABodyMakesOne) {
+TEST(HiddenEffect, PayloadOnAFrameWithoutABodyAddsOne) {
   const Model arm = read_model("scara");
   EXPECT_EQ(simulated(arm, {"payload:column:mass=1"}).truth.bodies().size(),
             arm.bodies().size() + 1);

@@ -153,7 +153,7 @@ TEST(Plant, NothingIsAllocatedInAStep) {
   EXPECT_EQ(malloc_count(), before);
 }
 
-TEST(Plant, ANumberThatIsNoneStopsItAtTheJoint) {
+TEST(Plant, NonFiniteNumbersStopItAndNameTheJoint) {
   const Model arm = robot("psm-3dof");
   Plant plant(arm);
   VectorXd tau = VectorXd::Zero(3);
@@ -172,7 +172,7 @@ std::string refusal_of(const Model& arm) {
   return refusal([&] { Plant plant(arm); });
 }
 
-TEST(Plant, RefusesAModelThatCannotBeAndSaysWhere) {
+TEST(Plant, RefusesInfeasibleModelsAndNamesThePlace) {
   // Two links whose second has so large a first moment that M is indefinite where it is stretched.
   ModelDescription description = planar_2r().description();
   InertialParameters& phi = *description.frames[1].body->phi;
@@ -191,7 +191,7 @@ TEST(Plant, RefusesAModelThatCannotBeAndSaysWhere) {
   EXPECT_EQ(refusal_of(planar_2r()), "");
 }
 
-TEST(Plant, RefusesAJointWithoutInertiaAndARotorAtItsBoundGetsSome) {
+TEST(Plant, RefusesAJointWithoutInertiaUnlessItsRotorIsFree) {
   const Model full = robot("psm-wrist");
   ModelDescription description = full.description();
   for (EffectTerm& term : description.effects) {
@@ -212,7 +212,7 @@ TEST(Plant, RefusesAJointWithoutInertiaAndARotorAtItsBoundGetsSome) {
   EXPECT_TRUE(with_movable_rotors(full).changed.empty());
 }
 
-TEST(Plant, RefusesFrictionThatDrives) {
+TEST(Plant, RefusesNegativeFriction) {
   const Model bare = planar_2r();
   const std::string message =
       refusal_of(with_effects(bare, {effect(bare, "viscous_friction", 1, {{"coefficient", -0.1}})}));

@@ -24,7 +24,7 @@ Eigen::Matrix4d pseudo_inertia(const InertialParameters& phi) {
   return J;
 }
 
-TEST(PlausibleModel, EveryBodyCouldExist) {
+TEST(PlausibleModel, EveryBodyIsPhysicallyConsistent) {
   for (const char* robot : {"psm-3dof", "psm-wrist", "mtm", "ur10e"}) {
     for (unsigned seed = 1; seed <= 20; ++seed) {
       const PlausibleModel plausible = plausible_model(read_model(robot), seed);
@@ -43,7 +43,7 @@ TEST(PlausibleModel, EveryBodyCouldExist) {
   }
 }
 
-TEST(PlausibleModel, EveryEffectGetsASizeThatNatureAllows) {
+TEST(PlausibleModel, EveryEffectGetsAFeasibleSize) {
   const Model arm = plausible_model(read_model("mtm"), 3).arm;
   for (const EffectTerm& term : arm.effects()) {
     for (const EffectParameter& p : find_effect(term.effect).parameters())

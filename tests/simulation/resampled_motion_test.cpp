@@ -36,7 +36,7 @@ TEST(ResampledMotion, IsExactForQuintics) {
   EXPECT_TRUE(near(found.ddq, expected.ddq, 1e-11));
 }
 
-TEST(ResampledMotion, HasTheRateThatWasAskedForAndKeepsItsRows) {
+TEST(ResampledMotion, HasTheRequestedRateAndKeepsItsRows) {
   const MotionSamples given = polynomials(VectorXd::LinSpaced(101, 2.0, 3.0));
   const MotionSamples faster = resampled(given, 250.0);
   ASSERT_EQ(faster.rows(), 251);
@@ -47,7 +47,7 @@ TEST(ResampledMotion, HasTheRateThatWasAskedForAndKeepsItsRows) {
   EXPECT_THROW(resampled(given, 1e12), InvalidInput);
 }
 
-TEST(ResampledMotion, StandsBeforeItsFirstRowAndAfterItsLast) {
+TEST(ResampledMotion, IsConstantBeforeItsFirstAndAfterItsLastRow) {
   const MotionSamples given = polynomials(VectorXd::LinSpaced(3, 1.0, 2.0));
   VectorXd outside(2);
   outside << 0.0, 9.0;

@@ -132,7 +132,7 @@ TEST(SensorNoise, FaultsComeInRunsOfTheirMeanLength) {
   EXPECT_NEAR(static_cast<double>(stale.first) / stale.second, 4.0, 0.5);
 }
 
-TEST(SensorNoise, ADelayShowsEverySignalOfAMomentBefore) {
+TEST(SensorNoise, ADelayShiftsEverySignal) {
   SensorNoise noise;
   noise.delay = 0.0123;
   const SimulatedRecording s = with(noise);
@@ -148,7 +148,7 @@ TEST(SensorNoise, ADelayShowsEverySignalOfAMomentBefore) {
 }
 
 // A row that is late by d shows a position that is off by d times the velocity.
-TEST(SensorNoise, LateRowsAreOffAlongTheMotion) {
+TEST(SensorNoise, LateRowsDeviateAlongTheMotion) {
   SensorNoise noise;
   noise.late = 1e-3;
   const SimulatedRecording s = with(noise);
@@ -205,7 +205,7 @@ TEST(SensorNoise, TheTrackingDeviationBeginsAndEndsAtRest) {
   }
 }
 
-TEST(SensorNoise, JointsThatStandStillStandStill) {
+TEST(SensorNoise, JointsAtRestStayAtRest) {
   const Model arm = read_model("scara");
   MotionSamples wanted = waves(4);
   wanted.q.col(1).setConstant(0.2);

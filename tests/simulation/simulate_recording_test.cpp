@@ -68,7 +68,7 @@ TEST(SimulateRecording, RefusesMotionsThatDoNotFit) {
   EXPECT_THROW(simulate_recording(read_model("psm-3dof"), waves(3)), InvalidInput);
 }
 
-TEST(WithDerivatives, DerivesWhatIsMissing) {
+TEST(WithDerivatives, ComputesMissingDerivatives) {
   const MotionSamples full = waves(2);
   const MotionSamples derived = with_derivatives({full.time, full.q, {}, {}});
   // Fourth-order differences: h^4 / 30 of the fifth derivative, and lower orders at the ends.

@@ -190,7 +190,7 @@ TEST(Sticking, PreslidingFollowsItsClosedForm) {
 
 // Frictions with a direction: between minus and plus the rest
 // speed the force is a straight line, beyond it bends off.
-TEST(Sticking, EveryEffectSaysWhetherItIsDryFriction) {
+TEST(Sticking, EveryEffectDeclaresWhetherItIsDryFriction) {
   for (const AxisEffect* effect : axis_effects()) {
     const std::vector<EffectShape> shapes = effect->shapes();
     ShapeValues shape{};

@@ -41,7 +41,7 @@ TEST(TipForce, IsTheTransposedJacobianTimesTheForce) {
   }
 }
 
-TEST(TipForce, IsInFilesAndSaidWhereAnEngineLeavesItOut) {
+TEST(TipForce, IsWrittenToFilesAndReportedIfAnEngineOmitsIt) {
   const Model arm = pulled("x=2,y=0,z=0");
   const Model again = read_yaml(to_yaml(arm), "again");
   ASSERT_EQ(again.arm_effects().size(), 1U);
@@ -51,7 +51,7 @@ TEST(TipForce, IsInFilesAndSaidWhereAnEngineLeavesItOut) {
   EXPECT_EQ(left_out[0], "tip_force on the arm: it acts at a frame and along no axis");
 }
 
-TEST(TipForce, IsFoundAmongForcesOfPositionAndNotWhereThereIsNone) {
+TEST(TipForce, IsFoundOnlyIfPresent) {
   for (const bool there : {true, false}) {
     std::vector<Recording> rows;
     for (const unsigned seed : {1U, 2U, 3U}) {

@@ -69,7 +69,7 @@ std::string wrong_includes(const fs::path& file, const std::string& own) {
   return wrong.str();
 }
 
-TEST(IncludeOrder, IncludesPointDownTheHouse) {
+TEST(IncludeOrder, IncludesPointDownTheLayers) {
   const fs::path root = VERIDYN_SOURCE_DIR;
   int files = 0;
   for (const fs::path& top : {root / "include/veridyn", root / "src"}) {
@@ -125,7 +125,7 @@ TEST(IncludeOrder, PackagesIncludePublicHeadersAlone) {
 }
 
 // A private header of the library, and one of a package that stands above, are noticed.
-TEST(IncludeOrder, AForeignIncludeOfAPackageIsNoticed) {
+TEST(IncludeOrder, AForeignIncludeOfAPackageIsDetected) {
   const fs::path file = fs::temp_directory_path() / ("veridyn_package_" + std::to_string(::getpid()) + ".hpp");
   std::ofstream(file) << "#include \"veridyn/files/words.hpp\"\n"
                          "#include \"math/digits.hpp\"\n"
@@ -180,7 +180,7 @@ std::string parts_in_circles(const Parts& parts) {
   return out;
 }
 
-TEST(IncludeOrder, PartsOfARoomHaveNoCircles) {
+TEST(IncludeOrder, PartsOfAFolderHaveNoCycles) {
   const fs::path root = VERIDYN_SOURCE_DIR;
   Parts parts;
   for (const fs::path& top : {root / "include/veridyn", root / "src"}) {
@@ -196,13 +196,13 @@ TEST(IncludeOrder, PartsOfARoomHaveNoCircles) {
   EXPECT_EQ(parts_in_circles(parts), "");
 }
 
-TEST(IncludeOrder, ACircleOfPartsIsNoticed) {
+TEST(IncludeOrder, ACycleOfPartsIsDetected) {
   const Parts parts = {{"a", {"a/low"}}, {"a/low", {"a/(public)"}}, {"a/x", {"a/y"}}, {"a/y", {"a/low", "a/x"}}};
   EXPECT_EQ(parts_in_circles(parts), "a/x\na/y\n");
 }
 
 // The test itself notices an include that points up, and one that points across.
-TEST(IncludeOrder, AWrongIncludeIsNoticed) {
+TEST(IncludeOrder, AnUpwardIncludeIsDetected) {
   const fs::path file =
       fs::temp_directory_path() / ("veridyn_include_order_" + std::to_string(::getpid()) + ".hpp");
   std::ofstream(file) << "#include \"veridyn/effects/effect.hpp\"\n"

@@ -208,7 +208,7 @@ OpenedPage open_page(const std::string& path, int width, const std::string& scri
   return open_pages({{path, width, script}}).front();
 }
 
-void expect_sound(const OpenedPage& page, int width) {
+void expect_faultless(const OpenedPage& page, int width) {
   const PageElement root = page.root();
   EXPECT_EQ(root.at("data-errors"), "0") << page.console;
   EXPECT_EQ(page.console, "");

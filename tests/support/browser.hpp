@@ -49,7 +49,7 @@ OpenedPage open_page(const std::string& path, int width, const std::string& scri
 
 /// What the page says about itself is as it should be: no fault, nothing wider than the page, and
 /// every plot has points and pixels of every curve.
-void expect_sound(const OpenedPage& page, int width);
+void expect_faultless(const OpenedPage& page, int width);
 
 /// A shown number is the number at its place in the result, to half a unit of its last digit.
 void expect_number(const PageElement& shown, const nlohmann::json& result);

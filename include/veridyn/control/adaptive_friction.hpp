@@ -62,7 +62,7 @@ class AdaptiveFriction {
     Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  // of F, 1, s
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
   };
-  void learn(Learned& axis, double force, double s, double needed, double dt) const noexcept;
+  void adapt(Learned& axis, double force, double s, double needed, double dt) const noexcept;
   AdaptiveFrictionOptions options_;
   std::vector<Learned> axes_;
 };

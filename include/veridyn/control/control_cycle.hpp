@@ -39,12 +39,12 @@ enum class Signals {
   kTrue        ///< true ones: the caller undoes the errors of sensors, or there are none
 };
 
-/// Settings of what surrounds a control law.
+/// Settings of the observers, the compensation and the supervision around a control law.
 struct CycleOptions {
   double velocity_bandwidth = 300.0;  ///< [1/s] of VelocityObserver
   FrictionOptions friction{};         ///< share 0: friction is not compensated
   double error_bandwidth = 10.0;      ///< [1/s] of ModelErrorObserver; 0: it is off
-  /// Largest torque of that observer [N m], [N]; nothing: what the model may be wrong by in the
+  /// Largest torque of that observer [N m], [N]; nullopt: the model's uncertainty in the
   /// present motion, see TorqueUncertainty.
   std::optional<Gain> error_limit{};
   /// Limits of the supervisor; nothing: those of the robot file, see safety_limits().
@@ -102,7 +102,7 @@ class ControlCycle {
   /// @param y  (n) acceleration that the torque gives an arm that is as its model. A cycle without
   /// this call clears the observer.
   void add_model_error(const VectorXd& y) noexcept;
-  /// Replaces what was commanded in this cycle: the arm gives way, with gravity compensated and a
+  /// Replaces the command of this cycle: the arm yields, with gravity compensated and a
   /// little damping. It overwrites command(), and the observer is cleared.
   void give_way() noexcept;
 
@@ -121,7 +121,7 @@ class ControlCycle {
   /// Ends hold() and limp(): the reference must then begin where the arm is.
   void resume() noexcept;
   /// Clears what was observed, as while the motors are off. A fault remains.
-  void forget() noexcept;
+  void reset_observers() noexcept;
   /// Clears a fault as well, and the time of faults begins anew.
   void reset() noexcept;
   /// Motors off: zero torques, and nothing is checked, until reset(). A fault is cleared.
@@ -132,7 +132,7 @@ class ControlCycle {
 
   int joints() const { return state_.joints(); }
   const ArmState& state() const { return state_; }  ///< by true positions
-  /// Of this cycle, as measured.
+  /// Measured wrench of this cycle.
   const Vector6d& wrench() const { return wrench_; }
   const JointSensors& sensors() const { return sensors_; }
   const VectorXd& commanded() const { return tau_; }  ///< (n) true torques before limits

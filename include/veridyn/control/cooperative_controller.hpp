@@ -187,11 +187,11 @@ class CooperativeController {
 
   void plan() noexcept;
   void correct(const CooperativeInput& input) noexcept;
-  CooperativeState judge(const CooperativeInput& input) noexcept;
+  CooperativeState check_input(const CooperativeInput& input) noexcept;
   void relieve(const CooperativeInput& input) noexcept;
   void give_way(const CooperativeInput& input) noexcept;
-  void learn_lengths(const CooperativeInput& input) noexcept;
-  bool makes_energy(size_t member, const ForceReading& reading,
+  void update_lengths(const CooperativeInput& input) noexcept;
+  bool generates_energy(size_t member, const ForceReading& reading,
                     const CooperativeInput& input) noexcept;
   bool is_stuck(size_t member, const ForceReading& reading, double length) noexcept;
   bool jumps(size_t member, const ForceReading& reading, double length) noexcept;

@@ -122,11 +122,11 @@ class FrictionCompensation {
     bool first = true;
   };
   static double sliding(const Axis& axis, double direction, double speed) noexcept;
-  static double at_rest(const Axis& axis) noexcept;
+  static double rest_force(const Axis& axis) noexcept;
   static double tank_level(const Axis& axis) noexcept;
-  double by_velocity(const Axis& axis, double v, double v_wanted, double error) const noexcept;
-  static double by_memory(Axis& axis, double will, double speed, double v) noexcept;
-  double whole(Axis& axis, double v, double v_wanted, double error) const noexcept;
+  double velocity_force(const Axis& axis, double v, double v_wanted, double error) const noexcept;
+  static double memory_force(Axis& axis, double will, double speed, double v) noexcept;
+  double total_force(Axis& axis, double v, double v_wanted, double error) const noexcept;
   void supervise(Axis& axis, double v_wanted, double dt) const noexcept;
 
   FrictionOptions options_;

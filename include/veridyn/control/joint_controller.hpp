@@ -47,7 +47,7 @@ struct JointControllerOptions {
 ///   JointController controller(arm, {400, 40});
 ///   Measured measured(arm.joints());
 ///   robot.read(measured.q);
-///   JointReference wanted = controller.here(measured);
+///   JointReference wanted = controller.reference_at(measured);
 ///   while (robot.read(measured.q)) robot.write(controller.update(measured, wanted, 1e-3));
 ///   if (controller.fault()) std::cerr << *controller.fault() << '\n';
 ///
@@ -72,7 +72,7 @@ class JointController {
   const VectorXd& act(const JointReference& reference) noexcept;
 
   /// The reference that rests at these measured positions. Allocates.
-  JointReference here(const Measured& measured) const;
+  JointReference reference_at(const Measured& measured) const;
 
   /// As ControlCycle::sent().
   void sent(const VectorXd& drive_torques) noexcept { cycle_.sent(drive_torques); }

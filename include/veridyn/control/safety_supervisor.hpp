@@ -165,9 +165,9 @@ class SafetySupervisor {
   Finding check_motors(const ArmState& arm, const SafetyInput& input, const VectorXd& tau) noexcept;
   Finding check_force(const SafetyInput& input) noexcept;
   Finding check_held(const ArmState& arm, const SafetyInput& input) noexcept;
-  bool rests(const ArmState& arm) const noexcept;
-  void note(const Finding& found) noexcept;
-  void trust(const ArmState& arm, const SafetyInput& input) noexcept;
+  bool is_at_rest(const ArmState& arm) const noexcept;
+  void record_finding(const Finding& found) noexcept;
+  void store_valid_state(const ArmState& arm, const SafetyInput& input) noexcept;
   void keep_holding_torque() noexcept;
   void act(const ArmState& arm, const VectorXd& tau, double dt) noexcept;
   void brake(const ArmState& arm) noexcept;

@@ -38,7 +38,7 @@ class Teleoperation {
 
   /// Engages or disengages the clutch with the next update().
   void clutch(bool in) noexcept { wanted_in_ = in; }
-  bool in() const { return in_; }
+  bool is_engaged() const { return in_; }
 
   /// @param leader, velocity  position and velocity of the leader's tip [m], [m/s]. @param force
   /// f_f [N].

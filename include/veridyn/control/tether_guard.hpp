@@ -56,11 +56,11 @@ class TetherGuard {
 
   void reset() noexcept;
   /// While the task runs: updates the unloaded length of a member. @param force  [N] reading.
-  void learn(int member, double length, double force) noexcept;
+  void update_length(int member, double length, double force) noexcept;
   /// While targets are held: detects compression of a member. @param force  [N] reading.
-  void feel(int member, double force) noexcept;
-  /// Clears the estimate of a member that was released or taken anew.
-  void forget(int member) noexcept;
+  void detect_compression(int member, double force) noexcept;
+  /// Clears the estimate of a member that was released or attached again.
+  void reset_member(int member) noexcept;
 
   /// While targets are held, once per period.
   /// @param position, healthy  one entry for each arm: its tip [m], passed over if not finite; 0: it does not follow its target.
@@ -77,9 +77,9 @@ class TetherGuard {
     Eigen::Vector3d position{Eigen::Vector3d::Zero()};
     Eigen::Vector3d velocity{Eigen::Vector3d::Zero()};
     Eigen::Vector3d acceleration{Eigen::Vector3d::Zero()};
-    bool looked = false;  // at a position that is a number
+    bool looked = false;  // at a finite position
   };
-  void look(const std::vector<Eigen::Vector3d>& position) noexcept;
+  void update_positions(const std::vector<Eigen::Vector3d>& position) noexcept;
   void limit(std::size_t member, double length, double force) noexcept;
   void hold_back(std::size_t member, const std::vector<char>& healthy, double force) noexcept;
 

@@ -33,7 +33,7 @@ struct TipControllerOptions {
 /// that the supervisor does not compare the two.
 ///
 ///   TipController controller(arm, {2, 100, 100});
-///   TaskReference wanted = controller.here(measured);
+///   TaskReference wanted = controller.reference_at(measured);
 ///   every cycle: robot.write(controller.update(measured, wanted, 1e-3));
 ///
 /// Nothing allocates, throws or blocks after the constructor; one object serves one thread.
@@ -57,7 +57,7 @@ class TipController {
   const VectorXd& act(const TaskReference& reference) noexcept;
 
   /// The reference that rests at these measured positions. Allocates.
-  TaskReference here(const Measured& measured) const;
+  TaskReference reference_at(const Measured& measured) const;
 
   /// Gains of the next update(); false for gains that the constructor would refuse.
   bool set_gains(const ImpedanceGains& gains) noexcept { return impedance_.set_gains(gains); }

@@ -22,7 +22,7 @@ struct UncertaintyOptions {
 ///
 ///   u_i = deviations * sqrt( sum over parameters (Y_i sigma)^2 + unexplained_i^2 ) + friction
 ///
-/// A MODEL provides the covariance of its base parameters; the unexplained part is the relative
+/// An identified model provides the covariance of its base parameters; the unexplained part is the relative
 /// error on its training recordings times the joint's rms torque in the standard motion. For any
 /// other model the unexplained part is zero, and every inertial parameter has a standard deviation
 /// of `relative` times its value, independently. Friction has deviations / 3 times `relative`, and

@@ -1,4 +1,4 @@
-// diagnosis/: causes of a model's residual; changes since a MODEL, loads, a running arm, differences of two models.
+// diagnosis/: causes of a model's residual; changes since an identified model, loads, a running arm, differences of two models.
 #pragma once
 
 #include <functional>
@@ -64,7 +64,7 @@ enum class FindingStatus {
 const char* name_of(FindingStatus status);
 
 /// Effect of a finding on the error of the test recordings. kAgrees: it falls, on the finding's own joint too. Without a
-/// MODEL diagnose() removes causes that the test recordings contradict; against a MODEL it reports them.
+/// MODEL diagnose() removes causes that the test recordings contradict; against an identified model it reports them.
 enum class Agreement { kAgrees, kContradicts, kNotMeasured };
 const char* name_of(Agreement agreement);
 
@@ -155,7 +155,7 @@ struct NextExperiment {
 enum class JointState {
   kAtFloor,     ///< the residual contains nothing predictable
   kNamed,       ///< named findings explain the residual, or most of it
-  kUnnamed,  ///< the residual depends on signals of the recordings in a way that no known cause has
+  kUnnamed,  ///< the residual depends on signals of the recordings as no known cause does
   kCannotTell,  ///< the residual is above the floor, and the recordings do not show its cause
 };
 const char* name_of(JointState state);
@@ -193,13 +193,13 @@ struct DiagnosisSummary {
 
 /// Result of a diagnosis. Plain data: text, JSON and page show exactly this.
 struct Diagnosis {
-  bool changes = false;  ///< the robot was a MODEL: findings are changes since its identification
+  bool changes = false;  ///< the robot was an identified model: findings are changes since its identification
   /// Findings that are not main are a list of their own in JSON and counted in one line of the report; false: listed
   /// behind the others.
   bool small_apart = false;
   bool mended = false;  ///< recordings or robot were transformed as the faults in `data_quality` say
   DiagnosisSummary summary;
-  Identification baseline;  ///< the unmodified robot; the values of a MODEL are not fitted
+  Identification baseline;  ///< the unmodified robot; the values of an identified model are not fitted
   Identification extended;  ///< with the findings
   std::vector<Finding> findings;
   std::vector<JointVerdict> joints;  ///< one for each
@@ -248,7 +248,7 @@ void save(const Diagnosis& diagnosis, const std::string& path, const std::string
 /// recordings, and so is the extended model. The test recordings measure the gain; of a robot file, causes that they
 /// contradict are removed.
 ///
-/// An arm without values is identified first, and every fit estimates its parameters anew. Of a MODEL the findings are
+/// An arm without values is identified first, and every fit estimates its parameters anew. Of an identified model the findings are
 /// **changes since its identification**, such as a payload, a drive gain, an encoder's zero, a change of friction: its
 /// parameters move only as far as their covariance allows.
 ///

@@ -73,7 +73,7 @@ struct FrictionStudy {
 /// the joint has.
 ///
 /// Joints that travel less than 20 mrad or 2 mm in all recordings are fixed at their position
-/// (with_fixed()); their errors and parameters do not count. Bodies keep the values of a MODEL, and
+/// (with_fixed()); their errors and parameters do not count. Bodies keep the values of an identified model, and
 /// are identified otherwise; friction and offsets are identified in either case. diagnose() tests
 /// the kinds beyond viscous and Coulomb friction. Recordings in which the joint rests most of the
 /// time give breakaways only.

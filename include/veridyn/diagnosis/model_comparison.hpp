@@ -19,7 +19,7 @@ enum class ComparisonVerdict {
   kCannotTell,  ///< neither file carries the statistics of its identification
 };
 
-/// Provenance of a MODEL file and the statistics that it carries.
+/// Provenance of a model file and the statistics that it carries.
 struct ComparedModel {
   std::string name;
   std::vector<std::string> recordings;

@@ -31,7 +31,7 @@ enum class WatchStage {
   kNamed,      ///< isolated: one cause explains it
   kRefined,    ///< the same size estimated from more data
   kOver,       ///< a contact that has ended
-  kPresent,    ///< a difference from the MODEL at the beginning; it is part of the reference and raises no alarm
+  kPresent,    ///< a difference from the model at the beginning; it is part of the reference and raises no alarm
   kWithdrawn,  ///< the isolated cause was wrong: another one explains more, and follows with the same id
   /// The rows are unusable from this time on: none arrive, they are not finite, their times do not increase, or
   /// rows or a torque stay constant while the arm moves. Also if their clock was set back; later events have the
@@ -80,7 +80,7 @@ struct WatchState {
   VectorXd noise;        ///< (n) standard deviation of the innovation of a step
 };
 
-/// Fault detection and isolation on a running arm: compares it with its MODEL and reports changes.
+/// Fault detection and isolation on a running arm: compares it with its model and reports changes.
 ///
 /// Rows are resampled on a uniform grid and smoothed; in every step the residual torque and the
 /// columns of all hypotheses (offset, friction, gain, encoder zero of every joint; a mass on every

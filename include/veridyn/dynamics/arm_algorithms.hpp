@@ -419,7 +419,7 @@ struct ArmAlgorithms {
     std::size_t used = 0;
 
     template <typename T>
-    T* take(int count) {
+    T* allocate(int count) {
       constexpr std::size_t kAlignment = kWide ? 64 : sizeof(S);
       T* const part = memory == nullptr ? nullptr : reinterpret_cast<T*>(memory + used);
       used += (static_cast<std::size_t>(count) * sizeof(T) + kAlignment - 1) / kAlignment *
@@ -429,9 +429,9 @@ struct ArmAlgorithms {
   };
 
   static void first_parts(const Links& tree, Parts& parts, Memory& at) {
-    at.state = parts.template take<LinkState<S>>(tree.count);
-    at.column = parts.template take<Screw<L>>(tree.count);
-    at.angle = parts.template take<L>(3 * groups(tree.count));
+    at.state = parts.template allocate<LinkState<S>>(tree.count);
+    at.column = parts.template allocate<Screw<L>>(tree.count);
+    at.angle = parts.template allocate<L>(3 * groups(tree.count));
   }
 
   static Memory divide(const Links& tree, Parts& parts) {
@@ -441,18 +441,18 @@ struct ArmAlgorithms {
     Memory at;
     first_parts(tree, parts, at);
     at.world.stride = padded;
-    at.world.data = parts.template take<S>(World::kArrays * padded);
-    at.world.pose = parts.template take<Pose<S>>(tree.count);
-    at.world.articulated = parts.template take<ArticulatedInertia<S>>(tree.count);
-    at.world.joint = parts.template take<ArticulatedJoint<S>>(tree.count);
-    at.response = parts.template take<typename World::Response>(2 * tree.count);
-    at.single = parts.template take<Screw<S>>(tree.count);
-    at.carried = parts.template take<InertiaOf<S>>(tree.count);
-    at.rows = parts.template take<L>(n * 2 * groups(n));
-    at.inverse = parts.template take<L>(n * groups(n));
-    at.pairs = parts.template take<S>(tree.count * padded);
-    at.vector = parts.template take<S>(most);
-    at.matrix = parts.template take<S>(n * n);
+    at.world.data = parts.template allocate<S>(World::kArrays * padded);
+    at.world.pose = parts.template allocate<Pose<S>>(tree.count);
+    at.world.articulated = parts.template allocate<ArticulatedInertia<S>>(tree.count);
+    at.world.joint = parts.template allocate<ArticulatedJoint<S>>(tree.count);
+    at.response = parts.template allocate<typename World::Response>(2 * tree.count);
+    at.single = parts.template allocate<Screw<S>>(tree.count);
+    at.carried = parts.template allocate<InertiaOf<S>>(tree.count);
+    at.rows = parts.template allocate<L>(n * 2 * groups(n));
+    at.inverse = parts.template allocate<L>(n * groups(n));
+    at.pairs = parts.template allocate<S>(tree.count * padded);
+    at.vector = parts.template allocate<S>(most);
+    at.matrix = parts.template allocate<S>(n * n);
     return at;
   }
 
@@ -538,7 +538,7 @@ struct ArmAlgorithms {
     }
   }
 
-  /// Calls body(coordinate, coefficient) for what the axis of link k stands for.
+  /// Calls body(coordinate, coefficient) for each coordinate of link k's joint variable.
   template <typename Body>
   static void for_coefficients(const Links& tree, int k, const Body& body) {
     const Link& link = tree.link[k];

@@ -31,7 +31,7 @@ struct FrameWrench {
 class RigidBodyDynamics {
  public:
   /// @param phi  (10 * bodies) mass, first moments and inertias of all bodies, ten of each in the order
-  ///             of InertialParameters; `*arm.inertial_values()` where the file or MODEL has them.
+  ///             of InertialParameters; `*arm.inertial_values()` where the file or identified model has them.
   /// @throws InvalidInput  phi has the wrong size.
   RigidBodyDynamics(const Model& arm, const VectorRef& phi);
 

@@ -45,7 +45,7 @@ class TorqueRegressor {
   /// Inverse dynamics of all samples.
   ///
   /// @param phi  (10 * bodies) of all bodies, ten of each in the order of InertialParameters;
-  ///             `*arm.inertial_values()` where the file or MODEL has them.
+  ///             `*arm.inertial_values()` where the file or identified model has them.
   /// @param tau  (rows x n) [N m, N]; sized here.
   /// @throws InvalidInput  as above, or phi has the wrong size.
   void torques(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq, const VectorRef& phi,

@@ -139,7 +139,7 @@ struct ArticulatedInertia {
   Mat3<S> spin_moment, spin_force;  ///< of a rotation w: those of the accelerations w x xdot
 };
 
-/// What the passes along articulated bodies read of a joint.
+/// Quantities of a joint that the passes along articulated bodies read.
 template <typename S>
 struct ArticulatedJoint {
   Screw<S> axis;     ///< as kAxis
@@ -370,7 +370,7 @@ struct WorldRecursion {
     }
   }
 
-  // All of what follows needs the sums of carry().
+  // The functions below need the sums of carry().
 
   void forces(const Links& tree) const {
     for (int g = 0; g < groups(tree.count); ++g)
@@ -567,7 +567,7 @@ struct WorldRecursion {
     }
   }
 
-  /// What is passed on from link to link.
+  /// Quantities that are passed from link to link.
   struct Response {
     Screw<L> at;
     Vec3<L> spin;
@@ -591,8 +591,8 @@ struct WorldRecursion {
       x[long{k} * width] = step_up(tree, k, lane, kPosition, f, memory);
       y[long{k} * width] = step_up(tree, k, lane, kRate, h, other);
     }
-    Response r = nothing();
-    Response s = nothing();
+    Response r = zero_response();
+    Response s = zero_response();
     for (int k = 0; k < tree.count; ++k) {
       step_out(tree, k, first, end, kPosition, x[long{k} * width], r, memory);
       step_out(tree, k, first, end, kRate, y[long{k} * width], s, other);
@@ -608,13 +608,13 @@ struct WorldRecursion {
     Screw<L> f = none<L>();
     for (int k = end - 1; k >= 0; --k)
       x[long{k} * width] = step_up(tree, k, k - first, kTorque, f, memory);
-    Response r = nothing();
+    Response r = zero_response();
     for (int k = 0; k < end; ++k)
       step_out(tree, k, first, end, kTorque, x[long{k} * width], r, memory);
   }
 
  private:
-  /// What a joint changes, seen from the links above and from those that it carries.
+  /// Derivatives by a joint's position: for the links above it and for those that it carries.
   struct Position {
     static constexpr int torque = kTorqueByPosition, wrench = kByPosition, acceleration = kTurn,
                          spin = kDrift;
@@ -628,10 +628,10 @@ struct WorldRecursion {
   static constexpr Rate kRate{};
   static constexpr Torque kTorque{};
 
-  static Response nothing() { return {none<L>(), recursion_detail::zero3<L>()}; }
+  static Response zero_response() { return {none<L>(), recursion_detail::zero3<L>()}; }
   static void clear_forks(const Links& tree, int end, Response* memory) {
     for (int k = 0; k < end; ++k) {
-      if (tree.link[k].forks) memory[k] = nothing();
+      if (tree.link[k].forks) memory[k] = zero_response();
     }
   }
 
@@ -668,7 +668,7 @@ struct WorldRecursion {
     const Link& link = tree.link[k];
     const Screw<S>& axis = joint[k].axis;
     const Screw<S>& reduced = joint[k].reduced;
-    if (link.parent != k - 1) r = link.parent < 0 ? nothing() : memory[link.parent];
+    if (link.parent != k - 1) r = link.parent < 0 ? zero_response() : memory[link.parent];
     L effort(0.0);
     if (k < end) effort = u;
     if constexpr (!std::is_same<Cause, Torque>::value) effort += dot(joint[k].spin, r.spin);

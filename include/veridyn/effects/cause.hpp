@@ -121,7 +121,7 @@ std::optional<FrameIndex> frame_of(const Cause& cause);
 std::optional<JointIndex> acting_joint(const Model& arm, const Cause& cause);
 
 /// True if both are the same effect at the same joint or frame; a new effect equals a changed one.
-bool alike(const Cause& a, const Cause& b);
+bool same_cause(const Cause& a, const Cause& b);
 
 /// The parts of a cause, for reports.
 struct CauseWords {

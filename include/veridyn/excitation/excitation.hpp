@@ -227,7 +227,7 @@ struct Excitation {
   double limit_share = 0.0;  ///< ExcitationOptions::limit_share; 0: margins of a safety supervisor
   std::vector<std::string> touching{};  ///< CollisionLimits::touching of the options
   LowestPoint lowest{};
-  /// What was not checked and what was assumed, one sentence each; the report begins with them.
+  /// Unchecked limits and assumptions, one sentence each; the report begins with them.
   std::vector<std::string> cautions{};
   double speed = 1.0;  ///< ExcitationOptions::speed
   std::string friction_remark{};      ///< text of veridyn::friction_remark()

@@ -25,7 +25,7 @@ struct LinkShape {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< T_frame_shape
   Eigen::Vector3d size{0, 0, 0};  ///< [m] edges of a box; radius, radius, length of a cylinder; radius thrice
   std::string colour;             ///< "#rrggbb"; empty: none given
-  /// Of a mesh, in its own axes [m].
+  /// Vertices of a mesh, in its own axes [m].
   std::vector<Eigen::Vector3d> points;
   std::vector<std::array<int, 3>> triangles;
 };
@@ -46,7 +46,7 @@ LinkShapes urdf_shapes(const std::string& path, UrdfShapes which);
 /// Capsules that hold all of a shape; a long mesh may need several.
 std::vector<Capsule> capsules_around(const LinkShape& shape);
 
-/// Capsules around all collision shapes of a URDF file; shapes that could not be read are told in
+/// Capsules around all collision shapes of a URDF file; shapes that could not be read are listed in
 /// `remarks`.
 std::vector<Capsule> collision_capsules(const std::string& urdf, std::vector<std::string>& remarks);
 

@@ -13,7 +13,7 @@ struct OriginFile {
   std::string sha256;
 };
 
-/// Provenance of a MODEL file: command, date and inputs. The file keeps it under `made:`
+/// Provenance of a model file: command, date and inputs. The file keeps it under `made:`
 ///
 ///   made:
 ///     date: 2026-11-22T02:13:00Z
@@ -33,7 +33,7 @@ struct ModelOrigin {
 /// @param inputs  paths of files, or names of recordings in memory; each counts once.
 ModelOrigin origin_now(const std::string& command, const std::vector<std::string>& inputs);
 
-/// Reads the origin from a MODEL file; nullopt where the file has none.
+/// Reads the origin from a model file; nullopt where the file has none.
 /// @throws InvalidInput  the file cannot be read, or is no YAML.
 std::optional<ModelOrigin> read_origin(const std::string& path);
 

@@ -182,7 +182,7 @@ std::ostream& operator<<(std::ostream& out, const Identification& id);
 Identification identify(const Model& arm, const Recordings& train, const Recordings& test = {},
                         const IdentificationOptions& options = {});
 
-/// True if every body and every effect has values, as in an identified MODEL.
+/// True if every body and every effect has values, as in an identified model.
 bool has_all_values(const Model& arm);
 
 /// The arm with all its values declared as known.

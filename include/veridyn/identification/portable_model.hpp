@@ -11,7 +11,7 @@ namespace veridyn {
 /// Export of one body.
 struct PortableBody {
   std::string frame;
-  double mass_before = 0.0;               ///< [kg] in the MODEL file
+  double mass_before = 0.0;               ///< [kg] in the model file
   double mass = 0.0;                      ///< [kg] as exported
   /// Names among m, hx, ... Lzz that the torques do not determine.
   std::vector<std::string> undetermined;

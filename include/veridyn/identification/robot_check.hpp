@@ -17,7 +17,7 @@ namespace veridyn {
 /// near the torque's white noise. Findings (`value`: relative error of the torque after them):
 ///
 ///   torque_sign    torques of a joint, or of all, have the wrong sign
-///   position_sign  a joint's position is counted the other way round
+///   position_sign  a joint's position is counted with the opposite sign
 ///   swapped_joints two joints are exchanged, in their torques, in their motion, or in both
 ///   encoder_zero   a joint's position is counted from another zero, near a quarter turn or half a turn away
 ///   degrees, turns, millimetres, counts, share_of_range, motor_side   positions or velocities in another unit

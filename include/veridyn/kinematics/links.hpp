@@ -30,7 +30,7 @@ struct Link {
   JointType type;
   bool A_moves;  ///< false: the joint's origin coincides with the parent's
   bool B_is_identity;
-  bool forks;  ///< carries a link that is not the next
+  bool forks;  ///< has a child other than the next link
   bool quarter_turn;  ///< A turns about x by exactly +-90 degrees, as most axes of most arms do
   Posed A;        ///< T_parent_joint
   Posed B;        ///< T_joint_link

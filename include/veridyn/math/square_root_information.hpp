@@ -76,7 +76,7 @@ class SquareRootInformation {
   using Names = std::shared_ptr<const std::vector<std::string>>;
   static const Names& no_names();
   bool is_triangle() const { return z_.size() == size(); }
-  bool may_stay_open(Eigen::Index more) const;
+  bool may_defer_factorization(Eigen::Index more) const;
   SquareRootInformation as_triangle() const;
   void resize(Eigen::Index rows);
   Eigen::Index stored_rows() const { return z_.size(); }

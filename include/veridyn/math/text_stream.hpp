@@ -5,7 +5,7 @@
 namespace veridyn {
 
 /// A stream into a text that lets std::bad_alloc through: std::ostringstream alone keeps a flag that
-/// nobody reads, and gives a text that is cut short.
+/// is easily overlooked, and gives a truncated text.
 class TextStream : public std::ostringstream {
  public:
   TextStream() { exceptions(std::ios::badbit); }

@@ -28,7 +28,7 @@ struct IdentifiedParameter {
 /// and no longer single clusters.
 constexpr int kClustersKept = 128;
 
-/// Statistics that an identification writes into its MODEL file: base parameters with their
+/// Statistics that an identification writes into its model file: base parameters with their
 /// covariance.
 struct IdentifiedBase {
   std::vector<std::string> recordings;  ///< names of the training recordings

@@ -10,7 +10,7 @@
 namespace veridyn {
 
 /// Relation between measured and true signals of an arm's joints, as far as its model knows it
-/// (`recorded:` of a coordinate in a MODEL, which `diagnose --model-out` writes):
+/// (`recorded:` of a coordinate in an identified model, which `diagnose --model-out` writes):
 ///
 ///   measured q   = q + position_offset                  [rad], [m]; velocities have no error
 ///   measured tau = torque_gain * C d,  d = tau(t - torque_delay)  [N m], [N]
@@ -25,8 +25,8 @@ namespace veridyn {
 ///   every cycle:
 ///     sensors.correct_positions(q);  // as the encoders show them -> true
 ///     state.update(q, dq);
-///     tau = control.update(state, wanted);  // `wanted` is true, too: see show_positions()
-///     sensors.show_torques(tau);  // as the drives count them, if they share the recorded scale
+///     tau = control.update(state, wanted);  // `wanted` is true, too: see add_position_errors()
+///     sensors.add_torque_errors(tau);  // as the drives count them, if they share the recorded scale
 ///
 /// A delay is corrected in recordings only, where later samples are available (torque_at()). A loop
 /// cannot correct it: the torque that is measured now is that of torque_delay() seconds ago and
@@ -53,7 +53,7 @@ class JointSensors {
   /// Turns measured positions into true ones, and true positions into those that the encoders would
   /// read, such as set points of a robot that counts in encoder coordinates.
   void correct_positions(InPlace q) const noexcept { q -= offset_; }
-  void show_positions(InPlace q) const noexcept { q += offset_; }
+  void add_position_errors(InPlace q) const noexcept { q += offset_; }
 
   /// Turns measured torques into true ones, and true torques into recorded ones. The latter is also
   /// the command that makes a drive produce `tau` where commands and recordings share one scale, as
@@ -64,7 +64,7 @@ class JointSensors {
     tau.array() /= gain_.array();
     remove_crosstalk(tau);
   }
-  void show_torques(InPlace tau) const noexcept {
+  void add_torque_errors(InPlace tau) const noexcept {
     add_crosstalk(tau);
     tau.array() *= gain_.array();
   }
@@ -104,10 +104,10 @@ class JointSensors {
   /// Turns a true motion and its torques into the recorded ones, (rows x n) each, delay included;
   /// torques before the first row are taken equal to the first. Allocates.
   /// @param time  (rows) [s], rising.
-  void show(const VectorXd& time, MatrixXd& q, MatrixXd& tau) const;
+  void add_errors(const VectorXd& time, MatrixXd& q, MatrixXd& tau) const;
 
   /// A sentence for every error: "the encoder of joint 'pitch' shows 0.1 rad more than there is".
-  std::vector<std::string> in_words(const Model& arm) const;
+  std::vector<std::string> descriptions(const Model& arm) const;
 
  private:
   void remove_crosstalk(InPlace tau) const noexcept;

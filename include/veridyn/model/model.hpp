@@ -65,7 +65,7 @@ struct ParameterBox {
 
 /// Provenance of the values in a robot file.
 enum class RobotValues {
-  kFacts,  ///< of this very arm, as in an identified MODEL
+  kFacts,  ///< of this very arm, as in an identified model
   kPrior,  ///< of its series: a manufacturer's file (URDF), or `values: prior` in YAML
 };
 

@@ -46,7 +46,7 @@ struct ExcludedInterval {
 struct SampleWeights {
   std::vector<double> time;  ///< [s] since the recording began, increasing
   MatrixXd of_joint;         ///< (times x n) >= 0
-  /// Of the first of the times that is not earlier; one beyond the last.
+  /// The weight at the first time that is not before `seconds`; one beyond the last.
   double at(int joint, double seconds) const;
 };
 
@@ -104,7 +104,7 @@ std::vector<WantedJoint> joints_of(const Model& arm);
 
 /// Options for reading a recording of the arm: all rows, with the columns, rate and signals of the
 /// options.
-RecordingOptions reading_of(const Model& arm, const PreprocessingOptions& options);
+RecordingOptions recording_options_for(const Model& arm, const PreprocessingOptions& options);
 
 /// Reads recordings of the arm into memory, each file once; joints are found by their names.
 /// @throws InvalidInput  as RecordingReader, or a recording does not fit the arm.

@@ -39,7 +39,7 @@ class Recordings {
 
   /// Names of all recordings; those in memory are added to `memory`, under names that are unique
   /// there.
-  std::vector<std::string> placed_in(RecordingsInMemory& memory) const;
+  std::vector<std::string> register_in(RecordingsInMemory& memory) const;
 
  private:
   std::vector<std::string> names_;

@@ -45,8 +45,8 @@ class SoundRows {
   const FilledRows& filled() const { return filled_; }
 
  private:
-  int settled() const;
-  void forget();
+  int settled_rows() const;
+  void clear_position_history();
 
   Source source_;
   Recording held_;  ///< recorded rows: some returned already, kept as neighbours, then new ones

@@ -72,7 +72,7 @@ struct EngineRun {
 
   bool complete() const { return status == StepStatus::kOk; }
   /// "stopped at 1.2 s: joint insertion has ...", for a run that is not complete.
-  std::string why(const Model& arm) const;
+  std::string stop_reason(const Model& arm) const;
 };
 
 /// Runs a PID, or computed torque, that follows set points from the first one on; rows are recorded

@@ -11,7 +11,7 @@ namespace veridyn::cli {
 /// One of the files of a command. All contents are made before one is written: a refusal leaves no file.
 struct FileToWrite {
   std::string path, content;
-  std::function<void()> tell = {};  ///< prints what is said of it once all are written
+  std::function<void()> tell = {};  ///< prints remarks on this file once all are written
 };
 
 inline void write_all(const std::vector<FileToWrite>& files) {

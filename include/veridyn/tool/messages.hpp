@@ -12,7 +12,7 @@
 namespace veridyn::cli {
 
 /// Prints `veridyn: line` on standard error, and clears a progress bar there.
-void say(const std::string& line);
+void print_message(const std::string& line);
 
 /// A reason for which a file may be refused later; the refusal of this file ends with it.
 void explain_refusal(const std::string& file, const std::string& sentence);

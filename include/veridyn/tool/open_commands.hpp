@@ -52,7 +52,7 @@ struct ExciteExtension {
     CommonOptions common;
   };
   std::function<void(CLI::App&)> add_options;
-  /// Does the work; nullopt: a motion is asked for.
+  /// Runs the command; nullopt: the user requested a motion.
   std::function<std::optional<ExitStatus>(const Request&)> run;
 };
 

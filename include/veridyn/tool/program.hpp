@@ -37,7 +37,7 @@ struct Example {
 void add_examples(const std::string& command, const std::vector<Example>& examples);
 
 /// Names a command of a package in the list of commands. It is never run: run_tool() hands it over to the package's program.
-AddCommand of_package(const std::string& command);
+AddCommand package_command(const std::string& command);
 
 /// Runs `veridyn` with these commands and `help`; errors become one line on standard error and a status. A command of a package is
 /// looked for beside the running program, then on the path, as `veridyn-COMMAND`.

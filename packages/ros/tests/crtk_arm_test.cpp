@@ -35,7 +35,7 @@ struct Rig {
       ASSERT_TRUE(tau.allFinite());
     }
   }
-  Refusal ask(Kind kind, const VectorXd& joints = {}, std::uint64_t client = 1) {
+  Refusal execute_command(Kind kind, const VectorXd& joints = {}, std::uint64_t client = 1) {
     Command c;
     c.kind = kind;
     c.client = client;
@@ -48,7 +48,7 @@ struct Rig {
     const VectorXd from = plant.q();
     const int count = static_cast<int>(seconds * 100.0);
     for (int k = 1; k <= count; ++k) {
-      ASSERT_EQ(ask(Kind::kServoJp, from + (goal - from) * k / count), Refusal::kNone);
+      ASSERT_EQ(execute_command(Kind::kServoJp, from + (goal - from) * k / count), Refusal::kNone);
       run(0.01);
     }
   }
@@ -59,9 +59,9 @@ struct Rig {
 
 VectorXd near_by() { return Eigen::Vector3d(0.15, 0.0, 0.13); }
 
-// An encoder shows 0.1 rad too much. The server of a model that knows it goes to the true place and
-// tells true positions; that of one that does not is off by it.
-TEST(CrtkArm, WhatTheModelKnowsOfSensorsIsUndone) {
+// An encoder shows 0.1 rad too much. The server of a model that knows it moves to the true position and
+// reports true positions; that of one that does not is off by it.
+TEST(CrtkArm, SensorErrorsOfTheModelAreCorrected) {
   veridyn::ModelDescription d = psm().description();
   d.coordinates[1].recorded.position_offset = 0.1;
   const Model slipped(std::move(d));
@@ -74,7 +74,7 @@ TEST(CrtkArm, WhatTheModelKnowsOfSensorsIsUndone) {
     const auto run = [&](double seconds) {
       for (int k = 0; k < static_cast<int>(seconds / kCycle + 0.5); ++k) {
         shown = plant.q();
-        sensors.show_positions(shown);
+        sensors.add_position_errors(shown);
         tau = arm.update(shown, plant.dq(), 0.0, kCycle);
         ASSERT_EQ(plant.step(tau, kCycle), veridyn::StepStatus::kOk);
       }
@@ -102,29 +102,29 @@ TEST(CrtkArm, WhatTheModelKnowsOfSensorsIsUndone) {
 TEST(CrtkArm, OperatingStatesAreThoseOfCrtk) {
   Rig rig;
   EXPECT_EQ(rig.arm.state(), OperatingState::kDisabled);
-  EXPECT_EQ(rig.ask(Kind::kPause), Refusal::kInvalidTransition);
-  EXPECT_EQ(rig.ask(Kind::kResume), Refusal::kInvalidTransition);
-  EXPECT_EQ(rig.ask(Kind::kMoveJp, near_by()), Refusal::kNotEnabled);
+  EXPECT_EQ(rig.execute_command(Kind::kPause), Refusal::kInvalidTransition);
+  EXPECT_EQ(rig.execute_command(Kind::kResume), Refusal::kInvalidTransition);
+  EXPECT_EQ(rig.execute_command(Kind::kMoveJp, near_by()), Refusal::kNotEnabled);
   EXPECT_EQ(rig.tau.norm(), 0.0);
-  EXPECT_EQ(rig.arm.feedback().wrench[2], 0.0);  // brakes carry the arm, nobody pulls at it
-  EXPECT_EQ(rig.ask(Kind::kEnable), Refusal::kNone);
-  EXPECT_EQ(rig.ask(Kind::kResume), Refusal::kInvalidTransition);
-  EXPECT_EQ(rig.ask(Kind::kPause), Refusal::kNone);
-  EXPECT_EQ(rig.ask(Kind::kEnable), Refusal::kInvalidTransition);
-  EXPECT_EQ(rig.ask(Kind::kServoJp, near_by()), Refusal::kNotEnabled);
-  EXPECT_EQ(rig.ask(Kind::kResume), Refusal::kNone);
-  EXPECT_EQ(rig.ask(Kind::kUnhome), Refusal::kNone);
-  EXPECT_EQ(rig.ask(Kind::kMoveJp, near_by()), Refusal::kNotHomed);
-  EXPECT_EQ(rig.ask(Kind::kHome), Refusal::kNone);
-  EXPECT_EQ(rig.ask(Kind::kDisable), Refusal::kNone);
+  EXPECT_EQ(rig.arm.feedback().wrench[2], 0.0);  // brakes carry the arm, there is no external force
+  EXPECT_EQ(rig.execute_command(Kind::kEnable), Refusal::kNone);
+  EXPECT_EQ(rig.execute_command(Kind::kResume), Refusal::kInvalidTransition);
+  EXPECT_EQ(rig.execute_command(Kind::kPause), Refusal::kNone);
+  EXPECT_EQ(rig.execute_command(Kind::kEnable), Refusal::kInvalidTransition);
+  EXPECT_EQ(rig.execute_command(Kind::kServoJp, near_by()), Refusal::kNotEnabled);
+  EXPECT_EQ(rig.execute_command(Kind::kResume), Refusal::kNone);
+  EXPECT_EQ(rig.execute_command(Kind::kUnhome), Refusal::kNone);
+  EXPECT_EQ(rig.execute_command(Kind::kMoveJp, near_by()), Refusal::kNotHomed);
+  EXPECT_EQ(rig.execute_command(Kind::kHome), Refusal::kNone);
+  EXPECT_EQ(rig.execute_command(Kind::kDisable), Refusal::kNone);
   rig.run(0.01);
   EXPECT_EQ(rig.tau.norm(), 0.0);
 }
 
-TEST(CrtkArm, MovesAndThenHoldsForEver) {
+TEST(CrtkArm, HoldsAfterAMove) {
   Rig rig;
-  rig.ask(Kind::kEnable);
-  ASSERT_EQ(rig.ask(Kind::kMoveJp, near_by()), Refusal::kNone);
+  rig.execute_command(Kind::kEnable);
+  ASSERT_EQ(rig.execute_command(Kind::kMoveJp, near_by()), Refusal::kNone);
   rig.run(0.05);
   EXPECT_TRUE(rig.arm.feedback().busy);
   rig.run(5.0);
@@ -133,35 +133,35 @@ TEST(CrtkArm, MovesAndThenHoldsForEver) {
   EXPECT_LT((rig.plant.q() - near_by()).cwiseAbs().maxCoeff(), 2e-3);
 }
 
-// Motors that get their power a second after enable: nothing is led meanwhile, and nothing jumps then.
+// Motors that get their power a second after enable: no motion starts meanwhile, and nothing jumps afterwards.
 TEST(CrtkArm, WaitsForTheMotorsPower) {
   Rig rig;
-  rig.ask(Kind::kEnable);
+  rig.execute_command(Kind::kEnable);
   VectorXd q = rig.plant.q(), still = VectorXd::Zero(3);
   for (int k = 0; k < 1000; ++k) {  // somebody pushes the arm while brakes slip
     q[0] += 2e-4;
     rig.arm.update(q, still, 0.0, kCycle, false);
   }
   EXPECT_TRUE(rig.arm.feedback().busy);
-  EXPECT_EQ(rig.ask(Kind::kMoveJp, near_by()), Refusal::kNoPower);
+  EXPECT_EQ(rig.execute_command(Kind::kMoveJp, near_by()), Refusal::kNoPower);
   rig.plant.set_state(q, still);
   rig.run(0.5);
   EXPECT_FALSE(rig.arm.feedback().busy);
   EXPECT_LT((rig.plant.q() - q).cwiseAbs().maxCoeff(), 1e-3);
-  EXPECT_EQ(rig.ask(Kind::kMoveJp, near_by()), Refusal::kNone);
+  EXPECT_EQ(rig.execute_command(Kind::kMoveJp, near_by()), Refusal::kNone);
 }
 
-// What a network held up for a while comes at once: the arm follows, at a speed that it may have.
+// Messages delayed by the network arrive in a burst: the arm follows within its speed limits.
 TEST(CrtkArm, FollowsABurstOfMessages) {
   Rig rig;
-  rig.ask(Kind::kEnable);
+  rig.execute_command(Kind::kEnable);
   rig.run(0.1);
   VectorXd q = rig.plant.q();
   double fastest = 0.0;
   for (int burst = 0; burst < 5; ++burst) {
     for (int k = 0; k < 10; ++k) {
       q[0] -= 0.015;
-      ASSERT_EQ(rig.ask(Kind::kServoJp, q), Refusal::kNone) << burst;
+      ASSERT_EQ(rig.execute_command(Kind::kServoJp, q), Refusal::kNone) << burst;
     }
     for (int k = 0; k < 95; ++k) {
       rig.run(kCycle);
@@ -171,15 +171,15 @@ TEST(CrtkArm, FollowsABurstOfMessages) {
   EXPECT_EQ(rig.arm.state(), OperatingState::kEnabled) << veridyn::describe(rig.arm.feedback().fault);
   EXPECT_GT(fastest, 1.3);
   EXPECT_LT(fastest, 1.7);  // 0.8 of 2 rad/s
-  EXPECT_EQ(rig.ask(Kind::kMoveJp, q), Refusal::kNone);
+  EXPECT_EQ(rig.execute_command(Kind::kMoveJp, q), Refusal::kNone);
   rig.run(2.0);
   EXPECT_LT((rig.plant.q() - q).cwiseAbs().maxCoeff(), 2e-3);
 }
 
-// A pose that feedback told is a pose that move_cp goes to.
+// move_cp reaches a pose taken from the feedback.
 TEST(CrtkArm, GoesToAPoseInTheBase) {
   Rig rig;
-  rig.ask(Kind::kEnable);
+  rig.execute_command(Kind::kEnable);
   veridyn::TipKinematics tip(psm(), {"tool"});
   tip.update(near_by(), VectorXd::Zero(3));
   Command c;
@@ -193,10 +193,10 @@ TEST(CrtkArm, GoesToAPoseInTheBase) {
   EXPECT_EQ(rig.arm.command(c), Refusal::kOutOfReach);
 }
 
-// 100 ms without a command: held. 1 s: gives way, and a push of a newton moves it then.
-TEST(CrtkArm, HoldsWhenAStreamFallsSilentAndThenLetsGo) {
+// 100 ms without a command: held. 1 s: the arm yields, and a push of a newton moves it.
+TEST(CrtkArm, HoldsWhenAStreamStopsAndThenReleases) {
   Rig rig;
-  rig.ask(Kind::kEnable);
+  rig.execute_command(Kind::kEnable);
   rig.stream_to(near_by(), 0.5);
   rig.run(0.08);
   EXPECT_EQ(rig.arm.mode(), Mode::kServo);
@@ -212,23 +212,23 @@ TEST(CrtkArm, HoldsWhenAStreamFallsSilentAndThenLetsGo) {
   const VectorXd released = rig.plant.q();
   rig.run(1.0);  // gravity is carried: it does not fall
   EXPECT_LT((rig.plant.q() - released).cwiseAbs().maxCoeff(), 5e-3);
-  EXPECT_EQ(rig.ask(Kind::kMoveJp, near_by()), Refusal::kNone);
+  EXPECT_EQ(rig.execute_command(Kind::kMoveJp, near_by()), Refusal::kNone);
 }
 
-TEST(CrtkArm, RefusesWhatCannotBeAndGoesOn) {
+TEST(CrtkArm, RejectsInvalidCommandsAndContinues) {
   Rig rig;
-  rig.ask(Kind::kEnable);
+  rig.execute_command(Kind::kEnable);
   rig.stream_to(near_by(), 0.5);
   VectorXd q = near_by();
   q[1] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(rig.ask(Kind::kServoJp, q), Refusal::kNotFinite);
+  EXPECT_EQ(rig.execute_command(Kind::kServoJp, q), Refusal::kNotFinite);
   q[1] = 3.0;
-  EXPECT_EQ(rig.ask(Kind::kServoJp, q), Refusal::kBeyondLimits);
+  EXPECT_EQ(rig.execute_command(Kind::kServoJp, q), Refusal::kBeyondLimits);
   q = near_by();
   q[0] = -0.6;  // within limits, but a jump
-  EXPECT_EQ(rig.ask(Kind::kServoJp, q), Refusal::kTooFar);
-  EXPECT_EQ(rig.ask(Kind::kServoJp, VectorXd::Zero(2)), Refusal::kWrongSize);
-  EXPECT_EQ(rig.ask(Kind::kServoJf, Eigen::Vector3d(1e4, 0, 0)), Refusal::kBeyondLimits);
+  EXPECT_EQ(rig.execute_command(Kind::kServoJp, q), Refusal::kTooFar);
+  EXPECT_EQ(rig.execute_command(Kind::kServoJp, VectorXd::Zero(2)), Refusal::kWrongSize);
+  EXPECT_EQ(rig.execute_command(Kind::kServoJf, Eigen::Vector3d(1e4, 0, 0)), Refusal::kBeyondLimits);
   Command old;
   old.kind = Kind::kHold;
   old.age = 3.0;
@@ -243,20 +243,20 @@ TEST(CrtkArm, RefusesWhatCannotBeAndGoesOn) {
 
 TEST(CrtkArm, OneClientStreamsAtATime) {
   Rig rig;
-  rig.ask(Kind::kEnable);
+  rig.execute_command(Kind::kEnable);
   const VectorXd here = rig.plant.q();
-  ASSERT_EQ(rig.ask(Kind::kServoJp, here, 1), Refusal::kNone);
+  ASSERT_EQ(rig.execute_command(Kind::kServoJp, here, 1), Refusal::kNone);
   rig.run(0.01);
-  EXPECT_EQ(rig.ask(Kind::kServoJp, here, 2), Refusal::kOtherClient);
-  EXPECT_EQ(rig.ask(Kind::kServoJp, here, 1), Refusal::kNone);
-  EXPECT_EQ(rig.ask(Kind::kHold, {}, 2), Refusal::kNone);  // less motion is for everybody
-  EXPECT_EQ(rig.ask(Kind::kServoJp, here, 2), Refusal::kNone);
+  EXPECT_EQ(rig.execute_command(Kind::kServoJp, here, 2), Refusal::kOtherClient);
+  EXPECT_EQ(rig.execute_command(Kind::kServoJp, here, 1), Refusal::kNone);
+  EXPECT_EQ(rig.execute_command(Kind::kHold, {}, 2), Refusal::kNone);  // less motion is for everybody
+  EXPECT_EQ(rig.execute_command(Kind::kServoJp, here, 2), Refusal::kNone);
 }
 
 // A twist moves the tip by velocity times time; efforts come on top of gravity.
 TEST(CrtkArm, FollowsTwistsAndEfforts) {
   Rig rig;
-  rig.ask(Kind::kEnable);
+  rig.execute_command(Kind::kEnable);
   rig.run(0.2);
   const Eigen::Vector3d from(rig.arm.feedback().position);
   Command c;
@@ -270,7 +270,7 @@ TEST(CrtkArm, FollowsTwistsAndEfforts) {
   EXPECT_NEAR(rig.arm.feedback().position[0] - from[0], 0.02, 4e-3);
   const VectorXd before = rig.plant.q();
   for (int k = 0; k < 50; ++k) {
-    ASSERT_EQ(rig.ask(Kind::kServoJf, VectorXd::Zero(3)), Refusal::kNone);
+    ASSERT_EQ(rig.execute_command(Kind::kServoJf, VectorXd::Zero(3)), Refusal::kNone);
     rig.run(0.01);
   }
   EXPECT_LT((rig.plant.q() - before).cwiseAbs().maxCoeff(), 2e-2);
@@ -279,15 +279,15 @@ TEST(CrtkArm, FollowsTwistsAndEfforts) {
 // Positions that are old, or no numbers, are a fault; the torque stays finite.
 TEST(CrtkArm, BadSensorsAreAFault) {
   Rig rig;
-  rig.ask(Kind::kEnable);
+  rig.execute_command(Kind::kEnable);
   rig.run(0.1);
   const VectorXd bad = VectorXd::Constant(3, std::numeric_limits<double>::quiet_NaN());
   const VectorXd tau = rig.arm.update(bad, bad, 0.0, kCycle);
   EXPECT_TRUE(tau.allFinite());
   EXPECT_EQ(rig.arm.state(), OperatingState::kFault);
-  EXPECT_EQ(rig.ask(Kind::kServoJp, near_by()), Refusal::kNotEnabled);
+  EXPECT_EQ(rig.execute_command(Kind::kServoJp, near_by()), Refusal::kNotEnabled);
   rig.run(0.05);
-  EXPECT_EQ(rig.ask(Kind::kEnable), Refusal::kNone);
+  EXPECT_EQ(rig.execute_command(Kind::kEnable), Refusal::kNone);
   EXPECT_EQ(rig.arm.state(), OperatingState::kEnabled);
 }
 

@@ -61,7 +61,7 @@ void run(CheckRequest& request, Outcome& outcome) {
   reading.columns = request.reading.columns;
   reading.rate = request.reading.header_rate;
   reading.signals = request.reading.signals;
-  if (arm) reading = reading_of(*arm, request.reading);
+  if (arm) reading = recording_options_for(*arm, request.reading);
   reading.first_row = request.reading.first_row;
   reading.row_count = request.reading.row_count;
   std::vector<RecordingQuality> checked(recordings.size());

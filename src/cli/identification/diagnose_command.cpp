@@ -64,7 +64,7 @@ std::string next_command(const DiagnoseRequest& request, const Model& arm,
   words.emplace_back("--given");
   words.insert(words.end(), request.train.begin(), request.train.end());
   const std::vector<std::string> reading =
-      words_for_given(request.options.identification.preprocessing, request.common.fixed);
+      options_for_given(request.options.identification.preprocessing, request.common.fixed);
   words.insert(words.end(), reading.begin(), reading.end());
   if (!request.model_out.empty()) words.insert(words.end(), {"--model", request.model_out});
   return cli::command_line(words);
@@ -72,7 +72,7 @@ std::string next_command(const DiagnoseRequest& request, const Model& arm,
 
 Diagnosis diagnosed(const DiagnoseRequest& request, const Model& arm) {
   const IdentificationOptions& how = request.options.identification;
-  if (!are_poses(request.rest, arm, request.train, how.preprocessing))
+  if (!are_rest_poses(request.rest, arm, request.train, how.preprocessing))
     return diagnose(arm, request.train, request.test, request.options);
   const auto [train, test] = read_poses(request.rest, arm, request.train, request.test, how);
   return diagnose_at_rest(arm, train, test, request.options);
@@ -99,10 +99,10 @@ ExitStatus run(DiagnoseRequest& request, const std::string& command_line) {
   Diagnosis d = diagnosed(request, arm);
   d.small_apart = request.small_apart;
   if (!d.baseline.model) {
-    say(d.baseline.reason);
+    print_message(d.baseline.reason);
     return kDataCannotAnswer;
   }
-  tell_facts(d.data_quality);
+  report_facts(d.data_quality);
   const std::string next = next_command(request, arm, d.next_experiment);
   if (is_simulation_file(request.model_out)) {
     save_as_simulation(*d.extended.model, request.robot, request.model_out, request.common.quiet);

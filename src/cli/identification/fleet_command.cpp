@@ -23,8 +23,8 @@ struct FleetRequest {
 ExitStatus run(const FleetRequest& request, const std::string& command_line) {
   const std::vector<FleetArm> arms = read_fleet(request.list);
   for (const FleetArm& one : arms) {
-    expect_apart("--model-out", request.model_out, one.files);
-    expect_apart("--json", request.common.json, one.files);
+    require_separate_output("--model-out", request.model_out, one.files);
+    require_separate_output("--json", request.common.json, one.files);
   }
   require_writable(request.common.json, request.common.report, request.model_out);
   const Model arm = read_model(request.robot);
@@ -32,10 +32,10 @@ ExitStatus run(const FleetRequest& request, const std::string& command_line) {
   options.threads = request.common.threads;
   options.progress = progress(request.common);
   const Fleet fleet = identify_fleet(arm, arms, options);
-  for (const UnusedRecording& r : fleet.unusable_recordings) say("warning: left out: " + r.why);
+  for (const UnusedRecording& r : fleet.unusable_recordings) print_message("warning: left out: " + r.why);
   write_results(request.common, fleet, command_line);
   if (!fleet.model) {
-    say(request.list + ": " + fleet.reason + ".");
+    print_message(request.list + ": " + fleet.reason + ".");
     return kDataCannotAnswer;
   }
   if (!request.model_out.empty()) save_model(*fleet.model, request.model_out);

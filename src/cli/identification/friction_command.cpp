@@ -29,7 +29,7 @@ ExitStatus run(FrictionRequest& request, const std::string& command_line) {
   request.options.identification.progress = progress(request.common);
   const FrictionStudy study = study_friction(arm, request.recordings, request.test, request.options);
   if (!study.reason.empty()) {
-    say(study.reason);
+    print_message(study.reason);
     return kDataCannotAnswer;
   }
   write_results(request.common, study, command_line, &arm);

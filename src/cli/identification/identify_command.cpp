@@ -138,7 +138,7 @@ FactorSet compressed(const IdentifyRequest& request, const Model& arm,
   } else if (options.choose_velocities) {
     const Identification alone = identify(arm, request.train, {}, options);
     how.derive_velocity_of = alone.preprocessing.derive_velocity_of;
-    for (const std::string& remark : alone.remarks) say(remark);
+    for (const std::string& remark : alone.remarks) print_message(remark);
   }
   const FactorSet fresh =
       compress(with_friction(arm, options.friction), request.train, how, options.threads);
@@ -160,7 +160,7 @@ Identification identified(const IdentifyRequest& request, const Model& arm,
 
 void write_results(const IdentifyRequest& request, const Identification& id,
                    const std::string& command_line) {
-  if (id.status == IdentificationStatus::kNotConverged) say("warning: " + id.reason);
+  if (id.status == IdentificationStatus::kNotConverged) print_message("warning: " + id.reason);
   if (is_simulation_file(request.model_out)) {
     save_as_simulation(*id.model, request.robot, request.model_out, request.common.quiet);
   } else if (!request.model_out.empty()) {
@@ -188,7 +188,7 @@ Identification identified_by_ranks(const IdentifyRequest& request, const Model& 
       save_factors(factors, whole ? request.factor_out : part_of(request, ranks));
     };
   }
-  when_another_rank_is_lost(
+  print_on_abort(
       text("rank ", ranks.rank(), ": another rank was lost and the work ends here; ",
            keep ? "what this one has done is in " + part_of(request, ranks)
                 : std::string("with --factor-out what was done would have been kept"),
@@ -213,20 +213,20 @@ ExitStatus run_on_ranks(IdentifyRequest& request, const std::string& command_lin
     if (!first) options.progress = nullptr;
     const Identification id = identified_by_ranks(request, arm, options, ranks);
     if (!first) return kDone;  // the first rank has the answer and its status
-    for (const UnusedRecording& r : id.unusable_recordings) say("warning: left out: " + r.why);
+    for (const UnusedRecording& r : id.unusable_recordings) print_message("warning: left out: " + r.why);
     if (id.parameters.size() == 0) {
-      say(id.reason);
+      print_message(id.reason);
       return kDataCannotAnswer;
     }
     write_results(request, id, command_line);
     return kDone;
   } catch (const InvalidInput& error) {
-    if (first) say(error.what());
+    if (first) print_message(error.what());
     end_all_ranks(kBadInput);
   } catch (const CLI::Error&) {
     throw;  // thrown on every rank alike
   } catch (const std::exception& error) {
-    say(text("rank ", ranks.rank(), ": internal fault: ", error.what()));
+    print_message(text("rank ", ranks.rank(), ": internal fault: ", error.what()));
     end_all_ranks(kProgramFault);
   }
 }
@@ -247,14 +247,14 @@ ExitStatus run(IdentifyRequest& request, const std::string& command_line) {
   std::vector<std::string> recordings = request.train;
   recordings.insert(recordings.end(), request.test.begin(), request.test.end());
   const bool poses = request.rest.at_rest || !request.rest.approach.empty() ||
-                     (request.factors.empty() && are_poses(request.rest, arm, request.train, options.preprocessing));
-  if (!poses) look_at_recordings(arm, recordings, options.preprocessing, options.threads);
+                     (request.factors.empty() && are_rest_poses(request.rest, arm, request.train, options.preprocessing));
+  if (!poses) check_recordings(arm, recordings, options.preprocessing, options.threads);
   Identification id = poses ? identified_at_rest(request, arm, options) : identified(request, arm, options);
   if (!id.model) {
     if (id.drive_gains && id.drive_gains->problem.empty()) std::cout << id.drive_gains->report();
     if (id.drive_gains && !request.common.json.empty())
       write_file(request.common.json, to_json(id));
-    say(id.reason);
+    print_message(id.reason);
     return kDataCannotAnswer;
   }
   if (!poses) {

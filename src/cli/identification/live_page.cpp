@@ -33,7 +33,7 @@ class LivePage::Implementation {
       answer.set_header("Cache-Control", "no-store");
       answer.set_chunked_content_provider(
           "text/event-stream",
-          [this, seen = count()](size_t, httplib::DataSink& sink) mutable { return tell(seen, sink); });
+          [this, seen = count()](size_t, httplib::DataSink& sink) mutable { return send_pages(seen, sink); });
     });
     port_ = wanted > 0 ? (server_.bind_to_port(kHere, wanted) ? wanted : -1)
                        : server_.bind_to_any_port(kHere);
@@ -75,7 +75,7 @@ class LivePage::Implementation {
   }
 
   // Sends one event for each new page, and comments to keep the connection.
-  bool tell(long& seen, httplib::DataSink& sink) {
+  bool send_pages(long& seen, httplib::DataSink& sink) {
     std::unique_lock<std::mutex> hold(guard_);
     changed_.wait_for(hold, kSilence, [&] { return ended_ || count_ != seen; });
     if (ended_) return false;

@@ -27,19 +27,19 @@ struct PayloadRequest {
 ExitStatus run(PayloadRequest& request, const std::string& command_line) {
   require_writable(request.common.json, request.common.report);
   const Model model = read_robot(request.model, request.common, &request.options.preprocessing.signals);
-  say_impossible(request.model, model);
-  const bool at_rest = are_poses(request.rest, model, request.recordings, request.options.preprocessing);
+  warn_of_impossible_bodies(request.model, model);
+  const bool at_rest = are_rest_poses(request.rest, model, request.recordings, request.options.preprocessing);
   if (!at_rest && model.inertial_values() && !has_all_values(model))
-    say("'" + model.name() + "' has effects without values: they are fitted to the recordings first, with its bodies as they are");
+    print_message("'" + model.name() + "' has effects without values: they are fitted to the recordings first, with its bodies as they are");
   if (!request.link.empty()) expect_one_of("--link", request.link, frame_names(model));
   request.options.threads = request.common.threads;
-  if (!at_rest) look_at_recordings(model, request.recordings, request.options.preprocessing, request.options.threads);
+  if (!at_rest) check_recordings(model, request.recordings, request.options.preprocessing, request.options.threads);
   const PayloadReport report = while_busy(request.common, "fitting a load on every link", [&] {
     if (at_rest) return find_payload_at_rest(model, read_poses(request.rest, model, request.recordings, {}, request.options).first, request.link);
     return find_payload(model, request.recordings, request.options, request.link);
   });
   if (report.links.empty()) {
-    say(report.reason);
+    print_message(report.reason);
     return kDataCannotAnswer;
   }
   write_results(request.common, report, command_line);

@@ -106,7 +106,7 @@ void end_all_ranks(int status) {
   std::_Exit(status);
 }
 
-void when_another_rank_is_lost(const std::string& line) {
+void print_on_abort(const std::string& line) {
   const std::string words = line + "\n";
   std::strncpy(last_words.data(), words.c_str(), last_words.size() - 1);
   std::signal(SIGTERM, &say_last_words);

@@ -18,6 +18,6 @@ int threads_of_a_rank(int asked);
 [[noreturn]] void end_all_ranks(int status);
 
 /// Prints one line on standard error if mpirun ends this rank because another one failed.
-void when_another_rank_is_lost(const std::string& line);
+void print_on_abort(const std::string& line);
 
 }  // namespace veridyn::cli

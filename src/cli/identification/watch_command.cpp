@@ -31,8 +31,8 @@ volatile std::sig_atomic_t interrupted = 0;
 
 void stop(int /*signal*/) { interrupted = 1; }
 
-// What a signal does that ends the program: what was watched so far is written, or nothing.
-void at_signals(void (*handler)(int)) {
+// Handlers of signals that end the program: they either let the results so far be written, or nothing.
+void on_signals(void (*handler)(int)) {
   struct sigaction action {};  // without SA_RESTART, so that a blocking read ends
   action.sa_handler = handler;
   ::sigaction(SIGINT, &action, nullptr);
@@ -51,7 +51,7 @@ struct WatchRequest {
 };
 
 // True if a source grows.
-bool waits(const WatchRequest& request) {
+bool has_growing_source(const WatchRequest& request) {
   return request.follow ||
          std::find(request.sources.begin(), request.sources.end(), "-") != request.sources.end();
 }
@@ -61,22 +61,22 @@ class Watching {
  public:
   Watching(const Model& arm, WatchRequest& request, const std::string& command_line)
       : arm_(arm), request_(request), command_line_(command_line) {
-    if (!waits(request)) progress_ = progress(request.common);
+    if (!has_growing_source(request)) progress_ = progress(request.common);
     if (!request.port) return;
     live_ = std::make_unique<LivePage>(*request.port);
-    say(text("the page is at http://127.0.0.1:", live_->port(), "/"));
+    print_message(text("the page is at http://127.0.0.1:", live_->port(), "/"));
   }
 
   ExitStatus run() {
     for (const std::string& source : request_.sources) {
       if (interrupted != 0) break;
       Watch watch(arm_, request_.options);
-      at_signals(SIG_DFL);
+      on_signals(SIG_DFL);
       for (const std::string& quiet : request_.learn_from) {
         show_progress("learning: " + quiet);
-        watch.learn(read_recording(quiet, reading_of(arm_, request_.reading)));
+        watch.learn(read_recording(quiet, recording_options_for(arm_, request_.reading)));
       }
-      at_signals(stop);
+      on_signals(stop);
       watched_.push_back({});
       set_back_ = 0.0;
       watched_.back().source = source;
@@ -86,18 +86,18 @@ class Watching {
       } else {
         replay(watch, source);
       }
-      tell(watch.finish());
+      print_events(watch.finish());
       note_blindness(watch);
-      for (const std::string& remark : watch.remarks()) say(source + ": " + remark);
-      doubt_model(source);
+      for (const std::string& remark : watch.remarks()) print_message(source + ": " + remark);
+      warn_of_residual(source);
     }
     if (progress_) clear_bar();
     write(false);
     // Ctrl-C is the end of a source that grows; of a recording it leaves rows out.
-    if (interrupted != 0 && !waits(request_)) return kInterrupted;
+    if (interrupted != 0 && !has_growing_source(request_)) return kInterrupted;
     for (const WatchedSource& s : watched_) {
       if (!s.states.empty() && s.learned < s.to - s.from - s.blind - 0.5 * request_.options.step) continue;
-      say(text(s.source, ": found ", s.to - s.from, " s, expected more than the ",
+      print_message(text(s.source, ": found ", s.to - s.from, " s, expected more than the ",
                request_.options.learn, " s in which noise is learned (--learn)."));
       return kDataCannotAnswer;
     }
@@ -111,7 +111,7 @@ class Watching {
 
   // Warns of a large residual while the noise is learned, since it then counts as normal for the
   // arm.
-  void doubt_model(const std::string& source) {
+  void warn_of_residual(const std::string& source) {
     std::string shares;
     bool wrong = false;
     for (Eigen::Index i = 0; i < missed_.size(); ++i) {
@@ -121,22 +121,22 @@ class Watching {
     }
     missed_.resize(0);
     if (wrong)
-      say(text("warning: ", source, ": the model leaves ", shares, " % of the joints' torques unexplained while noise is learned, expected at "
+      print_message(text("warning: ", source, ": the model leaves ", shares, " % of the joints' torques unexplained while noise is learned, expected at "
                "most 50 %: it may be another arm's; only what changes afterwards is told."));
   }
 
   void replay(Watch& watch, const std::string& source) {
-    RecordingReader reader(source, reading_of(arm_, request_.reading));
+    RecordingReader reader(source, recording_options_for(arm_, request_.reading));
     for (Recording rows = reader.next(kRowsAtOnce); rows.rows() > 0 && interrupted == 0;
          rows = reader.next(kRowsAtOnce)) {
       show_progress("watching: " + source);
-      tell(watch.add(rows));
+      print_events(watch.add(rows));
     }
-    for (const std::string& remark : reader.facts().remarks) say(source + ": " + remark);
+    for (const std::string& remark : reader.facts().remarks) print_message(source + ": " + remark);
   }
 
-  // A clock that is set back takes the source's beginning and end with it.
-  void keep_clock(const WatchState& state) {
+  // After a clock is set back, the source's beginning and end are shifted by the same time.
+  void follow_clock(const WatchState& state) {
     const double by = state.set_back - set_back_;
     set_back_ = state.set_back;
     watched_.back().from -= by;
@@ -145,7 +145,7 @@ class Watching {
 
   void note_blindness(const Watch& watch) {
     WatchedSource& s = watched_.back();
-    keep_clock(watch.state());
+    follow_clock(watch.state());
     s.blind = watch.state().blind;
     if (s.blind > 0.0) s.to = std::max(s.to, watch.state().heard);
   }
@@ -157,17 +157,17 @@ class Watching {
       update();
       return interrupted == 0 && (request_.idle <= 0.0 || silent < request_.idle);
     };
-    GrowingRecording rows(source, reading_of(arm_, request_.reading), go_on);
+    GrowingRecording rows(source, recording_options_for(arm_, request_.reading), go_on);
     for (Recording row = rows.next(1); row.rows() > 0 && interrupted == 0; row = rows.next(1)) {
       heard = Clock::now();
-      tell(watch.add(row));
+      print_events(watch.add(row));
       note_blindness(watch);
       update();
     }
   }
 
   void note(const WatchState& state) {
-    keep_clock(state);
+    follow_clock(state);
     WatchedSource& s = watched_.back();
     if (s.states.empty()) s.from = state.time - 0.5 * request_.options.step;
     s.to = state.time + 0.5 * request_.options.step;
@@ -181,7 +181,7 @@ class Watching {
     if (s.states.size() > kMostStates) s.states.erase(s.states.begin(), s.states.begin() + kMostStates / 2);
   }
 
-  void tell(const std::vector<WatchEvent>& events) {
+  void print_events(const std::vector<WatchEvent>& events) {
     if (progress_ && !events.empty()) clear_bar();
     for (const WatchEvent& e : events) {
       watched_.back().events.push_back(e);
@@ -229,7 +229,7 @@ ExitStatus run(WatchRequest& request, const std::string& command_line) {
   require_writable(request.common.json, request.common.report);
   const Model arm = read_robot(request.model, request.common);
   for (const EffectTerm& term : arm.arm_effects())
-    say("warning: " + term.effect + " on the arm is left out here: what it does may be named as something else.");
+    print_message("warning: " + term.effect + " on the arm is left out here: what it does may be named as something else.");
   for (const std::string& link : request.options.links) expect_one_of("--link", link, frame_names(arm));
   return Watching(arm, request, command_line).run();
 }
@@ -267,7 +267,7 @@ void add_watch_command(CLI::App& tool, Outcome& outcome) {
   add_common_options(command, request->common);
   add_report_option(command, request->common);
   command.callback([request, &outcome, &command] {
-    expect_needs(command, {{"--idle", waits(*request), "--follow"}});
+    expect_needs(command, {{"--idle", has_growing_source(*request), "--follow"}});
     request->options.learn_more = std::max(request->options.learn_more, request->options.learn);
     outcome.status = run(*request, outcome.command_line);
   });

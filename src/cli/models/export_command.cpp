@@ -43,14 +43,14 @@ ExportedModel exported(const ExportRequest& request, const Model& model, RotorPl
 }
 
 // Prints notes after the files are written, so that a refusal has one line.
-void tell(const ExportRequest& request, const ExportedModel& out) {
+void print_notes(const ExportRequest& request, const ExportedModel& out) {
   for (const std::string& warning : out.warnings)
-    say("warning: " + request.model + ": " + warning + ".");
+    print_message("warning: " + request.model + ": " + warning + ".");
   if (request.quiet) return;
-  for (const std::string& note : out.notes) say(note + ".");
+  for (const std::string& note : out.notes) print_message(note + ".");
 }
 
-// The MODEL with its origin.
+// The model with its origin.
 std::string yaml_of(const ExportRequest& request, const Model& model) {
   const std::string path = robot_path(request.model);
   const bool yaml = robot_format(path) == RobotFormat::kYaml;
@@ -116,7 +116,7 @@ void run(const ExportRequest& request, const std::string& command_line) {
     if (!request.report.empty()) files.push_back({request.report, to_page(robot_info(out.arm), command_line)});
     files.back().tell = [before = files.back().tell, &request, out] {
       if (before) before();
-      tell(request, out);
+      print_notes(request, out);
     };
   }
   if (!request.cpp.empty()) files.push_back({request.cpp, to_c_code(model)});
@@ -124,10 +124,10 @@ void run(const ExportRequest& request, const std::string& command_line) {
   if (!request.json.empty()) files.push_back({request.json, model_json(model)});
   if (request.extension) request.extension->add_files(model, files);
   write_all(files);
-  say_impossible(request.model, model);
+  warn_of_impossible_bodies(request.model, model);
   if (request.quiet) return;
-  for (const std::string& error : JointSensors(model).in_words(model))
-    say("the exported dynamics mean true positions and torques, and " + error +
+  for (const std::string& error : JointSensors(model).descriptions(model))
+    print_message("the exported dynamics mean true positions and torques, and " + error +
         ": take it off first (docs/control.md).");
 }
 

@@ -21,7 +21,7 @@ FileToWrite simulation_xml(const std::string& target, const char* format, std::s
   const std::string remark = text(target, ": ", format, " has no words for ", lost, lost == 1 ? " item" : " items",
                                   " of the model; the file names them in comments that begin with 'left out:'.");
   return {target, std::move(xml), [lost, remark] {
-            if (lost > 0) say(remark);
+            if (lost > 0) print_message(remark);
           }};
 }
 
@@ -35,7 +35,7 @@ FileToWrite updated_simulation(const Model& model, const std::string& from, cons
   FileToWrite out = simulation_xml(target, mjcf ? "MJCF" : "SDF", std::move(updated.xml));
   out.tell = [left_out = out.tell, remark] {
     left_out();
-    say(remark);
+    print_message(remark);
   };
   return out;
 }
@@ -58,7 +58,7 @@ void expect_simulation_of(const std::string& option, const std::string& target, 
 
 void save_as_simulation(const Model& model, const std::string& robot, const std::string& target, bool quiet) {
   const ExportedModel out = exported_model(model, std::nullopt, "");
-  for (const std::string& warning : out.warnings) say("warning: " + target + ": " + warning + ".");
+  for (const std::string& warning : out.warnings) print_message("warning: " + target + ": " + warning + ".");
   FileToWrite file = updated_simulation(out.arm, robot_path(robot), target);
   if (quiet) file.tell = {};
   write_all({std::move(file)});

@@ -86,7 +86,7 @@ Model without_efforts(const Model& arm) {
 }
 
 // The arm of --model. One identified with locked joints lacks them already.
-Model read_powered(const ExciteRequest& request) {
+Model read_arm_with_values(const ExciteRequest& request) {
   const Model arm = read_model(request.model);
   std::map<std::string, double> fixed;
   for (const auto& [joint, value] : request.common.fixed) {
@@ -103,7 +103,7 @@ std::vector<Capsule> capsules_of(const ExciteRequest& request, const Model& arm)
   if (robot_format(file) != RobotFormat::kUrdf) return {};
   std::vector<std::string> remarks;
   std::vector<Capsule> out = collision_capsules(file, remarks);
-  for (const std::string& remark : remarks) say("warning: " + remark);
+  for (const std::string& remark : remarks) print_message("warning: " + remark);
   return out;
 }
 
@@ -112,16 +112,16 @@ CollisionLimits collisions_of(const ExciteRequest& request, const Model& arm) {
   const std::vector<Capsule> shapes = capsules_of(request, arm);
   std::vector<Obstacle> around;
   if (request.floor) around.push_back({"floor", {-kInfinity, -kInfinity, -kInfinity}, {kInfinity, kInfinity, *request.floor}});
-  for (const std::string& words : request.keep_out) around.push_back(obstacle_box(words));
+  for (const std::string& words : request.keep_out) around.push_back(parse_obstacle_box(words));
   expect_value(!shapes.empty() || around.empty(), around.empty() || request.floor ? "--floor" : "--keep-out",
                "'", request.robot, "' has no collision shapes; expected --link-radius, or --shapes with a URDF file");
   expect_value(!shapes.empty() || request.shapes.empty(), "--shapes", "'", request.shapes, "' has no collision shapes");
   return collision_limits(arm, shapes, around, request.clearance.value_or(kLinkClearance));
 }
 
-// Takes the noise of recordings, which is what an identification of the arm from them leaves.
+// Estimates the noise of recordings as the residual of an identification of the arm from them.
 // @returns the reason if there is none, or "".
-std::string learn_noise(const ExciteRequest& request, const Model& arm, ExcitationOptions& o) {
+std::string estimate_noise(const ExciteRequest& request, const Model& arm, ExcitationOptions& o) {
   IdentificationOptions how;
   how.friction = o.friction;
   how.preprocessing = request.reading;
@@ -143,20 +143,20 @@ ExcitationOptions options_of(const ExciteRequest& request, const Model& arm,
   o.threads = request.common.threads;
   o.progress = progress(request.common);
   o.stop = [] { return interrupted != 0; };
-  for (const std::string& words : request.boxes) o.workspace.boxes.push_back(frame_box(words));
+  for (const std::string& words : request.boxes) o.workspace.boxes.push_back(parse_frame_box(words));
   for (const std::string& words : request.insertions)
-    o.workspace.insertions.push_back(insertion_range(words));
+    o.workspace.insertions.push_back(parse_insertion_range(words));
   std::vector<Sphere> spheres;
   std::vector<Sphere> obstacles;
-  for (const std::string& words : request.spheres) spheres.push_back(sphere(words));
-  for (const std::string& words : request.obstacles) obstacles.push_back(obstacle(words));
+  for (const std::string& words : request.spheres) spheres.push_back(parse_sphere(words));
+  for (const std::string& words : request.obstacles) obstacles.push_back(parse_obstacle(words));
   o.workspace.pairs = sphere_pairs(spheres, obstacles, request.clearance.value_or(0.0));
   o.workspace.collisions = collisions_of(request, arm);
   for (const std::string& path : request.given) {
     for (MotionSamples& motion : recorded_motion(arm, path, request.reading)) o.given.push_back(std::move(motion));
   }
   if (!request.between.empty()) o.criterion = ExcitationCriterion::kDiscriminate;
-  if (!request.model.empty()) o.powered = read_powered(request);
+  if (!request.model.empty()) o.powered = read_arm_with_values(request);
   const Model moved = with_friction(arm, o.friction);
   if (o.criterion == ExcitationCriterion::kDiscriminate && !o.powered && !arm.inertial_values()) {
     if (!request.common.quiet) {
@@ -167,8 +167,8 @@ ExcitationOptions options_of(const ExciteRequest& request, const Model& arm,
     o.powered = without_efforts(plausible_model(moved, 1).arm);
   }
   if (!request.between.empty())
-    o.between = value_of("--between", [&] { return rivals(o.powered.value_or(arm), request.between); });
-  // What has no value gets a plausible one: deviations relative to a friction of zero would say nothing.
+    o.between = value_of("--between", [&] { return parse_rivals(o.powered.value_or(arm), request.between); });
+  // Missing values are replaced by plausible ones: deviations relative to zero friction are undefined.
   if (!o.powered && !has_all_values(moved)) o.valued = plausible_model(moved, 1).arm;
   if (request.torque_noise)
     o.noise = noise_of_efforts(o.powered ? *o.powered : o.valued ? *o.valued : moved,
@@ -177,7 +177,7 @@ ExcitationOptions options_of(const ExciteRequest& request, const Model& arm,
 }
 
 // The most violated limit, relative to its size.
-const LimitMargin& most_crossed(const Excitation& found) {
+const LimitMargin& most_violated(const Excitation& found) {
   const auto share = [](const LimitMargin& m) {
     const double size = std::isfinite(m.upper - m.lower) ? m.upper - m.lower : std::abs(m.lower);
     return m.margin / std::max(size, 1e-9);
@@ -188,14 +188,14 @@ const LimitMargin& most_crossed(const Excitation& found) {
 }
 
 // Reason for a missing motion, or empty.
-std::string why_not(const Excitation& found) {
+std::string missing_motion_reason(const Excitation& found) {
   if (found.status == ExcitationStatus::kRankDeficient) {
     return text("no motion of ", found.trajectory.harmonics(),
                 " harmonics was found that excites all ", found.base_parameters,
                 " base parameters; more --harmonics or --starts may help.");
   }
   if (found.status != ExcitationStatus::kLimitsNotMet) return "";
-  const LimitMargin& m = most_crossed(found);
+  const LimitMargin& m = most_violated(found);
   return text("the limits cannot be met: ", m.name, " must stay within ", m.lower, " .. ", m.upper,
               " ", m.unit, ", the nearest motion found crosses that by ", -m.margin, " ", m.unit,
               "; nothing is written.");
@@ -246,13 +246,13 @@ ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
   expect_value(!discriminates || !request.between.empty(), "--criterion",
                "discriminate needs --between");
   const Model arm = read_robot(request.robot, request.common);
-  say_impossible(request.robot, arm);
+  warn_of_impossible_bodies(request.robot, arm);
   require(arm.joints() > 0, request.robot, ": found no coordinates, expected some to move.");
   std::string made_up_words;
   ExcitationOptions options = options_of(request, arm, made_up_words);
-  const std::string unknown = request.noise_of.empty() ? "" : learn_noise(request, arm, options);
+  const std::string unknown = request.noise_of.empty() ? "" : estimate_noise(request, arm, options);
   if (!unknown.empty()) {
-    say(unknown + ".");
+    print_message(unknown + ".");
     return kDataCannotAnswer;
   }
   std::optional<KeptResults> searches;
@@ -261,13 +261,13 @@ ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
     options.kept = [&](int start) { return searches->find(start); };
     options.keep = [&](int start, const VectorXd& numbers) { searches->keep(start, numbers); };
   }
-  if (!made_up_words.empty()) say(made_up_words);
+  if (!made_up_words.empty()) print_message(made_up_words);
   expect_needs(*request.command,
                {{"--clearance", !request.spheres.empty() || !options.workspace.collisions.pairs.empty(),
                  "--sphere, or an arm with collision shapes"}});
   const std::vector<std::string>& impossible = options.workspace.collisions.impossible;
   if (!impossible.empty()) {
-    say("the limits cannot be met: " + impossible.front() + " touch at every posture" +
+    print_message("the limits cannot be met: " + impossible.front() + " touch at every posture" +
         (impossible.size() > 1 ? text(" (and ", impossible.size() - 1, " more)") : "") +
         "; move the obstacle, or give links another --link-radius or --shapes; nothing is written.");
     return kDataCannotAnswer;
@@ -280,9 +280,9 @@ ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
     found.prediction->values = "of a plausible arm (" + request.robot + " has none)";
   else if (found.prediction && request.model.empty() && !has_all_values(with_friction(arm, options.friction)))
     found.prediction->values = "of " + arm.name() + " with plausible friction (" + request.robot + " has none)";
-  const std::string problem = why_not(found);
+  const std::string problem = missing_motion_reason(found);
   if (!problem.empty()) {
-    say(problem);
+    print_message(problem);
     return kDataCannotAnswer;
   }
   Recording rows;
@@ -293,7 +293,7 @@ ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
   write_recording(rows, request.output);
   if (!request.coefficients.empty()) write_file(request.coefficients, coefficients_yaml(found));
   write_results(request.common, found, command_line, &arm);
-  for (const std::string& warning : found.warnings()) say("warning: " + warning);
+  for (const std::string& warning : found.warnings()) print_message("warning: " + warning);
   std::cout << found.report();
   return found.interrupted ? kInterrupted : kDone;
 }

@@ -36,7 +36,7 @@ struct Named {
   std::vector<double> numbers;
 };
 
-Named named(const std::string& option, const std::string& words, const std::vector<size_t>& counts,
+Named parse_named_numbers(const std::string& option, const std::string& words, const std::vector<size_t>& counts,
             const std::string& expected) {
   const auto colon = words.find(':');
   if (colon == 0 || colon == std::string::npos) fail(option, words, expected);
@@ -46,7 +46,7 @@ Named named(const std::string& option, const std::string& words, const std::vect
 
 }  // namespace
 
-std::pair<Cause, Cause> rivals(const Model& arm, const std::string& words) {
+std::pair<Cause, Cause> parse_rivals(const Model& arm, const std::string& words) {
   const std::vector<std::string> two = CLI::detail::split(words, ',');
   if (two.size() != 2 || two[0].empty() || two[1].empty()) {
     fail("--between", words, "two causes EFFECT:PLACE,EFFECT:PLACE, as payload:tool,torque_gain:2");
@@ -54,37 +54,37 @@ std::pair<Cause, Cause> rivals(const Model& arm, const std::string& words) {
   return {parse_cause(arm, two[0]), parse_cause(arm, two[1])};
 }
 
-FrameBox frame_box(const std::string& words) {
-  const Named n = named("--box", words, {6}, "FRAME:X,X,Y,Y,Z,Z from and to, in m; inf is open");
+FrameBox parse_frame_box(const std::string& words) {
+  const Named n = parse_named_numbers("--box", words, {6}, "FRAME:X,X,Y,Y,Z,Z from and to, in m; inf is open");
   return {n.frame,
           {n.numbers[0], n.numbers[2], n.numbers[4]},
           {n.numbers[1], n.numbers[3], n.numbers[5]}};
 }
 
-Obstacle obstacle_box(const std::string& words) {
+Obstacle parse_obstacle_box(const std::string& words) {
   const std::string expected = "X,X,Y,Y,Z,Z from and to, in m; inf is open";
   const std::vector<double> v = numbers("--keep-out", words, words, {6}, expected);
   if (!(v[0] < v[1] && v[2] < v[3] && v[4] < v[5])) fail("--keep-out", words, expected);
   return {"box " + words, {v[0], v[2], v[4]}, {v[1], v[3], v[5]}};
 }
 
-Sphere sphere(const std::string& words) {
-  const Named n = named("--sphere", words, {1, 4}, "FRAME:R or FRAME:R,X,Y,Z in m");
+Sphere parse_sphere(const std::string& words) {
+  const Named n = parse_named_numbers("--sphere", words, {1, 4}, "FRAME:R or FRAME:R,X,Y,Z in m");
   if (!(n.numbers[0] > 0.0)) fail("--sphere", words, "a positive radius");
   Sphere out{n.frame, n.numbers[0]};
   if (n.numbers.size() == 4) out.centre = {n.numbers[1], n.numbers[2], n.numbers[3]};
   return out;
 }
 
-Sphere obstacle(const std::string& words) {
+Sphere parse_obstacle(const std::string& words) {
   const std::string expected = "X,Y,Z,R in m, with a positive radius";
   const std::vector<double> v = numbers("--obstacle", words, words, {4}, expected);
   if (!(v[3] > 0.0)) fail("--obstacle", words, expected);
   return {"world", v[3], {v[0], v[1], v[2]}};
 }
 
-InsertionRange insertion_range(const std::string& words) {
-  const Named n = named("--insertion", words, {2, 5},
+InsertionRange parse_insertion_range(const std::string& words) {
+  const Named n = parse_named_numbers("--insertion", words, {2, 5},
                         "FRAME:LOW,HIGH or FRAME:LOW,HIGH,X,Y,Z (the remote centre) in m");
   InsertionRange out{n.frame, {0, 0, 0}, n.numbers[0], n.numbers[1]};
   if (n.numbers.size() == 5) out.centre = {n.numbers[2], n.numbers[3], n.numbers[4]};

@@ -13,22 +13,22 @@ namespace veridyn::cli {
 // form expected.
 
 /// "EFFECT:PLACE,EFFECT:PLACE".
-std::pair<Cause, Cause> rivals(const Model& arm, const std::string& words);
+std::pair<Cause, Cause> parse_rivals(const Model& arm, const std::string& words);
 
 /// "FRAME:X,X,Y,Y,Z,Z", from and to; "-inf" and "inf" leave a side open.
-FrameBox frame_box(const std::string& words);
+FrameBox parse_frame_box(const std::string& words);
 
 /// "FRAME:R" or "FRAME:R,X,Y,Z".
-Sphere sphere(const std::string& words);
+Sphere parse_sphere(const std::string& words);
 
 /// "X,X,Y,Y,Z,Z", from and to, of --keep-out.
-Obstacle obstacle_box(const std::string& words);
+Obstacle parse_obstacle_box(const std::string& words);
 
 /// "X,Y,Z,R".
-Sphere obstacle(const std::string& words);
+Sphere parse_obstacle(const std::string& words);
 
 /// "FRAME:LOW,HIGH" or "FRAME:LOW,HIGH,X,Y,Z".
-InsertionRange insertion_range(const std::string& words);
+InsertionRange parse_insertion_range(const std::string& words);
 
 /// Every sphere keeps away from every obstacle and from the spheres on other frames.
 std::vector<SpherePair> sphere_pairs(const std::vector<Sphere>& spheres,

@@ -26,9 +26,9 @@
 namespace veridyn::cli {
 namespace {
 
-// A wanted motion is taken as it is written.
+// Reads a wanted motion without repairing its rows.
 MotionSamples wanted_motion(const Model& arm, const std::string& path) {
-  RecordingOptions reading = reading_of(arm, {});
+  RecordingOptions reading = recording_options_for(arm, {});
   reading.signals.as_recorded = true;
   const Recording rows = read_recording(path, reading);
   try {
@@ -57,12 +57,12 @@ Model arm_with_values(const SimulateRequest& request, std::string& made_up_words
 Model movable_arm(const SimulateRequest& request, const Model& arm) {
   const MovableArm movable = with_movable_rotors(arm);
   for (const std::string& one : movable.changed) {
-    if (!request.common.quiet) say(one + ".");
+    if (!request.common.quiet) print_message(one + ".");
   }
   return movable.arm;
 }
 
-// From the middle of the range.
+// Steps start from the middle of the range.
 MotionSamples wanted_steps(const Model& arm, const std::vector<double>& steps) {
   expect_value(static_cast<int>(steps.size()) == arm.joints(), "--steps", "found ", steps.size(),
                " numbers, expected ", arm.joints(), ", one per joint of ", arm.name());
@@ -95,13 +95,13 @@ ExitStatus run(const SimulateRequest& request, const std::string& command_line) 
   for (Eigen::Index k = 0; k < wanted.q.rows(); ++k)
     require(wanted.q.row(k).allFinite(), request.trajectory, ": found a gap in the positions of row ", k,
             " (the first is 0), expected none in a motion.");
-  if (!made_up_words.empty()) say(made_up_words);
+  if (!made_up_words.empty()) print_message(made_up_words);
   if (request.sample_rate > 0.0)
     wanted = value_of("--sample-rate", [&] { return resampled(wanted, request.sample_rate); });
   if (request.controller != "none")
     return run_controlled(request, arm, wanted, options, command_line);
   const std::string trouble = infeasibility(arm);
-  if (!trouble.empty()) say("warning: " + trouble);
+  if (!trouble.empty()) print_message("warning: " + trouble);
   const SimulatedRecording simulated = while_busy(
       request.common, "simulating", [&] { return simulate_recording(arm, wanted, options); });
   write_simulated(request, simulated);

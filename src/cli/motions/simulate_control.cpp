@@ -32,7 +32,7 @@ VectorXd per_joint(const std::vector<double>& numbers, const Model& arm, const c
 
 }  // namespace
 
-LoopOptions loop_of(const SimulateRequest& request, const Model& arm) {
+LoopOptions control_loop_options(const SimulateRequest& request, const Model& arm) {
   LoopOptions loop = request.loop;
   if (request.controller == "computed-torque") {
     const auto n = static_cast<Eigen::Index>(arm.joints());
@@ -65,14 +65,14 @@ Recording rows_of(const MotionSamples& motion, const MatrixXd& tau) {
   return rows;
 }
 
-void tell_left_out(const SimulateRequest& request, const std::vector<std::string>& left_out) {
+void report_omitted_effects(const SimulateRequest& request, const std::vector<std::string>& left_out) {
   if (request.common.quiet) return;
-  for (const std::string& one : left_out) say("left out: " + one + ".");
+  for (const std::string& one : left_out) print_message("left out: " + one + ".");
 }
 
 bool stopped(const EngineRun& run, const Model& arm) {
   if (run.complete()) return false;
-  say("the run " + run.why(arm) + "; nothing is written.");
+  print_message("the run " + run.stop_reason(arm) + "; nothing is written.");
   return true;
 }
 
@@ -204,11 +204,11 @@ ExitStatus run_controlled(const SimulateRequest& request, const Model& arm,
   expect_value(request.loop.sensors.delay < lasts, "--encoder-delay", "found ",
                request.loop.sensors.delay, " s, expected less than the ", lasts,
                " s of the motion");
-  const LoopOptions loop = loop_of(request, arm);
+  const LoopOptions loop = control_loop_options(request, arm);
   const ControlledRecording done = while_busy(request.common, "simulating", [&] {
     return simulate_controlled(arm, wanted, {options, loop, request.engine});
   });
-  tell_left_out(request, done.left_out);
+  report_omitted_effects(request, done.left_out);
   if (stopped(done.run, arm)) return kDataCannotAnswer;
   write_simulated(request, done.recording);
   if (!request.common.json.empty()) write_file(request.common.json, to_json(done, wanted));

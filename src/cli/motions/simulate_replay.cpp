@@ -25,8 +25,8 @@ ReplayInput input_of(const SimulateRequest& request, const Model& arm,
                      const PreprocessingOptions& how) {
   ReplayInput input = replay_input(arm, request.replay, how);
   if (!request.common.quiet) {
-    tell_facts({input.quality});
-    for (const std::string& remark : input.remarks) say(request.replay + ": " + remark);
+    report_facts({input.quality});
+    for (const std::string& remark : input.remarks) print_message(request.replay + ": " + remark);
   }
   return input;
 }
@@ -52,12 +52,12 @@ std::string replay_report(const SimulateRequest& request, const Model& arm, cons
 
 // True if the arm under recorded torques has left the recorded motion by more than its joint's
 // range, after which a comparison is meaningless.
-bool lost(const Model& arm, const Replay& r) {
+bool has_diverged(const Model& arm, const Replay& r) {
   for (int i = 0; i < arm.joints(); ++i) {
     const Coordinate& c = arm.coordinates()[i];
     const double range = c.limits.upper - c.limits.lower;
     if (!std::isfinite(range) || r.motion_max[i] <= range) continue;
-    say(fmt::format("the arm is lost: joint {} ends up to {:.3g} {unit} off the recorded motion, "
+    print_message(fmt::format("the arm is lost: joint {} ends up to {:.3g} {unit} off the recorded motion, "
                     "more than its whole range of {:.3g} {unit}; nothing was written.",
                     c.name, r.motion_max[i], range, fmt::arg("unit", c.prismatic ? "m" : "rad")));
     return true;
@@ -75,19 +75,19 @@ ExitStatus run_replay(const SimulateRequest& request, const Model& arm,
                   : request.drive == "set-points" ? ReplayDrive::kSetPoints
                                                   : ReplayDrive::kCommands;
   options.set_point_cutoff = request.set_point_cutoff;
-  options.loop = loop_of(request, arm);
+  options.loop = control_loop_options(request, arm);
   options.cutoff = request.preprocessing.cutoff;
   options.order = request.preprocessing.order;
   const ReplayInput input = input_of(request, arm, request.preprocessing);
   if (std::find(input.use.begin(), input.use.end(), 1) == input.use.end()) {
-    say(request.replay + ": no usable samples are left after gaps, edges and row limits");
+    print_message(request.replay + ": no usable samples are left after gaps, edges and row limits");
     return kDataCannotAnswer;
   }
   const Replay done = while_busy(request.common, "replaying",
                                  [&] { return replay(*engine, arm, input, options); });
-  tell_left_out(request, engine->left_out());
+  report_omitted_effects(request, engine->left_out());
   if (stopped(done.run, arm)) return kDataCannotAnswer;
-  if (request.drive == "torques" && lost(arm, done)) return kDataCannotAnswer;
+  if (request.drive == "torques" && has_diverged(arm, done)) return kDataCannotAnswer;
   if (!request.output.empty())
     write_recording(rows_of(done.run.motion, done.run.tau), request.output);
   if (!request.common.json.empty()) write_file(request.common.json, to_json(done, arm));
@@ -116,7 +116,7 @@ ExitStatus run_breakaway(const SimulateRequest& request, const Model& arm,
   how.signal_cutoff_ratio = kRampCutoff / how.cutoff;
   const ReplayInput input = input_of(request, arm, how);
   const Breakaway found = breakaway(*engine, arm, input, options);
-  tell_left_out(request, engine->left_out());
+  report_omitted_effects(request, engine->left_out());
   if (!request.common.json.empty()) write_file(request.common.json, to_json(found, arm));
   if (!request.output.empty()) {
     MotionSamples motion = input.motion;

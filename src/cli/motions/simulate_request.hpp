@@ -50,12 +50,12 @@ void write_simulated(const SimulateRequest& request, const SimulatedRecording& s
 std::string simulation_report(const SimulateRequest& request, const SimulatedRecording& simulated);
 
 /// The control loop of the options; without gains on the command line or in a file it has none.
-LoopOptions loop_of(const SimulateRequest& request, const Model& arm);
+LoopOptions control_loop_options(const SimulateRequest& request, const Model& arm);
 
 Recording rows_of(const MotionSamples& motion, const MatrixXd& tau);
 
 /// Reports the effects that an engine does not support.
-void tell_left_out(const SimulateRequest& request, const std::vector<std::string>& left_out);
+void report_omitted_effects(const SimulateRequest& request, const std::vector<std::string>& left_out);
 
 /// Reports where a run stopped early; its results are not written then.
 bool stopped(const EngineRun& run, const Model& arm);

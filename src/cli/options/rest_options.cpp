@@ -18,7 +18,7 @@ void add_rest_options(CLI::App& command, RestRequest& request, const std::string
       ->delimiter(',');
 }
 
-bool are_poses(const RestRequest& request, const Model& arm, const std::vector<std::string>& train,
+bool are_rest_poses(const RestRequest& request, const Model& arm, const std::vector<std::string>& train,
                const PreprocessingOptions& how) {
   if (request.at_rest || !request.approach.empty()) return true;
   return !train.empty() && std::all_of(train.begin(), train.end(),

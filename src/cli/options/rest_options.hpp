@@ -13,14 +13,14 @@ namespace veridyn::cli {
 /// --at-rest and --approach.
 struct RestRequest {
   bool at_rest = false;
-  std::vector<double> approach;  ///< of every recording; empty: as it says
+  std::vector<double> approach;  ///< direction of approach of every recording; empty: as recorded
 };
 
-/// @param identifies  what the command does with poses, for --help.
+/// @param identifies  use of poses by the command, for --help.
 void add_rest_options(CLI::App& command, RestRequest& request, const std::string& identifies);
 
-/// True where the options say that recordings are of poses, or every training recording shows it.
-bool are_poses(const RestRequest& request, const Model& arm, const std::vector<std::string>& train,
+/// True if the options declare recordings of poses, or if every training recording is one.
+bool are_rest_poses(const RestRequest& request, const Model& arm, const std::vector<std::string>& train,
                const PreprocessingOptions& how);
 
 /// Poses of the training and of the held-out recordings.

@@ -16,7 +16,7 @@ namespace {
 
 using veridyn::VectorXd;
 
-void take(const double* from, VectorXd& to) noexcept {
+void copy_in(const double* from, VectorXd& to) noexcept {
   if (from == nullptr) {
     to.setZero();
   } else {
@@ -50,11 +50,11 @@ int veridyn_controller_update(veridyn_controller* controller, const double* q, c
                               const double* q_wanted, const double* dq_wanted, const double* ddq_wanted, double dt,
                               double* tau) {
   veridyn::Measured& measured = dq == nullptr ? controller->positions : controller->with_velocities;
-  take(q, measured.q);
-  if (dq != nullptr) take(dq, measured.dq);
-  take(q_wanted, controller->wanted.q);
-  take(dq_wanted, controller->wanted.dq);
-  take(ddq_wanted, controller->wanted.ddq);
+  copy_in(q, measured.q);
+  if (dq != nullptr) copy_in(dq, measured.dq);
+  copy_in(q_wanted, controller->wanted.q);
+  copy_in(dq_wanted, controller->wanted.dq);
+  copy_in(ddq_wanted, controller->wanted.ddq);
   const VectorXd& out = controller->controller.update(measured, controller->wanted, dt);
   Eigen::Map<VectorXd>(tau, out.size()) = out;
   return controller->controller.fault() ? 1 : 0;

@@ -195,7 +195,7 @@ bool CooperativeController::track(int member, bool on) noexcept {
   tracked_[k] = on ? 1 : 0;
   watches_[k] = {};
   monitors_[k].reset();
-  guard_.forget(member);
+  guard_.reset_member(member);
   return true;
 }
 
@@ -289,7 +289,7 @@ bool CooperativeController::jumps(size_t member, const ForceReading& reading,
 
 // A reading is compared with the member's length over the whole time since the wanted force last
 // arrived: a law that tracks a drifting sensor stretches or slackens the member until they disagree.
-// A string that is slack carries nothing, though its length says less.
+// A slack string has no force, although its length would imply a negative one.
 bool CooperativeController::drifts(size_t member, const ForceReading& reading,
                                    const CooperativeInput& input) noexcept {
   Watch& watch = watches_[member];
@@ -315,7 +315,7 @@ bool CooperativeController::drifts(size_t member, const ForceReading& reading,
 }
 
 // Checks the generated energy while the wanted force is constant, because it is defined only then.
-bool CooperativeController::makes_energy(size_t member, const ForceReading& reading,
+bool CooperativeController::generates_energy(size_t member, const ForceReading& reading,
                                          const CooperativeInput& input) noexcept {
   PassivityMonitor& monitor = monitors_[member];
   if (!wanted_.arrived() || !reading.number) {
@@ -333,7 +333,7 @@ bool CooperativeController::makes_energy(size_t member, const ForceReading& read
   return monitor.generated() > options_.largest_energy;
 }
 
-CooperativeState CooperativeController::judge(const CooperativeInput& input) noexcept {
+CooperativeState CooperativeController::check_input(const CooperativeInput& input) noexcept {
   // The stretch under its force displaces the ends of a member from the path of the motion alone.
   double stretch = 0.0;
   for (size_t k = 0; k < trackers_.size(); ++k) {
@@ -362,7 +362,7 @@ CooperativeState CooperativeController::judge(const CooperativeInput& input) noe
     if (reading.number && std::abs(reading.force - wanted) > options_.largest_force_error)
       return CooperativeState::kForceMissed;
     const CooperativeMember& m = options_.members[k];
-    if (makes_energy(k, reading, input)) return CooperativeState::kEnergyMade;
+    if (generates_energy(k, reading, input)) return CooperativeState::kEnergyMade;
     const double length =
         (input.position[m.to] - input.position[m.from])
             .norm();
@@ -394,13 +394,13 @@ void CooperativeController::relieve(const CooperativeInput& input) noexcept {
   for (size_t i = 0; i < targets_.size(); ++i) targets_[i].relief.position += relief_[i];
 }
 
-void CooperativeController::learn_lengths(const CooperativeInput& input) noexcept {
+void CooperativeController::update_lengths(const CooperativeInput& input) noexcept {
   for (size_t k = 0; k < trackers_.size(); ++k) {
     if (tracked_[k] == 0 || !input.force[k].number) continue;
     const CooperativeMember& m = options_.members[k];
     const Vector3d line =
         input.position[m.to] - input.position[m.from];
-    guard_.learn(static_cast<int>(k), line.norm(), input.force[k].force);
+    guard_.update_length(static_cast<int>(k), line.norm(), input.force[k].force);
   }
 }
 
@@ -412,8 +412,8 @@ void CooperativeController::give_way(const CooperativeInput& input) noexcept {
       // The length of a member needs both positions; without them only forces count.
       if (input.located[m.from] == 0 ||
           input.located[m.to] == 0)
-        guard_.forget(static_cast<int>(k));
-      if (tracked_[k] != 0 && !sensor_failed()) guard_.feel(static_cast<int>(k), input.force[k].force);
+        guard_.reset_member(static_cast<int>(k));
+      if (tracked_[k] != 0 && !sensor_failed()) guard_.detect_compression(static_cast<int>(k), input.force[k].force);
     }
     guard_.update(input.position, input.healthy, options_.relief_force);
     for (size_t i = 0; i < targets_.size(); ++i)
@@ -430,7 +430,7 @@ void CooperativeController::give_way(const CooperativeInput& input) noexcept {
 const std::vector<TipTarget>& CooperativeController::update(
     const CooperativeInput& input) noexcept {
   if (state_ == CooperativeState::kTracking) {
-    state_ = judge(input);
+    state_ = check_input(input);
     if (state_ != CooperativeState::kTracking) stop();
     arrived_ = wanted_.arrived();
   }
@@ -442,7 +442,7 @@ const std::vector<TipTarget>& CooperativeController::update(
   if (state_ != CooperativeState::kNotFinite) {
     correct(input);
     if (state_ == CooperativeState::kTracking) {
-      learn_lengths(input);
+      update_lengths(input);
     } else {
       give_way(input);
     }

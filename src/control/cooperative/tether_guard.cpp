@@ -40,26 +40,26 @@ TetherGuard::TetherGuard(int arms, std::vector<Member> members, const TetherGuar
 }
 
 void TetherGuard::reset() noexcept {
-  for (std::size_t k = 0; k < members_.size(); ++k) forget(static_cast<int>(k));
+  for (std::size_t k = 0; k < members_.size(); ++k) reset_member(static_cast<int>(k));
   for (Motion& motion : motions_) motion = Motion();
   for (Seen& tip : seen_) tip = Seen();
 }
 
-void TetherGuard::forget(int member) noexcept {
+void TetherGuard::reset_member(int member) noexcept {
   const auto k = static_cast<std::size_t>(member);
   lengths_[k] = limits_[k] = kUnknown;
   pushes_[k] = 0;
 }
 
-void TetherGuard::feel(int member, double force) noexcept {
+void TetherGuard::detect_compression(int member, double force) noexcept {
   if (force < -options_.least_push) pushes_[member] = 1;
 }
 
-void TetherGuard::learn(int member, double length, double force) noexcept {
+void TetherGuard::update_length(int member, double length, double force) noexcept {
   const auto k = static_cast<std::size_t>(member);
   const double stiffness = members_[k].stiffness;
   if (!std::isfinite(length) || !std::isfinite(force)) return;
-  feel(member, force);
+  detect_compression(member, force);
   if (!(force > 0.0)) {  // slack or compressed: the unloaded length is at least this
     lengths_[k] = std::isnan(lengths_[k]) ? length : std::max(lengths_[k], length);
     return;
@@ -69,7 +69,7 @@ void TetherGuard::learn(int member, double length, double force) noexcept {
       std::isnan(lengths_[k]) ? found : lengths_[k] + kLearning * (found - lengths_[k]);
 }
 
-void TetherGuard::look(const std::vector<Vector3d>& position) noexcept {
+void TetherGuard::update_positions(const std::vector<Vector3d>& position) noexcept {
   const double dt = options_.period;
   const double p = std::exp(-2.0 * M_PI * options_.smoothing * dt);
   const double r = 1.0 - p;
@@ -128,7 +128,7 @@ void TetherGuard::hold_back(std::size_t k, const std::vector<char>& healthy,
 
 void TetherGuard::update(const std::vector<Vector3d>& position, const std::vector<char>& healthy,
                          double force) noexcept {
-  look(position);
+  update_positions(position);
   for (Motion& motion : motions_) motion.acceleration = -motion.velocity / options_.rest;
   for (std::size_t k = 0; k < members_.size(); ++k)
     hold_back(k, healthy, force);

@@ -19,7 +19,7 @@ void touch_stack() noexcept {
 
 }  // namespace
 
-bool take_real_time_priority(int priority) noexcept {
+bool set_real_time_priority(int priority) noexcept {
   sched_param wanted{};
   wanted.sched_priority = priority;
   return ::sched_setscheduler(0, SCHED_FIFO, &wanted) == 0;

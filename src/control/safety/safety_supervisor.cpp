@@ -16,7 +16,7 @@ constexpr double kBlindBraking = 0.8;     // share of the momentum; friction tak
 // is stopped at 1.5 times that limit (SafetyLimits::runaway).
 constexpr double kJumpShare = 2.0;
 
-// Of a motor's limit: one that stands still with so much presses on something.
+// Share of a motor's limit: a motor at rest with more torque is blocked.
 constexpr double kNearLimit = 0.95;
 
 // A position counts as newly measured if its time of measurement has advanced by this share of a cycle.
@@ -209,7 +209,7 @@ SafetySupervisor::Finding SafetySupervisor::check_force(const SafetyInput& input
   return {};
 }
 
-bool SafetySupervisor::rests(const ArmState& arm) const noexcept {
+bool SafetySupervisor::is_at_rest(const ArmState& arm) const noexcept {
   return (arm.dq().cwiseAbs().array() <= limits_.rest_share * limits_.velocity.array()).all();
 }
 
@@ -229,7 +229,7 @@ SafetySupervisor::Finding SafetySupervisor::check_held(const ArmState& arm,
   }
   const double energy = 0.5 * arm.dq().dot(arm.mass_matrix().lazyProduct(arm.dq()));
   slow_for_ += input.dt;
-  if (!watched_ || rests(arm) || energy <= 0.5 * energy_) {
+  if (!watched_ || is_at_rest(arm) || energy <= 0.5 * energy_) {
     energy_ = energy;
     slow_for_ = 0.0;
     watched_ = true;
@@ -251,8 +251,8 @@ SafetySupervisor::Finding SafetySupervisor::check(const ArmState& arm, const Saf
   return found;
 }
 
-// Stores a valid state, for the time when there is none.
-void SafetySupervisor::trust(const ArmState& arm, const SafetyInput& input) noexcept {
+// Stores a valid state, for later cycles without one.
+void SafetySupervisor::store_valid_state(const ArmState& arm, const SafetyInput& input) noexcept {
   q_sound_ = arm.q();
   extra_sound_ = extra_;
   if (input.force.allFinite())
@@ -279,7 +279,7 @@ void SafetySupervisor::keep_holding_torque() noexcept {
 // Brakes with -braking dq; once at rest, holds that position.
 void SafetySupervisor::brake(const ArmState& arm) noexcept {
   if (!stopped_) {
-    stopped_ = rests(arm);
+    stopped_ = is_at_rest(arm);
     q_hold_ = arm.q();
   }
   y_ = kHoldStiffness * (q_hold_ - arm.q()) - limits_.braking * arm.dq();
@@ -316,7 +316,7 @@ void SafetySupervisor::act(const ArmState& arm, const VectorXd& tau, double dt) 
   }
 }
 
-void SafetySupervisor::note(const Finding& found) noexcept {
+void SafetySupervisor::record_finding(const Finding& found) noexcept {
   for (int k = 0; k < events_; ++k) {
     if (event_[k].fault == found.fault) return;
   }
@@ -337,7 +337,7 @@ const VectorXd& SafetySupervisor::update(const ArmState& arm, const SafetyInput&
     const Finding found = check(arm, input, tau);
     const bool trusted = action_of(found.fault) != SafetyAction::kFreeze;
     if (state_ == SafetyState::kFault && std::isfinite(input.dt)) fault_for_ += input.dt;
-    if (found.fault != SafetyFault::kNone) note(found);
+    if (found.fault != SafetyFault::kNone) record_finding(found);
     // A force sensor that fails later has no effect, because braking does not use it.
     const bool worse = strength(found.fault) > strength(fault_) &&
                        (fault_ == SafetyFault::kNone || found.fault != SafetyFault::kForceSensor);
@@ -351,7 +351,7 @@ const VectorXd& SafetySupervisor::update(const ArmState& arm, const SafetyInput&
     // Only new measurements are stored; and kFreeze lasts until reset, because velocities are wrong
     // for a while after a jump.
     const bool fresh = since_sound_ > kNewer * input.dt || !seen_;
-    if (trusted && fresh && action_of(fault_) != SafetyAction::kFreeze) trust(arm, input);
+    if (trusted && fresh && action_of(fault_) != SafetyAction::kFreeze) store_valid_state(arm, input);
     if (worse) keep_holding_torque();
   }
   switch (state_) {

@@ -2,7 +2,7 @@
 
 namespace veridyn {
 
-/// All numbers that can change what `compare` says, each with its inequality, and with its
+/// All numbers that can change the result of `compare`, each with its inequality, and with its
 /// reason where one is known.
 struct ComparisonNumbers {
   /// change / rms torque of a parameter < rounded_away: an error of sampling in time, counted as no change.
@@ -15,7 +15,7 @@ struct ComparisonNumbers {
   double surely_there = 3.0;
 };
 
-/// What no answer turns on: rounding, a moment of the normal distribution, and how numbers are printed.
+/// Numbers that change no result: rounding, a moment of the normal distribution, and how numbers are printed.
 namespace comparing {
 
 constexpr ComparisonNumbers numbers;
@@ -32,7 +32,7 @@ constexpr double kSameToRounding = 1e-6;
 constexpr double kInSpan = 1e-5;
 /// probability outside of an interval = kOutside.
 constexpr double kOutside = 0.05;
-/// |a - b| <= kSame * (1 + |a|): equal; what files lose in rounding is less.
+/// |a - b| <= kSame * (1 + |a|): equal; files round by less.
 constexpr double kSame = 1e-9;
 /// digits of a value without a deviation >= those of kDigits of it.
 constexpr double kDigits = 1e-3;

@@ -11,7 +11,7 @@
 namespace veridyn {
 namespace {
 
-std::string verb(const ModelDifference& d) {
+std::string change_verb(const ModelDifference& d) {
   // "Grew" would be ambiguous for negative values.
   if (!(d.before > 0.0 && d.after > 0.0)) return "went";
   return d.after > d.before ? "grew" : "fell";
@@ -22,7 +22,7 @@ std::string signed_text(double value, double resolution) {
 }
 
 // "from 0.40 to 0.48 N m (+20 %; by +0.08 N m, 95 %: +0.05 to +0.11)"
-std::string sizes(const ModelDifference& d) {
+std::string sizes_text(const ModelDifference& d) {
   const double resolution = std::isfinite(d.deviation) ? d.deviation : comparing::kDigits * std::abs(d.before);
   std::string out = fmt::format("from {} to {} {}", number_text(d.before, resolution),
                                 number_text(d.after, resolution), d.unit);
@@ -65,7 +65,7 @@ std::string effect_sentence(const Model& arm, const EffectTerm& term, const Stan
   const std::string where =
       one_joint ? joint_text(arm, d.joint)
                 : "the axis " + axis_text(arm, term.axis) + " (joints " + joints + ")";
-  return fmt::format("{}{} of {} {} {}.", name, which, where, verb(d), sizes(d));
+  return fmt::format("{}{} of {} {} {}.", name, which, where, change_verb(d), sizes_text(d));
 }
 
 // "joint 1 (yaw) changed by up to 0.10 N m, on joint 2 (pitch) by 0.08 N m": the main joint, then
@@ -93,7 +93,7 @@ std::string inertial_sentence(const Model& arm, const StandardTorque& torque,
                            : p.component <= 3 ? "the first moment "
                                               : "the inertia ";
   std::string out =
-      kind + d.name + with + " " + (verb(d) == "went" ? "went " : "changed ") + sizes(d) + ": ";
+      kind + d.name + with + " " + (change_verb(d) == "went" ? "went " : "changed ") + sizes_text(d) + ": ";
   const VectorXd weight = torque.weight_of(standard);
   const auto i = static_cast<Eigen::Index>(d.joint.value);
   if (weight[i] > 0.5 * torque.rms_of(standard)[i]) {
@@ -146,7 +146,7 @@ std::string joint_sentence(const Model& arm, JointQuantity which, const ModelDif
       break;
   }
   return capitalised(
-      fmt::format("{} {} {} {}.", what, joint_text(arm, d.joint), verb(d), sizes(d)));
+      fmt::format("{} {} {} {}.", what, joint_text(arm, d.joint), change_verb(d), sizes_text(d)));
 }
 
 }  // namespace veridyn

@@ -45,7 +45,7 @@ std::string expression_of(const VectorXd& row, Eigen::Index leading,
 }
 
 // Reads the section of the file; false (with a note) if it is inconsistent with the file's values.
-bool take_identified(const IdentifiedBase& file, const std::vector<StandardParameter>& parameters,
+bool read_identified_base(const IdentifiedBase& file, const std::vector<StandardParameter>& parameters,
                      const VectorXd& values, BaseNumbers& out) {
   std::unordered_map<std::string, Eigen::Index> index;
   for (std::size_t j = 0; j < parameters.size(); ++j)
@@ -99,7 +99,7 @@ void make_canonical(BaseNumbers& numbers) {
   numbers.free = by_leading.solve(VectorXd(numbers.free));
 }
 
-void take_values(const Model& arm, const VectorXd& values, BaseNumbers& out) {
+void read_values(const Model& arm, const VectorXd& values, BaseNumbers& out) {
   const BaseParameters base = base_parameters(arm);
   out.K = base.K;
   out.leading = base.independent;
@@ -114,11 +114,11 @@ BaseNumbers base_numbers(const Model& arm) {
   const VectorXd values = values_of(arm, parameters);
   const std::optional<IdentifiedBase>& file = arm.description().identified;
   BaseNumbers out;
-  if (!file || !file->has_scatter() || !take_identified(*file, parameters, values, out)) {
+  if (!file || !file->has_scatter() || !read_identified_base(*file, parameters, values, out)) {
     if (file && !file->has_scatter())
       out.note = fmt::format("{} clusters are too few for statistics", file->clusters);
     out.leading.clear();
-    take_values(arm, values, out);
+    read_values(arm, values, out);
   }
   make_canonical(out);
   for (Eigen::Index r = 0; r < out.K.rows(); ++r) {

@@ -35,16 +35,16 @@ struct Side {
 
   // Standard parameters with these base parameters: the leading ones are set to them, because their
   // columns equal those of the base parameters.
-  VectorXd standard(const VectorRef& base) const {
+  VectorXd standard_parameters_of(const VectorRef& base) const {
     VectorXd out = VectorXd::Zero(torque.parameters().size());
     for (size_t r = 0; r < numbers.leading.size(); ++r)
       out[numbers.leading[r]] = base[static_cast<Eigen::Index>(r)];
     return out;
   }
 
-  // Unconstrained estimates; facts keep their values.
+  // Unconstrained estimates; fixed parameters keep their values.
   VectorXd free_values() const {
-    VectorXd out = standard(numbers.free);
+    VectorXd out = standard_parameters_of(numbers.free);
     for (size_t j = 0; j < torque.parameters().size(); ++j) {
       if (numbers.clusters > 0 && torque.parameters()[j].fixed)
         out[static_cast<Eigen::Index>(j)] = torque.parameters()[j].value;
@@ -54,7 +54,7 @@ struct Side {
 
   // Torque over the standard motion due to one column of the scatter.
   MatrixXd chance(Eigen::Index column) const {
-    return torque.torque(standard(numbers.scatter.col(column)));
+    return torque.torque(standard_parameters_of(numbers.scatter.col(column)));
   }
 };
 
@@ -156,7 +156,7 @@ std::string unit_of(JointQuantity which, const Coordinate& coordinate) {
 }
 
 // The base parameter to which a quantity is proportional; empty if there are several.
-std::string only_parameter(const Side& side, const VectorXd& u) {
+std::string proportional_parameter(const Side& side, const VectorXd& u) {
   std::string found;
   for (size_t r = 0; r < side.numbers.leading.size(); ++r) {
     if (u[side.numbers.leading[r]] == 0.0) continue;
@@ -191,7 +191,7 @@ std::vector<ModelDifference> joint_differences(const Side& a, const Side& b,
         return VectorXd(side.numbers.scatter.transpose() * leading);
       };
       add_statistics(scatter(a, u_a), scatter(b, u_b), how, d);
-      d.same_as = only_parameter(a, u_a);
+      d.same_as = proportional_parameter(a, u_a);
       d.sentence = joint_sentence(a.arm, which, d);
       out.push_back(std::move(d));
     }
@@ -207,7 +207,7 @@ double largest_share(const ModelDifference& d, const std::vector<TorqueDifferenc
   return most;
 }
 
-bool holds(const std::vector<ModelDifference>& parameters, const std::string& expression) {
+bool contains_expression(const std::vector<ModelDifference>& parameters, const std::string& expression) {
   return std::any_of(parameters.begin(), parameters.end(),
                      [&](const ModelDifference& d) { return d.expression == expression; });
 }
@@ -249,7 +249,7 @@ ModelComparison compare(const Model& first, const Model& second, const Compariso
     out.parameters.push_back(parameter_difference(m, a, how, out.torque));
   out.joints = joint_differences(a, b, how);
   for (ModelDifference& d : out.joints) {
-    if (!holds(out.parameters, d.same_as)) d.same_as.clear();
+    if (!contains_expression(out.parameters, d.same_as)) d.same_as.clear();
   }
   correct_for_number(out);
   const auto by_p = [](const ModelDifference& x, const ModelDifference& y) {

@@ -77,7 +77,7 @@ bool comparable(const Model& before, int term_before, const Model& after, int te
   return true;
 }
 
-// Pairs of frames that both models have. The others hang fixed on one of them (require_one_arm()),
+// Pairs of frames that both models have. The others are fixed to one of them (require_one_arm()),
 // such as a diagnosed load; a body that one model lacks has parameters of zero there.
 std::vector<std::pair<const Frame*, const Frame*>> common_frames(const Model& before, const Model& after) {
   std::vector<std::pair<const Frame*, const Frame*>> out;
@@ -156,7 +156,7 @@ void compare_facts(const Model& before, const Model& after, Differences& out) {
   }
 }
 
-// Bodies that one model lacks.
+// Compares the bodies that only one of the models has.
 void compare_bodies(const Model& before, const Model& after, Differences& out) {
   for (const bool first : {true, false}) {
     const Model& arm = first ? before : after;
@@ -254,7 +254,7 @@ std::vector<Eigen::Index> independent_columns(MatrixXd K) {
 
 // Drops parameters that the arm has no longer from the combinations. They act as those of the body
 // that carries theirs do, so that the combination of the rest has the same value.
-void forget_parameters(const std::set<std::string>& gone, const std::vector<StandardParameter>& kept, IdentifiedBase& base) {
+void drop_parameters(const std::set<std::string>& gone, const std::vector<StandardParameter>& kept, IdentifiedBase& base) {
   bool leads = false;
   for (IdentifiedParameter& p : base.parameters) {
     for (const std::string& name : gone) p.combination.erase(name);
@@ -287,7 +287,7 @@ Model without_frames_of_its_own(const Model& arm, const Model& other) {
     const Frame& frame = arm.frames()[arm.bodies()[*p.body]];
     if (other.find_frame(frame.name) < 0) gone.insert(p.name);
   }
-  // Frames that hang on one of them come after it, and are of its own as well.
+  // Frames that are fixed to one of them come after it, and belong to this arm only, too.
   for (std::size_t k = d.frames.size(); k-- > 0;) {
     const Frame frame = d.frames[k];
     if (other.find_frame(frame.name) >= 0) continue;
@@ -314,7 +314,7 @@ Model without_frames_of_its_own(const Model& arm, const Model& other) {
   if (d.frames.size() == arm.frames().size()) return arm;
   std::optional<IdentifiedBase> identified = std::exchange(d.identified, std::nullopt);
   if (identified) {
-    forget_parameters(gone, standard_parameters(Model(d)), *identified);
+    drop_parameters(gone, standard_parameters(Model(d)), *identified);
     d.identified = std::move(identified);
   }
   return Model(std::move(d));

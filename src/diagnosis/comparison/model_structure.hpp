@@ -11,7 +11,7 @@ namespace veridyn {
 /// @throws InvalidInput  coordinates, frames or bodies differ, so that these are two robots.
 void require_one_arm(const Model& before, const Model& after);
 
-/// The arm without frames that the other model lacks, which hang fixed on its own, such as a
+/// The arm without frames that the other model lacks, which are fixed to others, such as a
 /// diagnosed load: their bodies become part of those that carry them, which changes no torque.
 /// Statistics of an identification keep their values.
 /// @throws InvalidInput  such a body has no values, or hangs on a frame without a body.

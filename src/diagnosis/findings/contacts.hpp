@@ -12,7 +12,7 @@ struct Contact {
   std::string source;  ///< the recording
   double from = 0.0;   ///< [s] since the recording began
   double to = 0.0;
-  int last_joint = 0;    ///< from 0: the last joint that feels it; the contact is on its link
+  int last_joint = 0;    ///< from 0: the last joint with a torque from it; the contact is on its link
   VectorXd effort;       ///< (n) mean torque that the model does not explain [N m] or [N]
   double deviation = 0;  ///< Scatter of the last joint's residual elsewhere
   double peak = 0.0;     ///< largest residual over its scatter elsewhere

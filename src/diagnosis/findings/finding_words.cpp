@@ -65,7 +65,7 @@ void refresh(const Identification& id, const std::vector<std::string>& names, Fi
     const double deviation = id.parameter_deviations[at];
     if (!std::isfinite(deviation)) continue;
     FoundParameter& parameter = f.parameters[p];
-    // The interval of the fit that found it, moved; it counts what differs between recordings.
+    // The interval of the first fit, shifted: it includes differences between recordings.
     const double half = std::max(t * deviation, 0.5 * (parameter.high - parameter.low));
     parameter.value = id.parameters[at];
     parameter.low = parameter.value - half;
@@ -74,7 +74,7 @@ void refresh(const Identification& id, const std::vector<std::string>& names, Fi
   renew_phrase(*id.model, names, f);
 }
 
-bool falls(const VectorXd& before, const VectorXd& after, std::optional<JointIndex> joint) {
+bool error_falls(const VectorXd& before, const VectorXd& after, std::optional<JointIndex> joint) {
   // The error of a joint without torque is an infinite share of it, before and after, and counts for nothing.
   const auto sum = [](const VectorXd& errors) { return errors.array().max(numerics::kTiny).min(numerics::kHuge).log().sum(); };
   return sum(before) > sum(after) && (!joint || after[joint->value] <= before[joint->value]);
@@ -110,15 +110,15 @@ JointVerdict no_torque_verdict(JointIndex joint) {
 
 FindingStatus status_of(const Finding& f) {
   const bool measured = f.folds_before.size() > 0 && f.folds_after.size() == f.folds_before.size();
-  return !measured || falls(f.folds_before, f.folds_after, only_joint(f)) ? FindingStatus::kConfirmed
+  return !measured || error_falls(f.folds_before, f.folds_after, only_joint(f)) ? FindingStatus::kConfirmed
                                                                     : FindingStatus::kNotConfirmed;
 }
 
 Agreement Finding::held_out() const {
-  // A push is no property of the arm that other recordings could show.
+  // A push is no property of the arm, so other recordings cannot confirm it.
   if (test_before.size() == 0 || test_after.size() != test_before.size() || std::holds_alternative<ExternalContact>(cause))
     return Agreement::kNotMeasured;
-  return falls(test_before, test_after, only_joint(*this)) ? Agreement::kAgrees : Agreement::kContradicts;
+  return error_falls(test_before, test_after, only_joint(*this)) ? Agreement::kAgrees : Agreement::kContradicts;
 }
 
 const char* name_of(Agreement agreement) {

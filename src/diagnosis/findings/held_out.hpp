@@ -13,7 +13,7 @@ HoldOut hold_out(const Thresholds& limits);
 double explained_share(const VectorXd& before, const VectorXd& after,
                        const Identification& baseline);
 
-/// The same above another floor than that between repeats, (n).
+/// The same above a given floor (n) instead of that between repeats.
 double explained_share(const VectorXd& before, const VectorXd& after, const VectorXd& errors, const VectorXd& floor);
 
 }  // namespace veridyn

@@ -10,7 +10,7 @@ constexpr int kSlowPasses = 2;
 
 // True for effects that `excite` can separate from others by joint motion, see
 // ExcitationOptions::between.
-bool can_be_asked(const std::string& effect) {
+bool is_designable(const std::string& effect) {
   if (effect == AddedLoad::kName) return true;
   if (!has_effect(effect)) return false;
   const ChannelEffect* channel = channel_effect(effect);
@@ -30,7 +30,7 @@ NextExperiment next_experiment(const Diagnosis& d) {
     for (const Rival& r : f.rivals) {
       const std::string first = effect_of(f.cause);
       const std::string second = effect_of(r.cause);
-      if (!can_be_asked(first) || !can_be_asked(second) || first == second) continue;
+      if (!is_designable(first) || !is_designable(second) || first == second) continue;
       NextExperiment out;
       out.between = {f.cause, r.cause};
       if (is_slow(first) || is_slow(second)) out.slow_passes = kSlowPasses;

@@ -4,7 +4,7 @@
 
 namespace veridyn {
 
-/// The first finding whose cause has a rival that these recordings cannot separate; failing that,
+/// The first finding whose cause has a rival that these recordings cannot separate; if there is none,
 /// nothing.
 NextExperiment next_experiment(const Diagnosis& diagnosis);
 

@@ -25,9 +25,9 @@ bool is_no_factor(const Diagnosis& d, const Finding& gain) {
 
 // The fewest findings that together explain most of the total; always the first one that training
 // confirms and held-out recordings do not contradict, and findings that do not concern the model's
-// torque. Against a MODEL also each change that explains more than 1 - share of its own joint's error, and a load that the
+// torque. Against an identified model also each change that explains more than 1 - share of its own joint's error, and a load that the
 // held-out recordings contradict: it need not be the same in all of them.
-std::vector<char> main_ones(const Diagnosis& d, double share) {
+std::vector<char> main_findings(const Diagnosis& d, double share) {
   std::vector<char> out(d.findings.size(), 0);
   std::vector<size_t> order(d.findings.size());
   std::iota(order.begin(), order.end(), size_t{0});
@@ -67,7 +67,7 @@ void summarize(Diagnosis& d, const DiagnosisOptions& options) {
     if (is_no_factor(d, f))
       f.phrase += " in the mean, in no constant proportion: what is left depends on the same torque, as behind a limit or a dead zone";
   }
-  const std::vector<char> main = main_ones(d, thresholds.main_share);
+  const std::vector<char> main = main_findings(d, thresholds.main_share);
   for (size_t k = 0; k < d.findings.size(); ++k) d.findings[k].main = main[k] != 0;
   std::stable_partition(d.findings.begin(), d.findings.end(),
                         [](const Finding& f) { return f.main; });
@@ -82,7 +82,7 @@ void summarize(Diagnosis& d, const DiagnosisOptions& options) {
   const VectorXd& before = d.baseline.test_error.relative;
   const VectorXd& after = d.extended.test_error.relative;
   if (before.size() == 0 || after.size() != before.size()) return;
-  // Curves without a name are in no model: what they leave is in their findings, and what they predict of the
+  // Unnamed curves are in no model: their residual is in their findings, and their prediction of the
   // difference between repeats is no noise.
   VectorXd left = after, floor = d.baseline.noise_floor;
   for (const Finding& f : d.findings) {

@@ -4,7 +4,7 @@
 
 namespace veridyn {
 
-/// Marks the main findings, puts them first, and counts what they explain.
+/// Marks the main findings, lists them first, and computes the share of the error that they explain.
 void summarize(Diagnosis& d, const DiagnosisOptions& options);
 
 }  // namespace veridyn

@@ -13,7 +13,7 @@ namespace veridyn {
 /// supports it.
 std::string normalized_cause(const Model& arm, const std::string& words);
 
-/// True for a cause that these words (normalized_cause()) name, alone or by its effect; empty: all.
+/// True if `wanted` (see normalized_cause()) contains the cause or its effect; empty: all.
 bool is_among(const std::vector<std::string>& wanted, const Model& arm, const Cause& cause);
 
 /// State of a diagnosis, passed from step to step; diagnosis.cpp defines their order.
@@ -59,11 +59,11 @@ void exclude_rests(DiagnosisState& x);
 void leave_out(const std::vector<ExcludedInterval>& parts, DiagnosisState& x);
 
 /// Leaves out the rows of joints without torque, and fits the arm again from the others. False if these do not determine
-/// it: every joint's verdict says so.
-bool leave_silent_joints_out(DiagnosisState& x);
+/// it: this is then in every joint's verdict.
+bool exclude_silent_joints(DiagnosisState& x);
 
 /// Ends a diagnosis without tests: every joint is cannot_tell, for this reason.
-void cannot_tell_of_all(DiagnosisState& x, const std::string& why);
+void end_without_verdicts(DiagnosisState& x, const std::string& why);
 
 /// Reports joints with significantly negative friction, which indicates a torque of the wrong sign.
 void check_torque_signs(DiagnosisState& x);

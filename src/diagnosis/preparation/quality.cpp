@@ -10,13 +10,13 @@
 #include "recordings/kept_recordings.hpp"
 #include "recordings/velocity_trust.hpp"
 
-// What is wrong with the recordings, and the first fit to what is left of them.
+// Exclusion of faulty data of the recordings, and the first fit to the rest.
 
 namespace veridyn {
 namespace {
 
-// A velocity that is no derivative of its position is taken from the position.
-void leave_wrong_velocities_out(DiagnosisState& x) {
+// A velocity that is inconsistent with its position is replaced by the position's derivative.
+void exclude_wrong_velocities(DiagnosisState& x) {
   for (RecordingQuality& recording : x.d.data_quality) {
     for (QualityFinding& f : recording.findings) {
       if (makes_velocity_wrong(f)) f.sentence += "; the velocity of this joint is taken from its position";
@@ -25,7 +25,7 @@ void leave_wrong_velocities_out(DiagnosisState& x) {
   derive_velocities(trust_in_velocities(x.d.data_quality).wrong, x.options.identification);
 }
 
-void say_that_it_is_derived(int joint, DiagnosisState& x) {
+void remark_derived_velocity(int joint, DiagnosisState& x) {
   for (const RecordingQuality& recording : x.d.data_quality) {
     for (const QualityFinding& f : recording.findings) {
       if (f.finding != "velocity_noise" || f.joint != joint + 1) continue;
@@ -68,11 +68,11 @@ void choose_quieter_velocities(DiagnosisState& x) {
     return;
   }
   x.d.baseline = std::move(*choice.fit);
-  for (const int j : choice.better) say_that_it_is_derived(j, x);
+  for (const int j : choice.better) remark_derived_velocity(j, x);
 }
 
 // Stores the periods of the recordings, which are read many times.
-void remember_periods(DiagnosisState& x) {
+void store_periods(DiagnosisState& x) {
   IdentificationOptions& how = x.options.identification;
   std::map<std::string, double>& known = how.preprocessing.known_periods;
   for (const auto* list : {&x.d.baseline.train, &x.d.baseline.test}) {
@@ -107,8 +107,8 @@ void merge_overlaps(std::vector<ExcludedInterval>& parts) {
 }
 
 // A torque at the limit of its channel only says that the true one is beyond (a censored observation): such rows
-// would bend the parameters. They go with what the low-pass spreads of them, half a wave at its cut-off.
-void leave_saturated_out(DiagnosisState& x) {
+// would bias the parameters. They are excluded with the rows to which the low-pass spreads them, half a wave at its cut-off.
+void exclude_saturated(DiagnosisState& x) {
   const double cutoff = x.options.identification.preprocessing.cutoff;
   const double margin = cutoff > 0.0 ? 0.5 / cutoff : 0.0;
   for (const RecordingQuality& quality : x.d.data_quality) {
@@ -147,17 +147,17 @@ void check_quality(DiagnosisState& x) {
     const Recording* there = find_in_memory(how.in_memory, name);
     RecordingQuality& quality = x.d.data_quality[k];
     quality = there != nullptr ? check_recording(*there)
-                               : check_rows(name, open_rows(name, reading_of(x.arm, how), how.kept.get()));
+                               : check_rows(name, open_rows(name, recording_options_for(x.arm, how), how.kept.get()));
     quality.file = name;
   });
-  leave_wrong_velocities_out(x);
-  leave_saturated_out(x);
+  exclude_wrong_velocities(x);
+  exclude_saturated(x);
 }
 
 namespace {
 
 // False where there is no fit yet, or check_quality() has changed the rows since.
-bool is_of_these_rows(const Identification& fit, const DiagnosisState& x) {
+bool fits_current_rows(const Identification& fit, const DiagnosisState& x) {
   const PreprocessingOptions& how = x.options.identification.preprocessing;
   return fit.model && fit.preprocessing.derive_velocity_of == how.derive_velocity_of &&
          fit.preprocessing.excluded_intervals.size() == how.excluded_intervals.size();
@@ -168,7 +168,7 @@ bool is_of_these_rows(const Identification& fit, const DiagnosisState& x) {
 bool fit_baseline(DiagnosisState& x) {
   const Model file = x.arm;
   const JointFriction friction = x.options.identification.friction;
-  if (!is_of_these_rows(x.d.baseline, x)) x.d.baseline = x.fit(x.arm);
+  if (!fits_current_rows(x.d.baseline, x)) x.d.baseline = x.fit(x.arm);
   if (!x.d.baseline.model) return false;
   // From now on the arm is the identified one, with added effects.
   const size_t given = file.effects().size();
@@ -181,7 +181,7 @@ bool fit_baseline(DiagnosisState& x) {
   }
   x.options.identification.friction = JointFriction::kFile;
   choose_quieter_velocities(x);
-  remember_periods(x);
+  store_periods(x);
   x.start = x.d.baseline;
   return true;
 }

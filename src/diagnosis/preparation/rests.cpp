@@ -10,7 +10,7 @@ namespace veridyn {
 namespace {
 
 // Largest speed of every joint, over all recordings.
-std::vector<double> fastest(const std::vector<RecordingError>& recordings, size_t joints) {
+std::vector<double> largest_speeds(const std::vector<RecordingError>& recordings, size_t joints) {
   std::vector<double> out(joints, 0.0);
   for (const RecordingError& r : recordings) {
     for (size_t i = 0; i < joints; ++i) {
@@ -63,7 +63,7 @@ std::vector<std::vector<int>> moving_as_one(const Identification& id, const Thre
 void exclude_rests(DiagnosisState& x) {
   const Identification& seen = x.d.baseline;
   x.d.moving_as_one = moving_as_one(seen, x.options.thresholds);
-  const std::vector<double> speeds = fastest(seen.train, static_cast<size_t>(seen.model->joints()));
+  const std::vector<double> speeds = largest_speeds(seen.train, static_cast<size_t>(seen.model->joints()));
   std::vector<ExcludedInterval> rests;
   for (const RecordingError& r : seen.train) rests_of(r, speeds, x.options.thresholds, rests);
   if (rests.empty()) return;

@@ -9,7 +9,7 @@
 
 namespace veridyn {
 
-bool leave_silent_joints_out(DiagnosisState& x) {
+bool exclude_silent_joints(DiagnosisState& x) {
   const std::vector<ExcludedInterval> rows = silent_rows(x.d.baseline.factors);
   if (rows.empty()) return true;
   x.silent = silent_joints(x.d.baseline.factors);
@@ -25,7 +25,7 @@ bool leave_silent_joints_out(DiagnosisState& x) {
   }
   x.d.excluded_intervals.resize(parts);
   const std::vector<int> silent(x.silent.begin(), x.silent.end());
-  cannot_tell_of_all(x, "joints without torque: " + numbers_from_one(silent) + ", and the others alone do not determine the arm");
+  end_without_verdicts(x, "joints without torque: " + numbers_from_one(silent) + ", and the others alone do not determine the arm");
   return false;
 }
 

@@ -38,7 +38,7 @@ void report(DiagnosisState& x, int joint, double deviations) {
 
 }  // namespace
 
-void cannot_tell_of_all(DiagnosisState& x, const std::string& why) {
+void end_without_verdicts(DiagnosisState& x, const std::string& why) {
   Diagnosis& d = x.d;
   d.extended = d.baseline;
   for (int j = 0; j < x.arm.joints(); ++j) {

@@ -7,7 +7,7 @@
 
 namespace veridyn {
 
-/// Smooth functions of the positions, alone and in pairs, fitted to what an arm at rest leaves of the torques in training
+/// Smooth functions of the positions, alone and in pairs, fitted to the residual torques of an arm at rest in training
 /// poses: ridge regression with the kernel
 ///
 ///   k(q, p) = sum_i k_i + sum_(i<j) k_i k_j,   k_i = exp(-(q_i - p_i)^2 / (2 width_i^2))

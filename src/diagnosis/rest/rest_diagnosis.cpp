@@ -139,7 +139,7 @@ class RestDiagnosis {
     out.id = identify_at_rest(Model(std::move(description)), train_, test_, how);
     if (!out.id.model) return out;
     how.weights = JointWeights::kRange;
-    how.prior = *out.id.model;  // of what no pose determines
+    how.prior = *out.id.model;  // for parameters that no pose determines
     out.folds = fold_errors(out.id, how, hold_out(limits_));
     return out;
   }
@@ -195,7 +195,7 @@ class RestDiagnosis {
     d_.findings.push_back(std::move(f));
   }
 
-  // Above its floor is what smooth functions of the positions predict on poses that were held out.
+  // The error above the floor is the part that smooth functions of the positions predict on held-out poses.
   void add_verdicts() {
     const Identification& id = d_.extended;
     const VectorXd& before = d_.baseline.test_error.relative;

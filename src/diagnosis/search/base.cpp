@@ -99,7 +99,7 @@ Base fitted_base(const Rows& rows, Eigen::Index most) {
   while (kept < std::min(most, size.size()) && size[size.size() - 1 - kept] > kDependent * size[size.size() - 1]) ++kept;
   Base out;
   out.T = inverse.asDiagonal() * eigen.eigenvectors().rightCols(kept) * size.tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
-  // No parameter makes many times the torque that there is, only to be cancelled by others.
+  // No parameter has many times the measured torque, cancelled by others.
   out.ridge = (kLargestPart * kLargestPart * static_cast<double>(rows.rows()) * size.tail(kept)).cwiseInverse();
   for (int i = 0; i < rows.joints(); ++i) out.X.push_back(base_columns(rows, i, out.T));
   add_bounds(rows, out);

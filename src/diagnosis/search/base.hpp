@@ -15,7 +15,7 @@ struct Base {
   VectorXd ridge;           ///< of every direction
   bool prior = false;
   Eigen::Index hidden = 0;  ///< number of the last directions, which have a torque only under another gravity than the MODEL's
-  /// Levels that cannot be negative: value + row . u >= 0. Of a MODEL none: its prior says how far they move.
+  /// Levels that cannot be negative: value + row . u >= 0. Empty for a MODEL, whose prior bounds them.
   MatrixXd nonnegative;
   VectorXd value;
 };
@@ -23,7 +23,7 @@ struct Base {
 /// The columns of the directions T at other rows of the same arm.
 MatrixXd base_columns(const Rows& rows, int joint, const MatrixXd& T);
 
-/// Of an arm whose values are fitted, with at most so many directions: errors of the signals make dependent columns look
+/// The base of an arm whose values are fitted, with at most `most` directions: errors of the signals make dependent columns look
 /// independent.
 Base fitted_base(const Rows& rows, Eigen::Index most);
 
@@ -33,8 +33,8 @@ Base fitted_base(const Rows& rows, Eigen::Index most);
 /// same in every direction of torque; D bounds what the torques do not determine by a part of each value's own variance.
 MatrixXd covariance_of(const MatrixXd& F, const MatrixXd& G);
 
-/// Of a MODEL at rows of its own arm: what it determines may move as far as its covariance lets it, friction and offsets as
-/// they do from day to day, and what it cannot know freely.
+/// The base of a MODEL at rows of its own arm: parameters vary by their covariance, friction and offsets as
+/// from day to day, and undetermined parameters freely.
 Base prior_base(const Rows& rows, const Model& model);
 
 }  // namespace veridyn::search

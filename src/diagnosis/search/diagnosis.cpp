@@ -70,7 +70,7 @@ bool fit_mended(DiagnosisState& x, const Tell& tell) {
 
 void run(DiagnosisState& x, const Tell& tell) {
   if (!fit_mended(x, tell)) return;
-  if (!leave_silent_joints_out(x)) return;
+  if (!exclude_silent_joints(x)) return;
   exclude_rests(x);
   check_torque_signs(x);
   check_errors_in_variables(x);
@@ -144,8 +144,8 @@ Diagnosis diagnose(const Model& arm, const Recordings& train, const Recordings& 
   const Identification& found = x.d.extended.model ? x.d.extended : x.d.baseline;
   if (found.model) x.d.model = *found.model;
   for (Finding& finding : x.d.findings) finding.text = x.d.sentence(finding);
-  forget_recordings(x.d.baseline);
-  forget_recordings(x.d.extended);
+  drop_recordings(x.d.baseline);
+  drop_recordings(x.d.extended);
   x.d.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return std::move(x.d);
 }

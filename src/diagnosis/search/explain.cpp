@@ -115,7 +115,7 @@ class Explanation {
     }
   }
 
-  // Of the first so many terms: in proportion to what the same fit leaves, so that a fit without physical conditions and
+  // Test error of the first terms, in proportion to the residual of the same fit, so that a fit without physical conditions and
   // one with them begin alike.
   VectorXd test_error(size_t terms) const {
     const VectorXd& base = d_.baseline.test_error.relative;
@@ -143,14 +143,14 @@ class Explanation {
     return d_.changes && found_.values.size() > 0 ? with_values(*x_.start.model, found_.values, VectorXd()) : *x_.start.model;
   }
 
-  // The arm with everything that has a name, fitted under physical conditions. A size that ends at its bound is none.
+  // Fits the arm with all named terms under physical conditions. A size at its bound is dropped.
   void fit() {
     std::set<size_t> gone;
     for (size_t turn = 0; turn <= of_finding_.size(); ++turn) {
       const std::vector<Chosen> some = named(gone);
       d_.extended = some.empty() && x_.start.model ? x_.start : x_.fit(extended_arm(before(), some, d_.changes));
       if (!d_.extended.model || d_.changes || some.empty()) break;
-      // What leaves more under physical conditions than nothing at all is no answer: the least of its names goes.
+      // If names increase the error under physical conditions, the weakest is dropped.
       if (d_.extended.train_error.relative.norm() > d_.baseline.train_error.relative.norm()) {
         for (size_t f = of_finding_.size(); f-- > 0;) {
           if (found_.chosen[of_finding_[f].front()].term.kind != TermKind::kCurve && gone.insert(f).second) break;
@@ -227,7 +227,7 @@ class Explanation {
     std::vector<Contact> contacts;
     add_moments_in(*found_.rows, found_.fitted, found_.scale, x_.train, contacts);
     if (found_.test) add_moments_in(*found_.test, found_.test_residual, found_.scale, x_.test, contacts);
-    // What a curve of the joint leaves over is no push.
+    // The residual of a curve of the joint is no push.
     contacts.erase(std::remove_if(contacts.begin(), contacts.end(), [&](const Contact& c) {
                      const bool has_curve = std::any_of(found_.chosen.begin(), found_.chosen.end(), [&c](const Chosen& t) {
                        return t.term.kind == TermKind::kCurve && t.term.joint->value == c.last_joint;
@@ -351,7 +351,7 @@ class Explanation {
     else if (unnamed) v.state = JointState::kUnnamed;
     else if (named) v.state = JointState::kNamed;
     else if (v.held_out <= kAtFloor * v.floor && unasked < 0.0) v.state = JointState::kAtFloor;
-    else if (at_floor && !of_finding_.empty()) v.state = JointState::kNamed;  // what acts elsewhere bent its parameters
+    else if (at_floor && !of_finding_.empty()) v.state = JointState::kNamed;  // causes on other joints biased its parameters
     else {
       v.state = JointState::kCannotTell;
       if (vibration) v.why = words_of(*vibration, j);

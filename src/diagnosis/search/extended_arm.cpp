@@ -29,7 +29,7 @@ std::optional<std::pair<int, Posed>> body_of(const Model& arm, FrameIndex frame)
   return std::nullopt;
 }
 
-// Of a load, with what its inertia is beyond that of a point.
+// Parameters of a load, with its inertia beyond that of a point mass.
 InertialParameters load_of(const Chosen& c) {
   InertialParameters phi = InertialParameters::Zero();
   phi.head<4>() = c.values.head<4>();

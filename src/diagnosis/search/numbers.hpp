@@ -48,7 +48,7 @@ constexpr int kMostLags = 200;               ///< rows over which the autocorrel
 constexpr double kLargestPart = 10.0;        ///< rms of one parameter's torque, in those of the joint's torque
 constexpr double kDependent = 1e-10;         ///< smallest eigenvalue of scaled columns that count as independent
 constexpr int kRandomStates = 200;            ///< states at which torques under other directions of gravity are compared
-constexpr double kHidden = 1e-6;             ///< of the largest sum of their squares: less is none
+constexpr double kHidden = 1e-6;             ///< share of the largest sum of squares, below which a direction has no torque
 constexpr double kLeastScale = 1e-4;         ///< smallest residual, as a share of the joint's rms torque
 constexpr int kBoundTurns = 5;               ///< of the levels that cannot be negative
 constexpr double kAtBound = 1e-9;            ///< below zero: of the largest level
@@ -66,13 +66,13 @@ constexpr int kSections = 5;                 ///< steps of the polish of one num
 constexpr double kSearchGolden = 0.381966011250105;
 constexpr double kBetter = 0.5;              ///< [nats] by which an exchange must lower the score
 constexpr int kSteps = 6;                    ///< of a linearised term
-constexpr double kSettled = 0.05;            ///< of its deviation: a smaller step is none
+constexpr double kSettled = 0.05;            ///< share of a deviation, below which a step has converged
 constexpr double kShortestStep = 0.2, kLittle = 0.1;  ///< of a step; [nats] that end the steps
 constexpr double kGainOfNothing = -0.95;     ///< error of a factor at which it turns a torque round
 constexpr double kFarGravity = 0.1;          ///< of gravity: nearer directions are reached by steps
 /// prior deviations of a load [kg], [m], and of its inertia beyond that of a point [kg m^2]: what no torque sees stays small
 constexpr double kMassOfArm = 30.0, kReach = 0.5, kInertia = 0.02;
-constexpr double kSeen = 0.1;                ///< of the prior deviation of a first moment: torques see it
+constexpr double kSeen = 0.1;                ///< share of a first moment's prior deviation, below which torques determine it
 constexpr double kNoMass = 1e-6, kSameCentre = 1e-4;  ///< [kg], [m] of a load
 constexpr double kAlongJoint = 0.999;        ///< cosine of an axis that is a joint's own
 constexpr double kFirstProfile = 0.02;       ///< first step of the profile of a shape

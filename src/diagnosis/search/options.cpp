@@ -120,7 +120,7 @@ std::vector<Option> Options::best_terms(const Round& round, const Subset& s, con
   std::vector<Option> out(order.size());
   parallel_for(static_cast<int>(order.size()), request_.threads, [&](int k) { out[k] = option(round, s, *order[k].of); });
   const auto better = [](const Option& a, const Option& b) { return a.value < b.value; };
-  // What gains much in a few blocks only does not take the places of what gains everywhere.
+  // Terms with a gain in few blocks only must not displace those with a gain in all.
   const Fitted without = round.evaluate(s);
   out.erase(std::remove_if(out.begin(), out.end(), [&](const Option& o) {
               const Gain g = round.gain(o.fit, without);

@@ -10,7 +10,7 @@
 
 namespace veridyn::search {
 
-/// A term in the place of others, with what it reaches.
+/// A term that replaces others, with the score that it reaches.
 struct Option {
   Term term;
   std::shared_ptr<const Columns> columns;
@@ -20,7 +20,7 @@ struct Option {
   std::optional<Eigen::Vector3d> gravity;
 };
 
-/// A term beside those of a round, with their products.
+/// A term that may be added to those of a round, with the products of their columns.
 struct Beside {
   Term term;
   std::shared_ptr<const Columns> columns;

@@ -152,7 +152,7 @@ class Outcome {
     }
   }
 
-  // Of a linearised term, at the arm without it: what gains nearly as much to first order.
+  // Rivals of a linearised term: terms with nearly its gain, to first order, at the arm without it.
   std::vector<Chosen::RivalTerm> rivals_of_linearised(const Round& then, const Subset& all, const Fitted& fit, double gained, const Term& term) {
     std::vector<Chosen::RivalTerm> out;
     const auto is_rival = [&](const Term& t) { return !same_place(t, term) && t.kind != TermKind::kCurve; };

@@ -84,7 +84,7 @@ double Present::price_of(const std::vector<int>& some) const {
   return sum;
 }
 
-// The curves of a joint on which a name acts. A curve can do what a name does: names are judged without it.
+// The curves of the joint of a name. A curve can imitate a name, so names are evaluated without it.
 std::set<size_t> Present::curves_beside(size_t k) const {
   std::set<size_t> out;
   const Term& t = terms[k].term;
@@ -288,7 +288,7 @@ const std::shared_ptr<const Rows>& Present::test_rows() {
   return test_;
 }
 
-// What terms of the present set leave of them.
+// Residual of the held-out recordings under terms of the present set.
 MatrixXd Present::left_on_test(const VectorXd& x, const std::vector<int>& set) {
   const Rows& test = *test_rows();
   MatrixXd residual = test.residual;

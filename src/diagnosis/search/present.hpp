@@ -79,7 +79,7 @@ class Present {
 
   /// Rows of the held-out recordings at the present arm.
   const std::shared_ptr<const Rows>& test_rows();
-  /// What terms of the present set leave of them.
+  /// Residual of the held-out recordings under terms of the present set.
   MatrixXd left_on_test(const VectorXd& x, const std::vector<int>& set);
 
   /// Standard parameters of the arm with a fit.

@@ -130,7 +130,7 @@ Folds folds_of(const Rows& rows, const std::vector<double>& periods, double cuto
   }
   out.blocks = static_cast<int>(blocks.size());
   if (parts == 1 || cutoff <= 0.0) return out;
-  // What the filter spreads over a border would let one fold teach the other.
+  // The filter spreads rows across a border, which would leak between folds.
   const double margin = 0.5 / cutoff;
   const std::vector<int> whole = out.of_row;
   for (Eigen::Index k = 1; k < rows.rows(); ++k) {

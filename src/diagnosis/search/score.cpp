@@ -251,7 +251,7 @@ Cross Round::cross(const Columns& columns, const VectorXd& ridge) const {
 struct Round::Bordered {
   MatrixXd half;            // L^-1 C
   Eigen::LDLT<MatrixXd> S;  // of their Schur complement
-  VectorXd z, dx;           // their coefficients, and what they change of the others
+  VectorXd z, dx;           // their coefficients, and the change of the other coefficients
   double gain = 0.0;
   bool in_span = false;
 

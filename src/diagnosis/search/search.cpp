@@ -148,7 +148,7 @@ class Search {
     if (o.term.is_linearised()) at_.linearise(at_.terms.size() - 1);
   }
 
-  // Each chosen term against nothing, against every other in its place, two against one.
+  // Compares each chosen term with its removal, with every other term in its place, and two terms with one.
   void exchange() {
     for (int turn = 0; turn < kTurns && !at_.terms.empty(); ++turn) {
       if (!exchange_once()) return;
@@ -203,7 +203,7 @@ class Search {
     return whole_arm();
   }
 
-  // Terms that one other might stand for: two of a joint, and all of a joint.
+  // Groups of terms that one other term may replace: two of a joint, and all of a joint.
   std::vector<std::set<size_t>> groups() const {
     std::set<std::set<size_t>> out;
     std::map<int, std::set<size_t>> of_joint;
@@ -318,12 +318,12 @@ class Search {
     }
   }
 
-  // Held-out recordings do not repeat what a term gains.
+  // True if held-out recordings do not confirm a term's gain.
   static bool is_contradicted(const Gain& on_test) {
     return on_test.of_joint.size() > 0 && on_test.sum < on_test.limit;
   }
 
-  // What curves predict of the held-out recordings beside the causes that were asked about.
+  // Share of the held-out recordings that curves predict beside the requested causes.
   VectorXd predicted_by_curves() {
     if (request_.scope.wanted.empty() || at_.is_empty()) return {};
     const auto left = [&] {
@@ -356,7 +356,7 @@ class Search {
     return !is_something(c.term, values, deviations.segment(first, count), student_t_quantile(numerics::kOutside, blocks));
   }
 
-  // What does not pass beside all others goes, the least first; true if anything did. What went twice stays away.
+  // Drops terms that do not pass beside all others, the weakest first; a term dropped twice is not tried again. True if any was dropped.
   bool clean() {
     bool any = false;
     while (!at_.terms.empty()) {

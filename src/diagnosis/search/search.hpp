@@ -15,8 +15,8 @@ struct Chosen {
   Term term;
   Columns columns;
   VectorXd ridge;
-  std::vector<double> offset;                 ///< of a linearised term: what the arm has of it already
-  std::optional<Eigen::Vector3d> gravity;     ///< of a direction of gravity: what the arm has now
+  std::vector<double> offset;                 ///< of a linearised term: its present value in the arm
+  std::optional<Eigen::Vector3d> gravity;     ///< of a direction of gravity: the arm's present one
   double gain = 0.0, error = 0.0;             ///< beside all others, without its price
   VectorXd of_joint;                          ///< (n) the same of every joint
   VectorXd values, deviations;                ///< of its columns; of a linearised term with its offset
@@ -31,7 +31,7 @@ struct Chosen {
   std::vector<RivalTerm> rivals;
 };
 
-/// A term that was asked about and did not enter.
+/// A tested term that was not chosen.
 struct Refused {
   Term term;
   double gain = 0.0, error = 0.0;
@@ -74,7 +74,7 @@ struct SearchRequest {
   std::function<void(int, int)> progress{};
 };
 
-/// Explains what an arm with values leaves of its recordings, by the terms of one dictionary.
+/// Explains the residual of an arm with values on its recordings by the terms of one dictionary.
 SearchResult search(const Model& arm, const SearchRequest& request);
 
 /// False for values of a term whose intervals all hold zero; of a load those of its mass and of the moment that torques see.

@@ -7,7 +7,7 @@
 
 #include "diagnosis/numerics.hpp"
 
-// A curve in words. What decides between them are shares of the curve's own range.
+// Descriptions of a curve, by shares of the curve's own range.
 
 namespace veridyn {
 namespace {
@@ -111,7 +111,7 @@ std::string place(double x, const std::string& unit) {
   return fmt::format("{:.3g} {}", x, unit);
 }
 
-// One function of one signal.
+// Describes one function of one signal.
 std::string words_of_curve(const Curve& c, const MotionSignal& s, const std::string& effort) {
   const std::string size = fmt::format(", {:.3g} {} from its lowest to its highest value", c.range(), effort);
   if (c.range() <= 0.0) return "none";

@@ -144,7 +144,7 @@ class Builder {
       out_.push_back(std::move(t));
       return;
     }
-    // Against a MODEL nothing else takes up where a spring is without load.
+    // Against a MODEL no other parameter represents a spring's rest position.
     const EffectTraits traits = effect.traits();
     t.with_rest = scope_.changes && traits.affine && traits.holds_at_rest && (traits.uses_position || traits.uses_source);
     const AxisMotion motion = motion_along(c.axis);
@@ -312,7 +312,7 @@ Columns load_columns(const Term& term, const Rows& rows) {
   const Model arm = with_load(rows.arm(), *frame_of(term.cause));
   const TorqueRegressor batch(arm);
   const int body = static_cast<int>(arm.bodies().size()) - 1;
-  // Mass and moments as those of a point, and what the inertia is beyond.
+  // Mass and moments of a point mass, and the remaining inertia.
   Eigen::Matrix<double, 10, 10> tangent = Eigen::Matrix<double, 10, 10>::Identity();
   tangent.leftCols<4>() = point_mass_tangent(term.centre);
   Columns out;

@@ -12,7 +12,7 @@
 
 namespace veridyn::search {
 
-/// What a term is: how its columns come about, and what a finding of it changes in the arm.
+/// Kind of a term: it determines its columns and the change of the arm by its finding.
 enum class TermKind {
   kEffect,    ///< an effect along an axis
   kChange,    ///< of the level of an effect that the MODEL has
@@ -41,7 +41,7 @@ struct Signal {
   double low = 0.0, high = 0.0;  ///< range in the recordings
 };
 
-/// One entry of the dictionary: a place, columns, perhaps a shape, and what it costs to name it.
+/// One entry of the dictionary: a place, columns, perhaps a shape, and its prior cost.
 struct Term {
   TermKind kind = TermKind::kEffect;
   Candidate candidate;       ///< of all but constants and curves
@@ -67,17 +67,17 @@ struct Term {
 /// True if two terms are one cause with other shapes.
 bool same_place(const Term& a, const Term& b);
 
-/// Which terms are asked about.
+/// The terms to test.
 struct TermScope {
   bool changes = false;
   bool constants = true;            ///< of the robot file
   std::vector<std::string> wanted;  ///< effects or causes as text; empty: all
-  std::set<int> silent;             ///< joints about which nothing is asked
+  std::set<int> silent;             ///< joints without tests
 
   bool is_wanted(const Model& arm, const Cause& cause) const;
 };
 
-/// Largest change of a constant of the robot file: an optimum beyond it is none.
+/// Largest change of a constant of the robot file: an optimum beyond it is rejected.
 double reach_of(const FrameConstant& constant);
 
 /// The dictionary of an arm, with prices.

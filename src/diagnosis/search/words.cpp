@@ -24,7 +24,7 @@ FoundParameter parameter(std::string name, std::string unit, double value, doubl
   return {std::move(name), std::move(unit), value, value - half, value + half};
 }
 
-// Of a quotient a/b with this covariance.
+// Standard deviation of a quotient a/b with this covariance.
 double quotient_deviation(double a, double b, double aa, double bb, double ab) {
   return std::sqrt(std::max(0.0, aa / (b * b) - 2.0 * a * ab / (b * b * b) + a * a * bb / (b * b * b * b)));
 }
@@ -231,7 +231,7 @@ Finding finding_of(const Chosen& c, const SearchResult& found, const Model& befo
   }
   if (f.unit.empty() && !f.parameters.empty()) f.unit = f.parameters.front().unit;
   for (const Chosen::RivalTerm& r : c.rivals) {
-    if (std::any_of(f.rivals.begin(), f.rivals.end(), [&](const Rival& other) { return alike(other.cause, r.term.cause); })) continue;
+    if (std::any_of(f.rivals.begin(), f.rivals.end(), [&](const Rival& other) { return same_cause(other.cause, r.term.cause); })) continue;
     const double share = std::clamp(r.gain / std::max(c.gain, numerics::kNoise), 0.0, 1.0);
     f.rivals.push_back({r.term.cause, fmt::format("gains {:.0f} % as much on held-out data in its place", kPercent * share), share});
   }

@@ -59,7 +59,7 @@ void ChangeFinder::calibrate() {
   MatrixXd sum = MatrixXd::Zero(known_.size(), static_cast<Eigen::Index>(memories_.size()));
   VectorXd counts = VectorXd::Zero(sum.cols());
   std::vector<Step> all = before_;
-  for (Step& step : all) step.residual += step.columns * noise_.today();
+  for (Step& step : all) step.residual += step.columns * noise_.daily_offsets();
   all.insert(all.end(), quiet_.begin(), quiet_.end());
   for (const Step& step : all) {
     const WhiteStep white = noise_.whiten(step, known_);
@@ -90,7 +90,7 @@ void ChangeFinder::add(const Step& step, WatchState& state) {
     if (quiet_live_ >= options_.learn - 0.5 * options_.step) {
       learning_ = false;
       calibrate();
-      emit_present(step.time);
+      report_present_cause(step.time);
     }
     state.learning = learning_;
     return;
@@ -107,14 +107,14 @@ void ChangeFinder::add(const Step& step, WatchState& state) {
   if (refining_) refine(white, step.time);
   detect(step.time, state);
   if (open_) isolate(step.time, false);
-  go_on_learning(step, state.strength);
+  update_noise(step, state.strength);
   state.residual = noise_.rest(step, known_);
   state.noise = noise_.deviation();
   state.alarmed = open_.has_value();
 }
 
 // Continues learning while nothing changes, and whenever the arm makes an unseen motion.
-void ChangeFinder::go_on_learning(const Step& step, double strength) {
+void ChangeFinder::update_noise(const Step& step, double strength) {
   const bool relearning = step.time < relearn_until_;
   if (open_ || (!relearning && (refining_ || strength >= 1.0))) return;
   const bool novel = noise_.novel(step);
@@ -164,7 +164,7 @@ void ChangeFinder::set_bounds() {
     const Effect& effect = find_effect(effect_of(one.of.cause));
     if (!effect.traits().uses_velocity) continue;
     const VectorXd axis = VectorXd::Unit(arm_.joints(), one.of.joint->value);
-    double whole = noise_.today()[h] + known_[h];
+    double whole = noise_.daily_offsets()[h] + known_[h];
     for (const EffectTerm& term : arm_.effects()) {
       const auto value = term.values.find(effect.parameters().front().name);
       if (term.effect == effect.name() && term.axis.coefficients == axis && value != term.values.end())
@@ -176,9 +176,9 @@ void ChangeFinder::set_bounds() {
 
 // The cause that explains most of the quiet beginning's residual, if its torque matters. What the
 // differences of a day cannot absorb, such as a load, counts as known from then on.
-void ChangeFinder::emit_present(double now) {
+void ChangeFinder::report_present_cause(double now) {
   std::deque<WhiteStep> whole;
-  for (const Step& step : quiet_) whole.push_back(noise_.whiten(step, -noise_.today()));
+  for (const Step& step : quiet_) whole.push_back(noise_.whiten(step, -noise_.daily_offsets()));
   Change c;
   c.alarm = quiet_.front().time;
   c.lookback = options_.step;
@@ -222,7 +222,7 @@ void ChangeFinder::detect(double now, WatchState& state) {
   state.suspect = hypothesis >= 0 ? to_text(arm_, hypotheses_[hypothesis].of.cause) : "";
   above_ = state.strength > 1.0 ? above_ + 1 : 0;
   if (open_ || above_ < numbers_.above_in_a_row || now < refractory_until_) return;
-  if (refining_ && ask_again(now)) return;
+  if (refining_ && retest_cause(now)) return;
   if (refining_) {  // values from the refinement are kept
     past_.push_back(*refining_);
     refining_.reset();
@@ -250,7 +250,7 @@ std::vector<Score> ChangeFinder::scores(const Change& change,
                                    change.alarm - change.lookback, change.alarm);
     Score whole = with_companions(steps, alone, one.companions, price, numbers_);
     // First moments without a mass are no load.
-    const Score later = measured_again(steps, whole, numbers_.mixed * options_.step, numbers_);
+    const Score later = reestimated(steps, whole, numbers_.mixed * options_.step, numbers_);
     const bool load = whole.columns.size() < 2 || std::abs(later.size[0]) > half_width(later);
     out.push_back(load ? std::move(whole) : alone);
   }
@@ -269,13 +269,13 @@ void ChangeFinder::isolate(double now, bool last) {
   const Push ended = best_push(recent_, offset_of_joint_, earliest, open_->alarm, numbers_.push_ends, price, numbers_);
   const bool still = ended.gain + odds > lasting.gain;  // no significant residual after its end
   if (still && ended.gain > best.gain + odds) {
-    push_is_over(ended, now);
+    report_ended_push(ended, now);
     return;
   }
   const bool late = last || now - open_->alarm >= options_.longest_naming;
   const bool explained = best.gain > numbers_.explains * lasting.gain;
   if (late && !explained) {
-    push_is_over(lasting, now);
+    report_ended_push(lasting, now);
     return;
   }
   const Cause& likeliest = hypotheses_[best.hypothesis].of.cause;
@@ -338,11 +338,11 @@ void ChangeFinder::add_rivals(const std::vector<Score>& scores, const Score& bes
 void ChangeFinder::name(const std::vector<Score>& scores, double now) {
   Change c = *open_;
   open_.reset();
-  c.score = measured_again(recent_, scores.front(), numbers_.mixed * options_.step, numbers_);
+  c.score = reestimated(recent_, scores.front(), numbers_.mixed * options_.step, numbers_);
   c.named = now;
   WatchEvent e = event(c, WatchStage::kNamed, now);
   add_rivals(scores, c.score, e);
-  // The same change, the other way round: it was taken back.
+  // The same change with the opposite sign: it was reverted.
   const double size = c.score.size[0];
   const auto before = std::find_if(past_.rbegin(), past_.rend(), [&](const Change& p) {
     return p.score.hypothesis == c.score.hypothesis &&
@@ -363,7 +363,7 @@ void ChangeFinder::name(const std::vector<Score>& scores, double now) {
   refractory_until_ = now + numbers_.refractory_time;
 }
 
-void ChangeFinder::push_is_over(const Push& push, double now) {
+void ChangeFinder::report_ended_push(const Push& push, double now) {
   const Change c = *open_;
   open_.reset();
   const int j = push.last_joint ? push.last_joint->value : 0;
@@ -389,7 +389,7 @@ void ChangeFinder::refine(const WhiteStep& white, double now) {
   const MatrixXd X = white.X(Eigen::all, c.score.columns);
   c.seen.push_back(white);
   c.seen.back().e += X * c.score.size;
-  if (ask_again(now)) return;
+  if (retest_cause(now)) return;
   c.score.A += X.transpose() * X;
   compensate(c.score, -1.0);
   c.score.size += normal_solution(c.score.A, X.transpose() * white.e);
@@ -402,7 +402,7 @@ void ChangeFinder::refine(const WhiteStep& white, double now) {
 
 // Withdraws the name if the steps since make another cause more likely, at the odds of a name, and
 // opens the change again.
-bool ChangeFinder::ask_again(double now) {
+bool ChangeFinder::retest_cause(double now) {
   Change& c = *refining_;
   if (c.withdrawn) return false;
   const std::vector<Score> all = scores(c, c.seen);
@@ -441,8 +441,8 @@ void ChangeFinder::jump(const PositionJump& jump, double now) {
   refractory_until_ = jump.time + numbers_.refractory_time;
 }
 
-// What was suspected since the last usable row is the fault of the rows.
-void ChangeFinder::blind(const Blindness& blindness) {
+// Changes suspected since the last usable row are attributed to the unusable rows.
+void ChangeFinder::discard_suspicion(const Blindness& blindness) {
   WatchEvent e;
   e.stage = WatchStage::kBlind;
   e.time = blindness.time;
@@ -456,9 +456,9 @@ void ChangeFinder::blind(const Blindness& blindness) {
   events_.push_back(std::move(e));
 }
 
-void ChangeFinder::set_back(const Blindness& blindness, double now) {
+void ChangeFinder::restart_clock(const Blindness& blindness, double now) {
   finish(now);
-  blind(blindness);
+  discard_suspicion(blindness);
   for (double* time : {&relearn_until_, &refractory_until_}) *time -= blindness.set_back;
   last_learned_ = -1e300;
   for (Change& c : past_) c.score.onset -= blindness.set_back;
@@ -479,7 +479,7 @@ void ChangeFinder::emit(WatchEvent e) {
   events_.push_back(std::move(e));
 }
 
-std::vector<WatchEvent> ChangeFinder::take() {
+std::vector<WatchEvent> ChangeFinder::take_events() {
   std::vector<WatchEvent> out;
   out.swap(events_);
   return out;

@@ -25,7 +25,7 @@ struct Change {
   std::deque<WhiteStep> seen = {};
 };
 
-/// From steps to events: learns, raises alarms, tells causes apart, takes what is known off.
+/// From steps to events: estimates the noise, raises alarms, isolates causes, subtracts known changes.
 class ChangeFinder {
  public:
   ChangeFinder(const Model& arm, const std::vector<Hypothesis>& hypotheses,
@@ -34,26 +34,26 @@ class ChangeFinder {
   void learn(const std::vector<Step>& quiet);
   void add(const Step& step, WatchState& state);
   void jump(const PositionJump& jump, double now);
-  void blind(const Blindness& blindness);
-  /// The clock was set back: what is open is answered, as at the end, and nothing known is forgotten.
-  void set_back(const Blindness& blindness, double now);
+  void discard_suspicion(const Blindness& blindness);
+  /// The clock was set back: open changes are reported, as at the end, and all estimates are kept.
+  void restart_clock(const Blindness& blindness, double now);
   void finish(double now);
-  std::vector<WatchEvent> take();
+  std::vector<WatchEvent> take_events();
   bool learning() const { return learning_; }
 
  private:
   void calibrate();
   void set_bounds();
-  void emit_present(double now);
+  void report_present_cause(double now);
   void add_rivals(const std::vector<Score>& scores, const Score& best, WatchEvent& e) const;
   void detect(double now, WatchState& state);
-  void go_on_learning(const Step& step, double strength);
+  void update_noise(const Step& step, double strength);
   void isolate(double now, bool last);
   std::vector<Score> scores(const Change& change, const std::deque<WhiteStep>& steps) const;
   void name(const std::vector<Score>& scores, double now);
-  void push_is_over(const Push& push, double now);
+  void report_ended_push(const Push& push, double now);
   void refine(const WhiteStep& white, double now);
-  bool ask_again(double now);
+  bool retest_cause(double now);
   void reset();
   double half_width(const Score& score) const;
   void compensate(const Score& score, double share);

@@ -9,7 +9,7 @@ namespace veridyn::watching {
 /// Description of an event, for a technician.
 std::string sentence(const WatchEvent& event);
 
-/// The same of a time in which nothing could be watched.
+/// The same for an interval of unusable rows.
 std::string blind_sentence(const WatchEvent& event, const std::string& why);
 
 }  // namespace veridyn::watching

@@ -119,7 +119,7 @@ double solve_from(const std::deque<WhiteStep>& steps, double from, double mass, 
 
 }  // namespace
 
-Score measured_again(const std::deque<WhiteStep>& steps, const Score& score, double skipped,
+Score reestimated(const std::deque<WhiteStep>& steps, const Score& score, double skipped,
                      const WatchNumbers& numbers) {
   if (score.size.size() == 0) return score;
   Score out = score;

@@ -79,7 +79,7 @@ Score with_companions(const std::deque<WhiteStep>& steps, const Score& alone,
 
 /// Estimates the sizes again from steps later than the onset by `skipped` [s]: the step of the
 /// change mixes both states, and the autoregression includes it.
-Score measured_again(const std::deque<WhiteStep>& steps, const Score& score, double skipped,
+Score reestimated(const std::deque<WhiteStep>& steps, const Score& score, double skipped,
                      const WatchNumbers& numbers);
 
 /// The best push that starts there and ends `still` seconds before the last step, or has not ended

@@ -17,7 +17,7 @@ struct Hypothesis {
   std::string unit = {};
   /// Columns fitted together with it during isolation: the first moments of a load.
   std::vector<int> companions = {};
-  bool companion = false;  ///< such a column, no hypothesis of its own
+  bool companion = false;  ///< a column that only accompanies other hypotheses
 
   bool along_axis() const { return std::holds_alternative<NewEffect>(of.cause); }
 };
@@ -28,7 +28,7 @@ struct StepMotion {
   MatrixXd q, dq, ddq;
 };
 
-/// Torques of a MODEL along a continuing motion, and the contribution of every hypothesis. Effects
+/// Torques of an identified model along a continuing motion, and the contribution of every hypothesis. Effects
 /// with memory keep it from step to step.
 class Hypotheses {
  public:

@@ -58,7 +58,7 @@ void NoiseModel::fit(const std::vector<Step>& before, const std::vector<Step>& t
   today_.setZero();
   ar_.setZero();
   fit_colour(all);
-  fit_today(today);
+  fit_daily_offsets(today);
   fit_colour(all);
 }
 
@@ -112,7 +112,7 @@ void NoiseModel::fit_colour(const std::vector<const std::vector<Step>*>& quiet) 
 }
 
 // Offsets and friction of the day: generalised least squares with a prior of the size of the torque.
-void NoiseModel::fit_today(const std::vector<Step>& quiet) {
+void NoiseModel::fit_daily_offsets(const std::vector<Step>& quiet) {
   const auto count = static_cast<Eigen::Index>(daily_.size());
   if (quiet.empty()) return;
   MatrixXd A = MatrixXd::Zero(count, count);

@@ -36,7 +36,7 @@ class NoiseModel {
   WhiteStep whiten(const Step& step, const VectorXd& known);
 
   const VectorXd& deviation() const { return deviation_; }  ///< (n) of an innovation
-  const VectorXd& today() const { return today_; }          ///< (hypotheses)
+  const VectorXd& daily_offsets() const { return today_; }          ///< (hypotheses)
 
   /// Root mean square of the measured torque while quiet, (n).
   const VectorXd& scale() const { return scale_; }
@@ -47,7 +47,7 @@ class NoiseModel {
  private:
   void fit_colour(const std::vector<const std::vector<Step>*>& quiet);
   double novelty(const Step& step, int joint) const;
-  void fit_today(const std::vector<Step>& quiet);
+  void fit_daily_offsets(const std::vector<Step>& quiet);
 
   const WatchNumbers& numbers_;
   int n_;

@@ -56,7 +56,7 @@ void SmoothedRows::check(const Recording& rows) const {
   sensors_.require_drive_gains(arm_, rows.source);
 }
 
-// What is wrong with the numbers of a row, or empty.
+// Reason why a row is unusable, or empty.
 std::string SmoothedRows::fault(const Row& row) const {
   const auto joint = [this](const char* signal, Eigen::Index j) {
     return text(signal, j + 1, " (", arm_.coordinates()[j].name, ")");
@@ -72,7 +72,7 @@ std::string SmoothedRows::fault(const Row& row) const {
 
 // A torque that stays the same to the last digit while its joint moves, longer than ever before: its
 // sensor or drive does not answer, or it is saturated.
-std::string SmoothedRows::stopped_torque(const Row& row) {
+std::string SmoothedRows::stuck_torque_reason(const Row& row) {
   const Eigen::Index n = row.tau.size();
   if (same_torque_.size() == 0) {
     same_torque_ = row.tau;
@@ -110,7 +110,7 @@ bool SmoothedRows::moved() const {
   return (speed_.cwiseAbs().cwiseMin(mean_speed_.cwiseAbs()).array() > numbers_.rest_share * fastest_.array()).any();
 }
 
-void SmoothedRows::unusable(double time, const std::string& why) {
+void SmoothedRows::mark_unusable(double time, const std::string& why) {
   heard_ = time;
   if (is_blind_ || !heard_any_ || time - usable_ <= numbers_.pause) return;
   is_blind_ = true;
@@ -122,7 +122,7 @@ void SmoothedRows::unusable(double time, const std::string& why) {
 bool SmoothedRows::clock_goes_on(double time) {
   if (!has_last_ || time > last_.t) {
     // Set back by less, it has caught up: rows on both sides are not contiguous.
-    if (back_ > 0 && back_last_ - back_first_ >= numbers_.jump_reach) begin_again();
+    if (back_ > 0 && back_last_ - back_first_ >= numbers_.jump_reach) restart();
     back_ = 0;
     return true;
   }
@@ -130,14 +130,14 @@ bool SmoothedRows::clock_goes_on(double time) {
   back_last_ = time;
   const double before = usable_ + dt_ * static_cast<double>(++back_);  // by the clock as it was
   if (time - back_first_ >= 0.5 * numbers_.pause) {
-    set_back(time, before);
+    restart_clock(time, before);
     return true;
   }
-  unusable(before, "times do not rise");
+  mark_unusable(before, "times do not rise");
   return false;
 }
 
-void SmoothedRows::set_back(double time, double before) {
+void SmoothedRows::restart_clock(double time, double before) {
   const double by = last_.t + dt_ - back_first_;
   blind_ += before - usable_;
   is_blind_ = false;
@@ -145,10 +145,10 @@ void SmoothedRows::set_back(double time, double before) {
   same_since_.array() -= by;
   back_ = 0;
   usable_ = heard_ = time;
-  begin_again();
+  restart();
 }
 
-void SmoothedRows::usable(double time) {
+void SmoothedRows::mark_usable(double time) {
   if (is_blind_) {
     blind_ += time - usable_;
     is_blind_ = false;
@@ -157,7 +157,7 @@ void SmoothedRows::usable(double time) {
   heard_any_ = true;
 }
 
-void SmoothedRows::take(const Recording& rows, int k, Row& row) const {
+void SmoothedRows::copy_row(const Recording& rows, int k, Row& row) const {
   const int n = arm_.joints();
   row.t = rows.time[k];
   row.q = rows.q.row(k).transpose();
@@ -178,10 +178,10 @@ void SmoothedRows::add(const Recording& rows) {
   if (dt_ == 0.0 && start_.empty()) has_velocity_ = rows.dq.size() > 0;
   Row row;
   for (int k = 0; k < rows.rows(); ++k) {
-    take(rows, k, row);
+    copy_row(rows, k, row);
     if (!std::isfinite(row.t) || !clock_goes_on(row.t)) continue;
     if (const std::string why = fault(row); !why.empty()) {
-      unusable(row.t, why);
+      mark_unusable(row.t, why);
       continue;
     }
     if (dt_ > 0.0) {
@@ -213,12 +213,12 @@ void SmoothedRows::place(const Row& row) {
   if (has_last_) {
     const bool same = row.q == last_.q && row.tau == last_.tau;
     if (same && moved()) {
-      unusable(row.t, "the same row comes again and again, of an arm that moves");
+      mark_unusable(row.t, "the same row comes again and again, of an arm that moves");
       return;
     }
     if (row.t - last_.t > numbers_.pause) {
-      unusable(row.t, "no usable row came");
-      begin_again();
+      mark_unusable(row.t, "no usable row came");
+      restart();
     } else if (same && repeats_ < numbers_.repeats) {
       ++repeats_;  // repeated row: interpolated once a new row arrives
       return;
@@ -228,11 +228,11 @@ void SmoothedRows::place(const Row& row) {
     fastest_ = fastest_.cwiseMax(mean_speed_.cwiseAbs());
   }
   repeats_ = 0;
-  if (const std::string why = stopped_torque(row); !why.empty()) {
-    unusable(row.t, why);
+  if (const std::string why = stuck_torque_reason(row); !why.empty()) {
+    mark_unusable(row.t, why);
     return;
   }
-  usable(row.t);
+  mark_usable(row.t);
   if (!has_last_) {
     first_t_ = row.t;
     next_ = 0;
@@ -258,19 +258,19 @@ void SmoothedRows::put(Row row) {
   grid_.push_back(std::move(row));
   if (static_cast<int>(grid_.size()) > 2 * half_ + 1) grid_.pop_front();
   if (static_cast<int>(grid_.size()) < 2 * half_ + 1) return;
-  look_for_jump();
+  detect_jump();
   if (static_cast<int>(grid_.size()) == 2 * half_ + 1) smooth();
 }
 
 // Position increment over a few samples minus the integrated velocity. A late row deviates to one
 // side and returns, so that only lasting jumps count.
-void SmoothedRows::look_for_jump() {
+void SmoothedRows::detect_jump() {
   const int end = static_cast<int>(grid_.size()) - 1;
   const int begin = end - 2 * reach_;  // within the window, for reach_ < half_
   seen_ += 1.0;
   std::vector<PositionJump> found;
   for (int j = 0; j < arm_.joints(); ++j) {
-    const Gain gain = gained(j, begin, end);
+    const Gain gain = integrated_motion(j, begin, end);
     int& wait = wait_[j];
     if (wait > 0) {
       --wait;
@@ -289,17 +289,17 @@ void SmoothedRows::look_for_jump() {
   }
   if (found.size() > 1) {  // simultaneous jumps of several encoders indicate missing or joined rows
     const Row last = grid_.back();
-    begin_again();
+    restart();
     first_t_ = last.t;
     next_ = 1;
     grid_.push_back(last);
     has_last_ = true;
     return;
   }
-  for (const PositionJump& jump : found) take_off(jump, end);
+  for (const PositionJump& jump : found) subtract_jump(jump, end);
 }
 
-SmoothedRows::Gain SmoothedRows::gained(int j, int begin, int end) const {
+SmoothedRows::Gain SmoothedRows::integrated_motion(int j, int begin, int end) const {
   Gain out;
   const auto row = [this](int k) -> const Row& { return grid_[k]; };
   const auto step = [&](int k) {  // from sample k - 1 to k, minus the integrated velocity
@@ -328,7 +328,7 @@ SmoothedRows::Gain SmoothedRows::gained(int j, int begin, int end) const {
 }
 
 // The jump is located at the first deviating sample.
-void SmoothedRows::take_off(const PositionJump& jump, int end) {
+void SmoothedRows::subtract_jump(const PositionJump& jump, int end) {
   if (on_jump) on_jump(jump);
   for (int k = 0; k <= end; ++k) {
     Row& row = grid_[k];
@@ -361,7 +361,7 @@ void SmoothedRows::smooth() {
   if (on_row) on_row(out);
 }
 
-void SmoothedRows::begin_again() {
+void SmoothedRows::restart() {
   grid_.clear();
   has_last_ = false;
   repeats_ = 0;

@@ -35,11 +35,11 @@ struct Blindness {
 };
 
 /// Prepares rows of a running arm for the equations of motion: skips gaps and repeated rows,
-/// interpolates on a uniform grid, corrects channels as the MODEL says, detects and removes jumps
+/// interpolates on a uniform grid, corrects channels by the model, detects and removes jumps
 /// of an encoder, and estimates velocity and acceleration by local least squares.
 ///
 /// Rows whose times do not rise above the last one's are skipped. Where they rise among themselves for half a
-/// pause the clock was set back: on_blind tells it, and smoothing begins anew.
+/// pause the clock was set back: on_blind reports it, and smoothing restarts.
 class SmoothedRows {
  public:
   SmoothedRows(const Model& arm, const WatchNumbers& numbers);
@@ -55,26 +55,26 @@ class SmoothedRows {
   void check(const Recording& rows) const;
   void add(const Recording& rows);
   double dt() const { return dt_; }
-  /// [s] so far of what on_blind told.
-  double heard() const { return heard_; }  ///< [s] of the last row
+  /// [s] of unusable rows so far, as reported by on_blind.
+  double last_row_time() const { return heard_; }  ///< [s] of the last row
   double blind() const { return blind_ + (is_blind_ ? heard_ - usable_ : 0.0); }
 
   /// Enables the detection of jumps, once the noise of positions is known.
-  void tell_jumps() { tell_jumps_ = true; }
+  void enable_jump_detection() { tell_jumps_ = true; }
 
  private:
   struct Row {
     double t;
     VectorXd q, dq, tau;
   };
-  void take(const Recording& rows, int k, Row& row) const;
+  void copy_row(const Recording& rows, int k, Row& row) const;
   std::string fault(const Row& row) const;
-  std::string stopped_torque(const Row& row);
+  std::string stuck_torque_reason(const Row& row);
   bool moved() const;
   bool clock_goes_on(double time);
-  void set_back(double time, double before);
-  void unusable(double time, const std::string& why);
-  void usable(double time);
+  void restart_clock(double time, double before);
+  void mark_unusable(double time, const std::string& why);
+  void mark_usable(double time);
   void place(const Row& row);
   void put(Row row);
   struct Gain {
@@ -82,11 +82,11 @@ class SmoothedRows {
     double way = 0.0;   ///< displacement of the joint
     double at = 0.0;    ///< [s] of the largest step
   };
-  void look_for_jump();
-  Gain gained(int joint, int begin, int end) const;
-  void take_off(const PositionJump& jump, int end);
+  void detect_jump();
+  Gain integrated_motion(int joint, int begin, int end) const;
+  void subtract_jump(const PositionJump& jump, int end);
   void smooth();
-  void begin_again();
+  void restart();
 
   const WatchNumbers& numbers_;
   Model arm_;

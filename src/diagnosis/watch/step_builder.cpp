@@ -10,7 +10,7 @@ void StepBuilder::add(const SmoothedRow& row, double dt) {
   if (static_cast<long>(rows_.size()) >= std::max(1L, std::lround(seconds_ / dt))) finish();
 }
 
-void StepBuilder::begin_again() {
+void StepBuilder::restart() {
   rows_.clear();
   follows_ = false;
   hypotheses_.reset();

@@ -18,7 +18,7 @@ class StepBuilder {
   std::function<void(const Step&)> on_step;
 
   void add(const SmoothedRow& row, double dt);
-  void begin_again();
+  void restart();
 
  private:
   void finish();

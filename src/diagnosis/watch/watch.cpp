@@ -81,13 +81,13 @@ class Watch::Implementation {
     check(options, numbers_);
     state_.residual = state_.torque = state_.noise = VectorXd::Zero(arm.joints());
     rows_.on_row = [this](const watching::SmoothedRow& row) { steps_.add(row, rows_.dt()); };
-    rows_.on_break = [this] { steps_.begin_again(); };
+    rows_.on_break = [this] { steps_.restart(); };
     rows_.on_blind = [this](const watching::Blindness& b) {
       if (b.set_back <= 0.0) {
-        finder_.blind(b);
+        finder_.discard_suspicion(b);
         return;
       }
-      finder_.set_back(b, now_);
+      finder_.restart_clock(b, now_);
       now_ -= b.set_back;
       state_.set_back += b.set_back;
       state_.alarmed = false;
@@ -107,7 +107,7 @@ class Watch::Implementation {
     watching::StepBuilder steps(hypotheses, options_.step);
     std::vector<Step> all;
     rows.on_row = [&](const watching::SmoothedRow& row) { steps.add(row, rows.dt()); };
-    rows.on_break = [&] { steps.begin_again(); };
+    rows.on_break = [&] { steps.restart(); };
     steps.on_step = [&](const Step& step) { all.push_back(step); };
     rows.add(quiet);
     require(static_cast<double>(all.size()) * options_.step > numbers_.middle_memory, quiet.source, ": found less than two seconds of usable rows, expected a quiet recording.");
@@ -123,30 +123,30 @@ class Watch::Implementation {
       if (duration_of(unjudged_.time) >= numbers_.judged * options_.learn) judge_velocities();
     }
     note_blindness();
-    return taken();
+    return take_events();
   }
 
   std::vector<WatchEvent> finish() {
     judge_velocities();
     finder_.finish(now_);
     note_blindness();
-    return taken();
+    return take_events();
   }
 
   void note_blindness() {
-    state_.heard = rows_.heard();
+    state_.heard = rows_.last_row_time();
     state_.blind = rows_.blind();
   }
 
-  std::vector<WatchEvent> taken() {
-    std::vector<WatchEvent> out = finder_.take();
+  std::vector<WatchEvent> take_events() {
+    std::vector<WatchEvent> out = finder_.take_events();
     events_.insert(events_.end(), out.begin(), out.end());
     return out;
   }
 
   void watch(const Recording& rows) {
     rows_.add(with_sound_velocities(rows, wrong_));
-    if (!finder_.learning()) rows_.tell_jumps();
+    if (!finder_.learning()) rows_.enable_jump_detection();
   }
 
   // Decides once whether recorded velocities are used, before the noise is learned.

@@ -4,7 +4,7 @@
 
 namespace veridyn {
 
-/// All numbers that can change what `watch` says, each with its inequality, and with its reason
+/// All numbers that can change the events of `watch`, each with its inequality, and with its reason
 /// where one is known. Those that a user sets are in WatchOptions.
 struct WatchNumbers {
   // Rows and their smoothing.
@@ -77,7 +77,7 @@ struct WatchNumbers {
   double odds = 9.2;
   /// time since the onset >= soonest_name [s]: it is named, because a push may still end.
   double soonest_name = 2.0;
-  /// gain of the cause > explains * gain of free torques, else a push or nothing that is known.
+  /// gain of the cause > explains * gain of free torques, else it is a push or has no known cause.
   double explains = 0.6;
   /// time without a push > push_ends [s]: it is over.
   double push_ends = 0.8;
@@ -104,9 +104,9 @@ namespace watching {
 
 /// times are equal within kSameTime = a millionth of a step.
 constexpr double kSameTime = 1e-6;
-/// order of the autoregressions = kOrder: what smoothing and friction leave.
+/// order of the autoregressions = kOrder, for the residuals of smoothing and friction.
 constexpr int kOrder = 2;
-/// time since the last learned step < kFollows steps: it follows on it without a gap; times are whole steps.
+/// time since the last learned step < kFollows steps: the step follows without a gap; times are multiples of the step.
 constexpr double kFollows = 1.5;
 /// probability outside of an interval = kOutside.
 constexpr double kOutside = 0.05;

@@ -179,7 +179,7 @@ void LimitSignals::torque_slopes(const MotionSamples& motion, std::vector<Matrix
     MatrixXd own(motion.rows(), 3 * n);
     for (Eigen::Index d = 0; d < 3 * n; ++d) own.col(d) = rigid.col(d * n + i);
     for (size_t e = 0; e < effects_.size(); ++e) {
-      if (effects_[e]->remembers() || effects_[e]->columns(i).empty()) continue;
+      if (effects_[e]->has_memory() || effects_[e]->columns(i).empty()) continue;
       std::vector<MatrixXd> weights;
       for (int j = 0; j < joints_; ++j) {
         const auto columns = static_cast<Eigen::Index>(effects_[e]->columns(j).size());

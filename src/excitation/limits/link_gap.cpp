@@ -10,7 +10,7 @@
 namespace veridyn {
 namespace {
 
-constexpr int kPostures = 1000;        // random ones, that tell which links always touch
+constexpr int kPostures = 1000;        // random ones, to find links that always touch
 // A pair that touches in more of them is taken for two parts of one joint: joined links overlap
 // in all postures, while links that the joints can bring together do so in some.
 constexpr double kTouchesAlways = 0.9;
@@ -46,7 +46,7 @@ std::pair<double, double> nearest_shares(const Eigen::Vector3d& a, const Eigen::
 }
 
 // Distance of a point from a box, negative inside, and the direction in which it grows.
-double outside(const Obstacle& box, const Eigen::Vector3d& p, Eigen::Vector3d* direction) {
+double distance_to_box(const Obstacle& box, const Eigen::Vector3d& p, Eigen::Vector3d* direction) {
   const Eigen::Vector3d below = box.lower - p, above = p - box.upper;
   const Eigen::Vector3d beyond = below.cwiseMax(above);
   if (beyond.maxCoeff() <= 0.0) {
@@ -99,7 +99,7 @@ bool joined_by_one_joint(const Model& arm, std::optional<FrameIndex> a, std::opt
 }
 
 // A link that turns on its mount: the obstacle reaches into the round end of a capsule, not to its axis.
-bool stands_on(const CollisionPair& pair, double gap) {
+bool touches_mount(const CollisionPair& pair, double gap) {
   double thinnest = kInfinity;
   for (const Capsule& capsule : pair.capsules) thinnest = std::min(thinnest, capsule.radius);
   return gap < pair.clearance && gap > -thinnest - kStands;
@@ -143,12 +143,12 @@ LinkGap::Nearest LinkGap::nearest(const FramePoints& at) const {
       double low = 0.0, high = 1.0;
       for (int k = 0; k < kSections && along.squaredNorm() > 0.0; ++k) {
         const double left = high - kGoldenSection * (high - low), right = low + kGoldenSection * (high - low);
-        const bool go_left = outside(*obstacle_, from + left * along, nullptr) < outside(*obstacle_, from + right * along, nullptr);
+        const bool go_left = distance_to_box(*obstacle_, from + left * along, nullptr) < distance_to_box(*obstacle_, from + right * along, nullptr);
         (go_left ? high : low) = go_left ? right : left;
       }
       for (const double s : {0.0, 0.5 * (low + high), 1.0}) {
         Eigen::Vector3d direction;
-        const double gap = outside(*obstacle_, from + s * along, &direction) - a.radius;
+        const double gap = distance_to_box(*obstacle_, from + s * along, &direction) - a.radius;
         if (gap < best.gap) best = {gap, direction, a.frame, a.from + s * (a.to - a.from), {}};
       }
     }
@@ -202,7 +202,7 @@ CollisionLimits collision_limits(const Model& arm, const std::vector<Capsule>& s
   for (size_t p = 0; p < asked.size(); ++p) {
     const std::string name = asked[p].first + " and " + asked[p].second;
     const bool still = largest[p] - least[p] < kStands;  // no joint moves the one against the other
-    if (asked[p].obstacle ? still && stands_on(asked[p], largest[p]) : touches[p] > kTouchesAlways * kPostures) {
+    if (asked[p].obstacle ? still && touches_mount(asked[p], largest[p]) : touches[p] > kTouchesAlways * kPostures) {
       out.touching.push_back(name);
       continue;
     }

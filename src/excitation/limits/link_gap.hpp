@@ -8,7 +8,7 @@
 
 namespace veridyn {
 
-/// The frame that moves last on the way to a frame: frames of one mover are one rigid body. Nothing: the
+/// The last moving frame above a frame: frames of one mover are one rigid body. nullopt: the
 /// frame stands still.
 std::optional<FrameIndex> mover_of(const Model& arm, std::optional<FrameIndex> frame);
 

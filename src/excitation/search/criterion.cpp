@@ -48,7 +48,7 @@ SmoothValue smooth_condition(const MatrixXd& gram, ColumnNorm norm, double sharp
   const double largest = std::max(eigen.eigenvalues().maxCoeff(), 1e-300);
   const VectorXd e = eigen.eigenvalues().cwiseMax(kSmallestShare * largest);
   const double smallest = e.minCoeff();
-  // Powers of ratios at most one: nothing overflows.
+  // Powers of ratios up to one cannot overflow.
   const Eigen::ArrayXd up = (e.array() / largest).pow(p);
   const Eigen::ArrayXd down = (smallest / e.array()).pow(p);
   SmoothValue out;
@@ -91,7 +91,7 @@ struct Group {
 
 // The remainder of a group after regression on `others`, and its derivative by the scaled Gram
 // matrix G.
-double left_of(const MatrixXd& G, const VectorXd& scale, const Group& group,
+double regression_remainder(const MatrixXd& G, const VectorXd& scale, const Group& group,
                const std::vector<Eigen::Index>& others, MatrixXd& by_gram) {
   const MatrixXd side = G(others, group.columns());
   MatrixXd inverse;
@@ -112,32 +112,32 @@ double left_of(const MatrixXd& G, const VectorXd& scale, const Group& group,
   return left;
 }
 
-RivalLeft rival_left(const MatrixXd& gram, const VectorXd& scale, Eigen::Index nuisance,
+RivalLeft rival_remainder(const MatrixXd& gram, const VectorXd& scale, Eigen::Index nuisance,
                      const Group& group, const Group& other) {
   const MatrixXd G = scaled_both_sides(gram, scale.cwiseInverse());
   std::vector<Eigen::Index> others;
   for (Eigen::Index k = 0; k < nuisance; ++k) others.push_back(k);
   RivalLeft out;
-  out.alone = left_of(G, scale, group, others, out.alone_by_gram);
+  out.alone = regression_remainder(G, scale, group, others, out.alone_by_gram);
   const std::vector<Eigen::Index> rival = other.columns();
   others.insert(others.end(), rival.begin(), rival.end());
-  out.left = left_of(G, scale, group, others, out.left_by_gram);
+  out.left = regression_remainder(G, scale, group, others, out.left_by_gram);
   return out;
 }
 
 }  // namespace
 
-std::pair<RivalLeft, RivalLeft> rivals_left(const MatrixXd& gram, const VectorXd& scale,
+std::pair<RivalLeft, RivalLeft> rival_remainders(const MatrixXd& gram, const VectorXd& scale,
                                             const RivalColumns& rivals) {
   const Eigen::Index n = rivals.nuisance;
   const Group first{n, rivals.first};
   const Group second{n + rivals.first.size(), rivals.second};
-  return {rival_left(gram, scale, n, first, second), rival_left(gram, scale, n, second, first)};
+  return {rival_remainder(gram, scale, n, first, second), rival_remainder(gram, scale, n, second, first)};
 }
 
 SmoothValue smooth_discrimination(const MatrixXd& gram, const VectorXd& scale,
                                   const RivalColumns& rivals) {
-  const auto both = rivals_left(gram, scale, rivals);
+  const auto both = rival_remainders(gram, scale, rivals);
   const bool first = !rivals.first.isZero(0.0);
   const bool second = !rivals.second.isZero(0.0);
   const double weight = first && second ? 0.5 : 1.0;

@@ -49,7 +49,7 @@ struct RivalLeft {
 };
 
 /// Values of A and of B.
-std::pair<RivalLeft, RivalLeft> rivals_left(const MatrixXd& gram, const VectorXd& scale,
+std::pair<RivalLeft, RivalLeft> rival_remainders(const MatrixXd& gram, const VectorXd& scale,
                                             const RivalColumns& rivals);
 
 /// Mean over the identifiable causes of - 1/2 ln(left) + 1/4 ln(alone): half rewards the torque

@@ -21,7 +21,7 @@ static_assert(kStages == 2, "one for each sharpness");
 constexpr double kSharpness[] = {2.0, 16.0};  // sharpness of the smooth condition number, one after the other
 constexpr double kLastSharpness = 100.0;      // for the best motion of all searches
 constexpr int kNarrowings = 5;                // rounds until limits hold between instants as well
-constexpr double kWide = 1.01;                // beyond a range that is asked for, since bounds are fitted afterwards
+constexpr double kWide = 1.01;                // margin beyond a requested range, because bounds are fitted afterwards
 constexpr double kInside = 1e-7;              // share of a limit's scale, as a margin for rounding
 
 constexpr double kRoundingShare = 1e-12;  // share of a joint's limits that stays free
@@ -38,7 +38,7 @@ MotionSearch::MotionSearch(const MotionSpace& space, const LimitSignals& signals
       solver_(solver),
       progress_(progress) {}
 
-int MotionSearch::most_steps(const ExcitationOptions& options) {
+int MotionSearch::expected_iterations(const ExcitationOptions& options) {
   if (options.solver == ExcitationSolver::kRandom) return options.iterations;
   const bool condition = options.criterion == ExcitationCriterion::kCondition;
   const int descents = condition ? kStages + 1 : 1;
@@ -65,10 +65,10 @@ double MotionSearch::smooth_cost(const VectorXd& x, double sharpness) const {
   return question_.objective(space_, sharpness, kCriterionInstantsPerWave * space_.harmonics()).value(x);
 }
 
-bool MotionSearch::keeps(const VectorXd& x, const Bounds& bounds) const {
+bool MotionSearch::is_within(const VectorXd& x, const Bounds& bounds) const {
   if (!has_more_than_joints()) return true;
   Bounds same = bounds;
-  return !narrow(x, same);
+  return !tighten_bounds(x, same);
 }
 
 std::vector<VectorXd> MotionSearch::draw(int start, const Bounds& bounds, Found& found) const {
@@ -82,7 +82,7 @@ std::vector<VectorXd> MotionSearch::draw(int start, const Bounds& bounds, Found&
     if (k == 0) found.start = x;
     if (k > 0 && options_.stop && options_.stop()) break;
     ++found.evaluations;
-    best.push_back({{!keeps(x, bounds), smooth_cost(x, kSharpness[0])}, x});
+    best.push_back({{!is_within(x, bounds), smooth_cost(x, kSharpness[0])}, x});
     std::stable_sort(best.begin(), best.end(),
                      [](const Ranked& a, const Ranked& b) { return a.first < b.first; });
     if (best.size() > static_cast<size_t>(kTrials)) best.pop_back();
@@ -93,7 +93,7 @@ std::vector<VectorXd> MotionSearch::draw(int start, const Bounds& bounds, Found&
   return out;
 }
 
-std::vector<VectorXd> MotionSearch::tried(const std::vector<VectorXd>& from, const Bounds& bounds,
+std::vector<VectorXd> MotionSearch::descents(const std::vector<VectorXd>& from, const Bounds& bounds,
                                           int start, Found& found) const {
   std::vector<std::pair<double, VectorXd>> ends;
   for (const VectorXd& x : from) {
@@ -140,7 +140,7 @@ VectorXd MotionSearch::descend(const VectorXd& from, const Bounds& bounds, const
   return program.best() ? program.best()->x : VectorXd();
 }
 
-VectorXd MotionSearch::into_limits(const VectorXd& from, const Bounds& bounds) const {
+VectorXd MotionSearch::projected_into_limits(const VectorXd& from, const Bounds& bounds) const {
   GridConstraints limits(space_, signals_, kLimitsPerWave * space_.harmonics());
   limits.set_bounds(bounds.lower, bounds.upper);
   WidestViolation program(limits, space_.size());
@@ -153,7 +153,7 @@ VectorXd MotionSearch::into_limits(const VectorXd& from, const Bounds& bounds) c
   return solver_(program, start, solver).x.head(space_.size());
 }
 
-bool MotionSearch::narrow(const VectorXd& x, Bounds& bounds) const {
+bool MotionSearch::tighten_bounds(const VectorXd& x, Bounds& bounds) const {
   bool crossed = false;
   const Bounds wide = allowed();
   const std::vector<LimitMargin> margins = limit_margins(signals_, space_.trajectory(x));
@@ -174,10 +174,10 @@ bool MotionSearch::narrow(const VectorXd& x, Bounds& bounds) const {
 
 VectorXd MotionSearch::follow(VectorXd x, int start, Found& found) const {
   Bounds bounds = allowed();
-  VectorXd good = keeps(x, bounds) ? fitted_to_joints(space_, x) : VectorXd();
+  VectorXd good = is_within(x, bounds) ? fitted_to_joints(space_, x) : VectorXd();
   const auto accept = [&](const VectorXd& next) {
     x = next;
-    if (!keeps(x, allowed())) return false;
+    if (!is_within(x, allowed())) return false;
     good = x;
     return true;
   };
@@ -187,13 +187,13 @@ VectorXd MotionSearch::follow(VectorXd x, int start, Found& found) const {
     const Descent descent{sharpness, options_.iterations};
     VectorXd next = descend(x, bounds, descent, start, found);
     if (next.size() == 0 && good.size() == 0) {
-      x = into_limits(x, bounds);
+      x = projected_into_limits(x, bounds);
       next = descend(x, bounds, descent, start, found);
     }
     if (next.size() == 0) break;
     bool held = accept(fitted_to_joints(space_, next));
     for (int round = 0; !held && round < kNarrowings; ++round) {
-      narrow(x, bounds);
+      tighten_bounds(x, bounds);
       next = descend(x, bounds, descent, start, found);
       if (next.size() == 0) break;
       held = accept(fitted_to_joints(space_, next));
@@ -209,10 +209,10 @@ Found MotionSearch::run(int start) const {
   std::vector<VectorXd> from = draw(start, bounds, found);
   found.nearest = from.front();
   if (options_.solver == ExcitationSolver::kRandom) {
-    if (keeps(from.front(), bounds)) found.ends = {from.front()};
+    if (is_within(from.front(), bounds)) found.ends = {from.front()};
     return found;
   }
-  from = tried(from, bounds, start, found);
+  from = descents(from, bounds, start, found);
   for (const VectorXd& x : from) {
     const VectorXd end = follow(x, start, found);
     if (end.size() > 0) found.ends.push_back(end);
@@ -229,7 +229,7 @@ VectorXd MotionSearch::polished(const VectorXd& from, int start, Found& found) c
   const VectorXd next = descend(from, allowed(), descent, start, found);
   if (next.size() == 0) return {};
   const VectorXd fitted = fitted_to_joints(space_, next);
-  return keeps(fitted, allowed()) ? fitted : VectorXd();
+  return is_within(fitted, allowed()) ? fitted : VectorXd();
 }
 
 VectorXd MotionSearch::widened(const VectorXd& from, const std::vector<int>& joints, const MotionLimits& limits,
@@ -259,8 +259,8 @@ VectorXd MotionSearch::widened(const VectorXd& from, const std::vector<int>& joi
       const VectorXd next = descend(at, inside, descent, 0, found);
       if (next.size() == 0) break;
       at = fitted_to_joints(space_, next);
-      if (!keeps(at, allowed())) {
-        narrow(at, inside);
+      if (!is_within(at, allowed())) {
+        tighten_bounds(at, inside);
         continue;
       }
       if (best.size() == 0 || smooth_cost(at, kSharpness[0]) < smooth_cost(best, kSharpness[0])) best = at;

@@ -31,7 +31,7 @@ class MotionSearch {
   Found run(int start) const;
 
   /// Approximate number of iterations of one start, without repeated descents.
-  static int most_steps(const ExcitationOptions& options);
+  static int expected_iterations(const ExcitationOptions& options);
 
   /// A final descent on a close approximation of the condition number. Empty if it finds no motion
   /// within the limits, and for other criteria.
@@ -48,7 +48,7 @@ class MotionSearch {
   Bounds allowed() const;
   bool has_more_than_joints() const { return signals_.count() > 3 * space_.joints(); }
   double smooth_cost(const VectorXd& x, double sharpness) const;
-  bool keeps(const VectorXd& x, const Bounds& bounds) const;
+  bool is_within(const VectorXd& x, const Bounds& bounds) const;
   using Spans = std::vector<GridConstraints::Span>;
   struct Descent {
     double sharpness;
@@ -56,13 +56,13 @@ class MotionSearch {
     Spans spans{};
   };
   std::vector<VectorXd> draw(int start, const Bounds& bounds, Found& found) const;
-  std::vector<VectorXd> tried(const std::vector<VectorXd>& from, const Bounds& bounds, int start,
+  std::vector<VectorXd> descents(const std::vector<VectorXd>& from, const Bounds& bounds, int start,
                               Found& found) const;
   VectorXd follow(VectorXd x, int start, Found& found) const;
   VectorXd descend(const VectorXd& from, const Bounds& bounds, const Descent& descent, int start,
                    Found& found) const;
-  VectorXd into_limits(const VectorXd& from, const Bounds& bounds) const;
-  bool narrow(const VectorXd& x, Bounds& bounds) const;
+  VectorXd projected_into_limits(const VectorXd& from, const Bounds& bounds) const;
+  bool tighten_bounds(const VectorXd& x, Bounds& bounds) const;
 
   const MotionSpace& space_;
   const LimitSignals& signals_;

@@ -61,7 +61,7 @@ std::optional<Model> values_of(const Model& arm, const ExcitationOptions& option
 Question make_question(const Model& arm, const BaseRegressor& exact, const BaseRegressor& rounded,
                        const ExcitationOptions& options, double seconds);
 
-/// Adds the columns of the two causes. @throws InvalidInput  no motion tells them apart, or no values.
+/// Adds the columns of the two causes. @throws InvalidInput  no motion separates them, or there are no values.
 void add_rivals(const Model& arm, const ExcitationOptions& options, double rounding,
                 Question& question);
 

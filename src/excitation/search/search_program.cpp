@@ -147,7 +147,7 @@ double SearchProgram::objective(const VectorXd& x) {
   ++evaluations_;
   there_ = objective_.at(x);
   objective_at_ = x;
-  look();
+  evaluate_point();
   return there_.value;
 }
 
@@ -160,11 +160,11 @@ VectorXd SearchProgram::constraints(const VectorXd& x) {
   const VectorXd values = limits_.values(x);
   violation_ = limits_.violation(values);
   constraints_at_ = x;
-  look();
+  evaluate_point();
   return values;
 }
 
-void SearchProgram::look() {
+void SearchProgram::evaluate_point() {
   if (objective_at_.size() != constraints_at_.size() || objective_at_ != constraints_at_) return;
   if (violation_.size > kHeld || (best_ && best_->value <= there_.value)) return;
   best_ = Best{objective_at_, there_.value, violation_};

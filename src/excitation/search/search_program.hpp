@@ -77,7 +77,7 @@ class SearchProgram final : public NonlinearProgram {
   int evaluations() const { return evaluations_; }
 
  private:
-  void look();
+  void evaluate_point();
 
   const MotionObjective& objective_;
   const GridConstraints& limits_;
@@ -90,7 +90,7 @@ class SearchProgram final : public NonlinearProgram {
 };
 
 /// Minimises t such that all limits hold when those of torques and places are widened by t times
-/// their scale: t tells if they can be met, and the violation otherwise. The last variable is t.
+/// their scale: t <= 0 if they can be met, else it is the violation. The last variable is t.
 class WidestViolation final : public NonlinearProgram {
  public:
   explicit WidestViolation(const GridConstraints& limits, int variables);

@@ -28,16 +28,16 @@ void SearchProgress::step(int search, const std::string& news) {
   if (std::chrono::duration<double>(now - told_).count() < kSilence) return;
   told_ = now;
   const bool several = done_.size() > 1;
-  tell(several ? fmt::format("start {} of {}: {}", search + 1, done_.size(), news) : news);
+  report(several ? fmt::format("start {} of {}: {}", search + 1, done_.size(), news) : news);
 }
 
-void SearchProgress::over(int search) {
+void SearchProgress::report_ended_search(int search) {
   if (!listener_) return;
   const std::lock_guard<std::mutex> lock(guard_);
   done_[search] = steps_;
 }
 
-void SearchProgress::tell(const std::string& news) {
+void SearchProgress::report(const std::string& news) {
   const double all = static_cast<double>(done_.size()) * steps_;
   const double share = std::accumulate(done_.begin(), done_.end(), 0) / all;
   listener_(news, share);

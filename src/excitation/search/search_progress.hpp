@@ -21,10 +21,10 @@ class SearchProgress {
   void step(int search, const std::string& news);
 
   /// Reports the end of a search.
-  void over(int search);
+  void report_ended_search(int search);
 
  private:
-  void tell(const std::string& news);
+  void report(const std::string& news);
 
   Listener listener_;
   int steps_;

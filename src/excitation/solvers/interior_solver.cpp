@@ -72,15 +72,15 @@ struct BoundSide {
 
   // Equation (4), for s and for z.
   double longest_step(const VectorXd& s, const VectorXd& p_s) const {
-    return longest((exists * sign * p_s.array() / distance(s)).maxCoeff());
+    return longest_fraction((exists * sign * p_s.array() / distance(s)).maxCoeff());
   }
   double longest_dual_step() const {
-    return longest((exists * (z - z_next) / (z + (1.0 - exists))).maxCoeff());
+    return longest_fraction((exists * (z - z_next) / (z + (1.0 - exists))).maxCoeff());
   }
 
  private:
   // @param decrease  the largest relative decrease in a whole step.
-  static double longest(double decrease) { return decrease > kTau ? kTau / decrease : 1.0; }
+  static double longest_fraction(double decrease) { return decrease > kTau ? kTau / decrease : 1.0; }
 };
 
 }  // namespace

@@ -30,7 +30,7 @@ std::string identifier(const std::string& name) {
 }
 
 // Removes characters that a C comment or string must not contain; two question marks begin a trigraph in C99.
-std::string plain(std::string words) {
+std::string safe_c_text(std::string words) {
   for (char& c : words) {
     if (c == '*' || c == '\\' || c == '"' || c == '?' || (c >= 0 && c < ' ')) c = ' ';
   }
@@ -78,7 +78,7 @@ class CWriter {
     const std::string functions = std::exchange(out_, {});
     head();
     constants();
-    helpers();
+    write_helpers();
     out_ += functions;
     for_doubles();
     line("#endif");
@@ -89,12 +89,12 @@ class CWriter {
   void line(const std::string& content) { out_ += content + "\n"; }
 
   void head() {
-    line(fmt::format("/* Torques of {}, written by veridyn {}.", plain(arm_.name()),
+    line(fmt::format("/* Torques of {}, written by veridyn {}.", safe_c_text(arm_.name()),
                      VERIDYN_VERSION));
     line(" * C99 and C++, without dependencies. SI units: rad, m, kg, N m, N, s.");
     line(fmt::format(" * In C numbers are doubles, or what {}_real was defined as before; in C++", name_));
     line(" * the functions are templates over double and float. Matrices are by rows.");
-    for (const std::string& one : left_out_) line(" * Left out: " + plain(one) + ".");
+    for (const std::string& one : left_out_) line(" * Left out: " + safe_c_text(one) + ".");
     line(fmt::format(R"( *
  * memory: {0}_memory numbers of the caller's, one array for each running loop, in which effects with
  * a memory (friction before sliding, backlash) keep where they are. Zeros begin afresh: clear the
@@ -106,9 +106,9 @@ class CWriter {
  * q, dq, ddq and tau are true values. Friction changes its sign with a velocity's: of a measured one,
  * whose noise does so at rest, it chatters. Give the wanted velocity, or define {0}_rest_speed before
  * this file as what the noise does not exceed; below it friction is proportional to the velocity.)", name_));
-    const std::vector<std::string> errors = JointSensors(arm_).in_words(arm_);
+    const std::vector<std::string> errors = JointSensors(arm_).descriptions(arm_);
     if (!errors.empty()) line(" * As the model knows the sensors of this arm, to be taken off before and put on after:");
-    for (const std::string& one : errors) line(" *   " + plain(one));
+    for (const std::string& one : errors) line(" *   " + safe_c_text(one));
     line(" */");
     line(fmt::format("#ifndef VERIDYN_{0}\n#define VERIDYN_{0}\n\n#include <math.h>\n", name_));
     line(fmt::format("#ifndef {}_API", name_));
@@ -133,7 +133,7 @@ class CWriter {
                      std::max<std::size_t>(1, kMemory * effects_.size())));
     line("/* Coordinates, in the order of q, dq, ddq and tau. */");
     line(fmt::format("static const char* const {0}_joint_names[{0}_joints] = {{", name_));
-    for (const Coordinate& c : arm_.coordinates()) line("  \"" + plain(c.name) + "\",");
+    for (const Coordinate& c : arm_.coordinates()) line("  \"" + safe_c_text(c.name) + "\",");
     line("};\n");
     line("/* Inertial parameters, in the order of the regressor's columns: mass [kg], mass times");
     line("   centre [kg m], inertia about the frame's origin [kg m^2]. */");
@@ -143,13 +143,13 @@ class CWriter {
     line(fmt::format("static const char* const {0}_parameter_names[{0}_parameters] = {{", name_));
     for (const int k : arm_.bodies()) {
       for (const char* symbol : kSymbols)
-        line(fmt::format("  \"{}_{}\",", symbol, plain(arm_.frames()[k].name)));
+        line(fmt::format("  \"{}_{}\",", symbol, safe_c_text(arm_.frames()[k].name)));
     }
     line("};\n");
   }
 
   // Writes those helper functions of WrittenInC::c_columns() that the functions call.
-  void helpers() {
+  void write_helpers() {
     const auto called = [&](const char* helper) { return called_.count(helper) != 0; };
     const bool contact = called("contact");
     if (called("direction")) {
@@ -219,7 +219,7 @@ static double {0}_contact(double s, double distance, double* z) {{
 
   // Writes one algorithm of ArmDynamics as straight-line code for this arm, after `first`.
   template <typename Run>
-  void traced(const std::string& what, const std::string& function,
+  void write_traced_function(const std::string& what, const std::string& function,
               const std::vector<const char*>& in, const std::vector<const char*>& out,
               const Run& run, const char* first = "") {
     TracedProgram program;
@@ -229,35 +229,35 @@ static double {0}_contact(double s, double distance, double* z) {{
     for (const char* name : in) given.push_back(input(program, name, n));
     Values results;
     run(dynamics, given, results);
-    this->function(what, function, in, out, first + program.statements(results));
+    this->write_function(what, function, in, out, first + program.statements(results));
   }
 
   void rigid_bodies() {
     const int n = arm_.joints();
     const auto p = static_cast<Eigen::Index>(kBodyParameters * arm_.bodies().size());
-    traced("tau = M(q) ddq + C(q, dq) dq + g(q): the rigid bodies.", "inverse_dynamics",
+    write_traced_function("tau = M(q) ddq + C(q, dq) dq + g(q): the rigid bodies.", "inverse_dynamics",
            {"q", "dq", "ddq"}, {"tau"}, [&](auto& arm, const auto& x, Values& to) {
              Vector tau(n);
              arm.inverse_dynamics(x[0], x[1], x[2], tau);
              add("tau", tau, to);
            });
-    traced("g(q).", "gravity", {"q"}, {"tau"}, [&](auto& arm, const auto& x, Values& to) {
+    write_traced_function("g(q).", "gravity", {"q"}, {"tau"}, [&](auto& arm, const auto& x, Values& to) {
       Vector tau(n);
       arm.gravity_torques(x[0], tau);
       add("tau", tau, to);
     });
-    traced("M(q).", "mass_matrix", {"q"}, {"M"}, [&](auto& arm, const auto& x, Values& to) {
+    write_traced_function("M(q).", "mass_matrix", {"q"}, {"M"}, [&](auto& arm, const auto& x, Values& to) {
       Matrix M(n, n);
       arm.mass_matrix(x[0], M);
       add("M", M, to);
     });
-    traced("ddq = M^-1 (tau - C dq - g).", "forward_dynamics", {"q", "dq", "tau"}, {"ddq"},
+    write_traced_function("ddq = M^-1 (tau - C dq - g).", "forward_dynamics", {"q", "dq", "tau"}, {"ddq"},
            [&](auto& arm, const auto& x, Values& to) {
              Vector ddq(n);
              arm.forward_dynamics(x[0], x[1], x[2], ddq);
              add("ddq", ddq, to);
            });
-    traced("Derivatives of inverse_dynamics by q and dq; that by ddq is M.", "derivatives",
+    write_traced_function("Derivatives of inverse_dynamics by q and dq; that by ddq is M.", "derivatives",
            {"q", "dq", "ddq"}, {"by_q", "by_dq"}, [&](auto& arm, const auto& x, Values& to) {
              Vector tau(n);
              Matrix by_q(n, n), by_dq(n, n), M(n, n);
@@ -265,7 +265,7 @@ static double {0}_contact(double s, double distance, double* z) {{
              add("by_q", by_q, to);
              add("by_dq", by_dq, to);
            });
-    traced(fmt::format("tau = Y * {}_phi.", name_), "regressor", {"q", "dq", "ddq"}, {"Y"},
+    write_traced_function(fmt::format("tau = Y * {}_phi.", name_), "regressor", {"q", "dq", "ddq"}, {"Y"},
            [&](auto& arm, const auto& x, Values& to) {
              Matrix Y(n, p);
              arm.regressor(x[0], x[1], x[2], Y);
@@ -275,7 +275,7 @@ static double {0}_contact(double s, double distance, double* z) {{
   }
 
   // Writes a function; `in` and `out` are arrays. torque() explains the effects' memory.
-  void function(const std::string& what, const std::string& name,
+  void write_function(const std::string& what, const std::string& name,
                 const std::vector<const char*>& in, const std::vector<const char*>& out,
                 const std::string& body) {
     const auto arguments = [&](const std::string& type) {
@@ -320,7 +320,7 @@ static double {0}_contact(double s, double distance, double* z) {{
     const EffectTerm& term = one.term();
     const Axis& axis = term.axis;
     std::string out = fmt::format("  {{ /* {} on {} */\n", term.effect,
-                                  plain(axis_text(arm_, axis)));
+                                  safe_c_text(axis_text(arm_, axis)));
     const auto define = [&out](const char* variable, const std::string& value) {
       out += fmt::format("    const double {} = {};\n", variable, value);
     };
@@ -365,12 +365,12 @@ static double {0}_contact(double s, double distance, double* z) {{
     }
     body += fmt::format("  (void)memory;\n  for (i = 0; i < {}_joints; ++i) tau[i] = 0.0;\n", name_);
     for (std::size_t k = 0; k < effects_.size(); ++k) body += effect(k);
-    function("Friction and every other effect of the model.", "friction", {"q", "dq", "ddq"},
+    write_function("Friction and every other effect of the model.", "friction", {"q", "dq", "ddq"},
              {"memory", "tau"}, body);
   }
 
   void torque() {
-    function("The whole torque of the motors.", "torque", {"q", "dq", "ddq"}, {"memory", "tau"},
+    write_function("The whole torque of the motors.", "torque", {"q", "dq", "ddq"}, {"memory", "tau"},
              fmt::format("  int i;\n  R rigid[{0}_joints];\n"
                          "  {0}_inverse_dynamics(q, dq, ddq, rigid);\n"
                          "  {0}_friction(q, dq, ddq, memory, tau);\n"

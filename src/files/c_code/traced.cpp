@@ -51,7 +51,7 @@ int TracedProgram::node(Kind kind, int a, std::optional<int> b) {
   return at->second;
 }
 
-bool TracedProgram::is(int node, double value) const {
+bool TracedProgram::has_value(int node, double value) const {
   const Node& n = nodes_[node];
   return n.kind == Kind::kConstant && n.value == value;
 }
@@ -59,8 +59,8 @@ bool TracedProgram::is(int node, double value) const {
 Traced TracedProgram::sum(int a, int b) {
   const Node& x = nodes_[a];
   const Node& y = nodes_[b];
-  if (is(a, 0.0)) return Traced::of_node(b);
-  if (is(b, 0.0)) return Traced::of_node(a);
+  if (has_value(a, 0.0)) return Traced::of_node(b);
+  if (has_value(b, 0.0)) return Traced::of_node(a);
   if (x.kind == Kind::kConstant && y.kind == Kind::kConstant) return Traced(x.value + y.value);
   if (y.kind == Kind::kMinus) return difference(a, *y.a);
   if (x.kind == Kind::kMinus) return difference(b, *x.a);
@@ -73,8 +73,8 @@ Traced TracedProgram::difference(int a, int b) {
   const Node& x = nodes_[a];
   const Node& y = nodes_[b];
   if (a == b) return Traced(0.0);
-  if (is(b, 0.0)) return Traced::of_node(a);
-  if (is(a, 0.0)) return minus(b);
+  if (has_value(b, 0.0)) return Traced::of_node(a);
+  if (has_value(a, 0.0)) return negated(b);
   if (x.kind == Kind::kConstant && y.kind == Kind::kConstant) return Traced(x.value - y.value);
   if (y.kind == Kind::kMinus) return sum(a, *y.a);
   if (x.kind == Kind::kSum && *x.b == b) return Traced::of_node(*x.a);
@@ -85,19 +85,19 @@ Traced TracedProgram::difference(int a, int b) {
 Traced TracedProgram::product(int a, int b) {
   const Node x = nodes_[a];
   const Node y = nodes_[b];
-  if (is(a, 0.0) || is(b, 0.0)) return Traced(0.0);
-  if (is(a, 1.0)) return Traced::of_node(b);
-  if (is(b, 1.0)) return Traced::of_node(a);
-  if (is(a, -1.0)) return minus(b);
-  if (is(b, -1.0)) return minus(a);
+  if (has_value(a, 0.0) || has_value(b, 0.0)) return Traced(0.0);
+  if (has_value(a, 1.0)) return Traced::of_node(b);
+  if (has_value(b, 1.0)) return Traced::of_node(a);
+  if (has_value(a, -1.0)) return negated(b);
+  if (has_value(b, -1.0)) return negated(a);
   if (x.kind == Kind::kConstant && y.kind == Kind::kConstant) return Traced(x.value * y.value);
   if (x.kind == Kind::kMinus && y.kind == Kind::kMinus) return product(*x.a, *y.a);
-  if (x.kind == Kind::kMinus) return minus(product(*x.a, b).node());
-  if (y.kind == Kind::kMinus) return minus(product(a, *y.a).node());
+  if (x.kind == Kind::kMinus) return negated(product(*x.a, b).node());
+  if (y.kind == Kind::kMinus) return negated(product(a, *y.a).node());
   return Traced::of_node(node(Kind::kProduct, a, b));
 }
 
-Traced TracedProgram::minus(int a) {
+Traced TracedProgram::negated(int a) {
   const Node x = nodes_[a];
   if (x.kind == Kind::kConstant) return Traced(-x.value);
   if (x.kind == Kind::kMinus) return Traced::of_node(*x.a);
@@ -119,13 +119,13 @@ Traced operator*(const Traced& a, const Traced& b) {
 
 Traced operator/(const Traced& a, const Traced& b) {
   TracedProgram& program = TracedProgram::open();
-  if (program.is(a.node(), 0.0)) return Traced(0.0);
-  if (program.is(b.node(), 1.0)) return a;
+  if (program.has_value(a.node(), 0.0)) return Traced(0.0);
+  if (program.has_value(b.node(), 1.0)) return a;
   return Traced::of_node(program.node(TracedProgram::Kind::kQuotient, a.node(), b.node()));
 }
 
 Traced operator-(const Traced& a) {
-  return TracedProgram::open().minus(a.node());
+  return TracedProgram::open().negated(a.node());
 }
 
 Traced& Traced::operator+=(const Traced& other) {

@@ -75,11 +75,11 @@ class TracedProgram {
   static TracedProgram& open();
   int constant(double value);
   int node(Kind kind, int a, std::optional<int> b = {});
-  bool is(int node, double value) const;
+  bool has_value(int node, double value) const;
   Traced sum(int a, int b);
   Traced difference(int a, int b);
   Traced product(int a, int b);
-  Traced minus(int a);
+  Traced negated(int a);
   std::string expression(int node, const std::vector<int>& uses, int around) const;
 
   std::vector<Node> nodes_;

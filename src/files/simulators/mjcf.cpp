@@ -58,17 +58,17 @@ class MjcfWriter {
     set(option, "gravity", xml_vector(arm_.gravity()));
     set(option, "timestep", kStep);
     pugi::xml_node world = root.append_child("worldbody");
-    children(world, -1, identity_pose());
+    add_children(world, -1, identity_pose());
     for (int i = 0; i < arm_.joints(); ++i) {
-      if (main_link_of(i) < 0) carrier(world, i);
+      if (main_link_of(i) < 0) add_carrier_joint(world, i);
     }
     tendons_ = root.append_child("tendon");
     equalities_ = root.append_child("equality");
-    for (int k = 0; k < static_cast<int>(tree_.links.size()); ++k) couple(k);
-    for (const SimpleForce& force : placed_.across) along_tendon(world, force);
+    for (int k = 0; k < static_cast<int>(tree_.links.size()); ++k) couple_joint(k);
+    for (const SimpleForce& force : placed_.across) add_tendon_force(world, force);
     if (!tendons_.first_child()) root.remove_child(tendons_);
     if (!equalities_.first_child()) root.remove_child(equalities_);
-    motors(root.append_child("actuator"));
+    add_motors(root.append_child("actuator"));
     return xml_text(document_);
   }
 
@@ -109,13 +109,13 @@ class MjcfWriter {
     return frame_name(k) + "__joint";
   }
 
-  void children(pugi::xml_node above, int parent, const Posed& before) {
+  void add_children(pugi::xml_node above, int parent, const Posed& before) {
     for (int k = 0; k < static_cast<int>(tree_.links.size()); ++k) {
       const Link& l = link(k);
       if (l.parent != parent) continue;
       if (l.type == JointType::kFixed && l.body < 0) {
-        site(above, k, before * l.A);
-        children(above, k, before * l.A);
+        add_site(above, k, before * l.A);
+        add_children(above, k, before * l.A);
         continue;
       }
       const bool turns = l.type == JointType::kRevolute;
@@ -127,30 +127,30 @@ class MjcfWriter {
       set(body, "name", frame_name(k));
       set_pose(body, T);
       if (remarks_.count(frame_name(k)) > 0) add_comment(body, remarks_.at(frame_name(k)));
-      inertial(body, k);
+      add_inertial(body, k);
       if (l.type != JointType::kFixed) {
         joint(body, joint_name(k), turns, plain_coordinate(k),
               main_link_of(plain_coordinate(k)) == k);
       }
-      site(body, k, l.B);
-      children(body, k, l.B);
+      add_site(body, k, l.B);
+      add_children(body, k, l.B);
     }
   }
 
   // Adds a site at the frame: a link's own frame turns with its joint and lies before B.
-  void site(pugi::xml_node body, int k, const Posed& T) const {
+  void add_site(pugi::xml_node body, int k, const Posed& T) const {
     pugi::xml_node node = body.append_child("site");
     set(node, "name", frame_name(k));
     set_pose(node, T);
   }
 
-  void inertial(pugi::xml_node body, int k) const {
+  void add_inertial(pugi::xml_node body, int k) const {
     const Link& l = link(k);
     const double* phi = l.body < 0 ? nullptr : phi_.data() + kBodyParameters * l.body;
     pugi::xml_node node = body.append_child("inertial");
     const bool none = phi == nullptr || VectorXd::Map(phi, kBodyParameters).isZero(0.0);
     if (none) {
-      add_none(node);
+      exclude_from_collision(node);
       return;
     }
     require(phi[0] > 0.0, "export: the body ", frame_name(k), " of '", arm_.name(),
@@ -164,7 +164,7 @@ class MjcfWriter {
     set(node, "diaginertia", xml_vector(p.moments));
   }
 
-  static void add_none(pugi::xml_node node) {
+  static void exclude_from_collision(pugi::xml_node node) {
     set(node, "pos", std::string("0 0 0"));
     set(node, "mass", kLeastMjcfMass);
     set(node, "diaginertia", xml_vector(Vec3d{kLeastMjcfMass, kLeastMjcfMass, kLeastMjcfMass}));
@@ -172,11 +172,11 @@ class MjcfWriter {
 
   // Adds a joint for a coordinate that moves no frame by itself, so that others can be coupled to
   // it.
-  void carrier(pugi::xml_node world, int i) {
+  void add_carrier_joint(pugi::xml_node world, int i) {
     const Coordinate& c = arm_.coordinates()[at(i)];
     pugi::xml_node body = world.append_child("body");
     set(body, "name", c.name + "__coordinate");
-    add_none(body.append_child("inertial"));
+    exclude_from_collision(body.append_child("inertial"));
     joint(body, c.name, !c.prismatic, i, true);
   }
 
@@ -209,8 +209,8 @@ class MjcfWriter {
   }
 
   // Attaches a force along several coordinates to a tendon.
-  void along_tendon(pugi::xml_node world, const SimpleForce& f) {
-    if (f.inertia != 0.0 && !inertia_along_joint(f)) flywheel(world, f);
+  void add_tendon_force(pugi::xml_node world, const SimpleForce& f) {
+    if (f.inertia != 0.0 && !inertia_along_joint(f)) add_flywheel(world, f);
     if (f.damping == 0.0 && f.friction == 0.0 && f.stiffness == 0.0) return;
     pugi::xml_node tendon = tendons_.append_child("fixed");
     set(tendon, "name", fmt::format("effects_{}", ++tendon_count_));
@@ -241,14 +241,14 @@ class MjcfWriter {
 
   // Adds a rotor along several coordinates: armatures belong to single joints, so it becomes a
   // joint on a massless body that is coupled to the coordinates.
-  void flywheel(pugi::xml_node world, const SimpleForce& f) {
+  void add_flywheel(pugi::xml_node world, const SimpleForce& f) {
     const std::string name = fmt::format("rotor_{}", ++rotor_count_);
     pugi::xml_node body = world.append_child("body");
     set(body, "name", name);
-    add_none(body.append_child("inertial"));
+    exclude_from_collision(body.append_child("inertial"));
     joint(body, name + "__joint", true, -1, false);
     set(body.child("joint"), "armature", f.inertia);
-    couple(name, name + "__joint", f.axis.coefficients);
+    add_coupling(name, name + "__joint", f.axis.coefficients);
   }
 
   VectorXd coefficients(int k) const {
@@ -268,14 +268,14 @@ class MjcfWriter {
   }
 
   // Couples joints that are not coordinates.
-  void couple(int k) {
+  void couple_joint(int k) {
     const int i = plain_coordinate(k);
     if (link(k).type == JointType::kFixed || (i >= 0 && main_link_of(i) == k)) return;
-    couple(frame_name(k), joint_name(k), coefficients(k));
+    add_coupling(frame_name(k), joint_name(k), coefficients(k));
   }
 
   // Constraint 0 = joint - c . q.
-  void couple(const std::string& name, const std::string& joint, const VectorXd& c) {
+  void add_coupling(const std::string& name, const std::string& joint, const VectorXd& c) {
     pugi::xml_node tendon = tendons_.append_child("fixed");
     set(tendon, "name", name + "__coupling");
     pugi::xml_node own = tendon.append_child("joint");
@@ -288,7 +288,7 @@ class MjcfWriter {
   }
 
   // Constant effects act through the motors: force = control - constant.
-  void motors(pugi::xml_node actuators) const {
+  void add_motors(pugi::xml_node actuators) const {
     for (int i = 0; i < arm_.joints(); ++i) {
       const Coordinate& c = arm_.coordinates()[at(i)];
       const bool biased = placed_.constants[i] != 0.0;

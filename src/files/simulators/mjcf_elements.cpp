@@ -74,7 +74,7 @@ pugi::xml_attribute MjcfElements::setting(const char* section, const char* name,
   return out;
 }
 
-// Of two classes of one name the first one counts, and of a class's settings for one kind of element.
+// The first of two classes of one name is used, and the first of a class's settings for an element.
 void MjcfElements::read_classes() {
   const auto take = [this](pugi::xml_node defaults, const char* name) {
     classes_.try_emplace(name, defaults);

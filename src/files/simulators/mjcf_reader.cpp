@@ -175,7 +175,7 @@ class MjcfReader : private MjcfElements {
     xml_.fail(at, text(attribute, " '", name, "'"), "the name of a hinge or slide");
   }
 
-  double ref(int joint) const {
+  double reference_position(int joint) const {
     const FileJoint& j = joints_[joint];
     return (j.turns ? angle() : 1.0) * number(j.node, "ref", 0.0);
   }
@@ -216,11 +216,11 @@ class MjcfReader : private MjcfElements {
   void couple_joints(pugi::xml_node law, double c0, double c1) {
     const int y = find_joint(law, "joint1");
     if (!law.attribute("joint2")) {
-      follow(law, y, {}, ref(y) + c0);
+      follow(law, y, {}, reference_position(y) + c0);
       return;
     }
     const int x = find_joint(law, "joint2");
-    follow(law, y, {{x, c1}}, ref(y) + c0 - c1 * ref(x));
+    follow(law, y, {{x, c1}}, reference_position(y) + c0 - c1 * reference_position(x));
   }
 
   // length - length in the initial pose = c0; the tendon's first joint follows the others.
@@ -235,7 +235,7 @@ class MjcfReader : private MjcfElements {
       const FileJoint::Share own = shares.empty() ? FileJoint::Share{0, 0.0} : shares.front();
       if (own.coefficient == 0.0) xml_.fail(tendon, "no share of the first joint in a tendon", "coef other than zero");
       double constant = c0;
-      for (const FileJoint::Share& s : shares) constant += s.coefficient * ref(s.joint);
+      for (const FileJoint::Share& s : shares) constant += s.coefficient * reference_position(s.joint);
       shares.erase(shares.begin());
       for (FileJoint::Share& s : shares) s.coefficient /= -own.coefficient;
       follow(law, own.joint, std::move(shares), constant / own.coefficient);

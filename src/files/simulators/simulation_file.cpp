@@ -41,7 +41,7 @@ void set_attribute(pugi::xml_node node, const char* name, const std::string& val
   a.set_value(value.c_str());
 }
 
-// What both formats share: which values differ, and what cannot be written.
+// Code for both formats: values that differ, and values that cannot be written.
 class UpdatedSimulation {
  public:
   UpdatedSimulation(const Model& arm, const Model& in_file, const std::string& path, const char* root)
@@ -62,7 +62,7 @@ class UpdatedSimulation {
 
  protected:
   // Inertial parameters belong to the places of joints and frames that the model has.
-  void places() {
+  void update_inertials() {
     if (arm_.gravity() != in_file_.gravity()) out_.left_out.push_back("gravity");
     for (const Frame& mine : arm_.frames()) {
       const int k = in_file_.find_frame(mine.name);
@@ -74,7 +74,7 @@ class UpdatedSimulation {
     }
   }
 
-  // Bodies whose values the file has otherwise or lacks.
+  // Bodies whose values differ from those of the file, or are missing in it.
   void bodies(const std::function<void(const Frame& mine, const Frame& there)>& change,
               const std::function<bool(const Frame& mine)>& add) {
     for (const int k : arm_.bodies()) {
@@ -108,7 +108,7 @@ class UpdatedSimulation {
       const SimpleForce& b = there.along[j];
       const auto one = [&](const char* what, double value, double before) {
         if (std::abs(value - before) <= kSameValue * std::abs(value)) return;
-        if (shared(j) || tied(name, what)) {
+        if (shared(j) || is_referenced(name, what)) {
           out_.left_out.push_back(fmt::format("{} {} of {}, which other parts of the file share", what, value, name));
           return;
         }
@@ -125,7 +125,7 @@ class UpdatedSimulation {
       if (now.constants[i] != there.constants[j])
         out_.left_out.push_back(fmt::format("a constant force of {} on {}", now.constants[i] - there.constants[j], name));
     }
-    across(now, there);
+    keep_coupled_forces(now, there);
     for (const Coordinate& c : arm_.coordinates()) {
       if (c.drive_gain != 0.0) out_.left_out.push_back(fmt::format("drive gain {} of {}", c.drive_gain, c.name));
     }
@@ -144,10 +144,10 @@ class UpdatedSimulation {
   }
 
   // True if other parts of the file depend on this value of a joint.
-  virtual bool tied(const std::string& /*joint*/, const std::string& /*value*/) const { return false; }
+  virtual bool is_referenced(const std::string& /*joint*/, const std::string& /*value*/) const { return false; }
 
   // Forces along several coordinates stay as the file has them.
-  void across(const PlacedEffects& now, const PlacedEffects& there) {
+  void keep_coupled_forces(const PlacedEffects& now, const PlacedEffects& there) {
     for (std::size_t k = 0; k < std::max(now.across.size(), there.across.size()); ++k) {
       const bool both = k < now.across.size() && k < there.across.size();
       const auto values = [](const SimpleForce& f) {
@@ -208,16 +208,16 @@ class UpdatedMjcf : public UpdatedSimulation {
   }
 
   UpdatedFile file() {
-    places();
+    update_inertials();
     bodies([this](const Frame& mine, const Frame&) { change_body(mine); }, [this](const Frame& mine) { return add_body(mine); });
     effects([this](const std::string& joint, const char* value, double now) { return change_joint(joint, value, now); }, true);
-    if (from_geoms_ && !written_.empty()) inertials_count();
+    if (from_geoms_ && !written_.empty()) use_file_inertials();
     return finish();
   }
 
  private:
-  // Only "auto" lets a body's own inertial win, and then those that did not count must not come to life.
-  void inertials_count() {
+  // Only "auto" uses a body's own inertial; inertials that were unused before must then be removed.
+  void use_file_inertials() {
     from_geoms_.attribute("inertiafromgeom").set_value("auto");
     for (const pugi::xml_node tree : trees_) {
       for (pugi::xpath_node found : tree.select_nodes(".//inertial")) {
@@ -247,7 +247,7 @@ class UpdatedMjcf : public UpdatedSimulation {
   }
 
   // Without a length of its own a tendon's spring is relaxed at the spring references of its joints.
-  bool tied(const std::string& joint, const std::string& value) const override {
+  bool is_referenced(const std::string& joint, const std::string& value) const override {
     if (value != "spring") return false;
     for (const pugi::xml_node section : root_.children("tendon")) {
       for (const pugi::xml_node tendon : section.children("fixed")) {
@@ -315,7 +315,7 @@ class UpdatedSdf : public UpdatedSimulation {
   }
 
   UpdatedFile file() {
-    places();
+    update_inertials();
     bodies([this](const Frame& mine, const Frame&) { inertial(find("link", mine.name), *mine.body->phi); },
            [this](const Frame& mine) { return add_link(mine); });
     effects([this](const std::string& joint, const char* value, double now) { return change_joint(joint, value, now); }, false);

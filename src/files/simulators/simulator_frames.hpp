@@ -32,7 +32,7 @@ struct FileJoint {
   pugi::xml_node node;
   std::string name;
   bool turns = true;
-  /// Where it follows others: constant + sum of coefficient * joint variable.
+  /// For a dependent joint: constant + sum of coefficient * joint variable.
   struct Share {
     int joint;
     double coefficient;

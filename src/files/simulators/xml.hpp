@@ -21,7 +21,7 @@ std::string xml_vector(const Eigen::Vector3d& v);
 void set(pugi::xml_node node, const char* name, const std::string& value);
 void set(pugi::xml_node node, const char* name, double value);
 
-/// What stands in a comment, between blanks; two hyphens in a row, which XML does not allow there, are parted.
+/// Text of a comment, between blanks; two hyphens in a row, which XML forbids there, are separated.
 std::string comment_words(std::string words);
 void add_comment(pugi::xml_node node, const std::string& words);
 

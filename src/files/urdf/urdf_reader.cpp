@@ -38,21 +38,21 @@ class UrdfReader {
 
   Model model() {
     const pugi::xml_node robot = xml_.root();
-    no_xacro(robot);
+    reject_xacro(robot);
     model_.name = robot.attribute("name").value();
     if (model_.name.empty()) xml_.fail(robot, "a robot without a name", "<robot name=\"...\">");
     model_.source = xml_.path();
     model_.values = RobotValues::kPrior;
     for (const pugi::xml_node e : robot.children("link")) link(e);
     for (const pugi::xml_node e : robot.children("joint")) joint(e);
-    const std::string root = one_root();
+    const std::string root = root_link();
     for (std::size_t j = 0; j < moving_.size(); ++j) follow(j);
     variables_ = joint_variables(xml_, moving_, model_.coordinates);
     if (root != "world") add_link(root);
     for (const pugi::xml_node e : robot.children("link")) {
       if (above_.count(name_of(e)) > 0) add_link(name_of(e));
     }
-    give_bodies_without_values();
+    add_bodies_without_values();
     return Model(std::move(model_));
   }
 
@@ -65,9 +65,9 @@ class UrdfReader {
   };
 
   static std::string name_of(pugi::xml_node e) { return e.attribute("name").value(); }
-  static std::string whole_name(pugi::xml_node e) { return std::string(e.name()) + " '" + name_of(e) + "'"; }
+  static std::string element_and_name(pugi::xml_node e) { return std::string(e.name()) + " '" + name_of(e) + "'"; }
 
-  void no_xacro(pugi::xml_node e) const {
+  void reject_xacro(pugi::xml_node e) const {
     const auto refuse = [&](const std::string& words) {
       xml_.fail(e, "xacro that was not expanded, '" + words + "'",
                 "a URDF: `xacro " + xml_.path() + " > arm.urdf` writes it (`ros2 run xacro xacro` in ROS 2)");
@@ -78,7 +78,7 @@ class UrdfReader {
       if (described && (std::strstr(a.value(), "${") != nullptr || std::strstr(a.value(), "$(") != nullptr)) refuse(a.value());
     }
     for (const pugi::xml_node child : e.children()) {
-      if (child.type() == pugi::node_element) no_xacro(child);
+      if (child.type() == pugi::node_element) reject_xacro(child);
     }
   }
 
@@ -102,12 +102,12 @@ class UrdfReader {
   }
 
   double number(pugi::xml_node e, pugi::xml_node of, const char* name, double otherwise) const {
-    const std::vector<double> found = numbers(e, whole_name(e), of, name, 1);
+    const std::vector<double> found = numbers(e, element_and_name(e), of, name, 1);
     return found.empty() ? otherwise : found[0];
   }
 
   // A joint or link that has a name, once in the file.
-  void keep_name(pugi::xml_node e, std::map<std::string, pugi::xml_node>& known) const {
+  void register_name(pugi::xml_node e, std::map<std::string, pugi::xml_node>& known) const {
     const std::string tag = e.name(), name = name_of(e);
     if (name.empty()) xml_.fail(e, "a " + tag + " without a name", "<" + tag + " name=\"...\">");
     const auto [there, fresh] = known.emplace(name, e);
@@ -123,9 +123,9 @@ class UrdfReader {
   }
 
   void link(pugi::xml_node e) {
-    keep_name(e, links_);
+    register_name(e, links_);
     const pugi::xml_node inertial = e.child("inertial"), inertia = inertial.child("inertia");
-    const std::string whose = whole_name(e);
+    const std::string whose = element_and_name(e);
     if (!inertial) return;
     const Eigen::Isometry3d T = pose(inertial, whose, inertial.child("origin"));
     const std::vector<double> mass = numbers(inertial, whose, inertial.child("mass"), "value", 1);
@@ -150,28 +150,28 @@ class UrdfReader {
     bodies_[name_of(e)] = body;
   }
 
-  std::string linked(pugi::xml_node e, const char* end) const {
+  std::string linked_frame_name(pugi::xml_node e, const char* end) const {
     const std::string name = e.child(end).attribute("link").value();
-    if (name.empty()) xml_.fail(e, whole_name(e) + " without its " + end, text("<", end, " link=\"...\"/>"));
+    if (name.empty()) xml_.fail(e, element_and_name(e) + " without its " + end, text("<", end, " link=\"...\"/>"));
     if (links_.count(name) == 0) {
       std::vector<std::string> known;
       for (const auto& [link, at] : links_) known.push_back(link);
-      xml_.fail(e, text(whole_name(e), " with the ", end, " '", name, "', which is no link"), "the name of a link" + did_you_mean(name, known));
+      xml_.fail(e, text(element_and_name(e), " with the ", end, " '", name, "', which is no link"), "the name of a link" + did_you_mean(name, known));
     }
     return name;
   }
 
   void joint(pugi::xml_node e) {
-    keep_name(e, joints_);
-    const std::string whose = whole_name(e);
+    register_name(e, joints_);
+    const std::string whose = element_and_name(e);
     const std::string type = e.attribute("type").value();
     if (type == "floating" || type == "planar")
       xml_.fail(e, whose + " with a " + type + " type", "revolute, continuous, prismatic or fixed; type=\"fixed\" where the base stands still");
     const bool ranged = type == "revolute" || type == "prismatic";
     if (!ranged && type != "continuous" && type != "fixed")
       xml_.fail(e, whose + " with the type '" + type + "'", "revolute, continuous, prismatic or fixed");
-    Joint joint{e, linked(e, "parent"), {}};
-    const std::string child = linked(e, "child");
+    Joint joint{e, linked_frame_name(e, "parent"), {}};
+    const std::string child = linked_frame_name(e, "child");
     if (const auto there = above_.find(child); there != above_.end())
       xml_.fail(e, text(whose, " with the child '", child, "', which joint '", name_of(there->second.node), "' carries (line ", xml_.line(there->second.node), ")"),
                 "one joint above each link");
@@ -197,15 +197,15 @@ class UrdfReader {
     Limits out{-kInfinity, kInfinity, kInfinity, kInfinity, kInfinity};
     const pugi::xml_node limit = e.child("limit");
     const std::string expected = "<limit lower=\"\" upper=\"\" velocity=\"\" effort=\"\"/>, 0 for a velocity or an effort that is not known";
-    if (ranged && !limit) xml_.fail(e, whole_name(e) + " of type " + type + " without limits", expected);
+    if (ranged && !limit) xml_.fail(e, element_and_name(e) + " of type " + type + " without limits", expected);
     if (!limit) return out;
     const double lower = number(e, limit, "lower", 0.0), upper = number(e, limit, "upper", 0.0);
     for (const char* key : {"velocity", "effort"}) {
-      if (!limit.attribute(key)) xml_.fail(e, whole_name(e) + " with a limit without " + key, expected);
+      if (!limit.attribute(key)) xml_.fail(e, element_and_name(e) + " with a limit without " + key, expected);
     }
     const double velocity = number(e, limit, "velocity", 0.0), effort = number(e, limit, "effort", 0.0);
     const bool given = ranged && (lower != 0.0 || upper != 0.0) && !e.child("mimic");
-    if (given && !(lower < upper)) xml_.fail(e, text(whole_name(e), " with limits [", lower, ", ", upper, "]"), "lower < upper");
+    if (given && !(lower < upper)) xml_.fail(e, text(element_and_name(e), " with limits [", lower, ", ", upper, "]"), "lower < upper");
     if (given && lower > -kUnlimited) out.lower = lower;
     if (given && upper < kUnlimited) out.upper = upper;
     if (velocity > 0.0 && velocity < kUnlimited) out.velocity = velocity;
@@ -214,7 +214,7 @@ class UrdfReader {
   }
 
   // The one link without a joint above it, from which joints lead to all others.
-  std::string one_root() const {
+  std::string root_link() const {
     if (links_.empty()) xml_.fail(xml_.root(), "no links", "<link name=\"...\">");
     std::vector<std::string> roots;
     for (const pugi::xml_node e : xml_.root().children("link"))
@@ -230,7 +230,7 @@ class UrdfReader {
     for (const auto& [child, joint] : above_) {
       std::string at = child;
       for (std::size_t k = 0; above_.count(at) > 0 && k <= above_.size(); ++k) at = above_.at(at).parent;
-      if (above_.count(at) > 0) xml_.fail(joint.node, whole_name(joint.node) + " with a link below itself", "a tree of links");
+      if (above_.count(at) > 0) xml_.fail(joint.node, element_and_name(joint.node) + " with a link below itself", "a tree of links");
     }
     return roots[0];
   }
@@ -240,7 +240,7 @@ class UrdfReader {
     const pugi::xml_node mimic = moving_[j].node.child("mimic");
     if (!mimic) return;
     const std::string leader = mimic.attribute("joint").value();
-    if (joints_.count(leader) == 0) xml_.fail(moving_[j].node, whole_name(moving_[j].node) + " with mimic of the unknown joint '" + leader + "'", "a joint");
+    if (joints_.count(leader) == 0) xml_.fail(moving_[j].node, element_and_name(moving_[j].node) + " with mimic of the unknown joint '" + leader + "'", "a joint");
     moving_[j].follows = true;
     moving_[j].constant = number(moving_[j].node, mimic, "offset", 0.0);
     for (std::size_t other = 0; other < moving_.size(); ++other) {
@@ -271,12 +271,12 @@ class UrdfReader {
 
   void add_friction(const Joint& joint, const char* attribute) {
     const double value = number(joint.node, joint.node.child("dynamics"), attribute, 0.0);
-    if (value < 0.0) xml_.fail(joint.node, text(whole_name(joint.node), " with a ", attribute, " of ", value), "one that is not negative");
+    if (value < 0.0) xml_.fail(joint.node, text(element_and_name(joint.node), " with a ", attribute, " of ", value), "one that is not negative");
     add_effect(model_, xml_.path(), attribute, {variables_[joint.moving].coefficients, 0.0}, value);
   }
 
   // A file without any inertial describes the kinematics alone: each link that a joint moves has a body then.
-  void give_bodies_without_values() {
+  void add_bodies_without_values() {
     for (const Frame& frame : model_.frames) {
       if (frame.body) return;
     }

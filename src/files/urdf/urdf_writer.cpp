@@ -37,9 +37,9 @@ std::string escaped(const std::string& name) {
   return out;
 }
 
-std::string comment(const std::string& words) { return "<!--" + comment_words(words) + "-->"; }
+std::string xml_comment(const std::string& words) { return "<!--" + comment_words(words) + "-->"; }
 
-std::string origin(const Posed& T) {
+std::string origin_xml(const Posed& T) {
   return fmt::format("<origin xyz=\"{}\" rpy=\"{}\"/>", xml_vector(T.p),
                      xml_vector(rpy_from_rotation(T.R)));
 }
@@ -64,7 +64,7 @@ class UrdfWriter {
     shapes("");
     line(1, "<link name=\"world\"/>");
     for (int i = 0; i < arm_.joints(); ++i) {
-      if (main_frame_[at(i)] < 0) carrier(i);
+      if (main_frame_[at(i)] < 0) add_carrier_joint(i);
     }
     for (std::size_t k = 0; k < arm_.frames().size(); ++k) frame(static_cast<int>(k));
     // The coordinates' joints in the order of the coordinates, which is that of the columns of
@@ -107,26 +107,26 @@ class UrdfWriter {
 
   // Names the parts of the model that URDF cannot represent.
   void losses() {
-    remark("", 1);
+    write_remark("", 1);
     if (!arm_.description().source.empty())
-      line(1, comment("source: " + arm_.description().source));
+      line(1, xml_comment("source: " + arm_.description().source));
     const Eigen::Vector3d& g = arm_.gravity();
-    line(1, comment(fmt::format("gravity in link world: {} {} {} m/s^2", g.x(), g.y(), g.z())));
+    line(1, xml_comment(fmt::format("gravity in link world: {} {} {} m/s^2", g.x(), g.y(), g.z())));
     for (const EffectTerm& term : arm_.arm_effects())
-      line(1, comment("left out: " + term.effect + " on the arm"));
+      line(1, xml_comment("left out: " + term.effect + " on the arm"));
     int unknown = 0;
     for (const EffectTerm& term : arm_.effects()) {
       if (term.values.empty()) {
         ++unknown;
       } else if (!damping_or_friction(term)) {
-        line(1, comment("left out: " + effect_in_words(term)));
+        line(1, xml_comment("left out: " + effect_in_words(term)));
       }
     }
     if (unknown > 0)
-      line(1, comment(fmt::format("left out: {} effects whose values are not known", unknown)));
+      line(1, xml_comment(fmt::format("left out: {} effects whose values are not known", unknown)));
     for (const Coordinate& c : arm_.coordinates()) {
       if (c.drive_gain != 0.0)
-        line(1, comment(fmt::format("left out: drive gain {} of {}", c.drive_gain, c.name)));
+        line(1, xml_comment(fmt::format("left out: drive gain {} of {}", c.drive_gain, c.name)));
     }
   }
 
@@ -143,14 +143,14 @@ class UrdfWriter {
 
   // True for friction of one coordinate that <dynamics> can hold, which nothing below zero is.
   static bool damping_or_friction(const EffectTerm& term) {
-    const bool known = says(term, "damping") || says(term, "friction");
+    const bool known = represents(term, "damping") || represents(term, "friction");
     const bool plain =
         term.axis.coefficients.cwiseAbs().sum() == 1.0 && term.axis.coefficients.maxCoeff() == 1.0;
     return known && plain && term.values.size() == 1 && term.values.begin()->second >= 0.0;
   }
 
   // True if this attribute of <dynamics> represents the term and its value.
-  static bool says(const EffectTerm& term, const char* attribute) {
+  static bool represents(const EffectTerm& term, const char* attribute) {
     const auto same = effect_of_attribute(attribute);
     return same && term.effect == same->first && term.values.count(same->second) == 1;
   }
@@ -158,7 +158,7 @@ class UrdfWriter {
   double dynamics(int coordinate, const char* attribute) const {
     double sum = 0.0;
     for (const EffectTerm& term : arm_.effects()) {
-      const bool here = says(term, attribute) && damping_or_friction(term) &&
+      const bool here = represents(term, attribute) && damping_or_friction(term) &&
                         term.axis.coefficients[coordinate] == 1.0;
       if (here) sum += term.values.begin()->second;
     }
@@ -166,10 +166,10 @@ class UrdfWriter {
   }
 
   // A coordinate that moves no frame on its own still needs a joint that others can mimic.
-  void carrier(int i) {
+  void add_carrier_joint(int i) {
     const Coordinate& c = arm_.coordinates()[at(i)];
     const std::string link = c.name + "__coordinate";
-    line(1, comment("carries the coordinate " + c.name + ", which other joints mimic"));
+    line(1, xml_comment("carries the coordinate " + c.name + ", which other joints mimic"));
     line(1, fmt::format("<link name=\"{}\"/>", escaped(link)));
     const JointType type = c.prismatic ? JointType::kPrismatic : JointType::kRevolute;
     joint({c.name, "world", link, type, identity_pose(), {0, 0, 1}, i, 1.0});
@@ -193,10 +193,10 @@ class UrdfWriter {
          fmt::format("<joint name=\"{}\" type=\"{}\">", escaped(j.name), type_of(j, coordinate)));
     line(2, fmt::format("<parent link=\"{}\"/>", escaped(j.parent)));
     line(2, fmt::format("<child link=\"{}\"/>", escaped(j.child)));
-    line(2, origin(j.origin));
+    line(2, origin_xml(j.origin));
     if (j.type != JointType::kFixed) {
       line(2, fmt::format("<axis xyz=\"{}\"/>", xml_vector(j.axis)));
-      coordinate ? dynamics_and_limits(j) : mimic(j);
+      coordinate ? write_dynamics_and_limits(j) : write_mimic(j);
     }
     line(1, "</joint>");
   }
@@ -213,7 +213,7 @@ class UrdfWriter {
     return std::max(-kWrittenUnlimited, std::min(kWrittenUnlimited, value));
   }
 
-  void dynamics_and_limits(const Joint& j) {
+  void write_dynamics_and_limits(const Joint& j) {
     const Limits& limits = arm_.coordinates()[at(j.coordinate)].limits;
     line(2, fmt::format("<limit lower=\"{}\" upper=\"{}\" velocity=\"{}\" effort=\"{}\"/>",
                         xml_number(bounded(limits.lower)), xml_number(bounded(limits.upper)),
@@ -226,7 +226,7 @@ class UrdfWriter {
     }
   }
 
-  void mimic(const Joint& j) {
+  void write_mimic(const Joint& j) {
     if (j.type == JointType::kPrismatic) {
       line(2, fmt::format("<limit lower=\"{0}\" upper=\"{1}\" velocity=\"{1}\" effort=\"{1}\"/>",
                           xml_number(-kWrittenUnlimited), xml_number(kWrittenUnlimited)));
@@ -241,18 +241,18 @@ class UrdfWriter {
       return;
     }
     line(1, fmt::format("<link name=\"{}\">", escaped(frame.name)));
-    remark(frame.name, 2);
+    write_remark(frame.name, 2);
     if (frame.body) {
       frame.body->phi ? inertial(*frame.body->phi)
-                      : line(2, comment("a body whose values are not known"));
+                      : line(2, xml_comment("a body whose values are not known"));
     }
     shapes(frame.name);
     line(1, "</link>");
   }
 
-  void remark(const std::string& frame, int depth) {
+  void write_remark(const std::string& frame, int depth) {
     const auto words = extras_.remarks.find(frame);
-    if (words != extras_.remarks.end()) line(depth, comment(words->second));
+    if (words != extras_.remarks.end()) line(depth, xml_comment(words->second));
   }
 
   // Writes visuals and collisions as they were read; robot-wide materials have the empty name.
@@ -270,7 +270,7 @@ class UrdfWriter {
   void inertial(const InertialParameters& phi) {
     const std::optional<PhysicalBody> body = physical_body(phi);
     if (!body) {
-      line(2, comment("a body of mass zero"));
+      line(2, xml_comment("a body of mass zero"));
       return;
     }
     const Eigen::Vector3d& com = body->com;

@@ -205,7 +205,7 @@ class ModelReader {
     return channel;
   }
 
-  // After all coordinates, whose names it uses.
+  // To be read after all coordinates, whose names it uses.
   void read_crosstalk() {
     size_t joint = 0;
     for (const YamlNode& node : root_.at("coordinates").items("a list of coordinates")) {

@@ -30,7 +30,7 @@ std::vector<QualityFinding> once_each(const std::vector<QualityFinding>& all) {
   return out;
 }
 
-// A diagnosis estimates the tilt of a base, and any direction of gravity against a MODEL, as a cause.
+// A diagnosis estimates the tilt of a base, and any direction of gravity against an identified model, as a cause.
 bool is_left_to_a_diagnosis(const RecordingQuestion& q, const Model& arm) {
   if (q.finding != "gravity") return false;
   if (arm.description().values == RobotValues::kFacts && has_all_values(arm)) return true;
@@ -93,7 +93,7 @@ class SetUp {
     if (concern_robot(set)) out_.arm = applied(set, out_.arm);
     if (std::none_of(set.begin(), set.end(), [](const RecordingQuestion& q) { return q.changes_recording(); })) return;
     const Recording* there = find_in_memory(options_.in_memory, name);
-    Recording recording = there != nullptr ? *there : read_rows(name, reading_of(out_.arm, options_), options_.kept.get());
+    Recording recording = there != nullptr ? *there : read_rows(name, recording_options_for(out_.arm, options_), options_.kept.get());
     recording.source = name;
     give_torques(out_.arm, recording);
     apply_to(set, out_.arm, recording);
@@ -110,7 +110,7 @@ class SetUp {
 
 bool is_of_motion(const QualityFinding& finding) {
   static const std::set<std::string> kNames = {"position_sign", "swapped_joints", "degrees", "turns", "millimetres", "counts", "share_of_range", "encoder_zero", "motor_side"};
-  // Degrees that velocities alone show are those of a signal.
+  // Degrees in velocities only are a fault of that signal.
   return kNames.count(finding.finding) > 0 && (finding.finding != "degrees" || finding.signal.empty());
 }
 

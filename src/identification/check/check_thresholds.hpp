@@ -1,6 +1,6 @@
 #pragma once
 
-/// All numbers that can change what `check` says about a recording beside a robot, each with its
+/// All numbers that can change the findings of `check` on a recording and a robot, each with its
 /// inequality, and with its reason where one is known.
 namespace veridyn::checking {
 
@@ -18,7 +18,7 @@ constexpr double kBetter = 0.9;
 /// Fall of the misfit > kGainsBetter: efforts are currents; drive gains differ little from joint to
 /// joint, and so do their fits.
 constexpr double kGainsBetter = 0.3;
-/// what is left <= kNearNoise * the torque's white noise, or the rounding of its digits: nothing is to be asked, and
+/// what is left <= kNearNoise * the torque's white noise, or the rounding of its digits: no hypothesis is tested, and
 /// what led there mends it. Friction near rest leaves a few times the noise on perfect recordings.
 constexpr double kNearNoise = 3.0;
 /// error left of a joint <= kExact, or kNearNoise times its noise: it is explained. Friction near rest leaves up to 1 % of a joint's torque on perfect recordings.
@@ -56,7 +56,7 @@ constexpr double kLeastTravel = 0.05, kMostTravel = 13.0;
 /// tilt = kTilt [rad]: directions of gravity beside that of the file, the axes, edges and corners; polished afterwards.
 constexpr double kTilt = 0.35;
 /// Gears with kLeastRatio <= ratio < kMostRatio are tried in relative steps of kRatioStep, where positions leave the limits; a ratio
-/// that is whole up to kWholeRatio is.
+/// within kWholeRatio of a whole number is rounded to it.
 constexpr double kLeastRatio = 5.0, kMostRatio = 320.0, kRatioStep = 0.04, kWholeRatio = 3e-3;
 /// Another zero of a joint = kZeros [rad], quarter turns, polished from steps of kZeroStep on; near the file's own zero
 /// a diagnosis measures it.

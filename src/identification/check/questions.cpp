@@ -457,7 +457,7 @@ std::string options_of(const std::vector<RecordingQuestion>& questions) {
   }
   std::string out;
   for (const auto& [signal, unit] : units) {
-    // The sign of one joint keeps the unit that all have.
+    // A sign of one joint is combined with the unit of all joints.
     const std::string whole = column(signal).first;
     const auto all = std::find_if(units.begin(), units.end(), [&](const auto& one) { return one.first == whole; });
     const bool sign_alone = whole != signal && unit[0] == '-' && all != units.end();

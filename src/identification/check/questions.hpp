@@ -24,7 +24,7 @@ struct RecordingQuestion {
   /// Questions next to this one at a distance, as directions of gravity [rad] and gear ratios (relative) have; null: none.
   std::function<std::vector<RecordingQuestion>(double)> neighbours = {};
   double first_distance = 0.0;  ///< between questions of the list
-  double price = 0.0;           ///< of a number of its own, beside what every question costs
+  double price = 0.0;           ///< cost of a fitted number, in addition to that of every hypothesis
 
   bool changes_recording() const { return !units.empty() || !map.empty() || rows; }
   /// True if neither motion nor robot change, and torques linearly.

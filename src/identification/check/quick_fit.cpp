@@ -198,7 +198,7 @@ QuickFit QuickFitter::fit(const std::shared_ptr<const RegressorMoments>& moments
     out.friction_significance[i] = std::abs(out.friction[i]) / std::max(std::sqrt(std::max(0.0, power.dot(solved(power)))) * rho, 1e-300);
   }
   // Squared residuals as a quadratic form of one factor for each joint's torque, all other parameters fitted. A joint whose
-  // torque follows from parameters of its own alone tells no factor.
+  // torque depends on its own parameters only determines no factor.
   MatrixXd Q = MatrixXd::Identity(n + 1, n + 1);
   for (int i = 0; i < n; ++i) Q.col(i).head(n) -= of_torque.transpose() * solved(of_torque.col(i));
   for (int i = 0; i < n; ++i) {

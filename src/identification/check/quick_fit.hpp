@@ -39,7 +39,7 @@ struct QuickFit {
   double contradictions = 0.0;  ///< of these, the latter
   VectorXd friction;               ///< by joint: power lost to friction, relative to rms torque times rms speed
   VectorXd friction_significance;  ///< by joint: relative rise of the rms misfit without friction
-  /// By joint: recorded torque per torque of the file's values; 0 where they explain too little of it to tell.
+  /// By joint: recorded torque per torque of the file's values; 0 where they explain too little of it.
   VectorXd ratios;
   /// By joint: factor of its torque that fits best, where only its own differs from one, and where all do, up to a common factor.
   VectorXd alone, together;
@@ -89,7 +89,7 @@ class QuickFitter {
   RecordedFacts facts_;
   std::vector<StandardParameter> parameters_;
   BaseParameters base_;
-  MatrixXd known_;  // (base x 1 + effects) the file's values, and every effect alone
+  MatrixXd known_;  // (base x 1 + effects) parameters of the file's values, and of every effect alone
   bool has_values_ = false;
 };
 

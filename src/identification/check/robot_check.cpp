@@ -31,7 +31,7 @@ std::string percent(double share) {
 struct Answer {
   std::vector<RecordingQuestion> set;
   QuickFit fit;
-  double score = 0.0;  // misfit and what the questions cost, against the recording as it is
+  double score = 0.0;  // misfit and costs, relative to the recording as it is
   MatrixXd before;     // folds without the last question
 };
 
@@ -49,7 +49,7 @@ class RobotCheck {
       const QuickFit before = best_.fit;
       out.explained = is_explained(before);
       out.left = before.left();
-      if (!(out.left > ask_above)) return out;  // the first recording told what hardly moves
+      if (!(out.left > ask_above)) return out;  // hardly moving joints were reported for the first recording
       search();
       const Answer none{{}, before, 0.0, {}};
       if (!helps(best_, before)) best_ = none;
@@ -71,7 +71,7 @@ class RobotCheck {
 
   bool would_mend(const std::vector<RecordingQuestion>& set) const { return is_clear(fit_of(set), fit_of({})); }
 
-  // Answers that leave an arm unexplained may stand for anything that it lacks.
+  // Transformations that leave a large error may only imitate a missing effect of the arm.
   static bool helps(const Answer& answer, const QuickFit& before) {
     const QuickFit& after = answer.fit;
     const bool is_sure = std::all_of(answer.set.begin(), answer.set.end(), [&](const RecordingQuestion& q) {
@@ -183,7 +183,7 @@ class RobotCheck {
 
   // A direction of gravity that is fitted takes a part of any force that acts from outside.
   static bool is_fitted(const RecordingQuestion& q) { return q.robot && q.neighbours; }
-  // Other factors of single torques come near to much that an arm lacks.
+  // Factors on single torques can imitate many missing effects.
   static bool scales_joints_apart(const RecordingQuestion& q) {
     return q.finding == "torque_unit" && (q.joint != 0 || q.price > 0.0 || q.units == "tau=%" || q.units == "tau=permille" || q.units == "tau=share");
   }
@@ -236,7 +236,7 @@ class RobotCheck {
     return out;
   }
 
-  // Questions that the answers so far leave open. What only contradicts the file's values or friction's sign is asked of
+  // Hypotheses that the answers so far leave open. If only the file's values or friction's sign are contradicted, they are about
   // torques and gravity.
   std::vector<RecordingQuestion> open_questions(const Answer& so_far) const {
     std::vector<RecordingQuestion> all = questions_of(given_, recording_, moves_, so_far.fit);
@@ -308,7 +308,7 @@ class RobotCheck {
     if (doubt && doubt->first.fit.left() < checking::kPerhaps * best_.fit.left()) say_perhaps(doubt->first, doubt->second);
   }
 
-  // Of numbers that are fitted one start is enough.
+  // One start is sufficient for each fitted number.
   static void keep_the_best(std::vector<Answer>& sorted) {
     std::vector<Answer> kept;
     for (Answer& one : sorted) {
@@ -421,7 +421,7 @@ PreprocessingOptions whole(PreprocessingOptions options) {
   return options;
 }
 
-// The check of a recording; nothing where there is too little to be asked.
+// The check of a recording; nullopt if it has too few data.
 std::optional<RobotCheck> check_of(const Model& arm, Recording recording, const PreprocessingOptions& options) {
   require_joints_of(arm, recording.joints(), recording.source);
   const long first = std::min<long>(options.first_row, recording.rows());
@@ -442,7 +442,7 @@ std::optional<RobotCheck> check_of(const Model& arm, Recording recording, const 
 
 std::optional<RobotCheck> check_of(const Model& arm, const std::string& name, const PreprocessingOptions& options) {
   if (const Recording* there = find_in_memory(options.in_memory, name)) return check_of(arm, *there, options);
-  RecordingOptions reading = reading_of(arm, options);
+  RecordingOptions reading = recording_options_for(arm, options);
   reading.first_row = std::max(0L, options.first_row);
   reading.row_count = std::min<long>(options.row_count.value_or(checking::kMostRows), checking::kMostRows);
   Recording recording = read_rows(name, reading, options.kept.get());

@@ -115,7 +115,7 @@ std::string problem_of(const GainFit& fit) {
          "the other way round";
 }
 
-DriveGains described(const Model& arm, const std::vector<std::string>& recordings,
+DriveGains gains_with_data(const Model& arm, const std::vector<std::string>& recordings,
                      const std::vector<KnownMass>& loads, const GainData& data,
                      const GainFit& fit) {
   DriveGains out;
@@ -169,7 +169,7 @@ DriveGains find_drive_gains(const Model& arm, const std::vector<std::string>& re
           "known mass: found a load in every recording, expected one at least without.");
   const GainData data(arm, recordings, loads, candidates, preprocessing, threads);
   const GainFit fit = identified ? best_division(data, loads) : fit_gains(data, loads, loaded);
-  return described(arm, recordings, loads, data, fit);
+  return gains_with_data(arm, recordings, loads, data, fit);
 }
 
 Model with_drive_gains(const Model& arm, const DriveGains& gains) {

@@ -49,7 +49,7 @@ Recording currents_of(const Model& arm, const std::string& path,
                       const PreprocessingOptions& preprocessing) {
   const Recording* there = find_in_memory(preprocessing.in_memory, path);
   Recording r = there != nullptr ? *there
-                                 : read_rows(path, reading_of(arm, preprocessing), preprocessing.kept.get());
+                                 : read_rows(path, recording_options_for(arm, preprocessing), preprocessing.kept.get());
   require(r.current.size() > 0, path, ": found no motor currents, expected columns i1..i",
           r.joints(), " to find drive gains from.");
   require(

@@ -14,7 +14,7 @@
 
 namespace veridyn {
 
-std::optional<InertialParameters> maker_of(const Model& arm, const Body& body) {
+std::optional<InertialParameters> manufacturer_values(const Model& arm, const Body& body) {
   if (body.prior) return body.prior;
   return arm.description().values == RobotValues::kPrior ? body.phi : std::nullopt;
 }
@@ -34,7 +34,7 @@ constexpr double kGapWithPrior = 1e-3;
 // times the prior's weight, a tenth by default, it contradicts them. Those of rods for psm-3dof and mtm
 // raise it by 0.4 and 2.3 %.
 constexpr double kContradicts = 100.0;
-// Share of the squared torques, an error of a thousandth, below which nothing does.
+// Share of the squared torques, an error of a thousandth, below which no prior contradicts them.
 constexpr double kHardlyAnError = 1e-6;
 
 struct Bounds {
@@ -134,7 +134,7 @@ std::optional<std::vector<InertialParameters>> priors_of(const Model& arm,
   for (const int first : problem.body_columns) {
     const Body& body =
         *arm.frames()[arm.bodies()[first / kBodyParameters]].body;
-    const std::optional<InertialParameters> prior = maker_of(arm, body);
+    const std::optional<InertialParameters> prior = manufacturer_values(arm, body);
     // A body that cannot be is no prior.
     const bool usable = prior && body_fault("", *prior).empty();
     out.push_back(usable ? with_size(*prior, kSmallestRadius) : InertialParameters::Zero());

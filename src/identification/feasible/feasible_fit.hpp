@@ -7,7 +7,7 @@
 namespace veridyn {
 
 /// Values of the manufacturer's file for a body.
-std::optional<InertialParameters> maker_of(const Model& arm, const Body& body);
+std::optional<InertialParameters> manufacturer_values(const Model& arm, const Body& body);
 
 /// @throws InvalidInput  the prior of the options lacks values, or has not the bodies of the arm.
 void require_prior_fits(const Model& arm, const IdentificationOptions& options);

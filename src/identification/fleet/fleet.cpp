@@ -107,7 +107,7 @@ void add_parameters(const Model& arm, const FleetSolver& solver, Fleet& fleet) {
 
 // Removes the arms whose own recordings do not determine their bodies: bodies of its own would
 // explain everything on such an arm, so that it would always seem to differ.
-std::vector<UndeterminedArm> take_undetermined(const Model& arm, std::vector<ArmFactor>& arms) {
+std::vector<UndeterminedArm> extract_undetermined(const Model& arm, std::vector<ArmFactor>& arms) {
   const FleetProblem problem(arm, arms);
   std::vector<UndeterminedArm> out;
   std::vector<ArmFactor> rest;
@@ -149,7 +149,7 @@ Fleet solved_fleet(const Model& arm, std::vector<ArmFactor> arms,
   if (options.progress) options.progress("solving", fleets::kReading);
   Fleet fleet;
   fleet.robot = arm.name();
-  if (!arms.empty()) fleet.undetermined = take_undetermined(arm, arms);
+  if (!arms.empty()) fleet.undetermined = extract_undetermined(arm, arms);
   if (static_cast<int>(arms.size()) < fleets::numbers.fewest) {
     fleet.reason = too_few(arms.size(), fleet.undetermined);
     fleet.unusable_recordings = std::move(unusable_recordings);
@@ -238,7 +238,7 @@ FactorSet factors_of_file(const Model& arm, const std::string& path,
     set.recordings = std::move(read.recordings);
     return set;
   }
-  for (const std::string& remark : remarks_on(leave_wrong_velocities_out(arm, {path}, {}, how), arm))
+  for (const std::string& remark : remarks_on(exclude_wrong_velocities(arm, {path}, {}, how), arm))
     remarks.push_back(path + ": " + remark);
   set.recordings = compress(arm, std::vector<std::string>{path}, how.preprocessing, 1).recordings;
   return set;

@@ -4,7 +4,7 @@
 
 namespace veridyn {
 
-/// All numbers that can change what `fleet` says, each with its inequality, and with its reason where
+/// All numbers that can change the result of `fleet`, each with its inequality, and with its reason where
 /// one is known.
 struct FleetNumbers {
   /// arms of a quantity >= fewest, else no arm is compared: of two it is unknown which one is odd.
@@ -19,7 +19,7 @@ struct FleetNumbers {
   /// degrees of freedom of robust deviations <= most_freedom: parameters of a fleet scatter with heavier tails than a
   /// normal distribution has.
   double most_freedom = 30.0;
-  /// share of a column's norm outside the span of the others < telling: its value means nothing.
+  /// share of a column's norm outside the span of the others < telling: its value is undetermined.
   double telling = 1e-6;
   /// quantities of one kind < fewest_spreads: no prior of their spreads.
   int fewest_spreads = 4;
@@ -33,7 +33,7 @@ struct FleetNumbers {
   double gain_ridge = 1e-3;
 };
 
-/// What no answer turns on: a fact of statistics, accuracies, and how much is printed.
+/// Numbers that change no result: constants of statistics, accuracies, and lengths of lists.
 namespace fleets {
 
 constexpr FleetNumbers numbers;

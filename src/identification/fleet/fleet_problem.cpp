@@ -27,7 +27,7 @@ std::string FleetProblem::shortfall_of(const ArmFactor& arm) const {
   return shortfall(base_, base_parameters(total, preferred_columns(parameters_)), arm.still);
 }
 
-VectorXd FleetProblem::on_joint(const SquareRootInformation& factor, const VectorXd& beta,
+VectorXd FleetProblem::joint_coefficients(const SquareRootInformation& factor, const VectorXd& beta,
                                 const VectorXd& eta) const {
   std::unordered_map<std::string, double> value;
   for (size_t k = 0; k < shared_.size(); ++k)
@@ -42,7 +42,7 @@ VectorXd FleetProblem::on_joint(const SquareRootInformation& factor, const Vecto
   return x;
 }
 
-SquareRootInformation FleetProblem::of_arm(size_t arm, const VectorXd& weights,
+SquareRootInformation FleetProblem::arm_information(size_t arm, const VectorXd& weights,
                                            const VectorXd& beta, const VectorXd& eta) const {
   std::vector<std::string> columns = own_;
   for (int i = 0; i < joints_; ++i) columns.push_back("gain " + std::to_string(i));
@@ -63,7 +63,7 @@ SquareRootInformation FleetProblem::of_arm(size_t arm, const VectorXd& weights,
       const auto found = place.find(f.columns()[c]);
       if (found != place.end()) A.col(found->second) = weights[i] * R.col(c);
     }
-    if (beta.size() > 0) A.col(own + i) = weights[i] * (R * on_joint(f, beta, eta));
+    if (beta.size() > 0) A.col(own + i) = weights[i] * (R * joint_coefficients(f, beta, eta));
     out.absorb(A, weights[i] * f.z());
     rho2 += weights[i] * weights[i] * f.rho2();
     rows += f.rows();
@@ -76,7 +76,7 @@ SquareRootInformation FleetProblem::of_arm(size_t arm, const VectorXd& weights,
   return SquareRootInformation(columns, out.R(), out.z(), out.rho2() + rho2, rows);
 }
 
-SquareRootInformation FleetProblem::over_shared(const SquareRootInformation& of_arm) const {
+SquareRootInformation FleetProblem::shared_information(const SquareRootInformation& of_arm) const {
   const auto k = static_cast<Eigen::Index>(shared_.size());
   return SquareRootInformation(shared_, of_arm.R().bottomRightCorner(k, k), of_arm.z().tail(k),
                                of_arm.rho2(), of_arm.rows());
@@ -95,8 +95,8 @@ VectorXd FleetProblem::residual2(size_t arm, const VectorXd& beta, const VectorX
   VectorXd out(joints_);
   for (int i = 0; i < joints_; ++i) {
     const SquareRootInformation& f = arms_[arm].joints[i];
-    VectorXd x = on_joint(f, beta, eta);
-    if (at_beta.size() > 0) x += eta[own + i] * on_joint(f, at_beta, at_eta);
+    VectorXd x = joint_coefficients(f, beta, eta);
+    if (at_beta.size() > 0) x += eta[own + i] * joint_coefficients(f, at_beta, at_eta);
     out[i] = f.residual2(x);
   }
   return out;

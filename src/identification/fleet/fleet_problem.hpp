@@ -29,14 +29,14 @@ class FleetProblem {
 
   /// One arm's rows over (own, gains, shared), with joint weights; the gains' columns are the
   /// torque for `beta` and `eta`, absent where these are empty.
-  SquareRootInformation of_arm(size_t arm, const VectorXd& weights, const VectorXd& beta,
+  SquareRootInformation arm_information(size_t arm, const VectorXd& weights, const VectorXd& beta,
                                const VectorXd& eta) const;
 
   /// Reason why an arm's recordings do not determine its base parameters; empty if they do.
   std::string shortfall_of(const ArmFactor& arm) const;
 
   /// Information of an arm's factor about the shared columns after eliminating its own.
-  SquareRootInformation over_shared(const SquareRootInformation& of_arm) const;
+  SquareRootInformation shared_information(const SquareRootInformation& of_arm) const;
 
   /// An arm's own values for given shared ones, from its factor: (own + joints).
   VectorXd own_values(const SquareRootInformation& of_arm, const VectorXd& beta) const;
@@ -50,7 +50,7 @@ class FleetProblem {
 
  private:
   /// Over a joint's columns: the values of its parameters.
-  VectorXd on_joint(const SquareRootInformation& factor, const VectorXd& beta,
+  VectorXd joint_coefficients(const SquareRootInformation& factor, const VectorXd& beta,
                     const VectorXd& eta) const;
 
   const std::vector<ArmFactor>& arms_;

@@ -50,16 +50,16 @@ void FleetSolver::solve() {
   for (int round = 0; round < fleets::numbers.rounds; ++round) {
     const VectorXd at_beta = beta_;
     each_arm([&](size_t a) {
-      fitted_[a].factor = problem_.of_arm(a, weights, at_beta, fitted_[a].eta);
+      fitted_[a].factor = problem_.arm_information(a, weights, at_beta, fitted_[a].eta);
     });
     SquareRootInformation total(problem_.shared());
     for (const FittedArm& f : fitted_)
-      if (!f.odd) total.merge(problem_.over_shared(f.factor));
+      if (!f.odd) total.merge(problem_.shared_information(f.factor));
     beta_ = least_squares(total);
     each_arm([&](size_t a) { fit_arm(a, at_beta); });
     weights = weights_from([&](size_t a, int i) { return fitted_[a].residual2[i]; });
     // Outliers found in the last round were excluded from the last fit.
-    if (round + 1 < fleets::numbers.rounds) find_odd();
+    if (round + 1 < fleets::numbers.rounds) mark_outliers();
   }
 }
 
@@ -85,7 +85,7 @@ void FleetSolver::fit_arm(size_t a, const VectorXd& at_beta) {
       norms.head(own).cwiseMax(1e-300));
 }
 
-std::vector<double> FleetSolver::excess() const {
+std::vector<double> FleetSolver::relative_excess() const {
   std::vector<double> out;
   for (const FittedArm& f : fitted_) {
     const Eigen::ArrayXd ratio = f.residual2.array() / f.alone2.array().max(1e-300);
@@ -94,8 +94,8 @@ std::vector<double> FleetSolver::excess() const {
   return out;
 }
 
-void FleetSolver::find_odd() {
-  const std::vector<double> all = excess();
+void FleetSolver::mark_outliers() {
+  const std::vector<double> all = relative_excess();
   const auto [median, spread] = centre_of(all);
   const double far = threshold(static_cast<double>(arms_.size()));
   median_excess_ = median;
@@ -110,7 +110,7 @@ void FleetSolver::find_odd() {
   for (FittedArm& f : fitted_) f.odd = false;  // half of a fleet cannot be outliers
 }
 
-double FleetSolver::looked_at() const {
+double FleetSolver::tested_quantities() const {
   return static_cast<double>(arms_.size()) *
          (static_cast<double>(problem_.own().size()) + problem_.joints() + 1.0);
 }
@@ -124,7 +124,7 @@ VectorXd FleetSolver::deviations() const {
   const size_t groups = std::min(static_cast<size_t>(fleets::numbers.groups), arms_.size());
   std::vector<SquareRootInformation> of_group(groups, SquareRootInformation(problem_.shared()));
   for (size_t a = 0; a < arms_.size(); ++a)
-    if (!fitted_[a].odd) of_group[a % groups].merge(problem_.over_shared(fitted_[a].factor));
+    if (!fitted_[a].odd) of_group[a % groups].merge(problem_.shared_information(fitted_[a].factor));
   return jackknife_deviations(solutions_without(of_group));
 }
 

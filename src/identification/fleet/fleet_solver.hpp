@@ -43,7 +43,7 @@ class FleetSolver {
   double freedom() const { return fleets::kEfficiency * (static_cast<double>(arms_.size()) - 1.0); }
 
   /// Number of tested quantities: every own value and the bodies of every arm.
-  double looked_at() const;
+  double tested_quantities() const;
 
   /// Deviations beyond which one of so many quantities is an outlier.
   double threshold(double looked_at, double more_freedom = 0.0) const;
@@ -60,8 +60,8 @@ class FleetSolver {
   VectorXd weights_from(const Squares& squares) const;
 
   void fit_arm(size_t a, const VectorXd& at_beta);
-  std::vector<double> excess() const;
-  void find_odd();
+  std::vector<double> relative_excess() const;
+  void mark_outliers();
 
   FleetProblem problem_;
   const std::vector<ArmFactor>& arms_;

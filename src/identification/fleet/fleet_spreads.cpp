@@ -38,7 +38,7 @@ double trigamma(double x) {
   return Eigen::numext::polygamma(1.0, x);
 }
 
-// One quantity over the arms.
+// One quantity of all arms.
 struct Quantity {
   FleetSpread spread;
   std::optional<JointIndex> joint;
@@ -123,7 +123,7 @@ Quantity quantity(const Model& arm, const FleetSolver& solver, const Fleet& flee
 void add_outliers(const std::vector<Quantity>& kind, const FleetSolver& solver, Fleet& fleet) {
   const double freedom = solver.freedom();
   const SpreadPrior prior = prior_of(kind, freedom);
-  const double far = solver.threshold(solver.looked_at(), prior.freedom);
+  const double far = solver.threshold(solver.tested_quantities(), prior.freedom);
   for (const Quantity& q : kind) {
     const FleetSpread& spread = q.spread;
     const double width = prior.spread_of(q, freedom);

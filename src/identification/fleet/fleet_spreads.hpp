@@ -4,7 +4,7 @@
 
 namespace veridyn {
 
-/// How every own value and gain spreads over the arms of the fleet, and the arms that are far off.
+/// Adds the spread of every own value and gain over the fleet, and the outliers.
 void add_spreads(const Model& arm, const FleetSolver& solver, Fleet& fleet);
 
 }  // namespace veridyn

@@ -51,7 +51,7 @@ std::pair<size_t, size_t> share_of(size_t count, const Communicator& ranks) {
   return {count * rank / size, count * (rank + 1) / size};
 }
 
-// What rank 0 asks of all ranks, itself included, and its last message to the others.
+// Requests of rank 0 to all ranks, itself included, and its last message to the others.
 enum class Request : std::uint64_t { kCompress, kMeasure, kRefusal, kDone };
 
 ByteWriter request(Request kind) {
@@ -88,7 +88,7 @@ class Share {
  public:
   Share(const Model& file, const std::vector<std::string>& train, const std::vector<std::string>& test,
         const IdentificationOptions& options, const Communicator& ranks, const KeepFactors& keep)
-      : arm_(AskedArm(file, options.friction).used()),
+      : arm_(AskedArm(file, options.friction).effective_arm()),
         train_(train),
         test_(test),
         options_(options),
@@ -97,7 +97,7 @@ class Share {
 
   const Model& arm() const { return arm_; }
 
-  // A refusal, empty if there is none, and after it what the request asks for.
+  // The reply to a request: an error message, empty if there is none, and the result.
   std::string answer(const std::string& bytes) {
     ByteWriter out;
     out.text("");
@@ -189,7 +189,7 @@ class RankPasses final : public RecordingPasses {
     write_settings(how, asked);
     FactorSet all;
     unusable_.clear();
-    ask_all(asked.bytes(), [&](ByteReader& in, const std::string& from) {
+    request_all(asked.bytes(), [&](ByteReader& in, const std::string& from) {
       add_unusable(in);
       all = merge(std::move(all), factors_from_bytes(in.text(), from));
     });
@@ -206,7 +206,7 @@ class RankPasses final : public RecordingPasses {
     asked.vector(values_of(arm, id.parameters));
     const ErrorSums none(arm.joints());
     MeasuredRecordings out;
-    ask_all(asked.bytes(), [&](ByteReader& in, const std::string& from) {
+    request_all(asked.bytes(), [&](ByteReader& in, const std::string& from) {
       add_unusable(in);
       FactorSet held_out = factors_from_bytes(in.text(), from);
       std::move(held_out.recordings.begin(), held_out.recordings.end(), std::back_inserter(out.held_out));
@@ -220,7 +220,7 @@ class RankPasses final : public RecordingPasses {
     return out;
   }
 
-  void tell_others(const std::string& bytes) const {
+  void broadcast(const std::string& bytes) const {
     for (int r = 1; r < ranks_.size(); ++r) ranks_.send(r, bytes);
   }
 
@@ -232,8 +232,8 @@ class RankPasses final : public RecordingPasses {
 
  private:
   template <typename Read>
-  void ask_all(const std::string& bytes, const Read& take) const {
-    tell_others(bytes);
+  void request_all(const std::string& bytes, const Read& take) const {
+    broadcast(bytes);
     std::vector<std::string> answers = {share_.answer(bytes)};
     for (int r = 1; r < ranks_.size(); ++r) answers.push_back(ranks_.receive(r));
     for (const bool refusals : {true, false}) {
@@ -305,7 +305,7 @@ Identification identify(const Model& file, const std::vector<std::string>& train
           "identify: found a method with instruments, which need samples; ranks share factors alone.");
   if (options.method == Method::kFeasible) require_prior_fits(file, options);
   Share share(file, train, test, options, ranks, keep);
-  if (ranks.rank() != 0) return serve(share, ranks, described(file, options));
+  if (ranks.rank() != 0) return serve(share, ranks, empty_identification(file, options));
   const RankPasses passes(share, ranks, train.size() + test.size(), static_cast<bool>(keep));
   const auto fit = [&](const IdentificationOptions& how) {
     Identification id = identify_compressed(file, {}, train, test, how, passes);
@@ -321,13 +321,13 @@ Identification identify(const Model& file, const std::vector<std::string>& train
   } catch (const InvalidInput& error) {
     ByteWriter refusal = request(Request::kRefusal);
     refusal.text(error.what());
-    passes.tell_others(refusal.bytes());
+    passes.broadcast(refusal.bytes());
     throw;
   }
   ByteWriter done = request(Request::kDone);
   done.number(static_cast<std::uint64_t>(id.status));
   done.text(id.reason);
-  passes.tell_others(done.bytes());
+  passes.broadcast(done.bytes());
   if (keep) keep(passes.factors(id), true);
   return id;
 }

@@ -65,7 +65,7 @@ std::string listed(const std::vector<IdentifiedJoint>& in, const char* one, cons
          fmt::format(fmt::runtime(what), figures) + "; ";
 }
 
-// `whose` says on which rows the errors are.
+// `whose` names the rows of the errors.
 std::string sentence_of(const IdentificationVerdict& v, const std::string& whose) {
   const auto error = [](const IdentifiedJoint& j) { return in_percent(j.error); };
   std::string out = listed(joints_in(v, IdentifiedState::kHardlyMoved), "moved", "moved",
@@ -116,7 +116,7 @@ IdentificationVerdict verdict_of(const Identification& id) {
   const VectorXd& repaired = (out.held_out ? id.test_repaired : id.train_repaired).relative;
   const VectorXd& as_recorded = (out.held_out ? id.test_error : id.train_error).relative;
   const VectorXd& error = repaired.size() > 0 ? repaired : as_recorded;
-  bool is_another = false;  // in the digits that are printed
+  bool is_another = false;  // differs in the printed digits
   const std::vector<Coordinate>& joints = id.model->coordinates();
   for (size_t i = 0; i < joints.size() && static_cast<Eigen::Index>(i) < error.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);

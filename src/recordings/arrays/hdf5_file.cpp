@@ -16,7 +16,7 @@ using ObjectInfo = H5O_info2_t;
 using ObjectInfo = H5O_info_t;
 #endif
 
-void take_texts(hid_t data, hid_t type, hsize_t count, ArraySet* set) {
+void read_texts(hid_t data, hid_t type, hsize_t count, ArraySet* set) {
   if (count > 1000) return;
   if (H5Tis_variable_str(type) > 0) {
     std::vector<char*> texts(count, nullptr);
@@ -40,7 +40,7 @@ void take_texts(hid_t data, hid_t type, hsize_t count, ArraySet* set) {
     set->joint_names.emplace_back(std::string(bytes.data() + k * width, width).c_str());
 }
 
-void take(hid_t data, const std::string& name, ArraySet* set) {
+void read_dataset(hid_t data, const std::string& name, ArraySet* set) {
   const hid_t space = H5Dget_space(data);
   const hid_t type = H5Dget_type(data);
   hsize_t dims[2] = {1, 1};
@@ -51,7 +51,7 @@ void take(hid_t data, const std::string& name, ArraySet* set) {
   const bool numbers = kind == H5T_FLOAT || kind == H5T_INTEGER;
   const std::string last = name.substr(name.rfind('/') + 1);
   if (kind == H5T_STRING && rank == 1 && (last == "joints" || last == "joint_names")) {
-    take_texts(data, type, dims[0], set);
+    read_texts(data, type, dims[0], set);
   } else if (numbers && (rank == 1 || rank == 2) && dims[0] > 0 && dims[1] > 0 &&
              dims[0] <= kLargest / dims[1]) {
     NamedArray array;
@@ -69,7 +69,7 @@ herr_t visit(hid_t file, const char* name, const ObjectInfo* info, void* set) {
   if (info->type != H5O_TYPE_DATASET) return 0;
   const hid_t data = H5Dopen2(file, name, H5P_DEFAULT);
   if (data < 0) return 0;
-  take(data, name, static_cast<ArraySet*>(set));
+  read_dataset(data, name, static_cast<ArraySet*>(set));
   H5Dclose(data);
   return 0;
 }

@@ -13,7 +13,7 @@ namespace {
 constexpr int kDeepest = 4;  // structs within structs
 
 template <typename T>
-void take_numbers(const matvar_t& var, std::vector<double>* out) {
+void read_numbers(const matvar_t& var, std::vector<double>* out) {
   const T* data = static_cast<const T*>(var.data);
   const std::size_t rows = var.dims[0];
   const std::size_t columns = var.dims[1];
@@ -26,31 +26,31 @@ void take_numbers(const matvar_t& var, std::vector<double>* out) {
 bool numbers_of(const matvar_t& var, std::vector<double>* out) {
   switch (var.data_type) {
     case MAT_T_DOUBLE:
-      return take_numbers<double>(var, out), true;
+      return read_numbers<double>(var, out), true;
     case MAT_T_SINGLE:
-      return take_numbers<float>(var, out), true;
+      return read_numbers<float>(var, out), true;
     case MAT_T_INT8:
-      return take_numbers<signed char>(var, out), true;
+      return read_numbers<signed char>(var, out), true;
     case MAT_T_UINT8:
-      return take_numbers<unsigned char>(var, out), true;
+      return read_numbers<unsigned char>(var, out), true;
     case MAT_T_INT16:
-      return take_numbers<short>(var, out), true;
+      return read_numbers<short>(var, out), true;
     case MAT_T_UINT16:
-      return take_numbers<unsigned short>(var, out), true;
+      return read_numbers<unsigned short>(var, out), true;
     case MAT_T_INT32:
-      return take_numbers<int>(var, out), true;
+      return read_numbers<int>(var, out), true;
     case MAT_T_UINT32:
-      return take_numbers<unsigned>(var, out), true;
+      return read_numbers<unsigned>(var, out), true;
     case MAT_T_INT64:
-      return take_numbers<long long>(var, out), true;
+      return read_numbers<long long>(var, out), true;
     case MAT_T_UINT64:
-      return take_numbers<unsigned long long>(var, out), true;
+      return read_numbers<unsigned long long>(var, out), true;
     default:
       return false;
   }
 }
 
-void take(matvar_t& var, const std::string& name, int depth, ArraySet* set) {
+void read_variable(matvar_t& var, const std::string& name, int depth, ArraySet* set) {
   if (var.rank != 2 || var.data == nullptr || var.isComplex != 0 || depth > kDeepest) return;
   const std::size_t count = var.dims[0] * var.dims[1];
   if (var.class_type == MAT_C_STRUCT && count == 1) {
@@ -58,7 +58,7 @@ void take(matvar_t& var, const std::string& name, int depth, ArraySet* set) {
     const unsigned field_count = Mat_VarGetNumberOfFields(&var);
     for (unsigned k = 0; k < field_count; ++k) {
       matvar_t* inner = Mat_VarGetStructFieldByIndex(&var, k, 0);
-      if (inner != nullptr) take(*inner, name + "/" + fields[k], depth + 1, set);
+      if (inner != nullptr) read_variable(*inner, name + "/" + fields[k], depth + 1, set);
     }
   } else if (var.class_type == MAT_C_CELL && (name == "joints" || name == "joint_names")) {
     for (std::size_t k = 0; k < count; ++k) {
@@ -93,7 +93,7 @@ ArraySet read_mat(const std::string& path) {
     const std::unique_ptr<matvar_t, void (*)(matvar_t*)> var(Mat_VarReadNext(file.get()),
                                                              Mat_VarFree);
     if (var == nullptr) break;
-    if (var->name != nullptr) take(*var, var->name, 0, &set);
+    if (var->name != nullptr) read_variable(*var, var->name, 0, &set);
   }
   return set;
 }

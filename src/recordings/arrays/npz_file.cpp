@@ -29,11 +29,11 @@ struct Entry {
 };
 
 // An extra field holds sizes beyond 4 GiB, and those that NumPy did not know in advance.
-void take_large_sizes(std::string_view extra, Entry* entry) {
+void read_large_sizes(std::string_view extra, Entry* entry) {
   ByteReader reader(extra);
   while (reader.left() >= 4) {
     const auto id = reader.number<std::uint16_t>();
-    ByteReader field(reader.take(reader.number<std::uint16_t>()));
+    ByteReader field(reader.read_bytes(reader.number<std::uint16_t>()));
     if (id != 1) continue;
     if (entry->size == 0xFFFFFFFFu) entry->size = field.number<std::uint64_t>();
     if (entry->packed == 0xFFFFFFFFu) entry->packed = field.number<std::uint64_t>();
@@ -67,8 +67,8 @@ std::vector<Entry> directory_of(std::string_view bytes) {
     const auto comment = reader.number<std::uint16_t>();
     reader.skip(8);
     entry.offset = reader.number<std::uint32_t>();
-    entry.name = reader.take(name);
-    take_large_sizes(reader.take(extra), &entry);
+    entry.name = reader.read_bytes(name);
+    read_large_sizes(reader.read_bytes(extra), &entry);
     reader.skip(comment);
     entries.push_back(std::move(entry));
   }
@@ -83,7 +83,7 @@ std::string content_of(std::string_view bytes, const Entry& entry) {
   const auto name = reader.number<std::uint16_t>();
   const auto extra = reader.number<std::uint16_t>();
   reader.skip(std::uint64_t{name} + extra);
-  const std::string_view packed = reader.take(entry.packed);
+  const std::string_view packed = reader.read_bytes(entry.packed);
   if (entry.method == 0) return std::string(packed);
   if (entry.method != 8) throw CutShort("an entry packed in another way than deflate");
   // Deflate gains at most a factor of about a thousand.
@@ -133,7 +133,7 @@ std::string value_of(const std::string& header, const std::string& key) {
 template <typename T>
 void convert(ByteReader* reader, bool big, std::vector<double>* out) {
   for (double& value : *out) {
-    const std::string_view raw = reader->take(sizeof(T));
+    const std::string_view raw = reader->read_bytes(sizeof(T));
     char bytes[sizeof(T)];
     for (std::size_t k = 0; k < sizeof(T); ++k) bytes[k] = raw[big ? sizeof(T) - 1 - k : k];
     value = static_cast<double>(ByteReader(std::string_view(bytes, sizeof(T))).number<T>());
@@ -147,12 +147,12 @@ struct Header {
 };
 
 Header parse_header(ByteReader* reader) {
-  if (reader->take(6) != std::string_view("\x93NUMPY", 6)) throw CutShort("an entry that is no array");
+  if (reader->read_bytes(6) != std::string_view("\x93NUMPY", 6)) throw CutShort("an entry that is no array");
   const auto version = reader->number<std::uint8_t>();
   reader->skip(1);
   const std::uint32_t size =
       version == 1 ? reader->number<std::uint16_t>() : reader->number<std::uint32_t>();
-  const std::string text(reader->take(size));
+  const std::string text(reader->read_bytes(size));
   Header header;
   header.type = value_of(text, "descr");
   header.columns_first = value_of(text, "fortran_order").rfind("True", 0) == 0;
@@ -177,7 +177,7 @@ std::vector<std::string> texts_in(const Header& header, ByteReader* reader) {
   for (std::size_t k = 0; k < header.shape[0]; ++k) {
     std::string one;
     for (std::size_t c = 0; c < width; ++c) {
-      const std::string_view raw = reader->take(letter);
+      const std::string_view raw = reader->read_bytes(letter);
       const char low = header.type[0] == '>' ? raw[letter - 1] : raw[0];
       if (low != '\0') one += low;
     }
@@ -186,7 +186,7 @@ std::vector<std::string> texts_in(const Header& header, ByteReader* reader) {
   return out;
 }
 
-void take_array(const std::string& name, std::string_view bytes, ArraySet* set) {
+void read_array(const std::string& name, std::string_view bytes, ArraySet* set) {
   ByteReader reader(bytes);
   const Header header = parse_header(&reader);
   if (header.type.size() < 3) return;
@@ -248,7 +248,7 @@ ArraySet read_npz(const ByteStream& opened) {
       require(!workbook, path, ": found an Excel workbook, expected it saved as CSV.");
       const std::size_t end = entry.name.rfind(".npy");
       if (end == std::string::npos) continue;
-      take_array(entry.name.substr(0, end), content_of(file.bytes(), entry), &set);
+      read_array(entry.name.substr(0, end), content_of(file.bytes(), entry), &set);
     }
   } catch (const CutShort& error) {
     throw InvalidInput(text(path, ": found ", error.what(), ", expected an intact .npz of NumPy."));

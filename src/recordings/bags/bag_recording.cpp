@@ -46,7 +46,7 @@ class Collector {
       if (decoder.bad_messages() > 0)
         raw.remarks.push_back(text(decoder.bad_messages(), " messages on ", raw.topics[entry->topic].name,
                                    " cannot be decoded (", decoder.bad_reason(), ") and are left out."));
-      for (RawStream& stream : entry->decoder.take_streams()) raw.streams.push_back(std::move(stream));
+      for (RawStream& stream : entry->decoder.extract_streams()) raw.streams.push_back(std::move(stream));
     }
     return raw;
   }

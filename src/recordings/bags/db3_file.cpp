@@ -48,8 +48,8 @@ Database open_with_log(const std::string& path) {
   return database;
 }
 
-// What sqlite3 says of its last failure; it quotes the schema.
-std::string complaint(const Database& database) {
+// Message of sqlite3 about its last failure; it quotes the schema.
+std::string sqlite_error(const Database& database) {
   return excerpt(sqlite3_errmsg(database.get()), 200);
 }
 
@@ -84,7 +84,7 @@ std::map<sqlite3_int64, int> channels_in(const Database& database, const std::st
   const Statement rows =
       prepared(database, "SELECT id, name, type, serialization_format FROM topics ORDER BY id");
   require(rows != nullptr, path,
-          ": found a database without the tables of a ROS 2 bag (", complaint(database), "), expected topics and messages.");
+          ": found a database without the tables of a ROS 2 bag (", sqlite_error(database), "), expected topics and messages.");
   while (sqlite3_step(rows.get()) == SQLITE_ROW) {
     Channel channel;
     channel.topic = text_at(rows, 1);
@@ -101,7 +101,7 @@ void read_messages(const Database& database, const std::string& path, bool packe
   const std::map<sqlite3_int64, int> channels = channels_in(database, path, sink);
   const Statement rows = prepared(database, "SELECT topic_id, timestamp, data FROM messages");
   require(rows != nullptr, path,
-          ": found a database without the tables of a ROS 2 bag (", complaint(database), "), expected topics and messages.");
+          ": found a database without the tables of a ROS 2 bag (", sqlite_error(database), "), expected topics and messages.");
   long damaged = 0;
   int state = SQLITE_ROW;
   while ((state = sqlite3_step(rows.get())) == SQLITE_ROW) {
@@ -120,7 +120,7 @@ void read_messages(const Database& database, const std::string& path, bool packe
     }
   }
   if (state != SQLITE_DONE)
-    sink->remarks.push_back(text("the database is damaged or cut (", complaint(database), "): it is read up to there."));
+    sink->remarks.push_back(text("the database is damaged or cut (", sqlite_error(database), "): it is read up to there."));
   if (damaged > 0) sink->remarks.push_back(text(damaged, " of its messages cannot be unpacked."));
 }
 

@@ -35,9 +35,9 @@ class Mcap {
     try {
       while (reader.left() > 0) {
         const auto operation = reader.number<std::uint8_t>();
-        const std::string_view content = reader.take(reader.number<std::uint64_t>());
+        const std::string_view content = reader.read_bytes(reader.number<std::uint64_t>());
         if (!in_chunk && (operation == kDataEnd || operation == kFooter)) return true;
-        take(operation, content, in_chunk);
+        read_record(operation, content, in_chunk);
       }
       return in_chunk;
     } catch (const CutShort&) {
@@ -49,19 +49,19 @@ class Mcap {
   int damaged_records() const { return broken_; }
 
  private:
-  void take(std::uint8_t operation, std::string_view content, bool in_chunk) {
+  void read_record(std::uint8_t operation, std::string_view content, bool in_chunk) {
     ByteReader reader(content);
     try {
-      if (operation == kSchema) take_schema(&reader);
-      if (operation == kChannel) take_channel(&reader);
-      if (operation == kMessage) take_message(&reader);
-      if (operation == kChunk && !in_chunk) take_chunk(&reader);
+      if (operation == kSchema) read_schema(&reader);
+      if (operation == kChannel) read_channel(&reader);
+      if (operation == kMessage) read_message(&reader);
+      if (operation == kChunk && !in_chunk) read_chunk(&reader);
     } catch (const CutShort&) {
       ++broken_;
     }
   }
 
-  void take_schema(ByteReader* reader) {
+  void read_schema(ByteReader* reader) {
     const auto id = reader->number<std::uint16_t>();
     Schema& schema = schemas_[id];
     schema.name = reader->sized_text();
@@ -69,7 +69,7 @@ class Mcap {
     schema.definition = reader->sized_text();
   }
 
-  void take_channel(ByteReader* reader) {
+  void read_channel(ByteReader* reader) {
     const auto id = reader->number<std::uint16_t>();
     if (channels_.count(id) > 0) return;
     const auto schema_id = reader->number<std::uint16_t>();
@@ -91,21 +91,21 @@ class Mcap {
     channels_[id] = sink_->open(channel);
   }
 
-  void take_message(ByteReader* reader) {
+  void read_message(ByteReader* reader) {
     const auto found = channels_.find(reader->number<std::uint16_t>());
     reader->skip(4);  // sequence
     const auto logged = static_cast<std::int64_t>(reader->number<std::uint64_t>());
     reader->skip(8);  // time of publication
     if (found != channels_.end())
-      sink_->message(found->second, logged, reader->take(reader->left()));
+      sink_->message(found->second, logged, reader->read_bytes(reader->left()));
   }
 
-  void take_chunk(ByteReader* reader) {
+  void read_chunk(ByteReader* reader) {
     reader->skip(16);  // first and last time
     const auto size = reader->number<std::uint64_t>();
     const auto checksum = reader->number<std::uint32_t>();
     const std::string_view compression = reader->sized_text();
-    const std::string_view packed = reader->take(reader->number<std::uint64_t>());
+    const std::string_view packed = reader->read_bytes(reader->number<std::uint64_t>());
     Inflated inflated;
     std::string_view records = packed;
     if (!compression.empty()) {

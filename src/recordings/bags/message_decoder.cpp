@@ -49,7 +49,7 @@ class CdrSource {
 
   std::string_view text() {
     const auto size = number<std::uint32_t>();
-    const std::string_view raw = reader_.take(size);
+    const std::string_view raw = reader_.read_bytes(size);
     return raw.substr(0, size > 0 && raw.back() == '\0' ? size - 1 : size);
   }
 
@@ -88,7 +88,7 @@ class Decoder {
       // Elements have at least one byte each, which bounds the count.
       if (field.repeat != FieldNode::Repeat::kOne && count > source_.left())
         throw CutShort("an array longer than the message");
-      for (std::uint32_t k = 0; k < count; ++k) one(field);
+      for (std::uint32_t k = 0; k < count; ++k) decode_field(field);
     }
   }
 
@@ -98,7 +98,7 @@ class Decoder {
     sink_.number(field.leaf, static_cast<double>(source_.template number<T>()));
   }
 
-  void instant(const FieldNode& field, bool is_signed) {
+  void decode_time(const FieldNode& field, bool is_signed) {
     const auto raw = source_.template number<std::uint32_t>();
     const auto fraction = source_.template number<std::uint32_t>();
     const std::int64_t seconds =
@@ -106,7 +106,7 @@ class Decoder {
     sink_.time(field.leaf, seconds * kNanoseconds + fraction);
   }
 
-  void one(const FieldNode& field) {
+  void decode_field(const FieldNode& field) {
     if (steps_-- == 0) throw CutShort("more fields than bytes");
     switch (field.kind) {
       case FieldKind::kBool:
@@ -121,8 +121,8 @@ class Decoder {
       case FieldKind::kFloat32: return value<float>(field);
       case FieldKind::kFloat64: return value<double>(field);
       case FieldKind::kString: return sink_.text(field.leaf, source_.text());
-      case FieldKind::kTime: return instant(field, signed_time_);
-      case FieldKind::kDuration: return instant(field, true);
+      case FieldKind::kTime: return decode_time(field, signed_time_);
+      case FieldKind::kDuration: return decode_time(field, true);
       case FieldKind::kMessage: return decode(field.children);
     }
   }

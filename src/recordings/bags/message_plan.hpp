@@ -17,7 +17,7 @@ struct FieldNode {
   FieldKind kind = FieldKind::kMessage;
   enum class Repeat { kOne, kFixed, kSequence } repeat = Repeat::kOne;
   std::uint32_t count = 0;           ///< size of a fixed array
-  int leaf = 0;                      ///< index into MessagePlan::paths, of what is no message
+  int leaf = 0;                      ///< index into MessagePlan::paths, of a field that is no message
   std::vector<FieldNode> children;   ///< fields of a message, in serialised order
 };
 

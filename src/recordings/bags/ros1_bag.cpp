@@ -70,7 +70,7 @@ Record next_record(ByteReader* reader) {
   const auto size = reader->number<std::uint32_t>();
   // Very old bags have a wrong size here; the count is correct.
   const bool by_count = record.operation == kIndexData && record.fields.count("count") > 0;
-  record.data = reader->take(
+  record.data = reader->read_bytes(
       by_count ? std::uint64_t{12} * number_in<std::uint32_t>(record.fields, "count") : size);
   return record;
 }
@@ -125,7 +125,7 @@ class Bag {
     for (const std::uint64_t chunk : chunks) {
       ByteReader reader(bytes_);
       reader.go_to(chunk);
-      take(next_record(&reader));
+      read_record(next_record(&reader));
     }
     return true;
   }
@@ -144,27 +144,27 @@ class Bag {
         const bool open = record.operation == kChunk && record.data.empty();
         const std::string compression = text_in(record.fields, "compression");
         if (open && compression != "none") {
-          take_chunk(compression, reader.take(reader.left()), true);
+          read_chunk(compression, reader.read_bytes(reader.left()), true);
           return;
         }
-        take(record);
+        read_record(record);
       }
     } catch (const CutShort&) {
       // The last record is incomplete.
     }
   }
 
-  void take(const Record& record) {
+  void read_record(const Record& record) {
     if (record.operation == kChunk) {
-      take_chunk(text_in(record.fields, "compression"), record.data, false);
+      read_chunk(text_in(record.fields, "compression"), record.data, false);
     } else if (record.operation == kConnection) {
-      take_connection(record);
+      read_connection(record);
     } else if (record.operation == kMessage) {
-      take_message(record);
+      read_message(record);
     }
   }
 
-  void take_chunk(const std::string& compression, std::string_view packed, bool open) {
+  void read_chunk(const std::string& compression, std::string_view packed, bool open) {
     std::string_view content = packed;
     Inflated inflated;
     if (compression != "none") {
@@ -183,8 +183,8 @@ class Bag {
     try {
       while (reader.left() > 0) {
         const Record record = next_record(&reader);
-        if (record.operation == kConnection) take_connection(record);
-        if (record.operation == kMessage) take_message(record);
+        if (record.operation == kConnection) read_connection(record);
+        if (record.operation == kMessage) read_message(record);
       }
     } catch (const CutShort&) {
       if (!open && (compression == "none" || inflated.whole))
@@ -192,7 +192,7 @@ class Bag {
     }
   }
 
-  void take_connection(const Record& record) {
+  void read_connection(const Record& record) {
     const auto id = number_in<std::uint32_t>(record.fields, "conn");
     if (channels_.count(id) > 0) return;
     const Fields inner = fields_of(record.data);
@@ -206,7 +206,7 @@ class Bag {
     channels_[id] = sink_->open(channel);
   }
 
-  void take_message(const Record& record) {
+  void read_message(const Record& record) {
     const auto found = channels_.find(number_in<std::uint32_t>(record.fields, "conn"));
     if (found != channels_.end()) sink_->message(found->second, time_in(record.fields), record.data);
   }

@@ -213,7 +213,7 @@ void TopicDecoder::store(std::int64_t recorded) {
   }
 }
 
-std::vector<RawStream> TopicDecoder::take_streams() {
+std::vector<RawStream> TopicDecoder::extract_streams() {
   return std::move(streams_);
 }
 

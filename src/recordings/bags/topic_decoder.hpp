@@ -25,7 +25,7 @@ class TopicDecoder : public ValueSink {
   void add(std::int64_t recorded, std::string_view bytes);
 
   /// The streams, in the order in which they began; to be called once.
-  std::vector<recordings::RawStream> take_streams();
+  std::vector<recordings::RawStream> extract_streams();
   long bad_messages() const { return bad_; }
   const std::string& bad_reason() const { return bad_reason_; }
 

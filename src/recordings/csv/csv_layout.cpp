@@ -163,7 +163,7 @@ std::vector<std::string> csv_fields(std::string_view line, char separator) {
   return fields;
 }
 
-bool is_word_for_nothing(std::string field) {
+bool is_missing_value(std::string field) {
   static const std::set<std::string> kNothing = {"null", "none", "nil", "na", "n/a", "#n/a", "#num!", "#value!", "-", "--"};
   return kNothing.count(lower(std::move(field))) > 0;
 }
@@ -177,7 +177,7 @@ bool csv_number(std::string field, char separator, double* value) {
   if (first == last) return true;
   double found = 0.0;
   const auto [rest, error] = std::from_chars(first, last, found);
-  if (error == std::errc::invalid_argument || rest != last) return is_word_for_nothing(std::move(field));
+  if (error == std::errc::invalid_argument || rest != last) return is_missing_value(std::move(field));
   // Out of range for a double: strtod returns infinity or zero, as intended.
   *value = error == std::errc::result_out_of_range ? std::strtod(first, nullptr) : found;
   return true;

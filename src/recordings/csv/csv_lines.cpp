@@ -23,7 +23,7 @@ CsvLines::CsvLines(ByteStream bytes) : bytes_(std::move(bytes)) {
 
 void CsvLines::skip_byte_order_mark() {
   if (bytes_.unread().substr(0, kByteOrderMark.size()) == kByteOrderMark)
-    bytes_.take(kByteOrderMark.size());
+    bytes_.consume(kByteOrderMark.size());
 }
 
 void CsvLines::rewind() {
@@ -55,7 +55,7 @@ bool CsvLines::next_raw(std::string_view* line) {
     }
     if (unread.empty()) return false;
     *line = unread.substr(0, found);
-    bytes_.take(line->size() + (whole ? 1 : 0));
+    bytes_.consume(line->size() + (whole ? 1 : 0));
     ++number_;
     return true;
   }

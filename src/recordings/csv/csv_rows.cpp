@@ -116,13 +116,13 @@ class RowParser {
     p_ = rest;
     skip_padding();
     if (error == std::errc() && at_field_end()) return value;
-    // Quotes, a decimal comma, a word for nothing.
+    // Quotes, a decimal comma, a word for a missing value.
     p_ = first;
     skip_field();
     std::string field(first, p_);
     field.erase(0, field.find_first_not_of("\" \t"));
     field.erase(field.find_last_not_of("\" \t") + 1);
-    const bool is_word = layout_.slots[column] == CsvLayout::kTime && is_word_for_nothing(field);
+    const bool is_word = layout_.slots[column] == CsvLayout::kTime && is_missing_value(field);
     if (is_word || !csv_number(std::move(field), layout_.separator, &value)) {
       p_ = first;
       fail_text(column);
@@ -178,9 +178,9 @@ constexpr long kMostEqual = 200;
 constexpr long kFewEqual = 10, kDistinct = 20;
 // step of a position <= kSteady * the step before + kSmallStep [rad, m]: the arm moves on.
 constexpr double kSteady = 5.0, kSmallStep = 2e-3;
-constexpr int kFirstRows = 4096;  // room of a piece at first; it doubles, as files may end early
+constexpr int kFirstRows = 4096;  // initial capacity of a piece; it doubles, as files may end early
 
-void set_room(const CsvLayout& layout, int rows, Recording& recording) {
+void reserve_rows(const CsvLayout& layout, int rows, Recording& recording) {
   recording.time.conservativeResize(rows);
   for (std::size_t s = 0; s < layout.has_signal.size(); ++s) {
     MatrixXd& values = recording.*kRecordingSignals[s].values;
@@ -210,7 +210,7 @@ class CsvRows : public RowSource {
   bool next_row();
   bool accept_time();
   bool repeats_before() const;
-  void run_back(double found);
+  void handle_backward_time(double found);
   [[noreturn]] void refuse_time(double found, const std::string& why) const;
   void count_from_here();
   bool hold_gaps();
@@ -347,7 +347,7 @@ void CsvRows::count_from_here() {
 
 // A clock that was set back while the arm moved on is moved on; one that starts anew with another position begins
 // another recording.
-void CsvRows::run_back(double found) {
+void CsvRows::handle_backward_time(double found) {
   bool moves_on = found > first_time && second_before.size() == row.size() && !options.signals.as_recorded;
   for (int joint = 0; moves_on && joint < layout.joints; ++joint) {
     const auto at = static_cast<std::size_t>(layout.slot(0, joint));
@@ -380,7 +380,7 @@ bool CsvRows::accept_time() {
       count_from_here();
       t = time + 1.0 / options.rate;
     } else if (t < time) {
-      run_back(t);
+      handle_backward_time(t);
       t = time + step;
     } else {
       ++equal;
@@ -464,10 +464,10 @@ Recording CsvRows::next(int rows) {
   Recording piece;
   piece.source = lines.path();
   int room = std::min(rows, kFirstRows);
-  set_room(layout, room, piece);
+  reserve_rows(layout, room, piece);
   int count = 0;
   while (count < rows && next_row()) {
-    if (count == room) set_room(layout, room = room > rows / 2 ? rows : 2 * room, piece);
+    if (count == room) reserve_rows(layout, room = room > rows / 2 ? rows : 2 * room, piece);
     piece.time[count] = row[CsvLayout::kTime];
     for (std::size_t s = 0; s < layout.has_signal.size(); ++s) {
       if (!layout.has_signal[s]) continue;

@@ -177,8 +177,8 @@ class Table {
         throw InvalidInput(text(lines_.path(), ":", lines_.number(), ": found ", fields.size(),
                                 " fields, expected ", header_.names.size(), "."));
       }
-      take_names(fields);
-      take_row(&fields, number++, &rows);
+      read_joint_names(fields);
+      append_row(&fields, number++, &rows);
     }
     if (skipped_ > 0)
       raw_.remarks.push_back(text(skipped_, skipped_ == 1 ? " row has" : " rows have",
@@ -186,7 +186,7 @@ class Table {
   }
 
   // Reads the joints' names from columns of their own.
-  void take_names(const std::vector<std::string>& fields) {
+  void read_joint_names(const std::vector<std::string>& fields) {
     if (names_column_.empty()) return;
     for (RawStream& stream : raw_.streams) {
       for (RawField& field : stream.fields) {
@@ -200,7 +200,7 @@ class Table {
     names_column_.clear();
   }
 
-  void take_row(std::vector<std::string>* fields, long number,
+  void append_row(std::vector<std::string>* fields, long number,
                 std::vector<std::vector<double>>* rows) {
     std::vector<char> any(raw_.streams.size(), 0);
     for (std::size_t k = 0; k < fields->size(); ++k) {

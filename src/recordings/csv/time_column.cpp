@@ -27,7 +27,7 @@ bool is_time_word(const std::string& word) {
 }
 
 // Score of a name as a clock's; 0: it is none.
-int fitness(const std::vector<std::string>& words) {
+int time_name_score(const std::vector<std::string>& words) {
   if (words.empty() || words.size() > 4) return 0;
   bool time = false;
   for (const std::string& word : words) time = time || is_time_word(word);
@@ -60,7 +60,7 @@ TimeColumns time_columns(const std::vector<std::string>& names, const std::strin
     const bool of_stamp = words.size() > 1 && is_time_word(words[words.size() - 2]);
     if (of_stamp && (last == "sec" || last == "secs")) seconds = column;
     if (of_stamp && (last == "nsec" || last == "nsecs" || last == "nanosec")) fraction = column;
-    const int fit = fitness(words);
+    const int fit = time_name_score(words);
     if (fit > best && field_of(names[k]).signal < 0) {
       best = fit;
       columns.recorded = column;

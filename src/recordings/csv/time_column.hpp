@@ -8,7 +8,7 @@
 
 namespace veridyn::recordings {
 
-/// The way on where times do not grow, at the end of a message.
+/// Advice where times do not increase, at the end of a message.
 inline constexpr const char* kCountRows = "--rate HZ counts the rows instead.";
 
 /// Columns with a clock.

@@ -21,7 +21,7 @@ constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
 constexpr std::int64_t kSinceAges = 100000000LL * 1000000000LL;
 // In median steps: other streams are interpolated across shorter steps only.
 constexpr double kLongStep = 2.5;
-// In the base's median steps: a stream with longer ones is told.
+// In the base's median steps: a stream with longer ones is reported.
 constexpr double kSlower = 1.5;
 
 // The stream that has the most columns; the longest of these.
@@ -82,7 +82,7 @@ class Assembler {
     }
     require(out.recording.q.size() > 0, path_, ": found no positions of all joints, expected some.");
     efforts_in_amperes(&out);
-    tell(base, &out.facts);
+    report_facts(base, &out.facts);
     return out;
   }
 
@@ -166,7 +166,7 @@ class Assembler {
     out->recording.tau.resize(0, 0);
   }
 
-  void tell(int base, RecordingFacts* facts) {
+  void report_facts(int base, RecordingFacts* facts) {
     facts->format = raw_.format;
     facts->joints = chosen_.joints;
     for (std::size_t j = 0; j < choice_.joints.size() && j < chosen_.recorded.size(); ++j)
@@ -194,12 +194,12 @@ class Assembler {
     const std::vector<std::string>& clock = clock_of_stream(base).remarks;
     remarks.insert(remarks.end(), clock.begin(), clock.end());
     remarks.insert(remarks.end(), facts->remarks.begin(), facts->remarks.end());
-    for (const int stream : others_) tell_slower(stream, base, &remarks);
+    for (const int stream : others_) remark_on_slower_stream(stream, base, &remarks);
     facts->remarks = std::move(remarks);
   }
 
-  // What comes at a lower rate has nothing faster in it, whatever the rows' rate says.
-  void tell_slower(int stream, int base, std::vector<std::string>* remarks) {
+  // A stream of a lower rate has no higher frequencies, whatever the rate of the rows.
+  void remark_on_slower_stream(int stream, int base, std::vector<std::string>* remarks) {
     const double step = 1e-9 * static_cast<double>(median_step(clock_of_stream(stream).time));
     const double own = 1e-9 * static_cast<double>(median_step(clock_of_stream(base).time));
     if (!(step > kSlower * own)) return;

@@ -134,14 +134,14 @@ Candidate candidate_of(const RawRecording& raw, const std::string& topic,
   return c;
 }
 
-bool better(const Candidate& a, const Candidate& b) {
+bool is_better(const Candidate& a, const Candidate& b) {
   if (a.matched != b.matched) return a.matched > b.matched;
   if (a.rank != b.rank) return a.rank < b.rank;
   return a.efforts && !b.efforts;
 }
 
 // Summary of a file without positions of joints, for messages.
-std::string contents(const RawRecording& raw) {
+std::string found_joints_text(const RawRecording& raw) {
   std::vector<std::string> words;
   for (const RawTopic& topic : raw.topics)
     words.push_back(topic.name + " (" + topic.type + ")" +
@@ -165,15 +165,15 @@ Candidate best_candidate(const RawRecording& raw, const std::string& path,
     Candidate candidate = candidate_of(raw, topic, choice, renamed);
     if (!candidate.recorded.empty()) candidates.push_back(std::move(candidate));
   }
-  require(!candidates.empty(), path, ": found ", contents(raw),
+  require(!candidates.empty(), path, ": found ", found_joints_text(raw),
           ", expected positions of joints (sensor_msgs/JointState, columns such as q1 or "
           "shoulder/position); --map names others.");
-  std::stable_sort(candidates.begin(), candidates.end(), better);
+  std::stable_sort(candidates.begin(), candidates.end(), is_better);
   const Candidate& first = candidates.front();
-  if (candidates.size() > 1 && !better(first, candidates[1])) {
+  if (candidates.size() > 1 && !is_better(first, candidates[1])) {
     std::vector<std::string> equal;
     for (const Candidate& c : candidates) {
-      if (!better(first, c)) equal.push_back(c.topic);
+      if (!is_better(first, c)) equal.push_back(c.topic);
     }
     require(choice.joints.empty() || first.matched == 0, path, ": found the arm's joints on topics ",
             listed(equal), ", expected one: choose it with --topic.");
@@ -317,7 +317,7 @@ ChosenFields choose_fields(const RawRecording& given, const std::string& path,
         }
       }
     }
-    if (!map.touches(kTau) && !map.touches(kCurrent)) add_separate_efforts(*raw, topics, &chosen);
+    if (!map.maps_signal(kTau) && !map.maps_signal(kCurrent)) add_separate_efforts(*raw, topics, &chosen);
   }
   const auto by_name = chosen.places;
   for (const auto& [to, from] : map.taken()) {

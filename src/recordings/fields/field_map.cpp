@@ -12,7 +12,7 @@ namespace veridyn::recordings {
 namespace {
 
 // Normalised name: `a[3]/b.c` and `a/3/b/c` are equal.
-std::string plain(std::string name) {
+std::string normalized_name(std::string name) {
   std::string out;
   for (const char c : name) {
     if (c == ']') continue;
@@ -21,23 +21,23 @@ std::string plain(std::string name) {
   return out;
 }
 
-std::string without_data(const std::string& name) {
+std::string without_data_suffix(const std::string& name) {
   const std::size_t data = name.rfind("/data/");
   return data == std::string::npos ? name : name.substr(0, data) + name.substr(data + 5);
 }
 
 // All names by which --map may call a column.
 std::vector<std::string> names_of(const RawStream& stream, const RawField& field) {
-  std::vector<std::string> names = {plain(field.path)};
+  std::vector<std::string> names = {normalized_name(field.path)};
   if (!stream.topic.empty()) {
-    names.push_back(plain(stream.topic + "/" + field.path));
-    names.push_back(without_data("/" + names.back()).substr(1));
+    names.push_back(normalized_name(stream.topic + "/" + field.path));
+    names.push_back(without_data_suffix("/" + names.back()).substr(1));
   }
   return names;
 }
 
 // The number after a prefix, as 3 in `tau_3` for `tau`, or nullopt.
-std::optional<long> number_behind(const std::string& name, const std::string& prefix) {
+std::optional<long> number_after_prefix(const std::string& name, const std::string& prefix) {
   if (name.size() <= prefix.size() || name.compare(0, prefix.size(), prefix) != 0)
     return std::nullopt;
   std::string rest = name.substr(prefix.size());
@@ -53,7 +53,7 @@ std::optional<FieldPlace> column(const RawRecording& raw, const std::string& sou
   for (std::size_t s = 0; s < raw.streams.size(); ++s) {
     for (std::size_t f = 0; f < raw.streams[s].fields.size(); ++f) {
       const std::vector<std::string> names = names_of(raw.streams[s], raw.streams[s].fields[f]);
-      const bool same = std::find(names.begin(), names.end(), plain(source)) != names.end();
+      const bool same = std::find(names.begin(), names.end(), normalized_name(source)) != names.end();
       if (!same || raw.streams[s].rows() <= rows) continue;
       best = FieldPlace{static_cast<int>(s), static_cast<int>(f)};
       rows = raw.streams[s].rows();
@@ -68,7 +68,7 @@ std::vector<FieldPlace> columns(const RawRecording& raw, const std::string& sour
   for (std::size_t s = 0; s < raw.streams.size(); ++s) {
     for (std::size_t f = 0; f < raw.streams[s].fields.size(); ++f) {
       for (const std::string& name : names_of(raw.streams[s], raw.streams[s].fields[f])) {
-        if (const auto number = number_behind(name, plain(source)))
+        if (const auto number = number_after_prefix(name, normalized_name(source)))
           found.try_emplace(*number, FieldPlace{static_cast<int>(s), static_cast<int>(f)});
       }
     }
@@ -161,7 +161,7 @@ std::optional<FieldPlace> FieldMap::place(int signal, std::size_t joint) const {
   return found == places_.end() ? std::nullopt : std::make_optional(found->second);
 }
 
-bool FieldMap::touches(int signal) const {
+bool FieldMap::maps_signal(int signal) const {
   return std::any_of(places_.begin(), places_.end(),
                      [signal](const auto& entry) { return entry.first.first == signal; });
 }

@@ -26,7 +26,7 @@ class FieldMap {
   };
   const std::map<std::pair<int, std::size_t>, Taken>& taken() const { return taken_; }
   /// True if any joint's signal is mapped.
-  bool touches(int signal) const;
+  bool maps_signal(int signal) const;
   /// True if all positions (of the arm's joints, or 1..n) are mapped.
   bool maps_all_positions() const;
   /// The largest joint number among the mapped positions.

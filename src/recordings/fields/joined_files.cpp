@@ -48,7 +48,7 @@ RawStream stream_of(const std::string& file, const RecordingOptions& options, Re
 }
 
 // Numbers joints on from file to file where each file counts its own from 1.
-void tell_joints_apart(const std::vector<std::string>& files, std::vector<RawStream>* streams) {
+void renumber_joints(const std::vector<std::string>& files, std::vector<RawStream>* streams) {
   std::set<std::string> all;
   std::string second, where;  // the first name that a file before has, too
   bool numbers = true;
@@ -103,7 +103,7 @@ Imported import_joined(const std::string& path, const std::vector<std::string>& 
     raw.streams.push_back(stream_of(file, options, &facts));
     for (const std::string& remark : facts.remarks) raw.remarks.push_back(file + ": " + remark);
   }
-  tell_joints_apart(files, &raw.streams);
+  renumber_joints(files, &raw.streams);
   for (RawStream& stream : raw.streams) {
     for (RawField& f : stream.fields) f.path = kRecordingSignals[f.signal].name + f.joint;
   }

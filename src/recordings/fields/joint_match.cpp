@@ -15,7 +15,7 @@ namespace {
 using Words = std::vector<std::string>;
 
 // Words that distinguish joints.
-Words telling_words(const std::string& name) {
+Words distinctive_words(const std::string& name) {
   static const std::set<std::string> kIdle = {"joint", "link", "axis", "jnt"};
   Words words = words_of(name);
   words.erase(std::remove_if(words.begin(), words.end(),
@@ -25,7 +25,7 @@ Words telling_words(const std::string& name) {
 }
 
 // Number of words of `longer` before `shorter`, or nullopt if it does not end with it.
-std::optional<int> words_in_front(const Words& shorter, const Words& longer) {
+std::optional<int> leading_words(const Words& shorter, const Words& longer) {
   if (shorter.empty() || shorter.size() > longer.size()) return std::nullopt;
   const auto behind = longer.end() - static_cast<long>(shorter.size());
   if (!std::equal(shorter.begin(), shorter.end(), behind)) return std::nullopt;
@@ -82,14 +82,14 @@ std::vector<int> match_joints(const std::vector<std::string>& wanted,
   const bool numbers = std::all_of(recorded.begin(), recorded.end(), is_number);
   for (std::size_t j = 0; j < wanted.size(); ++j) {
     if (out[j] >= 0 || numbers) continue;
-    const Words words = telling_words(wanted[j]);
+    const Words words = distinctive_words(wanted[j]);
     int best = 1 << 20;
     std::vector<std::size_t> candidates;
     for (std::size_t k = 0; k < recorded.size(); ++k) {
       if (taken[k] != 0) continue;
-      const Words other = telling_words(recorded[k]);
-      std::optional<int> distance = words_in_front(words, other);
-      if (!distance) distance = words_in_front(other, words);
+      const Words other = distinctive_words(recorded[k]);
+      std::optional<int> distance = leading_words(words, other);
+      if (!distance) distance = leading_words(other, words);
       if (!distance || *distance > best) continue;
       if (*distance < best) candidates.clear();
       best = *distance;

@@ -69,7 +69,7 @@ std::vector<std::int64_t> repaired_stamps(const RawStream& stream, std::int64_t 
 }
 
 // Handles rows that repeat the time of the row before: dropped, or spread up to the next time.
-void settle_repeats(const RawStream& stream, StreamClock* clock) {
+void resolve_repeats(const RawStream& stream, StreamClock* clock) {
   std::vector<std::int64_t> time;
   std::vector<std::size_t> rows;
   long same = 0;
@@ -149,7 +149,7 @@ StreamClock clock_of(const RawStream& stream, const std::string& where) {
     clock.remarks.push_back(text(back, back == 1 ? " row was" : " rows were",
                                  " out of order and sorted by time."));
   }
-  settle_repeats(stream, &clock);
+  resolve_repeats(stream, &clock);
   return clock;
 }
 

@@ -22,14 +22,14 @@ class ByteReader {
   std::size_t position() const { return position_; }
   std::size_t left() const { return bytes_.size() - position_; }
 
-  std::string_view take(std::uint64_t count) {
+  std::string_view read_bytes(std::uint64_t count) {
     if (count > left()) throw CutShort("fewer bytes than announced");
     const std::string_view part = bytes_.substr(position_, static_cast<std::size_t>(count));
     position_ += static_cast<std::size_t>(count);
     return part;
   }
 
-  void skip(std::uint64_t count) { take(count); }
+  void skip(std::uint64_t count) { read_bytes(count); }
 
   void go_to(std::uint64_t position) {
     if (position > bytes_.size()) throw CutShort("a place beyond the end");
@@ -38,7 +38,7 @@ class ByteReader {
 
   template <typename T>
   T number() {
-    const std::string_view raw = take(sizeof(T));
+    const std::string_view raw = read_bytes(sizeof(T));
     std::uint64_t bits = 0;
     for (std::size_t k = sizeof(T); k-- > 0;) bits = bits << 8 | static_cast<unsigned char>(raw[k]);
     T value;
@@ -54,7 +54,7 @@ class ByteReader {
   }
 
   /// A run of bytes preceded by its length as u32.
-  std::string_view sized_text() { return take(number<std::uint32_t>()); }
+  std::string_view sized_text() { return read_bytes(number<std::uint32_t>()); }
 
  private:
   std::string_view bytes_;

@@ -12,9 +12,9 @@ namespace veridyn::recordings {
 namespace {
 
 constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
-/// rows read before the first one is passed on >= kFirstRows: what they show decides about the clock and the scales.
+/// rows read before the first one is passed on >= kFirstRows: they determine the clock and the scales.
 constexpr int kFirstRows = 8192;
-/// first rows < kFewestRows: too few to know what is usual; angles, dropouts and bursts stay as they are.
+/// first rows < kFewestRows: too few for usual ranges; angles, dropouts and bursts are not corrected.
 constexpr int kFewestRows = 50;
 /// rows of the past that stay in memory = kContext.
 constexpr int kContext = 8;
@@ -37,7 +37,7 @@ constexpr double kSmallestJump = 2e-3, kNoise = 5.0, kOfRange = 0.02, kAround = 
 constexpr double kSpike = 0.5;
 /// |position| > kFar [rad, m] is far from zero.
 constexpr double kFar = 0.05;
-/// Quantile of what is usual, so that single wrong values do not count.
+/// Quantile that defines the usual range, so that single wrong values do not count.
 constexpr double kUsual = 0.98;
 
 const double kPi = std::acos(-1.0);
@@ -50,7 +50,7 @@ double quantile(std::vector<double> values, double share) {
   return *at;
 }
 
-std::string counted(long count, const char* one, const char* many) { return text(count, " ", count == 1 ? one : many); }
+std::string count_text(long count, const char* one, const char* many) { return text(count, " ", count == 1 ? one : many); }
 
 class MendedRows : public RowSource {
  public:
@@ -62,9 +62,9 @@ class MendedRows : public RowSource {
   RecordingFacts facts() const override;
 
  private:
-  // What is known of one joint's position.
+  // Known properties of one joint's position.
   struct Joint {
-    double turn = 2.0 * kPi;  // in the unit of the file, if nobody declared it
+    double turn = 2.0 * kPi;  // in the unit of the file, if none is declared
     double turns = 0.0;       // added to coming rows
     double jump = HUGE_VAL;   // a larger step needs an explanation
     long wraps = 0;
@@ -73,19 +73,19 @@ class MendedRows : public RowSource {
   };
 
   bool read_on();
-  void look_at_first_rows();
+  void inspect_first_rows();
   void leave_out(Recording& piece);
-  bool is_foreign(const Recording& piece, int k, const Recording& before, int last) const;
+  bool is_isolated_zero_row(const Recording& piece, int k, const Recording& before, int last) const;
   void spread_equal_times(int from, int to);
   void spread_bursts();
   void unwrap(int from);
   void start_within_limits();
   void find_dropouts(int until);
   void fill(int before, int after);
-  int way_back(int last, int away) const;
+  int row_of_return(int last, int away) const;
   bool is_jump(int last, int k, int joint) const;
   bool continues(int last, int k) const;
-  bool leads_on() const;
+  bool is_explained_by_next() const;
   double reach(int last, int rows, int joint) const;
   void find_zeros(int until);
   void find_spikes(int until);
@@ -114,7 +114,7 @@ bool MendedRows::read_on() {
 }
 
 // A row of zeros alone, between positions that are far from zero.
-bool MendedRows::is_foreign(const Recording& piece, int k, const Recording& before, int last) const {
+bool MendedRows::is_isolated_zero_row(const Recording& piece, int k, const Recording& before, int last) const {
   if (choice_.as_recorded || last < 0 || !(before.q.row(last).cwiseAbs().maxCoeff() > kFar)) return false;
   const bool last_one = k + 1 == piece.rows();
   if (last_one ? piece.tau.cols() == 0 && piece.dq.cols() == 0 : !(piece.q.row(k + 1).cwiseAbs().maxCoeff() > kFar)) return false;
@@ -130,7 +130,7 @@ void MendedRows::leave_out(Recording& piece) {
     const Recording& before = kept > 0 ? piece : held_;
     const int last = kept > 0 ? kept - 1 : held_.rows() - 1;
     const bool repeats = choice_.as_recorded && last >= 0 && piece.time[k] == before.time[last];
-    const bool foreign = is_foreign(piece, k, before, last);
+    const bool foreign = is_isolated_zero_row(piece, k, before, last);
     repeated_ += repeats ? 1 : 0;
     foreign_ += foreign ? 1 : 0;
     if (repeats || foreign) continue;
@@ -151,7 +151,7 @@ Recording MendedRows::next(int rows) {
     while (held_.rows() < kFirstRows && read_on()) {
     }
     begun_ = true;
-    if (held_.rows() > 0) look_at_first_rows();
+    if (held_.rows() > 0) inspect_first_rows();
   }
   const auto ready = [this] { return choice_.as_recorded || ended_ ? held_.rows() : std::min(sound_, timed_); };
   while (true) {
@@ -177,8 +177,8 @@ Recording MendedRows::next(int rows) {
   return out;
 }
 
-// The scales of a step, the clock's way, and the turn of a joint whose angle is wrapped.
-void MendedRows::look_at_first_rows() {
+// Determines the scales of a step, the behaviour of the clock, and the turn of joints with wrapped angles.
+void MendedRows::inspect_first_rows() {
   const int n = held_.rows();
   few_ = n < kFewestRows;
   if (n > 1) step_ = (held_.time[n - 1] - held_.time[0]) / (n - 1);
@@ -200,7 +200,7 @@ void MendedRows::look_at_first_rows() {
     for (int k = 2; k < n; ++k) change.push_back(std::abs(q[k] - 2.0 * q[k - 1] + q[k - 2]));
     const double range = quantile(all, kUsual) - quantile(all, 1.0 - kUsual);
     joints_[j].jump = std::max({kSmallestJump, kNoise * quantile(std::move(change), kUsual), kOfRange * range});
-    if (range > 4.0 * kPi) joints_[j].turn = 360.0;  // degrees that nobody declared
+    if (range > 4.0 * kPi) joints_[j].turn = 360.0;  // undeclared degrees
     if (held_.tau.cols() == 0) continue;
     const auto tau = held_.tau.col(static_cast<Eigen::Index>(j));
     const std::vector<double> torques(tau.data(), tau.data() + n);
@@ -300,7 +300,7 @@ void MendedRows::spread_bursts() {
   }
 }
 
-// How far a joint may have moved in some rows after a sound one.
+// Largest possible motion of a joint in some rows after a valid one.
 double MendedRows::reach(int last, int rows, int joint) const {
   double fastest = 0.0;
   for (int k = std::max(1, last - 2); k <= last; ++k) {
@@ -323,7 +323,7 @@ bool MendedRows::continues(int last, int k) const {
 }
 
 // True if the first step is one that the second explains.
-bool MendedRows::leads_on() const {
+bool MendedRows::is_explained_by_next() const {
   for (int j = 0; j < joints(); ++j) {
     const double second = std::abs(held_.q(2, j) - held_.q(1, j));
     if (std::abs(held_.q(1, j) - held_.q(0, j)) > joints_[static_cast<std::size_t>(j)].jump + kAround * second) return false;
@@ -331,8 +331,8 @@ bool MendedRows::leads_on() const {
   return true;
 }
 
-// The first row behind `away` that goes on where the last sound row was, by a jump of a joint that jumped away; or -1.
-int MendedRows::way_back(int last, int away) const {
+// The first row behind `away` that continues the last valid row, after a jump of a joint that jumped away; or -1.
+int MendedRows::row_of_return(int last, int away) const {
   const int end = std::min(held_.rows(), away + ahead_);
   for (int m = away + 1; m < end; ++m) {
     for (int j = 0; j < joints(); ++j) {
@@ -359,14 +359,14 @@ void MendedRows::fill(int before, int after) {
 
 void MendedRows::find_dropouts(int until) {
   int k = std::max(sound_, 1);
-  if (sound_ == 0 && held_.rows() > 2 && (held_.q.row(0).array() == 0.0).all() && !leads_on()) {
+  if (sound_ == 0 && held_.rows() > 2 && (held_.q.row(0).array() == 0.0).all() && !is_explained_by_next()) {
     held_.q.row(0).setConstant(kGap);  // of another publisher
     ++dropped_;
     ++dropouts_;
   }
   for (; k < until; ++k) {
     if (continues(k - 1, k)) continue;
-    const int back = way_back(k - 1, k);
+    const int back = row_of_return(k - 1, k);
     if (back < 0) continue;
     fill(k - 1, back);
     dropped_ += back - k;
@@ -416,30 +416,30 @@ void MendedRows::find_spikes(int until) {
 
 RecordingFacts MendedRows::facts() const {
   RecordingFacts out = rows_->facts();
-  const auto say = [&out](const std::string& remark) { out.remarks.push_back(remark); };
+  const auto add_remark = [&out](const std::string& remark) { out.remarks.push_back(remark); };
   if (foreign_ > 0)
-    say(text(counted(foreign_, "row", "rows"), " of zeros alone amid the motion, as of another publisher, ", foreign_ == 1 ? "is" : "are", " left out (--as-recorded keeps them)."));
+    add_remark(text(count_text(foreign_, "row", "rows"), " of zeros alone amid the motion, as of another publisher, ", foreign_ == 1 ? "is" : "are", " left out (--as-recorded keeps them)."));
   if (repeated_ > 0)
-    say(text(counted(repeated_, "row repeats", "rows repeat"), " the time stamp before and ", repeated_ == 1 ? "is" : "are", " left out."));
+    add_remark(text(count_text(repeated_, "row repeats", "rows repeat"), " the time stamp before and ", repeated_ == 1 ? "is" : "are", " left out."));
   if (equal_ > 0)
-    say(text(counted(equal_, "row repeats", "rows repeat"), " the time stamp before with other values: such rows are spread evenly up to the next time."));
+    add_remark(text(count_text(equal_, "row repeats", "rows repeat"), " the time stamp before with other values: such rows are spread evenly up to the next time."));
   if (in_bursts_ > 0)
-    say(text(in_bursts_, " rows came in bursts and were stamped at arrival: they are spread evenly since the burst before (--as-recorded keeps their times)."));
+    add_remark(text(in_bursts_, " rows came in bursts and were stamped at arrival: they are spread evenly since the burst before (--as-recorded keeps their times)."));
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     if (joints_[j].wraps == 0) continue;
-    say(text("q", j + 1, j < choice_.joints.size() ? " (" + choice_.joints[j].name + ")" : "", " is wrapped ", counted(joints_[j].wraps, "time", "times"),
+    add_remark(text("q", j + 1, j < choice_.joints.size() ? " (" + choice_.joints[j].name + ")" : "", " is wrapped ", count_text(joints_[j].wraps, "time", "times"),
              " and is continued over whole turns (--as-recorded keeps it)."));
   }
   if (dropouts_ > 0)
-    say(text("positions leave the motion and come back ", counted(dropouts_, "time", "times"), ": ", counted(dropped_, "row is", "rows are"),
+    add_remark(text("positions leave the motion and come back ", count_text(dropouts_, "time", "times"), ": ", count_text(dropped_, "row is", "rows are"),
              held_.dq.cols() > 0 ? " filled in by the velocities before and behind" : " left out", " (--as-recorded keeps them)."));
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     if (joints_[j].spikes == 0) continue;
-    say(text("tau", j + 1, j < choice_.joints.size() ? " (" + choice_.joints[j].name + ")" : "", " leaves its range for a single row ", counted(joints_[j].spikes, "time", "times"),
+    add_remark(text("tau", j + 1, j < choice_.joints.size() ? " (" + choice_.joints[j].name + ")" : "", " leaves its range for a single row ", count_text(joints_[j].spikes, "time", "times"),
              ": filled in from the rows beside (--as-recorded keeps it)."));
   }
   if (zeros_ > 0)
-    say(text("all torques drop to zero amid the motion in ", counted(zeros_, "row, which is a gap", "rows, which are gaps"), " (--as-recorded keeps them)."));
+    add_remark(text("all torques drop to zero amid the motion in ", count_text(zeros_, "row, which is a gap", "rows, which are gaps"), " (--as-recorded keeps them)."));
   return out;
 }
 

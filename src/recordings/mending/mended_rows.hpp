@@ -7,7 +7,7 @@
 
 namespace veridyn::recordings {
 
-/// Rows of a source in which what is plainly wrong is mended or becomes a gap. Each kind leaves one remark
+/// Rows of a source in which obvious faults are repaired or become gaps. Each kind of fault has one remark
 /// with the number of rows or of turns:
 ///
 ///   equal times  rows with other values than the row before and the same time: spread up to the next time

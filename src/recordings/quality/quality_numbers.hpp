@@ -5,7 +5,7 @@
 
 namespace veridyn {
 
-/// All numbers that can change what is said about the quality of a recording, each with its inequality,
+/// All numbers that can change findings about the quality of a recording, each with its inequality,
 /// and with its reason where one is known.
 struct QualityNumbers {
   // What is read.
@@ -13,7 +13,7 @@ struct QualityNumbers {
   int fewest_rows = 50;
   /// Quantiles = ends and 1 - ends stand for the ends of a range: single wrong values do not count.
   double ends = 0.01;
-  /// Quantile = 1 - rare stands for what is usual.
+  /// Quantile = 1 - rare is the largest usual value.
   double rare = 0.1;
 
   // Numbers, time, rows.
@@ -43,7 +43,7 @@ struct QualityNumbers {
   // Signals refreshed too slowly.
   /// change over three rows > fine * resolution: equal values are no coincidence.
   double fine = 8.0;
-  /// such rows >= fewest_fine, else nothing is said.
+  /// such rows >= fewest_fine, else nothing is reported.
   int fewest_fine = 200;
   /// share of repeats >= repeating: refreshed too slowly.
   double repeating = 0.1;
@@ -70,7 +70,7 @@ struct QualityNumbers {
   double gap = 5.0;
   /// motion of a window > fast * its quantile 1 - fastest: slow windows are noise.
   double fast = 0.3, fastest = 0.02;
-  /// such windows >= fewest_windows, else nothing is said.
+  /// such windows >= fewest_windows, else nothing is reported.
   int fewest_windows = 50;
   /// |ratio - median| > outlying * spread: the window does not count.
   double outlying = 6.0;
@@ -104,7 +104,7 @@ struct QualityNumbers {
   double delay_rows = 0.6;
 
   // Steps and noise of velocities.
-  /// changes that are not zero >= fewest_changes, else nothing is said.
+  /// changes that are not zero >= fewest_changes, else nothing is reported.
   int fewest_changes = 20;
   /// step > coarse * range: quantised; grid_share of it, if all steps are multiples of one.
   double coarse = 0.07, grid_share = 0.3;
@@ -133,7 +133,7 @@ struct QualityNumbers {
   int plateau_parts = 4;
 };
 
-/// What no answer turns on: memory, units, facts of statistics, rounding, and how numbers are printed.
+/// Numbers that change no finding: memory, units, facts of statistics, rounding, and how numbers are printed.
 namespace quality {
 
 constexpr QualityNumbers numbers;
@@ -142,7 +142,7 @@ constexpr QualityNumbers numbers;
 constexpr int kHeadRows = 200000, kLagRows = 60000;
 /// rows in memory at once <= kPieceRows + kContext: files may be larger than memory.
 constexpr int kPieceRows = 50000;
-/// rows of the piece before = kContext: jumps and motion look back so far.
+/// rows of the piece before = kContext: rows before a piece that checks of jumps and motion use.
 constexpr int kContext = 6;
 /// |torque| or |current| < kNoLoad [N m, A] in every row: it was not recorded.
 constexpr double kNoLoad = 1e-8;

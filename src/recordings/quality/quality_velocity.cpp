@@ -13,8 +13,8 @@ struct VelocityFit {
   double factor = 1.0;
   double spread = 0.0;  // half the interquartile range of the ratio, window by window
   bool clear = false;   // enough windows with motion, which agree
-  bool zero = false;    // enough windows with motion, in which dq says that there is none
-  double correlation = 1.0;  // of what dq and q say, over the windows with motion
+  bool zero = false;    // enough windows with motion, in which dq is zero
+  double correlation = 1.0;  // of dq and the derivative of q, over the windows with motion
 };
 
 VelocityFit velocity_fit(const Head& head, int joint) {
@@ -106,7 +106,7 @@ void check_quantised(const Head& head, int joint, const VelocityFit& fit, double
 // Noise from second differences, which are small for smooth motion, of the velocity and of the
 // position's derivative. Windows with stale rows are excluded.
 void check_noise(const Head& head, int joint, double range, Findings* findings) {
-  constexpr int kReach = 2;  // rows to either side of which a second difference of a derivative knows
+  constexpr int kReach = 2;  // rows to either side that affect a second difference of a derivative
   const Recording& rows = head.rows;
   const auto derivative = [&](int k) {
     return (rows.q(k + 1, joint) - rows.q(k - 1, joint)) / (rows.time[k + 1] - rows.time[k - 1]);
@@ -160,9 +160,9 @@ void report_joint_scale(const Place& place, const VelocityFit& fit, Findings* fi
   }
 }
 
-// A position that goes on from row to row as it went is that of a motion. The noise of a resting joint
-// turns round, and poses at rest do not follow each other within a window.
-bool goes_on(const Head& head, int joint) {
+// A position whose steps continue from row to row is that of a motion. The noise of a resting joint
+// changes its sign, and poses at rest do not follow each other within a window.
+bool is_steady_motion(const Head& head, int joint) {
   if (head.step >= numbers.window) return false;
   const auto q = head.rows.q.col(joint);
   double onward = 0.0;
@@ -217,10 +217,10 @@ void check_velocities(const Head& head, Findings* findings) {
   for (int j = 0; j < head.rows.joints(); ++j) {
     if (!head.moves[j]) continue;
     const VelocityFit fit = velocity_fit(head, j);
-    if (fit.zero && goes_on(head, j)) report_joint_scale({"dq", j + 1}, fit, findings);
+    if (fit.zero && is_steady_motion(head, j)) report_joint_scale({"dq", j + 1}, fit, findings);
     const double range = range_of(head.rows.dq, j);
     check_quantised(head, j, fit, range, findings);
-    if (!fit.clear && std::abs(fit.correlation) < numbers.related && goes_on(head, j)) {
+    if (!fit.clear && std::abs(fit.correlation) < numbers.related && is_steady_motion(head, j)) {
       const Place place{"dq", j + 1};
       findings->add(Severity::kFault, "velocity_unrelated", place, {kNone, fit.correlation, ""},
                     text("The velocity of ", named(place), " is not the derivative of its position (correlation ", number(fit.correlation),

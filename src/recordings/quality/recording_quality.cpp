@@ -32,7 +32,7 @@ Recording joined(const Recording& before, const Recording& next) {
 }
 
 // A torque that is refreshed slowly holds its extreme, too.
-void leave_held_values_out(RecordingQuality& quality) {
+void exclude_held_values(RecordingQuality& quality) {
   const auto is_held = [&quality](const std::string& signal, int joint) {
     return std::any_of(quality.findings.begin(), quality.findings.end(),
                        [&](const QualityFinding& f) { return f.finding == "stale_signal" && f.signal == signal && f.joint == joint; });
@@ -46,7 +46,7 @@ void leave_held_values_out(RecordingQuality& quality) {
 }
 
 // Runs all tallies over all rows, of which the first have been read.
-RecordingQuality judged(Recording head_rows, const std::string& file, const Source& source) {
+RecordingQuality checked_quality(Recording head_rows, const std::string& file, const Source& source) {
   require(head_rows.rows() > 0, file, ": found no row, expected numbers below the header.");
   RecordingQuality quality;
   quality.file = file;
@@ -103,7 +103,7 @@ RecordingQuality judged(Recording head_rows, const std::string& file, const Sour
         text("Only ", quality.rows, " rows: too short to judge rate, motion and velocities."));
   }
   quality.findings = std::move(findings).sorted();
-  leave_held_values_out(quality);
+  exclude_held_values(quality);
   if (quality.find("time_unit") != nullptr) {  // one cause, one line
     const auto same = [](const QualityFinding& f) { return f.finding == "rate_contradiction" || f.finding == "sample_rate"; };
     quality.findings.erase(std::remove_if(quality.findings.begin(), quality.findings.end(), same), quality.findings.end());
@@ -166,7 +166,7 @@ RecordingQuality check_recording(const std::string& path, const RecordingOptions
 }
 
 RecordingQuality check_rows(const std::string& path, const OpenedRows& rows) {
-  RecordingQuality quality = judged(rows.next(quality::kHeadRows), path, rows.next);
+  RecordingQuality quality = checked_quality(rows.next(quality::kHeadRows), path, rows.next);
   quality.facts = rows.facts();
   // Remarks of the reader come after faults and warnings.
   auto at = std::find_if(quality.findings.begin(), quality.findings.end(),
@@ -184,7 +184,7 @@ RecordingQuality check_rows(const std::string& path, const OpenedRows& rows) {
 
 RecordingQuality check_recording(const Recording& recording) {
   int row = std::min(recording.rows(), quality::kHeadRows);
-  return judged(rows_of(recording, 0, row), recording.source, [&](int count) {
+  return checked_quality(rows_of(recording, 0, row), recording.source, [&](int count) {
     const int first = row;
     row += std::min(count, recording.rows() - row);
     return rows_of(recording, first, row - first);

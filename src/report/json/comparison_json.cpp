@@ -84,7 +84,7 @@ std::string to_json(const ModelComparison& c) {
   out["only_before"] = c.only_before;
   out["only_after"] = c.only_after;
   out["torque"] = torque_json(c.torque);
-  return written(out);
+  return json_text(out);
 }
 
 }  // namespace veridyn

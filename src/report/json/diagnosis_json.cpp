@@ -228,7 +228,7 @@ std::string to_json(const Diagnosis& d, const std::string& next_command) {
   out["data_quality"] = quality_json(d);
   out["settings"] = settings_json(d.baseline);
   out["seconds"] = d.seconds;
-  return written(out);
+  return json_text(out);
 }
 
 }  // namespace veridyn

@@ -55,7 +55,7 @@ std::string to_json(const Fleet& fleet) {
     out["undetermined"].push_back({{"arm", u.arm}, {"why", u.why}});
   out["left_out_recordings"] = unused_json(fleet.unusable_recordings);
   out["remarks"] = fleet.remarks;
-  return written(out);
+  return json_text(out);
 }
 
 }  // namespace veridyn

@@ -44,7 +44,7 @@ std::string to_json(const FrictionStudy& study) {
   out["joints"] = Json::array();
   for (const JointFrictionStudy& j : study.joints) out["joints"].push_back(study_of(j));
   out["reason"] = study.reason;
-  return written(out);
+  return json_text(out);
 }
 
 }  // namespace veridyn

@@ -140,7 +140,7 @@ std::string to_json(const Identification& id) {
                     {"validate", id.seconds.validate}};
   out["standard_parameters"] = standard_json(id);
   out["settings"] = settings_json(id);
-  return written(out);
+  return json_text(out);
 }
 
 }  // namespace veridyn

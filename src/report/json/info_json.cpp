@@ -103,7 +103,7 @@ std::string to_json(const RobotInfo& info) {
   out["identifiable_alone"] = parameters_of_class(info, Identifiability::kAlone);
   out["identifiable_in_combination"] = parameters_of_class(info, Identifiability::kInCombination);
   out["unidentifiable"] = parameters_of_class(info, Identifiability::kNot);
-  return written(out);
+  return json_text(out);
 }
 
 }  // namespace veridyn

@@ -12,7 +12,7 @@ Json json_list(const VectorRef& values) {
   return list;
 }
 
-std::string written(const Json& value) {
+std::string json_text(const Json& value) {
   return value.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -134,7 +134,7 @@ std::string to_json(const Excitation& e) {
   out["joints"] = Json::array();
   for (Eigen::Index i = 0; i < e.trajectory.joints(); ++i)
     out["joints"].push_back(bounds_json(e, i));
-  return written(out);
+  return json_text(out);
 }
 
 namespace {
@@ -160,7 +160,7 @@ void add_run(const EngineRun& run, const PidGains& gains, const Model& arm, Json
   if (!run.complete()) {
     out["stopped"] = {{"time", run.stopped_at},
                       {"joint", run.joint ? Json(*run.joint + 1) : Json()},
-                      {"why", run.why(arm)}};
+                      {"why", run.stop_reason(arm)}};
   }
   out["gains"] = {{"p", json_list(gains.p)}, {"i", json_list(gains.i)}, {"d", json_list(gains.d)}};
 }
@@ -168,7 +168,7 @@ void add_run(const EngineRun& run, const PidGains& gains, const Model& arm, Json
 }  // namespace
 
 std::string to_json(const SimulatedRecording& simulated) {
-  return written(recording_json(simulated));
+  return json_text(recording_json(simulated));
 }
 
 std::string to_json(const ControlledRecording& controlled, const MotionSamples& wanted) {
@@ -178,7 +178,7 @@ std::string to_json(const ControlledRecording& controlled, const MotionSamples& 
   out["largest_deviation"] =
       json_list((q - wanted.q.topRows(q.rows())).cwiseAbs().colwise().maxCoeff().transpose());
   out["left_out"] = controlled.left_out;
-  return written(out);
+  return json_text(out);
 }
 
 std::string to_json(const Replay& replay, const Model& arm) {
@@ -190,7 +190,7 @@ std::string to_json(const Replay& replay, const Model& arm) {
                    {"prediction_relative_error", json_list(replay.inverse_error)}};
   out["motion"] = {{"rms_error", json_list(replay.motion_rms)},
                    {"max_error", json_list(replay.motion_max)}};
-  return written(out);
+  return json_text(out);
 }
 
 std::string to_json(const Breakaway& found, const Model& arm) {
@@ -213,7 +213,7 @@ std::string to_json(const Breakaway& found, const Model& arm) {
                     {"simulated", found.simulated_forward}};
   out["backward"] = {{"recorded", found.recorded_backward},
                      {"simulated", found.simulated_backward}};
-  return written(out);
+  return json_text(out);
 }
 
 }  // namespace veridyn

@@ -49,7 +49,7 @@ std::string to_json(const PayloadReport& report) {
                            {"after", json_list(report.error_after)}};
   out["reason"] = report.reason;
   out["seconds"] = report.seconds;
-  return written(out);
+  return json_text(out);
 }
 
 }  // namespace veridyn

@@ -65,7 +65,7 @@ std::string to_json(const std::vector<RecordingQuality>& recordings) {
   if (recordings.size() == 1) {
     for (const char* key : {"rate", "joints", "rows", "topics"}) out[key] = out["recordings"][0][key];
   }
-  return written(out);
+  return json_text(out);
 }
 
 }  // namespace veridyn

@@ -10,7 +10,7 @@ Json rows_json(const PreprocessingOptions& o) {
   return Json::array({o.first_row, end});
 }
 
-Json figures(const PredictionError& error) {
+Json error_figures(const PredictionError& error) {
   return {{"relative_error", json_list(error.relative)},
           {"max_error", json_list(error.maximum)},
           {"moving", {{"relative_error", json_list(error.moving_relative)}}}};
@@ -77,12 +77,12 @@ Json unused_json(const std::vector<UnusedRecording>& recordings) {
 
 Json error_json(const PredictionError& error, const PredictionError& repaired,
                 const PredictionError& without_excluded) {
-  Json out = figures(error);
+  Json out = error_figures(error);
   if (repaired.relative.size() > 0) {
-    out["as_recorded"] = figures(error);
-    out["repaired"] = figures(repaired);
+    out["as_recorded"] = error_figures(error);
+    out["repaired"] = error_figures(repaired);
   }
-  if (without_excluded.relative.size() > 0) out["without_excluded"] = figures(without_excluded);
+  if (without_excluded.relative.size() > 0) out["without_excluded"] = error_figures(without_excluded);
   return out;
 }
 

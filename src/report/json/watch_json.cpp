@@ -67,7 +67,7 @@ std::string to_json(const std::vector<WatchedSource>& sources, const Model& arm,
                               {"alarms_per_hour", watched > 0.0 ? 3600.0 * s.alarms() / watched : 0.0},
                               {"events", events}});
   }
-  return written(out);
+  return json_text(out);
 }
 
 }  // namespace veridyn

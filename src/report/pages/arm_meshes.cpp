@@ -107,8 +107,8 @@ Json mesh_json(int frame, const LinkShape& shape, const Triangles& surface) {
   for (Eigen::Index k = 0; k < n; ++k) points.row(k) = (shape.pose * surface.points[k]).transpose();
   VectorXd corners(3 * static_cast<Eigen::Index>(surface.corners.size()));
   for (Eigen::Index k = 0; k < corners.size(); ++k) corners[k] = surface.corners[k / 3][k % 3];
-  return {{"frame", frame}, {"colour", shape.colour}, {"x", packed(points.col(0))}, {"y", packed(points.col(1))},
-          {"z", packed(points.col(2))}, {"corners", packed(corners)}};
+  return {{"frame", frame}, {"colour", shape.colour}, {"x", packed_values(points.col(0))}, {"y", packed_values(points.col(1))},
+          {"z", packed_values(points.col(2))}, {"corners", packed_values(corners)}};
 }
 
 }  // namespace

@@ -74,9 +74,9 @@ void add_friction(Json& series, const Identification& id) {
   series["friction"] = Json::array();
   for (const FrictionCurve& curve : friction_curves(id)) {
     series["friction"].push_back({{"joint", curve.joint.value + 1},
-                                  {"velocity", packed(curve.velocity)},
-                                  {"torque", packed(curve.torque)},
-                                  {"half", packed(curve.half_width)}});
+                                  {"velocity", packed_values(curve.velocity)},
+                                  {"torque", packed_values(curve.torque)},
+                                  {"half", packed_values(curve.half_width)}});
   }
 }
 

@@ -51,7 +51,7 @@ std::string to_json(const KinematicTable& table) {
   const bool inverse = table.solver != "forward" && table.solver != "workspace";
   out["rows"] = Json::array();
   for (const KinematicRow& row : table.rows) out["rows"].push_back(row_json(row, inverse));
-  return written(out);
+  return json_text(out);
 }
 
 std::string to_page(const KinematicTable& table, const Model& arm, const std::string& command) {
@@ -79,10 +79,10 @@ std::string to_page(const KinematicTable& table, const Model& arm, const std::st
     time[k] = table.has_time ? table.rows[row].time : static_cast<double>(row);
   }
   Json columns = Json::array();
-  for (int i = 0; i < arm.joints(); ++i) columns.push_back(packed(q.col(i)));
+  for (int i = 0; i < arm.joints(); ++i) columns.push_back(packed_values(q.col(i)));
   series["recordings"].push_back(
       {{"role", "postures"}, {"time", times(time)}, {"timed", table.has_time}, {"q", columns}});
-  return html_page(table.robot + ": kinematics", written(result), series, table.report());
+  return html_page(table.robot + ": kinematics", json_text(result), series, table.report());
 }
 
 }  // namespace veridyn

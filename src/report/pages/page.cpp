@@ -59,7 +59,7 @@ std::string part(std::string_view name) {
 }
 
 // three.js as gzip in base64, for pages with arms, preceded by its licence.
-std::string three(const Json& series) {
+std::string packed_three_js(const Json& series) {
   const std::string_view packed = page_file("three.gz");
   const bool has_arms = !packed.empty() && series.contains("arms") && !series["arms"].empty();
   if (!has_arms && !series.contains("space")) return "";
@@ -80,7 +80,7 @@ std::string html_page(const std::string& title, const std::string& result, const
                  {"report", html_text(report)},
                  {"result", json_in_html(result)},
                  {"series", json_in_html(figures.dump(-1, ' ', false, Json::error_handler_t::replace))},
-                 {"three", three(series)},
+                 {"three", packed_three_js(series)},
                  {"plot licence", html_text(page_file("dygraph-licence.txt"))},
                  {"plots", part("dygraph.js")},
                  {"script", part("script.js") + std::string(script) + part("start.js")}});

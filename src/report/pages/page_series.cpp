@@ -62,7 +62,7 @@ Json joint_json(const PlottedRecording& recording, std::size_t joint, Eigen::Ind
   const PredictionSeries& s = recording.model->series;
   Json out;
   const auto add = [&](const char* name, const Column& column) {
-    out[name] = packed(vector_of(column), step);
+    out[name] = packed_values(vector_of(column), step);
   };
   add("q", s.q[joint]);
   add("dq", s.dq[joint]);
@@ -89,7 +89,7 @@ std::string base64(std::string_view bytes) {
   return out;
 }
 
-Json packed(const VectorRef& values, Eigen::Index step) {
+Json packed_values(const VectorRef& values, Eigen::Index step) {
   double low = INFINITY, high = -INFINITY;
   for (const double v : values) {
     if (!std::isfinite(v)) continue;

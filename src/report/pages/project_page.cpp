@@ -193,11 +193,11 @@ Json project(const std::string& folder, const std::string& output) {
 
 std::string project_page(const std::string& folder, const std::string& output,
                          const std::string& command) {
-  return html_page(folder + ": what stands in it", written(project(folder, output)), series_of(command), "");
+  return html_page(folder + ": what stands in it", json_text(project(folder, output)), series_of(command), "");
 }
 
 std::string project_json(const std::string& folder, const std::string& output) {
-  return written(project(folder, output));
+  return json_text(project(folder, output));
 }
 
 }  // namespace veridyn

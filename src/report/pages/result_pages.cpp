@@ -133,9 +133,9 @@ std::string to_page(const Excitation& e, const std::string& command, const Model
     series["joints"].push_back({{"name", e.joints[joint]},
                                 {"unit", e.units[joint]},
                                 {"torque_unit", e.units[joint] == "m" ? "N" : "N m"}});
-    joints.push_back({{"q", packed(m.q.col(i), step)},
-                      {"dq", packed(m.dq.col(i), step)},
-                      {"ddq", packed(m.ddq.col(i), step)},
+    joints.push_back({{"q", packed_values(m.q.col(i), step)},
+                      {"dq", packed_values(m.dq.col(i), step)},
+                      {"ddq", packed_values(m.ddq.col(i), step)},
                       {"limits",
                        {{"q", {e.limits.lower[i], e.limits.upper[i]}},
                         {"dq", {-e.limits.velocity[i], e.limits.velocity[i]}},

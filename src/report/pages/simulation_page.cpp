@@ -20,7 +20,7 @@ std::string unit_of(const Coordinate& c) {
 }
 
 // NaN for excluded rows, so that no line is drawn there.
-VectorXd in_use(VectorXd values, const std::vector<char>& use) {
+VectorXd with_gaps(VectorXd values, const std::vector<char>& use) {
   for (Eigen::Index k = 0; k < values.size(); ++k) {
     if (use[k] == 0) values[k] = NAN;
   }
@@ -30,10 +30,10 @@ VectorXd in_use(VectorXd values, const std::vector<char>& use) {
 Json plots_of(const Coordinate& c, const char* leader, const VectorXd& led, const VectorXd& q,
               Eigen::Index step) {
   return {plot_json("time", "Position", position_unit(c),
-                    {curve_json(leader, "recorded", packed(led, step)),
-                     curve_json("simulated", "simulated", packed(q, step))}),
+                    {curve_json(leader, "recorded", packed_values(led, step)),
+                     curve_json("simulated", "simulated", packed_values(q, step))}),
           plot_json("error", std::string("Simulated minus ") + leader + " position", unit_of(c),
-                    Json::array({curve_json("simulated", "simulated", packed(kMilli * (q - led), step))}))};
+                    Json::array({curve_json("simulated", "simulated", packed_values(kMilli * (q - led), step))}))};
 }
 
 Json replay_joint(const Replay& r, const ReplayInput& input, const Coordinate& c, Eigen::Index i,
@@ -41,7 +41,7 @@ Json replay_joint(const Replay& r, const ReplayInput& input, const Coordinate& c
   const VectorXd q = r.run.motion.q.col(i);
   const VectorXd recorded = r.recorded_tau.col(i);
   const auto curve = [&](const char* name, const char* style, const VectorXd& values) {
-    return curve_json(name, style, packed(in_use(values, r.use), step));
+    return curve_json(name, style, packed_values(with_gaps(values, r.use), step));
   };
   Json plots = plots_of(c, "recorded", input.motion.q.col(i).head(q.size()), q, step);
   plots.push_back(plot_json("time", "Torque", effort_unit(c),
@@ -51,7 +51,7 @@ Json replay_joint(const Replay& r, const ReplayInput& input, const Coordinate& c
   plots.push_back(plot_json("error", "Recorded minus simulated torque", effort_unit(c),
                             {curve("model alone", "model", recorded - r.predicted_tau.col(i)),
                              curve("simulated", "simulated", recorded - r.simulated_tau.col(i))}));
-  return {{"q", packed(q, step)}, {"plots", plots}};
+  return {{"q", packed_values(q, step)}, {"plots", plots}};
 }
 
 std::string run_page(const Model& arm, const SimulationRun& run, const VectorXd& time,
@@ -66,7 +66,7 @@ std::string run_page(const Model& arm, const SimulationRun& run, const VectorXd&
 
 // Displacement over effort of one ramp, from its rest to the onset of sliding. Efforts are means
 // over a tenth of a second, because noise of the current would hide the curve.
-Json way_over_effort(const VectorXd& time, const VectorXd& q, const VectorXd& tau, double from,
+Json displacement_over_effort(const VectorXd& time, const VectorXd& q, const VectorXd& tau, double from,
                      double to) {
   Json points = Json::array();
   Eigen::Index first = 0;
@@ -105,9 +105,9 @@ std::string to_page(const ControlledRecording& controlled, const MotionSamples& 
     Json plots = plots_of(c, "wanted", wanted.q.col(i).head(q.rows()), q.col(i), step);
     plots.push_back(
         plot_json("time", "Torque", effort_unit(c),
-                  {curve_json("as measured", "recorded", packed(controlled.recording.tau.col(i), step)),
-                   curve_json("simulated", "simulated", packed(controlled.run.tau.col(i), step))}));
-    joints.push_back({{"q", packed(q.col(i), step)}, {"plots", plots}});
+                  {curve_json("as measured", "recorded", packed_values(controlled.recording.tau.col(i), step)),
+                   curve_json("simulated", "simulated", packed_values(controlled.run.tau.col(i), step))}));
+    joints.push_back({{"q", packed_values(q.col(i), step)}, {"plots", plots}});
   }
   return run_page(arm, run, controlled.run.motion.time, ": simulated", to_json(controlled, wanted), joints);
 }
@@ -121,8 +121,8 @@ std::string to_page(const Breakaway& found, const Model& arm, const ReplayInput&
   for (const BreakawayEvent& e : found.events) {
     const double slid = std::isfinite(e.simulated) ? e.simulated_at : e.recorded_at;
     ramps.push_back(
-        {{"recorded", way_over_effort(time, q, tau, e.rest_from, e.recorded_at)},
-         {"simulated", way_over_effort(time, found.simulated_q, tau, e.rest_from, slid)}});
+        {{"recorded", displacement_over_effort(time, q, tau, e.rest_from, e.recorded_at)},
+         {"simulated", displacement_over_effort(time, found.simulated_q, tau, e.rest_from, slid)}});
   }
   const Coordinate& c = arm.coordinates()[found.joint.value];
   Json series = series_of(run.command, arm);

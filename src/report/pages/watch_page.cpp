@@ -18,13 +18,13 @@ Json watched_joint(const WatchedSource& source, Eigen::Index joint, const std::s
     q[k] = joint < position.size() ? position[joint] : NAN;
   }
   const Eigen::Index step = curve_step(rows);
-  return {{"q", packed(q, step)},
+  return {{"q", packed_values(q, step)},
           {"plots",
            {plot_json("time", "Torque", unit,
-                      {curve_json("measured", "recorded", packed(torque, step)),
-                       curve_json("model with known changes", "model", packed(torque - rest, step))}),
+                      {curve_json("measured", "recorded", packed_values(torque, step)),
+                       curve_json("model with known changes", "model", packed_values(torque - rest, step))}),
             plot_json("error", "Not explained", unit,
-                      Json::array({curve_json("not explained", "simulated", packed(rest, step))}))}}};
+                      Json::array({curve_json("not explained", "simulated", packed_values(rest, step))}))}}};
 }
 
 }  // namespace

@@ -33,12 +33,12 @@ class PassiveEngine final : public Engine {
     VectorXd rates = VectorXd::Zero(tau_.size());
     rates.head(joints()) = dq;
     engine_->set_state(in_balance(q), rates);
-    look();
+    update_view();
   }
   StepStatus step(const VectorRef& tau, double dt) noexcept override {
     tau_.head(q_.size()) = tau;
     const StepStatus status = engine_->step(tau_, dt);
-    look();
+    update_view();
     return status;
   }
   StepStatus accelerate(const VectorRef& tau, VectorXd& ddq) noexcept override {
@@ -57,7 +57,7 @@ class PassiveEngine final : public Engine {
   const std::vector<std::string>& left_out() const override { return engine_->left_out(); }
 
  private:
-  void look() noexcept {
+  void update_view() noexcept {
     q_ = engine_->q().head(q_.size());
     dq_ = engine_->dq().head(q_.size());
   }

@@ -56,7 +56,7 @@ class Range {
 
   // The lowest value of a coordinate-wise search from the worst configurations.
   template <typename Worth>
-  Candidate lowest(const Worth& worth) const {
+  Candidate lowest_candidate(const Worth& worth) const {
     std::vector<Candidate> all;
     for (const VectorXd& q : configurations()) all.push_back({q, worth(q)});
     const size_t count = std::min<size_t>(kWorst, all.size());
@@ -64,7 +64,7 @@ class Range {
                       [](const Candidate& a, const Candidate& b) { return a.worth < b.worth; });
     Candidate best = all.front();
     for (size_t k = 0; k < count; ++k) {
-      const Candidate found = downhill(all[k], worth);
+      const Candidate found = descended(all[k], worth);
       if (found.worth < best.worth) best = found;
     }
     return best;
@@ -76,7 +76,7 @@ class Range {
   }
 
   template <typename Worth>
-  Candidate downhill(Candidate from, const Worth& worth) const {
+  Candidate descended(Candidate from, const Worth& worth) const {
     for (double share = 0.1; share > 1e-3; share *= 0.5) {
       for (Eigen::Index i = 0; i < from.q.size(); ++i) {
         for (const double side : {-1.0, 1.0}) {
@@ -129,7 +129,7 @@ std::string without_inertia(const Model& arm, RigidBodyDynamics& rigid, const Pl
     }
     return least;
   };
-  const Candidate found = range.lowest(seconds);
+  const Candidate found = range.lowest_candidate(seconds);
   if (seconds(found.q) > kShortest) return "";
   const Coordinate& c = arm.coordinates()[joint];
   return fmt::format(
@@ -149,7 +149,7 @@ std::string infeasibility(const Model& arm) {
   PlantForces forces(arm);
   const Range range(arm);
   MatrixXd M(n, n);
-  const Candidate mass = range.lowest([&](const VectorXd& q) {
+  const Candidate mass = range.lowest_candidate([&](const VectorXd& q) {
     rigid.mass_matrix(q, M);
     M += forces.inertia();
     const VectorXd size = M.diagonal().cwiseAbs().cwiseMax(1e-300).cwiseSqrt();
@@ -164,7 +164,7 @@ std::string infeasibility(const Model& arm) {
   const VectorXd zero = VectorXd::Zero(n);
   forces.reset(zero.data(), zero.data());
   const VectorXd speeds = motion_limits(arm).velocity;
-  const Candidate drive = range.lowest([&](const VectorXd& q) {
+  const Candidate drive = range.lowest_candidate([&](const VectorXd& q) {
     double least = 0.0;  // [W] power at full speed of one joint
     for (int i = 0; i < n; ++i) least = std::min(least, forces.friction_power(q, i, speeds[i]));
     return least;

@@ -10,7 +10,7 @@ namespace {
 
 // Relative to the velocity at the substep's start: close enough to zero.
 constexpr double kLanded = 1e-7;
-constexpr double kStill = 1e-12;     // [rad/s] or [m/s] likewise
+constexpr double kStill = 1e-12;     // [rad/s] or [m/s] speed that counts as rest
 constexpr int kMostLocations = 40;   // iterations of locating a zero velocity
 // Iterations for forces that depend on the load, and the load on them.
 constexpr int kMostLoadRounds = 60;
@@ -67,7 +67,7 @@ void Plant::State::accelerate(Instant& at, const VectorRef& tau, Friction fricti
                  white.data());
     }
     if (friction == Friction::kDecide) {
-      sticking.decide(forces, at.L.data(), at.time, at.q.data(), white.data());
+      sticking.resolve_friction(forces, at.L.data(), at.time, at.q.data(), white.data());
     } else {
       solve_lower(at.L.data(), n, white.data());
       sticking.hold(at.L.data(), white.data());
@@ -152,13 +152,13 @@ double Plant::State::velocity(int axis, const VectorXd& dq) const {
 }
 
 // The sign of an axis' velocity during the substep; 0: any.
-int Plant::State::side(int axis) const {
+int Plant::State::velocity_sign(int axis) const {
   if (axis < forces.dry()) return sticking.direction(axis);
   const double v = velocity(axis, here.dq);
   return std::abs(v) <= kStill ? 0 : v > 0.0 ? 1 : -1;
 }
 
-double Plant::State::landing(int axis) const {
+double Plant::State::time_to_rest(int axis) const {
   return kLanded * std::abs(velocity(axis, here.dq)) + kStill;
 }
 
@@ -167,9 +167,9 @@ int Plant::State::first_reversal() const {
   int first = -1;
   double least = 2.0;
   for (int axis = 0; axis < forces.dry() + forces.memories(); ++axis) {
-    const int sign = side(axis);
+    const int sign = velocity_sign(axis);
     const double after = sign * velocity(axis, there.dq);
-    if (sign == 0 || !(after < -landing(axis))) continue;
+    if (sign == 0 || !(after < -time_to_rest(axis))) continue;
     const double before = std::max(0.0, sign * velocity(axis, here.dq));
     const double share = before / (before - after);
     if (share >= least) continue;
@@ -183,7 +183,7 @@ int Plant::State::first_reversal() const {
 // at its end. By the Illinois method, since velocities are nearly linear over a substep.
 bool Plant::State::locate(const VectorRef& tau, double* h) {
   for (int axis = first_reversal(); axis >= 0; axis = first_reversal()) {
-    const int sign = side(axis);
+    const int sign = velocity_sign(axis);
     double low = 0.0;
     double high = *h;
     double v_low = std::max(0.0, sign * velocity(axis, here.dq));
@@ -194,7 +194,7 @@ bool Plant::State::locate(const VectorRef& tau, double* h) {
       *h = straight ? (low * v_high - high * v_low) / (v_high - v_low) : 0.5 * (low + high);
       if (!nystroem(tau, *h)) return false;
       const double v = sign * velocity(axis, there.dq);
-      if (!(std::abs(v) > landing(axis))) break;
+      if (!(std::abs(v) > time_to_rest(axis))) break;
       const int which = v > 0.0 ? 1 : -1;
       if (which > 0) {
         low = *h;
@@ -207,7 +207,7 @@ bool Plant::State::locate(const VectorRef& tau, double* h) {
       }
       last = which;
     }
-    if (sign * velocity(axis, there.dq) < -landing(axis)) return true;  // closest approach
+    if (sign * velocity(axis, there.dq) < -time_to_rest(axis)) return true;  // closest approach
   }
   return true;
 }
@@ -229,13 +229,13 @@ StepStatus Plant::State::substep(const VectorRef& tau, double* h, double smalles
       return StepStatus::kOk;
     }
     ++work.refused;
-    if (*h <= smallest) return why_not(finite, sound);
+    if (*h <= smallest) return step_failure(finite, sound);
     *h *= std::max(0.1, 0.9 / std::pow(ratio, 0.25));
     if (!std::isfinite(*h)) *h = smallest;
   }
 }
 
-StepStatus Plant::State::why_not(bool finite, bool sound) {
+StepStatus Plant::State::step_failure(bool finite, bool sound) {
   if (!finite) {
     failed = first_not_finite(there.q);
     if (!failed) failed = first_not_finite(there.dq);
@@ -251,12 +251,12 @@ void Plant::State::commit() {
   bool turned = false;
   for (int k = 0; k < forces.dry(); ++k) {
     const int sign = sticking.direction(k);
-    if (sign == 0 || sign * velocity(k, there.dq) > landing(k)) continue;
+    if (sign == 0 || sign * velocity(k, there.dq) > time_to_rest(k)) continue;
     sticking.set_direction(k, 0);
     turned = true;
   }
   std::swap(here, there);
-  sticking.land(here.dq.data());
+  sticking.stop_resting_axes(here.dq.data());
   if (turned) evaluate(here);
   forces.commit(here.time, here.q.data(), here.dq.data());
 }

@@ -64,12 +64,12 @@ struct Plant::State {
   bool nystroem(const VectorRef& tau, double h);
   double error(const VectorRef& tau, double h);
   double velocity(int axis, const VectorXd& dq) const;
-  int side(int axis) const;
-  double landing(int axis) const;
+  int velocity_sign(int axis) const;
+  double time_to_rest(int axis) const;
   int first_reversal() const;
   bool locate(const VectorRef& tau, double* h);
   StepStatus substep(const VectorRef& tau, double* h, double smallest);
-  StepStatus why_not(bool finite, bool sound);
+  StepStatus step_failure(bool finite, bool sound);
   void commit();
   void add_up_effects();
 

@@ -15,7 +15,7 @@ constexpr double kHolds = 1e-10;      // relative acceleration that counts as ze
 constexpr double kDependent = 1e-9;
 
 // Subtracts the components of x along orthonormal columns.
-void take_out_once(const double* columns, size_t count, int n, double* x) {
+void subtract_components_once(const double* columns, size_t count, int n, double* x) {
   for (size_t c = 0; c < count; ++c) {
     const double* column = columns + c * static_cast<size_t>(n);
     add_scaled(-dot(column, x, n), column, n, x);
@@ -23,9 +23,9 @@ void take_out_once(const double* columns, size_t count, int n, double* x) {
 }
 
 // Two passes, because the first leaves rounding errors.
-void take_out(const double* columns, size_t count, int n, double* x) {
-  take_out_once(columns, count, n, x);
-  take_out_once(columns, count, n, x);
+void subtract_components(const double* columns, size_t count, int n, double* x) {
+  subtract_components_once(columns, count, n, x);
+  subtract_components_once(columns, count, n, x);
 }
 
 }  // namespace
@@ -71,7 +71,7 @@ void Sticking::span() {
     double* column = basis(rank_);
     std::copy(axis(k), axis(k) + n_, column);
     const double before = std::sqrt(dot(column, column, n_));
-    take_out(basis_.data(), rank_, n_, column);
+    subtract_components(basis_.data(), rank_, n_, column);
     const double after = std::sqrt(dot(column, column, n_));
     if (after <= kDependent * before) continue;
     for (int i = 0; i < n_; ++i) column[i] /= after;
@@ -79,15 +79,15 @@ void Sticking::span() {
   }
 }
 
-void Sticking::land(double* dq) {
+void Sticking::stop_resting_axes(double* dq) {
   collect();
   if (rank_ == 0) return;
-  take_out(basis_.data(), rank_, n_, dq);
+  subtract_components(basis_.data(), rank_, n_, dq);
   for (int k = 0; k < axes(); ++k) {
     if (direction(k) == 0) continue;
     std::copy(axis(k), axis(k) + n_, residual_.begin());
     const double before = std::sqrt(dot(residual_.data(), residual_.data(), n_));
-    take_out(basis_.data(), rank_, n_, residual_.data());
+    subtract_components(basis_.data(), rank_, n_, residual_.data());
     if (std::sqrt(dot(residual_.data(), residual_.data(), n_)) <= kDependent * before)
       set_direction(k, 0);
   }
@@ -101,11 +101,11 @@ void Sticking::solve_box(const double* y_free) {
     double change = 0.0;
     for (size_t c = 0; c < rest_.size(); ++c) {
       double& lambda = lambda_[rest_[c]];
-      const double wanted = lambda + dot(white(c), y, n_) / norms_[c];
+      const double wanted = lambda + dot(whitened_column(c), y, n_) / norms_[c];
       const double step = std::clamp(wanted, bounds_[c].lower, bounds_[c].upper) - lambda;
       if (step == 0.0) continue;
       lambda += step;
-      add_scaled(-step, white(c), n_, y);
+      add_scaled(-step, whitened_column(c), n_, y);
       change = std::max(change, std::abs(step) * std::sqrt(norms_[c]));
     }
     if (!(change > tolerance)) return;
@@ -143,7 +143,7 @@ void Sticking::invert() {
 // change that achieves it. Most instants at rest end here.
 //
 // @param held  total force on the axes, including the inertia of the others.
-bool Sticking::stays(const double* held) {
+bool Sticking::stays_at_rest(const double* held) {
   std::copy(held, held + n_, residual_.begin());
   for (const int k : rest_)
     add_scaled(-lambda_[k], axis(k), n_, residual_.data());
@@ -156,7 +156,7 @@ bool Sticking::stays(const double* held) {
   return true;
 }
 
-void Sticking::decide(const PlantForces& forces, const double* L, double time, const double* q,
+void Sticking::resolve_friction(const PlantForces& forces, const double* L, double time, const double* q,
                       double* b) {
   std::fill(decided_.begin(), decided_.end(), 0);
   collect();
@@ -173,7 +173,7 @@ void Sticking::decide(const PlantForces& forces, const double* L, double time, c
   hold(L, b);
   for (int i = 0; i < n_; ++i) free_[i] -= b[i];
   multiply_lower(L, n_, free_.data());
-  if (stays(free_.data())) return;
+  if (stays_at_rest(free_.data())) return;
   solve_lower(L, n_, free_.data());
   for (int i = 0; i < n_; ++i) b[i] += free_[i];
   release(L, b);
@@ -186,24 +186,24 @@ void Sticking::release(const double* L, double* y) {
   std::copy(y, y + n_, residual_.begin());
   for (size_t c = 0; c < rest_.size(); ++c) {
     const int k = rest_[c];
-    std::copy(axis(k), axis(k) + n_, white(c));
-    solve_lower(L, n_, white(c));
-    norms_[c] = dot(white(c), white(c), n_);
+    std::copy(axis(k), axis(k) + n_, whitened_column(c));
+    solve_lower(L, n_, whitened_column(c));
+    norms_[c] = dot(whitened_column(c), whitened_column(c), n_);
     double& lambda = lambda_[k];
     lambda = std::clamp(lambda, bounds_[c].lower, bounds_[c].upper);
     if (!std::isfinite(lambda)) lambda = 0.0;
-    add_scaled(-lambda, white(c), n_, residual_.data());
+    add_scaled(-lambda, whitened_column(c), n_, residual_.data());
   }
   solve_box(y);
   for (size_t c = 0; c < rest_.size(); ++c) {
     const auto k = static_cast<size_t>(rest_[c]);
-    const double acceleration = dot(white(c), residual_.data(), n_);
+    const double acceleration = dot(whitened_column(c), residual_.data(), n_);
     if (std::abs(acceleration) <= kHolds * size * std::sqrt(norms_[c])) continue;
     const bool up = lambda_[k] >= bounds_[c].upper && acceleration > 0.0;
     const bool down = lambda_[k] <= bounds_[c].lower && acceleration < 0.0;
     if (!up && !down) continue;
     direction_[k] = up ? 1 : -1;
-    add_scaled(-lambda_[k], white(c), n_, y);
+    add_scaled(-lambda_[k], whitened_column(c), n_, y);
   }
   collect();
 }
@@ -214,7 +214,7 @@ void Sticking::hold(const double* L, double* y) {
     double* column = held_.data() + c * n;
     std::copy(basis(c), basis(c) + n_, column);
     solve_lower(L, n_, column);
-    take_out_once(held_.data(), c, n_, column);
+    subtract_components_once(held_.data(), c, n_, column);
     const double inverse = 1.0 / std::sqrt(dot(column, column, n_));
     for (int i = 0; i < n_; ++i) column[i] *= inverse;
   }
@@ -222,7 +222,7 @@ void Sticking::hold(const double* L, double* y) {
     std::fill(y, y + n_, 0.0);
     return;
   }
-  take_out(held_.data(), rank_, n_, y);
+  subtract_components(held_.data(), rank_, n_, y);
 }
 
 }  // namespace veridyn

@@ -37,22 +37,22 @@ class Sticking {
 
   /// Removes the remaining velocity along axes at rest from dq, exactly. Axes that depend on them
   /// come to rest too.
-  void land(double* dq);
+  void stop_resting_axes(double* dq);
 
   /// Turns the other forces b into the whitened acceleration: subtracts friction at rest, and axes
   /// that it cannot hold get a direction.
-  void decide(const PlantForces& forces, const double* L, double time, const double* q, double* b);
+  void resolve_friction(const PlantForces& forces, const double* L, double time, const double* q, double* b);
 
   /// The same without releasing any axis: all axes at rest are held.
   void hold(const double* L, double* y);
 
-  /// True if axis k was at rest at the last decide(), which found this force for it.
+  /// True if axis k was at rest at the last resolve_friction(), which found this force for it.
   bool decided(int k) const { return decided_[k] != 0; }
   double force(int k) const { return lambda_[k]; }
 
  private:
   void collect();  // computes rest_ and its derived members
-  bool stays(const double* held);
+  bool stays_at_rest(const double* held);
   void release(const double* L, double* y);
   // Computes shares_: the map from a force within the span to the smallest forces of the axes.
   void invert();
@@ -60,7 +60,7 @@ class Sticking {
   void span();  // computes basis_ of the axes at rest
   int axes() const { return static_cast<int>(direction_.size()); }
   const double* axis(int k) const { return axes_.data() + k * n_; }
-  double* white(size_t column) { return white_.data() + column * static_cast<size_t>(n_); }
+  double* whitened_column(size_t column) { return white_.data() + column * static_cast<size_t>(n_); }
   double* basis(size_t column) { return basis_.data() + column * static_cast<size_t>(n_); }
 
   int n_;
@@ -78,7 +78,7 @@ class Sticking {
   std::vector<double> shares_;  // pseudo-inverse of C, a column of n for each of rest_
   std::vector<double> square_;  // scratch of invert()
   std::vector<int> spanned_;    // the axes for which basis_ and shares_ hold
-  std::vector<double> next_;    // forces tried by stays()
+  std::vector<double> next_;    // forces tried by stays_at_rest()
   std::vector<double> free_;  // acceleration without friction at rest, and the force that holds it
   size_t rank_ = 0;
 };

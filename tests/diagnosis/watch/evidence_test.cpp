@@ -39,7 +39,7 @@ std::deque<WhiteStep> steps_of(double size, double onset, double end, int count)
   return steps;
 }
 
-TEST(Evidence, AMemoryForgetsExponentially) {
+TEST(Evidence, AMemoryDecaysExponentially) {
   Memory m;
   m.forgetting = 0.5;
   m.A = m.b = VectorXd::Zero(1);
@@ -65,7 +65,7 @@ TEST(Evidence, AnImpossibleSizeCountsAsThePossibleOneNearestToIt) {
 }
 
 // Two windows of quiet, in which the statistic is too small by a half and will be too large by a half.
-TEST(Evidence, ThresholdsGrowWithTheShortnessOfWhatWasLearned) {
+TEST(Evidence, ThresholdsAreHigherAfterAShortQuietTime) {
   std::vector<Memory> memories(1);
   memories[0].seconds = 8.0;
   Quantiles quantiles(2, 1, kNumbers);
@@ -121,18 +121,18 @@ TEST(Evidence, AnOnsetLiesBetweenItsBounds) {
 }
 
 // The step in which a change falls mixes both states; without it the size is the one that holds later.
-TEST(Evidence, ASizeIsMeasuredAgainWithoutItsFirstSteps) {
+TEST(Evidence, TheSizeIsReestimatedWithoutItsFirstSteps) {
   auto steps = steps_of(3.0, 2.05, 9.0, 40);
   steps[20].e[0] = 1.0;  // at 2.1 s
   const Score s = best_onset(steps, 0, -10.0, 10.0, 2.05, 2.15);
   EXPECT_LT(s.size[0], 2.95);
-  EXPECT_NEAR(measured_again(steps, s, 2.5 * kStep, kNumbers).size[0], 3.0, 1e-9);
+  EXPECT_NEAR(reestimated(steps, s, 2.5 * kStep, kNumbers).size[0], 3.0, 1e-9);
   // Nothing is left behind the last step, and a size that doubles is another change.
-  EXPECT_EQ(measured_again(steps, s, 5.0, kNumbers).size[0], s.size[0]);
+  EXPECT_EQ(reestimated(steps, s, 5.0, kNumbers).size[0], s.size[0]);
   for (WhiteStep& step : steps)
     if (step.time > 2.35) step.e[0] = 30.0;
-  EXPECT_EQ(measured_again(steps, s, 2.5 * kStep, kNumbers).size[0], s.size[0]);
-  EXPECT_EQ(measured_again(steps, Score(), 0.1, kNumbers).size.size(), 0);
+  EXPECT_EQ(reestimated(steps, s, 2.5 * kStep, kNumbers).size[0], s.size[0]);
+  EXPECT_EQ(reestimated(steps, Score(), 0.1, kNumbers).size.size(), 0);
 }
 
 class Companions : public testing::Test {
@@ -151,7 +151,7 @@ class Companions : public testing::Test {
   Random random_{5};
 };
 
-TEST_F(Companions, AreTakenWhereTheyExplainMoreThanTheirPrice) {
+TEST_F(Companions, AreAddedIfTheyExplainMoreThanTheirPrior) {
   const auto steps = loaded(1.0, 0.1);
   const Score alone = best_onset(steps, 0, 0.0, 5.0, 0.0, kStep);
   const Score both = with_companions(steps, alone, {1}, 10.0, kNumbers);
@@ -164,7 +164,7 @@ TEST_F(Companions, AreTakenWhereTheyExplainMoreThanTheirPrice) {
 }
 
 // The prior keeps a load's centre within some centimetres of its frame.
-TEST_F(Companions, ALeverOfMetresIsNotBelieved) {
+TEST_F(Companions, AnImplausibleLeverIsRejected) {
   auto steps = loaded(0.1, 0.0);
   for (WhiteStep& s : steps) s.X.col(1) *= 1e-3;
   for (WhiteStep& s : steps) s.e += 1.0 * s.X.col(1) / 0.03;  // a moment of 33 kg m
@@ -189,7 +189,7 @@ class Pushes : public testing::Test {
   std::vector<int> offsets_ = {0, 1};
 };
 
-TEST_F(Pushes, BeginEndAndJointAreFound) {
+TEST_F(Pushes, BeginEndAndJointOfAPushAreFound) {
   const Push push = best_push(pushed(6.0, 0.0), offsets_, 1.0, 3.0, 0.8, 4.0, kNumbers);
   EXPECT_NEAR(push.from, 2.1, 1e-9);
   EXPECT_NEAR(push.to, 3.0, 0.2);
@@ -207,7 +207,7 @@ TEST_F(Pushes, AWeakJointIsNotNamed) {
   EXPECT_EQ(push.last_joint->value, 0);
 }
 
-TEST_F(Pushes, NothingIsFoundWhereNothingPushes) {
+TEST_F(Pushes, AreNotFoundWithoutAPush) {
   EXPECT_EQ(best_push(pushed(0.0, 0.0), offsets_, 1.0, 3.0, 0.8, 4.0, kNumbers).gain, 0.0);
   EXPECT_EQ(best_push({}, offsets_, 0.0, 1.0, 0.0, 4.0, kNumbers).gain, 0.0);
   // Half a second of 1 explains 5, less than its price.

@@ -36,12 +36,12 @@ class Noise : public testing::Test {
   // Coefficients of the first joint's autoregression, from its answer to a single residual.
   Eigen::Vector2d coefficients() {
     const VectorXd none = VectorXd::Zero(2);
-    Step impulse = step(noise_.today()[0] + 1.0);
+    Step impulse = step(noise_.daily_offsets()[0] + 1.0);
     impulse.follows = false;
     noise_.whiten(impulse, none);
     Eigen::Vector2d a;
     for (double& one : a) {
-      Step quiet = step(noise_.today()[0]);
+      Step quiet = step(noise_.daily_offsets()[0]);
       one = -noise_.whiten(quiet, none).e[0] * noise_.deviation()[0];
     }
     return a;
@@ -64,7 +64,7 @@ class Noise : public testing::Test {
   NoiseModel noise_{arm_, offsets_, numbers_};
 };
 
-TEST_F(Noise, FindsAPoleAndItsInnovation) {
+TEST_F(Noise, EstimatesThePoleAndTheInnovationVariance) {
   noise_.fit(autoregressive(0.9, 0.5, 4000), {});
   const Eigen::Vector2d a = coefficients();
   EXPECT_NEAR(a[0], 0.9, 0.05);
@@ -92,17 +92,17 @@ TEST_F(Noise, PolesStayInsideTheUnitCircle) {
   EXPECT_NEAR(coefficients()[1], -0.98, 1e-9);
 }
 
-TEST_F(Noise, OffsetsOfTheDayAreFoundBesideAutoregressiveNoise) {
+TEST_F(Noise, DailyOffsetsAreEstimatedUnderAutoregressiveNoise) {
   std::vector<Step> today = autoregressive(0.8, 0.1, 600);
   for (Step& s : today) {
     s.residual[0] += 2.0;
     s.torque[0] = 10.0;  // five times the offset
   }
   noise_.fit({}, today);
-  EXPECT_NEAR(noise_.today()[0], 2.0, 0.15);
-  EXPECT_NEAR(noise_.today()[1], 0.0, 1e-6);
+  EXPECT_NEAR(noise_.daily_offsets()[0], 2.0, 0.15);
+  EXPECT_NEAR(noise_.daily_offsets()[1], 0.0, 1e-6);
   EXPECT_NEAR(noise_.rest(today[7], VectorXd::Unit(2, 0))[0],
-              today[7].residual[0] - noise_.today()[0] - 1.0, 1e-12);
+              today[7].residual[0] - noise_.daily_offsets()[0] - 1.0, 1e-12);
 }
 
 // A few steps do not outweigh the prior: the day's difference is the ridge estimate whose prior deviation gives,
@@ -128,11 +128,11 @@ TEST_F(Noise, DifferencesOfADayAreTheRidgeEstimateOfTheirPrior) {
     }
     model.fit({}, today);
     const double variance = power + kRest, prior = today[0].torque[0] / speed;
-    EXPECT_NEAR(model.today()[0], xe / (xx + variance / (prior * prior)), 1e-9 * xe / xx);
+    EXPECT_NEAR(model.daily_offsets()[0], xe / (xx + variance / (prior * prior)), 1e-9 * xe / xx);
   }
 }
 
-TEST_F(Noise, StepsAtRestTeachNothing) {
+TEST_F(Noise, StepsAtRestDoNotChangeTheEstimate) {
   std::vector<Step> steps = autoregressive(0.0, 0.2, 900);
   for (size_t k = 0; k < steps.size(); ++k) {
     if (k % 30 > 9) continue;
@@ -158,7 +158,7 @@ TEST_F(Noise, AJointThatAlwaysRestsHasTheSpreadOfItsResidual) {
 }
 
 // Pieces of five steps, each at a level of its own: what happens between pieces is no innovation.
-TEST_F(Noise, PiecesAreNotJoined) {
+TEST_F(Noise, SeparateRecordingsAreNotJoined) {
   std::vector<Step> steps;
   for (int k = 0; k < 500; ++k) {
     const int piece = k / 5;

@@ -40,7 +40,7 @@ struct Heard {
   int breaks = 0;
 };
 
-Heard heard(const Model& arm, const std::vector<Recording>& pieces, bool jumps = false) {
+Heard received_events(const Model& arm, const std::vector<Recording>& pieces, bool jumps = false) {
   static const WatchNumbers numbers;
   SmoothedRows rows(arm, numbers);
   Heard out;
@@ -50,7 +50,7 @@ Heard heard(const Model& arm, const std::vector<Recording>& pieces, bool jumps =
   rows.on_break = [&] { ++out.breaks; };
   for (const Recording& piece : pieces) {
     rows.add(piece);
-    if (jumps) rows.tell_jumps();
+    if (jumps) rows.enable_jump_detection();
   }
   return out;
 }
@@ -60,7 +60,7 @@ TEST(SmoothedRowsOfAParabola, AreExact) {
   Recording bare = parabolas(2.0);
   bare.dq.resize(0, 0);
   for (const Recording& r : {parabolas(2.0), bare}) {
-    const Heard h = heard(file(), {r});
+    const Heard h = received_events(file(), {r});
     ASSERT_GT(h.rows.size(), 300U);
     for (const SmoothedRow& row : h.rows) {
       for (int j = 0; j < 2; ++j) {
@@ -76,30 +76,30 @@ TEST(SmoothedRowsOfAParabola, AreExact) {
 }
 
 // Currents are torques by the drive gains of the file, and nothing without them.
-TEST(SmoothedRowsOfCurrents, AreThoseOfTheirTorques) {
+TEST(SmoothedRowsOfCurrents, EqualThoseOfTheirTorques) {
   Recording currents = parabolas(2.0);
   currents.current = currents.tau;
   currents.current.col(0) /= 4.0;
   currents.current.col(1) /= -0.5;
   currents.tau.resize(0, 0);
-  EXPECT_TRUE(refuses_with("no drive_gain", [&] { heard(file(), {currents}); }));
+  EXPECT_TRUE(refuses_with("no drive_gain", [&] { received_events(file(), {currents}); }));
   ModelDescription d = file().description();
   d.coordinates[0].drive_gain = 4.0;
   d.coordinates[1].drive_gain = -0.5;
-  const Heard one = heard(file(), {parabolas(2.0)}), other = heard(Model(d), {currents});
+  const Heard one = received_events(file(), {parabolas(2.0)}), other = received_events(Model(d), {currents});
   ASSERT_EQ(one.rows.size(), other.rows.size());
   for (size_t k = 0; k < one.rows.size(); ++k) EXPECT_TRUE(near(one.rows[k].tau, other.rows[k].tau, 1e-12)) << k;
   currents.current.resize(0, 0);
-  EXPECT_TRUE(refuses_with("neither torques", [&] { heard(Model(d), {currents}); }));
+  EXPECT_TRUE(refuses_with("neither torques", [&] { received_events(Model(d), {currents}); }));
 }
 
 // An arm at rest without noise repeats its rows: after a tenth of a second this is rest, and no row is lost.
-TEST(SmoothedRowsAtRest, GoOn) {
+TEST(SmoothedRowsAtRest, AreUsed) {
   Recording still = parabolas(3.0);
   still.q.rowwise() = still.q.row(0).eval();
   still.dq.setZero();
   still.tau.rowwise() = still.tau.row(1).eval();
-  const Heard h = heard(file(), {still});
+  const Heard h = received_events(file(), {still});
   EXPECT_EQ(h.breaks, 0);
   EXPECT_TRUE(h.blind.empty());
   ASSERT_FALSE(h.rows.empty());
@@ -108,24 +108,24 @@ TEST(SmoothedRowsAtRest, GoOn) {
 }
 
 // Absurd numbers are no torques, and a time that is no number is none.
-TEST(SmoothedRowsOfDamage, AreSaidToBeUnusable) {
+TEST(SmoothedRowsOfDamage, AreReportedAsUnusable) {
   Recording r = parabolas(4.0);
   r.tau.bottomRows(400).col(1).setConstant(-2e6);
-  const Heard h = heard(file(), {r});
+  const Heard h = received_events(file(), {r});
   ASSERT_EQ(h.blind.size(), 1U);
   EXPECT_EQ(h.blind[0].why, "tau2 (elbow) is -2e+06");
   EXPECT_NEAR(h.blind[0].since, 2.0, 0.01);
   Recording damaged = parabolas(4.0);
   damaged.time[399] = std::nan("");
   damaged.time[400] = damaged.time[395];  // one row too late
-  const Heard passed = heard(file(), {damaged});
+  const Heard passed = received_events(file(), {damaged});
   EXPECT_TRUE(passed.blind.empty());
   EXPECT_EQ(passed.breaks, 0);
   EXPECT_NEAR(passed.rows.back().dq[0], 0.6 * passed.rows.back().time, 1e-6);
 }
 
 // One encoder that jumps has slipped; where all jump at once rows are missing, and smoothing begins anew.
-TEST(SmoothedRowsWithJumps, TellSlipsFromJoinedRows) {
+TEST(SmoothedRowsWithJumps, DistinguishSlipsFromJoinedRows) {
   const Recording whole = parabolas(6.0);
   const int cut = 800;
   const Recording before = rows_of(whole, 0, cut);
@@ -133,26 +133,26 @@ TEST(SmoothedRowsWithJumps, TellSlipsFromJoinedRows) {
   slipped.q.col(1).array() += 0.05;
   joined.q.col(0).array() += 0.1;
   joined.q.col(1).array() -= 0.1;
-  const Heard slip = heard(file(), {before, slipped}, true);
+  const Heard slip = received_events(file(), {before, slipped}, true);
   ASSERT_EQ(slip.jumps.size(), 1U);
   EXPECT_EQ(slip.jumps[0].joint, 1);
   EXPECT_NEAR(slip.jumps[0].size, 0.05, 1e-6);
   EXPECT_NEAR(slip.jumps[0].time, 4.0, 0.011);
   EXPECT_EQ(slip.breaks, 0);
   EXPECT_NEAR(slip.rows.back().q[1], 0.1 - 0.2 * std::pow(slip.rows.back().time, 2), 1e-2);  // taken off
-  const Heard gap = heard(file(), {before, joined}, true);
+  const Heard gap = received_events(file(), {before, joined}, true);
   EXPECT_TRUE(gap.jumps.empty());
   EXPECT_EQ(gap.breaks, 1);
   // Before the noise of positions is known, nothing is a slip.
-  EXPECT_TRUE(heard(file(), {before, slipped}).jumps.empty());
+  EXPECT_TRUE(received_events(file(), {before, slipped}).jumps.empty());
 }
 
 // A clock that is set back is known after a quarter of a second of rows, and smoothing begins anew there.
-TEST(SmoothedRowsOfASetBackClock, GoOnByTheNewClock) {
+TEST(SmoothedRowsOfASetBackClock, ContinueWithTheNewClock) {
   Recording r = parabolas(6.0);
   const int cut = 800;
   r.time.tail(r.rows() - cut).array() -= 3.5;
-  const Heard h = heard(file(), {r}, true);
+  const Heard h = received_events(file(), {r}, true);
   ASSERT_EQ(h.blind.size(), 1U);
   EXPECT_EQ(h.blind[0].why, "the clock was set back to 0.5 s, and the watch begins anew");
   EXPECT_NEAR(h.blind[0].since, 4.0, 0.01);
@@ -165,24 +165,24 @@ TEST(SmoothedRowsOfASetBackClock, GoOnByTheNewClock) {
 }
 
 // Rows that cannot be used do not hide that the clock was set back.
-TEST(SmoothedRowsOfASetBackClock, BadRowsDoNotHideIt) {
+TEST(SmoothedRowsOfASetBackClock, AreDetectedBehindBadRows) {
   Recording r = parabolas(6.0);
   r.time.bottomRows(400).array() -= 3.5;
   r.tau.bottomRows(400).col(1).setConstant(std::nan(""));
-  const Heard h = heard(file(), {r});
+  const Heard h = received_events(file(), {r});
   ASSERT_EQ(h.blind.size(), 2U);
   EXPECT_NEAR(h.blind[0].set_back, 3.5, 1e-9);
   EXPECT_EQ(h.blind[1].why, "tau2 (elbow) is no number");
 }
 
 // Set back by less, the clock soon catches up: what lies between is no slip of an encoder.
-TEST(SmoothedRowsOfASetBackClock, ALittleIsABreakAndNoSlip) {
+TEST(SmoothedRowsOfASetBackClock, SlightlyAreABreakAndNoSlip) {
   Recording r = parabolas(6.0);
   for (MatrixXd* m : {&r.q, &r.dq}) m->col(1).setConstant(0.0);
   const int cut = 800;
   Recording later = r;
   later.time.tail(r.rows() - cut).array() -= 0.1;
-  const Heard h = heard(file(), {rows_of(later, 0, cut), rows_of(later, cut, r.rows() - cut)}, true);
+  const Heard h = received_events(file(), {rows_of(later, 0, cut), rows_of(later, cut, r.rows() - cut)}, true);
   EXPECT_TRUE(h.jumps.empty());
   EXPECT_TRUE(h.blind.empty());
   EXPECT_EQ(h.breaks, 1);
@@ -191,21 +191,21 @@ TEST(SmoothedRowsOfASetBackClock, ALittleIsABreakAndNoSlip) {
 
 // Neither old rows that come late, nor two clocks in turn, nor one that runs backwards or stands still, is a
 // clock that was set back.
-TEST(SmoothedRowsOfASetBackClock, OtherDisorderIsNone) {
+TEST(SmoothedRowsOfASetBackClock, OtherUnorderedTimesAreNotASetBackClock) {
   const Recording whole = parabolas(6.0);
   const Recording late = rows_of(whole, 700, 40);
-  const Heard old = heard(file(), {rows_of(whole, 0, 800), late, rows_of(whole, 800, 400)});
+  const Heard old = received_events(file(), {rows_of(whole, 0, 800), late, rows_of(whole, 800, 400)});
   EXPECT_TRUE(old.blind.empty());
   EXPECT_NEAR(old.rows.back().time, 5.95, 0.02);
   Recording two = whole;
   for (Eigen::Index k = 401; k < two.rows(); k += 2) two.time[k] -= 1.9;
-  const Heard turns = heard(file(), {two});
+  const Heard turns = received_events(file(), {two});
   EXPECT_TRUE(turns.blind.empty());
   EXPECT_EQ(turns.breaks, 0);
   EXPECT_NEAR(turns.rows.back().time, 5.94, 0.02);
   Recording backwards = whole;
   for (Eigen::Index k = 800; k < backwards.rows(); ++k) backwards.time[k] = 8.0 - whole.time[k];
-  const Heard down = heard(file(), {backwards});
+  const Heard down = received_events(file(), {backwards});
   ASSERT_EQ(down.blind.size(), 1U);
   EXPECT_EQ(down.blind[0].why, "times do not rise");
   EXPECT_EQ(down.blind[0].set_back, 0.0);

@@ -23,24 +23,24 @@ std::vector<WatchEvent> of(const std::vector<WatchEvent>& events, WatchStage sta
   return out;
 }
 
-std::string in_words(const std::vector<WatchEvent>& events) {
+std::string events_text(const std::vector<WatchEvent>& events) {
   std::string out;
   for (const WatchEvent& e : events) out += std::string(name_of(e.stage)) + ": " + e.sentence + "\n";
   return out;
 }
 
 // A load that is put on at 5 s and taken off at 20 s is one change, which is over again.
-TEST(WatchLife, ALoadThatIsTakenOffIsOver) {
+TEST(WatchLife, RemovingALoadEndsItsEvent) {
   const MotionSamples motion = watched_waves(30.0);
   const Recording without = psm().recorded(motion, {}, 1), with = psm().recorded(motion, {"payload:tool:mass=0.3"}, 1);
   const std::vector<WatchEvent> events = psm().watched(joined(joined(without, with, 5.0, 30.0), without, 20.0, 30.0));
   const std::vector<WatchEvent> over = of(events, WatchStage::kOver);
-  ASSERT_EQ(over.size(), 1U) << in_words(events);
+  ASSERT_EQ(over.size(), 1U) << events_text(events);
   EXPECT_EQ(over[0].text, "payload:tool");
   EXPECT_EQ(over[0].id, of(events, WatchStage::kNamed).front().id);
   EXPECT_NEAR(over[0].since, 5.0, 0.5);
   EXPECT_NEAR(over[0].until, 20.0, 0.5);
-  EXPECT_EQ(events.back().stage, WatchStage::kOver) << in_words(events);
+  EXPECT_EQ(events.back().stage, WatchStage::kOver) << events_text(events);
 }
 
 // Waves of a quarter of their size, and from 12 to 14 s up to their whole size.
@@ -64,7 +64,7 @@ MotionSamples growing_waves(double seconds) {
 
 // The arm begins a larger motion than it learned from: the watch learns again and gives no alarm, and sees
 // afterwards what it saw before.
-TEST(WatchLife, AnUnseenMotionIsLearned) {
+TEST(WatchLife, ANewMotionIsAddedToTheNoiseModel) {
   const MotionSamples motion = growing_waves(40.0);
   const Recording quiet = psm().recorded(motion, {}, 1);
   const Recording changed = joined(quiet, psm().recorded(motion, {"payload:tool:mass=0.3"}, 1), 30.0, 40.0);
@@ -79,24 +79,24 @@ TEST(WatchLife, AnUnseenMotionIsLearned) {
   EXPECT_GT(learned.front(), 12.0);
   EXPECT_LT(learned.back(), 25.0);
   ASSERT_FALSE(watch.events().empty());
-  EXPECT_GT(watch.events().front().time, 30.0) << in_words(watch.events());
+  EXPECT_GT(watch.events().front().time, 30.0) << events_text(watch.events());
   const std::vector<WatchEvent> named = of(watch.events(), WatchStage::kNamed);
-  ASSERT_FALSE(named.empty()) << in_words(watch.events());
-  EXPECT_EQ(named.back().text, "payload:tool") << in_words(watch.events());
+  ASSERT_FALSE(named.empty()) << events_text(watch.events());
+  EXPECT_EQ(named.back().text, "payload:tool") << events_text(watch.events());
 }
 
 // Rows that end while a change is being isolated, or refined: it is named, or refined, with what there is.
-TEST(WatchLife, TheEndIsAnAnswer) {
+TEST(WatchLife, TheEndReportsOpenChanges) {
   const MotionSamples motion = watched_waves(12.0);
   const Recording before = psm().recorded(motion, {}, 1), after = psm().recorded(motion, {"payload:tool:mass=0.3"}, 1);
   Watch watch(psm().arm);
   watch.add(joined(before, after, 5.0, 6.5));
   ASSERT_FALSE(watch.events().empty());
-  EXPECT_EQ(watch.events().back().stage, WatchStage::kSuspected) << in_words(watch.events());
+  EXPECT_EQ(watch.events().back().stage, WatchStage::kSuspected) << events_text(watch.events());
   EXPECT_TRUE(watch.state().alarmed);
   const std::vector<WatchEvent> last = watch.finish();
   ASSERT_FALSE(last.empty());
-  EXPECT_TRUE(last.back().stage == WatchStage::kNamed || last.back().stage == WatchStage::kRefined) << in_words(last);
+  EXPECT_TRUE(last.back().stage == WatchStage::kNamed || last.back().stage == WatchStage::kRefined) << events_text(last);
   EXPECT_EQ(last.back().id, 1);
 }
 
@@ -115,12 +115,12 @@ TEST(WatchLife, ACauseIsNamedInTime) {
   double answered = 1e300;
   for (const WatchEvent& e : watch.events())
     if (e.stage == WatchStage::kNamed || e.stage == WatchStage::kOver) answered = std::min(answered, e.time);
-  EXPECT_LE(answered - told, 0.5 + 2.0 * hasty.step) << in_words(watch.events());
+  EXPECT_LE(answered - told, 0.5 + 2.0 * hasty.step) << events_text(watch.events());
 }
 
 // A watch that learned from the recordings of other days tells a change at once, though not in the first seconds, and
 // the differences of those days are none.
-TEST(WatchLife, OtherDaysAreLearnedFrom) {
+TEST(WatchLife, RecordingsOfOtherDaysAreLearned) {
   const MotionSamples motion = watched_waves(30.0);
   const Recording quiet = psm().recorded(motion, {}, 7);
   const Recording changed = joined(quiet, psm().recorded(motion, {"payload:tool:mass=0.3"}, 7), 10.0, 16.0);
@@ -130,10 +130,10 @@ TEST(WatchLife, OtherDaysAreLearnedFrom) {
     watch.add(changed);
     watch.finish();
     ASSERT_FALSE(watch.events().empty());
-    EXPECT_GT(watch.events().front().time, 10.0) << in_words(watch.events());
+    EXPECT_GT(watch.events().front().time, 10.0) << events_text(watch.events());
     const std::vector<WatchEvent> named = of(watch.events(), WatchStage::kNamed);
-    ASSERT_FALSE(named.empty()) << in_words(watch.events());
-    EXPECT_EQ(named.back().text, "payload:tool") << in_words(watch.events());
+    ASSERT_FALSE(named.empty()) << events_text(watch.events());
+    EXPECT_EQ(named.back().text, "payload:tool") << events_text(watch.events());
   }
   Watch watch(psm().arm);
   EXPECT_TRUE(refuses_with("less than two seconds", [&] { watch.learn(rows_of(quiet, 0, 400)); }));
@@ -142,7 +142,7 @@ TEST(WatchLife, OtherDaysAreLearnedFrom) {
 
 // The rows' clock is set back by 11 s at 12 s. What was named before stays known and raises no alarm again; a change
 // afterwards is one more, with times of the new clock; and what was named is over by that clock.
-TEST(WatchLife, AClockThatIsSetBackTakesNoKnowledge) {
+TEST(WatchLife, ASetBackClockKeepsTheNoiseModel) {
   const MotionSamples motion = watched_waves(34.0);
   const Recording without = psm().recorded(motion, {}, 1);
   const Recording with = psm().recorded(motion, {"payload:tool:mass=0.3"}, 1);
@@ -160,37 +160,37 @@ TEST(WatchLife, AClockThatIsSetBackTakesNoKnowledge) {
   EXPECT_NEAR(watch.state().heard, 23.0, 0.01);
   const std::vector<WatchEvent> blind = of(events, WatchStage::kBlind), named = of(events, WatchStage::kNamed),
                                 over = of(events, WatchStage::kOver), suspected = of(events, WatchStage::kSuspected);
-  ASSERT_EQ(blind.size(), 1U) << in_words(events);
+  ASSERT_EQ(blind.size(), 1U) << events_text(events);
   EXPECT_NEAR(blind[0].since, 12.0, 0.02);
   EXPECT_NEAR(blind[0].time, 12.25, 0.03);
-  ASSERT_EQ(named.size(), 2U) << in_words(events);
+  ASSERT_EQ(named.size(), 2U) << events_text(events);
   EXPECT_EQ(named[0].text, "payload:tool");
   EXPECT_EQ(named[1].text, "torque_offset:yaw");
   EXPECT_NEAR(named[1].since, 5.0, 0.5);
-  EXPECT_EQ(suspected.size(), 3U) << in_words(events);  // the load, the offset, the load that is taken off
-  ASSERT_EQ(over.size(), 1U) << in_words(events);
+  EXPECT_EQ(suspected.size(), 3U) << events_text(events);  // the load, the offset, the load that is taken off
+  ASSERT_EQ(over.size(), 1U) << events_text(events);
   EXPECT_EQ(over[0].id, named[0].id);
   EXPECT_NEAR(over[0].since, 5.0 - 11.0, 0.5);
   EXPECT_NEAR(over[0].until, 26.0 - 11.0, 0.5);
 }
 
 // A change that is open when the clock is set back is answered with what there is, as at the end.
-TEST(WatchLife, ASetBackClockEndsWhatIsOpen) {
+TEST(WatchLife, ASetBackClockEndsOpenEvents) {
   const MotionSamples motion = watched_waves(20.0);
   Recording rows = joined(psm().recorded(motion, {}, 1), psm().recorded(motion, {"payload:tool:mass=0.3"}, 1), 11.0, 20.0);
   const auto cut = static_cast<Eigen::Index>(12.0 * WatchedArm::kRate);
   rows.time.tail(rows.rows() - cut).array() -= 11.0;
   const std::vector<WatchEvent> events = psm().watched(rows);
   const std::vector<WatchEvent> named = of(events, WatchStage::kNamed);
-  ASSERT_EQ(named.size(), 1U) << in_words(events);
+  ASSERT_EQ(named.size(), 1U) << events_text(events);
   EXPECT_EQ(named[0].text.rfind("payload:", 0), 0U);  // which link carries it is not known after a second
   EXPECT_NEAR(named[0].since, 11.0, 0.5);
   EXPECT_NEAR(named[0].time, 12.0, 0.2);
-  for (const WatchEvent& e : events) EXPECT_TRUE(e.id == 1 || e.stage == WatchStage::kBlind) << in_words(events);
+  for (const WatchEvent& e : events) EXPECT_TRUE(e.id == 1 || e.stage == WatchStage::kBlind) << events_text(events);
 }
 
 // A clock that is set back while the noise is learned costs a quarter of a second of it.
-TEST(WatchLife, ItLearnsByASetBackClock) {
+TEST(WatchLife, QuietTimeContinuesAcrossASetBackClock) {
   Recording rows = psm().recorded(watched_waves(12.0), {}, 1);
   const auto cut = static_cast<Eigen::Index>(3.0 * WatchedArm::kRate);
   rows.time.tail(rows.rows() - cut).array() -= 2.9;
@@ -198,11 +198,11 @@ TEST(WatchLife, ItLearnsByASetBackClock) {
   watch.add(rows);
   EXPECT_FALSE(watch.state().learning);
   EXPECT_NEAR(watch.state().time, 9.0, 0.2);
-  ASSERT_EQ(watch.events().size(), 1U) << in_words(watch.events());
+  ASSERT_EQ(watch.events().size(), 1U) << events_text(watch.events());
   EXPECT_EQ(watch.events()[0].stage, WatchStage::kBlind);
 }
 
-TEST(WatchLife, WithoutVelocitiesItSeesTheSame) {
+TEST(WatchLife, WithoutVelocitiesTheEventsAreTheSame) {
   const MotionSamples motion = watched_waves(16.0);
   Recording changed = joined(psm().recorded(motion, {}, 1), psm().recorded(motion, {"payload:tool:mass=0.3"}, 1), 5.0, 16.0);
   changed.dq.resize(0, 0);
@@ -220,7 +220,7 @@ TEST(WatchLife, AnEffectWithoutValuesIsRefused) {
   EXPECT_TRUE(refuses_with("has no value", [&] { Watch{Model(d)}; }));
 }
 
-TEST(WatchLife, StagesHaveNames) {
+TEST(WatchLife, EveryStageHasAName) {
   const WatchStage all[] = {WatchStage::kSuspected, WatchStage::kNamed,     WatchStage::kRefined, WatchStage::kOver,
                             WatchStage::kPresent,   WatchStage::kWithdrawn, WatchStage::kBlind};
   const char* names[] = {"suspected", "named", "refined", "over", "present", "withdrawn", "blind"};

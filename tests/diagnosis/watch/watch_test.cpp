@@ -58,7 +58,7 @@ struct Case {
 
 // A velocity in degrees per second would make all of its joint's friction and inertia 57 times too
 // large.
-TEST(Watch, TakesAVelocityThatIsNoDerivativeFromThePosition) {
+TEST(Watch, DerivesAnInconsistentVelocityFromThePosition) {
   Recording recording = with_change("payload:tool:mass=0.3", 16.0, 1);
   recording.dq.col(1) *= 180.0 / M_PI;
   Watch watch(bench().arm);
@@ -76,7 +76,7 @@ class Change : public testing::TestWithParam<Case> {};
 
 // What was put in at 5 s is seen within a second and has its own name and size some seconds later;
 // nothing else is told.
-TEST_P(Change, IsSeenAndNamed) {
+TEST_P(Change, IsDetectedAndNamed) {
   const Case& c = GetParam();
   for (const unsigned seed : {1U, 2U}) {
     const std::vector<WatchEvent> events = watched(with_change(c.hidden, 16.0, seed));
@@ -105,7 +105,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& one) { return std::string(one.param.name); });
 
 // A push that ends is told as over, with its time, and leaves nothing behind.
-TEST(Watch, APushIsTold) {
+TEST(Watch, APushIsReported) {
   const std::vector<WatchEvent> events =
       watched(recorded({"external_contact:pitch:from=6,to=6.8,effort=1"}, 16.0, 1));
   const WatchEvent* over = first(events, WatchStage::kOver);
@@ -155,7 +155,7 @@ TEST(Watch, NoAlarmWithinASecondAfterAPause) {
 }
 
 // Numbers reach every part: without consecutive steps enough there is no alarm, no row before the time step is known.
-TEST(Watch, TakesOtherNumbers) {
+TEST(Watch, UsesGivenThresholds) {
   const Recording recording = with_change("payload:tool:mass=0.3", 16.0, 1);
   const auto events = [&recording](const WatchNumbers& numbers) {
     Watch watch(bench().arm, {}, numbers);
@@ -172,7 +172,7 @@ TEST(Watch, TakesOtherNumbers) {
 }
 
 // A change that the watch finds when it begins is told, and is no alarm.
-TEST(Watch, WhatIsThereFromTheBeginningIsTold) {
+TEST(Watch, AnInitialDifferenceIsReported) {
   struct There {
     const char* hidden;
     const char* cause;
@@ -244,7 +244,7 @@ TEST(Watch, RefusesRowsThatLackVelocities) {
 // What takes the sight from a watch is said, with the time that is lost; it is no change, and nothing is
 // made of what was suspected in it: a torque that is no number or stops, a recorder that repeats its last
 // row, no rows at all, a clock that stands still or begins again.
-TEST(Watch, SaysWhenItCannotSee) {
+TEST(Watch, ReportsUnusableIntervals) {
   const int from = 10 * static_cast<int>(WatchedArm::kRate);
   const Recording quiet = recorded({}, 20.0, 6);
   const int last = quiet.rows() - from;
@@ -305,7 +305,7 @@ TEST(Watch, SurvivesBadRows) {
 }
 
 // A first row without a time is no reason to wait for the end of the rows.
-TEST(Watch, BeginsWithoutATime) {
+TEST(Watch, StartsWithARowWithoutATime) {
   Recording r = recorded({}, 6.0, 5);
   r.time[0] = std::numeric_limits<double>::quiet_NaN();
   Watch watch(bench().arm);
@@ -315,7 +315,7 @@ TEST(Watch, BeginsWithoutATime) {
 }
 
 // A link that is given twice is one, and no rival of itself.
-TEST(Watch, TakesALinkOnce) {
+TEST(Watch, CountsADuplicateLinkOnce) {
   WatchOptions options;
   options.links = {"tool", "tool"};
   Watch watch(bench().arm, options);
@@ -327,7 +327,7 @@ TEST(Watch, TakesALinkOnce) {
   for (const WatchRival& rival : named->rivals) EXPECT_NE(rival.text, named->text);
 }
 
-TEST(Watch, SpeaksOfEffectsInWords) {
+TEST(Watch, PrintsEffectsAsWords) {
   WatchEvent e;
   e.stage = WatchStage::kRefined;
   e.cause = NewEffect{"coulomb_friction", {0}};

@@ -78,7 +78,7 @@ TEST_F(RealArm, QuietRecordingsGiveNoAlarm) {
   for (const auto& source : of_wrist["sources"]) EXPECT_EQ(source["alarms"], 0) << source.dump(1);
 }
 
-TEST_F(RealArm, AWeightTakenUpIsAPayload) {
+TEST_F(RealArm, AGraspedWeightIsReportedAsAPayload) {
   const std::string wrist = kData + "/psm-wrist/";
   std::ifstream without(wrist + "one-no-weight.csv");
   std::ifstream with(wrist + "one-205g-parallel.csv");
@@ -96,7 +96,7 @@ TEST_F(RealArm, AWeightTakenUpIsAPayload) {
   EXPECT_EQ((*named)["effect"], "payload") << events.dump(1);
 }
 
-TEST(WatchTool, SaysWhatIsWrong) {
+TEST(WatchTool, NamesInvalidInput) {
   TemporaryFolder folder;
   EXPECT_EQ(run_tool({"watch", "psm-3dof"}).status, 2);
   const std::string two = folder.write("two.csv", "t,q1,q2,tau1,tau2\n0,1,1,1,1\n0.1,1,1,1,1\n");
@@ -108,7 +108,7 @@ TEST(WatchTool, SaysWhatIsWrong) {
 
 // Whoever watches with another arm's model is told so, for noise is learned from what it leaves over. Of
 // the arm's own model nothing is said.
-TEST(WatchTool, AModelOfAnotherArmIsDoubted) {
+TEST(WatchTool, AModelOfAnotherArmIsReportedAsDoubtful) {
   TemporaryFolder folder;
   const std::string recording = folder.write("arm.csv", planar_recording(12.0));
   const ToolRun own = run_tool({"watch", "planar-2r", recording});
@@ -137,7 +137,7 @@ TEST(WatchTool, AModelOfAnotherArmIsDoubted) {
 }
 
 // Seconds are those of the rows, whatever their clock does, and what is not watched is no more than it takes to know.
-TEST(WatchTool, ASetBackClockTakesNoSeconds) {
+TEST(WatchTool, ASetBackClockLosesNoTime) {
   TemporaryFolder folder;
   std::istringstream whole(planar_recording(12.0));
   std::string rows, line;

@@ -38,7 +38,7 @@ long probe_container(std::string_view bytes) {
   }
   long values = 0;
   for (const auto& decoder : decoders) {
-    for (const recordings::RawStream& stream : decoder->take_streams())
+    for (const recordings::RawStream& stream : decoder->extract_streams())
       values += static_cast<long>(stream.values.size());
   }
   return values + messages;

@@ -153,7 +153,7 @@ TEST(ADefinition, IsReadWithConstantsDefaultsBoundsAndDependencies) {
                                                   "parts/header/frame_id"}));
 }
 
-TEST(ADefinition, ThatHoldsItselfIsRefused) {
+TEST(ADefinition, ThatIsRecursiveIsRefused) {
   EXPECT_ANY_THROW(plan_of("a/B", "B[] again\n", false));
   EXPECT_ANY_THROW(plan_of("a/B", "Unknown it\n", false));
 }

@@ -111,7 +111,7 @@ TEST(ABagWithTwoPublishersOnATopic, KeepsTheirJointsApart) {
             std::string::npos);
 }
 
-TEST(ABag, TellsItsTopicsWithRatesAndJoints) {
+TEST(ABag, ListsItsTopicsWithRatesAndJoints) {
   const std::vector<TopicFacts> topics =
       RecordingReader(sample("ros1_edge.bag")).facts().topics;
   ASSERT_EQ(topics.size(), 2u);
@@ -154,7 +154,7 @@ TEST(ABag, NamesItsTopicsWhereOneIsMissing) {
       << error;
 }
 
-TEST(ABag, GivesAnyOfItsNumbersByMap) {
+TEST(ABag, GivesAnyFieldByMap) {
   RecordingOptions options;
   options.signals.joints = {{"a1", false}, {"a2", false}, {"a3", false}};
   options.signals.map = {{"tau2", "/tool/wrench/wrench/force/z"}};

@@ -17,6 +17,6 @@ Json json_head(const std::string& command);
 Json json_list(const VectorRef& values);
 
 /// Indented by two, with a line end. Bytes that are not UTF-8 (in file names) are replaced.
-std::string written(const Json& value);
+std::string json_text(const Json& value);
 
 }  // namespace veridyn

@@ -20,13 +20,13 @@ namespace veridyn {
 //               style, values}]}], or q, dq, ddq, measured, model and extended
 //   friction    [{joint, velocity, torque, half}]: curves of the model with 95 % half widths
 //
-// and a page may add lists of its own. Columns are packed().
+// and a page may add lists of its own. Columns are packed_values().
 
 inline constexpr Eigen::Index kCurveSamples = 3000;  ///< of one curve, at most
 
 /// Every `step`-th value as 16-bit numbers in base64: {"from", "step", "int16"}, value = from + k step,
 /// where zero is one of the steps, and k = 65535 is a value that is not finite.
-Json packed(const VectorRef& values, Eigen::Index step = 1);
+Json packed_values(const VectorRef& values, Eigen::Index step = 1);
 
 /// Every `step`-th time [s], to a tenth of a millisecond.
 Json times(const VectorRef& time, Eigen::Index step = 1);

@@ -48,7 +48,7 @@ std::vector<LinkOfBundle> links_of(const HingeBundle& bundle) {
   };
   for (int j = 0; j < bundle.hinges(); ++j) {
     if (bundle.closes_loop(j)) continue;
-    const std::vector<int> above = bundle.above(j);
+    const std::vector<int> above = bundle.path_from_root(j);
     if (!above.empty()) add(above.back(), j, bundle.hinge(j).a);
   }
   for (int j = 0; j < bundle.hinges(); ++j) {

@@ -23,7 +23,7 @@ constexpr double kSharePlane = 10.0 * kDegree;
 // Frames at which all joints above rest at one position while this one sweeps; empty: there are
 // none.
 std::vector<int> frames_at_rest(const HingeBundle& bundle, int hinge) {
-  const std::vector<int> above = bundle.above(hinge);
+  const std::vector<int> above = bundle.path_from_root(hinge);
   const int n = bundle.frames();
   std::vector<int> all(n);
   for (int k = 0; k < n; ++k) all[k] = k;
@@ -63,7 +63,7 @@ double mean_over(const VectorXd& values, const std::vector<int>& over) {
 }
 
 // Intersection of the line with the plane through `p` with the normal `n`.
-Vector3d crossing(const Line& line, const Vector3d& n, const Vector3d& p) {
+Vector3d plane_intersection(const Line& line, const Vector3d& n, const Vector3d& p) {
   return line.point + line.direction * ((p - line.point).dot(n) / line.direction.dot(n));
 }
 
@@ -95,7 +95,7 @@ double normal_distance(const Line& a, const Line& b, const Vector3d& side) {
 Vector3d plane_offset(const Line& a, const Line& b, const Vector3d& at) {
   const double same = a.direction.dot(b.direction) < 0.0 ? -1.0 : 1.0;
   const Vector3d n = (a.direction + same * b.direction).normalized();
-  return crossing(b, n, at) - crossing(a, n, at);
+  return plane_intersection(b, n, at) - plane_intersection(a, n, at);
 }
 
 double angle_between(const Line& a, const Line& b) {
@@ -119,7 +119,7 @@ CalibratedAxis axis_result(const HingeBundle& bundle, const std::vector<RigidBod
   out.range = own.maxCoeff() - own.minCoeff();
   const std::vector<int> rest = frames_at_rest(bundle, hinge);
   out.frames = static_cast<int>(rest.size());
-  const std::vector<int> above = bundle.above(hinge);
+  const std::vector<int> above = bundle.path_from_root(hinge);
   VectorXd mean = VectorXd::Zero(bundle.tree().hinges.size());
   for (const int j : above) mean[j] = mean_over(bundle.angles(j), rest);
   // The line at the position where the joints above rested.
@@ -147,7 +147,7 @@ CalibratedAxis axis_result(const HingeBundle& bundle, const std::vector<RigidBod
     VectorXd e(4);
     e.head<2>() = plane.transpose() * moved.direction;
     e.tail<2>() =
-        plane.transpose() * (crossing(moved, line.direction, out.point) - out.point);
+        plane.transpose() * (plane_intersection(moved, line.direction, out.point) - out.point);
     return e;
   };
   std::vector<int> path = above;

@@ -6,7 +6,7 @@
 
 namespace veridyn::internal {
 
-/// What a fit leaves of the poses that it was fitted to.
+/// Residuals of a fit over its own poses.
 struct LeftOver {
   int outliers = 0;    ///< poses that it does not describe
   double rms = 0.0;    ///< [m] of positions, without those

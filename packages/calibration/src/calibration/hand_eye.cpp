@@ -29,7 +29,7 @@ constexpr HandEyeForm kForms[] = {HandEyeForm::kCommonPoses, HandEyeForm::kHandE
                                   HandEyeForm::kCommonPoints};
 
 // The first form that fits as well as any; -1: undecidable.
-int chosen(const std::vector<PairFit>& fits) {
+int first_good_form(const std::vector<PairFit>& fits) {
   double noise = INFINITY;
   double angle = INFINITY;
   bool compared = false;
@@ -66,7 +66,7 @@ int chosen(const std::vector<PairFit>& fits) {
   return fits[3].reason.empty() ? 3 : -1;
 }
 
-void take(const PairFit& fit, HandEye& out) {
+void copy_result(const PairFit& fit, HandEye& out) {
   out.status = CalibrationStatus::kDone;
   const bool is_hand = out.form == HandEyeForm::kEyeInHand;
   const bool has_other = is_hand || out.form == HandEyeForm::kTwoBases;
@@ -155,7 +155,7 @@ HandEye calibrate_hand_eye(const PoseCapture& A, const PoseCapture& B,
     found = static_cast<int>(std::find(std::begin(kForms), std::end(kForms), *options.form) -
                              std::begin(kForms));
   } else {
-    found = chosen(fits);
+    found = first_good_form(fits);
   }
   if (found < 0 || !fits[found].reason.empty()) {
     out.reason = found >= 0 ? fits[found].reason
@@ -163,7 +163,7 @@ HandEye calibrate_hand_eye(const PoseCapture& A, const PoseCapture& B,
     return out;
   }
   out.form = kForms[found];
-  take(fits[found], out);
+  copy_result(fits[found], out);
   out.reason = internal::contradiction(a, {out.outliers, out.rms, out.rms_angle});
   if (out.reason.empty()) return out;
   out.status = CalibrationStatus::kCannotAnswer;

@@ -45,17 +45,17 @@ class PairProblem {
   }
 
  private:
-  bool has_X() const {
+  bool fits_hand() const {
     return form_ == HandEyeForm::kTwoBases || form_ == HandEyeForm::kEyeInHand;
   }
-  bool same() const { return form_ == HandEyeForm::kHandEye; }
+  bool is_hand_eye() const { return form_ == HandEyeForm::kHandEye; }
 
   void start() {
-    if (has_X() || same()) {
+    if (fits_hand() || is_hand_eye()) {
       const HandAndWorld both = hand_and_world(A_, B_);
       out_.Y = both.Y;
       out_.X = both.X;
-      if (same()) out_.X = out_.Y = hand_eye(A_, B_);
+      if (is_hand_eye()) out_.X = out_.Y = hand_eye(A_, B_);
       return;
     }
     const auto n = static_cast<Eigen::Index>(A_.size());
@@ -109,20 +109,20 @@ class PairProblem {
   void solve(double huber) {
     LeastSquares problem;
     const int Y = problem.add_unknown(VectorXd::Zero(6));
-    const int X = has_X() ? problem.add_unknown(VectorXd::Zero(6)) : -1;
+    const int X = fits_hand() ? problem.add_unknown(VectorXd::Zero(6)) : -1;
     const Isometry3d X0 = out_.X;
     const Isometry3d Y0 = out_.Y;
     for (std::size_t k = 0; k < A_.size(); ++k) {
       if (out_.is_outlier[k] != 0) continue;
       std::vector<int> unknowns = {Y};
-      if (has_X()) unknowns.push_back(X);
+      if (fits_hand()) unknowns.push_back(X);
       problem.add({unknowns, 3, position_residual(k, X0, Y0), huber, true});
       if (oriented_) problem.add({unknowns, 3, rotation_residual(k, X0, Y0), huber, true});
     }
     problem.minimise();
-    out_.Y = moved(Y0, problem.value(Y).data());
-    if (has_X()) out_.X = moved(X0, problem.value(X).data());
-    if (same()) out_.X = out_.Y;
+    out_.Y = moved_pose(Y0, problem.value(Y).data());
+    if (fits_hand()) out_.X = moved_pose(X0, problem.value(X).data());
+    if (is_hand_eye()) out_.X = out_.Y;
     if (huber > 0.0) return;
     const Information information(problem);
     double chi2 = 0.0;
@@ -132,14 +132,14 @@ class PairProblem {
     MatrixXd pick = MatrixXd::Zero(6, problem.shared_size());
     pick.leftCols<6>().setIdentity();
     out_.covariance_Y = scale * information.covariance(pick);
-    if (!has_X()) return;
+    if (!fits_hand()) return;
     pick.setZero();
     pick.rightCols<6>().setIdentity();
     out_.covariance_X = scale * information.covariance(pick);
   }
 
   // Applies the unknowns, a rotation vector and a translation, to a pose: R exp(w), t + v.
-  static Isometry3d moved(const Isometry3d& T, const double* x) {
+  static Isometry3d moved_pose(const Isometry3d& T, const double* x) {
     Isometry3d out = T;
     out.linear() = T.linear() * rotation_of(Eigen::Map<const Vector3d>(x));
     out.translation() += Eigen::Map<const Vector3d>(x + 3);
@@ -149,11 +149,11 @@ class PairProblem {
   // A t_X + t_A - R_Y t_B - t_Y, per standard deviation.
   Residual position_residual(std::size_t k, const Isometry3d& X0, const Isometry3d& Y0) const {
     const double weight = 1.0 / out_.noise;
-    const bool free_X = has_X();
-    const bool one = same();
+    const bool free_X = fits_hand();
+    const bool one = is_hand_eye();
     return [=, &A = A_[k], &B = B_[k]](const double* const* x, double* r, double* const* J) {
-      const Isometry3d Y = moved(Y0, x[0]);
-      const Isometry3d X = one ? Y : free_X ? moved(X0, x[1]) : X0;
+      const Isometry3d Y = moved_pose(Y0, x[0]);
+      const Isometry3d X = one ? Y : free_X ? moved_pose(X0, x[1]) : X0;
       const Vector3d error = A * X.translation() - Y * B.translation();
       Eigen::Map<Vector3d> out(r);
       out = weight * error;
@@ -174,11 +174,11 @@ class PairProblem {
   // log((R_Y R_B)' R_A R_X), per standard deviation.
   Residual rotation_residual(std::size_t k, const Isometry3d& X0, const Isometry3d& Y0) const {
     const double weight = 1.0 / out_.noise_angle;
-    const bool free_X = has_X();
-    const bool one = same();
+    const bool free_X = fits_hand();
+    const bool one = is_hand_eye();
     return [=, &A = A_[k], &B = B_[k]](const double* const* x, double* r, double* const* J) {
-      const Isometry3d Y = moved(Y0, x[0]);
-      const Isometry3d X = one ? Y : free_X ? moved(X0, x[1]) : X0;
+      const Isometry3d Y = moved_pose(Y0, x[0]);
+      const Isometry3d X = one ? Y : free_X ? moved_pose(X0, x[1]) : X0;
       const Vector3d phi = rotation_vector((Y.linear() * B.linear()).transpose() * A.linear() *
                                            X.linear());
       Eigen::Map<Vector3d> out(r);
@@ -207,7 +207,7 @@ class PairProblem {
 };
 
 // Reason why this form is not identifiable from these poses, or empty.
-std::string why_not(const Isometries& A, HandEyeForm form, double smallest_swing) {
+std::string unidentifiable_reason(const Isometries& A, HandEyeForm form, double smallest_swing) {
   const bool common = form == HandEyeForm::kCommonPoses || form == HandEyeForm::kCommonPoints;
   const std::size_t needed = common ? 3 : 4;
   if (A.size() < needed)
@@ -241,7 +241,7 @@ std::string why_not(const Isometries& A, HandEyeForm form, double smallest_swing
 PairFit fit_pairs(const Isometries& A, const Isometries& B, HandEyeForm form,
                   double smallest_swing) {
   PairFit none;
-  none.reason = why_not(A, form, smallest_swing);
+  none.reason = unidentifiable_reason(A, form, smallest_swing);
   if (!none.reason.empty()) return none;
   return PairProblem(A, B, form).fit();
 }

@@ -177,7 +177,7 @@ void HingeBundle::fit() {
   if (!closed_.empty()) {
     // Before outliers are left out: a loop that is closed too tightly turns good positions into outliers.
     information_ = std::make_unique<Information>(problem_);
-    find_play(Spread::kRobust);
+    estimate_play(Spread::kRobust);
   }
   for (int round = 0; round < kRounds; ++round) {
     reject_outliers();
@@ -185,7 +185,7 @@ void HingeBundle::fit() {
     problem_.minimise(options_.threads, 30);
   }
   finish();
-  if (closed_.empty() || !find_play(Spread::kMeanSquare)) return;
+  if (closed_.empty() || !estimate_play(Spread::kMeanSquare)) return;
   close_loops();
   problem_.minimise(options_.threads, 30);
   finish();
@@ -232,7 +232,7 @@ void HingeBundle::finish() {
   }
   // Each pose was given as four markers: twelve coordinates for six degrees of freedom.
   correlation_ = correlation_factor(all);
-  // Rows that close a loop have no noise of their own: they take unknowns away.
+  // Rows that close a loop have no noise of their own: they reduce the number of unknowns.
   double taken = 0.0;
   for (std::size_t k = 0; k < closed_.size(); ++k)
     taken += closure_leverage(problem_.observations()[seen_.size() + k], closed_[k].frame);
@@ -273,7 +273,7 @@ std::vector<int> HingeBundle::path(int body) const {
   return out;
 }
 
-std::vector<int> HingeBundle::above(int hinge) const {
+std::vector<int> HingeBundle::path_from_root(int hinge) const {
   return path(this->hinge(hinge).a);
 }
 

@@ -49,7 +49,7 @@ class HingeBundle {
   /// Markers of a tree's body at the reference, (3 x markers).
   MatrixXd shape(int body) const;
   /// Hinges from the root to hinge j, without j.
-  std::vector<int> above(int hinge) const;
+  std::vector<int> path_from_root(int hinge) const;
   /// Hinges from the root to a body.
   std::vector<int> path(int body) const;
   /// Angles of a hinge at every frame.
@@ -77,7 +77,7 @@ class HingeBundle {
   void finish();
   double closure_leverage(const Observation& o, int frame) const;
   enum class Spread { kRobust, kMeanSquare };  // of a loop's misses; the first bears outliers
-  bool find_play(Spread spread);
+  bool estimate_play(Spread spread);
   void close_loops();
   int hinge_of(int body) const;
 

@@ -80,7 +80,7 @@ double HingeBundle::closure_leverage(const Observation& o, int frame) const {
 // bodies explains. A row's residual e = gap d / (d^2 + v) has the redundancy d^2 / (d^2 + v), with
 // the deviation d of the closure and the variance v of the gap without it: e^2 over the redundancy
 // is gap^2 over d^2 + v.
-bool HingeBundle::find_play(Spread spread) {
+bool HingeBundle::estimate_play(Spread spread) {
   bool changed = false;
   for (std::size_t c = 0; c < deviation_.size(); ++c) {
     double square = 0.0;

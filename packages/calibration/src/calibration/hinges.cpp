@@ -29,7 +29,7 @@ double orientation_noise(const RigidBody& body) {
   return body.noise / std::max(1e-6, body.breadth);
 }
 
-bool rests(const RigidBody& body) {
+bool is_stationary(const RigidBody& body) {
   // Position noise of its farthest marker.
   Eigen::Index far = 0;
   body.shape.colwise().norm().maxCoeff(&far);
@@ -140,7 +140,7 @@ class Sets {
 HingeTree tree_from(int root, const std::vector<Candidate>& edges, const Finder& finder) {
   HingeTree tree;
   tree.root = root;
-  tree.root_rests = root < 0 || rests(finder.body(root));
+  tree.root_rests = root < 0 || is_stationary(finder.body(root));
   if (root >= 0) tree.bodies.push_back(root);
   std::vector<char> used(edges.size(), 0);
   std::vector<int> reached = {root};
@@ -174,7 +174,7 @@ bool same_pair(const Candidate& c, const Candidate& d) {
 // The requested hinges, or nearest neighbours in the file first, without a loop. A loop of hinges
 // that nobody requested need not be one: the far link of a parallelogram turns about a line of its
 // base that carries no hinge.
-ChosenHinges chosen(const Finder& finder, int bodies, const AxesOptions& options,
+ChosenHinges chosen_hinges(const Finder& finder, int bodies, const AxesOptions& options,
                     std::vector<std::string>& cannot_tell) {
   ChosenHinges found;
   std::vector<Candidate>& edges = found.edges;
@@ -226,7 +226,7 @@ std::vector<HingeTree> find_hinges(const std::vector<RigidBody>& bodies, const A
                                    std::vector<std::string>& cannot_tell) {
   const Finder finder(bodies, options);
   const auto count = static_cast<int>(bodies.size());
-  const ChosenHinges found = chosen(finder, count, options, cannot_tell);
+  const ChosenHinges found = chosen_hinges(finder, count, options, cannot_tell);
   const std::vector<Candidate>& edges = found.edges;
   Sets sets(count);
   for (const Candidate& e : edges) sets.join(e.a, e.b);
@@ -242,7 +242,7 @@ std::vector<HingeTree> find_hinges(const std::vector<RigidBody>& bodies, const A
       mine.push_back(edges[other]);
       for (const int body : {edges[other].a, edges[other].b}) {
         if (body < 0) root = body;
-        if (!root && rests(finder.body(body))) root = body;
+        if (!root && is_stationary(finder.body(body))) root = body;
       }
     }
     if (!root) {

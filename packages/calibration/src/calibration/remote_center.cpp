@@ -46,7 +46,7 @@ class PivotFit {
 
  private:
   // rcm - R tip = p.
-  static Row row_of(const Eigen::Isometry3d& T) {
+  static Row equation_row(const Eigen::Isometry3d& T) {
     Row J;
     J << Matrix3d::Identity(), -T.linear();
     return J;
@@ -64,7 +64,7 @@ class PivotFit {
     normal_.setZero();
     Eigen::Matrix<double, 6, 1> g = Eigen::Matrix<double, 6, 1>::Zero();
     for (std::size_t k = 0; k < poses_.size(); ++k) {
-      const Row J = row_of(poses_[k]);
+      const Row J = equation_row(poses_[k]);
       const Matrix3d W = factors_[k] * (weighted_ ? information(poses_[k]) : Matrix3d::Identity());
       normal_ += J.transpose() * W * J;
       g += J.transpose() * W * poses_[k].translation();
@@ -151,7 +151,7 @@ class PivotFit {
 };
 
 // Reason why the poses do not determine a centre, or empty.
-std::string why_not(const PoseCapture& poses, const RemoteCenterOptions& options,
+std::string unidentifiable_reason(const PoseCapture& poses, const RemoteCenterOptions& options,
                     RemoteCenter& out) {
   if (!poses.fault.empty()) return poses.fault;
   if (poses.frames() < options.fewest_frames) {
@@ -188,7 +188,7 @@ RemoteCenter calibrate_remote_center(const PoseCapture& poses, const RemoteCente
   out.body = poses.body;
   out.frames = poses.frames();
   out.poses = poses.poses;
-  out.reason = why_not(poses, options, out);
+  out.reason = unidentifiable_reason(poses, options, out);
   if (!out.reason.empty()) return out;
   PivotFit fit(out.poses, out);
   if (fit.fit(options.outlier, options.fewest_frames)) {

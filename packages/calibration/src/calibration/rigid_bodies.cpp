@@ -34,10 +34,10 @@ class BodyFit {
                                 body_.name, m, m == 1 ? "" : "s");
       return;
     }
-    if (!learn_distances()) return;
-    learn_shape();
+    if (!estimate_distances()) return;
+    estimate_shape();
     if (!body_.fault.empty()) return;
-    for (Eigen::Index k = 0; k < frames; ++k) sort_out(k);
+    for (Eigen::Index k = 0; k < frames; ++k) process_frame(k);
     align_with_first_frame();
   }
 
@@ -52,7 +52,7 @@ class BodyFit {
   }
 
   // Medians of the distances over the frames in which both markers are visible.
-  bool learn_distances() {
+  bool estimate_distances() {
     const auto m = static_cast<Eigen::Index>(body_.markers.size());
     distances_ = MatrixXd::Zero(m, m);
     std::vector<double> deviations;
@@ -88,7 +88,7 @@ class BodyFit {
   }
 
   // Coordinates from distances: Torgerson, Psychometrika 17, 1952.
-  void learn_shape() {
+  void estimate_shape() {
     const Eigen::Index m = distances_.rows();
     const MatrixXd centre = MatrixXd::Identity(m, m) - MatrixXd::Constant(m, m, 1.0 / double(m));
     const MatrixXd G = -0.5 * centre * distances_.cwiseAbs2() * centre;
@@ -135,7 +135,7 @@ class BodyFit {
   }
 
   // Worst deviation of the distances among markers under a renaming, in standard deviations.
-  double misfit(const MatrixXd& seen, const std::vector<int>& names,
+  double name_misfit(const MatrixXd& seen, const std::vector<int>& names,
                 const std::vector<int>& which) const {
     double worst = 0.0;
     for (std::size_t a = 0; a < which.size(); ++a) {
@@ -149,14 +149,14 @@ class BodyFit {
 
   // Processes one frame: restores swapped names, drops positions that do not fit, fits the pose to
   // the rest.
-  void sort_out(Eigen::Index frame) {
+  void process_frame(Eigen::Index frame) {
     MatrixXd seen = positions(frame);
     std::vector<int> which;
     for (int a = 0; a < seen.cols(); ++a) {
       if (seen.col(a).allFinite()) which.push_back(a);
     }
-    if (which.size() >= 2 && misfit(seen, which, which) > kFar) {
-      if (!renamed(seen, which)) which = agreeing(seen, which);
+    if (which.size() >= 2 && name_misfit(seen, which, which) > kFar) {
+      if (!restores_names(seen, which)) which = consistent_markers(seen, which);
       for (int a = 0; a < seen.cols(); ++a) {
         const bool kept = std::find(which.begin(), which.end(), a) != which.end();
         if (!kept && seen.col(a).allFinite()) {
@@ -178,13 +178,13 @@ class BodyFit {
   }
 
   // True if another order of the names fits the distances; the columns then have that order.
-  bool renamed(MatrixXd& seen, const std::vector<int>& which) {
+  bool restores_names(MatrixXd& seen, const std::vector<int>& which) {
     if (which.size() < 3 || which.size() > kMostPermuted) return false;
     std::vector<int> names = which;
     std::vector<int> best;
     double least = 0.5 * kFar;
     while (std::next_permutation(names.begin(), names.end())) {
-      const double one = misfit(seen, names, which);
+      const double one = name_misfit(seen, names, which);
       if (one >= least) continue;
       least = one;
       best = names;
@@ -198,21 +198,21 @@ class BodyFit {
 
   // The largest set of markers with consistent distances; empty where a single pair is not
   // sufficient.
-  std::vector<int> agreeing(const MatrixXd& seen, std::vector<int> which) const {
-    while (which.size() > 2 && misfit(seen, which, which) > kFar) {
+  std::vector<int> consistent_markers(const MatrixXd& seen, std::vector<int> which) const {
+    while (which.size() > 2 && name_misfit(seen, which, which) > kFar) {
       std::size_t best = 0;
       double least = std::numeric_limits<double>::infinity();
       for (std::size_t k = 0; k < which.size(); ++k) {
         std::vector<int> rest = which;
         rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(k));
-        const double one = misfit(seen, rest, rest);
+        const double one = name_misfit(seen, rest, rest);
         if (one >= least) continue;
         least = one;
         best = k;
       }
       which.erase(which.begin() + static_cast<std::ptrdiff_t>(best));
     }
-    if (misfit(seen, which, which) > kFar) which.clear();
+    if (name_misfit(seen, which, which) > kFar) which.clear();
     return which;
   }
 

@@ -118,7 +118,7 @@ void centre(unsigned seeds) {
       Eigen::Isometry3d T(Eigen::AngleAxisd(k < 500 ? 1.2 * std::sin(phase) : 0.0, Eigen::Vector3d::UnitZ()));
       T.rotate(Eigen::AngleAxisd(k < 500 ? 0.0 : 0.8 * std::sin(phase), Eigen::Vector3d::UnitY()));
       T.translation() = centre - T.linear() * tip;
-      poses.push_back(noisy(T, kPosition, kAngle, random));
+      poses.push_back(with_noise(T, kPosition, kAngle, random));
       if (random.uniform() < 0.02) poses.back().translation() += Eigen::Vector3d(0.02, 0.01, -0.02);
     }
     const RemoteCenter found = calibrate_remote_center(capture_of(poses));
@@ -138,8 +138,8 @@ void hand_eye(unsigned seeds) {
     std::vector<Eigen::Isometry3d> B;
     for (int k = 0; k < 30; ++k) {
       const Eigen::Isometry3d a = random_pose(random, 0.15);
-      A.push_back(noisy(a, 2e-5, 1e-5, random));  // the arm's own encoders
-      B.push_back(noisy(T.inverse() * a * tool, kPosition, 4e-4, random));  // a body 0.2 m wide
+      A.push_back(with_noise(a, 2e-5, 1e-5, random));  // the arm's own encoders
+      B.push_back(with_noise(T.inverse() * a * tool, kPosition, 4e-4, random));  // a body 0.2 m wide
     }
     HandEyeOptions options;
     options.form = HandEyeForm::kTwoBases;

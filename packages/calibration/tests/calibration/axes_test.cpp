@@ -46,7 +46,7 @@ TEST(Axes, ExactMarkersGiveTheLinksOfTheRobotFile) {
 }
 
 // The thesis's set-up: 0.1 mm of noise, 2 % outliers, 5 % dropouts, eighteen markers.
-TEST(Axes, LinkLengthsAndAxesOfTheNoisyPsm) {
+TEST(Axes, LinkLengthsAndAxesOfANoisyPsmAreWithinTheirIntervals) {
   constexpr int kSeeds = 6;
   int inside = 0;
   int asked = 0;
@@ -67,7 +67,7 @@ TEST(Axes, LinkLengthsAndAxesOfTheNoisyPsm) {
 }
 
 // An axis in the cameras' frame, against the robot file's own pose of it.
-TEST(Axes, TheFirstAxisStandsWhereTheBaseIs) {
+TEST(Axes, TheFirstAxisIsFixedToTheBase) {
   const MarkerCapture capture = captured_psm(psm(), 800, {}, 4);
   AxesOptions options;
   options.most_frames = 400;
@@ -83,7 +83,7 @@ TEST(Axes, TheFirstAxisStandsWhereTheBaseIs) {
   EXPECT_LT(off.norm(), 2e-4);
 }
 
-TEST(Axes, MarkersThatChangedNamesAreNamedBack) {
+TEST(Axes, ExchangedMarkerNamesAreRestored) {
   MarkerCapture capture = captured_psm(psm(), 200, {1e-4, 0.0, 0.0, 0.0}, 2);
   for (Eigen::Index k = 20; k < 60; ++k) {
     const Vector3d kept = capture.markers[6].position.col(k);
@@ -97,7 +97,7 @@ TEST(Axes, MarkersThatChangedNamesAreNamedBack) {
   EXPECT_NEAR(found.links[1].distance, kDistances[1], 2e-4);
 }
 
-TEST(Axes, WhatTheMarkersCannotShowIsSaid) {
+TEST(Axes, UndeterminedAxesAreReported) {
   MarkerCapture capture = captured_psm(psm(), 200, {1e-4, 0.0, 0.0, 0.0}, 2);
   MarkerCapture still = capture;
   for (CapturedMarker& m : still.markers)
@@ -168,7 +168,7 @@ TEST(Axes, EveryRequestedPairOfAClosedDoubleParallelogramIsAnswered) {
 
 // With 0.1 mm of noise the lengths' intervals hold, and with the loops those of the angles between
 // axes are narrower by a quarter or more.
-TEST(Axes, LoopsAreInformation) {
+TEST(Axes, LoopsReduceTheUncertainty) {
   constexpr int kSeeds = 4;
   int inside = 0;
   int asked = 0;
@@ -209,7 +209,7 @@ TEST(Axes, PlayInALoopIsMeasured) {
     EXPECT_NEAR(link.distance, ladder_distance(link, found), 5e-4) << found.report();
 }
 
-TEST(Axes, DerivativesOfALoop) {
+TEST(Axes, DerivativesOfALoopMatchCentralDifferences) {
   RandomNumbers random(5);
   for (const bool rests : {false, true}) {
     internal::HingeClosure closure;
@@ -263,7 +263,7 @@ TEST(Axes, DerivativesOfALoop) {
 }
 
 // The residual's derivatives against differences, for a root that moves and for one that rests.
-TEST(Axes, DerivativesOfAMarkerThroughItsHinges) {
+TEST(Axes, DerivativesOfAMarkerMatchCentralDifferences) {
   RandomNumbers random(3);
   for (const bool rests : {false, true}) {
     internal::HingePath path;

@@ -11,7 +11,7 @@ namespace {
 // One marker of each of two bodies at two times, in every layout; the second is hidden at the end.
 class Layouts : public testing::TestWithParam<std::pair<const char*, const char*>> {};
 
-TEST_P(Layouts, SayTheSame) {
+TEST_P(Layouts, GiveTheSameMarkers) {
   const TemporaryFolder folder;
   const std::string path = folder.write("capture.csv", GetParam().second);
   const MarkerCapture found = read_markers(path);

@@ -62,7 +62,7 @@ TEST(CalibrateCommand, AxisWritesAxesLinksAndAPage) {
   EXPECT_NEAR(json["links"][2]["plane_parallel_distance"].get<double>(), 0.516, 3e-4);
   EXPECT_NEAR(json["links"][0]["twist_deg"].get<double>(), 90.0, 0.1);
   const OpenedPage page = open_page(folder.path("a.html"), 1200);
-  expect_sound(page, 1200);
+  expect_faultless(page, 1200);
 }
 
 TEST(CalibrateCommand, AxisAnswersEveryRequestedPairOfAClosedLoop) {
@@ -91,7 +91,7 @@ TEST(CalibrateCommand, AxisAnswersEveryRequestedPairOfAClosedLoop) {
   EXPECT_NE(run_tool(arguments).out.find("'yaw' and 'coupler': they turn by"), std::string::npos);
 }
 
-TEST(CalibrateCommand, RemoteCentreAndItsRefusals) {
+TEST(CalibrateCommand, RemoteCentreIsFoundAndBadPosesAreRefused) {
   const TemporaryFolder folder;
   std::vector<Eigen::Isometry3d> two;
   std::vector<Eigen::Isometry3d> one;
@@ -153,13 +153,13 @@ TEST(CalibrateCommand, LinksWriteARobotThatHasTheRightConstant) {
   EXPECT_LT(json["held_out_rms"].get<double>(), 3e-4);
   const Model right = read_model(folder.path("right.yaml"));
   EXPECT_NEAR(right.description().constants.at("beta"), beta, 1e-3);
-  expect_sound(open_page(folder.path("l.html"), 1200), 1200);
+  expect_faultless(open_page(folder.path("l.html"), 1200), 1200);
   EXPECT_EQ(run_tool({"calibrate", "links", "psm-3dof", poses, "--frame", "nose"}).status, 2);
   EXPECT_EQ(run_tool({"calibrate", "links", "ur10e", poses}).status, 3);
 }
 
 // The wrong constant from torques and the one from poses, in one line.
-TEST(CalibrateCommand, LinksSetTheDiagnosisBesideThePoses) {
+TEST(CalibrateCommand, LinksCompareTheDiagnosisWithThePoses) {
   const TemporaryFolder folder;
   const std::string poses = folder.write(
       "poses.csv",
@@ -184,7 +184,7 @@ TEST(CalibrateCommand, LinksSetTheDiagnosisBesideThePoses) {
   EXPECT_EQ(bad.error_lines(), 1) << bad.err;
 }
 
-TEST(CalibrateCommand, HandEyeOfTwoArms) {
+TEST(CalibrateCommand, HandEyeFindsTheTransformOfTwoArms) {
   const TemporaryFolder folder;
   RandomNumbers random(2);
   const Eigen::Isometry3d T = random_pose(random, 0.4);
@@ -211,7 +211,7 @@ TEST(CalibrateCommand, HandEyeOfTwoArms) {
   EXPECT_EQ(run_tool({"calibrate", "handeye", two, two}).status, 4);
 }
 
-TEST(CalibrateCommand, PosesToDriveTo) {
+TEST(CalibrateCommand, ExciteWritesPosesWithinTheLimits) {
   const TemporaryFolder folder;
   const ToolRun run = run_tool({"excite", "psm-3dof", "--for", "calibration", "--poses", "12",
                                 "--frame", "tool", "-o", folder.path("poses.csv")});

@@ -14,7 +14,7 @@ constexpr double kDegree = M_PI / 180.0;
 constexpr double kMetres = 1e-4, kRadians = 5e-4;  // noise of a pose
 constexpr double kShare = 0.8;                     // of every joint's range
 
-// An arm whose file is wrong somewhere, or stands elsewhere, and what a calibration must name for it.
+// An arm whose file has a wrong constant or another base, and the constants that a calibration must report.
 struct WrongFile {
   const char* name;
   const char* robot;
@@ -43,7 +43,7 @@ void wrong_zero(WrongFile& w, const char* coordinate, double by) {
   w.named = {std::string("zero of ") + coordinate};
 }
 
-void base_elsewhere(WrongFile& w, double metres) {
+void move_base(WrongFile& w, double metres) {
   w.base_by = metres;
   w.free = true;
 }
@@ -59,19 +59,19 @@ std::vector<WrongFile> wrong_files() {
       {"nothing in positions alone", "psm-3dof", "tool", [](WrongFile& w) { w.orientation = false; }},
       {"nothing in few poses", "psm-3dof", "tool", [](WrongFile& w) { w.poses = 14; }},
       {"too few poses", "psm-3dof", "tool", [](WrongFile& w) { w.poses = 8; }},
-      {"base elsewhere by 20 mm", "ur10e", "flange", [](WrongFile& w) { base_elsewhere(w, 0.02); }},
-      {"base elsewhere by 300 mm", "ur10e", "flange", [](WrongFile& w) { base_elsewhere(w, 0.3); }},
+      {"base elsewhere by 20 mm", "ur10e", "flange", [](WrongFile& w) { move_base(w, 0.02); }},
+      {"base elsewhere by 300 mm", "ur10e", "flange", [](WrongFile& w) { move_base(w, 0.3); }},
       {"beta by 1 deg", "psm-3dof", "tool", [](WrongFile& w) { wrong_beta(w, 1.0); }},
       {"beta by 0.2 deg", "psm-3dof", "tool", [](WrongFile& w) {
          wrong_beta(w, 0.2);
-         w.named = {"zero of insertion"};  // wrong as it is: too small to be told from it
+         w.named = {"zero of insertion"};  // fails: the error is too small to be distinguished
        }},
       {"beta by 1 deg in positions alone", "psm-3dof", "tool", [](WrongFile& w) { wrong_beta(w, 1.0), w.orientation = false; }},
       {"delta with base and tool unknown", "psm-3dof", "counterweight", [](WrongFile& w) {
          w.constant = "delta";
          w.by = 0.02;
          w.named = {"delta"};
-         base_elsewhere(w, 0.5);
+         move_base(w, 0.5);
        }},
       {"printed counterweight", "psm-3dof-printed", "counterweight",
        [](WrongFile& w) {
@@ -114,7 +114,7 @@ PoseCapture poses_of(const WrongFile& one, unsigned seed) {
   return out;
 }
 
-TEST(LinksBoard, WhatIsWrongInAFileIsNamedAndNothingElse) {
+TEST(LinksBoard, OnlyTheWrongConstantOfAFileIsReported) {
   constexpr unsigned kSeed = 811;
   for (const WrongFile& one : wrong_files()) {
     LinksOptions options;

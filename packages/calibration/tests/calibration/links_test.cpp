@@ -31,7 +31,7 @@ const LinkConstant& constant(const LinksCalibration& r, const std::string& name,
 }
 
 // The chain's poses are frame_pose(), and its derivatives are differences of them.
-TEST(Links, PosesAndDerivativesOfTheChain) {
+TEST(Links, DerivativesOfTheChainMatchCentralDifferences) {
   for (const char* robot : {"psm-wrist", "ur10e", "mtm"}) {
     const Model arm = read_model(robot);
     const int frame = static_cast<int>(arm.frames().size()) - 1;
@@ -117,7 +117,7 @@ TEST(Links, AWrongRatioOfTheCounterweightIsFoundWithBaseAndToolUnknown) {
   EXPECT_NEAR(constant(found, "delta").found, 0.45, 0.001) << found.report();
 }
 
-TEST(Links, ALengthAndAnEncoderZeroOfASixJointArm) {
+TEST(Links, ALengthAndAnEncoderZeroOfASixJointArmAreFound) {
   const Model file = read_model("ur10e");
   ModelDescription d = file.description();
   Frame& forearm = d.frames[file.find_frame("forearm")];
@@ -135,7 +135,7 @@ TEST(Links, ALengthAndAnEncoderZeroOfASixJointArm) {
   EXPECT_TRUE(found.explained) << found.report();
   EXPECT_EQ(found.named.size(), 2U) << found.report();
   EXPECT_NEAR(constant(found, "a", "forearm").found, row.a, 1e-4);
-  // The poses cannot tell a zero from the constant of its row, and a zero is the likelier one. A
+  // The poses cannot separate a zero from the constant of its row, and a zero is the likelier one. A
   // recorded position is the true one plus its zero.
   EXPECT_NEAR(constant(found, "zero of elbow").found, -0.4 * kDegree, 0.02 * kDegree);
   EXPECT_NE(constant(found, "zero of elbow").why.find("theta of forearm"), std::string::npos);
@@ -144,13 +144,13 @@ TEST(Links, ALengthAndAnEncoderZeroOfASixJointArm) {
 
 // The encoder zero of pitch is wrong by 20 mrad. Angles of two frames beside it explain that as well;
 // where base and tool are unknown, so do other poses of the tool.
-TEST(Links, OnTiesZerosComeFirstAndBaseAndToolStayWhereTheFileHasThem) {
+TEST(Links, OnTiesEncoderZerosArePreferredAndBaseAndToolStay) {
   const Model arm = read_model("psm-3dof");
   for (const char* frame : {"tool", "wrist", "counterweight"}) {
     PoseCapture poses = captured_poses(arm, frame, 150, 0.9, 1e-4, 5e-4, 11);
     poses.q.col(1).array() += 0.02;
     for (const AttachedPose known : {AttachedPose::kAutomatic, AttachedPose::kFree}) {
-      // An instrument's frame that nothing else is on: its free pose takes the whole zero.
+      // No other body is on the instrument's frame, so its free pose absorbs the whole zero.
       if (known == AttachedPose::kFree && std::string(frame) == "wrist") continue;
       LinksOptions options;
       options.frame = frame;
@@ -167,7 +167,7 @@ TEST(Links, OnTiesZerosComeFirstAndBaseAndToolStayWhereTheFileHasThem) {
   }
 }
 
-TEST(Links, ARightFileStaysAsItIsAndPositionsAloneDo) {
+TEST(Links, ACorrectFileIsUnchangedByPosesOrPositions) {
   const Model arm = read_model("psm-3dof");
   PoseCapture poses = captured_poses(arm, "tool", 150, 0.9, 1e-4, 1e-3, 9);
   LinksOptions options;
@@ -183,7 +183,7 @@ TEST(Links, ARightFileStaysAsItIsAndPositionsAloneDo) {
   EXPECT_NEAR(constant(found, "beta").found, beta, 0.1 * kDegree) << found.report();
 }
 
-TEST(Links, WhatThePosesCannotTellIsRefused) {
+TEST(Links, UndeterminedConstantsAreRefused) {
   const Model arm = read_model("psm-3dof");
   PoseCapture poses = captured_poses(arm, "tool", 5, 0.9, 1e-4, 1e-3, 9);
   EXPECT_NE(calibrate_links(arm, poses).reason.find("too few frames"), std::string::npos);
@@ -195,7 +195,7 @@ TEST(Links, WhatThePosesCannotTellIsRefused) {
 
 // Poses of another frame, of other rows, or of joints in degrees: no constant explains them, and it is
 // not motion that is missing.
-TEST(Links, PosesThatAreNotThoseOfTheFrameAreRefused) {
+TEST(Links, PosesOfAnotherFrameAreRefused) {
   const Model arm = read_model("ur10e");
   const std::string last = arm.frames().back().name;
   LinksOptions options;
@@ -238,7 +238,7 @@ TEST(Links, PosesAndTorquesAgreeOnThePrintedArm) {
 }
 
 // At first the wrong constant is all noise, of 16 mm; few poses, at the ends of the ranges.
-TEST(Links, WhatAWrongConstantLeavesIsNoNoise) {
+TEST(Links, TheResidualOfAWrongConstantIsNotCountedAsNoise) {
   const Model truth = read_model("psm-3dof");
   const Model printed = read_model("psm-3dof-printed");
   PoseDesignOptions design;
@@ -263,8 +263,8 @@ TEST(Links, WhatAWrongConstantLeavesIsNoNoise) {
   EXPECT_LT(found.held_out_rms, 3e-4) << found.report();
 }
 
-// D-optimal poses stay within the limits and tell more than random ones.
-TEST(PoseDesign, StaysWithinLimitsAndTellsMore) {
+// D-optimal poses stay within the limits and determine the constants better than random ones.
+TEST(PoseDesign, StaysWithinLimitsAndLowersTheVariance) {
   const Model arm = read_model("kuka-lwr4");
   PoseDesignOptions options;
   options.candidates = 200;

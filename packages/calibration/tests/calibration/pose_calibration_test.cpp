@@ -33,7 +33,7 @@ PoseCapture pivoting(int frames, double across, double metres, double radians, u
                   Eigen::AngleAxisd(across * std::sin(5.0 * phase + 1.0), Vector3d::UnitY()))
                      .toRotationMatrix();
     T.translation() = kCentre - T.linear() * kTip;
-    out.push_back(noisy(T, metres, radians, random));
+    out.push_back(with_noise(T, metres, radians, random));
   }
   return capture_of(out);
 }
@@ -77,7 +77,7 @@ TEST(RemoteCenter, ASweepAboutOneAxisIsRefusedWithItsReason) {
 }
 
 // A shaft that slides through its sleeve has no point that stays; nor has a body that flies about.
-TEST(RemoteCenter, ABodyThatSlidesHasNone) {
+TEST(RemoteCenter, ASlidingBodyHasNoRemoteCentre) {
   PoseCapture slides = pivoting(400, 0.5, 1e-4, 1e-3, 3);
   for (size_t k = 0; k < slides.poses.size(); ++k)
     slides.poses[k].translation() += 0.1 * std::sin(0.03 * static_cast<double>(k)) * slides.poses[k].linear().col(2);
@@ -98,7 +98,7 @@ TEST(RemoteCenter, MayBeTheOriginOfTheBody) {
   for (int k = 0; k < 200; ++k) {
     Isometry3d T = random_pose(random, 0.0);
     T.translation() = kCentre;
-    poses.push_back(noisy(T, 2e-4, 2e-4, random));
+    poses.push_back(with_noise(T, 2e-4, 2e-4, random));
   }
   const RemoteCenter found = calibrate_remote_center(capture_of(poses));
   ASSERT_EQ(found.status, CalibrationStatus::kDone) << found.reason;
@@ -106,14 +106,14 @@ TEST(RemoteCenter, MayBeTheOriginOfTheBody) {
 }
 
 // Files whose rows do not belong together, and a form that is not theirs.
-TEST(HandEye, PosesThatDoNotBelongTogetherAreRefused) {
+TEST(HandEye, InconsistentPosePairsAreRefused) {
   RandomNumbers random(5);
   Poses A;
   Poses B;
   const Isometry3d T = random_pose(random, 0.4);
   for (int k = 0; k < 40; ++k) {
     A.push_back(random_pose(random, 0.3));
-    B.push_back(noisy(T.inverse() * A.back(), 1e-4, 2e-4, random));
+    B.push_back(with_noise(T.inverse() * A.back(), 1e-4, 2e-4, random));
   }
   ASSERT_EQ(calibrate_hand_eye(capture_of(A), capture_of(B)).status, CalibrationStatus::kDone);
   HandEyeOptions wrong;
@@ -130,7 +130,7 @@ TEST(HandEye, PosesThatDoNotBelongTogetherAreRefused) {
 class HandEyeForms : public testing::TestWithParam<HandEyeForm> {};
 
 // The form is found from the poses, and so is its transform.
-TEST_P(HandEyeForms, ThirtyPosesGiveItsTransform) {
+TEST_P(HandEyeForms, ThirtyPosesDetermineTheTransform) {
   RandomNumbers random(11);
   const Isometry3d T = random_pose(random, 0.4);
   const Isometry3d other = random_pose(random, 0.1);
@@ -146,8 +146,8 @@ TEST_P(HandEyeForms, ThirtyPosesGiveItsTransform) {
       case HandEyeForm::kEyeInHand: b = T.inverse() * A.back().inverse() * other; break;
       case HandEyeForm::kTwoBases: b = T.inverse() * A.back() * other; break;
     }
-    B.push_back(noisy(b, 1e-4, 2e-4, random));
-    A.back() = noisy(A.back(), 1e-4, 2e-4, random);
+    B.push_back(with_noise(b, 1e-4, 2e-4, random));
+    A.back() = with_noise(A.back(), 1e-4, 2e-4, random);
   }
   const HandEye found = calibrate_hand_eye(capture_of(A), capture_of(B));
   ASSERT_EQ(found.status, CalibrationStatus::kDone) << found.reason;
@@ -166,8 +166,8 @@ INSTANTIATE_TEST_SUITE_P(All, HandEyeForms,
                            return name;
                          });
 
-// Two arms that hold one object, seen with the noise of three markers: figures of the issue.
-TEST(HandEye, FiguresAndIntervalsHoldOverSeeds) {
+// Two arms that hold one object, seen with the noise of three markers.
+TEST(HandEye, IntervalsCoverTheTruthOverSeeds) {
   constexpr int kSeeds = 40;
   int inside = 0;
   double worst = 0.0;
@@ -180,8 +180,8 @@ TEST(HandEye, FiguresAndIntervalsHoldOverSeeds) {
     Poses B;
     for (int k = 0; k < 30; ++k) {
       const Isometry3d a = random_pose(random, 0.15);
-      A.push_back(noisy(a, 1e-4, 3e-4, random));
-      B.push_back(noisy(T.inverse() * a * tool, 1e-4, 3e-4, random));
+      A.push_back(with_noise(a, 1e-4, 3e-4, random));
+      B.push_back(with_noise(T.inverse() * a * tool, 1e-4, 3e-4, random));
     }
     HandEyeOptions options;
     options.form = HandEyeForm::kTwoBases;
@@ -199,7 +199,7 @@ TEST(HandEye, FiguresAndIntervalsHoldOverSeeds) {
   EXPECT_GE(inside, 0.88 * 2 * kSeeds);
 }
 
-TEST(HandEye, WhatCannotBeToldIsRefused) {
+TEST(HandEye, UndeterminedTransformsAreRefused) {
   RandomNumbers random(4);
   Poses A;
   Poses B;

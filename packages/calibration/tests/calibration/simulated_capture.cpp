@@ -42,7 +42,7 @@ Eigen::Isometry3d random_pose(RandomNumbers& random, double reach) {
   return T;
 }
 
-Eigen::Isometry3d noisy(const Eigen::Isometry3d& T, double metres, double radians,
+Eigen::Isometry3d with_noise(const Eigen::Isometry3d& T, double metres, double radians,
                         RandomNumbers& random) {
   Eigen::Isometry3d out = T;
   out.linear() = T.linear() * internal::rotation_of(random_vector(random, radians));
@@ -167,7 +167,7 @@ PoseCapture captured_poses(const Model& arm, const std::string& frame, int poses
       const double half = 0.5 * share * (limits.upper[i] - limits.lower[i]);
       q(k, i) = 0.5 * (limits.upper[i] + limits.lower[i]) + random.uniform(-half, half);
     }
-    T.push_back(noisy(base * pose_of(arm, q.row(k), arm.find_frame(frame)) * tool, metres, radians,
+    T.push_back(with_noise(base * pose_of(arm, q.row(k), arm.find_frame(frame)) * tool, metres, radians,
                       random));
   }
   PoseCapture out = capture_of(T);

@@ -25,7 +25,7 @@ struct CaptureNoise {
 Eigen::Isometry3d random_pose(RandomNumbers& random, double reach);
 
 /// The pose with noise on position [m] and orientation [rad].
-Eigen::Isometry3d noisy(const Eigen::Isometry3d& T, double metres, double radians,
+Eigen::Isometry3d with_noise(const Eigen::Isometry3d& T, double metres, double radians,
                         RandomNumbers& random);
 
 /// The patient side manipulator's six marked bodies: base, yaw, upper, elbow, arm, and a sixth on

@@ -114,10 +114,10 @@ const VectorXd& ArmLoop::torque(const TipTarget& target, const Eigen::Vector3d& 
   relief_ = target.relief.position;
   // An impedance yields to forces, but does not follow a falling arm.
   const bool goes_along = target.relief.velocity.norm() > kGoesAlong;
-  if (goes_along && gives_way() && !yielding_) freeze();
+  if (goes_along && yields_to_forces() && !yielding_) freeze();
   TaskReference wanted = reference(target);
   Vector6d wrench = Vector6d::Zero();
-  if (gives_way() || yielding_) wrench.head<3>() = setup_.R_world_base.transpose() * force;
+  if (yields_to_forces() || yielding_) wrench.head<3>() = setup_.R_world_base.transpose() * force;
   Impedance& loop = acting();
   if (yielding_) {  // The reference is the force within the bound: the excess moves the tip.
     const double size = force.norm();

@@ -58,8 +58,8 @@ class ArmLoop {
 
  private:
   void compensate_friction(const TaskReference& wanted) noexcept;
-  bool gives_way() const { return setup_.kind == ArmControl::kImpedance && !frozen_; }
-  Impedance& acting() { return yielding_ ? yielding_loop_ : gives_way() ? impedance_ : position_loop_; }
+  bool yields_to_forces() const { return setup_.kind == ArmControl::kImpedance && !frozen_; }
+  Impedance& acting() { return yielding_ ? yielding_loop_ : yields_to_forces() ? impedance_ : position_loop_; }
   TaskReference reference(const TipTarget& target) const noexcept;
 
   ArmLoopSetup setup_;

@@ -4,10 +4,10 @@
 
 namespace veridyn {
 
-/// A run with room for so many rows.
+/// A run with memory for `rows` rows.
 ScenarioRun empty_run(const Scenario& scenario, const std::string& engine, Eigen::Index rows);
 
-/// Keeps the first rows alone.
-void cut(ScenarioRun& run, Eigen::Index rows);
+/// Truncates a run to its first rows.
+void keep_first_rows(ScenarioRun& run, Eigen::Index rows);
 
 }  // namespace veridyn

@@ -164,7 +164,7 @@ bool Experiment::command(const ScenarioCommand& c) {
     world_->attach(c.member, world_->member(c.member).length);
     held_[c.member] = 1;
   }
-  return give_command(c, *control_);
+  return apply_command(c, *control_);
 }
 
 void Experiment::apply_faults() {
@@ -183,7 +183,7 @@ void Experiment::read_sensors() {
   std::fill(forces_.begin(), forces_.end(), Vector3d::Zero());
   for (size_t k = 0; k < loops_.size(); ++k) {
     measured_[k] = world_->q(static_cast<int>(k));
-    shown_[k].show_positions(measured_[k]);
+    shown_[k].add_position_errors(measured_[k]);
     known_[k].correct_positions(measured_[k]);
     loops_[k].measure(measured_[k]);
     input_->position[k] = loops_[k].position();
@@ -256,7 +256,7 @@ bool Experiment::step() {
   for (size_t k = 0; k < loops_.size(); ++k) {
     if (guards) loops_[k].hold_within(control_->relief_force(), forces_[k]);
     tau_[k] = paths_[k].update(loops_[k].torque(targets_[k], forces_[k]));
-    known_[k].show_torques(tau_[k]);
+    known_[k].add_torque_errors(tau_[k]);
     shown_[k].correct_torques(tau_[k]);
     if (limp_[k] == 1) tau_[k].setZero();
   }
@@ -264,12 +264,12 @@ bool Experiment::step() {
   for (size_t k = 0; k < limp_.size(); ++k) {
     if (limp_[k] == 1) stop_at_ends(*world_, arms_[k], static_cast<int>(k));
   }
-  if (status_ == StepStatus::kOk && is_lost()) status_ = StepStatus::kRanAway;
+  if (status_ == StepStatus::kOk && is_out_of_range()) status_ = StepStatus::kRanAway;
   return status_ == StepStatus::kOk;
 }
 
 // A joint that has left its range by the whole range, or whose arm flies: no arm follows any more.
-bool Experiment::is_lost() const {
+bool Experiment::is_out_of_range() const {
   for (int k = 0; k < world_->arms(); ++k) {
     if (limp_[k] == 1) continue;  // a fault of the scenario
     const std::vector<Coordinate>& joints = arms_[k].coordinates();

@@ -40,7 +40,7 @@ class Experiment {
   Eigen::Vector3d wall_channels_now(int wall);
   const CooperativeController& controller() const { return *control_; }
   /// What the controller last measured.
-  const CooperativeInput& seen() const { return *input_; }
+  const CooperativeInput& measured_input() const { return *input_; }
   StepStatus status() const { return status_; }
   std::vector<std::string> left_out() const;
 
@@ -57,7 +57,7 @@ class Experiment {
   void make_controller();
   void read_contacts(double now);
   void apply_faults();
-  bool is_lost() const;
+  bool is_out_of_range() const;
   void read_sensors();
 
   Scenario scenario_;

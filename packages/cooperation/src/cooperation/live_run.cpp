@@ -50,7 +50,7 @@ class Live {
     const Clock::time_point begun = Clock::now();
     double end = options_.longest;
     for (out_.time = 0.0; out_.time < end && !quits_; out_.time += period_) {
-      take_lines();
+      read_lines();
       watch();
       if (jogs_) jog();
       const bool sound = experiment_.step();
@@ -71,12 +71,12 @@ class Live {
                         std::chrono::duration<double>((out_.time + period_) / options_.pace)));
     }
     out_.state = experiment_.controller().state();
-    say_state();
+    report_state();
     return out_;
   }
 
  private:
-  void take_lines() {
+  void read_lines() {
     if (quits_ || out_.lost) return;
     if (const std::optional<int> dropped = lines_.stopped(out_.time)) stop(*dropped);
     std::string line;
@@ -117,9 +117,9 @@ class Live {
     if (jog == nullptr && one == nullptr) return "";
     std::vector<VectorXd> q;
     for (int k = 0; k < experiment_.arms(); ++k) q.push_back(experiment_.world().q(k));
-    MotionPlan::State state = plan_.under_way(experiment_.controller(), experiment_.seen(), q);
+    MotionPlan::State state = plan_.state_during_run(experiment_.controller(), experiment_.measured_input(), q);
     return jog != nullptr ? plan_.jog(std::move(state), jog->velocity, options_.silence)
-                          : plan_.take(std::move(state), *one);
+                          : plan_.check_command(std::move(state), *one);
   }
 
   void act(const LiveCommand& command) {
@@ -191,11 +191,11 @@ class Live {
     }
     if (out_.time >= told_) {
       told_ = out_.time + options_.tell;
-      say_state();
+      report_state();
     }
   }
 
-  void say_arms() {
+  void report_arms() {
     if (!tell_.arms) return;
     std::vector<LiveArm> arms;
     for (int k = 0; k < experiment_.arms(); ++k)
@@ -203,8 +203,8 @@ class Live {
     tell_.arms(out_.time, arms);
   }
 
-  void say_state() {
-    say_arms();
+  void report_state() {
+    report_arms();
     if (!tell_.state) return;
     std::string line = fmt::format("t={:.3f} state=\"{}\"", out_.time,
                                    describe(experiment_.controller().state()));

@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kLookEvery = 0.004;  // [s] between two looks at the joints
+constexpr double kLookEvery = 0.004;  // [s] between two checks of the joints
 constexpr double kReach = 1e-4;       // [m] that a tip may miss its place by
 constexpr double kRoomLeft = 0.0025;  // of a joint's range, as MotionCheck leaves
 constexpr double kJogMove = 0.1;     // [s] of each of the moves that make a jog
@@ -52,7 +52,7 @@ MotionPlan::MotionPlan(const Scenario& scenario, std::vector<PlannedArm> arms)
   }
 }
 
-MotionPlan::State MotionPlan::standing(const std::vector<VectorXd>& q) {
+MotionPlan::State MotionPlan::initial_state(const std::vector<VectorXd>& q) {
   std::vector<Vector3d> tips;
   std::vector<Eigen::Matrix3d> bases;
   for (size_t k = 0; k < arms_.size(); ++k) {
@@ -63,12 +63,12 @@ MotionPlan::State MotionPlan::standing(const std::vector<VectorXd>& q) {
   CooperativeInput seen(static_cast<int>(tips.size()), static_cast<int>(scenario_.members.size()));
   seen.position = tips;
   State out =
-      under_way(CooperativeController(cooperative_options(scenario_, bases), tips), seen, q);
+      state_during_run(CooperativeController(cooperative_options(scenario_, bases), tips), seen, q);
   for (size_t k = 0; k < out.length.size(); ++k) out.length[k] += scenario_.members[k].slack;
   return out;
 }
 
-MotionPlan::State MotionPlan::under_way(const CooperativeController& control,
+MotionPlan::State MotionPlan::state_during_run(const CooperativeController& control,
                                         const CooperativeInput& seen,
                                         const std::vector<VectorXd>& q) const {
   State out{control, seen, q, {}, {}, 0.0};
@@ -94,14 +94,14 @@ std::string MotionPlan::play(State& state, const std::vector<ScenarioCommand>& c
       state.held[k] = 1;
       state.length[k] = line_of(state.seen, scenario_.members[k]).norm();
     }
-    if (!give_command(c, state.control))
+    if (!apply_command(c, state.control))
       return text("the controller ", describe(state.control.state()),
                   ", still turns, or found a number that cannot be");
   }
   return advance(state, seconds);
 }
 
-std::string MotionPlan::take(State state, ScenarioCommand command) {
+std::string MotionPlan::check_command(State state, ScenarioCommand command) {
   command.over = std::min(command.over, kLongest);
   return play(state, {command}, command.over + kSettled);
 }
@@ -144,7 +144,7 @@ void MotionPlan::pull(State& state) {
       tips_[arm].force -=
           std::max(0.0, (wall.stiffness + wall.stiffening * depth) * depth + wall.damping * rate) *
           wall.normal;
-    // A sensor of one axis does not feel what acts along the plane.
+    // A sensor of one axis does not measure forces along the plane.
     if (depth > 0.0 && wall.sensor_axes == 3)
       tips_[arm].force += wall.drag * (state.seen.velocity[arm] + rate * wall.normal);
   }

@@ -39,9 +39,9 @@ class MotionPlan {
     double time = 0.0;              ///< [s] since the plan began
   };
   /// Initial state at these joints, without commands.
-  State standing(const std::vector<VectorXd>& q);
+  State initial_state(const std::vector<VectorXd>& q);
   /// State in the middle of a run.
-  State under_way(const CooperativeController& control, const CooperativeInput& seen,
+  State state_during_run(const CooperativeController& control, const CooperativeInput& seen,
                   const std::vector<VectorXd>& q) const;
 
   /// @param seconds  [s] that are planned. @returns why the commands cannot be carried out, with
@@ -50,7 +50,7 @@ class MotionPlan {
 
   /// One command in the middle of a run, until everything has settled after its end; a command that
   /// takes longer than kLongest is planned with that duration.
-  std::string take(State state, ScenarioCommand command);
+  std::string check_command(State state, ScenarioCommand command);
 
   /// The same for a velocity of the object [m/s] that lasts for a time and is then stopped.
   std::string jog(State state, const Eigen::Vector3d& velocity, double seconds);

@@ -2,7 +2,7 @@
 
 namespace veridyn {
 
-bool give_command(const ScenarioCommand& c, CooperativeController& control) noexcept {
+bool apply_command(const ScenarioCommand& c, CooperativeController& control) noexcept {
   switch (c.kind) {
     case ScenarioCommand::Kind::kMove:
       return control.move(c.way, c.over);

@@ -7,6 +7,6 @@ namespace veridyn {
 
 /// Gives a command of a phase to the controller; letting go and taking hold also need the world.
 /// False where the controller refuses it.
-bool give_command(const ScenarioCommand& command, CooperativeController& control) noexcept;
+bool apply_command(const ScenarioCommand& command, CooperativeController& control) noexcept;
 
 }  // namespace veridyn

@@ -47,7 +47,7 @@ ScenarioRun empty_run(const Scenario& scenario, const std::string& engine, Eigen
   return run;
 }
 
-void cut(ScenarioRun& run, Eigen::Index rows) {
+void keep_first_rows(ScenarioRun& run, Eigen::Index rows) {
   run.time.conservativeResize(rows);
   for (ArmTrace& t : run.arm) {
     for (MatrixXd* m : {&t.q, &t.dq, &t.tau, &t.tip, &t.motion, &t.target})
@@ -95,7 +95,7 @@ ScenarioRun run_scenario(const Scenario& scenario, const std::string& engine,
     if (k > first) run.phases.push_back(phase_figures(scenario, phase, run, first, k));
     if (!run.complete()) break;
   }
-  cut(run, k);
+  keep_first_rows(run, k);
   for (const MemberTrace& member : run.member) {
     if (member.force.size() > 0)
       run.largest_force = std::max(run.largest_force, member.force.cwiseAbs().maxCoeff());

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kMost = 10000;  // lines that wait
 constexpr int kAtOnce = 256;          // lines that are read in one cycle
-constexpr double kOneBreath = 0.05;   // [s] nobody has seen a line and said "stop" within it
+constexpr double kOneBreath = 0.05;   // [s] shorter than a person's reaction to a line
 
 bool is_stop(const std::string& line) {
   std::istringstream words(line);

@@ -8,11 +8,11 @@
 
 namespace veridyn {
 
-/// Lines of a source, in order, of which a stop is seen as soon as it arrives. Not more than 10,000 lines are
+/// Lines of a source, in order; a stop is reported as soon as it arrives. At most 10,000 lines are
 /// read ahead.
 ///
-/// A stop that was sent in one breath with the line that is being carried out (50 ms), as by a script through a
-/// pipe, has its turn behind the lines between them.
+/// A stop that arrives within 50 ms of the line that is being executed, as from a script through a
+/// pipe, is executed after the lines between them.
 class WaitingLines {
  public:
   explicit WaitingLines(LineSource& source) : source_(source) {}
@@ -34,10 +34,10 @@ class WaitingLines {
   LineSource& source_;
   std::deque<Line> lines_;
   double now_ = 0.0;
-  std::optional<double> taken_arrived_;  // of the line that was taken last
+  std::optional<double> taken_arrived_;  // of the last line that was returned
 };
 
-/// What is told of lines that a stop dropped.
+/// Message about lines that a stop dropped.
 std::string dropped_lines(int count);
 
 }  // namespace veridyn

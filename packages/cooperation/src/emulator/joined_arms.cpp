@@ -14,7 +14,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Kind = EmulatedFault::Kind;
 
-constexpr double kStep = 5e-4;         // [s] of the world between two looks at the sockets
+constexpr double kStep = 5e-4;         // [s] of the world between two polls of the sockets
 constexpr double kMostBehind = 0.02;   // [s] that are made up for after a pause of the machine
 constexpr double kBrake = 2.0 * M_PI * 20.0;  // [rad/s] of brakes that hold an arm
 constexpr double kSlip = 0.05;         // [rad], [m] by which an encoder jumps
@@ -113,7 +113,7 @@ void JoinedArms::watch(std::function<void(const EmulatedInstant&)> watcher) {
   instant_.arms.resize(joints_.size());
 }
 
-bool JoinedArms::amplifies(std::size_t arm) {
+bool JoinedArms::drives_current(std::size_t arm) {
   BoardEmulator& boards = *emulators_[arm];
   for (int b = 0; b < boards.boards(); ++b)
     for (int c = 0; c < kChannels; ++c)
@@ -134,7 +134,7 @@ void JoinedArms::show() {
     arm.q = &world.q(index);
     arm.dq = &world.dq(index);
     arm.tau = &tau_[k];
-    arm.driven = amplifies(k);
+    arm.driven = drives_current(k);
   }
   watcher_(instant_);
 }

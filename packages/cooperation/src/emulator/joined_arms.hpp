@@ -42,20 +42,20 @@ class JoinedArms final : public JoinedBoards, public SteppedClock {
   double tension(int member) const override { return tension_[member].load(); }
   double rate(int member) const override { return rate_[member].load(); }
   double largest_force() const override { return largest_force_.load(); }
-  double push(int wall, int channel = 0) const override { return push_[3 * wall + channel].load(); }
-  void take_by_hand(const Hand& hand, const Eigen::Vector3d& place) override {
+  double true_wall_force(int wall, int channel = 0) const override { return push_[3 * wall + channel].load(); }
+  void attach_hand(const Hand& hand, const Eigen::Vector3d& place) override {
     hand_ = hand;
-    lead(place);
+    move_hand_to(place);
     led_.store(true);
   }
-  void lead(const Eigen::Vector3d& place) override {
+  void move_hand_to(const Eigen::Vector3d& place) override {
     for (int i = 0; i < 3; ++i) place_[i].store(place[i]);
   }
   Eigen::Vector3d hand_force() const override {
     return {hand_force_[0].load(), hand_force_[1].load(), hand_force_[2].load()};
   }
   void watch(std::function<void(const EmulatedInstant&)> watcher) override;
-  void break_down(const EmulatedFault& fault) noexcept override {
+  void activate_fault(const EmulatedFault& fault) noexcept override {
     if (fault.arm >= 0) faults_[fault.arm].fetch_or(bit_of(fault.kind));
   }
 
@@ -114,7 +114,7 @@ class JoinedArms final : public JoinedBoards, public SteppedClock {
   void advance(double seconds);
   void apply_faults();
   void show();
-  bool amplifies(std::size_t arm);
+  bool drives_current(std::size_t arm);
   void move_hand();
   bool has(std::size_t arm, EmulatedFault::Kind kind) const {
     return (faults_[arm].load() & bit_of(kind)) != 0;

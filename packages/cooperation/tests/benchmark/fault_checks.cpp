@@ -26,23 +26,23 @@ constexpr double kForceNoise = 0.03;    // [N]: three times that of the examples
 class LossyLink final : public DatagramLink {
  public:
   LossyLink(std::unique_ptr<DatagramLink> link, unsigned seed) : link_(std::move(link)), random_(seed) {}
-  bool send(ByteView datagram, Destination to) noexcept override { return lost() || link_->send(datagram, to); }
+  bool send(ByteView datagram, Destination to) noexcept override { return drops_packet() || link_->send(datagram, to); }
   Arrival receive(ByteSpan buffer, double timeout) noexcept override {
     const double until = link_->now() + timeout;
     for (;;) {
       const Arrival arrival = link_->receive(buffer, std::max(0.0, until - link_->now()));
-      if (!arrival.any || !lost()) return arrival;
+      if (!arrival.any || !drops_packet()) return arrival;
     }
   }
   double now() noexcept override { return link_->now(); }
   void wait(double seconds) noexcept override { link_->wait(seconds); }
   std::uint32_t address_word() const noexcept override { return link_->address_word(); }
-  void speak_to(int board) noexcept override { link_->speak_to(board); }
-  void hub_is(int firmware, int board) noexcept override { link_->hub_is(firmware, board); }
+  void set_board(int board) noexcept override { link_->set_board(board); }
+  void set_hub(int firmware, int board) noexcept override { link_->set_hub(firmware, board); }
 
  private:
   // A session is found before the network becomes bad: 1 % of a scan's requests is another matter.
-  bool lost() noexcept { return ++count_ > kGoodOnes && std::uniform_real_distribution<>()(random_) < kLost; }
+  bool drops_packet() noexcept { return ++count_ > kGoodOnes && std::uniform_real_distribution<>()(random_) < kLost; }
   static constexpr long kGoodOnes = 1500;
   std::unique_ptr<DatagramLink> link_;
   std::mt19937 random_;
@@ -59,12 +59,12 @@ class LossyBoards final : public JoinedBoards {
   double tension(int member) const override { return boards_->tension(member); }
   double rate(int member) const override { return boards_->rate(member); }
   double largest_force() const override { return boards_->largest_force(); }
-  double push(int wall, int channel) const override { return boards_->push(wall, channel); }
-  void take_by_hand(const Hand& hand, const Eigen::Vector3d& place) override { boards_->take_by_hand(hand, place); }
-  void lead(const Eigen::Vector3d& place) override { boards_->lead(place); }
+  double true_wall_force(int wall, int channel) const override { return boards_->true_wall_force(wall, channel); }
+  void attach_hand(const Hand& hand, const Eigen::Vector3d& place) override { boards_->attach_hand(hand, place); }
+  void move_hand_to(const Eigen::Vector3d& place) override { boards_->move_hand_to(place); }
   Eigen::Vector3d hand_force() const override { return boards_->hand_force(); }
   void watch(std::function<void(const EmulatedInstant&)> watcher) override { boards_->watch(std::move(watcher)); }
-  void break_down(const EmulatedFault& fault) noexcept override { boards_->break_down(fault); }
+  void activate_fault(const EmulatedFault& fault) noexcept override { boards_->activate_fault(fault); }
 
  private:
   std::unique_ptr<JoinedBoards> boards_;
@@ -78,7 +78,7 @@ struct Trial {
   const char* fault;    // as of --board-fault, or "sensor-drift:N/s@S"; "": healthy
 };
 
-// What is varied.
+// The bounds that are varied.
 struct Bounds {
   FaultChecks checks;
   double drift_force = ScenarioControl().drift_force;
@@ -177,7 +177,7 @@ const Varied kVaried[] = {
     {"disagreement_seconds", [](Bounds& b, double f) { b.checks.disagreement_seconds *= f; }, false}};
 
 template <std::size_t kCount>
-void tell_faults(const Trial (&trials)[kCount], const Bounds& bounds, unsigned seed, double& most) {
+void report_faults(const Trial (&trials)[kCount], const Bounds& bounds, unsigned seed, double& most) {
   int found = 0;
   double mean = 0.0;
   for (const Trial& trial : trials) {
@@ -203,7 +203,7 @@ void sweep(unsigned seed) {
       int stopped = 0;
       for (const Trial& trial : kHealthy) stopped += play(trial, bounds, seed).stopped ? 1 : 0;
       std::printf(" %d/%zu;", stopped, std::size(kHealthy));
-      varied.of_motors ? tell_faults(kMotors, bounds, seed + 1, most) : tell_faults(kSensors, bounds, seed + 1, most);
+      varied.of_motors ? report_faults(kMotors, bounds, seed + 1, most) : report_faults(kSensors, bounds, seed + 1, most);
       std::fflush(stdout);
     }
     std::printf(" %.1f |\n", most);

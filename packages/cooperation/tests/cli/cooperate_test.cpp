@@ -56,7 +56,7 @@ TEST_F(Cooperate, WritesRowsJsonAndPage) {
   EXPECT_EQ(check.status, 0) << check.err;
 }
 
-TEST_F(Cooperate, ThePageShowsTheFigures) {
+TEST_F(Cooperate, ThePageShowsTheNumbersOfTheJson) {
   if (browser().empty()) GTEST_SKIP() << "no browser: chromium is not installed";
   ASSERT_EQ(run_tool({"cooperate", example("two-arms-spring"), "--json", path("out.json"),
                       "--report", path("out.html"), "--quiet"})
@@ -65,7 +65,7 @@ TEST_F(Cooperate, ThePageShowsTheFigures) {
   const json out = json_of(path("out.json"));
   const std::vector<OpenedPage> opened = open_pages({{path("out.html"), 1200}, {path("out.html"), 400}});
   for (const OpenedPage& page : opened) {
-    expect_sound(page, &page == &opened[0] ? 1200 : 400);
+    expect_faultless(page, &page == &opened[0] ? 1200 : 400);
     long numbers = 0;
     for (const PageElement& shown : page.with("data-from")) {
       expect_number(shown, out);
@@ -76,8 +76,8 @@ TEST_F(Cooperate, ThePageShowsTheFigures) {
   }
 }
 
-// On emulated boards: one arm's fault is told and ends with 4, whatever was met before.
-TEST_F(Cooperate, OnBoardsAFaultEndsWith4) {
+// On emulated boards: one arm's fault is reported and exits with 4, even if all bounds were met before.
+TEST_F(Cooperate, AFaultOnBoardsExitsWithStatus4) {
   const std::string scenario = std::string(VERIDYN_SOURCE_DIR) + "/examples/dvrk/two-psm-spring.yaml";
   const ToolRun run = run_tool({"cooperate", scenario, "--boards", "PSM1", "PSM2", "--emulate",
                                 "--stepped", "--board-fault", "power:slave@0.5", "--json",
@@ -93,7 +93,7 @@ TEST_F(Cooperate, OnBoardsAFaultEndsWith4) {
   EXPECT_EQ(run_tool({"cooperate", scenario, "--boards", "PSM1", "PSM2", "--emulate", "--live", "-",
                       "--pace", "0"})
                 .status,
-            2);  // a pace of a stepped clock alone
+            2);  // a pace requires a stepped clock
   EXPECT_EQ(run_tool({"cooperate", scenario, "--stepped"}).status, 2);
   EXPECT_EQ(run_tool({"cooperate", scenario, "--boards", "PSM1", "PSM2", "--emulate", "--board-fault",
                       "limb:slave@1"})
@@ -103,10 +103,10 @@ TEST_F(Cooperate, OnBoardsAFaultEndsWith4) {
   EXPECT_EQ(run_tool({"cooperate", led, "--quiet"}).status, 3);
 }
 
-TEST_F(Cooperate, AHoldIsToldAndIsNoFailureOfTheProgram) {
+TEST_F(Cooperate, AHoldIsReportedAndExitsNormally) {
   const ToolRun run =
       run_tool({"cooperate", example("fault-stale"), "--json", path("out.json"), "--quiet"});
-  EXPECT_EQ(run.status, 0) << run.err;  // the bound that it asks for is met all the same
+  EXPECT_EQ(run.status, 0) << run.err;  // the required bound is met nevertheless
   EXPECT_NE(run.out.find("samples are too old"), std::string::npos);
   const json out = json_of(path("out.json"));
   EXPECT_EQ(out["status"], "held");
@@ -114,7 +114,7 @@ TEST_F(Cooperate, AHoldIsToldAndIsNoFailureOfTheProgram) {
   EXPECT_NEAR(out["held_at"].get<double>(), 4.52, 0.01);
 }
 
-TEST_F(Cooperate, ABoundThatIsNotMetEndsWithFour) {
+TEST_F(Cooperate, AMissedBoundExitsWithStatus4) {
   std::string content = content_of(example("gazebo-y"));
   content.replace(content.find("steady_error: 0.1"), 17, "steady_error: 1e-9");
   const ToolRun run = run_tool({"cooperate", folder_.write("s.yaml", content), "--quiet"});
@@ -122,7 +122,7 @@ TEST_F(Cooperate, ABoundThatIsNotMetEndsWithFour) {
   EXPECT_NE(run.out.find("NOT met"), std::string::npos);
 }
 
-TEST_F(Cooperate, SweepsAMap) {
+TEST_F(Cooperate, ASweepWritesAMapOfBothParameters) {
   std::string content = content_of(example("two-arms-string"));
   content = content.substr(0, content.find("  - {name: turn")) +
             "sweep: {stiffness: [1000, 20000], delay: [0, 0.002], stable_error: 0.25}\n";
@@ -143,8 +143,8 @@ TEST_F(Cooperate, SweepsAMap) {
   EXPECT_EQ(page.root().at("data-errors"), "0");
 }
 
-// The second point is marked and the others are lost, the last in the middle of its line: a kill.
-TEST_F(Cooperate, ASweepGoesOnAfterAKill) {
+// As after a kill: the second point is complete, the others are missing, the last is cut within its line.
+TEST_F(Cooperate, AKilledSweepResumes) {
   std::string content = content_of(example("two-arms-string"));
   content = content.substr(0, content.find("  - {name: turn")) + "sweep: {stiffness: [1000, 20000], stable_error: 0.25}\n";
   const Words command = {"cooperate", folder_.write("s.yaml", content), "--sweep", "--threads", "1", "--quiet",
@@ -167,7 +167,7 @@ TEST_F(Cooperate, ASweepGoesOnAfterAKill) {
   EXPECT_NE(other.err.find("points:1: found"), std::string::npos) << other.err;
 }
 
-TEST_F(Cooperate, MistakesGetOneLine) {
+TEST_F(Cooperate, UsageErrorsAreOneLine) {
   const auto expect_line = [&](const Words& words, int status, const std::string& said) {
     const ToolRun run = run_tool(Words{"cooperate"} + words);
     EXPECT_EQ(run.status, status) << run.err;

@@ -8,7 +8,7 @@
 
 #include "veridyn/control/load_cell.hpp"
 
-// How a channel tells a force from a sensor that is dead, stuck, noisy or beyond its range.
+// How a channel distinguishes a force from a dead, stuck, noisy or saturated sensor.
 
 namespace veridyn {
 namespace {
@@ -23,7 +23,7 @@ class Spoken final : public ForceSource {
     return count;
   }
   double raw() const noexcept override { return raw_; }
-  double lay() const noexcept override { return lay_ != nullptr ? *lay_ : 0.0; }
+  double queue_delay() const noexcept override { return lay_ != nullptr ? *lay_ : 0.0; }
 
  private:
   int& fresh_;
@@ -66,14 +66,14 @@ class Torn final : public ForceSource {
     fresh_ = false;
     return count;
   }
-  void say(const std::string& line) {
+  void write_line(const std::string& line) {
     for (const char c : line) {
       const bool gone = std::uniform_real_distribution<double>()(random_) < lost_;
-      if (!gone && decoder_.take(static_cast<std::uint8_t>(c))) fresh_ = true;
+      if (!gone && decoder_.add_byte(static_cast<std::uint8_t>(c))) fresh_ = true;
     }
   }
   double raw() const noexcept override { return decoder_.raw(); }
-  long refused() const noexcept override { return decoder_.refused(); }
+  long rejected_readings() const noexcept override { return decoder_.rejected_readings(); }
 
  private:
   double lost_;
@@ -82,7 +82,7 @@ class Torn final : public ForceSource {
   bool fresh_ = false;
 };
 
-TEST(ForceChannel, BytesThatAreLostGiveNoReadingBeyondTheRange) {
+TEST(ForceChannel, LostBytesGiveNoReadingBeyondTheRange) {
   for (const bool watched : {true, false}) {
     auto source = std::make_unique<Torn>(0.1);
     Torn& line = *source;
@@ -98,7 +98,7 @@ TEST(ForceChannel, BytesThatAreLostGiveNoReadingBeyondTheRange) {
     double largest = 0.0;
     bool noisy = false;
     for (int k = 0; k < 5000; ++k) {
-      line.say("-12.3" + std::to_string(10 + k % 90) + "\n");
+      line.write_line("-12.3" + std::to_string(10 + k % 90) + "\n");
       const ForceReading reading = channel.update(1e-3 * k);
       if (reading.number >= 0) largest = std::max(largest, std::abs(reading.force));
       noisy = noisy || channel.state() == ForceState::kNoisy;
@@ -109,13 +109,13 @@ TEST(ForceChannel, BytesThatAreLostGiveNoReadingBeyondTheRange) {
       EXPECT_GT(channel.beyond_range(), 50);
       EXPECT_GT(channel.jumps(), 50);
     } else {
-      EXPECT_GT(largest, 1e5);  // what the range and the watch over jumps keep away
+      EXPECT_GT(largest, 1e5);  // without the checks of range and jumps it would be used
     }
   }
 }
 
-// Whatever a converter gives: what is no number is beyond every range, and the filter forgets it.
-TEST(ForceChannel, WhatIsNoNumberIsBeyondEveryRange) {
+// Non-finite readings are beyond every range, and the filter drops them.
+TEST(ForceChannel, NonFiniteReadingsAreBeyondEveryRange) {
   int fresh = 0;
   double raw = 0.0;
   ForceChannelOptions options;
@@ -139,7 +139,7 @@ TEST(ForceChannel, WhatIsNoNumberIsBeyondEveryRange) {
 }
 
 // A source that never ends gets its share of a cycle and no more.
-TEST(ForceChannel, ASourceThatNeverEndsDoesNotHoldTheLoop) {
+TEST(ForceChannel, AnEndlessSourceDoesNotBlockTheLoop) {
   struct Flood final : ForceSource {
     int poll() noexcept override { return 1; }
     double raw() const noexcept override { return 5.0; }
@@ -149,7 +149,7 @@ TEST(ForceChannel, ASourceThatNeverEndsDoesNotHoldTheLoop) {
   EXPECT_EQ(channel.update(1e-3).number, 511);
 }
 
-TEST(ForceChannel, AJumpIsBelievedWhereTheNextReadingAgrees) {
+TEST(ForceChannel, AJumpIsAcceptedIfTheNextReadingAgrees) {
   int fresh = 0;
   double raw = 0.0;
   ForceChannelOptions options;
@@ -188,8 +188,8 @@ TEST(ForceChannel, IsNoisyByTheShareOfUnusableReadings) {
   }
 }
 
-// From the first look on: a line that never spoke is as old as the look.
-TEST(ForceChannel, TheAgeOfASensorThatNeverSpokeCountsFromTheStart) {
+// The age of a line without readings counts from the first poll.
+TEST(ForceChannel, TheAgeOfASensorWithoutReadingsCountsFromTheStart) {
   int fresh = 0;
   double raw = 0.0;
   ForceChannel channel(std::make_unique<Spoken>(fresh, raw), {});
@@ -201,7 +201,7 @@ TEST(ForceChannel, TheAgeOfASensorThatNeverSpokeCountsFromTheStart) {
 }
 
 // When the system's clock is set ahead between the arrival of a reading and its poll(), it seems to have lain for long.
-TEST(ForceChannel, AReadingMakesItNoOlder) {
+TEST(ForceChannel, AReadingNeverIncreasesTheAge) {
   int fresh = 0;
   double raw = 0.0, lay = 0.0;
   ForceChannel channel(std::make_unique<Spoken>(fresh, raw, &lay), {});
@@ -216,7 +216,7 @@ TEST(ForceChannel, AReadingMakesItNoOlder) {
 }
 
 // However long a sensor has run, its reading may stay the same for as long as stuck_after.
-TEST(ForceChannel, IsStuckNoEarlierThanAReadingHasStayedTheSame) {
+TEST(ForceChannel, IsStuckOnlyAfterUnchangedReadings) {
   int fresh = 0;
   double raw = 0.0;
   ForceChannelOptions options;
@@ -233,7 +233,7 @@ TEST(ForceChannel, IsStuckNoEarlierThanAReadingHasStayedTheSame) {
 }
 
 // A ramp of one unit per second lags by the delays of the line and of the filter.
-TEST(ForceChannel, ItsDelayIsTheOneThatItTells) {
+TEST(ForceChannel, TheReportedDelayIsTheActualDelay) {
   int fresh = 0;
   double raw = 0.0;
   ForceChannelOptions options;
@@ -243,7 +243,7 @@ TEST(ForceChannel, ItsDelayIsTheOneThatItTells) {
   ForceChannel channel(std::make_unique<Spoken>(fresh, raw), options);
   ForceReading reading;
   for (int k = 0; k < 2000; ++k) {
-    raw = 1e-3 * k - options.latency;  // what the cell felt that long ago
+    raw = 1e-3 * k - options.latency;  // the force one latency ago
     fresh = 1;
     reading = channel.update(1e-3 * k);
   }

@@ -40,9 +40,9 @@ class Terminal {
   }
   ~Terminal() {
     unplug();
-    forget_line();
+    release_line();
   }
-  void say(const std::string& bytes) const {
+  void write_bytes(const std::string& bytes) const {
     ASSERT_EQ(::write(host_, bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
   }
   void unplug() {
@@ -50,7 +50,7 @@ class Terminal {
     host_ = -1;
   }
   // The channel has it open by itself.
-  void forget_line() {
+  void release_line() {
     if (line_ >= 0) ::close(line_);
     line_ = -1;
   }
@@ -74,16 +74,16 @@ int poll_for(ForceSource& source) {
   return count;
 }
 
-TEST(SerialLine, ReadingsNoiseAndAPulledPlug) {
+TEST(SerialLine, ReadsThroughNoiseAndNoticesAnUnpluggedDevice) {
   Terminal line;
   if (!line.exists()) GTEST_SKIP() << "no pseudo-terminal on this machine";
   const std::unique_ptr<ForceSource> source =
       open_force_source("serial:" + line.name() + ":115200:binary");
-  line.forget_line();
-  line.say(std::string("\x00\xffgarbage\xa5", 10) + frame(1, 42) + frame(2, -7).substr(0, 6));
+  line.release_line();
+  line.write_bytes(std::string("\x00\xffgarbage\xa5", 10) + frame(1, 42) + frame(2, -7).substr(0, 6));
   EXPECT_EQ(poll_for(*source), 1);
   EXPECT_EQ(source->raw(), 42.0);
-  line.say(frame(3, 99));
+  line.write_bytes(frame(3, 99));
   EXPECT_EQ(poll_for(*source), 1);
   EXPECT_EQ(source->raw(), 99.0);
   EXPECT_TRUE(source->connected());
@@ -102,14 +102,14 @@ TEST(SerialLine, DeadStuckAndPulledAreFoundWithin20Milliseconds) {
     Terminal line;
     if (!line.exists()) GTEST_SKIP() << "no pseudo-terminal on this machine";
     ForceChannel channel(open_force_source("serial:" + line.name() + ":115200:text"), {});
-    line.forget_line();
-    line.say("cut\n");  // a first line counts as cut
+    line.release_line();
+    line.write_bytes("cut\n");  // the first line may be incomplete and is skipped
     double found = -1.0;
     for (int k = 0; k < 200 && found < 0.0; ++k) {
       const bool well = k < 100;
       if (k == 100 && end == End::kPulled) line.unplug();
       if (k % 2 == 0 && (well || end == End::kStuck))
-        line.say("F: " + std::to_string(well ? k : 100) + "\n");
+        line.write_bytes("F: " + std::to_string(well ? k : 100) + "\n");
       channel.update(1e-3 * k);
       if (!well && channel.state() != ForceState::kGood) found = 1e-3 * (k - 100);
       if (well && k > 5) {
@@ -122,7 +122,7 @@ TEST(SerialLine, DeadStuckAndPulledAreFoundWithin20Milliseconds) {
   }
 }
 
-TEST(SerialLine, SaysWhatIsNoLine) {
+TEST(SerialLine, RejectsDevicesThatAreNotSerialLines) {
   EXPECT_THROW(open_force_source("serial:/dev/no-such-line"), InvalidInput);
   EXPECT_THROW(open_force_source("serial:/dev/null"), InvalidInput);
   EXPECT_THROW(open_force_source("serial:/dev/null:12345"), InvalidInput);
@@ -137,7 +137,7 @@ class Sender {
     ::inet_pton(AF_INET, address, &at_.sin_addr);
   }
   ~Sender() { ::close(socket_); }
-  void say(const std::string& words) const {
+  void write_bytes(const std::string& words) const {
     ::sendto(socket_, words.data(), words.size(), 0, reinterpret_cast<const sockaddr*>(&at_), sizeof(at_));
   }
 
@@ -158,9 +158,9 @@ int poll_all(ForceSource& source) {
 TEST(Udp, DatagramsAreReadings) {
   const auto source = open_force_source("udp:47113:text");
   const Sender cell(47113);
-  cell.say("512.5");
-  cell.say("cell: 513\n");
-  cell.say("1\n2\n3");
+  cell.write_bytes("512.5");
+  cell.write_bytes("cell: 513\n");
+  cell.write_bytes("1\n2\n3");
   EXPECT_EQ(poll_for(*source), 1);  // one at a time
   EXPECT_EQ(source->raw(), 512.5);
   EXPECT_EQ(poll_all(*source), 4);
@@ -170,40 +170,40 @@ TEST(Udp, DatagramsAreReadings) {
     EXPECT_THROW(open_force_source(wrong), InvalidInput) << wrong;
 }
 
-TEST(Udp, ThePortIsThisMachinesUnlessAnAddressIsGiven) {
+TEST(Udp, ListensToThisMachineUnlessAnAddressIsGiven) {
   const auto source = open_force_source("udp:47114");
-  Sender(47114, "127.0.0.2").say("5");
+  Sender(47114, "127.0.0.2").write_bytes("5");
   EXPECT_EQ(poll_all(*source), 0);
   const auto other = open_force_source("udp:127.0.0.3:47114:text");
-  Sender(47114, "127.0.0.3").say("6");
+  Sender(47114, "127.0.0.3").write_bytes("6");
   EXPECT_EQ(poll_all(*source), 0);
   EXPECT_EQ(poll_for(*other), 1);
   const auto all = open_force_source("udp:0.0.0.0:47115");
-  Sender(47115, "127.0.0.2").say("7");
+  Sender(47115, "127.0.0.2").write_bytes("7");
   EXPECT_EQ(poll_for(*all), 1);
 }
 
 TEST(Udp, TheFirstSenderOwnsThePortUntilItIsSilent) {
   const auto source = open_force_source("udp:47116");
   const Sender cell(47116), stranger(47116);
-  cell.say("1");
-  stranger.say("99");
+  cell.write_bytes("1");
+  stranger.write_bytes("99");
   EXPECT_EQ(poll_all(*source), 1);
-  stranger.say("98");
-  cell.say("2");
-  stranger.say("97");
+  stranger.write_bytes("98");
+  cell.write_bytes("2");
+  stranger.write_bytes("97");
   EXPECT_EQ(poll_all(*source), 1);
   EXPECT_EQ(source->raw(), 2.0);
   ::usleep(1100000);  // the cell is gone
   EXPECT_EQ(source->poll(), 0);
-  stranger.say("96");
+  stranger.write_bytes("96");
   EXPECT_EQ(poll_for(*source), 1);
   EXPECT_EQ(source->raw(), 96.0);
-  cell.say("3");
+  cell.write_bytes("3");
   EXPECT_EQ(poll_all(*source), 0);
 }
 
-// What lay in the socket while the program did not look is as old as it is.
+// Datagrams that waited in the socket keep their age of arrival.
 // The kernel begins to stamp datagrams some time after the first socket wants it, and gives the time of reading until then:
 // a channel that stays open waits for it.
 TEST(Udp, TheAgeOfAReadingCountsFromItsArrival) {
@@ -211,14 +211,14 @@ TEST(Udp, TheAgeOfAReadingCountsFromItsArrival) {
   const Sender early(47118);
   double age = 0.0;
   for (int k = 0; k < 1000 && age < 0.002; ++k) {
-    early.say("0");
+    early.write_bytes("0");
     ::usleep(3000);
     age = before.update(1e-3 * k).age;
   }
   ForceChannel channel(open_force_source("udp:47117"), {});
   const Sender cell(47117);
-  cell.say("1");
-  cell.say("2");
+  cell.write_bytes("1");
+  cell.write_bytes("2");
   ::usleep(50000);
   const ForceReading reading = channel.update(10.0);
   EXPECT_EQ(reading.number, 1);

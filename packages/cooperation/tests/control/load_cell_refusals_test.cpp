@@ -9,7 +9,7 @@ struct Silent final : ForceSource {
   double raw() const noexcept override { return 0.0; }
 };
 
-TEST(Refusals, ForceChannel) {
+TEST(Refusals, ForceChannelRejectsInvalidOptions) {
   using O = ForceChannelOptions;
   refuses<O>({},
              each<O>({&O::largest_silence, &O::range, &O::largest_jump, &O::noisy_share}, {0.0, kNone}) +

@@ -11,7 +11,7 @@
 #include "control/load_cell_frame.hpp"
 #include "veridyn/math/require.hpp"
 
-// Load cells: what comes over a line, and calibration.
+// Load cells: decoding of serial lines, and calibration.
 
 namespace veridyn {
 namespace {
@@ -19,7 +19,7 @@ namespace {
 int readings_of(LoadCellDecoder& decoder, const std::string& bytes, std::vector<double>& out) {
   int count = 0;
   for (const char c : bytes) {
-    if (!decoder.take(static_cast<std::uint8_t>(c))) continue;
+    if (!decoder.add_byte(static_cast<std::uint8_t>(c))) continue;
     out.push_back(decoder.raw());
     ++count;
   }
@@ -27,7 +27,7 @@ int readings_of(LoadCellDecoder& decoder, const std::string& bytes, std::vector<
 }
 
 // The check value of this CRC over the digits 1 to 9, as its catalogue has it.
-TEST(LoadCell, TheCrcIsTheOneThatItsNameSays) {
+TEST(LoadCell, TheCrcMatchesItsPublishedCheckValue) {
   EXPECT_EQ(crc16(reinterpret_cast<const std::uint8_t*>("123456789"), 9), 0x29B1);
 }
 
@@ -36,24 +36,24 @@ TEST(LoadCell, TextLinesOfUsualConvertersAreRead) {
   std::vector<double> got;
   readings_of(decoder, "cut 5\nHX711 reading: 8388607\r\n-12.5\n0.1,512\nHX711\n\x01\x02 7\n1e3\n", got);
   EXPECT_EQ(got, (std::vector<double>{8388607.0, -12.5, 512.0, 1000.0}));
-  EXPECT_EQ(decoder.refused(), 2);  // a name without a number, bytes that are no text
+  EXPECT_EQ(decoder.rejected_readings(), 2);  // a name without a number, bytes that are no text
 }
 
 // Tabs, names with an equals sign and blanks at the end belong to usual lines; what is too long, whole or
 // in one field, or blank, is none.
-TEST(LoadCell, LinesWithBlanksAndLinesThatAreTooLong) {
+TEST(LoadCell, BlankLinesAreSkippedAndLongLinesRejected) {
   LoadCellDecoder decoder(LoadCellFormat::kText);
   std::vector<double> got;
   readings_of(decoder, "cut\n1\t2\nF=3\nt=1 F=4 \t\n0.1, 5\n   \n0" + std::string(48, '0') + "6\n", got);
   EXPECT_EQ(got, (std::vector<double>{2.0, 3.0, 4.0, 5.0}));
-  EXPECT_EQ(decoder.refused(), 2);
+  EXPECT_EQ(decoder.rejected_readings(), 2);
   readings_of(decoder, "7 " + std::string(100, ' ') + "8\n9\n", got);
   EXPECT_EQ(got.back(), 9.0);
   EXPECT_EQ(got.size(), 5U);
-  EXPECT_EQ(decoder.refused(), 3);
+  EXPECT_EQ(decoder.rejected_readings(), 3);
 }
 
-// Two weights with one reading each leave nothing to tell an interval from.
+// Two weights with one reading each leave no degree of freedom for an interval.
 TEST(LoadCell, WithoutRepetitionThereIsNoInterval) {
   const LoadCellCalibration found = calibrate_load_cell({0.0, 2.0}, {100.0, 300.0});
   EXPECT_NEAR(found.scale, 0.01, 1e-12);
@@ -65,7 +65,7 @@ TEST(LoadCell, WithoutRepetitionThereIsNoInterval) {
 }
 
 // The number before "nan" is the time, and "ERR 12" is no force of 12 N.
-TEST(LoadCell, ALineWhoseLastFieldIsNoFiniteNumberIsRefused) {
+TEST(LoadCell, ALineWithANonFiniteLastFieldIsRejected) {
   const std::vector<std::string> none = {
       "1.234,nan", "1.234,inf",   "1.234,-inf", "nan",     "1.234,",  "1.234;NaN", "5.2 N", "5.2N",
       "ERR 12",    "overload 12", "1.234,ERR",  "1e999",   "0x1F",    "1.2.3",     "--4",   "1,two,3",
@@ -76,7 +76,7 @@ TEST(LoadCell, ALineWhoseLastFieldIsNoFiniteNumberIsRefused) {
     std::vector<double> got;
     readings_of(decoder, "cut\n" + line + "\n", got);
     EXPECT_TRUE(got.empty()) << line << " gave " << got.front();
-    EXPECT_EQ(decoder.refused(), 1) << line;
+    EXPECT_EQ(decoder.rejected_readings(), 1) << line;
   }
   const std::vector<std::pair<std::string, double>> readings = {
       {"8388607", 8388607.0}, {"0.1,512", 512.0},  {"0.1; -512.5", -512.5}, {"1 2 3", 3.0},
@@ -89,7 +89,7 @@ TEST(LoadCell, ALineWhoseLastFieldIsNoFiniteNumberIsRefused) {
   }
 }
 
-// Every frame but the ones that were damaged, whatever stands between them.
+// Every undamaged frame is read, whatever is between the frames.
 TEST(LoadCell, BinaryFramesSurviveGarbageAndCuts) {
   std::mt19937 random(7);
   LoadCellDecoder decoder(LoadCellFormat::kBinary);
@@ -107,7 +107,7 @@ TEST(LoadCell, BinaryFramesSurviveGarbageAndCuts) {
   }
   readings_of(decoder, line, got);
   EXPECT_EQ(got, sent);
-  EXPECT_GT(decoder.refused(), 200);
+  EXPECT_GT(decoder.rejected_readings(), 200);
 }
 
 // raw = 100 + 50 f by hand: offset 100, scale 1/50; the interval holds the truth.
@@ -139,7 +139,7 @@ TEST(LoadCell, CalibrationFindsTheLineAndItsIntervals) {
 // With two different forces the line passes through the mean reading of each, so that the offset is the mean of 99 and
 // 101. The four residuals are 1, so a reading has the variance 4 / (4 - 2) = 2 and the mean of two of them half of it;
 // Student's t for two degrees of freedom is 4.3027.
-TEST(LoadCell, TheOffsetIsAsCertainAsTheReadingsWithoutForce) {
+TEST(LoadCell, TheOffsetHasTheUncertaintyOfTheReadingsWithoutForce) {
   const LoadCellCalibration found = calibrate_load_cell({0.0, 0.0, 10.0, 10.0}, {99.0, 101.0, 599.0, 601.0});
   EXPECT_NEAR(found.offset_interval, 4.3026527 * std::sqrt(2.0 / 2.0), 1e-6);
 }

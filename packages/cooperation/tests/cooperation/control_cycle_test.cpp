@@ -77,7 +77,7 @@ struct Cycle {
   double sum = 0.0;
 };
 
-// Processor time of this thread: what others on the machine do does not count.
+// Processor time of this thread, which other programs do not affect.
 double cpu_us() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -90,7 +90,7 @@ long cycles() {
 }
 
 // Ten million with VERIDYN_CONTROL_CYCLES=10000000.
-TEST(ControlCycle, TakesNoMemoryAndLittleTime) {
+TEST(ControlCycle, DoesNotAllocateAndMeetsItsTime) {
   Cycle cycle;
   cycle.q = cycle.start;
   cycle.run(0);
@@ -118,7 +118,7 @@ TEST(ControlCycle, TakesNoMemoryAndLittleTime) {
            times.back(), cycles());
 }
 
-TEST(ControlCycle, ObjectImpedanceTakesNoMemory) {
+TEST(ControlCycle, ObjectImpedanceDoesNotAllocate) {
   ObjectImpedanceOptions o;
   o.mass = 0.5;
   o.inertia = {1e-3, 1e-3, 1e-3};
@@ -140,7 +140,7 @@ TEST(ControlCycle, ObjectImpedanceTakesNoMemory) {
 }
 
 // The simulated world and its sensors are part of hardware-in-the-loop tests: no memory either.
-TEST(ControlCycle, AWorldTakesNoMemory) {
+TEST(ControlCycle, AWorldStepDoesNotAllocate) {
   const Model arm = plausible_model(read_model("psm-3dof"), 1).arm;
   std::vector<WorldArm> arms;
   arms.push_back({arm, std::make_unique<Plant>(arm), identity_pose()});

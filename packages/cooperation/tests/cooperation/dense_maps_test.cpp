@@ -16,7 +16,7 @@ namespace veridyn {
 namespace {
 
 // A damped oscillator over one cycle: exp(A t) and its integral, whatever the scale of time.
-TEST(DenseMaps, AnOscillatorGoesOnAsItsClosedFormDoes) {
+TEST(DenseMaps, AnOscillatorFollowsItsClosedForm) {
   for (const double t : {1e-4, 0.01, 1.0, 40.0}) {
     const double w0 = 3.0, decay = 0.4, w = std::sqrt(w0 * w0 - decay * decay);
     MatrixXd A(2, 2), B(2, 1), transition, input;
@@ -37,7 +37,7 @@ TEST(DenseMaps, AnOscillatorGoesOnAsItsClosedFormDoes) {
 }
 
 // A double integrator has a singular A: position t^2 / 2, velocity t.
-TEST(DenseMaps, ASingularMatrixIsNoTrouble) {
+TEST(DenseMaps, ASingularMatrixIsDiscretisedExactly) {
   MatrixXd A = MatrixXd::Zero(2, 2), transition, input;
   A(0, 1) = 1.0;
   discretise(A, Eigen::Vector2d(0.0, 1.0), 0.3, transition, input);
@@ -67,7 +67,7 @@ TEST(DenseMaps, TheSpectralRadiusIsTheLargestModulus) {
 }
 
 // The first crossing, not a later one; the end where there is none.
-TEST(LoopSearch, TheFirstCrossingIsFound) {
+TEST(LoopSearch, TheFirstRootOfAnIntervalIsFound) {
   const auto rises = [](double x) { return x / 7.3; };
   EXPECT_NEAR(first_crossing(rises, 1.0, 100.0, 20), 7.3, 7.3e-2);
   EXPECT_LE(rises(first_crossing(rises, 1.0, 100.0, 20)), kUnstable);

@@ -12,8 +12,8 @@
 namespace veridyn {
 namespace {
 
-// Two joints: one at an end, the other free. What runs outwards stops there, what comes back goes on.
-TEST(EndStops, AJointBeyondItsEndStopsThere) {
+// Two joints: one at an end, the other free. Outward motion stops there, inward motion continues.
+TEST(EndStops, AJointStopsAtItsEndStop) {
   ModelDescription description = robot("planar-2r").description();
   description.coordinates[0].limits.lower = -1.0;
   description.coordinates[0].limits.upper = 2.0;

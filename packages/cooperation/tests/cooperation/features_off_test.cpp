@@ -6,7 +6,7 @@
 
 #include "veridyn/cooperation/scenario_run.hpp"
 
-// What each feature of a scenario is for: the same run with the feature off is worse. The guard,
+// Each feature of a scenario improves it: the same run with the feature off is worse. The guard,
 // tracking with a damped force law and learned friction are in scenario_run_test.cpp.
 
 namespace veridyn {
@@ -17,7 +17,7 @@ Scenario shipped(const std::string& name) {
 }
 
 // [m] of the leader's tip at the end of a phase, the largest.
-double left_over(const Scenario& scenario) {
+double final_deflection(const Scenario& scenario) {
   const ScenarioRun run = run_scenario(scenario);
   EXPECT_TRUE(run.complete());
   double worst = 0.0;
@@ -40,24 +40,24 @@ double force_at_rest(const Scenario& scenario) {
   return sum / count;
 }
 
-TEST(FeaturesOff, FrictionCompensationAndItsRule) {
+TEST(FeaturesOff, WithoutFrictionCompensationTheTipErrorIsLarger) {
   Scenario s = shipped("stick-slip");
   s.control.friction = 1.0;
-  const double with = left_over(s);
+  const double with = final_deflection(s);
   s.control.friction_rule = FrictionRule::kVelocity;
-  EXPECT_GT(left_over(s), 4.0 * with);  // the thesis's rule without its part at rest
+  EXPECT_GT(final_deflection(s), 4.0 * with);  // the thesis's rule without its part at rest
   s.control.friction = 0.0;
-  EXPECT_GT(left_over(s), 4.0 * with);
+  EXPECT_GT(final_deflection(s), 4.0 * with);
 }
 
-TEST(FeaturesOff, TheObserverOfModelErrors) {
+TEST(FeaturesOff, WithoutTheModelErrorObserverTheErrorStays) {
   Scenario s = shipped("one-arm-moves");
-  const double with = left_over(s);
+  const double with = final_deflection(s);
   s.control.observer = 0.0;
-  EXPECT_GT(left_over(s), 10.0 * with);
+  EXPECT_GT(final_deflection(s), 10.0 * with);
 }
 
-TEST(FeaturesOff, TheImpedanceOfAHeldBody) {
+TEST(FeaturesOff, WithoutItsImpedanceAHeldBodyDeviatesMore) {
   Scenario s = shipped("held-body");
   const ScenarioRun with = run_scenario(s);
   s.bodies[0].impedance_stiffness = 0.0;
@@ -65,8 +65,8 @@ TEST(FeaturesOff, TheImpedanceOfAHeldBody) {
   EXPECT_GT(without.phases[1].body_error, 5.0 * with.phases[1].body_error);
 }
 
-// Two hands that pull by F stretch their grasps, one way each, by F over their stiffness.
-TEST(FeaturesOff, TheInternalForceOfAHeldBody) {
+// Two hands that pull with the force F stretch their grasps, in opposite directions, by F over their stiffness.
+TEST(FeaturesOff, WithoutInternalForceAHeldBodyHasNone) {
   const auto apart = [](double force) {
     Scenario s = shipped("held-body");
     s.model_error = 0.0;
@@ -83,7 +83,7 @@ TEST(FeaturesOff, TheInternalForceOfAHeldBody) {
 }
 
 // The impedance that is moved 15 mm into the tissue comes to rest where both forces are equal.
-TEST(FeaturesOff, TissueThatStiffensWithDepth) {
+TEST(FeaturesOff, WithoutStiffeningTissueIsLinear) {
   Scenario s = shipped("tissue-stiffening");
   const double K = s.walls[0].stiffness, S = s.walls[0].stiffening, k = s.control.stiffness[2];
   ASSERT_GT(S, 0.0);
@@ -121,7 +121,7 @@ Stroke stroke_of(const Scenario& scenario) {
 
 // The tissue drags the tip along its surface. The impedance yields to that by drag / stiffness times
 // the speed where its sensor feels it, and not with a sensor of the normal alone.
-TEST(FeaturesOff, TheFurtherAxesOfAForceSensor) {
+TEST(FeaturesOff, WithoutFurtherSensorAxesSideForcesStayUnseen) {
   Scenario s = shipped("tissue-three-axes");
   const double drag = s.walls[0].drag;
   ASSERT_GT(drag, 0.0);
@@ -137,8 +137,8 @@ TEST(FeaturesOff, TheFurtherAxesOfAForceSensor) {
   EXPECT_LT(std::abs(smooth.lag), 0.3 * with.lag);
 }
 
-// A falling arm puts energy into the spring that nobody planned.
-TEST(FeaturesOff, TheBoundOfAMembersEnergy) {
+// A falling arm puts unplanned energy into the spring.
+TEST(FeaturesOff, WithoutTheEnergyBoundAFallingArmIsNoticedLater) {
   Scenario s = shipped("fault-limp");
   s.control.largest_force_error = 1000.0;
   s.control.largest_energy = 0.01;  // [J]
@@ -152,7 +152,7 @@ TEST(FeaturesOff, TheBoundOfAMembersEnergy) {
 
 // While targets are held an arm yields to more than relief_force; without that the falling arm pulls
 // harder.
-TEST(FeaturesOff, TheForceThatHeldArmsYieldTo) {
+TEST(FeaturesOff, WithoutYieldingTheForceOfAFallIsLarger) {
   Scenario s = shipped("fault-limp");
   const double with = run_scenario(s).largest_force;
   s.control.relief_force = 1000.0;

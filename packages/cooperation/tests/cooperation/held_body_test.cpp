@@ -20,7 +20,7 @@ using Eigen::Vector3d;
 constexpr double kPeriod = 1e-3;
 
 struct Carried {
-  double largest_error = 0.0;  // [m] of the body from its way, after it was taken up
+  double largest_error = 0.0;  // [m] of the body from its path, after it was lifted
   double sag = 0.0;            // [m] at the end
   double way = 0.0;            // [m] that the body went
   bool sound = true;
@@ -141,7 +141,7 @@ TEST(HeldBody, AHeavyObjectNeitherSagsNorLagsWhereItsInertiaIsKnown) {
 }
 
 // A mass that is known to within a tenth leaves a tenth of the sag.
-TEST(HeldBody, AWrongMassIsForgiven) {
+TEST(HeldBody, AWrongMassCausesASmallSag) {
   const Carried off = Carrying(0.45).run();
   ASSERT_TRUE(off.sound);
   EXPECT_LT(off.largest_error, 1.5e-3);

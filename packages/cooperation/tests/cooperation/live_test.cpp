@@ -18,7 +18,7 @@
 #include "cooperation/waiting_lines.hpp"
 #include "veridyn/math/require.hpp"
 
-// Commands by line: what they mean, and that the end of the line holds.
+// Commands by line: their effect, and that the end of the input holds the arms.
 
 namespace veridyn {
 namespace {
@@ -42,7 +42,7 @@ class Given final : public LineSource {
   std::deque<std::string> lines_;
 };
 
-// Each line comes at one of the calls that find nothing: one in every cycle of a wait, two in others.
+// Each line arrives at a given empty call: there is one in every cycle of a wait, and two in other cycles.
 class Timed final : public LineSource {
  public:
   struct Line {
@@ -68,7 +68,7 @@ class Timed final : public LineSource {
   int cycle_ = 0;
 };
 
-// How far the master has moved along x at the reports, [m].
+// Displacement of the leader along x at each report [m].
 struct Way {
   std::vector<double> x;
   LiveReport tell;
@@ -100,7 +100,7 @@ TEST(Live, LinesAreCheckedWordByWord) {
     EXPECT_THROW(parse_live_command(wrong, s), InvalidInput) << wrong;
 }
 
-TEST(Live, LinesOfTheStandardInputEndSomewhere) {
+TEST(Live, StandardInputIsReadInBoundedLines) {
   int ends[2];
   ASSERT_EQ(::pipe(ends), 0);
   const int own = ::dup(STDIN_FILENO);
@@ -117,14 +117,14 @@ TEST(Live, LinesOfTheStandardInputEndSomewhere) {
     EXPECT_TRUE(source->next(line));
     EXPECT_EQ(line, wanted);
   }
-  EXPECT_FALSE(source->next(line));  // the half of a line is none
+  EXPECT_FALSE(source->next(line));  // an incomplete line is not returned
   write(" 0.1\n" + std::string(9000, 'x'));
   EXPECT_TRUE(source->next(line));
   EXPECT_EQ(line, "jog 0 0 0.1");
   EXPECT_TRUE(source->next(line)) << "a line without an end would be read for ever";
   EXPECT_THROW(parse_live_command(line, example("two-arms-spring")), InvalidInput);
   EXPECT_FALSE(source->next(line));
-  write(" stop\nquit");  // the end of what was refused is no command
+  write(" stop\nquit");  // the rest of a refused line is no command
   ::close(ends[1]);
   EXPECT_FALSE(source->closed());
   EXPECT_TRUE(source->next(line));
@@ -142,7 +142,7 @@ TEST(Live, LinesOfTheStandardInputEndSomewhere) {
 }
 
 // The first 1024 bytes of a longer datagram may be a command by chance: "2" for "20" here.
-TEST(Live, ADatagramThatIsTooLongIsNoCommand) {
+TEST(Live, AnOverlongDatagramIsRejected) {
   sockaddr_in at{};
   at.sin_family = AF_INET;
   at.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
@@ -170,7 +170,7 @@ TEST(Live, ADatagramThatIsTooLongIsNoCommand) {
   ::close(hand);
 }
 
-TEST(Live, WhatCannotBeIsRefusedBeforeTheRun) {
+TEST(Live, InvalidCommandsAreRefusedBeforeTheRun) {
   const Scenario s = example("two-arms-spring");
   EXPECT_THROW(open_line_source("tcp:5"), InvalidInput);
   for (double LiveOptions::*one : {&LiveOptions::pace, &LiveOptions::silence, &LiveOptions::hold, &LiveOptions::longest,
@@ -184,8 +184,8 @@ TEST(Live, WhatCannotBeIsRefusedBeforeTheRun) {
   }
 }
 
-// The line stays open, but nobody speaks: a jog ends by itself, a watched line is lost.
-TEST(Live, ASilentHandEndsAJog) {
+// The line stays open but sends nothing: a jog ends by itself, a watched line is lost.
+TEST(Live, AJogEndsWithoutFurtherCommands) {
   class Silent final : public LineSource {
    public:
     bool next(std::string& line) override {
@@ -241,8 +241,8 @@ TEST(Live, CommandsMoveTheObjectAndKeepItsForce) {
   EXPECT_NEAR(force, 5.0, 0.2);
 }
 
-// What no arm can do is refused with the place, and nothing moves.
-TEST(Live, CommandsThatCannotBeCarriedOutAreRefused) {
+// Infeasible commands are refused with the place, and nothing moves.
+TEST(Live, InfeasibleCommandsAreRefused) {
   Given lines({"force spring 5 0.5", "wait 1", "move 5 0 0 0.1", "move 0.08 0 0 0.03", "tighten 1 0.01",
                "force spring 1000 0.1", "jog 100 0 0", "wait 0.5", "quit"});
   std::vector<std::string> refusals;
@@ -256,9 +256,9 @@ TEST(Live, CommandsThatCannotBeCarriedOutAreRefused) {
   EXPECT_EQ(run.state, CooperativeState::kTracking);
 }
 
-// A wait holds up no stop: the move ends when the stop comes, what waited before it is dropped, and what comes after it
-// is carried out. In a script, where nobody can speak in between, it has its turn.
-TEST(Live, AStopWaitsForNothing) {
+// A wait does not delay a stop: the move ends, waiting lines before the stop are dropped, and the lines after it
+// are executed. In a script a stop is executed in order.
+TEST(Live, AStopIsExecutedImmediately) {
   for (const bool script : {false, true}) {
     Timed lines({{0, "move 0.05 0 0 2"}, {0, "wait 3"}, {300, "move -0.05 0 0 1"}, {500, "stop"}, {2500, "move 0 0.01 0 0.5"},
                  {4500, "quit"}}, script);
@@ -284,8 +284,8 @@ TEST(Live, AStopWaitsForNothing) {
   }
 }
 
-// As a program writes its script into a pipe.
-TEST(Live, AStopInOneBreathWithTheLinesBeforeItHasItsTurn) {
+// A program writes its whole script into a pipe at once.
+TEST(Live, AStopSentWithEarlierLinesKeepsItsOrder) {
   Timed lines({{0, "move 0.05 0 0 2"}, {0, "wait 2.5"}, {20, "stop"}, {20, "wait 0.5"}, {20, "quit"}});
   LiveOptions options = at_once();
   options.tell = 0.1;
@@ -297,7 +297,7 @@ TEST(Live, AStopInOneBreathWithTheLinesBeforeItHasItsTurn) {
 }
 
 // A stop ends a jog that a wait keeps alive.
-TEST(Live, AStopEndsAJogThatWaits) {
+TEST(Live, AStopCancelsAWaitingJog) {
   Timed lines({{0, "jog 0.02 0 0"}, {0, "wait 10"}, {300, "  stop "}, {2700, "quit"}});
   LiveOptions options = at_once();
   options.tell = 0.1;
@@ -311,7 +311,7 @@ TEST(Live, AStopEndsAJogThatWaits) {
 }
 
 // A source that never falls silent is not read for ever, and a stop comes through it.
-TEST(Live, AStopComesThroughAFlood) {
+TEST(Live, AStopIsExecutedDuringAFloodOfLines) {
   class Flood final : public LineSource {
    public:
     bool next(std::string& line) override {
@@ -335,7 +335,7 @@ TEST(Live, AStopComesThroughAFlood) {
 }
 
 // In the middle of a move the line ends: everything stops and stays.
-TEST(Live, TheEndOfTheLineHolds) {
+TEST(Live, TheEndOfTheInputHoldsTheArms) {
   Given lines({"force spring 5 0.5", "wait 0.7", "move 0.2 0 0 2", "wait 0.5"});
   const LiveRun run = run_live(example("two-arms-spring"), lines, at_once(), {});
   EXPECT_TRUE(run.lost);

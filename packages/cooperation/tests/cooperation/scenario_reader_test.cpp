@@ -35,7 +35,7 @@ std::string message(const std::string& from, const std::string& to) {
   return refusal([&] { parse_scenario(content, "s.yaml"); });
 }
 
-TEST(ScenarioReader, ReadsWhatIsThere) {
+TEST(ScenarioReader, ReadsEveryKeyOfAScenario) {
   const Scenario s = parse_scenario(kGood, "s.yaml");
   EXPECT_EQ(s.arms.size(), 2U);
   EXPECT_EQ(s.master, 1);
@@ -125,8 +125,8 @@ bodies:
   EXPECT_EQ(s.bodies[1].impedance_stiffness, 0.0);
 }
 
-// Place, what was found, what was expected.
-TEST(ScenarioReader, SaysWhereItIsWrong) {
+// Each message names the place, the found and the expected value.
+TEST(ScenarioReader, NamesTheLineOfAnError) {
   const struct {
     const char* from;
     const char* to;
@@ -217,7 +217,7 @@ TEST(ScenarioReader, ReadsEveryExample) {
 }
 
 // Every member, wall and body has numbers in every cycle: 5000 of them would fill gigabytes.
-TEST(ScenarioReader, TakesTwoHundredOfAKind) {
+TEST(ScenarioReader, AcceptsTwoHundredArmsMembersAndBodies) {
   const std::string rope = "  - {name: rope, kind: string, between: [left, right], stiffness: 2450, damping: 2, sensor: {rate: 500, delay: 0.002}, law: {kind: proportional, gain: 0.1}}\n";
   std::string ropes = rope;
   for (int k = 1; k < 200; ++k) ropes += std::string(rope).replace(rope.find("rope"), 4, "rope" + std::to_string(k));

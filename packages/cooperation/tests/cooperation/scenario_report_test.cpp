@@ -12,7 +12,7 @@
 #include "cooperation/empty_run.hpp"
 #include "veridyn/cooperation/scenario_run.hpp"
 
-// What a run says of itself, on runs made by hand.
+// The report of a run, on runs filled in by hand.
 
 namespace veridyn {
 namespace {
@@ -42,28 +42,28 @@ ScenarioRun good() {
   return run;
 }
 
-bool says(const ScenarioRun& run, const std::string& words) { return run.report().find(words) != std::string::npos; }
+bool report_contains(const ScenarioRun& run, const std::string& words) { return run.report().find(words) != std::string::npos; }
 
-TEST(ScenarioReport, ARunWithoutBoundsIsMetAndSaysNone) {
+TEST(ScenarioReport, ARunWithoutBoundsIsMetAndListsNone) {
   const ScenarioRun run = good();
   EXPECT_TRUE(run.met());
   EXPECT_EQ(run.report().rfind("made up: 2 arms, 1.5 s simulated in 0 s by veridyn.\n", 0), 0U) << run.report();
-  EXPECT_FALSE(says(run, "asked")) << run.report();
-  EXPECT_FALSE(says(run, "held bodies"));
-  EXPECT_TRUE(says(run, "pull: leader at most 2 mm off its way, 1 mm at the end\nLargest force: 5.2 N.\n")) << run.report();
+  EXPECT_FALSE(report_contains(run, "asked")) << run.report();
+  EXPECT_FALSE(report_contains(run, "held bodies"));
+  EXPECT_TRUE(report_contains(run, "pull: leader at most 2 mm off its way, 1 mm at the end\nLargest force: 5.2 N.\n")) << run.report();
 }
 
-TEST(ScenarioReport, OneArmOnBoardsThatNeverBegan) {
+TEST(ScenarioReport, AnArmThatNeverStartedIsReported) {
   ScenarioRun run;
   run.name = "made up";
   run.engine = "boards";
   run.arms = {"left"};
   EXPECT_EQ(run.report().rfind("made up: 1 arm, 0 s on boards.\n", 0), 0U) << run.report();
-  EXPECT_FALSE(says(run, "largest, steady, mean"));
+  EXPECT_FALSE(report_contains(run, "largest, steady, mean"));
 }
 
-// A bound is met where what was reached is the bound itself, and not above it; what is said is what met() finds.
-TEST(ScenarioReport, EveryBoundIsJudgedAndTold) {
+// A bound is met if the reached value is at most the bound; the report agrees with met().
+TEST(ScenarioReport, EveryBoundIsEvaluatedAndReported) {
   struct Bound {
     const char* words;
     double reached;
@@ -85,35 +85,35 @@ TEST(ScenarioReport, EveryBoundIsJudgedAndTold) {
       ScenarioRun run = good();
       bound.ask(run, share * bound.reached);
       EXPECT_EQ(run.met(), share == 1.0) << bound.words << share;
-      EXPECT_TRUE(says(run, bound.words)) << run.report();
-      EXPECT_EQ(says(run, ": met\n") || says(run, ": met.\n"), share == 1.0) << run.report();
-      EXPECT_EQ(says(run, ": NOT met"), share != 1.0) << run.report();
+      EXPECT_TRUE(report_contains(run, bound.words)) << run.report();
+      EXPECT_EQ(report_contains(run, ": met\n") || report_contains(run, ": met.\n"), share == 1.0) << run.report();
+      EXPECT_EQ(report_contains(run, ": NOT met"), share != 1.0) << run.report();
     }
   }
 }
 
-TEST(ScenarioReport, HeldBodiesAreTold) {
+TEST(ScenarioReport, HeldBodiesAreReported) {
   ScenarioRun run = good();
   run.phases[0].body_error = 3e-3;
-  EXPECT_TRUE(says(run, "pull: held bodies at most 3 mm off their way\n")) << run.report();
+  EXPECT_TRUE(report_contains(run, "pull: held bodies at most 3 mm off their way\n")) << run.report();
   EXPECT_TRUE(run.met());
 }
 
-// Of a member that was let go nothing is asked; if there is no other, a bound of forces is not met.
-TEST(ScenarioReport, AForceThatNobodyTrackedMeetsNoBound) {
+// A released member is not evaluated; if there is no other member, a bound of forces is not met.
+TEST(ScenarioReport, AnUntrackedForceMeetsNoBound) {
   for (const bool steady : {false, true}) {
     ScenarioRun run = good();
     run.phases[0].members[0].tracked = false;
     EXPECT_TRUE(run.met());
     (steady ? run.phases[0].asked_steady_error : run.phases[0].asked_force_error) = 1e3;
     EXPECT_FALSE(run.met());
-    EXPECT_TRUE(says(run, "pull: no force was tracked throughout: NOT met\n")) << run.report();
+    EXPECT_TRUE(report_contains(run, "pull: no force was tracked throughout: NOT met\n")) << run.report();
     MemberFigures other = run.phases[0].members[0];
     other.tracked = true;
     other.largest_error = other.steady_error = 0.3;
     run.phases[0].members.push_back(other);
     EXPECT_TRUE(run.met());
-    EXPECT_TRUE(says(run, "within 0.3 N, asked 1e+03 N: met\n")) << run.report();
+    EXPECT_TRUE(report_contains(run, "within 0.3 N, asked 1e+03 N: met\n")) << run.report();
   }
 }
 
@@ -122,33 +122,33 @@ TEST(ScenarioReport, APhaseThatEndedEarlyMeetsNothing) {
   run.phases[0].cut_short = true;
   run.phases[0].duration = 2.5;
   EXPECT_FALSE(run.met());
-  EXPECT_TRUE(says(run, "pull: cut short, 1.5 s of 2.5 s: NOT met\n")) << run.report();
-  EXPECT_FALSE(says(run, "leader at most"));
+  EXPECT_TRUE(report_contains(run, "pull: cut short, 1.5 s of 2.5 s: NOT met\n")) << run.report();
+  EXPECT_FALSE(report_contains(run, "leader at most"));
 }
 
-TEST(ScenarioReport, AnEngineThatStoppedAndAHoldAreTold) {
+TEST(ScenarioReport, AStoppedEngineAndAHoldAreReported) {
   ScenarioRun run = good();
   run.state = CooperativeState::kSensorStuck;
   run.held_at = 0.75;
   EXPECT_TRUE(run.met());
-  EXPECT_TRUE(says(run, std::string("At 0.75 s the controller ") + describe(run.state) + ".\n")) << run.report();
-  EXPECT_FALSE(says(run, "Stopped at"));
+  EXPECT_TRUE(report_contains(run, std::string("At 0.75 s the controller ") + describe(run.state) + ".\n")) << run.report();
+  EXPECT_FALSE(report_contains(run, "Stopped at"));
   run.status = StepStatus::kRanAway;
   run.stopped_at = 1.25;
   EXPECT_FALSE(run.met());
-  EXPECT_TRUE(says(run, std::string("Stopped at 1.25 s: an arm ") + describe(run.status) + ".\n")) << run.report();
+  EXPECT_TRUE(report_contains(run, std::string("Stopped at 1.25 s: an arm ") + describe(run.status) + ".\n")) << run.report();
 }
 
-TEST(ScenarioReport, WhatIsNoNumberMeetsNoBound) {
+TEST(ScenarioReport, NonFiniteFiguresMeetNoBound) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   ScenarioRun run = good();
   run.phases[0].members[0].generated = nan;  // no rate was measured
-  EXPECT_TRUE(says(run, "         -\n")) << run.report();
+  EXPECT_TRUE(report_contains(run, "         -\n")) << run.report();
   run.asked_largest_force = 10.0;
   EXPECT_TRUE(run.met());
   run.largest_force = nan;
   EXPECT_FALSE(run.met());
-  EXPECT_TRUE(says(run, ": NOT met.\n")) << run.report();
+  EXPECT_TRUE(report_contains(run, ": NOT met.\n")) << run.report();
 }
 
 // As many fields as names, in one order: joints arm by arm, tips by name, members, then sensors of three axes.
@@ -200,7 +200,7 @@ TEST(ScenarioReport, TheFileHasTheHeaderAndEveryRow) {
 }
 
 // A run that ends early keeps the rows that it has, of every signal.
-TEST(ScenarioReport, WhatIsCutHasOneLength) {
+TEST(ScenarioReport, ATruncatedRunHasEqualLengths) {
   Scenario s;
   s.arms.resize(1);
   s.arms[0].start = VectorXd::Zero(2);
@@ -209,7 +209,7 @@ TEST(ScenarioReport, WhatIsCutHasOneLength) {
   s.walls[0].sensor_axes = 3;
   s.bodies.resize(1);
   ScenarioRun run = empty_run(s, "veridyn", 5);
-  cut(run, 3);
+  keep_first_rows(run, 3);
   EXPECT_EQ(run.time.size(), 3);
   for (const MatrixXd* m : {&run.arm[0].q, &run.arm[0].dq, &run.arm[0].tau, &run.arm[0].tip, &run.arm[0].motion, &run.arm[0].target,
                             &run.member[1].axes, &run.body[0].position, &run.body[0].wanted})

@@ -13,7 +13,7 @@
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/math/require.hpp"
 
-// The thesis's experiments, at the figures that were asked for.
+// The thesis's experiments, with their required figures.
 
 namespace veridyn {
 namespace {
@@ -56,7 +56,7 @@ TEST(ScenarioRun, AnImpedanceSlaveKeepsTheForceInASpringAndAString) {
 }
 
 // Without the damping of the force loop that the thesis lacked, the string is worse or not held.
-TEST(ScenarioRun, TheDampingOfTheForceLoopIsWhatHoldsTheString) {
+TEST(ScenarioRun, TheStringNeedsTheDampingOfTheForceLoop) {
   Scenario s = example("two-arms-string");
   s.phases.resize(2);
   s.members[0].law.damping = s.members[0].law.proportional = 0.0;
@@ -65,7 +65,7 @@ TEST(ScenarioRun, TheDampingOfTheForceLoopIsWhatHoldsTheString) {
               phase(run, "move").largest_force_error() > 0.1);
 }
 
-TEST(ScenarioRun, PositionBasedTrackingSwingsWithTheNarrowDeadbandOnly) {
+TEST(ScenarioRun, PositionBasedTrackingOscillatesOnlyWithANarrowDeadband) {
   const ScenarioRun narrow = run_scenario(example("position-limit-cycle"));
   const ScenarioRun wide = run_scenario(example("position-stable"));
   for (const char* name : {"tension", "move"}) {
@@ -82,7 +82,7 @@ TEST(ScenarioRun, PositionBasedTrackingSwingsWithTheNarrowDeadbandOnly) {
 
 // Half of the friction is known: after ten strokes, and from then on, the tip is within 10 % as near
 // to its way as with all of it. Without the observer of model errors, which would hide friction.
-TEST(ScenarioRun, FrictionThatIsHalfKnownIsLearnedInTenStrokes) {
+TEST(ScenarioRun, HalfKnownFrictionIsEstimatedInTenStrokes) {
   const auto later_strokes = [](double friction, bool adaptive) {
     Scenario s = example("adaptive-friction");
     s.control.friction = friction;
@@ -102,7 +102,7 @@ TEST(ScenarioRun, FrictionThatIsHalfKnownIsLearnedInTenStrokes) {
   EXPECT_GT(later_strokes(0.5, false), 1.5 * known);
 }
 
-TEST(ScenarioRun, LearnedFrictionIsWhatTheExampleNeeds) {
+TEST(ScenarioRun, TheExampleNeedsAdaptiveFriction) {
   Scenario s = example("adaptive-friction");
   EXPECT_TRUE(run_scenario(s).met());
   s.control.adaptive_friction = false;
@@ -162,7 +162,7 @@ TEST(ScenarioRun, AFallingArmDoesNotJerkTheString) {
 // A base that is believed turned by `t` about the members' line turns the arm's motion by -t: a move
 // of d across the line ends d sin t beside the others'. Along the line the force loop takes it away.
 // A shift of the base changes no motion at all.
-TEST(ScenarioRun, AWrongBaseShowsInPlacesAndNotInForces) {
+TEST(ScenarioRun, AWrongBaseAffectsPositionsAndNotForces) {
   constexpr double kTurn = 0.05, kWay = 0.03;
   const auto moved = [&](const Eigen::Vector3d& turn, const Eigen::Vector3d& shift) {
     Scenario s = example("two-arms-spring");
@@ -218,8 +218,8 @@ TEST(ScenarioRun, TheSameSeedGivesTheSameRun) {
   EXPECT_NE(a.member[0].force, c.member[0].force);
 }
 
-// What a phase says of its end is of its last row, and of its last fifth; not of the phase before or after.
-TEST(ScenarioRun, FiguresOfAPhasesEndAreOfItsLastRows) {
+// The final figures of a phase are those of its last row and its last fifth, not of the phase before or after.
+TEST(ScenarioRun, FinalFiguresOfAPhaseAreThoseOfItsLastRows) {
   const Scenario s = example("two-arms-spring");
   const ScenarioRun run = run_scenario(s);
   const ArmTrace& leader = run.arm[s.master];
@@ -248,11 +248,11 @@ TEST(ScenarioRun, EverySensorHasNoiseOfItsOwn) {
 }
 
 // The tissue's drag slows a planned tip as it slows a real one: it lags by the drag over the stiffness, times the speed.
-TEST(MotionPlan, TheDragOfTissueHoldsATipBack) {
+TEST(MotionPlan, TissueDragSlowsATip) {
   const Scenario s = example("tissue-three-axes");
   const ScenarioModels models = scenario_models(s, 0);
   MotionPlan plan(s, {{models.known, models.R_world_base_known, models.p_world_base_known, VectorXd::Constant(3, 1e3)}});
-  MotionPlan::State state = plan.standing({s.arms[0].start});
+  MotionPlan::State state = plan.initial_state({s.arms[0].start});
   ASSERT_EQ(plan.play(state, s.phases[0].commands, s.phases[0].duration), "");
   const Eigen::Vector3d before = state.seen.position[0];
   ASSERT_EQ(plan.play(state, s.phases[1].commands, 0.5 * s.phases[1].commands[0].over), "");
@@ -262,9 +262,9 @@ TEST(MotionPlan, TheDragOfTissueHoldsATipBack) {
   EXPECT_NEAR(behind, expected, 0.2 * expected);
 }
 
-// A tip that moves on a straight line past the remote centre: what the plan says the motors need is the inverse dynamics
+// A tip that moves on a straight line past the remote centre: the torques of the plan are the inverse dynamics
 // of its joints' own second differences, to 5 % on either side.
-TEST(MotionPlan, NeedsTheTorquesOfTheJointsAccelerations) {
+TEST(MotionPlan, RequiresTheInverseDynamicsTorquesOfTheMotion) {
   Scenario s = example("tissue-three-axes");
   s.walls.clear();
   const ScenarioModels models = scenario_models(s, 0);
@@ -280,7 +280,7 @@ TEST(MotionPlan, NeedsTheTorquesOfTheJointsAccelerations) {
   across.over = 0.7;
   constexpr double kEvery = 0.02;  // [s]
   MotionPlan strong = plan_of(VectorXd::Constant(3, 1e6));
-  MotionPlan::State state = strong.standing({s.arms[0].start});
+  MotionPlan::State state = strong.initial_state({s.arms[0].start});
   ASSERT_EQ(strong.play(state, {across}, kEvery), "");
   std::vector<VectorXd> q{state.q[0]};
   for (double t = kEvery; t < across.over; t += kEvery) {
@@ -293,19 +293,19 @@ TEST(MotionPlan, NeedsTheTorquesOfTheJointsAccelerations) {
     const VectorXd ddq = (q[k + 1] - 2.0 * q[k] + q[k - 1]) / (kEvery * kEvery);
     most = most.cwiseMax(inverse_dynamics(arm, q[k], dq, ddq).cwiseAbs());
   }
-  EXPECT_EQ(plan_of(1.05 * most).take(plan_of(most).standing({s.arms[0].start}), across), "");
+  EXPECT_EQ(plan_of(1.05 * most).check_command(plan_of(most).initial_state({s.arms[0].start}), across), "");
   for (int i = 0; i < 3; ++i) {
     VectorXd torque = 1.05 * most;
     torque[i] = 0.95 * most[i];
     MotionPlan weak = plan_of(torque);
-    const std::string why = weak.take(weak.standing({s.arms[0].start}), across);
+    const std::string why = weak.check_command(weak.initial_state({s.arms[0].start}), across);
     EXPECT_NE(why.find("joint " + arm.coordinates()[i].name), std::string::npos) << why;
     EXPECT_NE(why.find("would need"), std::string::npos) << why;
   }
 }
 
-// A point at which no force is tracked tells nothing of the loop: it is not stable.
-TEST(ScenarioSweep, WhereNothingIsTrackedNothingIsStable) {
+// A point at which no force is tracked does not count as stable.
+TEST(ScenarioSweep, APointWithoutTrackingIsNotCountedAsStable) {
   Scenario s = example("two-arms-string");
   s.phases.resize(1);
   s.phases[0].duration = 0.1;
@@ -322,7 +322,7 @@ TEST(ScenarioSweep, WhereNothingIsTrackedNothingIsStable) {
   EXPECT_NE(map.points[0].ended, "");
 }
 
-TEST(ScenarioSweep, FindsWhereTheLoopIsStable) {
+TEST(ScenarioSweep, FindsTheStableRegionOfTheLoop) {
   Scenario s = example("two-arms-string");
   s.phases.resize(2);
   s.sweep.stiffness = {2450.0, 50000.0};
@@ -336,7 +336,7 @@ TEST(ScenarioSweep, FindsWhereTheLoopIsStable) {
   EXPECT_FALSE(map.at(1, 1, 0).stable);
   EXPECT_EQ(map.stable_delay(0, 0), 0.005);
   EXPECT_EQ(map.stable_delay(1, 0), 0.0);
-  // Where stable, nothing beyond sensor noise is made: 1 uJ. Where not, more, until all is held.
+  // A stable loop generates no energy beyond sensor noise: 1 uJ. An unstable one does, until targets are held.
   EXPECT_LT(map.largest_generated_where_stable(), 1e-6);
   EXPECT_GT(map.at(1, 1, 0).generated, 5e-6);
   s.sweep = {};
@@ -344,7 +344,7 @@ TEST(ScenarioSweep, FindsWhereTheLoopIsStable) {
 }
 
 // A loop far faster than its cycles throws its arm out: the run ends there with the rows until then, and of the phases after
-// that nothing is told; nor of one that begins there.
+// that there are no figures, nor for one that begins there.
 TEST(ScenarioRun, EndsWhereAnArmRunsAway) {
   Scenario s = example("one-arm-moves");
   s.control.position_frequency = 1e3;
@@ -367,7 +367,7 @@ TEST(ScenarioRun, EndsWhereAnArmRunsAway) {
   EXPECT_FALSE(split.phases[0].cut_short);
 }
 
-TEST(ScenarioRun, TellsHowFarItIs) {
+TEST(ScenarioRun, ReportsItsProgress) {
   Scenario s = example("two-arms-spring");
   s.phases.resize(2);
   s.phases[0].duration = 1.25;
@@ -380,7 +380,7 @@ TEST(ScenarioRun, TellsHowFarItIs) {
   EXPECT_EQ(told, (std::vector<double>{0.0, 0.25, 0.5, 0.75}));
 }
 
-TEST(ScenarioRun, SaysWhatIsWrongWithAnArm) {
+TEST(ScenarioRun, NamesTheInvalidSettingOfAnArm) {
   Scenario s = example("two-arms-spring");
   s.arms[0].start[2] = 0.9;
   EXPECT_THROW(run_scenario(s), InvalidInput);

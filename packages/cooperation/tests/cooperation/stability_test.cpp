@@ -32,7 +32,7 @@ Scenario example(const std::string& name) {
   return read_scenario(std::string(VERIDYN_SOURCE_DIR) + "/examples/cooperate/" + name + ".yaml");
 }
 
-// The example without dry friction, encoder steps and noise: what a linear loop can be equal to.
+// The example without dry friction, encoder steps and noise, which a linear loop can match.
 class WithoutFriction : public testing::Test {
  protected:
   Scenario smooth(const std::string& name) {
@@ -63,7 +63,7 @@ class WithoutFriction : public testing::Test {
 // How the true force answers a small step of the wanted one, cycle by cycle: from the difference of
 // two simulations, and from the linear loop. Sensors of the loop's own rate, of half of it and of
 // two fifths and of a fortieth, delays that are no whole cycles, a lag of the motors and a filter of the force.
-TEST_F(WithoutFriction, TheLinearCycleIsTheSimulatedOne) {
+TEST_F(WithoutFriction, TheLinearCycleMatchesTheSimulatedOne) {
   struct Case {
     const char* name;
     double stiffness, delay, sensor_rate, motor_lag, force_cutoff;
@@ -115,13 +115,13 @@ TEST_F(WithoutFriction, TheLinearCycleIsTheSimulatedOne) {
       off = std::max(off, std::abs(simulated - linear));
     }
     EXPECT_GT(largest, 0.2 * kStep);
-    // The pose of rest is the planned one, off the true one by what arms and object give way.
+    // The planned pose of rest differs from the true one by the deflection of arms and object.
     EXPECT_LT(off, 0.03 * largest) << off / largest;
   }
 }
 
 // The simulated force swings as often, in its last second, and as far but for what one increment stretches the spring by.
-TEST_F(WithoutFriction, ALoopWithANarrowDeadbandSwingsAsItsLinearOne) {
+TEST_F(WithoutFriction, ALoopWithANarrowDeadbandOscillatesLikeItsLinearModel) {
   const Scenario s = smooth("position-limit-cycle");
   const DeadbandSwing linear = deadband_swing(rest_points(s).back().loop, s, 0);
   ASSERT_TRUE(linear.swings);
@@ -134,7 +134,7 @@ TEST_F(WithoutFriction, ALoopWithANarrowDeadbandSwingsAsItsLinearOne) {
   EXPECT_NEAR(linear.frequency, 0.5 * turns, 0.1 * turns);
 }
 
-// At its margins the loop is on the unit circle, by another way to the same eigenvalues.
+// At its margins the loop is on the unit circle, by another computation of the same eigenvalues.
 TEST(Stability, AtItsMarginsTheLoopIsOnTheUnitCircle) {
   const Scenario s = example("two-arms-spring");
   const StabilityAnalysis a = analyse_stability(s);
@@ -163,7 +163,7 @@ TEST(Stability, AtItsMarginsTheLoopIsOnTheUnitCircle) {
 }
 
 // Thesis 7.7.3, figure 7.10: a deadband of 0.2 N swings, 0.4 N does not.
-TEST(Stability, TheThesissDeadbandsSwingAsItFound) {
+TEST(Stability, TheDeadbandsOfTheThesisOscillateAsPublished) {
   const StabilityAnalysis narrow = analyse_stability(example("position-limit-cycle"));
   const StabilityAnalysis wide = analyse_stability(example("position-stable"));
   ASSERT_EQ(narrow.deadbands.size(), 1U);
@@ -173,10 +173,10 @@ TEST(Stability, TheThesissDeadbandsSwingAsItFound) {
   EXPECT_TRUE(wide.stable);
 }
 
-// The gain from a missing torque to accelerations, by another way: responses to a pulse on each joint in each cycle of a
+// The gain from a missing torque to accelerations, by another computation: responses to a pulse on each joint in each cycle of a
 // hyperperiod, transformed. No frequency exceeds the gain; the gain exceeds the largest singular value by less than the
 // Frobenius norm does.
-TEST(Stability, TheGainOfMissingTorquesIsThatOfThePulseResponses) {
+TEST(Stability, TheGainFromTorqueErrorsIsThatOfThePulseResponses) {
   struct Case {
     const char* name;
     double sensor_rate;
@@ -223,7 +223,7 @@ TEST(Stability, TheGainOfMissingTorquesIsThatOfThePulseResponses) {
 
 // The stiffness that a force on the tip adds is the slope of -J' f, with f on the true arm and -f, exerted, on the known one;
 // sliding slowly, only viscous friction grows with speed.
-TEST(LinearArm, HasTheSlopeOfItsForcesAndTheDragOfItsFriction) {
+TEST(LinearArm, HasTheJacobianOfItsForcesAndItsFrictionDamping) {
   const Scenario s = example("two-arms-spring");
   const ScenarioModels models = scenario_models(s, 1);
   const Eigen::Vector3d q(0.2, -0.4, 0.14), force(30.0, -20.0, 50.0), none = Eigen::Vector3d::Zero();
@@ -262,7 +262,7 @@ TEST(Stability, ParametersAndRangesAreChecked) {
 }
 
 // Below half of the intervals a corner may be unstable already, or with exact parameters.
-TEST(Stability, TheFactorOfTheIntervalsIsBelowAHalfWhereTheLoopIsUnstableThere) {
+TEST(Stability, TheIntervalFactorIsBelowAHalfIfTheLoopIsUnstableThere) {
   constexpr int kSamples = 2;
   constexpr double kResolution = 0.5 / 4096.0;  // twelve halvings
   const Scenario unstable = with_parameter(example("gazebo-y"), "stiffness", 1e6);
@@ -298,8 +298,8 @@ TEST(Stability, TheFactorOfTheIntervalsIsBelowAHalfWhereTheLoopIsUnstableThere) 
   EXPECT_THROW(bound_stability(near_it, 0, 1), InvalidInput);
 }
 
-// Numbers that overflow before the last second show no correction in it.
-TEST(Stability, ALoopThatDivergesWithoutItsIncrementsSwings) {
+// If numbers overflow before the last second, the amplitude is infinite.
+TEST(Stability, ALoopThatIsUnstableWithoutEncoderStepsOscillatesWithThem) {
   const Scenario s = with_parameter(example("position-stable"), "law_damping", 50.0);
   const LinearPoint point = rest_points(s).back().loop;
   ASSERT_GT(loop_radius(point, s), 1.1);
@@ -308,7 +308,7 @@ TEST(Stability, ALoopThatDivergesWithoutItsIncrementsSwings) {
   EXPECT_TRUE(std::isinf(swing.amplitude));
 }
 
-TEST(SamplePattern, IsExactWhereItIsShortAndNearWhereItIsNot) {
+TEST(SamplePattern, IsExactForShortPeriodsAndApproximateForLongOnes) {
   struct Case {
     std::vector<double> given;
     int cycles;
@@ -337,7 +337,7 @@ TEST(SamplePattern, IsExactWhereItIsShortAndNearWhereItIsNot) {
 
 // A sensor of a 40th of the loop's rate is analysed as it is, and the map of its pattern, of which powers are taken, is
 // the product of its cycles. It bears less than the same sensor of a 24th.
-TEST(Stability, ASlowSensorIsAnalysedAsItIs) {
+TEST(Stability, ASlowSensorIsAnalysedAtItsOwnRate) {
   const Scenario s = with_parameter(example("gazebo-y"), "sensor_rate", 10.0);
   const LinearPoint point = rest_points(s).back().loop;
   const ClosedLoop loop(point, s, {});
@@ -356,8 +356,8 @@ TEST(Stability, ASlowSensorIsAnalysedAsItIs) {
   EXPECT_LT(limit(5.0), 0.9 * limit(10.0));
 }
 
-// Rates that are replaced are told; a sensor that hardly ever speaks is refused.
-TEST(Stability, SensorsThatAreReplacedAreTold) {
+// Replaced rates are reported; a sensor of a very low rate is refused.
+TEST(Stability, ReplacedSensorRatesAreReported) {
   Scenario s = with_parameter(example("two-arms-spring"), "sensor_rate", 970.0);
   s.phases.resize(1);
   const StabilityAnalysis a = analyse_stability(s);
@@ -370,7 +370,7 @@ TEST(Stability, SensorsThatAreReplacedAreTold) {
   EXPECT_TRUE(refuses_with("one sample in 2000 cycles", [&] { analyse_stability(with_parameter(s, "sensor_rate", 0.5)); }));
 }
 
-// Where no stiffness below the scenario's own is stable the ones above are searched; where none is at all, that is said.
+// Where no stiffness below the scenario's own is stable the ones above are searched; if there is none at all, this is reported.
 TEST(Stability, StableStiffnessesAboveTheScenariosOwnAreFound) {
   Scenario s = example("gazebo-y");
   s.control.force_cutoff = 106.0;
@@ -395,7 +395,7 @@ TEST(Stability, StableStiffnessesAboveTheScenariosOwnAreFound) {
 }
 
 // Where nothing ever moves no simulation swings, however stiff the object: dry friction holds up to the end of the search.
-TEST(Stability, WhatNeverSwingsIsStableUpToTheEndOfTheSearch) {
+TEST(Stability, ALoopWithoutALimitIsStableUpToTheEndOfTheSearch) {
   Scenario s = example("gazebo-y");
   s.encoder = "none";
   s.model_error = 0.0;

@@ -53,7 +53,7 @@ class TeleoperationReader : public testing::Test {
   std::string path_ = testing::TempDir() + "veridyn_led_" + std::to_string(::getpid()) + ".yaml";
 };
 
-TEST_F(TeleoperationReader, ReadsWhatIsThere) {
+TEST_F(TeleoperationReader, ReadsEveryKey) {
   const TeleoperationScenario s = read_teleoperation(write(kLed));
   EXPECT_EQ(s.leader, 0);
   EXPECT_EQ(s.follower, 1);
@@ -76,14 +76,14 @@ TEST_F(TeleoperationReader, ReadsWhatIsThere) {
   EXPECT_TRUE(s.steps[2].clutch);
 }
 
-TEST_F(TeleoperationReader, AStepMayBeTheClutchAlone) {
+TEST_F(TeleoperationReader, AStepMayConsistOfTheClutchAlone) {
   const TeleoperationScenario s = read_teleoperation(write(changed("hand: [-0.03, 0, 0], clutch: out", "clutch: out")));
   EXPECT_EQ(s.steps[1].way.norm(), 0.0);
   EXPECT_FALSE(s.steps[1].clutch);
 }
 
 // The hand rests where no steps are given, and the options are those of the header.
-TEST_F(TeleoperationReader, WhatIsNotGivenHasItsDefault) {
+TEST_F(TeleoperationReader, MissingKeysHaveTheirDefaults) {
   const std::string whole = kLed;
   const TeleoperationScenario s = read_teleoperation(write(whole.substr(0, whole.find("  scale"))));
   const TeleoperationOptions usual;
@@ -99,7 +99,7 @@ TEST_F(TeleoperationReader, WhatIsNotGivenHasItsDefault) {
 }
 
 // However YAML lets the key be written; not where the word is no key of the file.
-TEST_F(TeleoperationReader, TheKeyIsFoundAsYamlHasIt) {
+TEST_F(TeleoperationReader, TeleoperationFilesAreRecognisedByTheirKey) {
   for (const char* key : {"teleoperation:", "\"teleoperation\":", "teleoperation :", "? teleoperation\n:"})
     EXPECT_TRUE(is_teleoperation(write(changed("teleoperation:", key)))) << key;
   EXPECT_TRUE(is_teleoperation(write("{teleoperation: {leader: a}}")));
@@ -110,7 +110,7 @@ TEST_F(TeleoperationReader, TheKeyIsFoundAsYamlHasIt) {
   EXPECT_FALSE(is_teleoperation("/no/such/file"));
 }
 
-TEST_F(TeleoperationReader, SaysWhereItIsWrong) {
+TEST_F(TeleoperationReader, NamesTheLineOfAnError) {
   const struct {
     const char* from;
     const char* to;

@@ -38,7 +38,7 @@ inline BoardCooperationRun on_emulated_boards(const Scenario& scenario,
   options.stepped = stepped;
   options.faults = faults;
   options.hold = 0.4;
-  options.rehearsed = false;  // tests of what happens, not of what is asked for
+  options.rehearsed = false;  // the tests inspect the run itself, whether or not its bounds are met
   std::atomic<bool> stop{false};
   return run_on_boards(scenario, patient_side(scenario.arms.size()), options, stop);
 }

@@ -48,7 +48,7 @@ TEST(BoardCooperation, TwoArmsKeepTheForceInASpring) {
   EXPECT_NEAR(spring.rate.sum() / scenario.control.rate,
               (spring.force[rows - 1] - spring.force[0]) / scenario.members[0].stiffness, 2e-5);
   EXPECT_GT(spring.rate.cwiseAbs().maxCoeff(), 1e-4);
-  // The master has gone where it was sent, as its own encoders tell: along x of the world, which
+  // The leader has reached its target by its own encoders: along x of the world, which
   // is x of its base.
   const MatrixXd& tip = done.run.arm[0].tip;
   EXPECT_NEAR(tip(tip.rows() - 1, 0) - tip(0, 0), 0.01, 2e-4);
@@ -77,7 +77,7 @@ TEST(BoardCooperation, TheSameRunTwiceIsTheSame) {
 
 // In the machine's own time, which may be short: either the run is done and the force kept, or the
 // watchdogs and the supervisors have stopped all. In both cases power is off and the force is small.
-TEST(BoardCooperation, InRealTimeItEndsInADefinedWay) {
+TEST(BoardCooperation, InRealTimeItEndsWithADefinedStatus) {
   Scenario scenario = board_example("two-psm-spring");
   scenario.phases.resize(1);
   scenario.phases[0].duration = 0.6;
@@ -104,7 +104,7 @@ TEST(BoardCooperation, InRealTimeItEndsInADefinedWay) {
   EXPECT_EQ(done.run.time.size(), 600);
 }
 
-TEST(BoardCooperation, APhaseThatIsCutShortIsNotMet) {
+TEST(BoardCooperation, ATruncatedPhaseIsNotMet) {
   Scenario scenario = board_example("two-psm-spring");
   scenario.phases.resize(1);
   scenario.phases[0].asked_force_error = 100.0;
@@ -117,7 +117,7 @@ TEST(BoardCooperation, APhaseThatIsCutShortIsNotMet) {
   EXPECT_EQ(done.report().find("tension: force within"), std::string::npos) << done.report();
 }
 
-TEST(BoardCooperation, SaysWhatDoesNotFit) {
+TEST(BoardCooperation, NamesTheMismatchOfArmsAndScenario) {
   const Scenario scenario = board_example("two-psm-spring");
   BoardCooperationOptions options;
   std::atomic<bool> stop{false};
@@ -151,7 +151,7 @@ TEST(BoardCooperation, AnArmPressesOnTissueAsItsImpedanceAllows) {
 
 // The same with a sensor of three axes under tissue that drags: what the boards' loop has measured is
 // what the emulated tissue does, whatever the tip's orientation.
-TEST(BoardCooperation, ASensorOfThreeAxesOnEmulatedBoards) {
+TEST(BoardCooperation, AThreeAxisSensorWorksOnEmulatedBoards) {
   Scenario scenario = board_example("two-psm-tissue");
   scenario.walls[0].sensor_axes = 3;
   scenario.walls[0].drag = 60.0;
@@ -189,7 +189,7 @@ class Lines final : public LineSource {
 };
 
 // Boards by a stepped clock that are driven by lines, as fast as this machine computes.
-BoardCooperationOptions by_lines(LineSource& lines) {
+BoardCooperationOptions line_options(LineSource& lines) {
   BoardCooperationOptions options;
   options.emulate = emulate_boards;
   options.stepped = true;
@@ -199,12 +199,12 @@ BoardCooperationOptions by_lines(LineSource& lines) {
   return options;
 }
 
-TEST(BoardCooperation, CommandsByLineMoveTheArmsAndTheirLossLetsGo) {
+TEST(BoardCooperation, CommandsByLineMoveTheArmsAndALostLineReleasesThem) {
   const Scenario scenario = board_example("two-psm-spring");
   for (const bool quits : {true, false}) {
     Lines lines({"force spring 2 0.8", "wait 1", "leap 1", "move 0.005 0 0 0.5", "wait 0.8",
                  quits ? "quit" : "alive"});
-    BoardCooperationOptions options = by_lines(lines);
+    BoardCooperationOptions options = line_options(lines);
     std::vector<std::string> states, refusals;
     options.live_report.state = [&](const std::string& line) { states.push_back(line); };
     options.live_report.refused = [&](const std::string& line) { refusals.push_back(line); };
@@ -228,7 +228,7 @@ TEST(BoardCooperation, CommandsByLineMoveTheArmsAndTheirLossLetsGo) {
 }
 
 // A wait holds up no stop on boards either.
-TEST(BoardCooperation, AStopWaitsForNothing) {
+TEST(BoardCooperation, AStopIsExecutedImmediately) {
   class Timed final : public LineSource {
    public:
     bool next(std::string& line) override {
@@ -246,7 +246,7 @@ TEST(BoardCooperation, AStopWaitsForNothing) {
    private:
     int next_ = 0, cycle_ = 0;
   } lines;
-  BoardCooperationOptions options = by_lines(lines);
+  BoardCooperationOptions options = line_options(lines);
   std::vector<double> x;
   std::vector<std::string> refusals;
   options.live_report.state = [&](const std::string& line) { x.push_back(std::atof(line.c_str() + line.find("master=") + 7)); };
@@ -277,7 +277,7 @@ class Cell final : public ForceSource {
   };
   Cell(const Speech& speech, int& polls) : speech_(speech), polls_(polls) {}
   int poll() noexcept override {
-    fresh_ = !fresh_;  // the channel asks until nothing more is there
+    fresh_ = !fresh_;  // the channel polls until there is nothing more
     if (!fresh_) return 0;
     ++polls_;
     line_ = polls_ >= speech_.from && polls_ < speech_.until ? speech_.line(polls_) : Line::kNothing;
@@ -288,7 +288,7 @@ class Cell final : public ForceSource {
     if (line_ == Line::kBeyond) return 1e300;
     return (speech_.stuck ? 0.25 : 1e-3 * (polls_ % 7)) + (line_ == Line::kSpike ? speech_.spike : 0.0);
   }
-  long refused() const noexcept override { return refused_; }
+  long rejected_readings() const noexcept override { return refused_; }
 
  private:
   Speech speech_;
@@ -304,8 +304,8 @@ struct Heard {
   int polls = 0;
 };
 
-// Two arms that shall do nothing but stand, with that cell.
-Heard with_cell(const Cell::Speech& speech) {
+// Two arms at rest, with that load cell.
+Heard run_with_cell(const Cell::Speech& speech) {
   Scenario scenario = board_example("two-psm-spring");
   scenario.phases.resize(1);
   scenario.phases[0].duration = 0.5;
@@ -328,30 +328,30 @@ Heard with_cell(const Cell::Speech& speech) {
   return out;
 }
 
-TEST(BoardCooperation, NoPowerBeforeEverySensorHasSpokenForAWhile) {
+TEST(BoardCooperation, NoPowerBeforeEverySensorIsSteady) {
   const int never = 1 << 30;
   for (const auto& [speech, words] : std::vector<std::pair<Cell::Speech, std::string>>{
            {{never}, "waits for its first reading"},
            {{0, never, true}, "is stuck"},
            {{0, 100}, "is dead"}}) {
-    const Heard heard = with_cell(speech);
+    const Heard heard = run_with_cell(speech);
     EXPECT_NE(heard.refusal.find("no power"), std::string::npos) << heard.run.report();
     EXPECT_NE(heard.refusal.find("udp:5999 of member 'spring' " + words), std::string::npos) << heard.refusal;
     EXPECT_LT(heard.polls, 600);  // the patience, and not a run
   }
-  const Heard sound = with_cell({});
+  const Heard sound = run_with_cell({});
   EXPECT_EQ(sound.refusal, "");
   EXPECT_EQ(sound.run.end, BoardEnd::kDone) << sound.run.report();
-  // One that speaks late is waited for.
-  EXPECT_EQ(with_cell({150}).run.end, BoardEnd::kDone);
+  // The run waits for a sensor that starts late.
+  EXPECT_EQ(run_with_cell({150}).run.end, BoardEnd::kDone);
 }
 
-// A sensor that gives 25, 50 or 200 readings where the scenario counts on 500.
+// A sensor that gives 25, 50 or 200 readings a second where the scenario assumes 500.
 TEST(BoardCooperation, ASlowSensorIsNamedBeforePower) {
   for (const int every : {40, 20, 5}) {
     Cell::Speech speech;
     speech.line = [every](int poll) { return poll % every == 0 ? Cell::Line::kReading : Cell::Line::kNothing; };
-    const Heard heard = with_cell(speech);
+    const Heard heard = run_with_cell(speech);
     EXPECT_NE(heard.refusal.find("no power"), std::string::npos) << heard.run.report();
     EXPECT_NE(heard.refusal.find("readings per second"), std::string::npos) << heard.refusal;
     EXPECT_NE(heard.refusal.find("the scenario counts on 500"), std::string::npos) << heard.refusal;
@@ -361,7 +361,7 @@ TEST(BoardCooperation, ASlowSensorIsNamedBeforePower) {
 
 // Whatever `loadcell read` finds wrong with a line ends a run, in its words and within 20 ms of silence
 // or of the first readings of that kind.
-TEST(BoardCooperation, EveryStateOfASensorsLineHoldsAllUnderPower) {
+TEST(BoardCooperation, EverySensorFaultHoldsAllArmsUnderPower) {
   using Line = Cell::Line;
   struct Case {
     const char* words;
@@ -377,25 +377,25 @@ TEST(BoardCooperation, EveryStateOfASensorsLineHoldsAllUnderPower) {
       {"jumps from one reading to the next", [](int k) { return k == 0 ? Line::kSpike : Line::kReading; }},
       {"reading jumps", [](int k) { return k == 0 ? Line::kSpike : Line::kReading; }, 0.02, 1.5},
   };
-  const int at = with_cell({}).polls - 700;  // of the 500 cycles of the phase and 400 behind them
+  const int at = run_with_cell({}).polls - 700;  // of the 500 cycles of the phase and 400 behind them
   for (const Case& one : cases) {
     Cell::Speech speech;
     speech.spike = one.spike;
     speech.line = [&](int poll) { return poll < at ? Line::kReading : one.line(poll - at); };
-    const Heard heard = with_cell(speech);
+    const Heard heard = run_with_cell(speech);
     EXPECT_EQ(heard.refusal, "");
     EXPECT_EQ(heard.run.end, BoardEnd::kFault) << one.words;
     EXPECT_NE(heard.run.why.find(one.words), std::string::npos) << heard.run.why;
     EXPECT_NEAR(heard.run.fault_at, 0.2 + 0.5 * one.within, 0.5 * one.within + 0.002) << one.words;
     EXPECT_EQ(heard.run.power, OffState::kConfirmed);
   }
-  // A lost byte now and then is none of these.
+  // An occasional lost byte is no fault.
   Cell::Speech speech;
   speech.line = [](int poll) { return poll % 50 == 0 ? Line::kUnusable : Line::kReading; };
-  EXPECT_EQ(with_cell(speech).run.end, BoardEnd::kDone);
+  EXPECT_EQ(run_with_cell(speech).run.end, BoardEnd::kDone);
 }
 
-// Commands that no arm can carry out, and what must be said of each.
+// Infeasible commands, with the required words of each refusal.
 struct Infeasible {
   const char* line;
   const char* why;
@@ -412,9 +412,9 @@ const Infeasible kInfeasible[] = {
     {"force spring nan 1", "found 'nan'"},
 };
 
-TEST(BoardCooperation, AScenarioThatCannotBeCarriedOutIsRefusedBeforePower) {
+TEST(BoardCooperation, AnInfeasibleScenarioIsRefusedBeforePower) {
   for (const Infeasible& one : kInfeasible) {
-    if (std::string(one.why).rfind("found 'nan'", 0) == 0) continue;  // no file says that
+    if (std::string(one.why).rfind("found 'nan'", 0) == 0) continue;  // a file cannot contain a NaN
     Scenario scenario = board_example("two-psm-spring");
     scenario.phases.resize(2);
     scenario.phases[1].commands = {
@@ -440,7 +440,7 @@ TEST(BoardCooperation, AScenarioThatCannotBeCarriedOutIsRefusedBeforePower) {
   }
 }
 
-TEST(BoardCooperation, AnAskThatSimulationMissesIsRefusedBeforePower) {
+TEST(BoardCooperation, AScenarioThatFailsInSimulationIsRefusedBeforePower) {
   Scenario scenario = board_example("two-psm-spring");
   scenario.phases.resize(1);
   scenario.phases[0].asked_force_error = 0.001;
@@ -452,7 +452,7 @@ TEST(BoardCooperation, AnAskThatSimulationMissesIsRefusedBeforePower) {
 }
 
 // Options of a run by lines on stepped boards that keeps every refusal.
-BoardCooperationOptions by_line(Lines& lines, std::vector<std::string>& refusals) {
+BoardCooperationOptions refusal_options(Lines& lines, std::vector<std::string>& refusals) {
   BoardCooperationOptions options;
   options.emulate = emulate_boards;
   options.stepped = true;
@@ -463,15 +463,15 @@ BoardCooperationOptions by_line(Lines& lines, std::vector<std::string>& refusals
   return options;
 }
 
-// By line they are refused one by one, and nothing moves; what can be done between them is done.
-TEST(BoardCooperation, LinesThatCannotBeCarriedOutMoveNothing) {
+// As lines they are refused one by one, and nothing moves; feasible lines between them are executed.
+TEST(BoardCooperation, InfeasibleCommandsMoveNothing) {
   const Scenario scenario = board_example("two-psm-spring");
   std::vector<std::string> words{"force spring 2 0.8", "wait 1"};
   for (const Infeasible& one : kInfeasible) words.push_back(one.line);
   for (const char* line : {"jog 100 0 0", "wait 0.3", "quit"}) words.push_back(line);
   Lines lines(words);
   std::vector<std::string> refusals;
-  BoardCooperationOptions options = by_line(lines, refusals);
+  BoardCooperationOptions options = refusal_options(lines, refusals);
   double fastest = 0.0;
   options.watch = [&](const EmulatedInstant& now) {
     for (const EmulatedInstant::Arm& arm : now.arms)
@@ -485,7 +485,7 @@ TEST(BoardCooperation, LinesThatCannotBeCarriedOutMoveNothing) {
     EXPECT_NE(refusals[k].find(kInfeasible[k].why), std::string::npos) << refusals[k];
   EXPECT_NE(refusals.back().find("jog 100 0 0"), std::string::npos);
   EXPECT_LT(done.largest_force, 2.3);
-  EXPECT_LT(fastest, 0.2);  // the spring is drawn and let go
+  EXPECT_LT(fastest, 0.2);  // the spring is stretched and released
 }
 
 // A jog that is kept up ends before it leads where an arm cannot go.
@@ -499,7 +499,7 @@ TEST(BoardCooperation, AJogEndsBeforeTheArmsDo) {
   words.push_back("quit");
   Lines lines(words);
   std::vector<std::string> refusals;
-  BoardCooperationOptions options = by_line(lines, refusals);
+  BoardCooperationOptions options = refusal_options(lines, refusals);
   const std::atomic<bool> stop{false};
   const BoardCooperationRun done = run_on_boards(scenario, patient_side(2), options, stop);
   EXPECT_EQ(done.end, BoardEnd::kDone) << done.report();
@@ -507,7 +507,7 @@ TEST(BoardCooperation, AJogEndsBeforeTheArmsDo) {
   EXPECT_LT(done.largest_force, 2.0);
 }
 
-TEST(BoardCooperation, RowsAreInTheFileWhileTheyAreMade) {
+TEST(BoardCooperation, RowsAreWrittenDuringTheRun) {
   const std::string path = testing::TempDir() + "rows-as-they-come.csv";
   ScenarioRun run = empty_run(board_example("two-psm-spring"), "boards", 100);
   for (int k = 0; k < 100; ++k) run.time[k] = 0.001 * k;
@@ -568,9 +568,9 @@ TEST(ScenarioRowFile, AFullDiskWithoutARowLeavesNoFile) {
   std::filesystem::remove_all(folder);
 }
 
-// What the report says of an arm is what its encoders saw.
+// The report on an arm agrees with its encoders.
 // A healthy run ends without a fault although its wanted force is beyond largest_force_error (2 N).
-TEST(BoardCooperation, GivingUpAPretensionIsNoFault) {
+TEST(BoardCooperation, ReleasingAPretensionIsNoFault) {
   Scenario scenario = board_example("two-psm-string");
   scenario.phases.resize(1);
   scenario.asked_largest_force = 0.0;
@@ -595,7 +595,7 @@ TEST(BoardCooperation, TheReportSaysWhichArmWasHeld) {
   }
 }
 
-TEST(BoardCooperation, ASignalReleasesAndSwitchesOff) {
+TEST(BoardCooperation, ASignalReleasesThePretensionAndSwitchesOff) {
   Scenario scenario = board_example("two-psm-spring");
   BoardCooperationOptions options;
   options.emulate = emulate_boards;

@@ -9,7 +9,7 @@
 #include "dvrk/cooperation/board_cooperation.hpp"
 #include "veridyn/files/model_file.hpp"
 
-// One arm's fault stops all in a defined way: hold, give up the pretension, power off.
+// One arm's fault stops all arms in a defined sequence: hold, release the pretension, power off.
 
 namespace veridyn::dvrk {
 namespace {
@@ -41,7 +41,7 @@ class BoardDrills : public testing::TestWithParam<Drill> {
   }
 };
 
-TEST_P(BoardDrills, HoldThenReleaseThenOff) {
+TEST_P(BoardDrills, AFaultHoldsThenReleasesThenSwitchesOff) {
   const Drill& drill = GetParam();
   for (const int arm : {0, 1}) {
     SCOPED_TRACE(arm == 0 ? "master" : "slave");
@@ -77,8 +77,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Drill{Kind::kEncoder, "a pot disagrees", 0.5, 8.0},
                     Drill{Kind::kJump, "a position that jumped", 0.01}));
 
-// Sensors fail as the scenario says: all stand still, forces being unknown, and power goes.
-TEST(BoardDrills, AForceSensorThatFails) {
+// Sensors fail as in the scenario: all arms stop, since forces are unknown, and power is switched off.
+TEST(BoardDrills, AFailedForceSensorHoldsTheArms) {
   for (const auto kind : {ScenarioFault::Kind::kSensorStale, ScenarioFault::Kind::kSensorStuck}) {
     Scenario s = board_example("two-psm-spring");
     s.phases.resize(2);
@@ -98,8 +98,8 @@ TEST(BoardDrills, AForceSensorThatFails) {
 }
 
 // A sensor that is suddenly off by 2 N while the spring keeps its length: nothing but the sensor has
-// changed. Without the watch over jumps the loop believes it.
-TEST(BoardDrills, AForceSensorThatJumps) {
+// changed. Without the check of jumps the loop would use it.
+TEST(BoardDrills, AJumpOfAForceSensorHoldsTheArms) {
   Scenario s = board_example("two-psm-spring");
   s.phases.resize(1);
   ScenarioFault fault;
@@ -119,7 +119,7 @@ TEST(BoardDrills, AForceSensorThatJumps) {
   EXPECT_GT(believed.largest_force, 4.5) << believed.report();
 }
 
-// An arm out of balance that loses its torque without a word, on a string: the other goes along
+// An unbalanced arm loses its torque without a report, on a string: the other arm moves along
 // with it. Without the guard the string carries several times as much.
 TEST(BoardDrills, AnArmThatFallsDoesNotJerkTheString) {
   std::ifstream file(std::string(VERIDYN_SOURCE_DIR) + "/examples/dvrk/light-psm.yaml");

@@ -43,7 +43,7 @@ TeleoperationRun run(const TeleoperationScenario& scenario,
   return teleoperate_on_boards(scenario, master_and_slave(), options, stop);
 }
 
-TEST(BoardTeleoperation, FollowsClutchesAndFeels) {
+TEST(BoardTeleoperation, FollowsTheLeaderClutchesAndReflectsForces) {
   const TeleoperationScenario scenario = example();
   const TeleoperationRun done = run(scenario);
   ASSERT_EQ(done.end, BoardEnd::kDone) << done.report();
@@ -69,9 +69,9 @@ TEST(BoardTeleoperation, FollowsClutchesAndFeels) {
   EXPECT_LT(done.force_follower[4], 0.05);
 }
 
-// Nothing is compared with rows before a phase, whatever the loop's rate, and what no phase tells
-// is not told.
-TEST(BoardTeleoperation, LatencyIsOfPhasesThatTellIt) {
+// No row before a phase is used, whatever the loop's rate, and a latency that no phase determines
+// is not reported.
+TEST(BoardTeleoperation, LatencyIsReportedOnlyForLongEnoughPhases) {
   TeleoperationScenario scenario = example();
   scenario.scenario.control.rate = 2500.0;
   for (const double seconds : {0.05, 0.3}) {
@@ -99,7 +99,7 @@ TEST(BoardTeleoperation, AFaultHoldsTheFollower) {
 }
 
 // A hand that is faster than the follower's joints, and one that leads it out of reach.
-TEST(BoardTeleoperation, StepsThatCannotBeCarriedOutMoveNothing) {
+TEST(BoardTeleoperation, InfeasibleStepsMoveNothing) {
   for (const auto& [way, over] : {std::pair{0.08, 0.03}, {0.9, 3.0}}) {
     TeleoperationScenario scenario = example();
     scenario.steps[0].way = {way, 0.0, 0.0};
@@ -108,7 +108,7 @@ TEST(BoardTeleoperation, StepsThatCannotBeCarriedOutMoveNothing) {
   }
 }
 
-TEST(BoardTeleoperation, SaysWhatIsWrong) {
+TEST(BoardTeleoperation, NamesInvalidSettings) {
   TeleoperationScenario scenario = example();
   scenario.options.scale = -1.0;
   EXPECT_THROW(run(scenario), InvalidInput);

@@ -76,7 +76,7 @@ std::vector<Drill> drills() {
   return out;
 }
 
-// What the world does, step by step, and nothing that the program under test says about it.
+// Records the true state of the world in each step, independently of the program under test.
 class Observer {
  public:
   struct Step {
@@ -119,7 +119,7 @@ class Observer {
             limits.runaway * (limits.held_seconds + 1.0 / limits.braking) * way.norm()};
   }
 
-  void see(const EmulatedInstant& now) {
+  void observe(const EmulatedInstant& now) {
     Step step;
     step.time = now.time;
     step.force = now.force;
@@ -233,7 +233,7 @@ double derived_time(const Drill& drill, const Scenario& scenario, double moment)
   const double period = 1.0 / scenario.control.rate, cycles = kCyclesToOff * period;
   const std::string kind = drill.fault.substr(0, drill.fault.find_first_of(":@"));
   const double k = scenario.members.front().stiffness;
-  // The length says less than the reading, by a stiffness that may be off, once the wanted force has
+  // The length implies less force than the reading, by a stiffness that may be off, once the wanted force has
   // arrived; or the torques say something else.
   const auto disagrees = [&](double rate, double way) {
     const double margin = task.drift_force + k * (task.drift_length + task.drift_way * way);
@@ -253,7 +253,7 @@ double derived_time(const Drill& drill, const Scenario& scenario, double moment)
   const bool moves = drill.command != "-";
   if (kind == "stuck" && moves) return boards.follow.cycles * period + kArmPeriod + cycles;
   if (kind == "encoder" && moves) return kArmPeriod + kSensed + cycles;
-  // What cannot be carried out is found before it is over.
+  // Infeasible commands are found before the run.
   if (drill.fault == "-" && scenario.phases.back().commands.front().kind != ScenarioCommand::Kind::kForce)
     return scenario.phases.back().commands.front().over + cycles;
   return std::numeric_limits<double>::infinity();
@@ -261,7 +261,7 @@ double derived_time(const Drill& drill, const Scenario& scenario, double moment)
 
 class SafetyDrills : public testing::TestWithParam<Drill> {};
 
-TEST_P(SafetyDrills, NothingMovesThatShouldStand) {
+TEST_P(SafetyDrills, HeldArmsDoNotMove) {
   const Drill& drill = GetParam();
   Scenario scenario = scenario_of(drill);
   const double asked = scenario.asked_largest_force;
@@ -296,10 +296,10 @@ TEST_P(SafetyDrills, NothingMovesThatShouldStand) {
   for (CooperatingArm& arm : arms)
     for (ActuatorConfig& a : arm.robot.actuators) a.max_current *= drill.motors;
   Observer observer(scenario);
-  options.watch = [&](const EmulatedInstant& now) { observer.see(now); };
+  options.watch = [&](const EmulatedInstant& now) { observer.observe(now); };
   const BoardCooperationRun done = run_on_boards(scenario, arms, options, stop);
 
-  if (!drill.found) {  // it rides through, and keeps what the scenario asks for
+  if (!drill.found) {  // the fault is tolerated, and the scenario's bounds are met
     EXPECT_EQ(done.end, BoardEnd::kDone) << done.report();
     EXPECT_LE(done.largest_force, asked) << done.report();
     EXPECT_EQ(done.power, OffState::kConfirmed);
@@ -314,7 +314,7 @@ TEST_P(SafetyDrills, NothingMovesThatShouldStand) {
                 done.fault_at - moment, derived, seen.witness < 0.0 ? -1.0 : seen.witness - moment, seen.speed_before, seen.speed,
                 1e3 * seen.travel, seen.force, seen.force_of_energy, seen.left, drill.words.c_str(), done.report().c_str());
   EXPECT_LE(done.fault_at - moment, derived) << done.report();
-  // The cause is the one that was made: a limp arm is no wrong sensor, nor the other way round.
+  // The reported cause is the simulated one: a limp arm is not reported as a wrong sensor, nor vice versa.
   const bool limp = drill.fault.rfind("limp", 0) == 0 || drill.fault.rfind("weak", 0) == 0;
   const std::string accused = drill.fault.rfind("sensor", 0) == 0 ? done.report() : done.why;
   EXPECT_EQ(accused.find("motors without torque") != std::string::npos, limp) << done.report();
@@ -342,7 +342,7 @@ TEST_P(SafetyDrills, NothingMovesThatShouldStand) {
   EXPECT_LE(seen.force, seen.force_of_energy) << done.report();
   EXPECT_LE(seen.left, kLeft) << done.report();
   EXPECT_LE(seen.off, kToOff);
-  // The report's words are true: a held arm stood, by the world's own account, and moved as far.
+  // The report agrees with the true state: a held arm was at rest, and its displacement is right.
   ASSERT_EQ(done.after_fault.size(), scenario.arms.size());
   const bool silent = drill.fault.find("silent") != std::string::npos;
   for (std::size_t k = 0; k < scenario.arms.size(); ++k) {
@@ -359,7 +359,7 @@ INSTANTIATE_TEST_SUITE_P(Data, SafetyDrills, testing::ValuesIn(drills()), [](con
   return "Line" + std::to_string(of.param.line);
 });
 
-TEST(SafetyDrillsData, AreManyEnough) { EXPECT_GE(drills().size(), 120U); }
+TEST(SafetyDrillsData, CoverEnoughCases) { EXPECT_GE(drills().size(), 120U); }
 
 }  // namespace
 }  // namespace veridyn::dvrk

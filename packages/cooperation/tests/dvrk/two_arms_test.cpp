@@ -24,7 +24,7 @@ using Eigen::Vector3d;
 constexpr double kPeriod = 1.0 / 1500.0;
 constexpr double kSpring = 2450.0;  // [N/m]
 
-// Of data/robots/planar-2r.yaml, by hand: rods of 0.5 m and 0.4 m.
+// Tip of data/robots/planar-2r.yaml in closed form: rods of 0.5 m and 0.4 m.
 Vector2d tip_of(const VectorXd& q) {
   const double both = q[0] + q[1];
   return {0.5 * std::cos(q[0]) + 0.4 * std::cos(both), 0.5 * std::sin(q[0]) + 0.4 * std::sin(both)};
@@ -49,7 +49,7 @@ class SprungArm final : public Engine {
   }
   // [N] pulling positive.
   double tension() const { return kSpring * ((other_->tip() - tip()).norm() - length_); }
-  // Of the spring on the tip.
+  // Force of the spring on the tip.
   Vector2d pull() const { return tension() * (other_->tip() - tip()).normalized(); }
 
   int joints() const override { return 2; }
@@ -208,7 +208,7 @@ class TwoArms : public testing::Test {
   long sample_ = 0;
 };
 
-TEST_F(TwoArms, MoveASpringAndKeepItsForce) {
+TEST_F(TwoArms, KeepTheForceWhileMovingASpring) {
   ASSERT_TRUE(power_up());
   CooperativeController both = controller();
   const Vector3d start = left_.tip();
@@ -227,10 +227,10 @@ TEST_F(TwoArms, MoveASpringAndKeepItsForce) {
   EXPECT_LT(worst, 1.0);
   EXPECT_NEAR(left_.real.tension(), 5.0, 0.25);
   EXPECT_LT((left_.tip() - start - Vector3d(0.03, 0.04, 0.0)).norm(), 0.005);
-  EXPECT_EQ(taken, 0);  // both counts are 0 where nothing is counted
+  EXPECT_EQ(taken, 0);  // both counts are 0 if allocations are not counted
 }
 
-// One arm's emergency stop: that arm gets no current any more, and the controller holds the other.
+// After one arm's emergency stop that arm gets no current, and the controller holds the other.
 TEST_F(TwoArms, ALostArmEndsTheTask) {
   ASSERT_TRUE(power_up());
   CooperativeController both = controller();

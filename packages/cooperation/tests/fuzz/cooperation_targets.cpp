@@ -14,7 +14,7 @@ template <LoadCellFormat format>
 std::string probe_load_cell(std::string_view bytes) {
   LoadCellDecoder decoder(format);
   for (const char c : bytes)
-    if (decoder.take(static_cast<std::uint8_t>(c)) && !std::isfinite(decoder.raw()))
+    if (decoder.add_byte(static_cast<std::uint8_t>(c)) && !std::isfinite(decoder.raw()))
       return "a reading that is no number";
   return "";
 }

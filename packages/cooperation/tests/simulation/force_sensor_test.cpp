@@ -9,8 +9,8 @@
 namespace veridyn {
 namespace {
 
-// A force that is the time: a sample says when it was taken.
-TEST(ForceSensor, SamplesComeAtItsRateAndLateByTheDelay) {
+// The force equals the time, so that each sample shows its own time.
+TEST(ForceSensor, SamplesHaveItsRateAndDelay) {
   for (const double delay : {0.0, 0.003, 0.005}) {
     ForceSensorOptions options;
     options.rate = 500.0;
@@ -31,7 +31,7 @@ TEST(ForceSensor, SamplesComeAtItsRateAndLateByTheDelay) {
   }
 }
 
-TEST(ForceSensor, ALoopThatIsSlowerThanItSeesEveryCall) {
+TEST(ForceSensor, ASlowerLoopGetsANewReadingInEveryCall) {
   ForceSensorOptions options;
   options.rate = 500.0;
   ForceSensor sensor(options);
@@ -54,7 +54,7 @@ TEST(ForceSensor, NoiseHasItsDeviationAndNoMean) {
   EXPECT_NEAR(std::sqrt(squares / 20000), 0.05, 0.002);
 }
 
-TEST(ForceSensor, StuckKeepsArrivingAndStaleDoesNot) {
+TEST(ForceSensor, AStuckSensorSendsReadingsAndAStaleOneDoesNot) {
   ForceSensorOptions options;
   options.stuck_from = 0.05;
   ForceSensor stuck(options);
@@ -73,7 +73,7 @@ TEST(ForceSensor, StuckKeepsArrivingAndStaleDoesNot) {
   EXPECT_NEAR(b.time, 0.048, 1e-12);
 }
 
-TEST(ForceSensor, RefusesWhatCannotBe) {
+TEST(ForceSensor, RejectsInvalidOptions) {
   ForceSensorOptions options;
   options.rate = 0.0;
   EXPECT_THROW(ForceSensor{options}, InvalidInput);

@@ -77,7 +77,7 @@ TEST(World, TwoMassesOnASpringOscillateAsTheClosedFormSays) {
 }
 
 // m x'' + 2 c x' + 2 K x = 0 for the distance: e^(-c t / m) within the envelope.
-TEST(World, DampingIsOnVelocity) {
+TEST(World, DampingForceIsProportionalToVelocity) {
   const double m = mass_of(slide());
   World world = two_slides(2450.0, 4.0, false);
   const double decay = 4.0 / m;
@@ -92,7 +92,7 @@ TEST(World, DampingIsOnVelocity) {
   }
 }
 
-TEST(World, AStringNeverPushesAndLetsSlackEndsFly) {
+TEST(World, AStringNeverPushesAndIsFreeWhenSlack) {
   World world = two_slides(50000.0, 5.0, true);
   bool was_slack = false;
   for (int k = 0; k < 300; ++k) {
@@ -151,7 +151,7 @@ TEST(World, EnergyOfFrictionlessArmsAndASpringIsConserved) {
   }
 }
 
-TEST(World, DampingNeverMakesEnergy) {
+TEST(World, DampingNeverGeneratesEnergy) {
   const Model arm = weightless(robot("psm-3dof"));
   const std::vector<VectorXd> idle(2, VectorXd::Zero(3));
   for (const double stiffness : kStiffnesses) {
@@ -243,7 +243,7 @@ TEST(World, ABodyHangsInItsGrasps) {
 }
 
 // Free, a body keeps its energy and its momentum however it tumbles.
-TEST(World, AFreeBodyTumblesAsEulerSays) {
+TEST(World, AFreeBodyFollowsEulersEquations) {
   const Model arm = weightless(slide());
   std::vector<WorldArm> arms;
   arms.push_back(standing(arm));
@@ -265,7 +265,7 @@ TEST(World, AFreeBodyTumblesAsEulerSays) {
   }
 }
 
-TEST(World, SaysWhatIsWrongWithAnObject) {
+TEST(World, NamesTheInvalidValueOfAnObject) {
   const Model arm = weightless(slide());
   const auto build = [&](const Member& m) {
     std::vector<WorldArm> arms;

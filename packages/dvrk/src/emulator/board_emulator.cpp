@@ -137,13 +137,13 @@ Answer BoardEmulator::execute(const Request& request, ByteSpan reply) noexcept {
                        (request.address & 0xFFFF) == address::kHubQuery;
     return ethernet_only_ && exempt && query ? answer_query(request, reply) : Answer();
   }
-  const int place = reader_of(request);
+  const int place = requesting_reader(request);
   return place < 0 ? Answer() : read(request, place, reply);
 }
 
 // Section 2.4. The Ethernet side does not check CRCs, but other boards do not take a packet whose
 // CRC is wrong.
-int BoardEmulator::reader_of(const Request& request) const noexcept {
+int BoardEmulator::requesting_reader(const Request& request) const noexcept {
   const bool local = (request.flags & kNoForward) != 0;
   const BoardSetup& its = boards_[hub()].setup();
   const bool by_id = local && its.firmware >= 9;
@@ -165,7 +165,7 @@ int BoardEmulator::reader_of(const Request& request) const noexcept {
 void BoardEmulator::write(const Request& request) noexcept {
   const bool forwards = (request.flags & kNoForward) == 0 && request.crc_right;
   if (request.node != kBroadcastNode) {
-    const int place = reader_of(request);
+    const int place = requesting_reader(request);
     if (place >= 0) write_to(board(place), request);
     return;
   }
@@ -212,7 +212,7 @@ Answer BoardEmulator::read(const Request& request, int place, ByteSpan out) noex
   Reply reply;
   reply.destination = request.source;
   reply.label = request.label;
-  // Rev 9 answers what is meant for it alone with its board id (section 4.2).
+  // Rev 9 answers requests to itself alone with its board id (section 4.2).
   reply.node = static_cast<std::uint8_t>(echo_ != 0 ? board(place).setup().id : node_of(place));
   reply.trailer = trailer(0);
   const auto where = static_cast<std::uint16_t>(request.address);
@@ -247,7 +247,7 @@ Trailer BoardEmulator::trailer(std::uint8_t flags) const noexcept {
   return t;
 }
 
-bool BoardEmulator::takes_fault(int node) noexcept {
+bool BoardEmulator::consume_fault(int node) noexcept {
   if (faults.reply == ReplyFault::kNone || faults.replies == 0) return false;
   if (faults.node >= 0 && faults.node != node) return false;
   if (faults.replies > 0) --faults.replies;
@@ -257,11 +257,11 @@ bool BoardEmulator::takes_fault(int node) noexcept {
 // The hub answers for itself without CRCs, what it relays has them.
 Answer BoardEmulator::send(Reply& reply, int place, ByteSpan out) noexcept {
   const std::size_t size = encode(reply, place == hub() ? Crc::kZero : Crc::kReal, out);
-  if (size == 0 || !takes_fault(reply.node)) return {size, 0.0, false};
-  return spoil(size, out);
+  if (size == 0 || !consume_fault(reply.node)) return {size, 0.0, false};
+  return corrupt_reply(size, out);
 }
 
-Answer BoardEmulator::spoil(std::size_t size, ByteSpan out) noexcept {
+Answer BoardEmulator::corrupt_reply(std::size_t size, ByteSpan out) noexcept {
   const auto change = [&](std::size_t byte, std::uint8_t bits) { out.data[byte] ^= bits; };
   switch (faults.reply) {
     case ReplyFault::kDrop:

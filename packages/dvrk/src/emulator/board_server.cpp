@@ -135,7 +135,7 @@ bool BoardServer::serve_one(Ticks at, bool as_it_came) {
   double came = 0.0;
   const ssize_t got = receive(socket_, {in.data(), in.size()}, from, came);
   if (got < 0) return false;
-  if (!is_heard(ntohl(from.sin_addr.s_addr))) return true;
+  if (!accepts_address(ntohl(from.sin_addr.s_addr))) return true;
   if (as_it_came) at = came > 0.0 ? time_of(came) : now();
   const Answer answer =
       emulator_.handle({in.data(), static_cast<std::size_t>(got)}, std::max(at, emulator_.time()),

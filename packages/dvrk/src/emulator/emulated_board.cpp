@@ -125,7 +125,7 @@ void EmulatedBoard::apply_command(const BoardCommand& command) noexcept {
       c.mode = told.mode;
     }
     if (setup_.firmware < 8) continue;
-    if (told.amp == AmpRequest::kOn) {  // of this channel alone
+    if (told.amp == AmpRequest::kOn) {  // affects this channel only
       clear_watchdog();
       clear_trip(c);
     }
@@ -255,7 +255,7 @@ std::uint32_t EmulatedBoard::digital_word() const noexcept {
 }
 
 bool EmulatedBoard::write_block(std::uint16_t where, QuadletView block) noexcept {
-  if ((where >> 12) != 0) {  // other spaces hold nothing that acts on the arm
+  if ((where >> 12) != 0) {  // other address spaces do not act on the arm
     last_write_ = now_;
     for (std::size_t k = 0; k < block.size() && (where >> 12) == 8; ++k)
       waveform_[((where & 0xFFFU) + k) % waveform_.size()] = block[k];

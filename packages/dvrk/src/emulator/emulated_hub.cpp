@@ -16,7 +16,7 @@ constexpr Ticks kHubReadTicks = 200;
 
 // Section 8.3: every selected board latches now; its block reaches the hub a little later.
 void BoardEmulator::start_query(std::uint32_t word) noexcept {
-  settle_hub();
+  update_hub();
   query_ = word;
   query_at_ = now_;
   const auto sequence = static_cast<std::uint16_t>(word >> 16);
@@ -49,7 +49,7 @@ void BoardEmulator::start_query(std::uint32_t word) noexcept {
   }
 }
 
-void BoardEmulator::settle_hub() noexcept {
+void BoardEmulator::update_hub() noexcept {
   for (HubSlot& slot : slots_) {
     if (!slot.pending || now_ < slot.at) continue;
     slot.now = slot.next;
@@ -58,7 +58,7 @@ void BoardEmulator::settle_hub() noexcept {
 }
 
 void BoardEmulator::read_hub(QuadletSpan out) noexcept {
-  settle_hub();
+  update_hub();
   for (std::size_t k = 0; k < out.size(); ++k) out.set(k, 0);
   const int hub_firmware = board(hub()).setup().firmware;
   std::size_t at = 0;

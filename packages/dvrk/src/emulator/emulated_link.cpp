@@ -11,7 +11,7 @@ void EmulatedLink::advance(double seconds) noexcept {
   emulator_.advance(ticks_);
 }
 
-EmulatedLink::Waiting* EmulatedLink::free_place() noexcept {
+EmulatedLink::Waiting* EmulatedLink::free_slot() noexcept {
   const auto place =
       std::find_if(queue_.begin(), queue_.end(), [](const Waiting& w) { return w.size == 0; });
   return place == queue_.end() ? nullptr : &*place;
@@ -29,7 +29,7 @@ bool EmulatedLink::send(ByteView datagram, Destination) noexcept {
   if (cut) return false;
   std::array<std::uint8_t, kDatagramBuffer> bytes{};
   const Answer answer = emulator_.handle(datagram, ticks_, {bytes.data(), bytes.size()});
-  Waiting* place = free_place();
+  Waiting* place = free_slot();
   if (answer.size == 0 || place == nullptr) return true;
   std::memcpy(place->bytes.data(), bytes.data(), answer.size);
   place->size = answer.size;
@@ -56,7 +56,7 @@ Arrival EmulatedLink::receive(ByteSpan buffer, double timeout) noexcept {
 }
 
 void EmulatedLink::push(ByteView datagram, bool known_source) noexcept {
-  Waiting* place = free_place();
+  Waiting* place = free_slot();
   if (place == nullptr) return;
   place->size = std::min(datagram.size, place->bytes.size());
   std::memcpy(place->bytes.data(), datagram.data, place->size);

@@ -38,7 +38,7 @@ class EmulatedLink final : public DatagramLink {
   };
 
   Waiting* oldest() noexcept;
-  Waiting* free_place() noexcept;
+  Waiting* free_slot() noexcept;
 
   BoardEmulator& emulator_;
   Ticks ticks_ = 0;

@@ -137,7 +137,7 @@ void EmulatedBoard::write_channel(int channel, int offset, std::uint32_t data) n
     case address::kDoutTiming:
       c.dout_timing = data;
       break;
-    case address::kMotorConfig: {  // section 7.4: what to load is marked
+    case address::kMotorConfig: {  // section 7.4: mask bits select the fields to load
       if (setup_.firmware < 8) break;
       std::uint32_t kept = c.motor_config;
       if ((data & (1U << 24)) != 0) kept = (kept & ~0x7FFFU) | (data & 0x7FFFU);

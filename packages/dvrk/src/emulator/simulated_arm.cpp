@@ -71,7 +71,7 @@ void SimulatedArm::set_end_stops(const VectorXd& lower, const VectorXd& upper) {
   upper_ = upper;
 }
 
-// Without rebound: what hits a stop keeps no velocity towards it.
+// Without rebound: a joint at a stop keeps no velocity towards it.
 void SimulatedArm::stop_at_ends() noexcept {
   if (lower_.size() == 0 || status_ != StepStatus::kOk) return;
   held_q_ = engine_.q();
@@ -116,7 +116,7 @@ void SimulatedArm::advance(double seconds, const MotorDrive* drives, ChannelMoti
     q_.head(tau_.size()) = engine_.q();
   }
   shown_q_ = q_;
-  sensors_.show_positions(shown_q_.head(tau_.size()));
+  sensors_.add_position_errors(shown_q_.head(tau_.size()));
   actuator_q_.noalias() = joint_to_actuator_ * shown_q_;
   pot_q_ = actuator_q_;
   if (actuator_to_pot_.size() > 0) pot_q_.noalias() = actuator_to_pot_ * actuator_q_;

@@ -9,8 +9,8 @@
 #include "dvrk/protocol/reply.hpp"
 #include "dvrk/protocol/request.hpp"
 
-// What one cycle of two boards costs in packets alone: query and write encoded, the broadcast read
-// decoded. Asked: below 5 us.
+// Time of one cycle of two boards in packets alone: query and write encoded, the broadcast read
+// decoded. Required: below 5 us.
 
 namespace veridyn::dvrk {
 namespace {

@@ -59,8 +59,8 @@ class Copier final : public DatagramLink {
     link_.wait(seconds);
   }
   std::uint32_t address_word() const noexcept override { return link_.address_word(); }
-  void speak_to(int board) noexcept override { link_.speak_to(board); }
-  void hub_is(int firmware, int board) noexcept override { link_.hub_is(firmware, board); }
+  void set_board(int board) noexcept override { link_.set_board(board); }
+  void set_hub(int firmware, int board) noexcept override { link_.set_hub(firmware, board); }
 
   bool copies = false;
   std::vector<Packet> packets;
@@ -71,7 +71,7 @@ class Copier final : public DatagramLink {
 
 // Boards and client have a processor each, as they have on a robot: where both share one, a datagram
 // that is sent runs the boards before the call returns.
-void take_processor(int number) {
+void pin_to_processor(int number) {
   cpu_set_t set;
   CPU_ZERO(&set);
   CPU_SET(number, &set);
@@ -96,7 +96,7 @@ struct Beat {
 
 // So many cycles by the machine's clock.
 template <typename Cycle>
-void beat(double seconds, Beat& out, Cycle&& cycle) {
+void run_cycles(double seconds, Beat& out, Cycle&& cycle) {
   const auto cycles = static_cast<std::size_t>(seconds / kPeriod);
   out.took.reserve(out.took.size() + cycles);
   const double cpu = seconds_of(CLOCK_THREAD_CPUTIME_ID);
@@ -116,7 +116,7 @@ void beat(double seconds, Beat& out, Cycle&& cycle) {
   out.cycles += static_cast<long>(cycles);
 }
 
-void tell(const char* name, Beat& all, std::vector<double>& each) {
+void print_times(const char* name, Beat& all, std::vector<double>& each) {
   std::sort(all.took.begin(), all.took.end());
   std::sort(each.begin(), each.end());
   std::printf("%-8s %ld cycles, %ld late; took us: median %.0f, 99 %% %.0f, longest %.0f; processor time us a cycle: %.1f (%.1f to %.1f)\n",
@@ -158,14 +158,14 @@ class Bare {
   std::array<std::uint8_t, kDatagramBuffer> reply_{};
 };
 
-// Both take turns, so that what else the machine does is the same for both.
+// Both run in turns, so that other load of the machine affects both alike.
 void run(CycleProtocol protocol, const char* name, double seconds) {
   BoardEmulator emulator({Rig::setup(6), Rig::setup(7)});
   BoardServer server(emulator, 0);
   std::atomic<bool> stop{false};
   std::thread thread([&] {
-    take_processor(1);
-    take_real_time_priority(40);
+    pin_to_processor(1);
+    set_real_time_priority(40);
     server.run(stop);
   });
   {
@@ -173,8 +173,8 @@ void run(CycleProtocol protocol, const char* name, double seconds) {
     Copier copier(link);
     BoardSession session(copier, Rig::options(protocol));
     session.start();
-    take_processor(0);
-    const bool priority = take_real_time_priority(30);
+    pin_to_processor(0);
+    const bool priority = set_real_time_priority(30);
     std::printf("%s protocol, %s priority\n", name, priority ? "real-time" : "ordinary");
     long invalid = 0;
     const auto cycle = [&] {
@@ -184,9 +184,9 @@ void run(CycleProtocol protocol, const char* name, double seconds) {
       session.commit();
     };
     Beat first, own, least;
-    beat(0.1, first, cycle);
+    run_cycles(0.1, first, cycle);
     session.power_on();
-    beat(kToPower, first, cycle);
+    run_cycles(kToPower, first, cycle);
     copier.copies = true;
     cycle();
     copier.copies = false;
@@ -200,15 +200,15 @@ void run(CycleProtocol protocol, const char* name, double seconds) {
     Bare sockets(copier.packets, server.port());
     std::vector<double> mine, theirs, ratios;
     for (int k = 0; k < kTurns; ++k) {
-      beat(seconds / kTurns, own, cycle);
-      beat(seconds / kTurns, least, [&] { sockets.cycle(); });
+      run_cycles(seconds / kTurns, own, cycle);
+      run_cycles(seconds / kTurns, least, [&] { sockets.cycle(); });
       mine.push_back(own.each);
       theirs.push_back(least.each);
       ratios.push_back(own.each / least.each);
     }
     std::printf("state at the end: %s; reads that were not valid: %ld\n", describe(session.state()), invalid);
-    tell("session", own, mine);
-    tell("sockets", least, theirs);
+    print_times("session", own, mine);
+    print_times("sockets", least, theirs);
     std::sort(ratios.begin(), ratios.end());
     std::printf("processor time, session to sockets, %d turns: median %.2f (%.2f to %.2f)\n", kTurns,
                 at_share(ratios, 0.5), ratios.front(), ratios.back());

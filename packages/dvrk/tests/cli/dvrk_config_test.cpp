@@ -28,7 +28,7 @@ TEST(DvrkConfig, XmlBecomesJsonAndStaysTheSame) {
       << there.out;
 }
 
-TEST(DvrkConfig, WhatIsNotUnderstoodIsNoted) {
+TEST(DvrkConfig, UnknownElementsAreListed) {
   const TemporaryFolder folder;
   std::string xml = content_of(kExample);
   xml.replace(xml.find("<Drive>"), 7, "<Drive><Paint Colour=\"red\"/>");
@@ -39,13 +39,13 @@ TEST(DvrkConfig, WhatIsNotUnderstoodIsNoted) {
       << run.out;
 }
 
-TEST(DvrkConfig, KnownArmsSayWhatNobodyChecked) {
+TEST(DvrkConfig, UnverifiedFactsOfArmsAreListed) {
   const ToolRun run = run_tool({"dvrk", "config", "--arm", "ECM"});
   ASSERT_EQ(run.status, 0) << run.err;
   EXPECT_NE(run.out.find("note: nobody has checked: kinematics"), std::string::npos) << run.out;
 }
 
-TEST(DvrkConfig, MistakesAreTold) {
+TEST(DvrkConfig, UsageErrorsAreReported) {
   const TemporaryFolder folder;
   const ToolRun broken =
       run_tool({"dvrk", "config", "--config", folder.write("io.xml", "<Config Version=\"4\"/>")});

@@ -22,7 +22,7 @@ namespace {
 
 using nlohmann::json;
 
-// Two motors for planar-2r on board 6; the second is mounted the other way round.
+// Two motors for planar-2r on board 6; the second is mounted reversed.
 std::string io_xml() {
   std::ostringstream out;
   out.precision(17);
@@ -45,7 +45,7 @@ std::string io_xml() {
   return out.str();
 }
 
-std::string with(std::string text, const std::string& old, const std::string& now) {
+std::string with_replaced(std::string text, const std::string& old, const std::string& now) {
   for (auto at = text.find(old); at != std::string::npos; at = text.find(old, at + now.size()))
     text.replace(at, old.size(), now);
   return text;
@@ -88,8 +88,8 @@ class Boards {
   std::string port_;
 };
 
-// A busy machine may take the processor away for longer than a watchdog allows. What the tool says
-// then tells this apart from everything else that may end a run.
+// A busy machine may suspend the tool for longer than a watchdog allows. The tool's message
+// distinguishes this from every other end of a run.
 bool ended_by_the_clock(const ToolRun& run) {
   if (run.status != 4) return false;
   for (const char* words : {"too busy", "is late", "was late", "watchdog", "took too long", "no reply in time", "lost or late"}) {
@@ -98,7 +98,7 @@ bool ended_by_the_clock(const ToolRun& run) {
   return false;
 }
 
-// Three attempts for a machine that is busy; what is wrong is wrong at once.
+// Three attempts on a busy machine; other errors fail at once.
 ToolRun run_when_calm(const Words& words) {
   ToolRun run;
   for (int attempt = 0; attempt < 3; ++attempt) {
@@ -125,7 +125,7 @@ void expect_planar_arm(const std::string& recording) {
   const ToolRun run =
       run_tool({"identify", "planar-2r", "--train", recording, "--json", path, "--quiet"});
   ASSERT_EQ(run.status, 0) << run.err;
-  // Of data/robots/planar-2r.yaml, by hand: rods of 4 kg, 0.5 m and 2.5 kg, 0.4 m.
+  // Values of data/robots/planar-2r.yaml: rods of 4 kg, 0.5 m and 2.5 kg, 0.4 m.
   const std::map<std::string, double> truth = {{"viscous_friction(shoulder)", 0.8},
                                                {"coulomb_friction(shoulder)", 1.2},
                                                {"viscous_friction(elbow)", 0.4},
@@ -153,7 +153,7 @@ void expect_planar_arm(const std::string& recording) {
 }
 
 // From an experiment that was designed to a model that was identified, through boards that move a
-// simulated arm: what comes out is what went in.
+// simulated arm: the identified values are the simulated ones.
 TEST_F(Dvrk, TheRecordingOfARunIdentifiesTheArmBehindTheBoards) {
   const std::string trajectory = folder_.path("traj.csv");
   ToolRun run = run_tool({"excite", "planar-2r", "-o", trajectory, "--duration", "6", "--frequency",
@@ -169,7 +169,7 @@ TEST_F(Dvrk, TheRecordingOfARunIdentifiesTheArmBehindTheBoards) {
   }
 }
 
-// Gains of one's own: those that the law has anyway change nothing, weaker ones let the arm lag.
+// User gains: the law's default gains change nothing, weaker ones let the arm lag.
 TEST_F(Dvrk, GainsFromAFileReachTheArm) {
   const std::string trajectory = folder_.path("traj.csv");
   std::ofstream motion(trajectory);
@@ -235,7 +235,7 @@ TEST_F(Dvrk, TheLightArmMovesOnTheNominalBoardsOfPsm1) {
   }
 }
 
-TEST_F(Dvrk, MonitorAndReadSendNoWriteUnlessTheyAreAsked) {
+TEST_F(Dvrk, MonitorAndReadSendNoWritesByDefault) {
   {
     const Boards boards({"--config", config(), "--model", "planar-2r", "--start", "0.5,-0.25",
                          "--pot-noise", "0", "--json", folder_.path("boards.json")},
@@ -265,8 +265,8 @@ TEST_F(Dvrk, MonitorAndReadSendNoWriteUnlessTheyAreAsked) {
   EXPECT_EQ(content_of(recording).rfind("t,q1,q2,dq1,dq2,tau1,tau2\n", 0), 0U);
 }
 
-// Amplifiers go off by the watchdog, but a supply that nobody could switch off is not called off.
-TEST_F(Dvrk, OffIsSaidOnlyWhereTheBoardsSaySo) {
+// Amplifiers go off by the watchdog, but a supply that could not be switched off is not reported as off.
+TEST_F(Dvrk, PowerOffIsReportedOnlyIfBoardsConfirmIt) {
   const std::string trajectory = folder_.path("traj.csv");
   std::ofstream(trajectory) << "t,q1,q2\n0,0,0\n5,0.05,0.05\n10,0.1,0.1\n15,0.05,0.1\n20,0,0\n";
   const ToolRun run = run_tool(rehearse() +
@@ -280,7 +280,7 @@ TEST_F(Dvrk, OffIsSaidOnlyWhereTheBoardsSaySo) {
 }
 
 // 5 ms of every reply: 94 cycles a second in place of 1500.
-TEST_F(Dvrk, ALoopThatIsAlwaysLateEndsWithFour) {
+TEST_F(Dvrk, APersistentlyLateLoopExitsWithStatus4) {
   const std::string trajectory = folder_.path("traj.csv");
   std::ofstream(trajectory) << "t,q1,q2\n0,0,0\n5,0.05,0.05\n10,0.1,0.1\n15,0.05,0.1\n20,0,0\n";
   const ToolRun run = run_tool(rehearse() +
@@ -374,7 +374,7 @@ TEST_F(Dvrk, TheFirstRunOfThePageWorks) {
   EXPECT_EQ(found, 3);
 }
 
-TEST_F(Dvrk, AnEmergencyStopEndsARunAndTheRecordingSaysSo) {
+TEST_F(Dvrk, AnEmergencyStopEndsARunAndIsInTheRecording) {
   const std::string trajectory = folder_.path("traj.csv");
   std::ofstream(trajectory) << "t,q1,q2\n0,0,0\n5,0.05,0.05\n10,0.1,0.1\n15,0.05,0.1\n20,0,0\n";
   const std::string recording = folder_.path("rec.csv");
@@ -391,7 +391,7 @@ TEST_F(Dvrk, AnEmergencyStopEndsARunAndTheRecordingSaysSo) {
   EXPECT_EQ(content_of(recording).rfind("# incomplete: no motor supply", 0), 0U);
 }
 
-TEST_F(Dvrk, MistakesGetOneLine) {
+TEST_F(Dvrk, UsageErrorsAreOneLine) {
   const std::string io = config();
   const struct {
     Words words;
@@ -410,12 +410,12 @@ TEST_F(Dvrk, MistakesGetOneLine) {
        2,
        "late=SECONDS@S"},
       {{"dvrk", "emulate", "--config", io, "--firmware", "6", "--port", "0"}, 2, "--firmware"},
-      {{"dvrk", "emulate", "--config", folder_.write("dqla.xml", with(io_xml(), "QLA1", "DQLA")),
+      {{"dvrk", "emulate", "--config", folder_.write("dqla.xml", with_replaced(io_xml(), "QLA1", "DQLA")),
         "--port", "0"},
        3,
        "DQLA"},
       {{"dvrk", "config", "--config",
-        folder_.write("amps.xml", with(io_xml(), "Value=\"5.0\"", "Value=\"13.4\""))},
+        folder_.write("amps.xml", with_replaced(io_xml(), "Value=\"5.0\"", "Value=\"13.4\""))},
        3,
        "MaxCurrent 13.4"},
       {{"dvrk", "run", "--config", io, "--trajectory", folder_.path("none.csv"), "-o",

@@ -51,7 +51,7 @@ TEST(ExportDvrk, GravityRowsHaveTheModelsTorques) {
   }
 }
 
-// Efforts at rest that are the model's own leave nothing; half a newton metre more leaves that.
+// Measured efforts equal to the model's have no difference; half a newton metre more is reported.
 TEST(ExportDvrk, RowsAreComparedWithTheRestingArm) {
   const TemporaryFolder folder;
   Model arm = read_model("psm-3dof");
@@ -89,7 +89,7 @@ TEST(ExportDvrk, ScalesCorrectTheLaboratorysConfiguration) {
   EXPECT_NE(run.out.find("torque gain of yaw"), std::string::npos) << run.out;
 }
 
-TEST(ExportDvrk, BadInputAndWrongUsageAreTold) {
+TEST(ExportDvrk, BadInputAndWrongUsageAreReported) {
   const TemporaryFolder folder;
   const std::string model = psm_file(folder);
   const std::string out = folder.path("g.json");

@@ -5,7 +5,7 @@
 #include "dvrk/arms/arm_kinematics.hpp"
 #include "veridyn/kinematics/kinematics.hpp"
 
-// What runs in a control loop takes nothing from the heap.
+// Code of a control loop does not allocate.
 
 namespace veridyn::dvrk {
 namespace {
@@ -14,7 +14,7 @@ const char* const kNeedleDriver = "large-needle-driver-400006";
 
 #if VERIDYN_COUNTS_MALLOC
 
-TEST(Allocation, UnitsTakeNothing) {
+TEST(Allocation, UnitConversionsDoNotAllocate) {
   ArmUnits units(example(), read_arm("PSM1").coupling(kNeedleDriver));
   BoardArmState state(7);
   ArmCommand command(7);
@@ -32,7 +32,7 @@ TEST(Allocation, UnitsTakeNothing) {
   EXPECT_EQ(malloc_count(), before);
 }
 
-TEST(Allocation, ACycleTakesNothing) {
+TEST(Allocation, ACycleDoesNotAllocate) {
   Bench bench(example(), read_arm("PSM1").coupling(kNeedleDriver), example_start());
   bench.idle(0.01);
   ASSERT_TRUE(bench.arm.home().done);
@@ -54,7 +54,7 @@ TEST(Allocation, ACycleTakesNothing) {
   EXPECT_GT(bench.load.current.cwiseAbs().minCoeff(), 1e-4);  // it did run
 }
 
-TEST(Allocation, KinematicsTakeNothing) {
+TEST(Allocation, KinematicsDoNotAllocate) {
   const PsmKinematics psm(read_arm("PSM1"));
   const MtmKinematics mtm(read_arm("MTML"));
   const PsmKinematics::Joints q6 = PsmKinematics::Joints::Constant(0.1);

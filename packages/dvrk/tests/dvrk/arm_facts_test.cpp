@@ -18,7 +18,7 @@ namespace {
 
 const std::string kFolder = std::string(VERIDYN_SOURCE_DIR) + "/data/dvrk/";
 
-TEST(ArmFacts, AllSixArmsAreThere) {
+TEST(ArmFacts, AllSixArmsAreFound) {
   EXPECT_EQ(arm_names(), (std::vector<std::string>{"ECM", "MTML", "MTMR", "PSM1", "PSM2", "PSM3"}));
   for (const std::string& name : arm_names()) {
     const ArmFacts arm = read_arm(name);
@@ -53,7 +53,7 @@ TEST(ArmFacts, NominalScalesArePublishedOnes) {
 }
 
 // The example differs from the nominal arm by its calibration alone.
-TEST(ArmFacts, TheExampleIsANominalArmButForOffsets) {
+TEST(ArmFacts, TheExampleDiffersFromTheNominalArmOnlyInOffsets) {
   const IoConfig example = read_io_config(kFolder + "sawRobotIO1394-PSM1-example.xml");
   const IoConfig nominal = nominal_config(read_arm("PSM1"));
   for (std::size_t i = 0; i < 7; ++i) {
@@ -88,14 +88,14 @@ TEST(ArmFacts, TheMasterArmsTwoMatricesAreInverse) {
   EXPECT_TRUE(near(mtm.coupling() * mtm.pots_to_actuators, MatrixXd::Identity(7, 7), 1e-15));
 }
 
-TEST(ArmFacts, BoardsAreTheUsualOnes) {
+TEST(ArmFacts, DefaultBoardNumbersAreThoseOfTheLaboratories) {
   EXPECT_EQ(read_arm("MTML").boards, (std::vector<int>{0, 1}));
   EXPECT_EQ(read_arm("PSM3").boards, (std::vector<int>{10, 11}));
   EXPECT_EQ(read_arm("ECM").actuators[2].brake->board, 5);
   EXPECT_EQ(read_arm("ECM").actuators[2].brake->release_current, 0.9);
 }
 
-TEST(ArmFacts, WhatNobodyCheckedIsSaid) {
+TEST(ArmFacts, UnverifiedFactsAreListed) {
   for (const char* name : {"PSM1", "MTML", "ECM"}) EXPECT_FALSE(read_arm(name).unsure.empty());
 }
 
@@ -159,8 +159,8 @@ TEST(ArmFacts, AWrongFileNamesLineAndReason) {
   std::filesystem::remove(path);
 }
 
-// Folders of one's own come first; one without arms is passed over.
-TEST(ArmFacts, ArmsOfOnesOwnAreFoundInTheirFolder) {
+// User folders come first; one without arms is skipped.
+TEST(ArmFacts, UserArmsAreFoundInTheirFolder) {
   namespace fs = std::filesystem;
   const fs::path folder = fs::path(testing::TempDir()) / ("veridyn_arms_" + std::to_string(::getpid()));
   fs::create_directories(folder);
@@ -214,7 +214,7 @@ TEST(ArmFacts, ABrakeHasAnActuatorAndAChannelOfItsOwn) {
 }
 
 // A brake's channel may get the current that releases it, and no more.
-TEST(ArmFacts, ABrakeHoldsWithNoMoreThanItsReleaseCurrent) {
+TEST(ArmFacts, ABrakesHoldingCurrentIsAtMostItsReleaseCurrent) {
   std::ifstream file(kFolder + "ecm.yaml");
   const std::string yaml{std::istreambuf_iterator<char>(file), {}};
   const std::string path = testing::TempDir() + "veridyn_brake_" + std::to_string(::getpid()) + ".yaml";

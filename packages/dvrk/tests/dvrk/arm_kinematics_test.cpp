@@ -32,7 +32,7 @@ class Chain {
   Eigen::Matrix4d forward(const VectorXd& q) const {
     return frame_pose(model_, q, model_.find_frame("tip")).matrix();
   }
-  // Of an MTM: where its last four axes meet.
+  // Intersection of an MTM's last four axes.
   Eigen::Vector3d wrist_position(const Eigen::Vector3d& q) const {
     VectorXd all = VectorXd::Zero(model_.joints());
     all.head<3>() = q;
@@ -43,7 +43,7 @@ class Chain {
   Model model_;
 };
 
-// inverse(forward(q)) = q for every q within the limits, from a starting point that knows nothing.
+// inverse(forward(q)) = q for every q within the limits, from a random start.
 // Errors of rounding grow with the inverse of the distances to the singular places.
 TEST(ArmKinematics, PsmInverseFindsTheJoints) {
   const ArmFacts arm = read_arm("PSM1");
@@ -53,7 +53,7 @@ TEST(ArmKinematics, PsmInverseFindsTheJoints) {
   for (int trial = 0; trial < 2000; ++trial) {
     const PsmKinematics::Joints q = within_limits(arm, random);
     PsmKinematics::Joints near_q = within_limits(arm, random);
-    // The roll has more than a turn: only a start near by can know which.
+    // The roll has more than a turn: a near start determines which turn is meant.
     near_q[3] = q[3] + random.in(-3.0, 3.0);
     const InverseSolution<6> found = kinematics.inverse(chain.forward(q), near_q);
     EXPECT_EQ(found.status, InverseStatus::kDone);
@@ -62,7 +62,7 @@ TEST(ArmKinematics, PsmInverseFindsTheJoints) {
   }
 }
 
-TEST(ArmKinematics, PsmReachesThePoseAtItsSingularPlaces) {
+TEST(ArmKinematics, PsmReachesThePoseAtItsSingularities) {
   const ArmFacts arm = read_arm("PSM1");
   const PsmKinematics kinematics(arm);
   const Chain chain(arm);
@@ -71,7 +71,7 @@ TEST(ArmKinematics, PsmReachesThePoseAtItsSingularPlaces) {
     for (int trial = 0; trial < 50; ++trial) {
       PsmKinematics::Joints q = within_limits(arm, random);
       q[2] = 0.4318 - 0.4162 + distance;  // the wrist in the remote centre
-      // What is taken from `near` must be within the limits there: it starts close by.
+      // Joints taken from `near` must be within the limits, so it starts close.
       PsmKinematics::Joints near_q = q;
       near_q[0] += random.in(-0.05, 0.05);
       near_q[1] += random.in(-0.05, 0.05);
@@ -88,8 +88,8 @@ TEST(ArmKinematics, PsmReachesThePoseAtItsSingularPlaces) {
 }
 
 // The wrist in the remote centre, and the axis of wrist pitch that `near` proposes along that of wrist yaw: any axis
-// across the latter will do, whichever way it points.
-TEST(ArmKinematics, PsmWristInTheRemoteCentreWithNothingToGoBy) {
+// perpendicular to the latter is a solution, in either direction.
+TEST(ArmKinematics, PsmReachesThePoseWithItsWristInTheRemoteCentre) {
   ArmFacts arm = read_arm("PSM1");
   arm.T_last_tip.setIdentity();
   const PsmKinematics kinematics(arm);
@@ -105,7 +105,7 @@ TEST(ArmKinematics, PsmWristInTheRemoteCentreWithNothingToGoBy) {
   }
 }
 
-TEST(ArmKinematics, PsmBeyondItsLimitsIsSaidAndReached) {
+TEST(ArmKinematics, PsmSolutionsBeyondLimitsAreMarkedAndReachThePose) {
   const ArmFacts arm = read_arm("PSM1");
   const PsmKinematics kinematics(arm);
   const Chain chain(arm);
@@ -127,7 +127,7 @@ TEST(ArmKinematics, PsmBeyondItsLimitsIsSaidAndReached) {
   EXPECT_TRUE(near(chain.forward(found.q), T, 1e-7));
 }
 
-TEST(ArmKinematics, WhatIsNoPoseLeavesTheJointsAlone) {
+TEST(ArmKinematics, AnInvalidPoseLeavesTheJointsUnchanged) {
   const PsmKinematics psm(read_arm("PSM1"));
   const MtmKinematics mtm(read_arm("MTML"));
   const EcmKinematics ecm(read_arm("ECM"));
@@ -151,7 +151,7 @@ TEST(ArmKinematics, WhatIsNoPoseLeavesTheJointsAlone) {
   EXPECT_EQ(psm.inverse(far, q6).q, q6);
 }
 
-TEST(ArmKinematics, EcmInverseFindsTheJointsAndRefusesTheRest) {
+TEST(ArmKinematics, EcmInverseFindsTheJointsAndRefusesUnreachablePoses) {
   const ArmFacts arm = read_arm("ECM");
   const EcmKinematics kinematics(arm);
   const Chain chain(arm);
@@ -168,7 +168,7 @@ TEST(ArmKinematics, EcmInverseFindsTheJointsAndRefusesTheRest) {
     if (q[2] < 0.01) continue;
     EXPECT_EQ(kinematics.inverse(tilted, q).status, InverseStatus::kOutOfReach);
   }
-  // The tip in the remote centre: the axis tells yaw and pitch all the same.
+  // The tip in the remote centre: the axis determines yaw and pitch nevertheless.
   const Eigen::Vector4d q(0.3, 0.2, 0.3822 - 0.3829, 0.4);
   EXPECT_TRUE(near(kinematics.inverse(chain.forward(q), Eigen::Vector4d::Zero()).q, q, 1e-13));
 }
@@ -200,7 +200,7 @@ TEST(ArmKinematics, MtmInverseFindsTheJoints) {
 
 // Beyond the limits the nearest of all solutions is given, whichever way the elbow bends and
 // whether the arm reaches forwards or over its own base.
-TEST(ArmKinematics, MtmKnowsItsOtherSolutions) {
+TEST(ArmKinematics, MtmInverseListsAllSolutions) {
   const ArmFacts arm = read_arm("MTML");
   const MtmKinematics kinematics(arm);
   const Chain chain(arm);
@@ -216,7 +216,7 @@ TEST(ArmKinematics, MtmKnowsItsOtherSolutions) {
   EXPECT_GT(outside, 250);
 }
 
-TEST(ArmKinematics, MtmOutOfReachAndStretched) {
+TEST(ArmKinematics, MtmPosesOutOfReachAreReportedWithTheStretchedArm) {
   const ArmFacts arm = read_arm("MTML");
   const MtmKinematics kinematics(arm);
   const Chain chain(arm);
@@ -237,7 +237,7 @@ TEST(ArmKinematics, MtmOutOfReachAndStretched) {
 }
 
 // At wrist yaw of 90 degrees pitch and roll turn about one line; pitch stays, the pose is reached.
-TEST(ArmKinematics, MtmGimbalLock) {
+TEST(ArmKinematics, MtmReachesThePoseInGimbalLock) {
   const ArmFacts arm = read_arm("MTML");
   const MtmKinematics kinematics(arm);
   const Chain chain(arm);
@@ -283,7 +283,7 @@ TEST(ArmKinematics, ThePsmMovesAsThePublishedModelDoes) {
 }
 
 // Angles of more than a turn: the turn nearest to where the arm is, unless it is out of range.
-TEST(ArmKinematics, WholeTurnsKeepToTheRange) {
+TEST(ArmKinematics, WholeTurnsAreWrappedIntoTheRange) {
   const JointRanges<6> ranges(read_arm("PSM1"));  // roll: 272 degrees either way
   using Joints = PsmKinematics::Joints;
   const double limit = ranges.upper[3];

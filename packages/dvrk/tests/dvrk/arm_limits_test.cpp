@@ -18,8 +18,8 @@ class Untroubled final : public MotionController {
   bool torques(const BoardArmState&, const JointReference&, const CycleTimes&, VectorXd&) noexcept override { return true; }
 };
 
-// The first actuator turns by the sum of both joints: a motion of the first joint alone does not tell where it will be.
-TEST_F(ArmLimits, SoftLimitsAreAskedOfActuatorsWhoseJointsAllMove) {
+// The first actuator turns by the sum of both joints: a motion of the first joint alone does not determine its position.
+TEST_F(ArmLimits, SoftLimitsApplyToActuatorsWhoseJointsAllMove) {
   ArmSessionOptions options;
   options.actuator_to_joint = (MatrixXd(2, 2) << 1.0, -1.0, 0.0, 1.0).finished();
   ArmSession arm(link_, planar_config(), options);
@@ -61,7 +61,7 @@ TEST_F(ArmLimits, SoftLimitsEndARunWithAPid) {
     plant_.set_state(Eigen::Vector2d(0.1, 2.3), Eigen::Vector2d(0.0, 8.0));  // 2.3 + 8/30 > 2.5
   };
   RunOptions options;
-  options.largest_error = Eigen::Vector2d(9.0, 9.0);  // not what ends it
+  options.largest_error = Eigen::Vector2d(9.0, 9.0);  // so large that it does not end the run
   const RunResult run = run_motion(arm, link, motion(8.0), sensible_gains(model_), options, stop_);
   EXPECT_TRUE(thrown);
   EXPECT_FALSE(run.complete);
@@ -70,8 +70,8 @@ TEST_F(ArmLimits, SoftLimitsEndARunWithAPid) {
   EXPECT_FALSE(emulator_.board(0).amp_on(1));
 }
 
-// A pot whose wire is gone reads zero: encoders are not loaded from it, and nothing is driven.
-TEST_F(ArmLimits, APotAtItsEndRefusesHomingAndPower) {
+// A pot with a broken wire reads zero: encoders are not loaded from it, and no motor is driven.
+TEST_F(ArmLimits, APotAtItsRailPreventsHomingAndPower) {
   emulator_.board(0).faults.pot_wire[1] = true;
   ArmSession arm(link_, planar_config());
   EXPECT_TRUE(refuses_with("pot of actuator 1", [&] { arm.start(); }));
@@ -95,7 +95,7 @@ TEST_F(ArmLimits, AnArmOutsideItsLimitsIsNotDriven) {
   EXPECT_FALSE(emulator_.board(0).status().power_requested());
 }
 
-TEST_F(ArmLimits, EndStopsHoldAnArmThatIsPushed) {
+TEST_F(ArmLimits, EndStopsStopAPushedArm) {
   load_.set_end_stops(Eigen::Vector2d(-0.5, -0.8), Eigen::Vector2d(0.5, 0.8));
   plant_.set_state(Eigen::Vector2d(0.4, -0.7), Eigen::Vector2d(3.0, -3.0));
   ArmSession arm(link_, planar_config());

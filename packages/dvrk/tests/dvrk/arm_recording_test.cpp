@@ -8,7 +8,7 @@
 #include "dvrk/planar_run.hpp"
 #include "dvrk/run/arm_run.hpp"
 
-// What a run and a reading leave in their recordings.
+// Recordings of runs and of reading without motion.
 
 namespace veridyn::dvrk {
 namespace {
@@ -67,8 +67,8 @@ TEST_F(ArmRecording, RecordsAtRestWithoutPower) {
   EXPECT_FALSE(emulator_.board(0).status().power_requested());
 }
 
-// Nothing is driven, so nothing ends: the recording says that its positions are worth little.
-TEST_F(ArmRecording, ARecordingTellsThatEncodersFailed) {
+// No motor is driven, so the recording continues with a remark on its positions.
+TEST_F(ArmRecording, EncoderFailuresAreMarkedInTheRecording) {
   for (const char* fault : {"", "overflow", "transition"}) {
     PlanarArm bench;
     EmulatedEncoder& encoder = bench.emulator.board(0).encoder(1);
@@ -88,8 +88,8 @@ TEST_F(ArmRecording, ARecordingTellsThatEncodersFailed) {
   }
 }
 
-// Boards whose timestamps stand still: the rows have this program's times, and the file says so.
-TEST_F(ArmRecording, AClockThatStandsStillIsMarkedInTheRecording) {
+// Boards whose timestamps stand still: the rows have this program's times, and the file has a remark.
+TEST_F(ArmRecording, AStalledClockIsMarkedInTheRecording) {
   for (const bool stands : {true, false}) {
     PlanarArm bench;
     bench.emulator.board(0).faults.stops_clock = stands;

@@ -28,7 +28,7 @@ TEST_F(ArmRun, EncodersStartFromPots) {
   EXPECT_FALSE(arm.preloaded());  // they have theirs
 }
 
-TEST_F(ArmRun, ASignalEndsItWithPowerOff) {
+TEST_F(ArmRun, ASignalEndsTheRunWithPowerOff) {
   ArmSession arm(link_, planar_config());
   stop_ = true;
   const RunResult run =
@@ -39,7 +39,7 @@ TEST_F(ArmRun, ASignalEndsItWithPowerOff) {
   EXPECT_FALSE(emulator_.board(0).status().power_requested());
 }
 
-TEST_F(ArmRun, AFaultOnTheWayEndsItWithItsName) {
+TEST_F(ArmRun, AFaultDuringTheRunEndsItWithItsName) {
   emulator_.board(0).faults.amp[1] = true;  // never comes up
   ArmSession arm(link_, planar_config());
   const RunResult run =
@@ -49,7 +49,7 @@ TEST_F(ArmRun, AFaultOnTheWayEndsItWithItsName) {
   EXPECT_FALSE(emulator_.board(0).amp_on(0));
 }
 
-TEST_F(ArmRun, AJointThatDoesNotFollowEndsIt) {
+TEST_F(ArmRun, ATrackingErrorEndsTheRun) {
   ArmSession arm(link_, planar_config());
   PidGains weak = sensible_gains(model_);
   weak.p *= 0.01;
@@ -74,7 +74,7 @@ TEST_F(ArmRun, ABrakeOpensBeforeTheMotion) {
   EXPECT_NEAR(emulator_.board(0).dac(2), 32768, 1);  // engaged again
 }
 
-TEST_F(ArmRun, AnErrorIsInTheUnitOfItsJoint) {
+TEST_F(ArmRun, TrackingErrorsHaveTheUnitOfTheirJoint) {
   RobotConfig robot = planar_config();
   robot.actuators[1].prismatic = true;
   const VectorXd errors = default_largest_errors(robot);
@@ -131,7 +131,7 @@ TEST(LightArm, MovesOnTheNominalBoardsOfPsm1) {
   }
 }
 
-TEST_F(ArmRun, WhatDoesNotFitIsRefused) {
+TEST_F(ArmRun, AMotionThatDoesNotFitTheArmIsRefused) {
   ArmSession arm(link_, planar_config());
   MotionSamples three = motion(1.0);
   three.q.conservativeResize(Eigen::NoChange, 3);

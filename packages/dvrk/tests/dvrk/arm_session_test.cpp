@@ -21,8 +21,8 @@ struct ArmCase {
 
 class OnEveryHomedArm : public testing::TestWithParam<ArmCase> {};
 
-// From pots to encoders to joints: the arm knows where it stands, to a bit of the pots and a count.
-TEST_P(OnEveryHomedArm, HomingFindsWhereTheArmStands) {
+// From pots to encoders to joints: the arm's position is known to a bit of the pots and a count.
+TEST_P(OnEveryHomedArm, HomingFindsThePositionOfTheArm) {
   const ArmFacts facts = read_arm(GetParam().arm);
   const RobotConfig robot = nominal_config(facts).robots.at(0);
   const MatrixXd K = facts.coupling(GetParam().instrument);
@@ -76,7 +76,7 @@ TEST(ArmSession, TorquesArriveAtTheJoints) {
   bench.run(0.01, [&] { bench.arm.set_torques(tau); });
   const VectorXd at_joints = K.inverse().transpose() * bench.load.effort;
   for (int i = 0; i < 7; ++i) EXPECT_NEAR(at_joints[i], tau[i], 5e-3 * std::abs(tau[i]) + 2e-4);
-  // And back: measured currents say the same. The example's feedback is calibrated apart from its
+  // Measured currents convert back to the same torques. The example's feedback is calibrated apart from its
   // command, by some milliamperes.
   for (int i = 0; i < 7; ++i) EXPECT_NEAR(bench.arm.state().tau[i], tau[i], 0.05 * 1.5);
   // A cycle without a command is a cycle without current.
@@ -121,7 +121,7 @@ TEST(ArmSession, WithoutPowerNoCommandFlows) {
 }
 
 // Bad torques end as zero current, not as the last command.
-TEST(ArmSession, TorquesThatAreNoNumbersStopTheCurrent) {
+TEST(ArmSession, NonFiniteTorquesStopTheCurrent) {
   Bench bench(example(), MatrixXd(), example_start());
   bench.idle(0.01);
   ASSERT_TRUE(bench.arm.home().done);
@@ -167,7 +167,7 @@ TEST(ArmSession, BrakesOpenBeforeTheArmMoves) {
   EXPECT_EQ(bench.load.brake_bits[0], 0.0);
 }
 
-TEST(BrakeDriver, PushesThenHoldsAndEngagesAtOnce) {
+TEST(BrakeDriver, ReleasesWithFullCurrentHoldsWithLessAndEngagesAtOnce) {
   BrakeConfig config;
   config.release_current = 0.9;
   config.release_time = 2.0;
@@ -186,7 +186,7 @@ TEST(BrakeDriver, PushesThenHoldsAndEngagesAtOnce) {
   EXPECT_EQ(brake.current(Wish::kReleased, 15.0), 0.9);  // a push again
 }
 
-TEST(ArmSession, HomingRefusesWhatItCannotTrust) {
+TEST(ArmSession, HomingRefusesImplausiblePots) {
   {
     Bench bench(example(), MatrixXd(), example_start());
     bench.load.shake = 0.05;  // the arm swings
@@ -219,14 +219,14 @@ TEST(ArmSession, HomingRefusesWhatItCannotTrust) {
     ASSERT_EQ(bench.arm.power_on(), nullptr);
     bench.idle(0.5);
     EXPECT_EQ(bench.arm.home().reason, "power is on");
-    // A refusal changes nothing: what was loaded stays good.
+    // A refusal changes nothing: loaded encoders stay valid.
     bench.arm.power_off();
     bench.idle(0.05);
     EXPECT_EQ(bench.arm.power_on(), nullptr);
   }
 }
 
-TEST(ArmSession, StartHomesAnArmThatWokeUp) {
+TEST(ArmSession, StartHomesAnArmAfterPowerUp) {
   const RobotConfig robot = example();
   Inertias load(robot, example_start());
   BoardEmulator emulator(Bench::setups(robot), 3);
@@ -239,7 +239,7 @@ TEST(ArmSession, StartHomesAnArmThatWokeUp) {
     arm.update();
     EXPECT_TRUE(near(arm.state().q, example_start(), 5e-4));
   }
-  // Who comes later finds the encoders loaded and leaves them.
+  // A later session finds the encoders loaded and does not change them.
   ArmSession later(link, robot);
   later.start();
   EXPECT_FALSE(later.preloaded());
@@ -253,7 +253,7 @@ TEST(ArmSession, StartHomesAnArmThatWokeUp) {
 }
 
 // Velocity words of firmware 6 have another form: differences of counts, or nothing.
-TEST(ArmSession, OldFirmwareNeedsVelocitiesOfSoftware) {
+TEST(ArmSession, OldFirmwareRequiresSoftwareVelocities) {
   RobotConfig robot = example();
   std::vector<BoardSetup> boards = Bench::setups(robot);
   for (BoardSetup& board : boards) board.firmware = 6;
@@ -269,7 +269,7 @@ TEST(ArmSession, OldFirmwareNeedsVelocitiesOfSoftware) {
   EXPECT_TRUE(near(arm.state().q, example_start(), 5e-4));
 }
 
-TEST(ArmSession, ChannelsAreGuardedByTheCalibration) {
+TEST(ArmSession, CurrentLimitsComeFromTheCalibration) {
   RobotConfig robot = example();
   robot.actuators[4].amps_to_bits = {-5242.88, 32850.0};
   robot.actuators[4].bits_to_amps = {-0.000190735, 6.26};
@@ -282,7 +282,7 @@ TEST(ArmSession, ChannelsAreGuardedByTheCalibration) {
   EXPECT_NEAR(safety.max_current, 0.67 * 5242.88, 0.6);
   EXPECT_NEAR(safety.pot_tolerance, 5.0 * M_PI / 180.0, 1e-12);
   EXPECT_FALSE(options.channels.at(1).at(3).used);  // seven actuators on eight channels
-  // A pot in the middle of its way, through the configuration and through the guard.
+  // A pot in the middle of its range, converted by the configuration and by the safety check.
   const ActuatorConfig& a = robot.actuators[4];
   EXPECT_NEAR(safety.pot_to_position(30000.0), a.volts_to_position(a.bits_to_volts(30000.0)),
               1e-12);
@@ -294,8 +294,8 @@ TEST(ArmSession, ChannelsAreGuardedByTheCalibration) {
   EXPECT_THROW(session_options(robot), InvalidInput);
 }
 
-// Two arms may have boards with the same ids; the configuration says whose they are.
-TEST(ArmSessionBoards, AreTheRobotsOwn) {
+// Two arms may have boards with the same ids; serial numbers in the configuration distinguish them.
+TEST(ArmSessionBoards, MustBelongToTheRobot) {
   for (const std::string& there : {std::string("1234-57"), std::string("9999-01"), std::string()}) {
     RobotConfig robot = example();
     const std::vector<int> ids = boards_of(robot);
@@ -307,7 +307,7 @@ TEST(ArmSessionBoards, AreTheRobotsOwn) {
     emulator.attach(&load);
     EmulatedLink link(emulator);
     ArmSession free(link, robot);
-    EXPECT_NO_THROW(free.start());  // nobody said whose boards they are
+    EXPECT_NO_THROW(free.start());  // no serial numbers are configured
     robot.board_serials = {{ids[0], "1234-56"}, {ids[1], "1234-57"}};
     ArmSession own(link, robot);
     try {
@@ -322,7 +322,7 @@ TEST(ArmSessionBoards, AreTheRobotsOwn) {
   }
 }
 
-TEST(ArmSessionBoards, SerialsAreInBothForms) {
+TEST(ArmSessionBoards, SerialNumbersAreReadInBothForms) {
   IoConfig config = read_io_config(std::string(VERIDYN_SOURCE_DIR) +
                                    "/data/dvrk/sawRobotIO1394-PSM1-example.xml");
   config.robots[0].board_serials = {{6, "1234-56"}, {7, "1234-57"}};

@@ -46,7 +46,7 @@ TEST_F(ArmTiming, ACycleDoesNotAllocate) {
   EXPECT_EQ(arm.boards().state(), PowerState::kOn);
 }
 
-// Does as it is told, and changes the network when it is first asked for torques.
+// A controller that changes the network at its first call.
 class ChangesTheNetwork final : public MotionController {
  public:
   explicit ChangesTheNetwork(std::function<void()> change) : change_(std::move(change)) {}
@@ -57,7 +57,7 @@ class ChangesTheNetwork final : public MotionController {
     change_();
     return true;
   }
-  std::string why() const override { return ""; }
+  std::string refusal_reason() const override { return ""; }
   bool follows() const override { return false; }
 
  private:
@@ -65,7 +65,7 @@ class ChangesTheNetwork final : public MotionController {
 };
 
 // Replies that are 5 ms late: 94 cycles per second in place of 1500.
-TEST_F(ArmTiming, ALoopThatIsAlwaysLateIsStopped) {
+TEST_F(ArmTiming, APersistentlyLateLoopIsStopped) {
   BadLink link(emulator_);
   ArmSession arm(link, planar_config());
   ChangesTheNetwork controller([&] { link.down.delay = 0.005; });
@@ -79,8 +79,8 @@ TEST_F(ArmTiming, ALoopThatIsAlwaysLateIsStopped) {
   EXPECT_LT(link.now(), 3.0);
 }
 
-// The same from the start: nothing is powered, and the first thing said is why.
-TEST_F(ArmTiming, AMachineThatIsTooBusyIsSaidBeforePower) {
+// The same from the start: no motor gets power, and the message names the reason.
+TEST_F(ArmTiming, ABusyMachineIsReportedBeforePower) {
   BadLink link(emulator_);
   ArmSession arm(link, planar_config());
   link.down.delay = 0.005;
@@ -95,7 +95,7 @@ TEST_F(ArmTiming, AMachineThatIsTooBusyIsSaidBeforePower) {
 }
 
 // A stall before power is waited for.
-TEST_F(ArmTiming, AStallBeforePowerIsWaitedFor) {
+TEST_F(ArmTiming, AStallBeforePowerIsTolerated) {
   BadLink link(emulator_);
   ArmSession arm(link, planar_config());
   int asked = 0;
@@ -109,9 +109,9 @@ TEST_F(ArmTiming, AStallBeforePowerIsWaitedFor) {
   EXPECT_GT(asked, 250);
 }
 
-// One datagram of a hundred gets lost, both ways: a read is asked for again within a millisecond.
+// One datagram of a hundred gets lost, both ways: a read is repeated within a millisecond.
 // Without that a cycle waits 20 ms for it, and the run does not keep its rate.
-TEST_F(ArmTiming, OnePercentOfLossIsRiddenThrough) {
+TEST_F(ArmTiming, OnePercentOfPacketLossIsTolerated) {
   for (const bool again : {true, false}) {
     PlanarArm bench;
     BadLink link(bench.emulator, 7);

@@ -23,7 +23,7 @@ RobotConfig example() {
 }
 
 // Actuator 0 by hand, with the formulas of specification 12 and 15 written out.
-TEST(ArmUnits, OneActuatorByHand) {
+TEST(ArmUnits, OneActuatorMatchesItsManualConversion) {
   RobotConfig robot = example();
   robot.actuators[0].amps_to_bits = {-5242.88, 32851.0};
   robot.actuators[0].bits_to_amps = {-0.000190735, 6.2571};
@@ -81,7 +81,7 @@ TEST_P(OnEveryCoupling, PowerIsTheSameOnBothSides) {
 }
 
 // Torque to bits, bits measured by a perfect board, and back: half a bit of current per actuator.
-TEST_P(OnEveryCoupling, TorqueComesBackToHalfABit) {
+TEST_P(OnEveryCoupling, TorqueRoundTripIsExactToHalfABit) {
   ArmUnits units(robot, K);
   Random random(6);
   std::vector<RawActuator> raw(n);
@@ -109,7 +109,7 @@ TEST_P(OnEveryCoupling, TorqueComesBackToHalfABit) {
 }
 
 // Position to the preload word and back as an encoder that stands there: half a count.
-TEST_P(OnEveryCoupling, PreloadedEncodersStandWhereThePotsAre) {
+TEST_P(OnEveryCoupling, PreloadedEncodersReadThePositionsOfThePots) {
   ArmUnits units(robot, K);
   Random random(7);
   std::vector<RawActuator> raw(n);
@@ -142,7 +142,7 @@ INSTANTIATE_TEST_SUITE_P(Arms, OnEveryCoupling,
 
 // Specification 16, by hand: joints of the master arm from its motors, and motors from its pots,
 // which sit on the joints.
-TEST(ArmUnits, TheMasterArmsCouplingByHand) {
+TEST(ArmUnits, TheMasterArmsCouplingMatchesItsManualConversion) {
   const ArmFacts facts = read_arm("MTML");
   const RobotConfig robot = nominal_config(facts).robots.at(0);
   ArmUnits units(robot, facts.coupling());
@@ -182,7 +182,7 @@ TEST(ArmUnits, CurrentsAreHeldWithinTheirLimits) {
   }
 }
 
-TEST(ArmUnits, WhatIsNoNumberBecomesZeroCurrent) {
+TEST(ArmUnits, NonFiniteValuesBecomeZeroCurrent) {
   const RobotConfig robot = example();
   ArmUnits units(robot, read_arm("PSM1").coupling(kNeedleDriver));
   ArmCommand command(7);
@@ -198,7 +198,7 @@ TEST(ArmUnits, WhatIsNoNumberBecomesZeroCurrent) {
   EXPECT_FALSE(command.valid);
 }
 
-TEST(ArmUnits, VelocityOfSoftwareIsTheDifferenceOfCounts) {
+TEST(ArmUnits, SoftwareVelocityIsTheDifferenceOfCounts) {
   RobotConfig robot = example();
   robot.actuators[2].velocity_source = VelocitySource::kSoftware;
   ArmUnits units(robot);
@@ -207,7 +207,7 @@ TEST(ArmUnits, VelocityOfSoftwareIsTheDifferenceOfCounts) {
   raw[2].encoder.position = preload_word(1000);
   raw[2].seconds = 0.001;
   units.read(raw.data(), state);
-  EXPECT_EQ(state.dq[2], 0.0);  // there is nothing before
+  EXPECT_EQ(state.dq[2], 0.0);  // there is no previous sample
   raw[2].encoder.position = preload_word(1200);
   units.read(raw.data(), state);
   EXPECT_NEAR(state.dq[2], 200.0 / 0.001 * robot.actuators[2].bits_to_position, 1e-12);

@@ -31,7 +31,7 @@ class BadLink final : public DatagramLink {
     const double until = link_.now() + std::max(0.0, timeout);
     while (true) {
       pass(0.0);
-      take();
+      collect_replies();
       const auto first = std::min_element(coming_.begin(), coming_.end(),
                                           [](const Held& a, const Held& b) { return a.at < b.at; });
       if (first != coming_.end() && first->at <= link_.now()) {
@@ -61,7 +61,7 @@ class BadLink final : public DatagramLink {
   };
   static constexpr double kStep = 20e-6;
 
-  // Time goes on; what is due arrives at the boards.
+  // Advances the time and delivers due datagrams to the boards.
   void pass(double seconds) {
     if (seconds > 0.0) link_.advance(std::max(seconds, 1e-7));
     for (auto one = going_.begin(); one != going_.end();) {
@@ -73,7 +73,7 @@ class BadLink final : public DatagramLink {
       one = going_.erase(one);
     }
   }
-  void take() {
+  void collect_replies() {
     std::uint8_t buffer[kDatagramBuffer];
     for (Arrival a = link_.receive({buffer, sizeof buffer}, 0.0); a.any;
          a = link_.receive({buffer, sizeof buffer}, 0.0)) {

@@ -9,7 +9,7 @@
 #include "emulator/board_server.hpp"
 #include "veridyn/math/require.hpp"
 
-// The public way to an arm's boards, over sockets and in real time.
+// The public interface to an arm's boards, over sockets and in real time.
 
 namespace veridyn {
 namespace {
@@ -61,7 +61,7 @@ class OnBoards : public testing::Test {
   std::thread thread_;
 };
 
-TEST_F(OnBoards, TorquesMoveTheirJointsAndTheOthersAreHeld) {
+TEST_F(OnBoards, TorquesMoveTheirJointsAndOthersAreHeld) {
   BoardArm arm(options_);
   ASSERT_EQ(arm.joints(), 7);
   ASSERT_TRUE(cycles(arm, [] { return true; }));
@@ -81,7 +81,7 @@ TEST_F(OnBoards, TorquesMoveTheirJointsAndTheOthersAreHeld) {
   }));
   EXPECT_LT((arm.q() - start).tail(4).cwiseAbs().maxCoeff(), 0.005);
   EXPECT_NEAR(arm.tau()[1], 0.2, 0.02);  // as the boards measure their currents
-  // A joint that no torques were given for is pushed aside, and comes back.
+  // A joint without commanded torque is displaced, and returns.
   end();
   load_.q[4] += 0.03;
   begin();
@@ -93,7 +93,7 @@ TEST_F(OnBoards, TorquesMoveTheirJointsAndTheOthersAreHeld) {
     arm.set_torques(tau);
     return arm.q()[4] < start[4] + 0.005;
   })) << arm.q()[4] - start[4];
-  // Nobody asks for torques any more: no current, though power is on.
+  // Without further set_torques() there is no current, though power is on.
   int left = 20;
   EXPECT_TRUE(cycles(arm, [&] { return --left == 0; }));
   EXPECT_LT(arm.tau().cwiseAbs().maxCoeff(), 0.02);
@@ -103,7 +103,7 @@ TEST_F(OnBoards, TorquesMoveTheirJointsAndTheOthersAreHeld) {
   EXPECT_EQ(load_.effort.cwiseAbs().maxCoeff(), 0.0);
 }
 
-TEST_F(OnBoards, WhatIsWrongSwitchesOffAndIsTold) {
+TEST_F(OnBoards, FaultsSwitchOffAndAreReported) {
   BoardArm arm(options_);
   ASSERT_TRUE(cycles(arm, [] { return true; }));
   ASSERT_EQ(arm.power_on(), nullptr);
@@ -114,10 +114,10 @@ TEST_F(OnBoards, WhatIsWrongSwitchesOffAndIsTold) {
   }
   ASSERT_NE(arm.fault(), nullptr);
   EXPECT_FALSE(arm.ready());
-  EXPECT_FALSE(arm.shutdown());  // nobody confirms it
+  EXPECT_FALSE(arm.shutdown());  // no board confirms it
 }
 
-TEST(BoardArm, SaysWhatItCannotFind) {
+TEST(BoardArm, NamesTheMissingFileOrArm) {
   BoardArmOptions options;
   options.config = "PSM9";
   EXPECT_THROW(BoardArm{options}, InvalidInput);
@@ -128,7 +128,7 @@ TEST(BoardArm, SaysWhatItCannotFind) {
   options.rate = 1.0;
   EXPECT_THROW(BoardArm{options}, InvalidInput);
   options.rate = 1000.0;
-  options.port = 9;  // nobody is there
+  options.port = 9;  // no server listens there
   EXPECT_THROW(BoardArm{options}, InvalidInput);
 }
 

@@ -19,7 +19,7 @@ long dvrk_malloc_count() {
 
 namespace {
 
-// Keeps what the client sends.
+// Records the datagrams that the client sends.
 class Witness final : public DatagramLink {
  public:
   explicit Witness(DatagramLink& link) : link_(link) {}
@@ -48,7 +48,7 @@ BusOptions both_boards() {
   return options;
 }
 
-// Section 19.1: what the laboratory's own host sends when it starts.
+// Section 19.1: the datagrams that the laboratory's host sends at its start.
 TEST(BoardBus, StartsASessionWithTheBytesOfTheLaboratorysHost) {
   BoardEmulator emulator({Rig::setup(6), Rig::setup(7)}, 3);
   EmulatedLink link(emulator);
@@ -81,7 +81,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, BusOfEveryKind,
                                   std::to_string(static_cast<int>(std::get<1>(of.param)));
                          });
 
-TEST_P(BusOfEveryKind, CommandsGoOutAndFeedbackComesBack) {
+TEST_P(BusOfEveryKind, SendsCommandsAndReceivesFeedback) {
   const auto [firmware, protocol] = GetParam();
   // Ids against the order of nodes; the hub is the board with the larger id.
   BoardEmulator emulator({Rig::setup(9, firmware), Rig::setup(4, firmware)}, 3);
@@ -134,7 +134,7 @@ TEST_P(BusOfEveryKind, TheCycleDoesNotAllocate) {
   EXPECT_EQ(rig.session.bus().state(), BusState::kRunning);
 }
 
-TEST(BoardBus, NodesThatChangePlacesAreFoundAgain) {
+TEST(BoardBus, RenumberedNodesAreFoundAgain) {
   Rig rig;
   ASSERT_TRUE(rig.bring_up());
   rig.emulator.bus_reset(0.0, {5, 2});
@@ -164,7 +164,7 @@ std::string refusal(const BusOptions& options, const std::vector<BoardSetup>& bo
   });
 }
 
-TEST(BoardBus, WhatCannotBeDrivenIsRefusedWithItsName) {
+TEST(BoardBus, UnsupportedBoardsAreRefusedByName) {
   const BusOptions two = both_boards();
   EXPECT_EQ(refusal(two, {Rig::setup(6), Rig::setup(7)}), "");
   EXPECT_NE(refusal(two, {Rig::setup(6), Rig::setup(8)}).find("board 7 does not answer"),
@@ -200,7 +200,7 @@ TEST(BoardBus, WhatCannotBeDrivenIsRefusedWithItsName) {
   EXPECT_EQ(refusal(all, many), "");
 }
 
-TEST(BoardBus, AMixOfFirmwareRunsOneBoardAfterTheOther) {
+TEST(BoardBus, MixedFirmwareIsReadBoardByBoard) {
   Rig rig(CycleProtocol::kAutomatic, {Rig::setup(6, 7), Rig::setup(7, 8)});
   ASSERT_TRUE(rig.bring_up()) << rig.session.faults().report();
   EXPECT_EQ(rig.session.bus().protocol(), CycleProtocol::kSequential);
@@ -247,7 +247,7 @@ class Silence final : public DatagramLink {
 
 // A first miss waits longer than a tick of the system's clock, later ones 1, 3, 7, 15 ms; after ten
 // seconds without a miss it is a first one again.
-TEST(Exchange, AsksAgainSoonerAfterAMiss) {
+TEST(Exchange, RepeatsSoonerAfterALostReply) {
   Silence link;
   FaultLog log;
   Exchange exchange(link, log);
@@ -268,7 +268,7 @@ TEST(Exchange, AsksAgainSoonerAfterAMiss) {
 }
 
 // A node's number is another board's after a reset that swaps them: a preload would make that board's position wrong.
-TEST(BoardBus, RegistersAreLeftAloneWhileNodesAreUnknown) {
+TEST(BoardBus, RegistersAreNotWrittenWhileNodesAreUnknown) {
   Rig rig;
   rig.session.start();
   rig.cycles(5);
@@ -333,7 +333,7 @@ TEST(BoardBus, OffByRegisterSparesTheOtherArmWhileNodesAreUnknown) {
   are_on(false);
 }
 
-// Fails to send as often as it is told.
+// Fails a given number of sends.
 class Stutter final : public DatagramLink {
  public:
   explicit Stutter(DatagramLink& link) : link_(link) {}
@@ -350,7 +350,7 @@ class Stutter final : public DatagramLink {
   DatagramLink& link_;
 };
 
-TEST(BoardBus, ASendThatFailsIsALostLinkWhicheverBoardItWasFor) {
+TEST(BoardBus, AFailedSendIsALostLinkForAnyBoard) {
   BoardEmulator emulator({Rig::setup(6), Rig::setup(7)}, 3);
   EmulatedLink good(emulator);
   Stutter link(good);
@@ -385,7 +385,7 @@ class Flood final : public DatagramLink {
 };
 
 // 64 are discarded before the request, 200 until the time is up, and as many as before after it.
-TEST(Exchange, AFloodFromElsewhereEndsWithTheTime) {
+TEST(Exchange, AForeignFloodDoesNotExtendTheTimeout) {
   Flood link;
   FaultLog log;
   Exchange exchange(link, log);

@@ -10,7 +10,7 @@
 #include "dvrk/protocol/hub_block.hpp"
 #include "veridyn/math/require.hpp"
 
-// The checklist of section 18, asked of the core with an injected clock.
+// The checklist of section 18, tested on the emulator with an injected clock.
 
 namespace veridyn::dvrk {
 namespace {
@@ -36,7 +36,7 @@ class EmulatorBench {
   void wait(double seconds) { now += static_cast<Ticks>(seconds * kTicksPerSecond); }
 
   // @returns whether there was an answer.
-  bool ask(const Request& request) {
+  bool send_query(const Request& request) {
     std::array<std::uint8_t, kDatagramBuffer> out{};
     const std::size_t size = encode(request, {out.data(), out.size()});
     return raw({out.data(), size});
@@ -61,7 +61,7 @@ class EmulatorBench {
   }
 
   std::uint32_t read(int node, std::uint16_t address) {
-    EXPECT_TRUE(ask(request(Tcode::kQuadletRead, node, address)));
+    EXPECT_TRUE(send_query(request(Tcode::kQuadletRead, node, address)));
     EXPECT_EQ(reply.label, label & 0x3F);
     return reply.data;
   }
@@ -69,14 +69,14 @@ class EmulatorBench {
   void write(int node, std::uint16_t address, std::uint32_t data) {
     Request r = request(Tcode::kQuadletWrite, node, address);
     r.data = data;
-    EXPECT_FALSE(ask(r));  // writes are never answered
+    EXPECT_FALSE(send_query(r));  // writes are never answered
   }
 
   BoardFeedback feedback(int node) {
     const int firmware = emulator.board(node).setup().firmware;
     Request r = request(Tcode::kBlockRead, node, 0);
     r.bytes = static_cast<std::uint16_t>(4 * read_quadlets(firmware));
-    EXPECT_TRUE(ask(r));
+    EXPECT_TRUE(send_query(r));
     return decode_feedback(reply.block, firmware);
   }
 
@@ -86,7 +86,7 @@ class EmulatorBench {
     encode_command(c, firmware, QuadletSpan({block.data(), block.size()}));
     Request r = request(Tcode::kBlockWrite, node, 0);
     r.block = QuadletView({block.data(), 4 * write_quadlets(firmware)});
-    EXPECT_FALSE(ask(r));
+    EXPECT_FALSE(send_query(r));
   }
 
   Status status(int node) { return {read(node, 0)}; }
@@ -141,7 +141,7 @@ TEST(BoardEmulator, ReplaysTheCapturedSessionStart) {
       bench.raw({bytes.data(), bytes.size()});
       continue;
     }
-    // Their responder writes no CRC for board 7 either, which a host does not look at.
+    // Their responder writes no CRC for board 7 either, which a host does not check.
     std::array<std::uint8_t, kDatagramBuffer> plain{};
     const std::size_t size = encode(bench.reply, Crc::kZero, {plain.data(), plain.size()});
     EXPECT_EQ(hex_of({plain.data(), size}), v.hex) << "to " << request->hex;
@@ -159,15 +159,15 @@ TEST(BoardEmulator, OnlyNodesThatExistAnswer) {
   EXPECT_EQ(bench.read(1, address::kFirmware), 8U);
   EXPECT_NE(bench.reply.header_crc, 0U);  // relayed
   EXPECT_TRUE(bench.reply.crc_right);
-  EXPECT_FALSE(bench.ask(bench.request(Tcode::kQuadletRead, 2, 0)));
+  EXPECT_FALSE(bench.send_query(bench.request(Tcode::kQuadletRead, 2, 0)));
   Request local = bench.request(Tcode::kQuadletRead, 1, 0);
   local.flags = kNoForward;
-  EXPECT_FALSE(bench.ask(local));
-  EXPECT_TRUE(bench.ask(bench.request(Tcode::kQuadletRead, kBroadcastNode, 0)));
+  EXPECT_FALSE(bench.send_query(local));
+  EXPECT_TRUE(bench.send_query(bench.request(Tcode::kQuadletRead, kBroadcastNode, 0)));
   EXPECT_EQ(bench.reply.node, 0);
 }
 
-TEST(BoardEmulator, AStaleGenerationDropsReadsAloudAndWritesSilently) {
+TEST(BoardEmulator, AStaleGenerationAnswersReadsWithAnErrorAndDropsWrites) {
   EmulatorBench bench;
   bench.emulator.bus_reset();
   BoardCommand c = bench.amps_on(0, 0x9000);
@@ -175,13 +175,13 @@ TEST(BoardEmulator, AStaleGenerationDropsReadsAloudAndWritesSilently) {
   EXPECT_EQ(bench.emulator.board(0).dac(0), kZeroCurrent);
   Request r = bench.request(Tcode::kBlockRead, 0, 0);
   r.bytes = 128;
-  EXPECT_TRUE(bench.ask(r));
+  EXPECT_TRUE(bench.send_query(r));
   EXPECT_EQ(hex_of(bench.last), vector_named("19.9", "reply (8 bytes)").hex);
   bench.command(kBroadcastNode, c);  // exempt
   EXPECT_EQ(bench.emulator.board(0).dac(0), 0x9000);
   bench.emulator.bus_reset(0.1, {1, 0});
   bench.generation_ = bench.emulator.generation();
-  EXPECT_TRUE(bench.ask(r));
+  EXPECT_TRUE(bench.send_query(r));
   EXPECT_EQ(bench.reply.trailer.flags, kFlagDropped | kFlagBusReset);
   bench.wait(0.2);
   EXPECT_EQ(bench.status(0).board(), 7);  // nodes have changed places
@@ -227,7 +227,7 @@ TEST(BoardEmulator, AmplifiersIgnoreTheFirstPowerPacketAndWait40Milliseconds) {
   EXPECT_TRUE(bench.emulator.board(0).amp_on(0));
 }
 
-TEST(BoardEmulator, AnEmergencyStopTakesVoltageAndGivesItBackByItself) {
+TEST(BoardEmulator, AnEmergencyStopRemovesAndRestoresTheVoltage) {
   EmulatorBench bench;
   bench.bring_up();
   bench.emulator.chain.emergency_stop = true;
@@ -241,7 +241,7 @@ TEST(BoardEmulator, AnEmergencyStopTakesVoltageAndGivesItBackByItself) {
   EXPECT_TRUE(bench.emulator.board(1).amp_on(0));  // what a client must guard against
 }
 
-TEST(BoardEmulator, OneOpenRelayTakesTheVoltageOfAll) {
+TEST(BoardEmulator, OneOpenRelayRemovesTheVoltageOfAllBoards) {
   EmulatorBench bench;
   bench.bring_up();
   bench.write(1, 0, control::kRelayOpen);
@@ -266,7 +266,7 @@ class BoardEmulatorOfEveryFirmware : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Firmware, BoardEmulatorOfEveryFirmware, testing::Values(6, 7, 8, 9),
                          [](const auto& of) { return "Rev" + std::to_string(of.param); });
 
-TEST_P(BoardEmulatorOfEveryFirmware, CommandsArriveAndFeedbackTellsThem) {
+TEST_P(BoardEmulatorOfEveryFirmware, FeedbackShowsTheCommands) {
   EmulatorBench bench(GetParam());
   for (int node : {0, 1}) bench.write(node, 0, control::kRelayClose);
   for (int node : {0, 1}) bench.write(node, 0, control::kPowerOn);
@@ -295,10 +295,10 @@ TEST_P(BoardEmulatorOfEveryFirmware, TheHubHasTheBlocksOfAllBoardsInAscendingOrd
   Request r = bench.request(Tcode::kBlockRead, 0, address::kHub);
   const std::size_t each = hub_quadlets(firmware);
   r.bytes = static_cast<std::uint16_t>(4 * (2 * each + 1));
-  bench.ask(r);  // too early: nothing has come yet
+  bench.send_query(r);  // too early: nothing has come yet
   EXPECT_EQ(bench.reply.block[0], 0U);
   bench.wait(20e-6);
-  ASSERT_TRUE(bench.ask(r));
+  ASSERT_TRUE(bench.send_query(r));
   for (std::size_t b = 0; b < 2; ++b) {
     const HubHeader h = decode_hub_header(bench.reply.block[b * each], firmware);
     EXPECT_TRUE(answers(h, 0x1234, firmware));
@@ -309,11 +309,11 @@ TEST_P(BoardEmulatorOfEveryFirmware, TheHubHasTheBlocksOfAllBoardsInAscendingOrd
   EXPECT_NEAR(bench.reply.block[2 * each] >> 16, 983, 1);
   // The next query does not count before it was answered.
   bench.write(kBroadcastNode, address::kHubQuery, query_word(0x1235, (1U << 4) | (1U << 9)));
-  ASSERT_TRUE(bench.ask(r));
+  ASSERT_TRUE(bench.send_query(r));
   EXPECT_TRUE(answers(decode_hub_header(bench.reply.block[0], firmware), 0x1234, firmware));
 }
 
-TEST(BoardEmulator, RegistersKeepWhatTheyAreTold) {
+TEST(BoardEmulator, RegistersKeepWrittenValues) {
   EmulatorBench bench;
   bench.write(0, address::kWatchdog, 57600);
   EXPECT_EQ(bench.read(0, address::kWatchdog), 57600U);
@@ -323,12 +323,12 @@ TEST(BoardEmulator, RegistersKeepWhatTheyAreTold) {
   bench.write(0, address::kDigitalOut, digital_output_word(0x3, 0x1));
   EXPECT_EQ(bench.feedback(0).digital.outputs(), 0xDU);
   EXPECT_EQ(bench.read(0, address::of_channel(2, address::kMotorConfig)), kMotorConfigDefault);
-  EXPECT_EQ(bench.read(0, 0x00F0), 0U);  // nothing lives there
+  EXPECT_EQ(bench.read(0, 0x00F0), 0U);  // no register is there
   bench.write(0, address::kFpgaPromCommand, 0x03000000 | 0x1FFF00);
   EXPECT_EQ(bench.read(0, address::kFpgaPromResult), 64U);
   Request r = bench.request(Tcode::kBlockRead, 0, address::kFpgaPromData);
   r.bytes = 12;
-  ASSERT_TRUE(bench.ask(r));
+  ASSERT_TRUE(bench.send_query(r));
   EXPECT_EQ(bench.reply.block[0], 0x46504741U);  // "FPGA"
   bench.write(0, address::kFpgaPromCommand, 0x9F000000);
   EXPECT_EQ(bench.read(0, address::kFpgaPromResult), 0x00202015U);
@@ -357,8 +357,8 @@ TEST(BoardEmulator, AnInstrumentHasItsChip) {
   EXPECT_EQ(out[15], 19);
 }
 
-// Noise has the deviation that it was given, and means what it hides.
-TEST(BoardEmulator, PotsAndCurrentsAreNoisyWhereAskedFor) {
+// Noise has the given deviation and no mean.
+TEST(BoardEmulator, PotsAndCurrentsHaveTheRequestedNoise) {
   BoardSetup setup;
   setup.pot_noise = 3.0;
   setup.current_noise = 5.0;
@@ -381,7 +381,7 @@ TEST(BoardEmulator, PotsAndCurrentsAreNoisyWhereAskedFor) {
   EXPECT_NEAR(std::sqrt(squares[1] / kReadings - 1.0 / 12), 5.0, 0.15);
 }
 
-TEST(BoardEmulator, BadSetupsSayWhy) {
+TEST(BoardEmulator, BadSetupsAreRefusedWithAReason) {
   const auto with = [](int id, int firmware) {
     BoardSetup s;
     s.id = id;

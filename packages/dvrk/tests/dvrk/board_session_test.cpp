@@ -14,7 +14,7 @@
 namespace veridyn::dvrk {
 namespace {
 
-TEST(BoardSession, PowersUpInOrderAndDrivesWhatItIsTold) {
+TEST(BoardSession, PowersUpInOrderAndDrivesTheCommandedCurrents) {
   Rig rig;
   rig.session.start();
   EXPECT_STREQ(rig.session.power_on(), "the last read was not valid");
@@ -38,7 +38,7 @@ TEST(BoardSession, PowersUpInOrderAndDrivesWhatItIsTold) {
   EXPECT_EQ(rig.session.faults().report(), "");
 }
 
-TEST(BoardSession, CommandsAreHeldWithinTheLimitAndNoNumberIsZero) {
+TEST(BoardSession, CommandsAreLimitedAndNonFiniteOnesAreZero) {
   Rig rig;
   ASSERT_TRUE(rig.bring_up());
   rig.cycle(1e9);
@@ -47,12 +47,12 @@ TEST(BoardSession, CommandsAreHeldWithinTheLimitAndNoNumberIsZero) {
   EXPECT_EQ(rig.emulator.board(1).drive(2).bits, -Rig::kLargest);
   rig.cycle(std::nan(""));
   EXPECT_FALSE(rig.currents_flow());
-  rig.session.update();  // nobody says anything
+  rig.session.update();  // no board answers
   rig.session.commit();
   EXPECT_FALSE(rig.currents_flow());
 }
 
-TEST(BoardSession, PowerDownTakesAmplifiersFirstAndIsSeen) {
+TEST(BoardSession, PowerDownDisablesAmplifiersFirstAndIsConfirmed) {
   Rig rig;
   ASSERT_TRUE(rig.bring_up());
   rig.cycles(3, 700.0);
@@ -67,7 +67,7 @@ TEST(BoardSession, PowerDownTakesAmplifiersFirstAndIsSeen) {
   EXPECT_FALSE(rig.any_amp_on());
 }
 
-// Every way out leaves no current: the destructor, an exception through it, a client that dies.
+// Every exit leaves no current: the destructor, an exception through it, a client that dies.
 TEST(BoardSession, EveryExitLeavesNoCurrent) {
   for (const bool by_exception : {false, true}) {
     BoardEmulator emulator({Rig::setup(6), Rig::setup(7)}, 3);
@@ -104,7 +104,7 @@ TEST(BoardSession, EveryExitLeavesNoCurrent) {
   EXPECT_FALSE(dead.currents_flow());
 }
 
-TEST(BoardSession, ANewGenerationDoesNotSwallowTheSwitchingOff) {
+TEST(BoardSession, ABusResetDoesNotPreventPowerOff) {
   Rig rig;
   ASSERT_TRUE(rig.bring_up());
   rig.cycles(3, 900.0);
@@ -126,7 +126,7 @@ TEST(BoardSession, ABoardThatIgnoresEverythingIsLeftToItsWatchdog) {
   EXPECT_FALSE(rig.any_amp_on());
 }
 
-// What it ignores are signs of life to it all the same, and so are the queries of a broadcast read: all must end.
+// Ignored writes still reset its watchdog, and so do the queries of a broadcast read: all must end.
 TEST(BoardSession, ABoardThatIgnoresRegistersTooIsLeftToItsWatchdog) {
   for (const CycleProtocol protocol : {CycleProtocol::kSequential, CycleProtocol::kBroadcastWrite, CycleProtocol::kBroadcast}) {
     SCOPED_TRACE(static_cast<int>(protocol));
@@ -142,8 +142,8 @@ TEST(BoardSession, ABoardThatIgnoresRegistersTooIsLeftToItsWatchdog) {
   }
 }
 
-// Nobody sees that it ignores what is sent: without replies, or while a scan looks for boards that do not come back.
-TEST(BoardSession, ABoardThatIsNotHeardIsLeftToItsWatchdog) {
+// Its ignoring of writes is invisible: without replies, or while a scan looks for boards that do not come back.
+TEST(BoardSession, AnUnresponsiveBoardIsLeftToItsWatchdog) {
   for (const CycleProtocol protocol : {CycleProtocol::kSequential, CycleProtocol::kBroadcastWrite, CycleProtocol::kBroadcast}) {
     for (const bool reset : {false, true}) {
       SCOPED_TRACE(testing::Message() << static_cast<int>(protocol) << (reset ? " after a reset" : ""));
@@ -170,7 +170,7 @@ TEST(BoardSession, ABoardThatIsNotHeardIsLeftToItsWatchdog) {
   }
 }
 
-// What would end a run at once is a reason not to begin it.
+// Conditions that would end a run at once prevent power-up.
 TEST(BoardSession, PowerIsRefusedWithItsReason) {
   struct Trouble {
     const char* words;
@@ -224,7 +224,7 @@ TEST(BoardSession, PowerIsRefusedWithItsReason) {
   EXPECT_TRUE(rig.power_up());
 }
 
-// Its encoders have lost what was loaded. A moment after the restart nothing that is read in every cycle tells it.
+// Its encoders have lost their loaded counts. Soon after the restart no real-time word shows it.
 TEST(BoardSession, ABoardThatRestartedIsFoundBeforeItsAmplifiersAreOn) {
   for (int b = 0; b < 2; ++b) {
     Rig rig;
@@ -247,7 +247,7 @@ TEST(BoardSession, ABoardThatRestartedIsFoundBeforeItsAmplifiersAreOn) {
 }
 
 // A relay that is not even asked to close, since its board ignores blocks, and a supply that does not come.
-TEST(BoardSession, PowerThatDoesNotComeUpIsGivenUp) {
+TEST(BoardSession, PowerUpTimesOut) {
   SessionOptions how = Rig::options();
   how.supply_timeout = 0.5;
   for (const bool supply : {false, true}) {
@@ -270,7 +270,7 @@ TEST(BoardSession, PowerThatDoesNotComeUpIsGivenUp) {
   }
 }
 
-TEST(BoardSession, EveryStateHasItsWords) {
+TEST(BoardSession, EveryStateHasAText) {
   std::set<std::string> words;
   for (const PowerState state : {PowerState::kOff, PowerState::kRelay, PowerState::kPower, PowerState::kAmps, PowerState::kOn, PowerState::kFault})
     EXPECT_TRUE(words.insert(describe(state)).second) << describe(state);

@@ -200,7 +200,7 @@ double wave(int k) {
   return 1000.0 + (k % 50);
 }
 
-TEST_P(ConditionOfSection17, IsNoticedAnsweredAndSurvived) {
+TEST_P(ConditionOfSection17, IsDetectedHandledAndSurvived) {
   const Row& row = GetParam();
   SessionOptions how = Rig::options(row.protocol);
   how.bus.repeat_after = 0.0;  // each of these replies is gone for good
@@ -237,7 +237,7 @@ TEST_P(ConditionOfSection17, IsNoticedAnsweredAndSurvived) {
     }
   }
 
-  // The cause goes away: nothing comes back by itself, all comes back when it is asked for.
+  // After the cause is removed nothing restarts by itself, and everything restarts on request.
   row.remove(rig);
   for (int k = 0; k < 400; ++k) {
     rig.cycle(1234.0);
@@ -260,7 +260,7 @@ TEST_P(ConditionOfSection17, IsNoticedAnsweredAndSurvived) {
 }
 
 // Every number of the list has its test: here, as a refusal, or below.
-TEST(ConditionsOfSection17, AllAreTested) {
+TEST(ConditionsOfSection17, EachHaveATest) {
   std::vector<bool> tested(kConditions + 1, false);
   for (const Row& row : rows()) tested[static_cast<size_t>(row.condition)] = true;
   for (const int refusal : {10, 11, 12, 16, static_cast<int>(Condition::kPot), static_cast<int>(Condition::kLostReplies),
@@ -272,9 +272,9 @@ TEST(ConditionsOfSection17, AllAreTested) {
   }
 }
 
-// Whatever drives it: a motor that stands still with nearly its largest current, not one that moves
+// Under any controller: a motor at rest with nearly its largest current, not one that moves
 // with it, nor one that has less.
-TEST(StallCheck, AMotorThatPressesLosesItsPower) {
+TEST(StallCheck, AStalledMotorIsSwitchedOff) {
   struct Case {
     double share, counts;  // of the largest current; per cycle
     bool stalls;
@@ -304,7 +304,7 @@ TEST(StallCheck, AMotorThatPressesLosesItsPower) {
   }
 }
 
-TEST(PotCheck, ADifferenceThatLastsSwitchesOff) {
+TEST(PotCheck, ALastingDifferenceSwitchesOff) {
   SessionOptions options = Rig::options();
   ChannelSafety& c = options.channels[0][0];
   c.counts_to_position = {1e-3, 0.0};

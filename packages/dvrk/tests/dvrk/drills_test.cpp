@@ -5,7 +5,7 @@
 
 // Bad networks and boards that die, with a clock that the test moves. Whatever happens, three
 // things must hold: no current without a session that drives, none longer than the watchdog after
-// it stopped, and "power is off" is said only where it is true.
+// it stopped, and "power is off" is reported only if it is true.
 
 namespace veridyn::dvrk {
 namespace {
@@ -46,7 +46,7 @@ class Drill {
     }
     return false;
   }
-  // What nobody but the boards knows.
+  // The true state, which only the boards know.
   bool really_off() {
     for (int b = 0; b < 2; ++b) {
       if (emulator.board(b).status().power_requested()) return false;
@@ -116,7 +116,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, BadNetwork,
                                   std::to_string(static_cast<int>(std::get<1>(of.param)));
                          });
 
-TEST_P(BadNetwork, LeavesNoTorqueAndNoFalseWord) {
+TEST_P(BadNetwork, LeavesNoTorqueAndNoFalseReport) {
   const auto& [network, protocol] = GetParam();
   Drill drill(protocol);
   ASSERT_TRUE(drill.bring_up()) << drill.session.faults().report();
@@ -164,14 +164,14 @@ TEST(Drills, AClientThatDiesLeavesNoTorqueAfterTheWatchdog) {
   ASSERT_TRUE(drill.bring_up());
   for (int k = 0; k < 10; ++k) drill.cycle(1500.0);
   ASSERT_TRUE(drill.currents_flow());
-  drill.link.wait(0.029);  // it is killed: nothing comes any more
+  drill.link.wait(0.029);  // killed: no more datagrams
   EXPECT_TRUE(drill.currents_flow());
   drill.link.wait(0.0021);
   EXPECT_FALSE(drill.currents_flow());
   EXPECT_TRUE(drill.emulator.board(0).watchdog_tripped());
 }
 
-TEST(Drills, AllWritesLostIsNotCalledOff) {
+TEST(Drills, LostWritesAreNotReportedAsPowerOff) {
   Drill drill;
   ASSERT_TRUE(drill.bring_up());
   for (int k = 0; k < 10; ++k) drill.cycle(1500.0);
@@ -185,14 +185,14 @@ TEST(Drills, AllWritesLostIsNotCalledOff) {
   EXPECT_TRUE(drill.really_off());
 }
 
-TEST(Drills, DeadBoardsAreNotCalledOff) {
+TEST(Drills, DeadBoardsAreNotReportedAsPowerOff) {
   Drill drill;
   ASSERT_TRUE(drill.bring_up());
   drill.link.down.lose = 1.0;
   const double start = drill.link.now();
   EXPECT_EQ(drill.session.shutdown(), OffState::kUnknown);
   EXPECT_LT(drill.link.now() - start, 0.7);  // and it does not try for ever
-  EXPECT_TRUE(drill.really_off());           // the writes had arrived, but nobody could know
+  EXPECT_TRUE(drill.really_off());           // the writes had arrived, but this could not be confirmed
 }
 
 // Nodes get new numbers while the motors run: off is confirmed all the same, after a scan.
@@ -204,7 +204,7 @@ TEST(Drills, OffIsConfirmedAfterABusReset) {
   EXPECT_TRUE(drill.really_off());
 }
 
-// Somebody's finger on one amplifier does not clear what tripped on another (section 14.3).
+// Enabling one amplifier does not clear the trip of another (section 14.3).
 TEST(Drills, AnAmplifierThatIsEnabledClearsItsOwnTripAlone) {
   EmulatedBoard board(Rig::setup(6));
   PowerChain chain;

@@ -16,7 +16,7 @@ void follow(EmulatedEncoder& encoder, double from, double until, Position x) {
     encoder.move(x(t + 1e-4), static_cast<Ticks>((t + 1e-4) * kClock));
 }
 
-// What one tick in the time of four edges does to a velocity [counts/s].
+// Change of a velocity by one tick in the time of four edges [counts/s].
 double one_tick(double speed) {
   return 1.01 * speed * speed / (4.0 * kClock) + 1e-9;
 }
@@ -46,7 +46,7 @@ TEST(EmulatedEncoder, AccelerationArrivesAtTheHost) {
   EXPECT_NEAR(m.predicted, a * 0.5, 0.01 * a * 0.5);
 }
 
-TEST(EmulatedEncoder, RestAndReversalAreTold) {
+TEST(EmulatedEncoder, RestAndReversalAreReported) {
   EmulatedEncoder encoder;
   encoder.power_up(0.5, 0);
   EXPECT_EQ(encoder.words(8, 10).period, 0xCBFFFFFFU);  // section 11.2, power-up
@@ -77,7 +77,7 @@ TEST(EmulatedEncoder, APreloadMovesTheCounterAndNotTheLines) {
 }
 
 // The kinds of four edges in a row, in the order that the lines have them.
-TEST(EmulatedEncoder, EdgesHaveTheirKinds) {
+TEST(EmulatedEncoder, EdgesAreClassifiedByTypeAndDirection) {
   EmulatedEncoder encoder;
   encoder.power_up(0.5, 0);
   EXPECT_TRUE(encoder.line_a());

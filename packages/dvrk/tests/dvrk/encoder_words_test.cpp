@@ -9,7 +9,7 @@
 namespace veridyn::dvrk {
 namespace {
 
-// Words and what the laboratory's own library makes of them (threshold 1): specification 11.2.
+// Words and their decoding by the laboratory's library (threshold 1): specification 11.2.
 TEST(EncoderWords, MotionIsThatOfTheLaboratorysHost) {
   struct Case {
     std::uint32_t period, quarter1, quarter5, running;

@@ -6,12 +6,12 @@
 
 #include "dvrk/run/loop_timing.hpp"
 
-// What a person reads of faults and late cycles, in units that the words of the boards have by section 12.
+// Texts about faults and late cycles, with the units of section 12.
 
 namespace veridyn::dvrk {
 namespace {
 
-TEST(FaultLog, WhatWasFoundIsSaidInItsUnit) {
+TEST(FaultLog, FoundValuesArePrintedWithTheirUnit) {
   EXPECT_EQ(describe_found(Condition::kTemperature, 0x8F34), "71.5 deg C and 26 deg C");
   EXPECT_EQ(describe_found(Condition::kTemperature, 0xFF32), "none and 25 deg C");
   EXPECT_EQ(describe_found(Condition::kTemperature, 0x32FF), "25 deg C and none");
@@ -66,7 +66,7 @@ TEST(LoopTiming, TheReasonOfAGapIsItsLargestPart) {
   }
 }
 
-TEST(LoopTiming, ARateIsCyclesOverTime) {
+TEST(LoopTiming, TheRateIsTheNumberOfCyclesOverTime) {
   LoopTiming timing;
   timing.rate = 1500.0;
   EXPECT_EQ(timing.reached(), 1500.0);

@@ -5,7 +5,7 @@
 #include "dvrk/rig.hpp"
 #include "veridyn/math/require.hpp"
 
-// What the laboratory's programs and firmware showed where the specification is silent, and causes
+// Behaviour of the laboratory's programs and firmware that the specification does not cover, and causes
 // that name their place.
 
 namespace veridyn::dvrk {
@@ -37,7 +37,7 @@ TEST(Dallas, TheInterfaceIsEnabledAndACommandSucceeds) {
   }
 }
 
-TEST(IoExpander, ShowsItselfAndTheMotorSupply) {
+TEST(IoExpander, ReportsItselfAndTheMotorSupply) {
   for (const bool has : {true, false}) {
     BoardSetup setup = Rig::setup(6);
     setup.io_expander = has;
@@ -55,8 +55,8 @@ TEST(IoExpander, ShowsItselfAndTheMotorSupply) {
   }
 }
 
-// The answer to a packet that was not forwarded says nothing of the FireWire bus.
-TEST(Trailer, OfAPacketThatIsNotForwardedIsNoBusReset) {
+// The answer to a packet that was not forwarded does not indicate the state of the FireWire bus.
+TEST(Trailer, OfAnUnforwardedPacketIndicatesNoBusReset) {
   for (const bool local : {true, false}) {
     Rig rig(CycleProtocol::kSequential, {Rig::setup(6, 9), Rig::setup(7, 9)});
     ASSERT_TRUE(rig.bring_up());
@@ -84,12 +84,12 @@ TEST(Rev7, LostWritesAreCounted) {
     }
     EXPECT_EQ(rig.session.state(), PowerState::kFault);
     EXPECT_EQ(rig.session.cause(), Condition::kNotEffective);
-    EXPECT_EQ(rig.session.cause_words(), "a write had no effect (board 7)");
+    EXPECT_EQ(rig.session.cause_text(), "a write had no effect (board 7)");
     EXPECT_LT(cycles, 60);
   }
 }
 
-// A relay that opens takes the supply from every board; the board whose relay it is, is named.
+// A relay that opens takes the supply from every board; the board of the relay is named.
 TEST(Causes, ARelayThatOpensIsNamedWithItsBoard) {
   for (const int place : {0, 1}) {
     Rig rig;
@@ -97,7 +97,7 @@ TEST(Causes, ARelayThatOpensIsNamedWithItsBoard) {
     rig.emulator.board(place).faults.relay_stuck_open = true;
     rig.cycles(30, 100.0);
     EXPECT_EQ(rig.session.cause(), Condition::kRelayOpen);
-    EXPECT_EQ(rig.session.cause_words(),
+    EXPECT_EQ(rig.session.cause_text(),
               "the safety relay is open (board " + std::to_string(6 + place) + ")");
   }
   Rig rig;  // an emergency stop leaves the relays alone
@@ -132,7 +132,7 @@ TEST(EthernetOnly, ASessionDrivesBoardsOfFpgaV3) {
     EXPECT_EQ(rig.emulator.board(0).drive(2).bits, 321.0);
     EXPECT_EQ(rig.emulator.board(1).drive(3).bits, 321.0);
     EXPECT_EQ(rig.session.state(), PowerState::kOn) << rig.session.faults().report();
-    rig.emulator.bus_reset();  // of a FireWire that nobody uses
+    rig.emulator.bus_reset();  // on an unused FireWire bus
     rig.cycles(5, 321.0);
     EXPECT_EQ(rig.session.state(), PowerState::kOn) << rig.session.faults().report();
     EXPECT_EQ(rig.session.shutdown(), OffState::kConfirmed);
@@ -142,7 +142,7 @@ TEST(EthernetOnly, ASessionDrivesBoardsOfFpgaV3) {
   forced.bus.firewire = true;
   Rig bridge(forced, {Rig::setup(6, 9), Rig::setup(7, 9)});
   bridge.emulator.without_firewire();
-  EXPECT_THROW(bridge.session.start(), InvalidInput);  // nobody is on FireWire
+  EXPECT_THROW(bridge.session.start(), InvalidInput);  // no board is on FireWire
   Rig broadcast(CycleProtocol::kBroadcast, {Rig::setup(6, 9), Rig::setup(7, 9)});
   broadcast.emulator.without_firewire();
   EXPECT_THROW(broadcast.session.start(), InvalidInput);

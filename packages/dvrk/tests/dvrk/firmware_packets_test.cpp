@@ -38,7 +38,7 @@ std::uint32_t crc_of(const std::vector<std::uint8_t>& b, std::size_t first, std:
   return ~crc;
 }
 
-Packet taken_apart(const std::vector<std::uint8_t>& b, Destination to) {
+Packet parsed_packet(const std::vector<std::uint8_t>& b, Destination to) {
   Packet p{};
   p.to = to;
   p.flags = b[0];
@@ -71,7 +71,7 @@ class Recorder final : public DatagramLink {
  public:
   explicit Recorder(DatagramLink& link) : link_(link) {}
   bool send(ByteView datagram, Destination to) noexcept override {
-    packets.push_back(taken_apart({datagram.data, datagram.data + datagram.size}, to));
+    packets.push_back(parsed_packet({datagram.data, datagram.data + datagram.size}, to));
     return link_.send(datagram, to);
   }
   Arrival receive(ByteSpan buffer, double timeout) noexcept override {
@@ -94,7 +94,7 @@ class Firmware : public testing::TestWithParam<std::tuple<int, CycleProtocol>> {
   std::uint32_t write_words() const { return firmware() == 7 ? 5 : 6; }
   std::uint32_t read_words() const { return firmware() == 7 ? 28 : 32; }
 
-  // What a block write says: amplifier requests, power and relay bits (sections 7.3 and 10).
+  // Content of a block write: amplifier requests, power and relay bits (sections 7.3 and 10).
   struct Meaning {
     bool amps_on = false, amps_off = false, power_on = false, power_off = false, relay = false;
     bool currents = false;
@@ -146,7 +146,7 @@ TEST_P(Firmware, EveryPacketIsWhatTheSpecificationSays) {
   const std::vector<Packet>& sent = recorder.packets;
   {
     SessionOptions how = Rig::options(protocol());
-    how.bus.repeat_after = 0.0;  // nothing is asked twice
+    how.bus.repeat_after = 0.0;  // no request is repeated
     BoardSession session(recorder, how);
     session.start();
     // Section 5, #1 to #6: to everyone, for the hub alone.

@@ -43,7 +43,7 @@ class OnEveryArm : public testing::TestWithParam<Case> {
 
 // The written file against the model: energy of the rows, differentiated, is the model's gravity
 // torque, for random bodies on parallelogram, counterweight and all.
-TEST_P(OnEveryArm, TheFilesGravityIsTheModels) {
+TEST_P(OnEveryArm, GravityOfTheFileEqualsThatOfTheModel) {
   const ArmFacts arm = read_arm(GetParam().arm);
   for (const unsigned seed : {1U, 2U, 3U}) {
     const Model robot = model(seed);
@@ -87,7 +87,7 @@ TEST(GravityChain, CentresAreNearTheirLinks) {
 
 // A counterweight that slides a little askew: no serial chain has that gravity, and the error that
 // is stated is the true one, within the limits of the model where these are narrower than the arm's.
-TEST(GravityChain, TheErrorOfAnArmThatIsNoChainIsStated) {
+TEST(GravityChain, TheErrorOfABranchedArmIsStated) {
   for (const double share : {1.0, 0.2}) {
     ModelDescription description = with_random_bodies(read_model("psm-3dof"), 7).description();
     for (Frame& frame : description.frames)
@@ -118,7 +118,7 @@ TEST(GravityChain, TheErrorOfAnArmThatIsNoChainIsStated) {
   }
 }
 
-TEST(GravityChain, WhatCannotBeWrittenIsRefused) {
+TEST(GravityChain, UnrepresentableModelsAreRefused) {
   const ArmFacts psm = read_arm("PSM1");
   const auto message_of = [](const Model& model, const ArmFacts& arm) -> std::string {
     return refusal([&] { fit_gravity_chain(model, arm); });
@@ -132,14 +132,14 @@ TEST(GravityChain, WhatCannotBeWrittenIsRefused) {
   ModelDescription tilted = with_random_bodies(read_model("psm-3dof"), 1).description();
   tilted.gravity = {1.0, 0.0, -9.7};
   EXPECT_NE(message_of(Model(tilted), psm).find("along -z"), std::string::npos);
-  // As the thesis prints it, with bars that do not close.
+  // With the thesis's printed constants, whose parallelogram does not close.
   EXPECT_NE(message_of(with_random_bodies(read_model("psm-3dof-printed"), 7), psm)
                 .find("expected at most 5 %"),
             std::string::npos);
 }
 
-// Limits of the model that have nothing in common with those of the arm tell nothing of where it is: the arm's count.
-TEST(GravityChain, LimitsThatAreApartAreTheArms) {
+// If the limits of model and arm do not overlap, those of the arm are used.
+TEST(GravityChain, DisjointLimitsAreTakenFromTheArm) {
   const auto fitted = [](double lower, double upper) {
     ModelDescription description = with_random_bodies(read_model("psm-3dof"), 9).description();
     for (Coordinate& c : description.coordinates) {
@@ -157,8 +157,8 @@ TEST(GravityChain, LimitsThatAreApartAreTheArms) {
   EXPECT_GT((narrow.largest_torque - free.largest_torque).norm(), 1e-3);
 }
 
-// What holds the arm beside gravity is named; a spring of unknown stiffness, and friction that rests, are not.
-TEST(GravityChain, WhatElseHoldsTheArmIsNamed) {
+// Effects that hold the arm besides gravity are named; a spring of unknown stiffness, and friction that rests, are not.
+TEST(GravityChain, OtherHoldingEffectsAreNamed) {
   ModelDescription description = with_random_bodies(read_model("psm-3dof"), 10).description();
   description.effects.clear();
   const auto add = [&](const char* name, int joint, std::map<std::string, double> values) {
@@ -196,7 +196,7 @@ class StaticFile : public testing::Test {
                           .string();
 };
 
-TEST_F(StaticFile, HeaderOrNone) {
+TEST_F(StaticFile, AreReadWithOrWithoutAHeader) {
   const StaticTorques plain = read_static_torques(write("0.1,0.2,1,2\n0.3,0.4,3,4\n"));
   const StaticTorques named =
       read_static_torques(write("# rest\npose,tau2,tau1,q1,q2\n7,2,1,0.1,0.2\n8,4,3,0.3,0.4\n"));

@@ -23,14 +23,14 @@ std::string content_of(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// One change to the example, and what the message must name.
+// One change to the example, and the required words of the message.
 struct Mistake {
   std::string from, to;
   std::vector<std::string> named;
 };
 
 // JSON that breaks off, or goes wrong, is shown where it does, in words of this library.
-TEST(IoConfig, JsonThatIsNoneIsShownWhereItGoesWrong) {
+TEST(IoConfig, InvalidJsonIsReportedWithItsPosition) {
   const struct {
     const char* content;
     const char* says;
@@ -141,7 +141,7 @@ std::vector<Mistake> mistakes() {
 INSTANTIATE_TEST_SUITE_P(InTheExample, OnMistakes, testing::ValuesIn(mistakes()),
                          [](const auto& mistake) { return "m" + std::to_string(mistake.index); });
 
-TEST(IoConfig, WhatIsNotKnownIsNamedWithItsLine) {
+TEST(IoConfig, UnknownElementsAreNamedWithTheirLine) {
   std::string xml = content_of(kExample);
   const std::vector<std::string> before = read_io_xml(xml, "io.xml").remarks;
   const auto place = xml.find("</Actuator>");
@@ -184,7 +184,7 @@ TEST(IoConfig, ABrakesCurrentsAreWithinItsLargest) {
   EXPECT_TRUE(refuses_with("AnalogBrake: found a current above the brake's MaxCurrent", [&] { read_io_xml(to_io_xml(config), "f"); }));
 }
 
-// Whether a file is XML or JSON is told by its first character, after a byte order mark and blanks.
+// Whether a file is XML or JSON is recognised by its first character, after a byte order mark and blanks.
 TEST(IoConfig, EitherFormatIsKnownByItsFirstCharacter) {
   const IoConfig config = nominal_config(read_arm("PSM2"));
   const std::string path = testing::TempDir() + "veridyn_format_" + std::to_string(::getpid());
@@ -200,8 +200,8 @@ TEST(IoConfig, EitherFormatIsKnownByItsFirstCharacter) {
   EXPECT_TRUE(refuses_with("found a folder", [] { read_io_config(testing::TempDir()); }));
 }
 
-// Axes beyond a QLA's four belong to other boards, which have ten; nobody drives those.
-TEST(IoConfig, OtherBoardsHaveMoreAxes) {
+// Axes beyond a QLA's four belong to other boards, which have ten and are not supported as drives.
+TEST(IoConfig, AxisNumbersAreCheckedAgainstTheBoardType) {
   IoConfig config = nominal_config(read_arm("ECM"));
   config.robots[0].hardware = "dRA1";
   config.robots[0].actuators[3].axis = 9;
@@ -261,7 +261,7 @@ TEST(IoConfig, ManyElementsAreReadOnce) {
   EXPECT_EQ(read_io_json(json + "]}", "f").digital_inputs.size(), static_cast<std::size_t>(kMany));
 }
 
-TEST(IoConfig, OtherNamesOfJsonAreRead) {
+TEST(IoConfig, AlternativeJsonNamesAreRead) {
   const std::string json = R"({"digital_inputs": [
     {"name": "a", "board_id": 1, "bit_id": 2, "pressed_value": false, "trigger_when_pressed": true,
      "trigger_when_released": false, "debounce_threshold": 0.1},

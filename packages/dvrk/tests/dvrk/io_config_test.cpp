@@ -146,7 +146,7 @@ TEST(IoConfig, TheExampleIsReadInSiUnits) {
   EXPECT_NEAR(config.digital_inputs[0].debounce_click, 0.04, 1e-15);  // 20 % of 0.2 s
 }
 
-TEST(IoConfig, InputsArePressedWhenTheFileSaysSo) {
+TEST(IoConfig, InputPolarityFollowsTheFile) {
   DigitalInputConfig input;
   input.bit = 7;
   input.pressed_when_low = true;
@@ -156,14 +156,14 @@ TEST(IoConfig, InputsArePressedWhenTheFileSaysSo) {
   EXPECT_TRUE(input.value(0x80));
 }
 
-TEST(IoConfig, XmlComesBack) {
+TEST(IoConfig, XmlRoundTripKeepsEveryValue) {
   const IoConfig config = full_config();
   const IoConfig back = read_io_xml(to_io_xml(config), "back.xml");
   expect_same(back, config);
   EXPECT_TRUE(back.remarks.empty()) << back.remarks.front();
 }
 
-TEST(IoConfig, JsonComesBack) {
+TEST(IoConfig, JsonRoundTripKeepsEveryValue) {
   const IoConfig config = full_config();
   const IoConfig back = read_io_json(to_io_json(config), "back.json");
   expect_same(back, config);
@@ -171,8 +171,8 @@ TEST(IoConfig, JsonComesBack) {
 }
 
 // By hand, with the names of specification 15.1, an editor's comment on top, and a member that
-// nobody knows.
-TEST(IoConfig, JsonByHandIsRead) {
+// is unknown.
+TEST(IoConfig, HandWrittenJsonIsRead) {
   const std::string json = R"(/* -*- Mode: Javascript -*- */
 { "$id": "saw-robot-io.schema.json", "$version": "6",
   "robots": [ { "name": "one", "hardware_version": "QLA1", "serial_number": "12", "colour": "red",
@@ -209,7 +209,7 @@ TEST(IoConfig, EmptyListsOfJsonAreNoItems) {
   EXPECT_TRUE(read_io_json("{\"robots\": []}", "lists.json").robots.empty());
 }
 
-// What only one of the formats can hold is not written as something that no reader takes.
+// Values that a format cannot represent are not written.
 TEST(IoConfig, NumbersThatAFileCannotHoldAreRefused) {
   IoConfig config = read_io_config(kExample);
   config.robots[0].actuators[2].upper = 1e306;  // [m]
@@ -242,7 +242,7 @@ TEST(IoConfig, InputsAloneNeedNoDrive) {
   EXPECT_THROW(read_io_xml(robot, "io.xml"), InvalidInput);
 }
 
-TEST(IoConfig, CurrentAgainstPositionIsRemarked) {
+TEST(IoConfig, CurrentOppositeToPositionIsRemarked) {
   IoConfig config = read_io_config(kExample);
   config.robots[0].actuators[4].bits_to_position *= -1.0;
   const IoConfig back = read_io_xml(to_io_xml(config), "io.xml");

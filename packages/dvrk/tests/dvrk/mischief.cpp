@@ -2,7 +2,7 @@
 
 namespace veridyn::dvrk {
 
-double Fate::even() {
+double Fate::uniform() {
   state_ ^= state_ << 13;
   state_ ^= state_ >> 7;
   state_ ^= state_ << 17;
@@ -10,17 +10,17 @@ double Fate::even() {
 }
 
 std::vector<Copy> Fate::of(ByteView datagram, const Mischief& m) {
-  if (even() < m.lose || (m.lose_writes && is_write(datagram))) return {};
+  if (uniform() < m.lose || (m.lose_writes && is_write(datagram))) return {};
   Copy copy;
   copy.bytes.assign(datagram.data, datagram.data + datagram.size);
-  copy.delay = m.delay + m.jitter * even() + (even() < m.hold ? m.held_for : 0.0);
-  if (even() < m.corrupt && !copy.bytes.empty()) {
+  copy.delay = m.delay + m.jitter * uniform() + (uniform() < m.hold ? m.held_for : 0.0);
+  if (uniform() < m.corrupt && !copy.bytes.empty()) {
     const auto bit =
-        static_cast<std::size_t>(even() * 8.0 * static_cast<double>(copy.bytes.size()));
+        static_cast<std::size_t>(uniform() * 8.0 * static_cast<double>(copy.bytes.size()));
     copy.bytes[bit / 8] ^= static_cast<std::uint8_t>(1U << (bit % 8));
   }
   std::vector<Copy> copies{copy};
-  if (even() < m.repeat) copies.push_back(copy);
+  if (uniform() < m.repeat) copies.push_back(copy);
   return copies;
 }
 

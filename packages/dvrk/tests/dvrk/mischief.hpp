@@ -7,7 +7,7 @@
 
 namespace veridyn::dvrk {
 
-/// What a bad network does to datagrams of one direction; shares of all, 0 to 1.
+/// Faults of a bad network in one direction; shares of all, 0 to 1.
 struct Mischief {
   double lose = 0.0;
   double repeat = 0.0;
@@ -19,13 +19,13 @@ struct Mischief {
   bool lose_writes = false;
 };
 
-/// One copy of a datagram on its way.
+/// One copy of a datagram in transit.
 struct Copy {
   std::vector<std::uint8_t> bytes;
   double delay = 0.0;  ///< [s]
 };
 
-/// Decides what becomes of datagrams; the same seed decides the same.
+/// Draws the faults of datagrams, reproducibly by seed.
 class Fate {
  public:
   explicit Fate(std::uint64_t seed) : state_(seed * 2 + 1) {}
@@ -33,7 +33,7 @@ class Fate {
   std::vector<Copy> of(ByteView datagram, const Mischief& mischief);
 
  private:
-  double even();  ///< 0 to 1
+  double uniform();  ///< 0 to 1
   std::uint64_t state_;
 };
 

@@ -26,7 +26,7 @@ ModelControlOptions law(ControlLaw one) {
   return options;
 }
 
-// A run of any law; the motion does not count where the arm is weightless.
+// A run of any law; a weightless arm ignores the motion.
 struct Trial {
   explicit Trial(ControlLaw one, const Model& believed = read_model("planar-2r"))
       : arm(bench.link, planar_config()),
@@ -53,7 +53,7 @@ Eigen::Vector2d wanted(double t) {
   return kMiddle - kAmplitude * Eigen::Vector2d(std::cos(2 * w * t), std::cos(3 * w * t));
 }
 
-// Of data/robots/planar-2r.yaml, by hand: rods of 0.5 m and 0.4 m, 4 kg and 2.5 kg.
+// Closed forms for data/robots/planar-2r.yaml: rods of 0.5 m and 0.4 m, 4 kg and 2.5 kg.
 Eigen::Vector2d tip(const Eigen::Vector2d& q) {
   const double both = q[0] + q[1];
   return {0.5 * std::cos(q[0]) + 0.4 * std::cos(both), 0.5 * std::sin(q[0]) + 0.4 * std::sin(both)};
@@ -99,7 +99,7 @@ TEST(ModelController, ImpedanceFollowsTheTip) {
 }
 
 // Weightless: it stays where it was, under the torque of gravity at that place, in closed form.
-TEST(ModelController, GravityHoldsTheArmWhereItIs) {
+TEST(ModelController, GravityCompensationHoldsTheArm) {
   Trial trial(ControlLaw::kGravity);
   const RunResult run = trial.run();
   ASSERT_TRUE(run.complete) << run.why << "\n" << trial.arm.boards().faults().report();
@@ -113,7 +113,7 @@ TEST(ModelController, GravityHoldsTheArmWhereItIs) {
 }
 
 // planar-2r with a shoulder encoder that shows 0.1 rad too much, and drives there that give less than
-// they are asked for.
+// is commanded.
 Model with_wrong_shoulder() {
   ModelDescription d = read_model("planar-2r").description();
   d.coordinates[0].recorded.position_offset = 0.1;
@@ -121,7 +121,7 @@ Model with_wrong_shoulder() {
   return Model(std::move(d));
 }
 
-// Where the joints truly were: rows are as the boards show them.
+// True positions of the joints; rows are as the boards show them.
 Recording true_rows(Recording rows) {
   rows.q.col(0).array() -= 0.1;
   return rows;
@@ -129,7 +129,7 @@ Recording true_rows(Recording rows) {
 
 // A motion is led in true positions by a model that knows its sensors, as well as without errors; by
 // one that does not, it is off by the zero.
-TEST(ModelController, WhatTheModelKnowsOfSensorsIsUndone) {
+TEST(ModelController, SensorErrorsOfTheModelAreCorrected) {
   Trial plain(ControlLaw::kComputedTorque);
   const double usual = worst_joint_error(plain.run().rows);
   for (const bool knows : {true, false}) {
@@ -204,7 +204,7 @@ TEST(ModelController, AnEmergencyStopEndsEveryLawWithoutCurrents) {
   }
 }
 
-// Nothing comes back any more: the session gives up, and the watchdog opens the amplifiers.
+// All replies are lost: the session gives up, and the watchdog opens the amplifiers.
 TEST(ModelController, ALostBoardEndsEveryLawWithoutCurrents) {
   for (const ControlLaw one :
        {ControlLaw::kComputedTorque, ControlLaw::kImpedance, ControlLaw::kGravity}) {
@@ -244,7 +244,7 @@ TEST(ModelController, TheSupervisorEndsARunByName) {
   EXPECT_FALSE(trial.bench.emulator.board(0).amp_on(1));
 }
 
-TEST(ModelController, WhatCannotBeIsRefused) {
+TEST(ModelController, InvalidOptionsAreRefused) {
   const Model model = read_model("planar-2r");
   const PidGains gains = sensible_gains(model);
   EXPECT_THROW(ModelController(read_model("psm-3dof"), gains, Eigen::Vector2d(9, 9)), InvalidInput);

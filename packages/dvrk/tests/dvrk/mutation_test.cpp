@@ -15,7 +15,7 @@
 #include "dvrk/vectors.hpp"
 #include "dvrk/protocol/protocol.hpp"
 
-// Mutated datagrams, each in front of a page that nobody may read: a byte read beyond the end ends
+// Mutated datagrams, each in front of an unreadable page: a byte read beyond the end ends
 // the test, with or without a sanitizer.
 
 namespace veridyn::dvrk {
@@ -48,7 +48,7 @@ class GuardedBuffer {
   std::uint8_t* begin_ = nullptr;
 };
 
-TEST(MutatedDatagrams, NothingIsReadOutsideAndNothingContradictsItself) {
+TEST(MutatedDatagrams, AreDecodedWithinBoundsAndConsistently) {
   GuardedBuffer buffer;
   Mutator mutator(19);
   for (long k = 0; k < 2000000; ++k) {
@@ -68,9 +68,9 @@ TEST(MutatedDatagrams, EveryPrefixOfEveryVectorIsSafe) {
   }
 }
 
-// A board answers with what is a reply, or not at all; whatever comes, its currents stay within
-// what a well-formed command asked for.
-TEST(MutatedDatagrams, TheEmulatorSurvivesThem) {
+// A board answers with a valid reply or not at all; for any input its currents stay within
+// the commands of well-formed datagrams.
+TEST(MutatedDatagrams, DoNotCrashTheEmulator) {
   GuardedBuffer buffer;
   Mutator mutator(18);
   BoardEmulator emulator({Rig::setup(6), Rig::setup(7)}, 3);
@@ -91,7 +91,7 @@ TEST(MutatedDatagrams, TheEmulatorSurvivesThem) {
   EXPECT_GT(emulator.counters().malformed, 1000);
 }
 
-// Replies are changed at random on their way.
+// Replies are changed at random in transit.
 class HostileLink final : public DatagramLink {
  public:
   explicit HostileLink(DatagramLink& link) : link_(link) {}
@@ -117,7 +117,7 @@ class HostileLink final : public DatagramLink {
   Mutator mutator_{17};
 };
 
-TEST(MutatedDatagrams, ASessionSurvivesThemAndNeverExceedsItsCurrents) {
+TEST(MutatedDatagrams, NeverMakeASessionExceedItsCurrents) {
   for (const CycleProtocol protocol : {CycleProtocol::kSequential, CycleProtocol::kBroadcast}) {
     BoardEmulator emulator({Rig::setup(6), Rig::setup(7)}, 3);
     EmulatedLink direct(emulator);
@@ -126,7 +126,7 @@ TEST(MutatedDatagrams, ASessionSurvivesThemAndNeverExceedsItsCurrents) {
     session.start();
     long runs = 0, faults = 0;
     for (long k = 0; k < 60000; ++k) {
-      link.hostile = k % 2000 > 400;  // now and then there is peace, and power comes up again
+      link.hostile = k % 2000 > 400;  // at times the link is good, and power comes up again
       link.wait(Rig::kCycle);
       session.update();
       for (int b = 0; b < 2; ++b) {

@@ -4,9 +4,9 @@
 
 namespace veridyn::dvrk {
 
-/// Decodes a datagram in every way there is, encodes what was understood and compares. Shared by
+/// Decodes a datagram by every decoder, encodes the result and compares. Shared by
 /// the fuzzer and by the test that runs everywhere.
-/// @returns what contradicts itself; null: nothing.
+/// @returns the contradiction; null: none.
 const char* probe_packet(ByteView datagram);
 
 }  // namespace veridyn::dvrk

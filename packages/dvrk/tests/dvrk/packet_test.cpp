@@ -35,7 +35,7 @@ const std::string& hex(const char* section, const char* name) {
   return vector_named(section, name).hex;
 }
 
-TEST(Crc, KnownValues) {
+TEST(Crc, MatchesKnownValues) {
   const Bytes digits = {'1', '2', '3', '4', '5', '6', '7', '8', '9'};
   EXPECT_EQ(crc32(view(digits)), 0xFC891918U);
   EXPECT_EQ(crc32(view(Bytes(16, 0))), 0xAAD2DD37U);
@@ -120,8 +120,8 @@ TEST(Vectors, BlocksAreReadAndWrittenByteForByte) {
   EXPECT_EQ(hubs, 3);
 }
 
-// Built from what the specification's words say, not from what was decoded.
-TEST(Requests, ThoseOfTheHostAreBuiltFromTheirMeaning) {
+// Built from the text of the specification, not from decoded packets.
+TEST(Requests, HostRequestsAreEncodedByteForByte) {
   Request r;
   r.flags = kNoForward;
   r.node = kBroadcastNode;
@@ -179,7 +179,7 @@ Request block_write(int node, int label, const BoardCommand* commands, std::size
   return r;
 }
 
-TEST(Requests, CommandsAreBuiltFromTheirMeaning) {
+TEST(Requests, CommandRequestsAreEncodedByteForByte) {
   std::array<std::uint8_t, 128> buffer{};
   BoardCommand on;
   on.board = 6;
@@ -192,7 +192,7 @@ TEST(Requests, CommandsAreBuiltFromTheirMeaning) {
   for (ChannelCommand& c : amps.channel) c = {true, false, AmpRequest::kOn, 0, kZeroCurrent};
   EXPECT_EQ(encoded(block_write(0, 60, &amps, 1, 8, buffer)),
             hex("19.5", "amps on + zero current, board 6"));
-  // The same wish in the words of Rev 7: through the control word.
+  // The same command in the format of Rev 7: through the control word.
   EXPECT_EQ(encoded(block_write(0, 52, &amps, 1, 7, buffer)), hex("19.8", "amps on, board 6"));
 
   BoardCommand both[2];
@@ -206,7 +206,7 @@ TEST(Requests, CommandsAreBuiltFromTheirMeaning) {
   EXPECT_EQ(encoded(block_write(63, 54, both, 2, 7, buffer)), hex("19.8", "broadcast write"));
 }
 
-TEST(Feedback, SaysWhatTheTableOfTheSpecificationSays) {
+TEST(Feedback, MatchesTheTableOfTheSpecification) {
   const Bytes bytes = bytes_of(hex("19.6", "board to PC"));
   Reply r;
   ASSERT_EQ(decode(view(bytes), r), Malformed::kNone);
@@ -233,7 +233,7 @@ TEST(Feedback, SaysWhatTheTableOfTheSpecificationSays) {
   }
 }
 
-TEST(Commands, AWalkOverBlocksStopsAtAMalformedOne) {
+TEST(Commands, IterationStopsAtAMalformedBlock) {
   const Bytes bytes = bytes_of(hex("19.7", "3 write all"));
   Request r;
   ASSERT_EQ(decode(view(bytes), r), Malformed::kNone);
@@ -286,7 +286,7 @@ TEST(Sequence, NeverIsZero) {
 }
 
 // A header is the same after a word, in the bits that its firmware has for each part.
-TEST(HubHeaders, KeepEveryPartInAWord) {
+TEST(HubHeaders, SurviveARoundTrip) {
   for (const int firmware : {7, 8, 9}) {
     HubHeader header;
     header.sequence = firmware < 8 ? 0xABCD : 0xCD;
@@ -313,8 +313,8 @@ TEST(HubHeaders, OfAnotherSequenceDoNotAnswer) {
   EXPECT_FALSE(answers(header, 0x0034, 7));
 }
 
-// Words that a firmware does not have belong to whatever is behind its block.
-TEST(Feedback, HasTheWordsOfItsFirmwareAlone) {
+// Words beyond a firmware's block belong to the next block.
+TEST(Feedback, HasOnlyTheWordsOfItsFirmware) {
   std::array<std::uint8_t, 4 * 32> bytes{};
   bytes.fill(0xA5);
   const QuadletView block({bytes.data(), bytes.size()});

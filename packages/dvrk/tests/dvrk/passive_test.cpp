@@ -14,7 +14,7 @@
 #include "dvrk/protocol/udp_link.hpp"
 #include "veridyn/math/require.hpp"
 
-// Who only looks sends no write: neither at the start, nor in the loop, nor at the end.
+// A passive reader sends no write: neither at the start, nor in the loop, nor at the end.
 
 namespace veridyn::dvrk {
 namespace {
@@ -40,7 +40,7 @@ TEST_P(Listeners, SendNoWriteAndSeeTheArm) {
     int seen = 0;
     watch(session, link, 0.5, 100.0, stop, [&](double) {
       ++seen;
-      // Nobody loaded the encoders: they count from where the board woke up. The pots know.
+      // The encoders were not loaded: they count from the position at power-up. The pots show the position.
       EXPECT_NEAR(session.state().pot_q[0], 0.4, 1e-3);
       EXPECT_EQ(session.board_of(0).status.board(), 6);
       EXPECT_TRUE(session.needs_homing());
@@ -52,14 +52,14 @@ TEST_P(Listeners, SendNoWriteAndSeeTheArm) {
   }
   EXPECT_EQ(link.writes, 0);
   EXPECT_EQ(arm.emulator.counters().writes, 0);
-  // The counter of this test counts.
+  // The write counter of this test works.
   ArmSession active(link, planar_config());
   active.start();
   EXPECT_GT(link.writes, 3);
 }
 
 // Homing beside a program that drives is refused before anything is written.
-TEST(Homing, LooksForPowerWithoutAWrite) {
+TEST(Homing, ChecksPowerWithoutAWrite) {
   PlanarArm arm;
   BadLink link(arm.emulator);
   EXPECT_NO_THROW(require_no_power(link, planar_config(), {}));
@@ -79,7 +79,7 @@ TEST(Homing, LooksForPowerWithoutAWrite) {
   EXPECT_EQ(link.writes, 0);
 }
 
-TEST_P(Listeners, SeeWhatTheRealTimeBlockSays) {
+TEST_P(Listeners, ReadTheRealTimeBlock) {
   SessionOptions how = Rig::options();
   how.watchdog = 0.34;  // longer than the other one takes to find the boards
   Rig rig(how);
@@ -111,7 +111,7 @@ TEST_P(Listeners, SeeWhatTheRealTimeBlockSays) {
 }
 
 // Single registers leave the clock of the other client alone; a block restarts it (section 9).
-TEST(Listening, ByRegisterLeavesTheTimestampsAlone) {
+TEST(Listening, ByRegisterDoesNotResetTimestamps) {
   for (const Access access : {Access::kListenByRegister, Access::kListen}) {
     Rig rig;
     ASSERT_TRUE(rig.bring_up());
@@ -135,7 +135,7 @@ TEST(Listening, ByRegisterLeavesTheTimestampsAlone) {
   }
 }
 
-// A second host that nobody of this project wrote, as far as its packets are known: those of
+// A second host with the packets of an independent implementation: those of
 // section 19 drive both boards while we look. Its amplifiers stay on.
 TEST(Listening, ASecondHostKeepsItsAmplifiers) {
   BoardEmulator emulator({Rig::setup(6), Rig::setup(7)}, 3);
@@ -182,9 +182,9 @@ TEST(Listening, ASecondHostKeepsItsAmplifiers) {
   }
 }
 
-// Over real sockets, beside a run. What may end the run on a busy machine is the clock, never the
-// one that looks.
-TEST(Listening, BesideARunOverUdp) {
+// Over real sockets, during a run. On a busy machine the clock may end the run, but never the
+// passive reader.
+TEST(Listening, WorksDuringARunOverUdp) {
   PlanarArm arm;
   BoardServer server(arm.emulator, 0);
   std::atomic<bool> stop_server{false}, stop{false};

@@ -13,7 +13,7 @@
 
 namespace veridyn::dvrk {
 
-/// Two motors for planar-2r on board 6; the second is mounted the other way round.
+/// Two motors for planar-2r on board 6; the second is mounted reversed.
 inline RobotConfig planar_config() {
   RobotConfig robot;
   robot.name = "planar";

@@ -12,7 +12,7 @@
 #include "emulator/board_events.hpp"
 
 // A PSM on two emulated boards that moves at up to 94 % of its velocity limits, by a clock that does not
-// depend on the machine: what an event does to the run, what the run says of it, and how far the arm
+// depend on the machine: the effect of an event on the run, the report, and how far the arm
 // goes on. Motors saturate, and the arm has end stops.
 
 namespace veridyn::dvrk {
@@ -129,11 +129,11 @@ Event of_reply(double at, ReplyFault fault, int replies = 1, double delay = 0.0)
 }
 
 // The words of --event.
-Event as_said(const std::string& words, double at) {
+Event parsed_event(const std::string& words, double at) {
   return {at, [words](BoardEmulator& e) { board_events({words + "@0"}, e).front().happen(e); }};
 }
 
-TEST(PsmDrills, TheMotionPlaysWhereEventsAre) {
+TEST(PsmDrills, EventsOccurDuringTheMotion) {
   for (const Law law : {Law::kPid, Law::kComputedTorque, Law::kImpedance}) {
     Psm psm;
     double from = 0.0, until = 0.0;
@@ -161,11 +161,11 @@ TEST(PsmDrills, OneReplyThatIsLostOrLateEndsNothing) {
   }
 }
 
-// What the page promises: one of a hundred datagrams may be lost, each way. Of five the run says so.
-TEST(PsmDrills, LossRidesUpToOnePercentAndIsNamedBeyond) {
+// What the page promises: one of a hundred datagrams may be lost in each direction; five are reported.
+TEST(PsmDrills, PacketLossIsToleratedUpToOnePercentAndReportedBeyond) {
   for (const double percent : {0.2, 1.0, 5.0}) {
     Psm psm;
-    const RunResult run = psm.run(Law::kComputedTorque, {as_said("loss=" + std::to_string(percent), 1.0)});
+    const RunResult run = psm.run(Law::kComputedTorque, {parsed_event("loss=" + std::to_string(percent), 1.0)});
     EXPECT_EQ(run.complete, percent < 2.0) << percent << ": " << run.why;
     EXPECT_GT(psm.session.boards().faults().count(Condition::kLostReplies), 20);
     if (percent > 2.0) {
@@ -175,7 +175,7 @@ TEST(PsmDrills, LossRidesUpToOnePercentAndIsNamedBeyond) {
   }
 }
 
-TEST(PsmDrills, AGapInTheRepliesIsWhatEndsTheRun) {
+TEST(PsmDrills, AGapInTheRepliesEndsTheRun) {
   Psm psm;
   const RunResult run = psm.run(Law::kComputedTorque, {of_reply(kFrom, ReplyFault::kDrop, 12)});
   EXPECT_EQ(run.why.find("no reply in time"), 0U) << run.why;
@@ -189,7 +189,7 @@ TEST(PsmDrills, APositionThatJumpsIsNoticedInOneCycle) {
       const double counts = degrees * M_PI / 180.0 / psm.robot.actuators[1].bits_to_position;
       bool flows = true;
       const RunResult run = psm.run(
-          Law::kComputedTorque, {as_said("encoder-jump:6.1=" + std::to_string(std::lround(counts)), at),
+          Law::kComputedTorque, {parsed_event("encoder-jump:6.1=" + std::to_string(std::lround(counts)), at),
                                  {at + 3.0 * Rig::kCycle, [&](BoardEmulator&) { flows = psm.currents_flow(); }}});
       EXPECT_EQ(run.why, "safety supervisor: a position that jumped (joint pitch)") << degrees;
       EXPECT_FALSE(flows);
@@ -218,8 +218,8 @@ TEST(PsmDrills, EveryEventIsNamedAndLeavesNoCurrent) {
   for (const Ending& one : endings) {
     for (const Law law : {Law::kPid, Law::kComputedTorque}) {
       Psm psm;
-      std::optional<bool> flows;  // nothing: the run was over before
-      const RunResult run = psm.run(law, {as_said(one.event, kFrom), {kFrom + one.within + Rig::kCycle, [&](BoardEmulator&) {
+      std::optional<bool> flows;  // nullopt: the run had ended before
+      const RunResult run = psm.run(law, {parsed_event(one.event, kFrom), {kFrom + one.within + Rig::kCycle, [&](BoardEmulator&) {
                                                                        flows = psm.currents_flow();
                                                                      }}});
       EXPECT_FALSE(run.complete);
@@ -231,7 +231,7 @@ TEST(PsmDrills, EveryEventIsNamedAndLeavesNoCurrent) {
 
 // Encoders that were loaded 10 degrees wrong: the motion leads pitch to its end stop. Whatever controls the
 // arm notices that it presses. A motion that stays inside is none the wiser, nor is there anything to see.
-TEST(PsmDrills, AnArmThatPressesOnItsEndStopIsSwitchedOff) {
+TEST(PsmDrills, AnArmPressingOnItsEndStopIsSwitchedOff) {
   RobotConfig wrong = nominal_config(read_arm("PSM1")).robot("");
   wrong.actuators[1].volts_to_position.offset -= 10.0 * M_PI / 180.0;
   for (const Law law : {Law::kPid, Law::kComputedTorque, Law::kImpedance}) {

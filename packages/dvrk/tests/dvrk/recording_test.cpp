@@ -39,13 +39,13 @@ void keep(RowKeeper& keeper, int from, int to) {
 }
 
 template <typename Holds>
-bool comes(Holds&& holds) {
+bool arrives_in_time(Holds&& holds) {
   for (int k = 0; k < 1000 && !holds(); ++k)
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   return holds();
 }
 
-// What a program leaves that is killed now: whole rows, and a first line that says so.
+// A program killed now leaves whole rows and a first line that marks the file as incomplete.
 TEST(RowFile, RowsAreOnTheDiskWhileTheyAreRecorded) {
   const std::string path = temporary("veridyn-rows-");
   RowKeeper keeper(2, 10.0, 100.0);
@@ -53,7 +53,7 @@ TEST(RowFile, RowsAreOnTheDiskWhileTheyAreRecorded) {
     RowFile file(path, keeper, 2);
     EXPECT_FALSE(std::filesystem::exists(path));  // nothing before the first row
     keep(keeper, 0, 500);
-    ASSERT_TRUE(comes([&] { return content(path).find("\n0.499,") != std::string::npos; }));
+    ASSERT_TRUE(arrives_in_time([&] { return content(path).find("\n0.499,") != std::string::npos; }));
     const std::string there = content(path);
     EXPECT_EQ(there.rfind("# incomplete: the program ended while it recorded", 0), 0U);
     EXPECT_EQ(there.back(), '\n');
@@ -71,7 +71,7 @@ TEST(RowFile, RowsAreOnTheDiskWhileTheyAreRecorded) {
 }
 
 // A limit on the size of files stands for a disk that is full.
-TEST(RowFile, AFullDiskKeepsWholeRowsAndSaysHowMany) {
+TEST(RowFile, AFullDiskKeepsWholeRowsAndReportsTheirNumber) {
   const std::string path = temporary("veridyn-full-");
   std::signal(SIGXFSZ, SIG_IGN);
   rlimit before{};
@@ -83,7 +83,7 @@ TEST(RowFile, AFullDiskKeepsWholeRowsAndSaysHowMany) {
   {
     RowFile file(path, keeper, 2);
     keep(keeper, 0, 500);
-    EXPECT_TRUE(comes([&] { return file.failed(); }));
+    EXPECT_TRUE(arrives_in_time([&] { return file.failed(); }));
     file.finish("stopped");
     kept = file.rows();
     EXPECT_NE(file.error(), "");
@@ -115,7 +115,7 @@ TEST(RowFile, AFullDiskWithoutARowLeavesNoFile) {
       {
         RowFile file(path, keeper, 2);
         keep(keeper, 0, 500);
-        EXPECT_TRUE(comes([&] { return file.failed(); }));
+        EXPECT_TRUE(arrives_in_time([&] { return file.failed(); }));
         file.finish("stopped");
         EXPECT_EQ(file.rows(), 0);
         EXPECT_NE(file.error(), "");
@@ -134,7 +134,7 @@ TEST(RowFile, AFullDiskWithoutARowLeavesNoFile) {
 }
 
 // A link to a file stays one.
-TEST(RowFile, ALinkIsFollowed) {
+TEST(RowFile, SymbolicLinksAreFollowed) {
   const auto folder = std::filesystem::temp_directory_path() / ("veridyn-linked-" + std::to_string(::getpid()));
   std::filesystem::create_directory(folder);
   const std::string path = (folder / "link.csv").string(), target = (folder / "target.csv").string();
@@ -216,7 +216,7 @@ TEST(CycleClock, GivesEveryGapItsReason) {
   }
 }
 
-TEST(CycleClock, ALoopThatNeverKeepsItsRateIsFound) {
+TEST(CycleClock, APersistentlyLateLoopIsDetected) {
   SlowLink link;
   CycleClock clock(link, 1500.0);
   int cycles = 0;

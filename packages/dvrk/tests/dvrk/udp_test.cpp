@@ -111,7 +111,7 @@ TEST(Udp, RepliesCountFromTheBoardsOwnAddressesAlone) {
   const int far = socket_at("127.0.1.7", port);
   for (const int firmware : {0, 8, 9}) {  // 0: the hub is not known yet
     UdpLink link("127.0.0.1", port);
-    if (firmware > 0) link.hub_is(firmware, 6);
+    if (firmware > 0) link.set_hub(firmware, 6);
     std::uint8_t word[4] = {1, 2, 3, 4};
     ASSERT_TRUE(link.send({word, sizeof word}, Destination::kBoard));
     std::uint8_t bytes[64];
@@ -133,17 +133,17 @@ TEST(Udp, RepliesCountFromTheBoardsOwnAddressesAlone) {
   for (const int one : {board, seventh, other, far}) ::close(one);
 }
 
-// Programs of this machine alone may drive an emulated arm, unless somebody asks for more.
+// Programs of this machine alone may drive an emulated arm, unless the user allows others.
 TEST(Udp, AnEmulatorListensToThisMachineAlone) {
   for (const auto listens : {BoardServer::Listens::kHere, BoardServer::Listens::kEverywhere}) {
     BoardEmulator emulator({Rig::setup(6)});
     BoardServer server(emulator, 0, listens);
-    EXPECT_EQ(server.is_heard(0x7F000001), true);
-    EXPECT_EQ(server.is_heard(0xC0A80105), listens == BoardServer::Listens::kEverywhere);
+    EXPECT_EQ(server.accepts_address(0x7F000001), true);
+    EXPECT_EQ(server.accepts_address(0xC0A80105), listens == BoardServer::Listens::kEverywhere);
   }
 }
 
-TEST(Udp, WhatCannotBeIsRefused) {
+TEST(Udp, InvalidAddressesAreRefused) {
   EXPECT_THROW(UdpLink("no such host", 1394), InvalidInput);
   BoardEmulator emulator({Rig::setup(6)});
   BoardServer server(emulator, 0);

@@ -37,7 +37,7 @@ SafetyLimits limits_of(const Model& arm, const CrtkOptions& o) {
     if (!std::isfinite(limits.velocity[i]) || limits.velocity[i] <= 0.0)
       limits.velocity[i] = o.velocity * (slides ? kSliding : 1.0);
   }
-  limits.tracking.setConstant(1e9);  // clients lead; what is too far is refused
+  limits.tracking.setConstant(1e9);  // clients set the reference; targets that are too far are refused
   limits.force = 1e9;
   limits.overrun = o.longest_cycle;
   limits.sensor_age = o.oldest_positions;
@@ -98,7 +98,7 @@ void CrtkArm::hold() noexcept {
   } else if (mode_ != Mode::kHold) {
     goal_ = cycle_.state().q().cwiseMax(limits_.lower).cwiseMin(limits_.upper);
     way_.reset(goal_);
-    stand();
+    hold_position();
   }
   mode_ = Mode::kHold;
   silent_ = 0.0;
@@ -114,7 +114,7 @@ void CrtkArm::watch_silence(double dt) noexcept {
     client_ = 0;
     return;
   }
-  // Held because a stream was lost, not because somebody asked for it.
+  // Held because a stream was lost, not by a hold command.
   const bool lost = mode_ == Mode::kHold && stream_ != Kind::kHold;
   if (lost && silent_ > options_.release_after) mode_ = Mode::kReleased;
   if (mode_ == Mode::kMove && way_.arrived()) {
@@ -141,7 +141,7 @@ void CrtkArm::follow_joints(double dt) noexcept {
 }
 
 // The controller's reference rests where the arm is.
-void CrtkArm::stand() noexcept {
+void CrtkArm::hold_position() noexcept {
   smoothed_ = goal_;
   wanted_.q = goal_;
   wanted_.dq.setZero();
@@ -169,14 +169,14 @@ const VectorXd& CrtkArm::update(const VectorXd& shown_q, const VectorXd& dq, dou
   if (!seen_ && q.allFinite()) {
     way_.reset(q);
     goal_ = q;
-    stand();
+    hold_position();
     seen_ = true;
   }
   watch_silence(dt);
   if (!powered_ && q.allFinite()) {
     goal_ = q;
     way_.reset(goal_);
-    stand();
+    hold_position();
     if (mode_ != Mode::kOff) mode_ = Mode::kHold;
     stream_ = Kind::kHold;
   }
@@ -203,13 +203,13 @@ const VectorXd& CrtkArm::update(const VectorXd& shown_q, const VectorXd& dq, dou
   if (state_ == OperatingState::kDisabled || state_ == OperatingState::kFault) {
     goal_ = q.allFinite() ? q : goal_;
     way_.reset(goal_);
-    stand();
+    hold_position();
   }
-  tell();
+  publish_state();
   return drive;
 }
 
-void CrtkArm::tell() noexcept {
+void CrtkArm::publish_state() noexcept {
   Feedback& f = feedback_;
   f.time = now_;
   setpoint_.update(way_.x(), way_.dx());

@@ -16,7 +16,7 @@ using veridyn::Vector6d;
 
 constexpr int kMostJoints = 16;
 
-/// What a client asks of an arm, by the names of the Collaborative Robotics Toolkit. Plain data of
+/// A client's command to an arm, by the names of the Collaborative Robotics Toolkit. Plain data of
 /// fixed size: commands cross from the network to the loop through a queue without locks.
 struct Command {
   enum class Kind {
@@ -24,7 +24,7 @@ struct Command {
     kEnable, kDisable, kPause, kResume, kHome, kUnhome
   };
   Kind kind = Kind::kHold;
-  std::uint64_t client = 0;  ///< who asks; two clients cannot stream at once
+  std::uint64_t client = 0;  ///< identity of the client; two clients cannot stream at once
   double age = 0.0;          ///< [s] by its stamp when it arrived; 0: not stamped
   int count = 0;             ///< entries of `joints`
   double joints[kMostJoints] = {};  ///< [rad], [m], or [N m], [N]
@@ -33,7 +33,7 @@ struct Command {
   double six[6] = {};                   ///< wrench or twist at the tip, base axes
 };
 
-/// Why a command was not taken; fixed words by describe().
+/// Reason why a command was refused; fixed texts by describe().
 enum class Refusal {
   kNone, kNotFinite, kWrongSize, kBeyondLimits, kTooFar, kOutOfReach, kNotEnabled, kNotHomed,
   kOtherClient, kTooOld, kInvalidTransition, kNoPower
@@ -44,11 +44,11 @@ enum class OperatingState { kDisabled, kEnabled, kPaused, kFault };
 /// "DISABLED" and so on, as CRTK has it.
 const char* name_of(OperatingState state) noexcept;
 
-/// What the arm does at the moment.
+/// Present mode of the arm.
 enum class Mode { kOff, kHold, kServo, kMove, kReleased };
 const char* name_of(Mode mode) noexcept;
 
-/// All that an arm tells, one instant; fixed size, for snapshots without locks.
+/// Feedback of an arm at one instant; fixed size, for snapshots without locks.
 struct Feedback {
   double time = 0.0;  ///< [s] of the loop's clock
   int joints = 0;
@@ -69,8 +69,8 @@ struct Feedback {
 struct CrtkOptions {
   std::string tip;               ///< frame; empty: "tool", or else the last one
   double hold_after = 0.1;       ///< [s] without a command of a stream: hold
-  double release_after = 1.0;    ///< [s]: give way gently
-  double oldest = 0.5;           ///< [s] by its stamp, of a command that is taken
+  double release_after = 1.0;    ///< [s] after which the arm yields gently
+  double oldest = 0.5;           ///< [s] largest age of an accepted command, by its stamp
   double oldest_positions = 0.05;  ///< [s]: beyond, a fault
   double longest_cycle = 0.05;     ///< [s]: beyond, a fault
   double frequency = 5.0;        ///< [Hz] bandwidth of the joint loops, critically damped
@@ -121,20 +121,20 @@ class CrtkArm {
   Mode mode() const { return mode_; }
 
  private:
-  Refusal judge(const Command& c) noexcept;
+  Refusal refusal_of(const Command& c) noexcept;
   Refusal transition(Command::Kind kind) noexcept;
-  Refusal take_joints(const Command& c, bool move) noexcept;
-  Refusal take_pose(const Command& c, bool move) noexcept;
-  Refusal take_effort(const Command& c) noexcept;
-  Refusal take_twist(const Command& c) noexcept;
-  bool within(const VectorXd& q) const noexcept;
+  Refusal accept_joints(const Command& c, bool move) noexcept;
+  Refusal accept_pose(const Command& c, bool move) noexcept;
+  Refusal accept_effort(const Command& c) noexcept;
+  Refusal accept_twist(const Command& c) noexcept;
+  bool is_within_limits(const VectorXd& q) const noexcept;
   void hold() noexcept;
   void watch_silence(double dt) noexcept;
   void follow_twist(double dt) noexcept;
   void follow_joints(double dt) noexcept;
   void smooth(double dt) noexcept;
-  void stand() noexcept;
-  void tell() noexcept;
+  void hold_position() noexcept;
+  void publish_state() noexcept;
 
   veridyn::Model model_;
   CrtkOptions options_;

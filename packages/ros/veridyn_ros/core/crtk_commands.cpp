@@ -3,7 +3,7 @@
 
 #include "core/crtk_arm.hpp"
 
-// What clients ask of an arm, and why it refuses.
+// Commands of clients, and the reasons for refusals.
 
 namespace veridyn_ros {
 namespace {
@@ -75,12 +75,12 @@ const char* name_of(Mode mode) noexcept {
   return "";
 }
 
-bool CrtkArm::within(const VectorXd& q) const noexcept {
+bool CrtkArm::is_within_limits(const VectorXd& q) const noexcept {
   return (q.array() >= limits_.lower.array()).all() && (q.array() <= limits_.upper.array()).all();
 }
 
 Refusal CrtkArm::command(const Command& c) noexcept {
-  const Refusal why = judge(c);
+  const Refusal why = refusal_of(c);
   if (why == Refusal::kNone) {
     if (streams(c.kind)) {
       stream_ = c.kind;
@@ -95,10 +95,10 @@ Refusal CrtkArm::command(const Command& c) noexcept {
   return why;
 }
 
-Refusal CrtkArm::judge(const Command& c) noexcept {
+Refusal CrtkArm::refusal_of(const Command& c) noexcept {
   if (!finite(c)) return Refusal::kNotFinite;
   if (std::abs(c.age) > options_.oldest) return Refusal::kTooOld;
-  // Whoever asks for less motion is always heard.
+  // Commands that reduce motion are always accepted.
   if (c.kind == Kind::kDisable || c.kind == Kind::kPause || c.kind == Kind::kEnable ||
       c.kind == Kind::kResume || c.kind == Kind::kHome || c.kind == Kind::kUnhome)
     return transition(c.kind);
@@ -114,13 +114,13 @@ Refusal CrtkArm::judge(const Command& c) noexcept {
   if (needs_joints(c.kind) && c.count != n_) return Refusal::kWrongSize;
   if (mode_ == Mode::kReleased) hold();  // from where the arm is by now
   switch (c.kind) {
-    case Kind::kServoJp: return take_joints(c, false);
-    case Kind::kMoveJp: return take_joints(c, true);
-    case Kind::kServoCp: return take_pose(c, false);
-    case Kind::kMoveCp: return take_pose(c, true);
+    case Kind::kServoJp: return accept_joints(c, false);
+    case Kind::kMoveJp: return accept_joints(c, true);
+    case Kind::kServoCp: return accept_pose(c, false);
+    case Kind::kMoveCp: return accept_pose(c, true);
     case Kind::kServoJf:
-    case Kind::kServoCf: return take_effort(c);
-    case Kind::kServoCv: return take_twist(c);
+    case Kind::kServoCf: return accept_effort(c);
+    case Kind::kServoCv: return accept_twist(c);
     default: return Refusal::kInvalidTransition;
   }
 }
@@ -161,9 +161,9 @@ Refusal CrtkArm::transition(Kind kind) noexcept {
   }
 }
 
-Refusal CrtkArm::take_joints(const Command& c, bool move) noexcept {
+Refusal CrtkArm::accept_joints(const Command& c, bool move) noexcept {
   for (int i = 0; i < n_; ++i) goal_[i] = c.joints[i];
-  if (!within(goal_)) return Refusal::kBeyondLimits;
+  if (!is_within_limits(goal_)) return Refusal::kBeyondLimits;
   double seconds = kLeastMove;
   for (int i = 0; i < n_; ++i) {
     const double way = std::abs(goal_[i] - way_.x()[i]);
@@ -187,7 +187,7 @@ Refusal CrtkArm::take_joints(const Command& c, bool move) noexcept {
   return Refusal::kNone;
 }
 
-Refusal CrtkArm::take_pose(const Command& c, bool move) noexcept {
+Refusal CrtkArm::accept_pose(const Command& c, bool move) noexcept {
   Eigen::Quaterniond turn(c.quaternion[3], c.quaternion[0], c.quaternion[1], c.quaternion[2]);
   if (!(turn.norm() > 0.5 && turn.norm() < 2.0)) return Refusal::kNotFinite;
   turn.normalize();
@@ -198,10 +198,10 @@ Refusal CrtkArm::take_pose(const Command& c, bool move) noexcept {
   Command joints = c;
   joints.count = n_;
   for (int i = 0; i < n_; ++i) joints.joints[i] = effort_[i];
-  return take_joints(joints, move);
+  return accept_joints(joints, move);
 }
 
-Refusal CrtkArm::take_effort(const Command& c) noexcept {
+Refusal CrtkArm::accept_effort(const Command& c) noexcept {
   for (int i = 0; i < n_; ++i) tau_[i] = c.joints[i];
   if (c.kind == Kind::kServoCf) {
     const Eigen::Map<const Vector6d> wrench(c.six);
@@ -213,7 +213,7 @@ Refusal CrtkArm::take_effort(const Command& c) noexcept {
   return Refusal::kNone;
 }
 
-Refusal CrtkArm::take_twist(const Command& c) noexcept {
+Refusal CrtkArm::accept_twist(const Command& c) noexcept {
   const Eigen::Map<const Vector6d> twist(c.six);
   setpoint_.update(way_.x(), zero_);
   task_.update(setpoint_.jacobian());

@@ -79,10 +79,10 @@ ArmTopics::ArmTopics(ros::NodeHandle space, const veridyn::Model& arm, Commands&
 }
 
 void ArmTopics::push(const Command& c) {
-  if (!to_loop_.push(c)) complain("commands come faster than the loop takes them; one is left out");
+  if (!to_loop_.push(c)) warn("commands come faster than the loop takes them; one is left out");
 }
 
-void ArmTopics::complain(const std::string& text) {
+void ArmTopics::warn(const std::string& text) {
   std_msgs::String message;
   message.data = text;
   warning_.publish(message);
@@ -127,7 +127,7 @@ void ArmTopics::state_command(const Event<crtk_msgs::StringStamped>& event) {
       {"resume", Kind::kResume}, {"home", Kind::kHome},       {"unhome", Kind::kUnhome}};
   const auto found = kKnown.find(event.getMessage()->string);
   if (found == kKnown.end()) {
-    complain("state_command: found '" + event.getMessage()->string +
+    warn("state_command: found '" + event.getMessage()->string +
              "', expected enable, disable, pause, resume, home or unhome");
     return;
   }
@@ -135,7 +135,7 @@ void ArmTopics::state_command(const Event<crtk_msgs::StringStamped>& event) {
   push(command(event, found->second, 0.0));
 }
 
-// When the loop took what it told, by ROS' clock: the loop's own clock, which is even, put at the
+// Time of the loop's feedback, by ROS' clock: the loop's own clock, which is even, put at the
 // place of ROS' clock anew only where that jumped.
 ros::Time ArmTopics::stamp() {
   const double now = ros::Time::now().toSec();
@@ -194,8 +194,8 @@ void ArmTopics::publish() {
   told_state_ = now_.state;
   told_homed_ = now_.homed;
   told_busy_ = now_.busy;
-  if (now_.refusals != told_refusals_) complain(std::string("command refused: ") + describe(now_.refusal));
-  if (now_.lost_streams != told_lost_) complain("no commands any more: the arm is held");
+  if (now_.refusals != told_refusals_) warn(std::string("command refused: ") + describe(now_.refusal));
+  if (now_.lost_streams != told_lost_) warn("no commands any more: the arm is held");
   told_refusals_ = now_.refusals;
   told_lost_ = now_.lost_streams;
 }

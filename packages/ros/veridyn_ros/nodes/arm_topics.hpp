@@ -40,16 +40,16 @@ class ArmTopics {
   void state_command(const Event<crtk_msgs::StringStamped>& event);
   void push(const Command& c);
   template <typename Message>
-  ros::Publisher tells(const std::string& name, bool latched = false) {
+  ros::Publisher advertise(const std::string& name, bool latched = false) {
     return space_.advertise<Message>(name, 10, latched);
   }
   template <typename Message, typename Take>
-  void hears(const std::string& name, Take take) {
+  void subscribe(const std::string& name, Take take) {
     subscribers_.push_back(space_.subscribe<Message>(
         name, 10, boost::function<void(const Event<Message>&)>(take), ros::VoidConstPtr(),
         ros::TransportHints().tcpNoDelay()));
   }
-  void complain(const std::string& text);
+  void warn(const std::string& text);
 
   ros::NodeHandle space_;
   std::string base_;

@@ -1,6 +1,6 @@
 // Arms on dVRK boards, real or emulated, behind topics: NAME/io/measured_js at the loop's rate, NAME/io/servo_jf. Efforts of
 // measured_js are those of the measured currents; without power there are none. Power is on only while a controller says
-// ENABLED or PAUSED on NAME/operating_state and sends torques: silence of ~patience switches off. NAME/io/state tells in words.
+// ENABLED or PAUSED on NAME/operating_state and sends torques: silence of ~patience switches off. NAME/io/state has the state as text.
 
 #include <crtk_msgs/OperatingState.h>
 #include <sensor_msgs/JointState.h>
@@ -24,7 +24,7 @@ namespace {
 using veridyn::BoardArm;
 using veridyn::VectorXd;
 
-// What the loop says of an arm, in words that never change.
+// State of an arm as fixed texts, written by the loop.
 struct BoardWords {
   const char* state = "off";
 };
@@ -37,12 +37,12 @@ struct Arm {
   Snapshot<MotorState> measured;
   Snapshot<BoardWords> words;
   std::atomic<bool> enabled{false};
-  // The loop's own.
+  // Used by the loop's thread only.
   MotorTorque now;
   VectorXd tau;
   bool refused = false;  // since the controller was last not enabled
   Spread answered;
-  // The network's own.
+  // Used by the network's thread only.
   MotorState told;
   const char* told_state = nullptr;
   sensor_msgs::JointState message;
@@ -69,7 +69,7 @@ class Boards {
     spinner.start();
     while (ros::ok()) {
       bool any = false;
-      for (Arm& arm : arms_) any = tell(arm) || any;
+      for (Arm& arm : arms_) any = publish_state(arm) || any;
       if (!any) std::this_thread::sleep_for(std::chrono::microseconds(200));
     }
     ends_ = true;
@@ -106,7 +106,7 @@ class Boards {
     arm.state = space.advertise<std_msgs::String>("io/state", 10, true);
     arm.subscribers = {
         space.subscribe<sensor_msgs::JointState>(
-            "io/servo_jf", 1, [&arm](const sensor_msgs::JointState::ConstPtr& m) { hear_torques(arm.name, arm.joints, *m, arm.asked); }, ros::VoidConstPtr(),
+            "io/servo_jf", 1, [&arm](const sensor_msgs::JointState::ConstPtr& m) { receive_torques(arm.name, arm.joints, *m, arm.asked); }, ros::VoidConstPtr(),
             ros::TransportHints().tcpNoDelay()),
         space.subscribe<crtk_msgs::OperatingState>("operating_state", 10, [&arm](const crtk_msgs::OperatingState::ConstPtr& m) {
           arm.enabled = m->state == "ENABLED" || m->state == "PAUSED";
@@ -115,7 +115,7 @@ class Boards {
 
   // The loop: nothing here allocates or throws; it waits for the boards' replies alone.
   void cycles() noexcept {
-    if (priority_ > 0 && !(veridyn::take_real_time_priority(priority_) && veridyn::lock_memory()))
+    if (priority_ > 0 && !(veridyn::set_real_time_priority(priority_) && veridyn::lock_memory()))
       ROS_WARN("the system allows no real-time priority: cycles may come late");
     Cycle cycle(1.0 / rate_);
     while (!ends_) {
@@ -148,7 +148,7 @@ class Boards {
     }
     boards.write();
     if (valid && !(arm.refused && arm.enabled)) put(arm);  // silence makes a fault of the controller
-    if (why == nullptr && arm.refused) return;              // the last words stand
+    if (why == nullptr && arm.refused) return;              // the last text is kept
     arm.words.write({why != nullptr ? why : boards.ready() ? "on" : boards.powered() ? "powering up" : "off"});
   }
 
@@ -166,7 +166,7 @@ class Boards {
     arm.measured.write(s);
   }
 
-  bool tell(Arm& arm) {
+  bool publish_state(Arm& arm) {
     BoardWords words;
     if (arm.words.read(words) && words.state != arm.told_state) {
       std_msgs::String m;

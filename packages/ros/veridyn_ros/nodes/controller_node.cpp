@@ -31,7 +31,7 @@ struct Arm {
     if (!inside) return;
     plant = veridyn::make_engine("veridyn", p.model);
     plant->set_state(q, dq);
-    sensors.show_positions(q);
+    sensors.add_position_errors(q);
   }
   CrtkArm arm;
   veridyn::JointSensors sensors;  // of the arm that is simulated here
@@ -68,7 +68,7 @@ class Controller {
       if (inside_) continue;
       servo_jf_.push_back(space.advertise<sensor_msgs::JointState>("io/servo_jf", 1));
       measured_.push_back(space.subscribe<sensor_msgs::JointState>(
-          "io/measured_js", 1, [&arm](const sensor_msgs::JointState::ConstPtr& m) { hear(arm, *m); },
+          "io/measured_js", 1, [&arm](const sensor_msgs::JointState::ConstPtr& m) { receive(arm, *m); },
           ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
     }
     figures_ = own.advertise<std_msgs::Float64MultiArray>("loop", 1, true);
@@ -84,7 +84,7 @@ class Controller {
     spinner.start();
     while (ros::ok()) {
       for (auto& one : topics_) one->publish();
-      if (++count % static_cast<int>(publish_rate) == 0) tell();
+      if (++count % static_cast<int>(publish_rate) == 0) publish_state();
       const double from = steady_now();
       while (ros::ok() && steady_now() - from < 1.0 / publish_rate)  // a wall clock may jump
         std::this_thread::sleep_for(std::chrono::microseconds(500));
@@ -104,7 +104,7 @@ class Controller {
     return plant == "inside";
   }
 
-  static void hear(Arm& arm, const sensor_msgs::JointState& m) {
+  static void receive(Arm& arm, const sensor_msgs::JointState& m) {
     const auto n = static_cast<std::size_t>(arm.q.size());
     if (m.position.size() != n || m.velocity.size() != n) return;
     MotorState s;
@@ -112,14 +112,14 @@ class Controller {
     std::copy(m.velocity.begin(), m.velocity.end(), s.dq);
     s.stamp = steady_now();
     s.said = m.header.stamp.toSec();
-    s.powered = !m.effort.empty();  // CRTK leaves out what is not there
+    s.powered = !m.effort.empty();  // CRTK omits missing values
     s.seen = true;
     arm.from_motors.write(s);
   }
 
   // The loop: nothing here allocates, waits or throws.
   void cycles() noexcept {
-    if (priority_ > 0 && !(veridyn::take_real_time_priority(priority_) && veridyn::lock_memory()))
+    if (priority_ > 0 && !(veridyn::set_real_time_priority(priority_) && veridyn::lock_memory()))
       ROS_WARN("the system allows no real-time priority: cycles may come late");
     Cycle cycle(1.0 / rate_);
     LoopFigures f;
@@ -150,14 +150,14 @@ class Controller {
     }
     Command c;
     while (arm.commands.pop(c)) arm.arm.command(c);
-    // A simulated arm lives by the cycles, whenever they come.
+    // A simulated arm advances by one cycle, whatever the clock shows.
     arm.tau = arm.arm.update(arm.q, arm.dq, age, inside_ ? 1.0 / rate_ : dt, inside_ || arm.motors.powered);
     if (inside_) {
       if (arm.arm.state() != OperatingState::kDisabled) {  // else its brakes hold it
         arm.sensors.correct_torques(arm.tau);
         arm.plant->step(arm.tau, 1.0 / rate_);
         arm.q = arm.plant->q();
-        arm.sensors.show_positions(arm.q);
+        arm.sensors.add_position_errors(arm.q);
         arm.dq = arm.plant->dq();
       } else if (arm.dq.squaredNorm() > 0.0) {
         arm.dq.setZero();
@@ -190,7 +190,7 @@ class Controller {
     }
   }
 
-  void tell() {
+  void publish_state() {
     if (!loop_.read(told_)) return;
     const LoopFigures& f = told_;
     std_msgs::Float64MultiArray m;

@@ -1,6 +1,6 @@
 // Arms that hold an object, led over topics: a scenario of `veridyn cooperate` under run_live(), the cooperative controller
 // of the thesis. Commands are those of `--live` as lines on ~command; cmd_vel is the object's velocity, and cmd_force adds to
-// the force wanted in a member, as the thesis's keyboard node does. Each arm tells NAME/measured_js and NAME/tip, each member
+// the force wanted in a member, as the thesis's keyboard node does. Each arm publishes NAME/measured_js and NAME/tip, each member
 // MEMBER/force, so that a bag of it is a recording of every arm. With ~phases true the scenario's own phases come first.
 
 #include <geometry_msgs/PointStamped.h>
@@ -44,8 +44,8 @@ class TopicLines final : public LineSource {
     std::memcpy(line.text, text.c_str(), text.size());
     if (!lines_.push(line)) ROS_WARN_THROTTLE(1.0, "commands come faster than they are taken");
   }
-  /// Before the node runs: lines that come before all others.
-  void begin_with(std::deque<std::string> script) { script_ = std::move(script); }
+  /// Lines that are executed before all others; call it before the node runs.
+  void prepend_script(std::deque<std::string> script) { script_ = std::move(script); }
   bool next(std::string& line) override {
     if (!script_.empty()) {
       line = script_.front();
@@ -108,7 +108,7 @@ class Cooperation {
     }
     for (const ScenarioMember& member : scenario_.members)
       forces_[member.name] = root.advertise<std_msgs::Float64>(member.name + "/force", 10);
-    if (own.param("phases", false)) lines_.begin_with(phases_of(scenario_));
+    if (own.param("phases", false)) lines_.prepend_script(phases_of(scenario_));
     state_ = own.advertise<std_msgs::String>("state", 10);
     warning_ = own.advertise<std_msgs::String>("warning", 10);
     const std::string space = own.param("space", std::string("psm"));
@@ -131,7 +131,7 @@ class Cooperation {
     ros::AsyncSpinner spinner(1);
     spinner.start();
     LiveReport report;
-    report.state = [this](const std::string& line) { tell(line); };
+    report.state = [this](const std::string& line) { publish_state(line); };
     report.refused = [this](const std::string& why) {
       std_msgs::String m;
       m.data = why;
@@ -139,7 +139,7 @@ class Cooperation {
       ROS_WARN("command refused: %s", why.c_str());
     };
     began_ = ros::Time::now().toSec();
-    report.arms = [this](double time, const std::vector<LiveArm>& arms) { tell(time, arms); };
+    report.arms = [this](double time, const std::vector<LiveArm>& arms) { publish_state(time, arms); };
     const LiveRun done = run_live(scenario_, lines_, options, report);
     ROS_INFO("%s", done.report().c_str());
   }
@@ -174,7 +174,7 @@ class Cooperation {
   }
 
   // By the run's own clock, which is even.
-  void tell(double time, const std::vector<LiveArm>& arms) {
+  void publish_state(double time, const std::vector<LiveArm>& arms) {
     for (std::size_t k = 0; k < arms.size(); ++k) {
       sensor_msgs::JointState m;
       m.header.stamp = ros::Time(began_ + time);
@@ -188,7 +188,7 @@ class Cooperation {
   }
 
   // "t=1.200 state="tracks" master=x,y,z spring=5.0" becomes topics.
-  void tell(const std::string& line) {
+  void publish_state(const std::string& line) {
     std_msgs::String whole;
     whole.data = line;
     state_.publish(whole);

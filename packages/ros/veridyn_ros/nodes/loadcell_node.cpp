@@ -1,5 +1,5 @@
 // A load cell: ~source and ~calibration as `veridyn loadcell` has them; NAME/measured_cf along one axis, NAME/state in words.
-// What is not good (no reading, stuck, out of range) is told with a stamp of zero, as CRTK has invalid data.
+// Invalid readings (none, stuck, out of range) have a stamp of zero, as in CRTK.
 
 #include <geometry_msgs/WrenchStamped.h>
 #include <std_msgs/String.h>

@@ -84,7 +84,7 @@ Model links_of(const std::string& urdf, const Model& model) {
 
 }  // namespace
 
-Looks looks_of(const Model& model) {
+Looks appearance_of(const Model& model) {
   UrdfExtras extras;
   extras.appearance = rods(model);
   const std::string urdf = to_urdf(model, extras);

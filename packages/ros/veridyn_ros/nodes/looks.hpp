@@ -13,6 +13,6 @@ struct Looks {
 };
 
 /// @throws veridyn::InvalidInput  as to_urdf().
-Looks looks_of(const veridyn::Model& model);
+Looks appearance_of(const veridyn::Model& model);
 
 }  // namespace veridyn_ros

@@ -9,10 +9,10 @@
 
 namespace veridyn_ros {
 
-/// Positions that came from an arm's motors, and torques on their way to them.
+/// Positions that came from an arm's motors, and torques to be sent to them.
 struct MotorState {
   double q[kMostJoints] = {}, dq[kMostJoints] = {}, tau[kMostJoints] = {};
-  bool powered = true;  ///< torques count
+  bool powered = true;  ///< torques take effect
   double stamp = 0.0;  ///< [s] of the steady clock, when it came
   double said = 0.0;   ///< [s] of ROS' clock, as the message has it
   bool seen = false;
@@ -38,7 +38,7 @@ class Cycle {
   double period_, next_, last_, latest_ = 0.0;
 };
 
-/// How often a time was how long, in steps of 5 %; note() neither allocates nor waits.
+/// Histogram of times in steps of 5 %; note() neither allocates nor waits.
 class Spread {
  public:
   void note(double seconds) noexcept;
@@ -52,7 +52,7 @@ class Spread {
   double worst_ = 0.0;
 };
 
-/// What a loop says of itself.
+/// Timing of a loop.
 struct LoopFigures {
   double cycles = 0.0, mean_period = 0.0, overruns = 0.0;
   Spread late;     ///< [s] after its time that a cycle began

@@ -6,7 +6,7 @@
 
 namespace veridyn_ros {
 
-void hear_torques(const std::string& arm, int joints, const sensor_msgs::JointState& message,
+void receive_torques(const std::string& arm, int joints, const sensor_msgs::JointState& message,
                   Snapshot<MotorTorque>& to_loop) {
   if (message.effort.size() != static_cast<std::size_t>(joints)) {
     ROS_WARN_THROTTLE(1.0, "%s/io/servo_jf: found %zu efforts, expected %d", arm.c_str(),

@@ -11,7 +11,7 @@ namespace veridyn_ros {
 
 /// Hands the efforts of NAME/io/servo_jf to the loop; a message with another number of efforts than
 /// the arm has joints, or with one that is not finite, is left out with a warning.
-void hear_torques(const std::string& arm, int joints, const sensor_msgs::JointState& message,
+void receive_torques(const std::string& arm, int joints, const sensor_msgs::JointState& message,
                   Snapshot<MotorTorque>& to_loop);
 
 }  // namespace veridyn_ros

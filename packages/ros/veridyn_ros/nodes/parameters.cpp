@@ -27,7 +27,7 @@ VectorXd middle(const Model& arm) {
   return q;
 }
 
-// Says once that the master is gone: what is connected goes on, nothing new can connect.
+// Reports once that the master is gone: existing connections continue, new ones fail.
 void watch_master(const std::string& name) {
   constexpr int kPause = 20;  // tenths of a second
   bool there = true;
@@ -73,7 +73,7 @@ std::vector<ArmParameters> read_arms(const ros::NodeHandle& own) {
 
 int run_node(int argc, char** argv, const std::string& name, void (*run)(ros::NodeHandle& own)) {
   ros::init(argc, argv, name);
-  // Without a master the client library would try for ever, and say so ten times a second.
+  // Without a master the client library would retry for ever, with ten messages a second.
   if (!ros::master::check()) {
     std::fprintf(stderr, "%s: found no master at %s; start roscore or roslaunch\n", name.c_str(),
                  ros::master::getURI().c_str());

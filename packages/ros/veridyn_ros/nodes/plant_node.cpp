@@ -1,6 +1,6 @@
 // Simulated arms behind topics, as boards would be: NAME/io/measured_js at the loop's rate,
 // NAME/io/servo_jf. Without torques for some milliseconds brakes hold an arm. With ~clock true it
-// publishes /clock, which is what other nodes then live by (/use_sim_time).
+// publishes /clock, which other nodes then use as their clock (/use_sim_time).
 
 #include <rosgraph_msgs/Clock.h>
 #include <sensor_msgs/JointState.h>
@@ -56,7 +56,7 @@ void step(Arm& arm, double dt, double patience) {
   if (status != veridyn::StepStatus::kOk)
     ROS_ERROR_THROTTLE(1.0, "%s: an arm %s", arm.name.c_str(), veridyn::describe(status));
   arm.q = arm.plant->q();
-  arm.sensors->show_positions(arm.q);
+  arm.sensors->add_position_errors(arm.q);
   arm.dq = arm.plant->dq();
 }
 
@@ -77,13 +77,13 @@ void run(ros::NodeHandle& own) {
     arm.dq = arm.tau = VectorXd::Zero(p.start.size());
     arm.plant->set_state(arm.q, arm.dq);
     arm.sensors.emplace(p.model);
-    arm.sensors->show_positions(arm.q);
+    arm.sensors->add_position_errors(arm.q);
     for (const veridyn::Coordinate& c : p.model.coordinates()) arm.message.name.push_back(c.name);
     ros::NodeHandle space(root, p.name);
     arm.measured_js = space.advertise<sensor_msgs::JointState>("io/measured_js", 1);
     arm.servo_jf = space.subscribe<sensor_msgs::JointState>(
         "io/servo_jf", 1, [&arm](const sensor_msgs::JointState::ConstPtr& m) {
-          hear_torques(arm.name, static_cast<int>(arm.q.size()), *m, arm.asked);
+          receive_torques(arm.name, static_cast<int>(arm.q.size()), *m, arm.asked);
         },
         ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
   }

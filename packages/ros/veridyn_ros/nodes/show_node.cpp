@@ -1,5 +1,5 @@
-// What RViz needs: NAME/robot_description (URDF with rods for links), transforms of all its links, and ~markers: forces at the
-// tips, the way they came, members between them. Arms are those of ~arms, or of ~scenario, which is what veridyn_cooperate runs.
+// Input of RViz: NAME/robot_description (URDF with rods for links), transforms of all its links, and ~markers: forces at the
+// tips, their paths, members between them. Arms are those of ~arms, or of ~scenario, which is what veridyn_cooperate runs.
 //
 // A force at a tip is NAME/measured_cf, which knows an arm's base; a member's is MEMBER/force, pulling positive.
 
@@ -129,7 +129,7 @@ class Show {
   }
 
   void add(const std::string& name, const Model& model, const std::string& tip, const VectorXd& start) {
-    const Looks looks = looks_of(model);
+    const Looks looks = appearance_of(model);
     root_.setParam(name + "/robot_description", looks.urdf);
     Arm& arm = arms_.emplace_back(name, looks.links);
     const std::string frame = !tip.empty() ? tip : model.find_frame("tool") >= 0 ? "tool" : model.frames().back().name;
@@ -196,7 +196,7 @@ class Show {
     for (const Member& member : members_) {
       const Vector3d a = arms_[member.from].tip_in_world(), b = arms_[member.to].tip_in_world();
       const Vector3d along = (b - a).norm() > 0.0 ? Vector3d((b - a).normalized()) : Vector3d::Zero();
-      pull[member.from] -= member.force * along;  // what the tip does to the object
+      pull[member.from] -= member.force * along;  // force of the tip on the object
       pull[member.to] += member.force * along;
       Marker line = marker(member.name, 0, Marker::LINE_STRIP, 0.95F, 0.75F, 0.1F);
       line.points = coil(a, b);

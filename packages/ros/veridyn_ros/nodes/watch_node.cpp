@@ -28,12 +28,12 @@ struct Arm {
       strength.publish(m);
     });
     measured = space.subscribe<sensor_msgs::JointState>(
-        "measured_js", 1000, [this](const sensor_msgs::JointState::ConstPtr& m) { hear(*m); },
+        "measured_js", 1000, [this](const sensor_msgs::JointState::ConstPtr& m) { receive(*m); },
         ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
   }
 
-  // Stamps of zero are what CRTK says of data that are not valid.
-  void hear(const sensor_msgs::JointState& m) {
+  // In CRTK a stamp of zero marks invalid data.
+  void receive(const sensor_msgs::JointState& m) {
     const auto n = static_cast<std::size_t>(model.joints());
     if (m.header.stamp.isZero()) return;
     if (m.position.size() != n || m.effort.size() != n) {

@@ -31,7 +31,7 @@ function powerOfTen(value, digits) {
   return [withMinus(mantissa) + '\u202f\u00d7\u202f10', element('sup', {}, withMinus(String(Number(exponent))))];
 }
 
-// As many digits as tell something, never an exponent where plain digits are shorter.
+// As many digits as are significant, never an exponent where plain digits are shorter.
 function significant(value, digits) {
   const size = Math.abs(value);
   if (size !== 0 && (size < 1e-4 || size >= 1e6)) return powerOfTen(value, digits - 1);

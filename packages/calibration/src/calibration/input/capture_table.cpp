@@ -33,7 +33,7 @@ class Reader {
     std::string_view line;
     for (bool first = true; lines_.next(&line); first = false) {
       const std::vector<std::string> fields = csv_fields(line, header_.separator);
-      if (first && header_.padded && takes_names(fields)) continue;
+      if (first && header_.padded && reads_column_names(fields)) continue;
       row(fields);
     }
     return table();
@@ -45,7 +45,7 @@ class Reader {
   }
 
   // Track Manager may write a row of column names, with frame and time before the markers.
-  bool takes_names(const std::vector<std::string>& fields) {
+  bool reads_column_names(const std::vector<std::string>& fields) {
     if (fields[0] != "Frame") return false;
     std::vector<CaptureColumn> before(1);
     if (fields.size() > 1 && fields[1] == "Time") before.push_back(capture_column("t"));
@@ -130,7 +130,7 @@ class Reader {
     if (is_long_) name = body + (body.empty() || name.empty() ? "" : "/") + name;
     require(!is_long_ || !name.empty(), path_, ":", lines_.number(),
             ": found no name, expected the marker or body of the row.");
-    components(fields, std::min(filled, count), is_long_ ? slashed(name) : "");
+    read_components(fields, std::min(filled, count), is_long_ ? slashed(name) : "");
   }
 
   bool has(Kind kind) const {
@@ -147,7 +147,7 @@ class Reader {
     return static_cast<double>(times_.size()) / (rate > 0.0 ? rate : 1.0);
   }
 
-  void components(const std::vector<std::string>& fields, std::size_t count,
+  void read_components(const std::vector<std::string>& fields, std::size_t count,
                   const std::string& of_row) {
     for (std::size_t k = 0; k < count; ++k) {
       const CaptureColumn& c = header_.columns[k];

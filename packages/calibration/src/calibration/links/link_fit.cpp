@@ -35,7 +35,7 @@ void turn_into_error(const Rows& e, const Isometry3d& measured, MatrixXd& J) {
   J.topRows<3>() = (L * J.topRows<3>()).eval();
 }
 
-VectorXd full(const VectorRef& x, const std::vector<int>& active, const double* values) {
+VectorXd full_vector(const VectorRef& x, const std::vector<int>& active, const double* values) {
   VectorXd out = x;
   for (std::size_t k = 0; k < active.size(); ++k) out[active[k]] = values[k];
   return out;
@@ -57,7 +57,7 @@ VectorXd fitted_links(LinkChain& chain, const LinkData& data, const std::vector<
   for (const int row : data.rows) {
     if (data.is_outlier[row] != 0) continue;
     const Residual residual = [&, row](const double* const* v, double* r, double* const* J) {
-      const VectorXd now = full(start, active, v[0]);
+      const VectorXd now = full_vector(start, active, v[0]);
       if (now != chain.x()) chain.set(now);
       const Isometry3d& measured = data.poses->poses[row];
       const bool wanted = J != nullptr && J[0] != nullptr;
@@ -79,7 +79,7 @@ VectorXd fitted_links(LinkChain& chain, const LinkData& data, const std::vector<
     problem.add({{block}, size, residual, huber, true});
   }
   problem.minimise(1, 40);
-  return full(start, active, problem.value(block).data());
+  return full_vector(start, active, problem.value(block).data());
 }
 
 VectorXd robustly_fitted_links(LinkChain& chain, LinkData& data, const std::vector<int>& active,

@@ -15,7 +15,7 @@ namespace {
 constexpr double kDependent = 1e-9;  // squared remainder of a column, relative to its square
 
 // Bound of a parameter's uncertainty (two standard deviations) for which fitting it is useful.
-double loose(const LinkParameter& p) {
+double uncertainty_bound(const LinkParameter& p) {
   return p.unit == "m" ? links_numbers.loose_length : p.unit == "rad" ? links_numbers.loose_angle : links_numbers.loose_ratio;
 }
 
@@ -38,7 +38,7 @@ MatrixXd inverse_of(const MatrixXd& N, const std::vector<int>& active) {
 }
 
 // The independent parameters that a dependent one combines.
-std::string made_of(const LinkParameters& parameters, const BaseParameters& base, int column) {
+std::string combined_parameters(const LinkParameters& parameters, const BaseParameters& base, int column) {
   std::string names;
   int count = 0;
   for (int i = 0; i < base.size(); ++i) {
@@ -57,14 +57,14 @@ struct Loosest {
   double share = 0.0;
 };
 
-Loosest loosest(const LinkParameters& parameters, const LinkNormal& normal,
+Loosest most_uncertain(const LinkParameters& parameters, const LinkNormal& normal,
                 const std::vector<int>& active) {
   const VectorXd s = deviations(normal, active);
   Loosest out;
   for (std::size_t k = 0; k < active.size(); ++k) {
     const LinkParameter& p = parameters.all()[active[k]];
     if (p.kind == LinkParameter::Kind::kBase || p.kind == LinkParameter::Kind::kTool) continue;
-    const double share = 2.0 * s[static_cast<Eigen::Index>(k)] / loose(p);
+    const double share = 2.0 * s[static_cast<Eigen::Index>(k)] / uncertainty_bound(p);
     if (share > out.share) out = {static_cast<int>(k), share};
   }
   return out;
@@ -72,11 +72,11 @@ Loosest loosest(const LinkParameters& parameters, const LinkNormal& normal,
 
 // Removes parameters whose uncertainty is too large, worst first. A parameter that was dependent on
 // them can then be well determined: an encoder zero beside two lengths that hardly differ in their
-// effect. Such ones come in, or what only they explain would be nobody's.
-void leave_out_loose_ones(const LinkParameters& parameters, const LinkNormal& normal, LinkChoice& out) {
+// effect. Such parameters are added, or their part of the errors would stay unexplained.
+void drop_uncertain(const LinkParameters& parameters, const LinkNormal& normal, LinkChoice& out) {
   std::vector<int> removed;
   for (;;) {
-    const Loosest worst = loosest(parameters, normal, out.independent);
+    const Loosest worst = most_uncertain(parameters, normal, out.independent);
     if (worst.share < 1.0) break;
     const int p = out.independent[worst.at];
     out.why[p] = "hardly moves the tracked frame in these poses";
@@ -89,10 +89,10 @@ void leave_out_loose_ones(const LinkParameters& parameters, const LinkNormal& no
         std::find(removed.begin(), removed.end(), k) != removed.end())
       continue;
     const double deviation = gains(normal, out.independent)[k].deviation;
-    if (deviation <= 0.0 || 2.0 * deviation > loose(parameters.all()[k])) continue;
+    if (deviation <= 0.0 || 2.0 * deviation > uncertainty_bound(parameters.all()[k])) continue;
     std::vector<int> with = out.independent;
     with.insert(std::upper_bound(with.begin(), with.end(), k), k);
-    if (loosest(parameters, normal, with).share >= 1.0) continue;
+    if (most_uncertain(parameters, normal, with).share >= 1.0) continue;
     out.independent = with;
     out.why[k].clear();
   }
@@ -131,9 +131,9 @@ LinkChoice identifiable_links(const LinkParameters& parameters, const LinkNormal
     out.why[k] =
         scale[k] <= 1e-12 * scale.maxCoeff()
             ? "does not move the tracked frame in these poses"
-            : "cannot be told from " + made_of(parameters, base, k);
+            : "cannot be told from " + combined_parameters(parameters, base, k);
   }
-  if (leave_out_loose) leave_out_loose_ones(parameters, normal, out);
+  if (leave_out_loose) drop_uncertain(parameters, normal, out);
   return out;
 }
 

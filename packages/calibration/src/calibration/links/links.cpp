@@ -88,7 +88,7 @@ Attachment attach(const Model& arm, int frame, const PoseCapture& poses, bool ba
   return a;
 }
 
-bool near_file(const Model& arm, int frame, const PoseCapture& poses) {
+bool is_near_file(const Model& arm, int frame, const PoseCapture& poses) {
   const LinkParameters none(arm, frame, false, false, true);
   LinkChain chain(none, Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity());
   LinkData data;
@@ -115,7 +115,7 @@ Attachment chosen_attachment(const Model& arm, int frame, const PoseCapture& pos
   };
   if (!open) return with(false);
   Attachment free = with(true);
-  if (!near_file(arm, frame, poses)) return free;
+  if (!is_near_file(arm, frame, poses)) return free;
   Attachment known = with(false);
   const bool as_good =
       known.data.noise.position <= links_numbers.as_good * free.data.noise.position + kNoise &&
@@ -207,7 +207,7 @@ int best_gain(Attachment& a, const std::vector<int>& active, const std::vector<L
 }
 
 // Drops constants that a later one made superfluous.
-void drop_superfluous(Attachment& a, Explanation& e, double correlation) {
+void drop_redundant(Attachment& a, Explanation& e, double correlation) {
   for (std::size_t k = 0; k < e.named.size() && e.named.size() > 1;) {
     const std::vector<int> active = joined(a.attached, e.named);
     const VectorXd s = deviations(link_normal(*a.chain, a.data, e.x), active);
@@ -248,12 +248,12 @@ Explanation explain(Attachment& a, const LinksOptions& options, double correlati
     e.named.push_back(next);
     e.rivals.push_back(rivals);
   }
-  if (e.complete) drop_superfluous(a, e, correlation);
+  if (e.complete) drop_redundant(a, e, correlation);
   return e;
 }
 
 // Contiguous segments, every fourth held out.
-std::vector<int> part(int frames, bool held_out) {
+std::vector<int> segment_frames(int frames, bool held_out) {
   const int length = std::max(1, frames / kHeldOutBlocks);
   std::vector<int> out;
   for (int k = 0; k < frames; ++k) {
@@ -262,12 +262,12 @@ std::vector<int> part(int frames, bool held_out) {
   return out;
 }
 
-void hold_out(Attachment& a, const std::vector<int>& active, const VectorXd& x,
+void evaluate_held_out(Attachment& a, const std::vector<int>& active, const VectorXd& x,
               LinksCalibration& out) {
   LinkData train = a.data;
-  train.rows = part(out.frames, false);
+  train.rows = segment_frames(out.frames, false);
   LinkData test = a.data;
-  test.rows = part(out.frames, true);
+  test.rows = segment_frames(out.frames, true);
   const VectorXd learned = fitted_links(*a.chain, train, active, x, 0.0);
   const LinkErrors errors = link_errors(*a.chain, test, learned);
   out.held_out_rms = rms_of(errors.position, test, false);
@@ -355,7 +355,7 @@ std::string beyond_limits(const Model& arm, const PoseCapture& poses) {
 }
 
 // Reason why the fit is none: the poses are not those of this frame at these joint positions.
-std::string no_fit(const Model& arm, const Attachment& a, const std::string& frame, const LinkErrors& errors) {
+std::string wrong_frame_reason(const Model& arm, const Attachment& a, const std::string& frame, const LinkErrors& errors) {
   const auto outliers = static_cast<int>(std::count(a.data.is_outlier.begin(), a.data.is_outlier.end(), 1));
   const double angle = a.data.poses->has_orientation ? rms_of(errors.angle, a.data, false) : 0.0;
   const std::string why =
@@ -365,7 +365,7 @@ std::string no_fit(const Model& arm, const Attachment& a, const std::string& fra
          beyond_limits(arm, *a.data.poses);
 }
 
-std::string why_not(const Model& arm, const PoseCapture& poses, int fewest) {
+std::string unidentifiable_reason(const Model& arm, const PoseCapture& poses, int fewest) {
   if (!poses.fault.empty()) return poses.fault;
   if (poses.frames() < fewest)
     return fmt::format("too few frames: {} with a pose and all joints, and {} or more are needed",
@@ -395,13 +395,13 @@ LinksCalibration calibrate_links(const Model& arm, const PoseCapture& poses, con
   out.source = poses.source;
   out.frame = arm.frames()[frame].name;
   out.frames = poses.frames();
-  out.reason = why_not(arm, poses, links_numbers.fewest_frames);
+  out.reason = unidentifiable_reason(arm, poses, links_numbers.fewest_frames);
   if (!out.reason.empty()) return out;
   Attachment a = chosen_attachment(arm, frame, poses, options);
   out.base_free = a.base_free;
   out.tool_free = a.tool_free;
   out.rank_gap = a.choice.rank_gap;
-  out.reason = no_fit(arm, a, out.frame, link_errors(*a.chain, a.data, a.x));
+  out.reason = wrong_frame_reason(arm, a, out.frame, link_errors(*a.chain, a.data, a.x));
   if (!out.reason.empty()) return out;
   if (a.choice.independent.size() <= a.attached.size()) {
     out.reason = "no constant of the robot can be told from these poses: motion of more joints is "
@@ -422,7 +422,7 @@ LinksCalibration calibrate_links(const Model& arm, const PoseCapture& poses, con
   const std::vector<int> active =
       e.complete ? joined(a.attached, e.named) : joined({}, a.choice.independent);
   const VectorXd x = e.complete ? e.x : a.x;
-  hold_out(a, active, x, out);
+  evaluate_held_out(a, active, x, out);
   list_constants(a, e, active, x, out);
   if (e.complete) out.named = e.named;
   const LinkErrors errors = link_errors(*a.chain, a.data, x);

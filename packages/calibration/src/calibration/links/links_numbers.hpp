@@ -13,7 +13,7 @@ struct LinksNumbers {
   /// |error of an encoder's zero| < homed_angle [rad], homed_position [m]: it comes before constants that explain the poses
   /// as well. An arm that was homed by its marks has no larger one, and a constant of the file is the likelier cause.
   double homed_angle = 0.03490658503988659, homed_position = 0.005;
-  /// gain >= rival * the best gain: poses cannot tell the two constants apart.
+  /// gain >= rival * the best gain: poses cannot separate the two constants.
   double rival = 0.98;
   /// |change| > significant standard deviations: a named constant keeps its name, and base or tool is not the file's.
   double significant = 5.0;

@@ -15,7 +15,7 @@ std::string title(const LinkConstant& c) {
 }
 
 // A value in mm, deg or as a plain number.
-std::string shown(double value, const std::string& unit) {
+std::string value_text(double value, const std::string& unit) {
   if (!std::isfinite(value)) return "open";
   if (unit == "m") return fmt::format("{:.3f} mm", 1e3 * value);
   if (unit == "rad") return fmt::format("{:.4f} deg", kDegrees * value);
@@ -33,8 +33,8 @@ std::string verdict(const LinksCalibration& r) {
   for (const int k : r.named) {
     const LinkConstant& c = r.constants[k];
     text += fmt::format("  {} is {} there; the poses ask for {} ({} to {}).{}\n", title(c),
-                        shown(c.file, c.unit), shown(c.found, c.unit), shown(c.low, c.unit),
-                        shown(c.high, c.unit), c.why.empty() ? "" : " It " + c.why + ".");
+                        value_text(c.file, c.unit), value_text(c.found, c.unit), value_text(c.low, c.unit),
+                        value_text(c.high, c.unit), c.why.empty() ? "" : " It " + c.why + ".");
   }
   return text;
 }
@@ -55,10 +55,10 @@ std::string LinksCalibration::report() const {
   text += fmt::format("  {:<28}{:>16}{:>16}  {}\n", "constant", "file", "found", "95 %");
   for (const LinkConstant& c : constants) {
     const std::string range = c.identifiable || c.changed
-                                  ? shown(c.low, c.unit) + " to " + shown(c.high, c.unit)
+                                  ? value_text(c.low, c.unit) + " to " + value_text(c.high, c.unit)
                                   : c.why;
     text += fmt::format("{} {:<28}{:>16}{:>16}  {}\n", c.changed ? '*' : ' ', title(c),
-                        shown(c.file, c.unit), shown(c.found, c.unit), range);
+                        value_text(c.file, c.unit), value_text(c.found, c.unit), range);
   }
   return text;
 }
@@ -73,12 +73,12 @@ std::string compare_wrong_constant(const LinksCalibration& links, const std::str
     return fmt::format("Torques ask for {}; the poses are of frame {}, which it does not move.",
                        what, links.frame);
   const std::string torques =
-      fmt::format("Torques ask for {} = {} ({} to {}); ", what, shown(found, same->unit),
-                  shown(low, same->unit), shown(high, same->unit));
+      fmt::format("Torques ask for {} = {} ({} to {}); ", what, value_text(found, same->unit),
+                  value_text(low, same->unit), value_text(high, same->unit));
   if (!same->identifiable && !same->changed)
     return torques + fmt::format("poses cannot tell: it {}.", same->why);
-  const std::string poses = fmt::format("poses for {} ({} to {}): ", shown(same->found, same->unit),
-                                        shown(same->low, same->unit), shown(same->high, same->unit));
+  const std::string poses = fmt::format("poses for {} ({} to {}): ", value_text(same->found, same->unit),
+                                        value_text(same->low, same->unit), value_text(same->high, same->unit));
   if (!same->changed) {
     const bool apart = same->high < low || same->low > high;
     return torques + poses +

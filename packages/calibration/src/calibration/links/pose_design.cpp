@@ -94,7 +94,7 @@ class Exchange {
 };
 
 // Orders the poses by nearest neighbour, in seconds at full speed.
-void order(const MotionLimits& limits, double rest, MatrixXd q, PoseDesign& out) {
+void order_poses(const MotionLimits& limits, double rest, MatrixXd q, PoseDesign& out) {
   const auto seconds = [&](const VectorXd& a, const VectorXd& b) {
     return ((a - b).cwiseAbs().array() / limits.velocity.array()).maxCoeff();
   };
@@ -193,7 +193,7 @@ PoseDesign design_poses(const Model& arm, const PoseDesignOptions& options) {
         parameters.all()[choice.independent[c]];
     out.predictions.push_back({p.frame.empty() ? p.name : p.name + " of " + p.frame, p.unit, s[c]});
   }
-  order(limits, options.rest, poses, out);
+  order_poses(limits, options.rest, poses, out);
   out.status = CalibrationStatus::kDone;
   return out;
 }

@@ -26,7 +26,7 @@ ExitStatus finish_calibration(bool done, const std::string& reason, const std::s
                               const CommonOptions& common, const std::string& json,
                               const std::string& page) {
   if (!done) {
-    say(reason + ".");
+    print_message(reason + ".");
     return kDataCannotAnswer;
   }
   if (!common.json.empty()) write_file(common.json, json);

@@ -69,7 +69,7 @@ ExitStatus run(const ExciteExtension::Request& call, const PosesRequest& request
   const PoseDesign design =
       while_busy(common, "choosing poses", [&] { return design_poses(arm, options); });
   if (design.status != CalibrationStatus::kDone) {
-    say(design.reason + ".");
+    print_message(design.reason + ".");
     return kDataCannotAnswer;
   }
   write_file(call.output, csv(design));

@@ -10,18 +10,18 @@ namespace {
 
 constexpr double kDegrees = 180.0 / M_PI;
 
-Json ends(double value, double half) {
+Json interval_json(double value, double half) {
   return Json::array({value - half, value + half});
 }
 
 // Interval of a magnitude, which is not negative.
-Json ends_of_size(double value, double half) {
+Json size_interval_json(double value, double half) {
   return Json::array({std::max(0.0, value - half), value + half});
 }
 
-Json ends(const Eigen::Vector3d& value, const Eigen::Vector3d& half) {
+Json interval_json(const Eigen::Vector3d& value, const Eigen::Vector3d& half) {
   Json out = Json::array();
-  for (int c = 0; c < 3; ++c) out.push_back(ends(value[c], half[c]));
+  for (int c = 0; c < 3; ++c) out.push_back(interval_json(value[c], half[c]));
   return out;
 }
 
@@ -62,11 +62,11 @@ Json link_json(const CalibratedLink& l) {
           {"distance", l.distance},
           {"plane_parallel_distance", l.plane_parallel_distance},
           {"twist_deg", kDegrees * l.twist},
-          {"interval", ends_of_size(l.distance, l.distance_half_width)},
+          {"interval", size_interval_json(l.distance, l.distance_half_width)},
           {"plane_parallel_interval",
-           ends_of_size(l.plane_parallel_distance, l.plane_half_width)},
+           size_interval_json(l.plane_parallel_distance, l.plane_half_width)},
           {"twist_interval_deg",
-           ends_of_size(kDegrees * l.twist, kDegrees * l.twist_half_width)}};
+           size_interval_json(kDegrees * l.twist, kDegrees * l.twist_half_width)}};
 }
 
 }  // namespace
@@ -94,7 +94,7 @@ std::string to_json(const AxesCalibration& r) {
                              {"fault", b.fault}});
   }
   out["cannot_tell"] = r.cannot_tell;
-  return written(out);
+  return json_text(out);
 }
 
 std::string to_json(const RemoteCenter& r) {
@@ -105,13 +105,13 @@ std::string to_json(const RemoteCenter& r) {
   out["outliers"] = r.outliers;
   out["swing_deg"] = json_list(r.swing);
   out["condition_number"] = r.condition;
-  if (r.status != CalibrationStatus::kDone) return written(out);
+  if (r.status != CalibrationStatus::kDone) return json_text(out);
   out["rcm"] = json_list(r.rcm);
   out["tip"] = json_list(r.tip);
   out["rms"] = json_list(r.rms);
-  out["interval"] = {{"rcm", ends(r.rcm, r.rcm_half_width)},
-                     {"tip", ends(r.tip, r.tip_half_width)},
-                     {"rms", ends(r.rms, r.rms_half_width)}};
+  out["interval"] = {{"rcm", interval_json(r.rcm, r.rcm_half_width)},
+                     {"tip", interval_json(r.tip, r.tip_half_width)},
+                     {"rms", interval_json(r.rms, r.rms_half_width)}};
   out["rcm_interval"] = json_list(r.rcm_half_width);
   out["tip_interval"] = json_list(r.tip_half_width);
   out["rms_interval"] = json_list(r.rms_half_width);
@@ -119,7 +119,7 @@ std::string to_json(const RemoteCenter& r) {
   out["rms_all"] = json_list(r.rms_all);
   out["noise"] = {{"position", r.position_noise}, {"orientation_deg", kDegrees * r.orientation_noise}};
   out["frames_per_independent_frame"] = r.correlation;
-  return written(out);
+  return json_text(out);
 }
 
 std::string to_json(const LinksCalibration& r, const std::string& model_file,
@@ -130,7 +130,7 @@ std::string to_json(const LinksCalibration& r, const std::string& model_file,
   out["frame"] = r.frame;
   out["frames"] = r.frames;
   out["outliers"] = r.outliers;
-  if (r.status != CalibrationStatus::kDone) return written(out);
+  if (r.status != CalibrationStatus::kDone) return json_text(out);
   out["base_free"] = r.base_free;
   out["tool_free"] = r.tool_free;
   out["base"] = pose_json(r.base, 0.0, 0.0);
@@ -173,7 +173,7 @@ std::string to_json(const LinksCalibration& r, const std::string& model_file,
   if (!comparison.empty()) out["comparison"] = comparison;
   out["model"] = model_file.empty() ? Json() : Json(model_file);
   out["seconds"] = r.seconds;
-  return written(out);
+  return json_text(out);
 }
 
 std::string to_json(const HandEye& r) {
@@ -188,7 +188,7 @@ std::string to_json(const HandEye& r) {
                             {"noise_deg", f.reason.empty() ? Json(kDegrees * f.rms_angle) : Json()},
                             {"reason", f.reason}});
   }
-  if (r.status != CalibrationStatus::kDone) return written(out);
+  if (r.status != CalibrationStatus::kDone) return json_text(out);
   out["form"] = name_of(r.form);
   out["transform"] = pose_json(r.transform, r.radius, r.radius_angle);
   if (r.other) {
@@ -197,7 +197,7 @@ std::string to_json(const HandEye& r) {
   }
   out["rms"] = r.rms;
   out["rms_deg"] = kDegrees * r.rms_angle;
-  return written(out);
+  return json_text(out);
 }
 
 std::string to_json(const PoseDesign& design) {
@@ -213,7 +213,7 @@ std::string to_json(const PoseDesign& design) {
   out["predictions"] = Json::array();
   for (const PoseDesign::Prediction& p : design.predictions)
     out["predictions"].push_back({{"name", p.name}, {"unit", p.unit}, {"std", p.deviation}});
-  return written(out);
+  return json_text(out);
 }
 
 }  // namespace veridyn

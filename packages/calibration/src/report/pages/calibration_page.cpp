@@ -133,7 +133,7 @@ std::string to_page(const LinksCalibration& r, const std::string& command,
   if (r.model && r.joints.rows() > 1) {
     series["arms"].push_back(arm_json(*r.model, r.base));
     Json q = Json::array();
-    for (Eigen::Index i = 0; i < r.joints.cols(); ++i) q.push_back(packed(r.joints.col(i)));
+    for (Eigen::Index i = 0; i < r.joints.cols(); ++i) q.push_back(packed_values(r.joints.col(i)));
     const VectorXd poses = VectorXd::LinSpaced(r.joints.rows(), 0.0, static_cast<double>(r.joints.rows() - 1));
     series["recordings"].push_back({{"time", times(poses)}, {"q", q}});
   }

@@ -54,13 +54,13 @@ class LoadCellDecoder {
   explicit LoadCellDecoder(LoadCellFormat format) : format_(format) {}
 
   /// Takes one byte. @returns true if it completes a reading, which raw() then returns.
-  bool take(std::uint8_t byte) noexcept;
+  bool add_byte(std::uint8_t byte) noexcept;
   double raw() const { return raw_; }
-  long refused() const { return refused_; }  ///< lines or frames that were no readings
+  long rejected_readings() const { return refused_; }  ///< lines or frames that were no readings
 
  private:
-  bool take_text(std::uint8_t byte) noexcept;
-  bool take_binary(std::uint8_t byte) noexcept;
+  bool decode_text(std::uint8_t byte) noexcept;
+  bool decode_binary(std::uint8_t byte) noexcept;
 
   LoadCellFormat format_;
   std::array<char, 96> line_{};
@@ -83,9 +83,9 @@ class ForceSource {
   virtual int poll() noexcept = 0;
   virtual double raw() const noexcept = 0;
   /// [s] between the arrival of the latest reading and its poll(), as far as the system knows.
-  virtual double lay() const noexcept { return 0.0; }
+  virtual double queue_delay() const noexcept { return 0.0; }
   virtual bool connected() const noexcept { return true; }
-  virtual long refused() const noexcept { return 0; }
+  virtual long rejected_readings() const noexcept { return 0; }
 };
 
 /// Opens "serial:/dev/ttyUSB0[:115200][:text|binary]" or "udp:[ADDRESS:]PORT[:text|binary]", which
@@ -135,16 +135,16 @@ class ForceChannel {
   /// [s] delay of filter and line together at low frequency, for stability analyses.
   double delay() const;
   double unfiltered() const { return force_; }  ///< [N] of the latest reading
-  double believed() const { return last_raw_; }  ///< raw value of the latest accepted reading
+  double last_accepted() const { return last_raw_; }  ///< raw value of the latest accepted reading
   /// Readings discarded because of their range.
   long beyond_range() const { return beyond_range_; }
   long jumps() const { return jumps_; }                ///< readings discarded because of their step
   const ForceSource& source() const { return *source_; }
 
  private:
-  void take(int fresh, double at) noexcept;
-  bool is_believed(double force) noexcept;
-  void count(long good, long bad) noexcept;
+  void accept_readings(int fresh, double at) noexcept;
+  bool is_accepted(double force) noexcept;
+  void count_readings(long good, long bad) noexcept;
 
   std::unique_ptr<ForceSource> source_;
   ForceChannelOptions options_;

@@ -47,7 +47,7 @@ class LineSource {
   /// True if a whole line has arrived; `line` is set to it.
   virtual bool next(std::string& line) = 0;
   virtual bool closed() const = 0;
-  /// True if nobody can speak in between, as in a file: every line has its turn then, a stop as well.
+  /// True for a file, to which nothing is added meanwhile: all lines, stops included, are executed in order.
   virtual bool is_script() const { return false; }
 };
 

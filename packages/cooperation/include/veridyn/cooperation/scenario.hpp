@@ -18,7 +18,7 @@ enum class ArmControl { kPosition, kImpedance };
 /// One arm of a scenario.
 struct ScenarioArm {
   std::string name;
-  std::string model;  ///< robot file or MODEL, see read_model(); without values: plausible ones
+  std::string model;  ///< robot file or identified model, see read_model(); without values: plausible ones
   unsigned seed = 1;  ///< Seed of plausible values
   Eigen::Vector3d position{0.0, 0.0, 0.0};  ///< [m] of the base in the world
   Eigen::Vector3d turn{0.0, 0.0, 0.0};      ///< [rad]: R_world_base = Rz(c) Ry(b) Rx(a)

@@ -20,7 +20,7 @@ struct ArmTrace {
 
 /// One member over time, (rows) each.
 struct MemberTrace {
-  VectorXd wanted;    ///< h_d [N]; 0 while it is let go
+  VectorXd wanted;    ///< h_d [N]; 0 while it is released
   VectorXd force;     ///< true tension [N]
   VectorXd measured;  ///< [N] by the sensor
   VectorXd x_f;       ///< [m]

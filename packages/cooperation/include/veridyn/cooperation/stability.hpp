@@ -189,7 +189,7 @@ struct StabilityStudy {
   std::string report() const;
 };
 
-/// Options for turning a MODEL alone into a scenario: the impedance of its frame against a wall.
+/// Options for turning an identified model alone into a scenario: the impedance of its frame against a wall.
 struct StabilityModelOptions {
   std::string frame;         ///< frame in contact; empty: "tool", or else the last frame
   std::vector<double> pose;  ///< joints; empty: the middle of their ranges
@@ -197,7 +197,7 @@ struct StabilityModelOptions {
 };
 Scenario contact_scenario(const std::string& model, const StabilityModelOptions& options);
 
-/// Reads a scenario file, or a MODEL by contact_scenario(). @throws InvalidInput  it is neither.
+/// Reads a scenario file, or an identified model by contact_scenario(). @throws InvalidInput  it is neither.
 Scenario read_scenario_or_model(const std::string& path, const StabilityModelOptions& options);
 
 }  // namespace veridyn

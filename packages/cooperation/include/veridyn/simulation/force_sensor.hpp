@@ -34,11 +34,11 @@ struct ForceSample {
 /// after the constructor.
 class ForceSensor {
  public:
-  static constexpr double kMostUnderWay = 1e6;  ///< samples that are on their way, which are all kept
+  static constexpr double kMostUnderWay = 1e6;  ///< largest number of samples under delay, which are all kept
 
   /// @param longest_period  [s] between calls.
   /// @throws InvalidInput  a rate that is not above zero, a delay, noise or step below zero, more than
-  ///   kMostUnderWay samples on their way.
+  ///   kMostUnderWay samples under delay.
   explicit ForceSensor(const ForceSensorOptions& options, double longest_period = 0.01);
   ~ForceSensor();
   ForceSensor(ForceSensor&&) noexcept;

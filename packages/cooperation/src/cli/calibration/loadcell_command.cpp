@@ -46,7 +46,7 @@ struct Readings {
   std::vector<double> force, raw;
 };
 
-Readings from_file(const LoadcellRequest& request) {
+Readings read_file(const LoadcellRequest& request) {
   const ColumnFile file =
       read_columns(request.readings, "readings as CSV: mass,raw [kg, counts] or force,raw [N, counts]");
   const bool mass = file.find("mass") >= 0;
@@ -61,11 +61,11 @@ Readings from_file(const LoadcellRequest& request) {
 }
 
 // Reads one weight after the other, with a prompt for each.
-Readings from_source(const LoadcellRequest& request) {
+Readings read_source(const LoadcellRequest& request) {
   const std::unique_ptr<ForceSource> source = open_force_source(request.source);
   Readings out;
   for (const double mass : request.weights) {
-    say(fmt::format("hang {:.6g} kg on the cell and press return", mass));
+    print_message(fmt::format("hang {:.6g} kg on the cell and press return", mass));
     std::string line;
     require(static_cast<bool>(std::getline(std::cin, line)),
             "standard input: ended before all weights were read.");
@@ -113,7 +113,7 @@ ExitStatus calibrate(const LoadcellRequest& request) {
     throw CLI::ValidationError("calibrate", "expected a file of readings, or --source and --weights.");
   expect_value(!live || request.weights.size() >= 2, "--weights", "found ", request.weights.size(),
                ", expected two or more with --source.");
-  const Readings readings = live ? from_source(request) : from_file(request);
+  const Readings readings = live ? read_source(request) : read_file(request);
   const LoadCellCalibration found = [&] {
     try {
       return calibrate_load_cell(readings.force, readings.raw);
@@ -154,14 +154,14 @@ struct ReadingTally {
   std::optional<long> last;
   std::map<ForceState, double> seconds;  // in each state
 
-  void take(double t, double passed, const ForceReading& reading, const ForceChannel& channel) {
+  void add_reading(double t, double passed, const ForceReading& reading, const ForceChannel& channel) {
     if (reading.number > last) {
       lowest = readings == 0 ? reading.force : std::min(lowest, reading.force);
       highest = readings == 0 ? reading.force : std::max(highest, reading.force);
       sum += reading.force;
       ++readings;
       last = reading.number;
-      rows += fmt::format("{:.6f},{:.9g},{:.9g}\n", t, channel.believed(), reading.force);
+      rows += fmt::format("{:.6f},{:.9g},{:.9g}\n", t, channel.last_accepted(), reading.force);
     }
     if (last) worst = std::max(worst, reading.age);
     if (last || channel.state() != ForceState::kWaiting) seconds[channel.state()] += passed;
@@ -182,7 +182,7 @@ void write_tally(const LoadcellRequest& request, const ReadingTally& tally, cons
       {"seconds", request.seconds},
       {"readings", tally.readings},
       {"rate", static_cast<double>(tally.readings) / request.seconds},
-      {"refused", channel.source().refused()},
+      {"refused", channel.source().rejected_readings()},
       {"beyond_range", channel.beyond_range()},
       {"jumps", channel.jumps()},
       {"lowest", known(tally.lowest)},
@@ -202,7 +202,7 @@ ExitStatus read(const LoadcellRequest& request) {
   const double begun = now();
   for (double t = begun, before = begun; t - begun < request.seconds; before = t, t = now()) {
     const ForceReading reading = channel.update(t);
-    tally.take(t - begun, t - before, reading, channel);
+    tally.add_reading(t - begun, t - before, reading, channel);
     std::this_thread::sleep_for(std::chrono::duration<double>(kPollPeriod));
   }
   if (!request.output.empty()) write_file(request.output, tally.rows);
@@ -210,7 +210,7 @@ ExitStatus read(const LoadcellRequest& request) {
                            "jumps; from {:.4g} to {:.4g}, mean {:.5g}; oldest {:.3g} ms.\n",
                            tally.readings, request.seconds,
                            static_cast<double>(tally.readings) / request.seconds,
-                           channel.source().refused(), channel.beyond_range(), channel.jumps(),
+                           channel.source().rejected_readings(), channel.beyond_range(), channel.jumps(),
                            tally.lowest, tally.highest, tally.mean(), 1e3 * tally.worst);
   std::string words = tally.readings == 0 ? describe(channel.state()) : "";
   for (const auto& [state, seconds] : tally.seconds) {
@@ -220,7 +220,7 @@ ExitStatus read(const LoadcellRequest& request) {
   if (!request.common.json.empty())
     write_tally(request, tally, channel, words.empty() ? describe(ForceState::kGood) : words);
   if (words.empty()) return kDone;
-  say(fmt::format("{}: the sensor {}", request.source, words));
+  print_message(fmt::format("{}: the sensor {}", request.source, words));
   return kDataCannotAnswer;
 }
 

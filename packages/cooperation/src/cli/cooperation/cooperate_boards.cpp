@@ -40,7 +40,7 @@ std::string teleoperation_json(const dvrk::TeleoperationRun& run) {
                              {"follower_moved", run.follower_moved[p]},
                              {"force", run.force_follower[p]},
                              {"hand_force", run.force_hand[p]}});
-  return written(out);
+  return json_text(out);
 }
 
 dvrk::CooperatingArm board_arm(const std::string& config) {
@@ -128,7 +128,7 @@ ExitStatus run_teleoperation(const BoardsRequest& request, const std::string& pa
   const dvrk::BoardCooperationOptions options = board_options(request, scenario.scenario, arms);
   catch_signals();
   const dvrk::TeleoperationRun done =
-      dvrk::teleoperate_on_boards(scenario, arms, options, stop_asked());
+      dvrk::teleoperate_on_boards(scenario, arms, options, stop_requested());
   if (!output.empty()) dvrk::write_rows(done, output);
   if (!common.json.empty()) write_file(common.json, teleoperation_json(done));
   std::cout << done.report();
@@ -173,7 +173,7 @@ LiveOptions live_options(const LiveRequest& request) {
 LiveReport live_report() {
   LiveReport tell;
   tell.state = [](const std::string& line) { std::cout << line << std::endl; };
-  tell.refused = [](const std::string& line) { say(line); };
+  tell.refused = [](const std::string& line) { print_message(line); };
   return tell;
 }
 
@@ -187,7 +187,7 @@ ExitStatus run_boards(const BoardsRequest& request, const LiveRequest& live,
                "found ", request.hosts.size(), ", expected one for each of ", scenario.arms.size(),
                " arms, or --emulate.");
   for (const std::string& line : made_up_values(scenario))
-    if (!common.quiet) say(line);
+    if (!common.quiet) print_message(line);
   if (is_teleoperation(path)) {
     expect_value(live.line.empty(), "--live", "found a teleoperation: a hand leads it.");
     return run_teleoperation(request, path, common, output);
@@ -204,7 +204,7 @@ ExitStatus run_boards(const BoardsRequest& request, const LiveRequest& live,
   options.rows = output;
   catch_signals();
   const dvrk::BoardCooperationRun done =
-      dvrk::run_on_boards(scenario, arms, options, stop_asked());
+      dvrk::run_on_boards(scenario, arms, options, stop_requested());
   if (!output.empty()) write_scenario_rows(done.run, output);
   if (!common.json.empty()) write_file(common.json, boards_json(done, scenario));
   if (!common.report.empty())

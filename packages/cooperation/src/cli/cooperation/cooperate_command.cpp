@@ -34,15 +34,15 @@ struct CooperateRequest {
   CommonOptions common;
 };
 
-void tell_made_up(const CooperateRequest& request, const Scenario& scenario) {
+void report_assumed_values(const CooperateRequest& request, const Scenario& scenario) {
   if (request.common.quiet) return;
-  for (const std::string& line : made_up_values(scenario)) say(line);
+  for (const std::string& line : made_up_values(scenario)) print_message(line);
 }
 
 template <typename Result>
 void write(const CooperateRequest& request, const Result& done, const Scenario& scenario,
            const std::string& command) {
-  tell_made_up(request, scenario);  // after the run, so that a refusal has one line
+  report_assumed_values(request, scenario);  // after the run, so that a refusal has one line
   if (!request.common.json.empty()) write_file(request.common.json, to_json(done, scenario));
   if (!request.common.report.empty())
     write_file(request.common.report, to_page(done, scenario, command));
@@ -78,9 +78,9 @@ ScenarioSweepResult run_sweep(const CooperateRequest& request, const Scenario& s
 }
 
 // Runs commands from a line in real time; reports go to standard output as they occur.
-ExitStatus run_by_line(const CooperateRequest& request) {
+ExitStatus run_live_lines(const CooperateRequest& request) {
   const Scenario scenario = read_scenario(request.scenario);
-  tell_made_up(request, scenario);
+  report_assumed_values(request, scenario);
   const std::unique_ptr<LineSource> lines = open_line(request.live);
   LiveOptions options = live_options(request.live);
   options.engine = request.engine;
@@ -107,7 +107,7 @@ ExitStatus run(const CooperateRequest& request, const std::string& command) {
                 {"--report", !live, "no --live beside it"},
                 {"--pace", live && (!on_boards || request.boards.stepped), "--live, and --stepped on boards"},
                 {"--silence", live, "--live"}});
-  if (live && !on_boards) return run_by_line(request);
+  if (live && !on_boards) return run_live_lines(request);
   require_writable(request.output, request.common.json, request.common.report);
   const Scenario scenario = read_scenario(request.scenario);
   if (on_boards)

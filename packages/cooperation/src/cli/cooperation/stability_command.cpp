@@ -65,7 +65,7 @@ ExitStatus run(const StabilityRequest& request, const std::string& command) {
   Scenario scenario = read_scenario_or_model(request.scenario, of_model);
   for (const std::string& word : request.set) scenario = changed(std::move(scenario), word);
   for (const std::string& line : made_up_values(scenario)) {
-    if (!request.common.quiet) say(line);
+    if (!request.common.quiet) print_message(line);
   }
   const Progress bar = progress(request.common);
   const auto told = [&](const char* what) {

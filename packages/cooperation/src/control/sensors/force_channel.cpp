@@ -49,7 +49,7 @@ double ForceChannel::delay() const {
 }
 
 // Accepts a step only if the next reading agrees with it.
-bool ForceChannel::is_believed(double force) noexcept {
+bool ForceChannel::is_accepted(double force) noexcept {
   beyond_ = !(std::abs(force) <= options_.range) || !std::isfinite(force);
   if (beyond_) {
     ++beyond_range_;
@@ -64,7 +64,7 @@ bool ForceChannel::is_believed(double force) noexcept {
 }
 
 // Counts usable and unusable data in consecutive windows.
-void ForceChannel::count(long good, long bad) noexcept {
+void ForceChannel::count_readings(long good, long bad) noexcept {
   good_ += good;
   bad_ += bad;
   const auto all = static_cast<double>(good_ + bad_);
@@ -74,11 +74,11 @@ void ForceChannel::count(long good, long bad) noexcept {
   good_ = bad_ = 0;
 }
 
-void ForceChannel::take(int fresh, double at) noexcept {
+void ForceChannel::accept_readings(int fresh, double at) noexcept {
   const double raw = source_->raw();
   const double force = options_.calibration.scale * (raw - options_.calibration.offset);
-  const bool believed = is_believed(force);
-  count(believed ? fresh : 0, believed ? 0 : fresh);
+  const bool believed = is_accepted(force);
+  count_readings(believed ? fresh : 0, believed ? 0 : fresh);
   if (!believed) return;
   force_ = force;
   const bool alike = number_ && raw == last_raw_;
@@ -100,10 +100,10 @@ ForceReading ForceChannel::update(double now) noexcept {
   for (int k = 0; k < kMostReadings; ++k) {
     const int fresh = source_->poll();
     if (fresh <= 0) break;
-    take(fresh, now - source_->lay());
+    accept_readings(fresh, now - source_->queue_delay());
   }
-  const long refused = source_->refused();
-  count(0, refused - refused_);
+  const long refused = source_->rejected_readings();
+  count_readings(0, refused - refused_);
   refused_ = refused;
   if (!number_) {
     state_ = beyond_ ? ForceState::kRange : ForceState::kWaiting;

@@ -29,7 +29,7 @@ LoadCellFormat format_of(const std::string& word, const std::string& name) {
   refuse(name);
 }
 
-int whole(const std::string& word, int least, int most, const std::string& name) {
+int integer_in(const std::string& word, int least, int most, const std::string& name) {
   char* end = nullptr;
   const long value = std::strtol(word.c_str(), &end, 10);
   if (word.empty() || *end != '\0' || value < least || value > most) refuse(name);
@@ -40,13 +40,13 @@ class UdpForceSource final : public ForceSource {
  public:
   UdpForceSource(const std::string& place, LoadCellFormat format)
       : port_(place, kOwnersSilence, "force source"), bytes_(format), text_(format == LoadCellFormat::kText) {
-    if (text_) bytes_.decoder().take('\n');  // datagrams begin with whole lines
+    if (text_) bytes_.decoder().add_byte('\n');  // datagrams begin with whole lines
   }
 
   int poll() noexcept override {
     if (bytes_.reading()) return 1;
     UdpPort::Datagram got;
-    for (int k = 0; k < kMostReads && port_.receive(bytes_.room(), bytes_.size(), got); ++k) {
+    for (int k = 0; k < kMostReads && port_.receive(bytes_.buffer(), bytes_.size(), got); ++k) {
       lay_ = got.lay;
       bytes_.filled(got.size, text_);
       if (bytes_.reading()) return 1;
@@ -54,8 +54,8 @@ class UdpForceSource final : public ForceSource {
     return 0;
   }
   double raw() const noexcept override { return bytes_.decoder().raw(); }
-  double lay() const noexcept override { return lay_; }
-  long refused() const noexcept override { return bytes_.decoder().refused(); }
+  double queue_delay() const noexcept override { return lay_; }
+  long rejected_readings() const noexcept override { return bytes_.decoder().rejected_readings(); }
 
  private:
   UdpPort port_;
@@ -97,14 +97,14 @@ class SerialForceSource final : public ForceSource {
 
   int poll() noexcept override {
     return bytes_.poll([this]() -> std::size_t {
-      const int got = connected_ ? sp_nonblocking_read(port_, bytes_.room(), bytes_.size()) : 0;
+      const int got = connected_ ? sp_nonblocking_read(port_, bytes_.buffer(), bytes_.size()) : 0;
       if (got < 0) connected_ = false;  // unplugged
       return got <= 0 ? 0 : static_cast<std::size_t>(got);
     });
   }
   double raw() const noexcept override { return bytes_.decoder().raw(); }
   bool connected() const noexcept override { return connected_; }
-  long refused() const noexcept override { return bytes_.decoder().refused(); }
+  long rejected_readings() const noexcept override { return bytes_.decoder().rejected_readings(); }
 
  private:
   WaitingBytes bytes_;
@@ -132,7 +132,7 @@ std::unique_ptr<ForceSource> open_force_source(const std::string& name) {
     const std::size_t port = has_address ? 2 : 1;
     if (parts.size() <= port || parts.size() > port + 2) refuse(name);
     if (parts.size() == port + 2) format = format_of(parts[port + 1], name);
-    whole(parts[port], 1, 65535, name);
+    integer_in(parts[port], 1, 65535, name);
     return std::make_unique<UdpForceSource>((has_address ? parts[1] + ":" : "") + parts[port], format);
   }
   if (parts[0] != "serial" || parts.size() > 4) refuse(name);
@@ -140,7 +140,7 @@ std::unique_ptr<ForceSource> open_force_source(const std::string& name) {
   for (std::size_t k = 2; k < parts.size(); ++k) {
     const bool digits = !parts[k].empty() && parts[k][0] >= '0' && parts[k][0] <= '9';
     if (digits) {
-      baud = whole(parts[k], 300, 4000000, name);
+      baud = integer_in(parts[k], 300, 4000000, name);
     } else {
       format = format_of(parts[k], name);
     }

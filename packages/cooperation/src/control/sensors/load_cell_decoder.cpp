@@ -14,7 +14,7 @@ bool is_blank(char c) {
   return c == ' ' || c == '\t';
 }
 
-bool parts_fields(char c) {
+bool is_field_separator(char c) {
   return is_blank(c) || c == ',' || c == ';' || c == ':' || c == '=';
 }
 
@@ -35,10 +35,10 @@ bool field_number(const char* begin, const char* end, double& out) {
 // True if the part of a line before its last field is allowed: numbers, such as a time, optionally
 // after a name with a colon or an equals sign, or nothing. Other words have another meaning: "ERR
 // 12".
-bool leads_to_reading(const char* begin, const char* end) {
+bool is_reading_prefix(const char* begin, const char* end) {
   while (end > begin && end[-1] != ':' && end[-1] != '=') {
     const char* field = end;
-    while (field > begin && !parts_fields(field[-1])) --field;
+    while (field > begin && !is_field_separator(field[-1])) --field;
     double ignored = 0.0;
     if (field < end && !field_number(field, end, ignored)) return false;
     end = field > begin && field[-1] != ':' && field[-1] != '=' ? field - 1 : field;
@@ -55,9 +55,9 @@ bool reading_of_line(const char* line, std::size_t length, double& out) {
   const char* end = line + length;
   while (end > line && is_blank(end[-1])) --end;
   const char* field = end;
-  while (field > line && !parts_fields(field[-1])) --field;
+  while (field > line && !is_field_separator(field[-1])) --field;
   double value = 0.0;
-  if (!field_number(field, end, value) || !leads_to_reading(line, field)) return false;
+  if (!field_number(field, end, value) || !is_reading_prefix(line, field)) return false;
   out = value;
   return true;
 }
@@ -74,11 +74,11 @@ std::uint16_t crc16(const std::uint8_t* bytes, std::size_t count) noexcept {
   return crc;
 }
 
-bool LoadCellDecoder::take(std::uint8_t byte) noexcept {
-  return format_ == LoadCellFormat::kText ? take_text(byte) : take_binary(byte);
+bool LoadCellDecoder::add_byte(std::uint8_t byte) noexcept {
+  return format_ == LoadCellFormat::kText ? decode_text(byte) : decode_binary(byte);
 }
 
-bool LoadCellDecoder::take_text(std::uint8_t byte) noexcept {
+bool LoadCellDecoder::decode_text(std::uint8_t byte) noexcept {
   if (byte != '\n' && byte != '\r') {
     if (length_ < line_.size()) {
       line_[length_++] = static_cast<char>(byte);
@@ -99,7 +99,7 @@ bool LoadCellDecoder::take_text(std::uint8_t byte) noexcept {
   return false;
 }
 
-bool LoadCellDecoder::take_binary(std::uint8_t byte) noexcept {
+bool LoadCellDecoder::decode_binary(std::uint8_t byte) noexcept {
   line_[length_++] = static_cast<char>(byte);
   const auto at = [&](std::size_t k) { return static_cast<std::uint8_t>(line_[k]); };
   while (length_ > 0) {

@@ -52,18 +52,18 @@ class TerminalLine final : public ForceSource {
 
   int poll() noexcept override {
     return bytes_.poll([this]() -> std::size_t {
-      const ssize_t got = connected_ ? ::read(line_, bytes_.room(), bytes_.size()) : 0;
-      if (got <= 0) connected_ = connected_ && !pulled(got);
+      const ssize_t got = connected_ ? ::read(line_, bytes_.buffer(), bytes_.size()) : 0;
+      if (got <= 0) connected_ = connected_ && !is_unplugged(got);
       return got <= 0 ? 0 : static_cast<std::size_t>(got);
     });
   }
   double raw() const noexcept override { return bytes_.decoder().raw(); }
   bool connected() const noexcept override { return connected_; }
-  long refused() const noexcept override { return bytes_.decoder().refused(); }
+  long rejected_readings() const noexcept override { return bytes_.decoder().rejected_readings(); }
 
  private:
   // True if the device is gone; false if there are merely no data.
-  bool pulled(ssize_t got) const noexcept {
+  bool is_unplugged(ssize_t got) const noexcept {
     if (got < 0 && errno != EAGAIN && errno != EINTR) return true;
     pollfd state{line_, POLLIN, 0};
     return ::poll(&state, 1, 0) > 0 && (state.revents & (POLLHUP | POLLERR | POLLNVAL)) != 0;

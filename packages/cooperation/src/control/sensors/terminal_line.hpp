@@ -14,9 +14,9 @@ class WaitingBytes {
  public:
   explicit WaitingBytes(LoadCellFormat format) : decoder_(format) {}
 
-  std::uint8_t* room() { return bytes_.data(); }
+  std::uint8_t* buffer() { return bytes_.data(); }
   std::size_t size() const { return bytes_.size() - 1; }
-  /// Declares that room() now holds `count` bytes; `line` appends the end of a line.
+  /// Declares that buffer() now holds `count` bytes; `line` appends the end of a line.
   void filled(std::size_t count, bool line = false) {
     at_ = 0;
     end_ = count;
@@ -25,11 +25,11 @@ class WaitingBytes {
   /// @returns false: all bytes are consumed, without another reading.
   bool reading() {
     while (at_ < end_) {
-      if (decoder_.take(bytes_[at_++])) return true;
+      if (decoder_.add_byte(bytes_[at_++])) return true;
     }
     return false;
   }
-  /// One poll of a line: `read` puts bytes into room() and returns how many, zero: no more now. At
+  /// One poll of a line: `read` puts bytes into buffer() and returns how many, zero: no more now. At
   /// most 64 reads, so that the time is bounded. @returns 1: there is a reading.
   template <typename Read>
   int poll(const Read& read) {

@@ -25,7 +25,7 @@ Eigen::Matrix3d base_rotation(const Eigen::Vector3d& turn);
 std::vector<std::string> made_up_values(const Scenario& scenario);
 
 /// Arm `index` of the scenario. The true arm feels gravity as its turned base does.
-/// @throws InvalidInput  the arm's model or start cannot be.
+/// @throws InvalidInput  the arm's model or start is invalid.
 ScenarioModels scenario_models(const Scenario& scenario, std::size_t index);
 
 }  // namespace veridyn

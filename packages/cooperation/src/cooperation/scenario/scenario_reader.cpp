@@ -161,7 +161,7 @@ void draw_base_errors(const YamlNode& error, Scenario& s) {
 }
 
 // Throws if a phase has not one cycle at this rate, or if the recorded data would not fit into memory.
-void expect_room(const Scenario& s, double rate, const YamlNode& node) {
+void require_memory(const Scenario& s, double rate, const YamlNode& node) {
   double seconds = 0.0;
   for (const ScenarioPhase& phase : s.phases) {
     seconds += phase.duration;
@@ -235,14 +235,14 @@ Scenario read(const YamlNode& root, const std::string& path) {
   for (const YamlNode& node : root.at("phases").items("a list of phases"))
     s.phases.push_back(read_phase(node, arms, members));
   if (s.phases.empty()) root.at("phases").fail("no phases", "at least one");
-  expect_room(s, s.control.rate, root.at("phases"));
+  require_memory(s, s.control.rate, root.at("phases"));
   if (const auto faults = root.find("faults")) {
     for (const YamlNode& node : faults->items("a list of faults"))
       s.faults.push_back(read_fault(node, arms, members));
   }
   if (const auto sweep = root.find("sweep")) {
     s.sweep = read_sweep(*sweep);
-    for (const double rate : s.sweep.rate) expect_room(s, rate, *sweep);
+    for (const double rate : s.sweep.rate) require_memory(s, rate, *sweep);
   }
   return s;
 }

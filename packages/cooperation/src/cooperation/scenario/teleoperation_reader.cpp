@@ -57,8 +57,8 @@ void read_settings(const YamlNode& node, TeleoperationScenario& out) {
   }
 }
 
-// Nobody would look at them: what is asked would count as met, and a fault would not come.
-void refuse_unheeded(const YamlNode& root, const Scenario& scenario) {
+// These keys have no effect here: bounds would count as met, and faults would not occur.
+void refuse_unused_keys(const YamlNode& root, const Scenario& scenario) {
   const auto ask = root.find("ask");
   if (ask) ask->fail("a bound of the run beside 'teleoperation'", "none: its report tells what was reached");
   const auto faults = root.find("faults");
@@ -96,7 +96,7 @@ TeleoperationScenario read_teleoperation(const std::string& path) {
   for (const ScenarioPhase& phase : out.scenario.phases) {
     if (!phase.commands.empty()) node.fail("commands in the phases", "names and durations alone");
   }
-  refuse_unheeded(root, out.scenario);
+  refuse_unused_keys(root, out.scenario);
   read_settings(node, out);
   for (const ScenarioWall& wall : out.scenario.walls) {
     if (wall.arm != out.follower) node.fail("a wall for the leader", "one for the follower");

@@ -26,14 +26,14 @@ ClosedLoop::ClosedLoop(const LinearPoint& point, const Scenario& scenario,
   observer_ = c.observer > 0.0 ? 2.0 * M_PI * c.observer : 0.0;
   motor_ = c.motor_lag > 0.0 ? 1.0 - std::exp(-period_ / c.motor_lag) : 1.0;
   torque_delay_ = c.torque_delay;
-  lay_out(point, scenario);
+  assign_states(point, scenario);
   for (size_t k = 0; k < arm_.size(); ++k) prepare_arm(static_cast<int>(k), scenario);
   for (size_t k = 0; k < element_.size(); ++k) prepare_element(static_cast<int>(k), scenario);
   prepare_plant();
-  tell_cycles_apart();
+  classify_cycles();
 }
 
-void ClosedLoop::lay_out(const LinearPoint& point, const Scenario& scenario) {
+void ClosedLoop::assign_states(const LinearPoint& point, const Scenario& scenario) {
   joints_ = 0;
   for (const LinearArm& arm : point.arms) {
     Arm a;
@@ -170,16 +170,16 @@ VectorXd ClosedLoop::tension_row(int element) const {
   return row;
 }
 
-bool ClosedLoop::arrives(int element, long k) const {
+bool ClosedLoop::has_new_sample(int element, long k) const {
   const Element& e = element_[element];
   return sampled(e, k - e.delay);
 }
 
 VectorXd ClosedLoop::reading_row(int element, long k) const {
   const Element& e = element_[element];
-  if (e.delay == 0 && arrives(element, k)) return tension_row(element);
+  if (e.delay == 0 && has_new_sample(element, k)) return tension_row(element);
   VectorXd row = VectorXd::Zero(states_);
-  row[e.delay > 0 && arrives(element, k) ? e.line + e.delay - 1 : e.held] = 1.0;
+  row[e.delay > 0 && has_new_sample(element, k) ? e.line + e.delay - 1 : e.held] = 1.0;
   return row;
 }
 
@@ -191,20 +191,20 @@ bool ClosedLoop::sampled(const Element& e, long k) const {
 }
 
 // Cycles since the sample before the one that arrives in cycle k.
-long ClosedLoop::gap(const Element& e, long k) const {
+long ClosedLoop::cycles_since_sample(const Element& e, long k) const {
   long cycles = 1;
   while (cycles < hyperperiod_ && !sampled(e, k - e.delay - cycles)) ++cycles;
   return cycles;
 }
 
 // Cycles differ by the sensors whose samples arrive, and by how old the ones before are.
-void ClosedLoop::tell_cycles_apart() {
+void ClosedLoop::classify_cycles() {
   std::map<std::vector<long>, int> known;
   for (int k = 0; k < hyperperiod_; ++k) {
     std::vector<long> arrived;
     for (const Element& e : element_) {
       const long cycle = first_cycle() + k;
-      arrived.push_back(sampled(e, cycle - e.delay) ? gap(e, cycle) : 0);
+      arrived.push_back(sampled(e, cycle - e.delay) ? cycles_since_sample(e, cycle) : 0);
     }
     kinds_.push_back(known.emplace(std::move(arrived), static_cast<int>(known.size())).first->second);
   }
@@ -238,7 +238,7 @@ MatrixXd ClosedLoop::law(long k, const Element& e, const MatrixXd& reading, cons
   value.array() += e.law.feed_forward * wanted;
   const bool proportional = e.law.kind == ForceLaw::Kind::kProportional;
   if (fresh) {
-    const double since = static_cast<double>(gap(e, k)) * period_;
+    const double since = static_cast<double>(cycles_since_sample(e, k)) * period_;
     if (proportional) {
       X.row(*e.x_f).array() -=
           settings_.integral * e.law.gain * since * (reading.array() - wanted);

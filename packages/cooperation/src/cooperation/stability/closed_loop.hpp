@@ -14,7 +14,7 @@ struct LinearElement {
   Eigen::Vector3d u{Eigen::Vector3d::UnitX()};  ///< its line in the world, from `from` to `to`
   double length = 0.0;     ///< [m]; infinite for a wall: its line does not turn
   double force = 0.0;      ///< [N] at the equilibrium, tension positive
-  bool attached = true;    ///< false: let go, nothing acts
+  bool attached = true;    ///< false: released, without force
 };
 
 /// All arms and objects about one equilibrium.
@@ -78,7 +78,7 @@ class ClosedLoop {
   /// (states): what the force law of an element reads in cycle k, before the cycle; without filter.
   VectorXd reading_row(int element, long k) const;
   /// True if a new sample arrives in cycle k.
-  bool arrives(int element, long k) const;
+  bool has_new_sample(int element, long k) const;
 
  private:
   struct Arm {
@@ -103,14 +103,14 @@ class ClosedLoop {
     double smoothing = 1.0;
   };
 
-  void lay_out(const LinearPoint& point, const Scenario& scenario);
+  void assign_states(const LinearPoint& point, const Scenario& scenario);
   void prepare_arm(int k, const Scenario& scenario);
   void prepare_element(int k, const Scenario& scenario);
   void prepare_plant();
   MatrixXd line_map(int k) const;  // (3 x joints): end minus start, true
   bool sampled(const Element& e, long k) const;
-  long gap(const Element& e, long k) const;
-  void tell_cycles_apart();
+  long cycles_since_sample(const Element& e, long k) const;
+  void classify_cycles();
   void read(long k, const Element& e, const MatrixXd& tension, MatrixXd& X, bool& fresh) const;
   MatrixXd law(long k, const Element& e, const MatrixXd& reading, const MatrixXd& rate,
                bool fresh, MatrixXd& X) const;

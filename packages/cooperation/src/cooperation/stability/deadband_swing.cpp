@@ -48,7 +48,7 @@ DeadbandSwing deadband_swing(const LinearPoint& point, const Scenario& scenario,
       A.push_back(X);
     }
     readings.emplace_back(loop.reading_row(index, begin + k));
-    fresh.push_back(loop.arrives(index, begin + k) ? 1 : 0);
+    fresh.push_back(loop.has_new_sample(index, begin + k) ? 1 : 0);
   }
   const int row = loop.correction_row(index);
   VectorXd x = VectorXd::Zero(loop.states());

@@ -11,21 +11,21 @@ constexpr double kStep = 1e-5;      // [rad], [m] of central differences: errors
 constexpr double kSlow = 0.01;      // [rad/s], [m/s]: dry friction slides, drag is small
 
 // Torques of an arm at rest under a force f on the tip, in the arm's own base.
-VectorXd holding(ArmState& state, const VectorXd& q, const VectorXd& rest,
+VectorXd holding_torques(ArmState& state, const VectorXd& q, const VectorXd& rest,
                  const Eigen::Vector3d& f_base) {
   state.update(q, rest);
   return state.bias() - state.tip().jacobian().topRows(3).transpose() * f_base;
 }
 
-MatrixXd slope(ArmState& state, const VectorXd& q, const Eigen::Vector3d& f_base) {
+MatrixXd torque_jacobian(ArmState& state, const VectorXd& q, const Eigen::Vector3d& f_base) {
   const VectorXd rest = VectorXd::Zero(q.size());
   MatrixXd out(q.size(), q.size());
   VectorXd at = q;
   for (Eigen::Index i = 0; i < q.size(); ++i) {
     at[i] = q[i] + kStep;
-    const VectorXd up = holding(state, at, rest, f_base);
+    const VectorXd up = holding_torques(state, at, rest, f_base);
     at[i] = q[i] - kStep;
-    out.col(i) = (up - holding(state, at, rest, f_base)) / (2.0 * kStep);
+    out.col(i) = (up - holding_torques(state, at, rest, f_base)) / (2.0 * kStep);
     at[i] = q[i];
   }
   return out;
@@ -57,7 +57,7 @@ LinearArm linear_arm(const ScenarioModels& models, const ScenarioArm& arm, const
   const VectorXd rest = VectorXd::Zero(q.size());
   LinearArm out;
   ArmState real(models.real, tip);
-  out.G = slope(real, q, models.R_world_base.transpose() * force);
+  out.G = torque_jacobian(real, q, models.R_world_base.transpose() * force);
   real.update(q, rest);
   out.M = real.mass_matrix();
   out.J = models.R_world_base * real.tip().jacobian().topRows(3);
@@ -65,7 +65,7 @@ LinearArm linear_arm(const ScenarioModels& models, const ScenarioArm& arm, const
   out.D = drag_of(models.real, real);
   ArmState known(models.known, tip);
   out.R_world_base = models.R_world_base_known;
-  out.G_known = slope(known, q, -out.R_world_base.transpose() * exerted);
+  out.G_known = torque_jacobian(known, q, -out.R_world_base.transpose() * exerted);
   known.update(q, rest);
   out.M_known = known.mass_matrix();
   out.J_base = known.tip().jacobian().topRows(3);

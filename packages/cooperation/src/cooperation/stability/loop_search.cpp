@@ -24,7 +24,7 @@ bool has_deadband(const Scenario& scenario) {
   });
 }
 
-double halve(const std::function<double(double)>& radius, double stable, double unstable) {
+double bisect(const std::function<double(double)>& radius, double stable, double unstable) {
   for (int k = 0; k < kHalvings && unstable - stable > 1e-6 * unstable; ++k) {
     const double middle = 0.5 * (stable + unstable);
     (radius(middle) > kUnstable ? unstable : stable) = middle;
@@ -99,7 +99,7 @@ double first_crossing(const std::function<double(double)>& radius, double begin,
   double last = begin;
   for (int k = 1; k <= steps; ++k) {
     const double next = begin * std::pow(ratio, k);
-    if (radius(next) > kUnstable) return halve(radius, last, next);
+    if (radius(next) > kUnstable) return bisect(radius, last, next);
     last = next;
   }
   return end;

@@ -65,13 +65,13 @@ class Points {
   std::vector<RestPoint> run() {
     for (const ScenarioPhase& phase : scenario_.phases) {
       for (const ScenarioCommand& c : phase.commands) {
-        give_command(c, *control_);
+        apply_command(c, *control_);
         if (c.kind == ScenarioCommand::Kind::kRelease) held_[c.member] = 0;
         if (c.kind == ScenarioCommand::Kind::kTake) held_[c.member] = 1;
       }
       const auto half = std::max(1L, std::lround(0.5 * phase.duration / kPeriod));
       for (int part = 0; part < 2; ++part) {
-        for (long k = 0; k < half; ++k) move_on();
+        for (long k = 0; k < half; ++k) advance_arms();
         add(phase.name);
       }
     }
@@ -80,7 +80,7 @@ class Points {
 
  private:
   // Advances ideal arms that follow exactly; every sensor reads the wanted force.
-  void move_on() {
+  void advance_arms() {
     const std::vector<TipTarget>& targets = control_->update(*input_);
     for (size_t k = 0; k < targets.size(); ++k) {
       input_->position[k] = targets[k].motion;

@@ -16,7 +16,7 @@ struct Lifted {
   MatrixXd A, B, C, D;
 };
 
-Lifted lift(const ClosedLoop& loop, const MatrixXd& root) {
+Lifted lifted_system(const ClosedLoop& loop, const MatrixXd& root) {
   const Eigen::Index n = loop.joints();
   const Eigen::Index N = loop.states();
   const Eigen::Index h = loop.hyperperiod();
@@ -43,7 +43,7 @@ double torque_error_gain(const LinearPoint& point, const Scenario& scenario, int
     at += arm.joints();
   }
   const MatrixXd root = M.llt().matrixL();
-  const Lifted s = lift(loop, root);
+  const Lifted s = lifted_system(loop, root);
   const Eigen::Index N = loop.states();
   double largest = 0.0;
   for (int k = 0; k <= frequencies; ++k) {

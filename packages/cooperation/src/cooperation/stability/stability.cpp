@@ -79,7 +79,7 @@ void find_stiffnesses(const RestPoint& point, const Scenario& scenario, Stabilit
 
 // True if the beginning of the scenario does not come to rest in the nonlinear simulation: an arm
 // fails, the controller ends it, or the force oscillates by more than a tenth of the wanted one.
-bool swings_in_simulation(Scenario scenario) {
+bool oscillates_in_simulation(Scenario scenario) {
   scenario.phases.resize(std::min<std::size_t>(scenario.phases.size(), 2));
   scenario.faults.clear();
   scenario.sweep = {};
@@ -101,7 +101,7 @@ void find_simulated_onset(const Scenario& scenario, StabilityAnalysis& out) {
   if (!wanted) return;
   const auto swings = [&](double stiffness) {
     ++out.simulated_runs;
-    return swings_in_simulation(with_parameter(scenario, "stiffness", stiffness));
+    return oscillates_in_simulation(with_parameter(scenario, "stiffness", stiffness));
   };
   double stable = out.linear_stable_stiffness;
   double unstable = stable * kFirstStep;

@@ -49,19 +49,19 @@ class BoardRun : private BoardLoop {
 
   BoardCooperationRun run() {
     const auto begun = std::chrono::steady_clock::now();
-    look();
+    read_before_power();
     plan();
-    look();
-    hear(channels_);
+    read_before_power();
+    wait_for_sensors(channels_);
     if (stopped()) fail("stopped by a signal", {}, BoardEnd::kStopped);
     if (why_ == nullptr && power_up(channels_)) {
       begin();
-      options_.lines != nullptr ? play_by_line() : play();
-      wind_down();
+      options_.lines != nullptr ? run_by_lines() : play();
+      release_pretension();
     }
     file_.reset();
     out_.off_at = time_;
-    out_.force_at_off = largest_now();
+    out_.force_at_off = largest_measured_force();
     out_.power = power_down();
     if (joined_) out_.largest_force = std::max(out_.largest_force, joined_->largest_force());
     finish();
@@ -75,8 +75,8 @@ class BoardRun : private BoardLoop {
     for (size_t k = 0; k < members + wall_channels_.size(); ++k) {
       if (options_.force_sources.empty()) {
         simulated_.emplace_back(k < members ? sensor_options(scenario_, static_cast<int>(k))
-                                            : wall_sensor_options(scenario_, of_wall(k).wall,
-                                                                  of_wall(k).channel),
+                                            : wall_sensor_options(scenario_, wall_channel(k).wall,
+                                                                  wall_channel(k).channel),
                                 0.1);
         continue;
       }
@@ -85,9 +85,9 @@ class BoardRun : private BoardLoop {
         channel.calibration = read_load_cell(options_.force_calibrations[k]);
       channel.cutoff = scenario_.control.force_cutoff;
       const std::string of = k < members ? "member '" + scenario_.members[k].name + "'"
-                                         : "wall " + std::to_string(of_wall(k).wall + 1);
+                                         : "wall " + std::to_string(wall_channel(k).wall + 1);
       const double rate = k < members ? scenario_.members[k].sensor.rate
-                                      : scenario_.walls[of_wall(k).wall].sensor.rate;
+                                      : scenario_.walls[wall_channel(k).wall].sensor.rate;
       channels_.push_back(open_sensor(options_.force_sources[k], of, rate, channel));
     }
     readings_.resize(members + wall_channels_.size());
@@ -101,7 +101,7 @@ class BoardRun : private BoardLoop {
     if (!options_.planned) return;
     plan_ = std::make_unique<MotionPlan>(scenario_, planned_arms());
     if (options_.lines != nullptr) return;
-    MotionPlan::State state = plan_->standing(standing());
+    MotionPlan::State state = plan_->initial_state(initial_state());
     for (std::size_t p = 0; p < scenario_.phases.size(); ++p) {
       const ScenarioPhase& phase = scenario_.phases[p];
       require_feasible(p, state.time, plan_->play(state, phase.commands, phase.duration));
@@ -150,7 +150,7 @@ class BoardRun : private BoardLoop {
         readings_[k] = read_sensor(channels_[k]);
       }
       if (k >= scenario_.members.size()) {
-        const WallChannel of = of_wall(k);
+        const WallChannel of = wall_channel(k);
         const int arm = scenario_.walls[of.wall].arm;
         wall_channel_values_[of.wall][of.channel] = readings_[k].force;
         ages_[arm] = std::max(ages_[arm], readings_[k].age);
@@ -175,11 +175,11 @@ class BoardRun : private BoardLoop {
     int wall, channel;
   };
   // Readings of walls follow those of members.
-  WallChannel of_wall(size_t reading) const noexcept {
+  WallChannel wall_channel(size_t reading) const noexcept {
     return wall_channels_[reading - scenario_.members.size()];
   }
 
-  // Force on the tip in the world that a wall's channels say.
+  // Force on the tip, in the world, from a wall's channels.
   Vector3d wall_force(size_t wall, const Vector3d& channels) const noexcept {
     const ScenarioWall& w = scenario_.walls[wall];
     return force_of_channels(w, channels, sides_[w.arm]->loop().rotation());
@@ -188,13 +188,13 @@ class BoardRun : private BoardLoop {
   // Force of a member or of a wall's channel in the emulated world, by reading.
   double true_force(size_t k) const noexcept {
     if (k < scenario_.members.size()) return joined_->tension(static_cast<int>(k));
-    return joined_->push(of_wall(k).wall, of_wall(k).channel);
+    return joined_->true_wall_force(wall_channel(k).wall, wall_channel(k).channel);
   }
 
   void watch_arms() noexcept {
     for (size_t k = 0; k < sides_.size(); ++k) {
-      if (look_after(k)) input_->healthy[k] = 0;
-      input_->located[k] = sides_[k]->deaf() ? 0 : 1;
+      if (collect_faults(k)) input_->healthy[k] = 0;
+      input_->located[k] = sides_[k]->is_unresponsive() ? 0 : 1;
     }
   }
 
@@ -210,8 +210,8 @@ class BoardRun : private BoardLoop {
     const CooperativeState state = control_->state();
     if (state != CooperativeState::kTracking) fail(describe(state), {});
     const bool holds = state != CooperativeState::kTracking || winding_;
-    // A sensor or an encoder is wrong, nobody knows which: supervisors release all arms, since neither
-    // places nor forces can be kept.
+    // A sensor or an encoder is wrong, it is unknown which: supervisors release all arms, since neither
+    // positions nor forces can be controlled.
     const bool unknown = state == CooperativeState::kSensorDrifted;
     if (unknown) std::fill(ages_.begin(), ages_.end(), kNever);
     for (size_t k = 0; k < sides_.size(); ++k) {
@@ -220,23 +220,23 @@ class BoardRun : private BoardLoop {
       // A target that its tip cannot follow comes to its own rest far from where the arm is.
       if (blind || state == CooperativeState::kTargetMissed) side.loop().freeze();
       if (!blind && holds && scenario_.control.guard) side.loop().hold_within(bound_, exerted_[k]);
-      side.keeps_still(holds && !gives_up_ && !unknown && stands((*targets_)[k]) && !side.loop().yields());
+      side.set_held(holds && !gives_up_ && !unknown && keeps_target((*targets_)[k]) && !side.loop().yields());
       side.act((*targets_)[k], exerted_[k], ages_[k], dt_);
     }
     watch_hold();
-    const double force = largest_now();
+    const double force = largest_measured_force();
     out_.largest_force = std::max(out_.largest_force, force);
     if (why_ != nullptr)
       out_.largest_force_after_fault = std::max(out_.largest_force_after_fault, force);
-    break_down();
+    activate_fault();
   }
 
   // Neither the end of the motion nor an arm that falls moves the target.
-  static bool stands(const TipTarget& target) noexcept {
+  static bool keeps_target(const TipTarget& target) noexcept {
     return target.velocity.norm() < kStands && target.relief.velocity.norm() < kStands;
   }
 
-  double largest_now() const noexcept {
+  double largest_measured_force() const noexcept {
     double largest = 0.0;
     for (size_t k = 0; k < readings_.size(); ++k)
       largest = std::max(largest, std::abs(joined_ ? true_force(k) : readings_[k].force));
@@ -261,7 +261,7 @@ class BoardRun : private BoardLoop {
       const Vector3d measured = wall_force(w, wall_channel_values_[w]);
       Vector3d truth = measured;
       if (joined_) {
-        for (int c = 0; c < 3; ++c) truth[c] = joined_->push(static_cast<int>(w), c);
+        for (int c = 0; c < 3; ++c) truth[c] = joined_->true_wall_force(static_cast<int>(w), c);
         truth = wall_force(w, truth);
       }
       trace.force[k] = truth.dot(n);
@@ -281,7 +281,7 @@ class BoardRun : private BoardLoop {
 
   void play() {
     for (const ScenarioPhase& phase : scenario_.phases) {
-      for (const ScenarioCommand& c : phase.commands) give_command(c, *control_);
+      for (const ScenarioCommand& c : phase.commands) apply_command(c, *control_);
       const Eigen::Index first = row_;
       const Eigen::Index rows = rows_of(phase);
       for (Eigen::Index k = 0; k < rows && why_ == nullptr; ++k) {
@@ -296,7 +296,7 @@ class BoardRun : private BoardLoop {
   }
 
   // Executes commands from a line until it ends or is lost.
-  void play_by_line() {
+  void run_by_lines() {
     using Clock = std::chrono::steady_clock;
     LiveHand hand(scenario_, *options_.lines, options_.live, options_.live_report,
                   options_.stepped ? LiveHand::Reads::kBetweenCycles : LiveHand::Reads::kBeside,
@@ -323,14 +323,14 @@ class BoardRun : private BoardLoop {
   }
 
   // Holds all arms, then releases the pretension.
-  void wind_down() {
+  void release_pretension() {
     out_.run.state = control_->state();
     out_.run.held_at = fault_at_;
     control_->stop();
     winding_ = true;
     repeat(why_ == nullptr ? kSettled : options_.hold, [this] { work(); });
     out_.release_at = time_;
-    out_.force_at_release = largest_now();
+    out_.force_at_release = largest_measured_force();
     gives_up_ = true;
     // A healthy controller is to want less, too: else it finds that the force is missing.
     for (int m = 0; m < static_cast<int>(scenario_.members.size()) && why_ == nullptr; ++m)
@@ -358,7 +358,7 @@ class BoardRun : private BoardLoop {
     out_.mean_cycle = timing_.mean_cycle;
     out_.longest_cycle = timing_.longest_cycle;
     if (out_.run.arm.empty()) out_.run = empty_run(scenario_, "boards", 0);  // the arms were never powered
-    cut(out_.run, row_);
+    keep_first_rows(out_.run, row_);
     for (const Span& span : spans_)
       out_.run.phases.push_back(
           phase_figures(scenario_, *span.phase, out_.run, span.first, span.end));
@@ -391,7 +391,7 @@ class BoardRun : private BoardLoop {
 };
 
 // Simulates the scenario without its faults, and refuses it where a bound is not met.
-void rehearse(Scenario scenario) {
+void check_by_simulation(Scenario scenario) {
   scenario.faults.clear();
   bool asks = scenario.asked_largest_force > 0.0;
   for (const ScenarioPhase& p : scenario.phases)
@@ -415,7 +415,7 @@ BoardCooperationRun run_on_boards(const Scenario& scenario, const std::vector<Co
                                   const std::atomic<bool>& stop) {
   require(scenario.bodies.empty(), "boards: scenario '", scenario.name,
           "': found bodies, expected members between arms and walls alone.");
-  if (options.rehearsed && options.lines == nullptr) rehearse(scenario);
+  if (options.rehearsed && options.lines == nullptr) check_by_simulation(scenario);
   return BoardRun(scenario, arms, options, stop).run();
 }
 

@@ -129,7 +129,7 @@ struct ArmAfterFault {
   bool known = true;          ///< its boards answered throughout
   double moved = 0.0;         ///< [m] largest displacement of its tip
   std::optional<double> rest_after;  ///< [s] after which it was at rest; nothing: it was not at rest at the end
-  std::optional<double> off_at;      ///< [s] at which its own power went, before that of all; nothing: not
+  std::optional<double> off_at;      ///< [s] at which its own power was cut, before that of all; nullopt: it was not
   /// True if it was powered and came to rest.
   bool held() const { return known && rest_after && !off_at; }
 };
@@ -141,10 +141,10 @@ struct LaterFault {
 };
 
 /// A line for each of both, for reports.
-std::string words_after_fault(const std::vector<ArmAfterFault>& arms,
+std::string faults_text(const std::vector<ArmAfterFault>& arms,
                               const std::vector<LaterFault>& later);
 /// "power is off", or that it is not confirmed for these arms.
-std::string words_at_end(OffState power, const std::string& not_off);
+std::string power_text(OffState power, const std::string& not_off);
 
 struct BoardCooperationRun {
   ScenarioRun run;      ///< what was measured: tips from encoders, forces from sensors

@@ -75,7 +75,7 @@ bool BoardLoop::fail(const char* why, std::optional<int> arm, BoardEnd end) noex
   return false;
 }
 
-bool BoardLoop::others_explain(std::size_t k) const noexcept {
+bool BoardLoop::neighbours_explain_force(std::size_t k) const noexcept {
   const auto arm = static_cast<int>(k);
   bool any = false;
   for (const ScenarioMember& member : scenario_.members) {
@@ -87,14 +87,14 @@ bool BoardLoop::others_explain(std::size_t k) const noexcept {
   return any;
 }
 
-bool BoardLoop::look_after(std::size_t k) noexcept {
+bool BoardLoop::collect_faults(std::size_t k) noexcept {
   bool found = false;
   for (;;) {
-    BoardSide::News news = sides_[k]->news(scenario_.control.largest_age);
+    BoardSide::News news = sides_[k]->poll_faults(scenario_.control.largest_age);
     if (news.what == nullptr) return found;
     found = true;
     // A wrong sensor contradicts the motors at both ends of its member, a limp arm its own alone.
-    if (news.unexplained && others_explain(k)) news.what = kNoTorque;
+    if (news.unexplained && neighbours_explain_force(k)) news.what = kNoTorque;
     if (why_ == nullptr) {
       fail(news.what, static_cast<int>(k));
       faulty_joint_ = news.joint;
@@ -113,7 +113,7 @@ void BoardLoop::watch_hold() noexcept {
       arm.from = side.tip();
       arm.at_fault = side.speed();
     }
-    if (side.deaf()) arm.known = false;
+    if (side.is_unresponsive()) arm.known = false;
     if (!side.valid()) continue;
     if (!arm.off && !side.powered()) arm.off = time_;
     if (gives_up_) continue;  // arms yield then
@@ -160,9 +160,9 @@ std::vector<LaterFault> BoardLoop::later_faults() const {
   return out;
 }
 
-void BoardLoop::break_down() noexcept {
+void BoardLoop::activate_fault() noexcept {
   for (const EmulatedFault& fault : options_.faults) {
-    if (time_ >= fault.at) joined_->break_down(fault);
+    if (time_ >= fault.at) joined_->activate_fault(fault);
   }
 }
 
@@ -174,7 +174,7 @@ std::vector<PlannedArm> BoardLoop::planned_arms() const {
   return out;
 }
 
-std::vector<VectorXd> BoardLoop::standing() const {
+std::vector<VectorXd> BoardLoop::initial_state() const {
   std::vector<VectorXd> q;
   for (std::size_t k = 0; k < sides_.size(); ++k) {
     q.push_back(sides_[k]->session().state().q.head(sides_[k]->joints()));
@@ -209,7 +209,7 @@ ForceReading BoardLoop::read_sensor(Sensor& sensor) noexcept {
   return reading;
 }
 
-void BoardLoop::hear(std::vector<Sensor>& sensors) {
+void BoardLoop::wait_for_sensors(std::vector<Sensor>& sensors) {
   const std::size_t count = sensors.size();
   std::vector<double> good_since(count, -1.0);
   std::vector<long> before(count, 0), readings(count, 0);  // at good_since, and since then
@@ -249,7 +249,7 @@ void BoardLoop::hear(std::vector<Sensor>& sensors) {
     const bool gaps = silent.state() == ForceState::kGood || (silent.state() == ForceState::kDead && comes);
     require(time_ < until, "no power: the force sensor ", sensors[k].name, " ",
             gaps ? "does not stay good" : describe(silent.state()), " (",
-            silent.source().refused() + silent.beyond_range() + silent.jumps(),
+            silent.source().rejected_readings() + silent.beyond_range() + silent.jumps(),
             " lines refused, ", std::round(static_cast<double>(numbers[k]) / (time_ - begun)),
             " readings per second where the scenario counts on ", sensors[k].rate, "); expected good readings for ",
             kHeard, " s within ", options_.sensor_patience, " s.");
@@ -258,7 +258,7 @@ void BoardLoop::hear(std::vector<Sensor>& sensors) {
   }
 }
 
-void BoardLoop::look() {
+void BoardLoop::read_before_power() {
   repeat(kLooking, [] {});
 }
 

@@ -29,11 +29,11 @@ class BoardLoop {
             const BoardCooperationOptions& options, const std::atomic<bool>& stop);
   ~BoardLoop() { end_serving(); }
 
-  /// A sensor on a line, and what a person calls it: "udp:5600 of member 'spring'".
+  /// A sensor on a line, with its name in messages: "udp:5600 of member 'spring'".
   struct Sensor {
     std::string name;
     std::unique_ptr<ForceChannel> channel;
-    double rate = 0.0;  ///< [Hz] of readings that the scenario counts on
+    double rate = 0.0;  ///< [Hz] of readings that the scenario assumes
     long jumps = 0;     ///< ForceChannel::jumps() until now
   };
   /// Opens a source; its readings are refused where they jump by more than forces can.
@@ -44,20 +44,20 @@ class BoardLoop {
   ForceReading read_sensor(Sensor& sensor) noexcept;
   /// Cycles without power until every sensor has given good readings for kHeard; age counts from
   /// the start. @throws InvalidInput  one has not after BoardCooperationOptions::sensor_patience.
-  void hear(std::vector<Sensor>& sensors);
+  void wait_for_sensors(std::vector<Sensor>& sensors);
   static constexpr double kHeard = 0.2;  ///< [s]
   static constexpr double kNever = 1e3;  ///< [s] age of a reading that is not to be believed
 
   /// The arms and their joints as the boards have them, for a plan made before power.
   std::vector<PlannedArm> planned_arms() const;
-  std::vector<VectorXd> standing() const;
+  std::vector<VectorXd> initial_state() const;
   /// @throws InvalidInput  `why` is not empty: phase p, which begins at that time [s], cannot be
   ///                       carried out.
   void require_feasible(std::size_t p, double begins, const std::string& why) const;
 
   /// Reads the boards for a while before power-up.
-  void look();
-  /// After look(). Sensors are read meanwhile, and not judged.
+  void read_before_power();
+  /// After read_before_power(). Sensors are read meanwhile, and not judged.
   bool power_up(std::vector<Sensor>& sensors);
   /// Switches power off everywhere, and returns the boards' confirmation.
   OffState power_down();
@@ -102,14 +102,14 @@ class BoardLoop {
   std::string cause() const;
   /// Takes the new faults of arm k into the report; the first of all ends the run.
   /// @returns whether there was one.
-  bool look_after(std::size_t k) noexcept;
+  bool collect_faults(std::size_t k) noexcept;
   /// Follows the motion of every arm after a fault; once per cycle.
   void watch_hold() noexcept;
   /// The motion of each arm between the fault and the release of the pretension.
   std::vector<ArmAfterFault> after_fault() const;
   std::vector<LaterFault> later_faults() const;
   bool stopped() const { return stop_.load(std::memory_order_relaxed); }
-  void break_down() noexcept;
+  void activate_fault() noexcept;
 
   const Scenario& scenario_;
   BoardCooperationOptions options_;
@@ -152,9 +152,9 @@ class BoardLoop {
   };
   std::string words(const char* what, int arm, std::optional<int> joint) const;
   /// True if the torques of all arms that share a member with arm k explain the measured forces.
-  bool others_explain(std::size_t k) const noexcept;
+  bool neighbours_explain_force(std::size_t k) const noexcept;
   std::vector<Watched> watched_;
-  std::vector<Later> later_;  // has room
+  std::vector<Later> later_;  // memory is reserved
 };
 
 }  // namespace veridyn::dvrk

@@ -41,7 +41,7 @@ EmulatedFault parse_emulated_fault(const std::string& words, const Scenario& sce
   return fault;
 }
 
-std::string words_after_fault(const std::vector<ArmAfterFault>& arms,
+std::string faults_text(const std::vector<ArmAfterFault>& arms,
                               const std::vector<LaterFault>& later) {
   std::string out;
   for (const LaterFault& one : later) out += fmt::format("At {:.4g} s also: {}.\n", one.at, one.what);
@@ -56,7 +56,7 @@ std::string words_after_fault(const std::vector<ArmAfterFault>& arms,
   return out;
 }
 
-std::string words_at_end(OffState power, const std::string& not_off) {
+std::string power_text(OffState power, const std::string& not_off) {
   if (power == OffState::kConfirmed || power == OffState::kNotAsked) return describe(power);
   return fmt::format("power off is NOT CONFIRMED ({}: {}): press the emergency stop", not_off,
                      describe(power));
@@ -86,8 +86,8 @@ std::string BoardCooperationRun::report() const {
                        largest_force_after_fault, release_at, force_at_release, off_at, force_at_off);
   else if (end != BoardEnd::kDone)
     out += fmt::format("The run did not begin: {}.\n", why);
-  out += words_after_fault(after_fault, later);
-  out += fmt::format("Boards at the end: {}.\n", words_at_end(power, not_off));
+  out += faults_text(after_fault, later);
+  out += fmt::format("Boards at the end: {}.\n", power_text(power, not_off));
   return out;
 }
 

@@ -147,13 +147,13 @@ void BoardSide::drive(const VectorXd& wanted, const Eigen::Vector3d& exerted, do
     session_.power_off();
   }
   all_.head(joints_) = tau_;
-  sensors_.show_torques(all_.head(joints_));
+  sensors_.add_torque_errors(all_.head(joints_));
   session_.set_torques(all_);
   tau_ = session_.command().tau.head(joints_);
   sensors_.correct_torques(tau_);
 }
 
-BoardSide::News BoardSide::news(double largest_age) noexcept {
+BoardSide::News BoardSide::poll_faults(double largest_age) noexcept {
   const bool off = session_.boards().state() == PowerState::kFault;
   // Boards that do not answer cost the others time; the switch-off is sent nevertheless.
   if (now_ - heard_ > largest_age && !told_silent_) {

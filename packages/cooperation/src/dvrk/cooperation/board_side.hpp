@@ -29,7 +29,7 @@ class BoardSide {
   void read(double now) noexcept;
   void write() noexcept { session_.commit(); }
 
-  /// Its loop and its supervisor for this cycle; only while its boards are ready and answered.
+  /// Runs the arm's loop and supervisor for this cycle; only while its boards are ready and answer.
   /// @param exerted  force of the tip on the object as measured [N]. @param age  [s] of it.
   void act(const TipTarget& target, const Eigen::Vector3d& exerted, double age,
            double dt) noexcept;
@@ -41,7 +41,7 @@ class BoardSide {
   void compare_forces() noexcept { compares_ = true; }
 
   /// Declares that the controller holds the arm, whose supervisor then requires it to come to rest.
-  void keeps_still(bool held) noexcept { input_.held = held; }
+  void set_held(bool held) noexcept { input_.held = held; }
 
   /// A newly detected fault, as fixed text; `what` null: none.
   struct News {
@@ -51,7 +51,7 @@ class BoardSide {
     bool unexplained = false, old_force = false;
   };
   /// @param largest_age  [s] without a valid read.
-  News news(double largest_age) noexcept;
+  News poll_faults(double largest_age) noexcept;
 
   /// Difference between the measured force and the one that its motors' torques explain [N]; NaN
   /// where they are not compared.
@@ -78,7 +78,7 @@ class BoardSide {
     const PowerState state = session_.boards().state();
     return state != PowerState::kOff && state != PowerState::kFault;
   }
-  bool deaf() const { return deaf_; }  ///< True if it does not answer and is no longer polled.
+  bool is_unresponsive() const { return deaf_; }  ///< True if it does not answer and is no longer polled.
   const SafetySupervisor* supervisor() const { return supervisor_.get(); }  ///< null before power
 
  private:

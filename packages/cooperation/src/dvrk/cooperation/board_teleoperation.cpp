@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kLargestLatency = 0.06;  // [s] that is looked for
+constexpr double kLargestLatency = 0.06;  // [s] end of the search
 
 // The leader: weightless, with forces at its tip and brakes for joints that the tip does not need.
 class LeaderLoop {
@@ -68,10 +68,10 @@ class TeleoperationLoop : private BoardLoop {
 
   TeleoperationRun run() {
     out_.name = scenario_.name;
-    look();
+    read_before_power();
     plan();
-    look();
-    hear(line_);
+    read_before_power();
+    wait_for_sensors(line_);
     if (stopped()) fail("stopped by a signal", {}, BoardEnd::kStopped);
     if (why_ == nullptr && power_up(line_)) {
       begin();
@@ -97,12 +97,12 @@ class TeleoperationLoop : private BoardLoop {
   BoardSide& leader() { return *sides_[leader_]; }
   BoardSide& follower() { return *sides_[follower_]; }
 
-  // An operator goes where he likes; the steps of an emulated hand are known, and what the follower
-  // cannot do along them is not begun.
+  // An operator's motion is unknown; the steps of an emulated hand are known, and steps that the follower
+  // cannot execute are refused.
   void plan() {
     if (!options_.planned || !options_.emulate) return;
     MotionPlan plan(scenario_, planned_arms());
-    MotionPlan::State state = plan.standing(standing());
+    MotionPlan::State state = plan.initial_state(initial_state());
     for (std::size_t p = 0; p < scenario_.phases.size(); ++p) {
       const TeleoperationStep& step = wanted_.steps[p];
       ScenarioCommand hand;
@@ -127,7 +127,7 @@ class TeleoperationLoop : private BoardLoop {
     hand_.emplace(VectorXd(leader().loop().position()));
     goal_ = hand_->x();
     if (joined_)
-      joined_->take_by_hand({wanted_.leader, wanted_.hand_stiffness, wanted_.hand_damping},
+      joined_->attach_hand({wanted_.leader, wanted_.hand_stiffness, wanted_.hand_damping},
                             leader().loop().position());
     double seconds = 0.0;
     for (const ScenarioPhase& phase : scenario_.phases) seconds += phase.duration;
@@ -157,7 +157,7 @@ class TeleoperationLoop : private BoardLoop {
   Vector3d read_force() noexcept {
     if (scenario_.walls.empty()) return Vector3d::Zero();
     if (joined_) {
-      const ForceSample sample = sensor_->read(time_, joined_->push(0));
+      const ForceSample sample = sensor_->read(time_, joined_->true_wall_force(0));
       force_ = {sample.force, time_ - sample.time, sample.number, sample.force};
     } else {
       force_ = read_sensor(line_.front());
@@ -172,20 +172,20 @@ class TeleoperationLoop : private BoardLoop {
   void work() noexcept {
     if (joined_) {
       hand_->advance(period_);
-      joined_->lead(hand_->x());
+      joined_->move_hand_to(hand_->x());
     }
     const Vector3d force = read_force();
-    for (std::size_t k = 0; k < sides_.size(); ++k) look_after(k);
+    for (std::size_t k = 0; k < sides_.size(); ++k) collect_faults(k);
     if (why_ != nullptr || holds_) tele_->clutch(false);
     tele_->update(leader().loop().position(), leader().loop().velocity(), force);
     // While targets are held the follower must come to rest; the leader is free.
-    follower().keeps_still((why_ != nullptr || holds_) && !follower().loop().yields());
+    follower().set_held((why_ != nullptr || holds_) && !follower().loop().yields());
     watch_hold();
     follower().act(tele_->follower(), force, force_.age, dt_);
     const Vector3d in_base =
         leader().models().R_world_base_known.transpose() * tele_->leader_force();
     leader().drive(loop_->torque(leader().q(), leader().dq(), in_base), Vector3d::Zero(), 0.0, dt_);
-    if (joined_) break_down();
+    if (joined_) activate_fault();
   }
 
   void record() noexcept {
@@ -195,9 +195,9 @@ class TeleoperationLoop : private BoardLoop {
     row.segment<3>(1) = leader().loop().position().transpose();
     row.segment<3>(4) = tele_->follower().position.transpose();
     row.segment<3>(7) = follower().loop().position().transpose();
-    row[10] = joined_ && !scenario_.walls.empty() ? joined_->push(0) : force_.force;
+    row[10] = joined_ && !scenario_.walls.empty() ? joined_->true_wall_force(0) : force_.force;
     if (joined_) row.segment<3>(11) = joined_->hand_force().transpose();
-    row[14] = tele_->in() ? 1.0 : 0.0;
+    row[14] = tele_->is_engaged() ? 1.0 : 0.0;
   }
 
   void finish() {

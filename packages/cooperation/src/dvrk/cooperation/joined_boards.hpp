@@ -23,7 +23,7 @@ class JoinedBoards {
   virtual double rate(int member) const = 0;    ///< [m/s] of its length
   virtual double largest_force() const = 0;     ///< [N] of any member, ever
   /// True force of a wall on its arm [N] as a channel of its sensor has it, see wall_channels().
-  virtual double push(int wall, int channel = 0) const = 0;
+  virtual double true_wall_force(int wall, int channel = 0) const = 0;
 
   /// A hand holds an arm's tip by a spring and a damper [N/m], [N s/m].
   struct Hand {
@@ -31,14 +31,14 @@ class JoinedBoards {
     double stiffness = 0.0, damping = 0.0;
   };
   /// Attaches the hand at `place` [m] in the world.
-  virtual void take_by_hand(const Hand& hand, const Eigen::Vector3d& place) = 0;
-  virtual void lead(const Eigen::Vector3d& place) = 0;  ///< Moves the hand.
+  virtual void attach_hand(const Hand& hand, const Eigen::Vector3d& place) = 0;
+  virtual void move_hand_to(const Eigen::Vector3d& place) = 0;  ///< Moves the hand.
   virtual Eigen::Vector3d hand_force() const = 0;       ///< [N] on the arm, in the world
 
   /// Sets a function that the serving thread calls after each step of the world. Call it before serving.
   virtual void watch(std::function<void(const EmulatedInstant&)> watcher) = 0;
   /// Activates the fault.
-  virtual void break_down(const EmulatedFault& fault) noexcept = 0;
+  virtual void activate_fault(const EmulatedFault& fault) noexcept = 0;
 };
 
 }  // namespace veridyn::dvrk

@@ -29,8 +29,8 @@ LiveHand::LiveHand(const Scenario& scenario, LineSource& lines, const LiveOption
   if (reads == Reads::kBetweenCycles) return;
   thread_ = std::thread([this] {
     while (!ends_.load()) {
-      pump();
-      say();
+      plan_next_line();
+      report_state();
       std::this_thread::sleep_for(kLook);
     }
   });
@@ -46,20 +46,20 @@ LiveHand::Shown LiveHand::shown() {
   return shown_;
 }
 
-// The next line becomes a command when the loop has taken all before it: it is planned from there.
-void LiveHand::pump() {
+// The next line becomes a command once the loop has executed all before it: it is planned from that state.
+void LiveHand::plan_next_line() {
   const Shown now = shown();
   if (!now.plan) return;
-  stops(0, now.time);
+  stop_requested(0, now.time);
   if (now.taken != written_.load()) return;
   if (now.jogs) plan_jog(now);
   std::string line;
-  if (!now.waits && lines_.next(line)) take(line, now);
+  if (!now.waits && lines_.next(line)) plan_line(line, now);
   if (lines_.closed()) closed_.store(true);
 }
 
 // A stop goes ahead of all that has not been carried out. @param under_way  lines that are being answered.
-bool LiveHand::stops(int under_way, double now) {
+bool LiveHand::stop_requested(int under_way, double now) {
   const std::optional<int> dropped = lines_.stopped(now);
   if (!dropped) return false;
   put(LiveStop{});
@@ -76,12 +76,12 @@ void LiveHand::put(const LiveCommand& command) {
   written_.fetch_add(1);
 }
 
-void LiveHand::take(const std::string& line, const Shown& now) {
-  LiveCommand command = LiveAlive{};  // also a line that is not understood shows a living hand
+void LiveHand::plan_line(const std::string& line, const Shown& now) {
+  LiveCommand command = LiveAlive{};  // an invalid line is a sign of life, too
   try {
     command = parse_live_command(line, scenario_);
     const std::string why = plan_ ? objection(command, now) : "";
-    if (stops(1, shown().time)) return;
+    if (stop_requested(1, shown().time)) return;
     if (!why.empty()) throw InvalidInput(text("'", line, "': ", why, "."));
     if (std::holds_alternative<LiveJog>(command)) jog_until_.store(now.time + options_.silence);
   } catch (const InvalidInput& error) {
@@ -94,12 +94,12 @@ void LiveHand::take(const std::string& line, const Shown& now) {
 
 std::string LiveHand::objection(const LiveCommand& command, const Shown& now) {
   MotionPlan::State state =
-      plan_->under_way(now.plan->control, now.plan->seen, now.plan->q);
-  if (state.control.state() != CooperativeState::kTracking) return "";  // all is held: not taken
+      plan_->state_during_run(now.plan->control, now.plan->seen, now.plan->q);
+  if (state.control.state() != CooperativeState::kTracking) return "";  // targets are held: the command is ignored
   if (const auto* jog = std::get_if<LiveJog>(&command))
     return plan_->jog(std::move(state), jog->velocity, options_.silence);
   const auto* one = std::get_if<ScenarioCommand>(&command);
-  return one == nullptr ? "" : plan_->take(std::move(state), *one);
+  return one == nullptr ? "" : plan_->check_command(std::move(state), *one);
 }
 
 // A jog continues while the next half second can be planned.
@@ -115,7 +115,7 @@ void LiveHand::plan_jog(const Shown& now) {
   if (report_.refused) report_.refused(text("the jog ends: ", why, "."));
 }
 
-void LiveHand::say() {
+void LiveHand::report_state() {
   if (!report_.state) return;
   const Shown now = shown();
   if (!now.plan || (told_ && now.time < *told_ + options_.tell)) return;
@@ -131,7 +131,7 @@ void LiveHand::say() {
   report_.state(line);
 }
 
-void LiveHand::give(const LiveCommand& command, double time,
+void LiveHand::apply(const LiveCommand& command, double time,
                     CooperativeController& control) noexcept {
   heard_ = time;
   began_ = true;
@@ -145,16 +145,16 @@ void LiveHand::give(const LiveCommand& command, double time,
   if (!std::holds_alternative<LiveWait>(command)) jogs_ = jog != nullptr;
   if (std::holds_alternative<LiveStop>(command)) control.stop();
   const auto* one = std::get_if<ScenarioCommand>(&command);
-  if (one != nullptr && !give_command(*one, control)) ++refused_;
+  if (one != nullptr && !apply_command(*one, control)) ++refused_;
 }
 
 LiveHand::End LiveHand::act(double time, CooperativeController& control) noexcept {
-  if (reads_ == Reads::kBetweenCycles) pump();
+  if (reads_ == Reads::kBetweenCycles) plan_next_line();
   if (jogs_ && plan_ && time > jog_until_.load()) {
     jogs_ = false;
     control.stop();
   }
-  // Asked first: what was written before the end came is in the queue then.
+  // Read first: lines written before the end of the input are in the queue then.
   const bool closed = closed_.load();
   if (const std::size_t stop = stop_.load(); stop > read_.load()) {
     refused_ += static_cast<long>(stop - 1 - read_.load());
@@ -162,7 +162,7 @@ LiveHand::End LiveHand::act(double time, CooperativeController& control) noexcep
     waits_until_ = time;
   }
   while (time >= waits_until_ && !quits_ && read_.load() != written_.load()) {
-    give(queue_[read_.load() % kRoom], time, control);
+    apply(queue_[read_.load() % kRoom], time, control);
     read_.fetch_add(1);
   }
   if (jogs_ && time - heard_ > options_.silence) {  // a jog needs a living hand
@@ -174,7 +174,7 @@ LiveHand::End LiveHand::act(double time, CooperativeController& control) noexcep
     ScenarioCommand move;
     move.way = velocity_ * 0.5 * kJogAhead;
     move.over = kJogAhead;
-    give_command(move, control);
+    apply_command(move, control);
   }
   if (quits_ || time > options_.longest) return End::kQuit;
   const bool silent = options_.watches_silence && began_ && time - heard_ > options_.silence;

@@ -54,7 +54,7 @@ class LiveHand {
     shown_.jogs = jogs_;
     shown_.velocity = velocity_;
     showing_.unlock();
-    if (reads_ == Reads::kBetweenCycles) say();
+    if (reads_ == Reads::kBetweenCycles) report_state();
   }
 
   long commands() const { return commands_; }
@@ -70,15 +70,15 @@ class LiveHand {
     Eigen::Vector3d velocity{Eigen::Vector3d::Zero()};
   };
 
-  void pump();
-  bool stops(int under_way, double now);
-  void take(const std::string& line, const Shown& now);
+  void plan_next_line();
+  bool stop_requested(int under_way, double now);
+  void plan_line(const std::string& line, const Shown& now);
   void put(const LiveCommand& command);
   void plan_jog(const Shown& now);
   std::string objection(const LiveCommand& command, const Shown& now);
   Shown shown();
-  void say();
-  void give(const LiveCommand& command, double time, CooperativeController& control) noexcept;
+  void report_state();
+  void apply(const LiveCommand& command, double time, CooperativeController& control) noexcept;
 
   const Scenario& scenario_;
   WaitingLines lines_;

@@ -10,7 +10,7 @@
 namespace veridyn::dvrk {
 namespace {
 
-constexpr std::chrono::milliseconds kBetween{100};  // two looks for rows
+constexpr std::chrono::milliseconds kBetween{100};  // between two checks for new rows
 
 }  // namespace
 
@@ -39,7 +39,7 @@ void ScenarioRowFile::follow() {
   for (Eigen::Index written = 0; !ends_.load();) {
     const Eigen::Index rows = rows_.load(std::memory_order_acquire);
     for (; written < rows; ++written) file_ << scenario_row(run_, written) << '\n';
-    if (!file_.flush()) return;  // a full disk, of which write_scenario_rows() tells
+    if (!file_.flush()) return;  // a full disk, which write_scenario_rows() reports
     if (!named_ && written > 0) {
       std::filesystem::rename(aside_, path_, ignored_);
       if (ignored_) return;

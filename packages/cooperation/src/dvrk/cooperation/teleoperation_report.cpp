@@ -20,8 +20,8 @@ std::string TeleoperationRun::report() const {
   if (end != BoardEnd::kDone)
     out += fmt::format("At {:.4g} s {}: the follower was to be held, the leader free, then power went.\n",
                        fault_at, why);
-  out += words_after_fault(after_fault, later);
-  out += fmt::format("Boards at the end: {}.\n", words_at_end(power, not_off));
+  out += faults_text(after_fault, later);
+  out += fmt::format("Boards at the end: {}.\n", power_text(power, not_off));
   return out;
 }
 

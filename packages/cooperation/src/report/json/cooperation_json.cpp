@@ -5,7 +5,7 @@
 namespace veridyn {
 namespace {
 
-Json asked_or_null(double asked) {
+Json requested_or_null(double asked) {
   return asked > 0.0 ? Json(asked) : Json();
 }
 
@@ -30,11 +30,11 @@ Json phase_json(const PhaseFigures& p) {
           {"from", p.from},
           {"to", p.to},
           {"force_error",
-           {{"reached", p.largest_force_error()}, {"asked", asked_or_null(p.asked_force_error)}}},
+           {{"reached", p.largest_force_error()}, {"asked", requested_or_null(p.asked_force_error)}}},
           {"steady_error",
-           {{"reached", p.largest_steady_error()}, {"asked", asked_or_null(p.asked_steady_error)}}},
+           {{"reached", p.largest_steady_error()}, {"asked", requested_or_null(p.asked_steady_error)}}},
           {"body_error", p.body_error},
-          {"asked_position_error", asked_or_null(p.asked_position_error)},
+          {"asked_position_error", requested_or_null(p.asked_position_error)},
           {"met", p.met()},
           {"position_error", p.position_error},
           {"final_position_error", p.final_position_error},
@@ -96,10 +96,10 @@ std::string to_json(const ScenarioRun& run, const Scenario& scenario) {
     out["phases"].push_back(phase_json(p));
   }
   out["met"] = run.met();
-  out["asked_largest_force"] = asked_or_null(run.asked_largest_force);
+  out["asked_largest_force"] = requested_or_null(run.asked_largest_force);
   out["settings"] = settings_json(scenario);
   out["seconds"] = run.seconds;
-  return written(out);
+  return json_text(out);
 }
 
 std::string to_json(const ScenarioSweepResult& sweep, const Scenario& scenario) {
@@ -136,7 +136,7 @@ std::string to_json(const ScenarioSweepResult& sweep, const Scenario& scenario) 
   out["generated_energy_where_stable"] = sweep.largest_generated_where_stable();
   out["settings"] = settings_json(scenario);
   out["seconds"] = sweep.seconds;
-  return written(out);
+  return json_text(out);
 }
 
 }  // namespace veridyn

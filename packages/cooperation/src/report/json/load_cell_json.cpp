@@ -15,7 +15,7 @@ std::string to_json(const LoadCellCalibration& c) {
   out["residual"] = c.residual;
   out["nonlinearity"] = c.nonlinearity;
   out["noise"] = c.noise;
-  return written(out);
+  return json_text(out);
 }
 
 }  // namespace veridyn

@@ -11,13 +11,13 @@ Json member_plots(const ScenarioRun& run, std::size_t k, Eigen::Index step) {
   const MemberTrace& m = run.member[k];
   const VectorXd off = m.force - m.wanted;
   return {plot_json("time", "Force in " + run.members[k], "N",
-                    {curve_json("measured", "measured", packed(m.measured, step)),
-                     curve_json("wanted", "wanted", packed(m.wanted, step)),
-                     curve_json("true", "simulated", packed(m.force, step))}),
+                    {curve_json("measured", "measured", packed_values(m.measured, step)),
+                     curve_json("wanted", "wanted", packed_values(m.wanted, step)),
+                     curve_json("true", "simulated", packed_values(m.force, step))}),
           plot_json("error", "", "N",
-                    Json::array({curve_json("true minus wanted", "simulated", packed(off, step))})),
+                    Json::array({curve_json("true minus wanted", "simulated", packed_values(off, step))})),
           plot_json("error", "Correction x_f of " + run.members[k], "mm",
-                    Json::array({curve_json("x_f", "simulated", packed(1e3 * m.x_f, step))}))};
+                    Json::array({curve_json("x_f", "simulated", packed_values(1e3 * m.x_f, step))}))};
 }
 
 Json tip_plots(const ScenarioRun& run, std::size_t k, Eigen::Index step) {
@@ -28,12 +28,12 @@ Json tip_plots(const ScenarioRun& run, std::size_t k, Eigen::Index step) {
     for (int c = 0; c < 3; ++c) {
       const VectorXd values = 1e3 * ((wanted ? a.motion : a.tip).col(c).array() - a.motion(0, c));
       const std::string name = std::string(axes[c]) + (wanted ? " wanted" : "");
-      way.push_back(curve_json(name, name, packed(values, step)));
+      way.push_back(curve_json(name, name, packed_values(values, step)));
     }
   }
   for (int c = 0; c < 3; ++c) {
     const VectorXd values = 1e3 * (a.tip.col(c) - a.motion.col(c));
-    off.push_back(curve_json(std::string(axes[c]) + " off its way", axes[c], packed(values, step)));
+    off.push_back(curve_json(std::string(axes[c]) + " off its way", axes[c], packed_values(values, step)));
   }
   return {plot_json("time", "Tip of " + run.arms[k] + " since the start", "mm", way),
           plot_json("error", "", "mm", off)};
@@ -41,7 +41,7 @@ Json tip_plots(const ScenarioRun& run, std::size_t k, Eigen::Index step) {
 
 Json columns(const MatrixXd& of, Eigen::Index step) {
   Json out = Json::array();
-  for (Eigen::Index c = 0; c < of.cols(); ++c) out.push_back(packed(of.col(c), step));
+  for (Eigen::Index c = 0; c < of.cols(); ++c) out.push_back(packed_values(of.col(c), step));
   return out;
 }
 
@@ -59,7 +59,7 @@ Eigen::Isometry3d base_of(const ScenarioArm& arm) {
 Json held_json(const ScenarioRun& run, const Scenario& scenario, Eigen::Index step) {
   Json out = Json::array();
   for (std::size_t k = 0; k < run.member.size(); ++k) {
-    Json one = {{"force", packed(run.member[k].force, step)}};
+    Json one = {{"force", packed_values(run.member[k].force, step)}};
     const std::size_t wall = k - std::min(k, scenario.members.size());
     if (k < scenario.members.size()) {
       one["from"] = scenario.members[k].from;

@@ -12,7 +12,7 @@
 namespace veridyn {
 namespace {
 
-Json flags(const std::vector<char>& values) {
+Json flags_json(const std::vector<char>& values) {
   Json out = Json::array();
   for (const char value : values) out.push_back(value != 0);
   return out;
@@ -108,7 +108,7 @@ Json study_json(const StabilityStudy& study) {
   if (study.locus) {
     out["locus"] = {{"parameter", study.locus->range.name},
                     {"values", study.locus->values},
-                    {"stable", flags(study.locus->stable)},
+                    {"stable", flags_json(study.locus->stable)},
                     {"eigenvalues", study.locus->eigenvalues}};
   }
   if (study.recommendation) {
@@ -140,7 +140,7 @@ Json study_json(const StabilityStudy& study) {
 }  // namespace
 
 std::string to_json(const StabilityStudy& study) {
-  return written(study_json(study));
+  return json_text(study_json(study));
 }
 
 std::string to_page(const StabilityStudy& study, const std::string& command) {

@@ -5,7 +5,7 @@
 namespace veridyn {
 namespace {
 
-Vec3d accelerated(const Column<double>& c, const Vec3d& offset) {
+Vec3d point_acceleration(const Column<double>& c, const Vec3d& offset) {
   return c.v + cross(c.w, offset);
 }
 
@@ -42,7 +42,7 @@ ArmPoints::Point ArmPoints::point(int frame, const Eigen::Vector3d& offset) cons
   Vec3d v{0, 0, 0};
   for (int m = link.first_support; m < link.end_support; ++m) {
     v = v + dq_[tree_.supports[m].coordinate] *
-                accelerated(recursion_.jacobian[m], at);
+                point_acceleration(recursion_.jacobian[m], at);
   }
   return {eigen(T.p + rotate(T.R, at)), eigen(rotate(T.R, v))};
 }
@@ -55,7 +55,7 @@ void ArmPoints::add_force(int frame, const Eigen::Vector3d& offset, const Eigen:
   const Vec3d at = from_eigen(offset);
   for (int m = link.first_support; m < link.end_support; ++m) {
     tau[tree_.supports[m].coordinate] +=
-        share * dot(accelerated(recursion_.jacobian[m], at), in_link);
+        share * dot(point_acceleration(recursion_.jacobian[m], at), in_link);
   }
 }
 
@@ -65,7 +65,7 @@ void ArmPoints::jacobian(int frame, const Eigen::Vector3d& offset, MatrixXd& J) 
   J.setZero();
   for (int m = link.first_support; m < link.end_support; ++m) {
     J.col(tree_.supports[m].coordinate) =
-        eigen(rotate(T_world_[k].R, accelerated(recursion_.jacobian[m], from_eigen(offset))));
+        eigen(rotate(T_world_[k].R, point_acceleration(recursion_.jacobian[m], from_eigen(offset))));
   }
 }
 

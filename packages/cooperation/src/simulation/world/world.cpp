@@ -69,7 +69,7 @@ World::State::State(std::vector<WorldArm> given, WorldObjects things) : objects(
     bodies.push_back({body.position, zero, zero, body.rotation, zero, zero});
   }
   start = rates = bodies;
-  settle();
+  update_forces();
 }
 
 void World::State::check(const Attachment& at, const char* what) const {
@@ -179,26 +179,26 @@ int World::State::choose_substeps(double dt) {
   return std::isfinite(wanted) ? std::max(1, static_cast<int>(std::ceil(wanted))) : 1;
 }
 
-void World::State::foresee(double h) {
+void World::State::predict(double h) {
   for (Arm& arm : arms) {
     arm.q = arm.engine->q() + h * arm.engine->dq() + 0.5 * h * h * arm.ddq;
     arm.dq = arm.engine->dq() + h * arm.ddq;
     arm.points.move_to(arm.q, arm.dq);
   }
-  foresee_bodies(h);
+  predict_bodies(h);
 }
 
 // Updates points, members and forces at the present state; clears the sums of a substep.
-void World::State::settle() {
+void World::State::update_forces() {
   for (Arm& arm : arms) arm.ddq.setZero();
   start = bodies;
-  foresee(0.0);
+  predict(0.0);
   clear_forces();
   add_forces(1.0, 0.0);
 }
 
 StepStatus World::State::substep(const std::vector<VectorXd>& tau, double h) {
-  // At this point the forces are those of the last settle().
+  // At this point the forces are those of the last update_forces().
   for (size_t k = 0; k < arms.size(); ++k) {
     Arm& arm = arms[k];
     arm.all = tau[k] + arm.external;
@@ -207,12 +207,12 @@ StepStatus World::State::substep(const std::vector<VectorXd>& tau, double h) {
   }
   start = bodies;
   rates = bodies;
-  foresee(0.0);
+  predict(0.0);
   clear_forces();
   add_forces(1.0 / 6.0, h);
-  foresee(0.5 * h);
+  predict(0.5 * h);
   add_forces(4.0 / 6.0, h);
-  foresee(h);
+  predict(h);
   add_forces(1.0 / 6.0, h);
   for (size_t k = 0; k < arms.size(); ++k) {
     Arm& arm = arms[k];
@@ -221,7 +221,7 @@ StepStatus World::State::substep(const std::vector<VectorXd>& tau, double h) {
     if (status != StepStatus::kOk) return status;
   }
   move_bodies(h);
-  settle();
+  update_forces();
   time += h;
   return StepStatus::kOk;
 }
@@ -266,19 +266,19 @@ void World::set_state(int arm, const VectorRef& q, const VectorRef& dq) {
   s.arms.at(arm).engine->set_state(q, dq);
   s.time = s.work = 0.0;
   s.until_review = 0;
-  s.settle();
+  s.update_forces();
 }
 
 void World::hit(int arm, const VectorRef& q, const VectorRef& dq) {
   State& s = *state_;
   s.arms.at(arm).engine->set_state(q, dq);
   s.until_review = 0;
-  s.settle();
+  s.update_forces();
 }
 
 void World::detach(int member) {
   state_->objects.members.at(member).attached = false;
-  state_->settle();
+  state_->update_forces();
 }
 
 void World::attach(int member, double rest_length) {
@@ -286,7 +286,7 @@ void World::attach(int member, double rest_length) {
   Member& m = state_->objects.members.at(member);
   m.attached = true;
   m.rest_length = rest_length;
-  state_->settle();
+  state_->update_forces();
 }
 
 StepStatus World::step(const std::vector<VectorXd>& tau, double dt) noexcept {

@@ -83,7 +83,7 @@ void World::State::add_bodies(double share, double h) {
 }
 
 // Predicts the bodies at h after the substep's start from the forces there.
-void World::State::foresee_bodies(double h) {
+void World::State::predict_bodies(double h) {
   for (size_t k = 0; k < bodies.size(); ++k) {
     const HeldBody& what = objects.bodies[k];
     const BodyMotion& from = start[k];
@@ -106,7 +106,7 @@ void World::State::move_bodies(double h) {
     rates[k].force = bodies[k].force;
     rates[k].moment = bodies[k].moment;
   }
-  foresee_bodies(h);
+  predict_bodies(h);
   for (BodyMotion& body : bodies) body.R = Eigen::Quaterniond(body.R).normalized().matrix();
 }
 

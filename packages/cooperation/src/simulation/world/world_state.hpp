@@ -40,15 +40,15 @@ struct World::State {
   PointMotion point(const Attachment& at) const;
   void push(const Attachment& at, const Eigen::Vector3d& force, double share);
   /// Predicts all points after a share of a substep of h [s].
-  void foresee(double h);
-  void foresee_bodies(double h);
+  void predict(double h);
+  void predict_bodies(double h);
   /// Adds `share` of the forces at the present state.
   void add_forces(double share, double h);
   void add_members(double share, double h);
   void add_walls(double share, double h);
   void add_bodies(double share, double h);
   void clear_forces();
-  void settle();
+  void update_forces();
   int choose_substeps(double dt);
   StepStatus substep(const std::vector<VectorXd>& tau, double h);
   void move_bodies(double h);

@@ -110,7 +110,7 @@ class BoardEmulator {
   BoardLoad& load_or_none() { return load_ != nullptr ? *load_ : standing_; }
   bool resetting() const { return now_ < reset_until_; }
   int place_of(int node) const noexcept;
-  int reader_of(const Request& request) const noexcept;
+  int requesting_reader(const Request& request) const noexcept;
   int hub() const { return 0; }
   Answer execute(const Request& request, ByteSpan reply) noexcept;
   void write(const Request& request) noexcept;
@@ -119,12 +119,12 @@ class BoardEmulator {
   Answer answer_query(const Request& query, ByteSpan reply) noexcept;
   void read_block(const Request& request, int place, QuadletSpan out) noexcept;
   void start_query(std::uint32_t word) noexcept;
-  void settle_hub() noexcept;
+  void update_hub() noexcept;
   void read_hub(QuadletSpan out) noexcept;
   Trailer trailer(std::uint8_t flags) const noexcept;
   Answer send(Reply& reply, int place, ByteSpan out) noexcept;
-  bool takes_fault(int node) noexcept;
-  Answer spoil(std::size_t size, ByteSpan out) noexcept;
+  bool consume_fault(int node) noexcept;
+  Answer corrupt_reply(std::size_t size, ByteSpan out) noexcept;
   bool is_lost() noexcept;
 
   std::vector<EmulatedBoard> boards_;

@@ -26,7 +26,7 @@ class BoardServer {
   std::uint16_t port() const { return port_; }
 
   /// True if datagrams from this address are accepted, in host byte order.
-  bool is_heard(std::uint32_t address) const {
+  bool accepts_address(std::uint32_t address) const {
     return listens_ == Listens::kEverywhere || (address >> 24) == 127;
   }
 

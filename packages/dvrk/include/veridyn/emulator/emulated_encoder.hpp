@@ -17,7 +17,7 @@ class EmulatedEncoder {
   /// The shaft has come to `counts`.
   void move(double counts, Ticks now) noexcept;
 
-  /// The counter jumps by so many counts, as edges that were missed let it.
+  /// The counter jumps by so many counts, as after missed edges.
   void slip(std::int64_t counts) noexcept { offset_ += counts; }
 
   /// Loads the counter with a 24-bit word.

@@ -37,8 +37,8 @@ class SteppedLink final : public DatagramLink {
   double now() noexcept override { return clock_.now(); }
   void wait(double seconds) noexcept override { clock_.pass(seconds); }
   std::uint32_t address_word() const noexcept override { return udp_.address_word(); }
-  void speak_to(int board) noexcept override { udp_.speak_to(board); }
-  void hub_is(int firmware, int board) noexcept override { udp_.hub_is(firmware, board); }
+  void set_board(int board) noexcept override { udp_.set_board(board); }
+  void set_hub(int firmware, int board) noexcept override { udp_.set_hub(firmware, board); }
 
  private:
   UdpLink udp_;

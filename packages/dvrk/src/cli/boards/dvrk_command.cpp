@@ -231,9 +231,9 @@ dvrk::ArmSessionOptions session_options(const DvrkRequest& request, const DvrkAr
   return options;
 }
 
-void say_faults(const dvrk::FaultLog& faults) {
+void report_faults(const dvrk::FaultLog& faults) {
   std::istringstream lines(faults.report());
-  for (std::string line; std::getline(lines, line);) say(line);
+  for (std::string line; std::getline(lines, line);) print_message(line);
 }
 
 void add_dvrk_command(CLI::App& tool, Outcome& outcome) {

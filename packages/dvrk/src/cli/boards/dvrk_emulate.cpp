@@ -201,7 +201,7 @@ void watch_arms(std::vector<EmulatedArm>& arms, double t) {
   for (EmulatedArm& arm : arms) {
     if (!arm.load || arm.load->status() == StepStatus::kOk || arm.failed) continue;
     arm.failed = true;
-    say(fmt::format("the simulated arm {} {} at {:.3f} s; it stands still now.", arm.of.robot.name,
+    print_message(fmt::format("the simulated arm {} {} at {:.3f} s; it stands still now.", arm.of.robot.name,
                     describe(arm.load->status()), t));
   }
 }
@@ -222,11 +222,11 @@ struct Emulated {
     emulator.attach(&*load);
   }
   double time() const { return static_cast<double>(emulator.time()) / dvrk::kTicksPerSecond; }
-  void happen() {
+  void trigger_event() {
     const double t = time();
     for (; next < events.size() && events[next].time <= t; ++next) {
       events[next].happen(emulator);
-      if (!quiet) say(fmt::format("{:.3f} s: {}", t, events[next].words));
+      if (!quiet) print_message(fmt::format("{:.3f} s: {}", t, events[next].words));
     }
     watch_arms(arms, t);
   }
@@ -248,12 +248,12 @@ class LinkInside final : public dvrk::DatagramLink {
     return link_.send(datagram, to);
   }
   dvrk::Arrival receive(dvrk::ByteSpan buffer, double timeout) noexcept override {
-    world_.happen();
+    world_.trigger_event();
     return link_.receive(buffer, timeout);
   }
   double now() noexcept override { return link_.now(); }
   void wait(double seconds) noexcept override {
-    world_.happen();
+    world_.trigger_event();
     link_.wait(seconds);
   }
   std::uint32_t address_word() const noexcept override { return link_.address_word(); }
@@ -288,16 +288,16 @@ ExitStatus run_dvrk_emulate(const DvrkRequest& request) {
                            world.boards.size(), server.port(), request.firmware,
                            request.models.empty() ? ", nothing moves (no --model)" : "")
             << std::flush;
-  take_real_time_priority(40);
+  set_real_time_priority(40);
   lock_memory();
   double latest_said = 0.02;
-  while (!stop_asked().load()) {
+  while (!stop_requested().load()) {
     if (request.seconds > 0.0 && world.time() > request.seconds) break;
-    world.happen();
+    world.trigger_event();
     server.serve(0.001);
     if (server.latest() > 2.0 * latest_said && !request.common.quiet) {
       latest_said = server.latest();
-      say(fmt::format("the simulated arm is {:.0f} ms late", 1e3 * latest_said));
+      print_message(fmt::format("the simulated arm is {:.0f} ms late", 1e3 * latest_said));
     }
   }
   const BoardEmulator::Counters& counters = emulator.counters();

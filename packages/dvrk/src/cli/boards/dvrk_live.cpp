@@ -54,7 +54,7 @@ std::string table(ArmSession& arm) {
   return out;
 }
 
-void tell_timing(const dvrk::LoopTiming& timing, const DvrkRequest& request) {
+void report_timing(const dvrk::LoopTiming& timing, const DvrkRequest& request) {
   if (request.emulate) {
     std::cout << fmt::format("{} cycles by the boards' clock, which stands still while the program computes\n", timing.cycles);
     return;
@@ -79,14 +79,14 @@ dvrk::ArmSessionOptions reading_options(const DvrkRequest& request, const DvrkAr
 }
 
 // Refused if any motor is on, before anything is written, because homing writes "off".
-void home_first(const DvrkRequest& request, const DvrkArm& arm, dvrk::UdpLink& link) {
+void home_before_run(const DvrkRequest& request, const DvrkArm& arm, dvrk::UdpLink& link) {
   if (!request.home) return;
   dvrk::require_no_power(link, arm.robot, reading_options(request, arm, dvrk::Access::kListen));
   ArmSession session(link, arm.robot, session_options(request, arm));
   session.start();
 }
 
-std::string never_loaded(ArmSession& session) {
+std::string missing_preload(ArmSession& session) {
   if (!session.needs_homing()) return "";
   return "the encoders were never loaded: positions count from where the boards woke up (--home "
          "loads them from the pots)";
@@ -96,7 +96,7 @@ std::string never_loaded(ArmSession& session) {
 
 std::vector<std::string> prepare_loop() {
   std::vector<std::string> refused;
-  if (!take_real_time_priority(30))
+  if (!set_real_time_priority(30))
     refused.push_back("no real-time priority: cycles are late on a busy machine");
   if (!lock_memory()) refused.push_back("memory cannot be locked: a cycle may wait for a page of it");
   return refused;
@@ -106,17 +106,17 @@ std::string not_confirmed(dvrk::OffState power) {
   return text("power off is NOT CONFIRMED (", describe(power), "): press the emergency stop");
 }
 
-void say_kept(const DvrkRequest& request, const dvrk::RunResult& done) {
+void report_rows(const DvrkRequest& request, const dvrk::RunResult& done) {
   if (done.kept >= done.rows.rows() && done.file_error.empty()) return;
-  say(fmt::format("{}: {} of {} rows are kept{}{}.", request.output, done.kept, done.rows.rows(),
+  print_message(fmt::format("{}: {} of {} rows are kept{}{}.", request.output, done.kept, done.rows.rows(),
                   done.file_error.empty() ? "" : ": ", done.file_error));
 }
 
 void finish_dvrk(const DvrkRequest& request, const char* command, const dvrk::RunResult& done,
                  const ArmSession& session) {
-  tell_timing(done.timing, request);
+  report_timing(done.timing, request);
   const dvrk::FaultLog& faults = session.boards().faults();
-  say_faults(faults);
+  report_faults(faults);
   if (!request.common.json.empty())
     write_file(request.common.json, to_json(done, faults, command, session.robot().name));
 }
@@ -125,14 +125,14 @@ ExitStatus run_dvrk_monitor(const DvrkRequest& request) {
   require_writable(request.common.json);
   const DvrkArm arm = dvrk_arm(request);
   dvrk::UdpLink link(request.host, request.port);
-  home_first(request, arm, link);
+  home_before_run(request, arm, link);
   const bool blocks = request.protocol != "automatic";
   ArmSession session(
       link, arm.robot,
       reading_options(request, arm,
                       blocks ? dvrk::Access::kListen : dvrk::Access::kListenByRegister));
   catch_signals();
-  take_real_time_priority(30);
+  set_real_time_priority(30);
   const bool terminal = ::isatty(STDOUT_FILENO) != 0;
   double next = 0.0;
   double last_read = 0.0;
@@ -141,18 +141,18 @@ ExitStatus run_dvrk_monitor(const DvrkRequest& request) {
     if (t < next) return;
     next = t + kTableEvery;
     if (terminal) std::cout << "\033[H\033[J";
-    const std::string loaded = never_loaded(session);
+    const std::string loaded = missing_preload(session);
     std::cout << table(session) << loaded << (loaded.empty() ? "" : "\n")
               << session.boards().faults().report() << std::flush;
   };
   const double seconds = request.seconds > 0.0 ? request.seconds : kForever;
   dvrk::RunResult done;
-  done.timing = dvrk::watch(session, link, seconds, request.rate, stop_asked(), show);
+  done.timing = dvrk::watch(session, link, seconds, request.rate, stop_requested(), show);
   done.complete = done.timing.seconds - last_read < kSilence;
   if (!done.complete) done.why = fmt::format("no valid read after {:.3g} s", last_read);
   finish_dvrk(request, "monitor", done, session);
   if (done.complete) return kDone;
-  say("monitor: " + done.why + ".");
+  print_message("monitor: " + done.why + ".");
   return kDataCannotAnswer;
 }
 
@@ -160,21 +160,21 @@ ExitStatus run_dvrk_read(const DvrkRequest& request) {
   require_writable(request.output, request.common.json);
   const DvrkArm arm = dvrk_arm(request);
   dvrk::UdpLink link(request.host, request.port);
-  home_first(request, arm, link);
+  home_before_run(request, arm, link);
   ArmSession session(link, arm.robot, reading_options(request, arm, dvrk::Access::kListen));
   catch_signals();
-  for (const std::string& line : prepare_loop()) say(line);
+  for (const std::string& line : prepare_loop()) print_message(line);
   const dvrk::RunResult done = dvrk::record_at_rest(session, link, request.seconds, request.rate,
-                                                    stop_asked(), request.output);
+                                                    stop_requested(), request.output);
   require(done.rows.rows() > 0, "boards: not a single valid read.");
   std::cout << fmt::format("{}: {} rows, {:.4g} s.\n", arm.robot.name, done.rows.rows(),
                            done.rows.time[done.rows.rows() - 1]);
-  const std::string loaded = never_loaded(session);
-  if (!loaded.empty()) say(loaded);
+  const std::string loaded = missing_preload(session);
+  if (!loaded.empty()) print_message(loaded);
   finish_dvrk(request, "read", done, session);
-  say_kept(request, done);
+  report_rows(request, done);
   if (done.complete) return kDone;
-  say("read: the recording is incomplete: " + done.why + ".");
+  print_message("read: the recording is incomplete: " + done.why + ".");
   return kDataCannotAnswer;
 }
 

@@ -66,7 +66,7 @@ DvrkArm dvrk_arm(const DvrkRequest& request);
 dvrk::ArmSessionOptions session_options(const DvrkRequest& request, const DvrkArm& arm);
 
 /// Prints the faults of the session on standard error; warnings are printed with --quiet as well.
-void say_faults(const dvrk::FaultLog& faults);
+void report_faults(const dvrk::FaultLog& faults);
 
 /// The boards at --host, or emulated ones in this process with DvrkRequest::emulate: their clock stands
 /// still while the program computes. @throws InvalidInput, CLI::ValidationError  as `dvrk emulate`.
@@ -80,7 +80,7 @@ std::vector<std::string> prepare_loop();
 std::string not_confirmed(dvrk::OffState power);
 
 /// Reports the number of rows and the reason if the file does not have all.
-void say_kept(const DvrkRequest& request, const dvrk::RunResult& done);
+void report_rows(const DvrkRequest& request, const dvrk::RunResult& done);
 
 /// Prints timing and faults and writes the JSON file of a client's command.
 void finish_dvrk(const DvrkRequest& request, const char* command, const dvrk::RunResult& done,

@@ -100,7 +100,7 @@ std::unique_ptr<dvrk::ModelController> controller_of(const DvrkRequest& request,
   auto controller =
       std::make_unique<dvrk::ModelController>(model, gains, dvrk::largest_torques(arm), options);
   for (const std::string& effect : controller->left_out())
-    say("the controller leaves out " + effect);
+    print_message("the controller leaves out " + effect);
   return controller;
 }
 
@@ -147,19 +147,19 @@ ExitStatus run_dvrk_run(const DvrkRequest& request) {
       request.emulate ? std::vector<std::string>() : prepare_loop();
   const dvrk::RunResult done =
       in_place     ? dvrk::run_in_place(session, link, request.seconds, controller->joints(),
-                                        *controller, options, stop_asked())
-      : controller ? dvrk::run_motion(session, link, motion, *controller, options, stop_asked())
-                   : dvrk::run_motion(session, link, motion, gains, options, stop_asked());
+                                        *controller, options, stop_requested())
+      : controller ? dvrk::run_motion(session, link, motion, *controller, options, stop_requested())
+                   : dvrk::run_motion(session, link, motion, gains, options, stop_requested());
   std::cout << fmt::format("{}: {} rows of {}.\n", arm.robot.name, done.rows.rows(),
                            in_place ? "a weightless arm" : request.trajectory);
   const bool off = done.power == dvrk::OffState::kConfirmed;
   const std::string power = off ? "power is off" : not_confirmed(done.power);
-  if (!done.why.empty()) say("the run ended: " + done.why + "; " + power + ".");
-  if (done.why.empty() && !off) say(power + ".");
-  for (const std::string& line : refused) say(line);  // after the reason for the end of the run
-  if (!done.remark.empty()) say(request.output + ": " + done.remark + ".");
+  if (!done.why.empty()) print_message("the run ended: " + done.why + "; " + power + ".");
+  if (done.why.empty() && !off) print_message(power + ".");
+  for (const std::string& line : refused) print_message(line);  // after the reason for the end of the run
+  if (!done.remark.empty()) print_message(request.output + ": " + done.remark + ".");
   finish_dvrk(request, "run", done, session);
-  say_kept(request, done);
+  report_rows(request, done);
   return done.complete ? kDone : kDataCannotAnswer;
 }
 

@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "veridyn/files/input_file.hpp"
-#include "veridyn/files/beside_program.hpp"
+#include "veridyn/files/path_near_program.hpp"
 #include "veridyn/math/rotation.hpp"
 #include "veridyn/model/suggestion.hpp"
 #include "veridyn/files/yaml/yaml_node.hpp"
@@ -22,7 +22,7 @@ bool flag_or_false(const YamlNode& node, const std::string& key) {
   return given && given->flag();
 }
 
-int whole(const YamlNode& node, int lower, int upper) {
+int integer_in(const YamlNode& node, int lower, int upper) {
   const double value = node.number();
   const std::string expected = text("a whole number from ", lower, " to ", upper);
   if (value != std::floor(value) || value < lower || value > upper)
@@ -72,8 +72,8 @@ ArmActuator read_actuator(const YamlNode& node) {
   ArmActuator actuator;
   actuator.name = node.at("name").word("the actuator's name");
   actuator.prismatic = flag_or_false(node, "prismatic");
-  actuator.board = whole(node.at("board"), 0, 1);
-  actuator.axis = whole(node.at("axis"), 0, 3);
+  actuator.board = integer_in(node.at("board"), 0, 1);
+  actuator.axis = integer_in(node.at("axis"), 0, 3);
   actuator.counts = node.at("counts").positive_number();
   actuator.gear = node.at("gear").positive_number();
   actuator.torque_constant = node.at("torque_constant").positive_number();
@@ -94,11 +94,11 @@ ArmActuator read_actuator(const YamlNode& node) {
 void read_brake(const YamlNode& node, const std::vector<int>& boards,
                 std::vector<ArmActuator>& actuators) {
   node.allow_keys({"actuator", "board", "axis", "release", "release_time", "released", "engaged"});
-  const int which = whole(node.at("actuator"), 0, static_cast<int>(actuators.size()) - 1);
+  const int which = integer_in(node.at("actuator"), 0, static_cast<int>(actuators.size()) - 1);
   if (actuators[which].brake) node.at("actuator").fail(text("a second brake of actuator ", which), "one for each");
   BrakeConfig brake;
-  brake.board = boards[whole(node.at("board"), 0, 1)];
-  brake.axis = whole(node.at("axis"), 0, 3);
+  brake.board = boards[integer_in(node.at("board"), 0, 1)];
+  brake.axis = integer_in(node.at("axis"), 0, 3);
   brake.amps_to_bits = kNominalAmpsToBits;
   brake.bits_to_amps = kNominalBitsToAmps;
   brake.release_current = node.at("release").positive_number();
@@ -182,7 +182,7 @@ class File {
       arm.allow_keys({"name", "boards", "directions"});
       if (arm.at("name").word("the arm's name") != facts.name) continue;
       for (const YamlNode& board : arm.at("boards").items("two board ids"))
-        facts.boards.push_back(whole(board, 0, 15));
+        facts.boards.push_back(integer_in(board, 0, 15));
       if (facts.boards.size() != 2)
         arm.at("boards").fail(arm.at("boards").found(), "two board ids");
       const YamlNode list = arm.at("directions");
@@ -210,7 +210,7 @@ class File {
       node.allow_keys({"name", "first", "coupling"});
       ArmInstrument instrument;
       instrument.name = node.at("name").word("the instrument's name");
-      instrument.first = whole(node.at("first"), 0, static_cast<int>(n) - 1);
+      instrument.first = integer_in(node.at("first"), 0, static_cast<int>(n) - 1);
       instrument.coupling = sized(node.at("coupling"), n - instrument.first);
       facts.instruments.push_back(instrument);
     }
@@ -236,7 +236,7 @@ std::vector<fs::path> arm_files() {
 #ifdef VERIDYN_DVRK_INSTALL_DIR
   folders.emplace_back(VERIDYN_DVRK_INSTALL_DIR);
 #endif
-  folders.emplace_back(beside_program("share/veridyn/dvrk"));
+  folders.emplace_back(path_near_program("share/veridyn/dvrk"));
   std::error_code ignored;
   for (const fs::path& folder : folders) {
     for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))

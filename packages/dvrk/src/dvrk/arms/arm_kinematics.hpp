@@ -24,7 +24,7 @@ struct InverseSolution {
   Eigen::Matrix<double, n, 1> q = Eigen::Matrix<double, n, 1>::Zero();
 };
 
-/// Distance [m], or sine of an angle times distance, below which directions mean nothing: errors of
+/// Distance [m], or sine of an angle times distance, below which directions are undetermined: errors of
 /// rounding (1e-16 m) become 1e-7 rad there.
 constexpr double kSingularDistance = 1e-9;
 

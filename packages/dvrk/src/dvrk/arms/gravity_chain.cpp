@@ -16,7 +16,7 @@ namespace {
 constexpr int kFitted = 300;   // random places by which the masses are found
 constexpr int kJudged = 2000;  // others by which the largest error is
 constexpr double kTolerance = 0.05;    // share of a joint's largest torque
-constexpr double kIndependent = 1e-9;  // share of a column's length, what may be left of a dependent one
+constexpr double kIndependent = 1e-9;  // largest remainder of a dependent column, as a share of its length
 constexpr double kNothing = 1e-12;     // kg or kg m that are rounding
 constexpr double kNoTorque = 1e-9;     // N m or N that are rounding
 constexpr double kCentreOffset = 0.1;  // m, where a mass may be chosen

@@ -69,7 +69,7 @@ class Choice {
     best_.q = near;
   }
 
-  void offer(Joints q, bool singular) noexcept {
+  void add_candidate(Joints q, bool singular) noexcept {
     if (!q.allFinite()) return;
     ranges_.wrap(q, near_);
     const bool inside = ranges_.contain(q);

@@ -68,7 +68,7 @@ InverseSolution<3> MtmKinematics::inverse_position(const Eigen::Vector3d& wrist,
     for (const double B : {elbow, -elbow}) {
       const double A = std::atan2(down, side * radius) -
                        std::atan2(reach * std::sin(B), upper_ + reach * std::cos(B));
-      choice.offer({yaw, A - kRight, B - kRight - bend}, on_axis);
+      choice.add_candidate({yaw, A - kRight, B - kRight - bend}, on_axis);
     }
   }
   return choice.best();
@@ -92,7 +92,7 @@ InverseSolution<7> MtmKinematics::inverse(const Eigen::Matrix4d& T_base_tip,
     q[5] = std::atan2(-R47(1, 2), side * across);
     const Eigen::Matrix3d roll = gimbal(q[4], q[5]).transpose() * R47;
     q[6] = std::atan2(roll(1, 0), roll(0, 0)) - M_PI;
-    choice.offer(q, singular);
+    choice.add_candidate(q, singular);
   }
   return choice.best();
 }

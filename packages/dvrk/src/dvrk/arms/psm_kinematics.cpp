@@ -9,7 +9,7 @@ namespace {
 constexpr double kRight = M_PI / 2.0;
 
 // Yaw and pitch of a shaft direction. On the axis of yaw any yaw will do.
-void aim(const Eigen::Vector3d& u, double near_yaw, double& yaw, double& pitch, bool& singular) {
+void shaft_angles(const Eigen::Vector3d& u, double near_yaw, double& yaw, double& pitch, bool& singular) {
   const double across = std::hypot(u.x(), u.z());
   pitch = std::atan2(-u.y(), across);
   if (across < kSingularDistance) {
@@ -28,7 +28,7 @@ Eigen::Matrix3d turn_z(double angle) {
 }
 
 // The part of v across the unit vector n, of length one; any such vector if v is along n.
-Eigen::Vector3d across(const Eigen::Vector3d& v, const Eigen::Vector3d& n) {
+Eigen::Vector3d unit_component_across(const Eigen::Vector3d& v, const Eigen::Vector3d& n) {
   const Eigen::Vector3d part = v - v.dot(n) * n;
   const double length = part.norm();
   if (length > 1e-6) return part / length;
@@ -62,7 +62,7 @@ PsmKinematics::Joints PsmKinematics::candidate(const Eigen::Matrix4d& T, double 
   const Eigen::Vector3d normal = z6.cross(p6);
   singular = normal.norm() < kSingularDistance;
   // The axis of wrist pitch, across the plane of shaft, wrist and axis of yaw.
-  const Eigen::Vector3d z5 = singular ? across(R3_near * turn_z(near[3]).col(1), z6)
+  const Eigen::Vector3d z5 = singular ? unit_component_across(R3_near * turn_z(near[3]).col(1), z6)
                                       : Eigen::Vector3d(wrist_side * normal.normalized());
   const Eigen::Vector3d x5 = z6.cross(z5);
   const Eigen::Vector3d p5 = p6 - wrist_ * x5;
@@ -70,10 +70,10 @@ PsmKinematics::Joints PsmKinematics::candidate(const Eigen::Matrix4d& T, double 
   Eigen::Vector3d u = p5 / length;
   if (std::abs(length) < kSingularDistance) {
     singular = true;
-    u = across(R3_near.col(2), z5);
+    u = unit_component_across(R3_near.col(2), z5);
   }
   Joints q;
-  aim(u, near[0], q[0], q[1], singular);
+  shaft_angles(u, near[0], q[0], q[1], singular);
   q[2] = length + remote_ - shaft_;
   const Eigen::Matrix3d R3 = shaft_orientation(q[0], q[1]);
   const Eigen::Vector3d z5_3 = R3.transpose() * z5;
@@ -93,7 +93,7 @@ InverseSolution<6> PsmKinematics::inverse(const Eigen::Matrix4d& T_base_tip,
     for (const double shaft_side : {1.0, -1.0}) {
       bool singular = false;
       const Joints q = candidate(T, wrist_side, shaft_side, near, singular);
-      choice.offer(q, singular);
+      choice.add_candidate(q, singular);
     }
   }
   return choice.best();
@@ -121,12 +121,12 @@ InverseSolution<4> EcmKinematics::inverse(const Eigen::Matrix4d& T_base_tip,
   if (!((p - length * u).norm() <= kMissing) || !near.allFinite()) return choice.best();
   bool singular = false;
   Joints q;
-  aim(u, near[0], q[0], q[1], singular);
+  shaft_angles(u, near[0], q[0], q[1], singular);
   q[2] = length + remote_ - shaft_;
   const Eigen::Vector3d x4_3 =
       shaft_orientation(q[0], q[1]).transpose() * T_base_tip.block<3, 1>(0, 0);
   q[3] = std::atan2(x4_3.y(), x4_3.x());
-  choice.offer(q, singular);
+  choice.add_candidate(q, singular);
   return choice.best();
 }
 

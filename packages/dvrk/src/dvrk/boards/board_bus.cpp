@@ -16,8 +16,8 @@ constexpr double kQueryLatency = 10e-6;  // [s] section 8.3, #3
 constexpr double kQueryPerBoard = 10e-6;
 constexpr double kShortestWait = 0.001;  // [s] that a reply gets when the cycle is late already
 constexpr double kLateCycles = 2.5;      // cycles between time stamps that indicate a missed one
-constexpr int kRegisterEvery = 4;        // cycles between two looks at a command of Rev 7
-constexpr double kJump = 0.005;          // [s] between timestamp and clock: look at the board
+constexpr int kRegisterEvery = 4;        // cycles between two reads of a command of Rev 7
+constexpr double kJump = 0.005;          // [s] difference of timestamp and clock from which the board is checked
 
 }  // namespace
 
@@ -61,7 +61,7 @@ Route BoardBus::route_to(int node) const {
   return {static_cast<std::uint8_t>(node), ethernet_only_, Destination::kBoard, ethernet_only_ ? std::make_optional(node) : std::nullopt};
 }
 
-Route BoardBus::everyone() const {
+Route BoardBus::broadcast_route() const {
   return {kBroadcastNode, ethernet_only_,
           ethernet_only_ ? Destination::kMulticast : Destination::kBoard};
 }
@@ -78,24 +78,24 @@ void BoardBus::set_zero(int b, int channel, std::uint16_t bits) noexcept {
 
 // ---- reading
 
-void BoardBus::lose(Board& b, Condition why) noexcept {
+void BoardBus::disconnect(Board& b, Condition why) noexcept {
   b.valid = false;
   b.loss = why;
   ++b.lost_reads;
 }
 
-void BoardBus::lose_noted(Board& b, Condition why, std::uint32_t word) noexcept {
+void BoardBus::disconnect_and_log(Board& b, Condition why, std::uint32_t word) noexcept {
   note(why, b.info.id, {}, word);
-  lose(b, why);
+  disconnect(b, why);
 }
 
 bool BoardBus::read() noexcept {
   ++cycles_;
-  exchange_.forget_lay();
+  exchange_.reset_queue_delay();
   if (state_ == BusState::kRunning && exchange_.generation_changed())
     begin_scan(Condition::kGenerationChanged);
   if (state_ != BusState::kRunning) {
-    for (Board& b : boards_) lose(b, Condition::kGenerationChanged);
+    for (Board& b : boards_) disconnect(b, Condition::kGenerationChanged);
     if (state_ == BusState::kScanning) scan_step();
     return false;
   }
@@ -108,11 +108,11 @@ bool BoardBus::read() noexcept {
     read_sequential();
   }
   for (Board& b : boards_)
-    if (b.valid && b.hidden) look_at_command(b, *b.hidden);
+    if (b.valid && b.hidden) read_back_command(b, *b.hidden);
   if (options_.access == Access::kDrive && boards_.front().info.firmware < 8 &&
       cycles_ % kRegisterEvery == 0)
-    look_for_lost_writes();
-  keep_house();
+    check_written_commands();
+  poll_registers();
   return std::all_of(boards_.begin(), boards_.end(), [](const Board& b) { return b.valid; });
 }
 
@@ -130,11 +130,11 @@ void BoardBus::read_sequential() noexcept {
     if (result == ReadResult::kOk) {
       accept(b, block, asked);
     } else {
-      lose(b, condition_of(result));
+      disconnect(b, condition_of(result));
     }
     if (result == ReadResult::kDropped) {  // no more node-addressed traffic (section 17 #3)
       for (Board* other = &b + 1; other < boards_.data() + boards_.size(); ++other)
-        lose(*other, Condition::kDropped);
+        disconnect(*other, Condition::kDropped);
       if (state_ == BusState::kRunning) begin_scan(Condition::kGenerationChanged);
       return;
     }
@@ -151,14 +151,14 @@ void BoardBus::read_broadcast() noexcept {
   }
   sequence_ = next_sequence(sequence_);
   const double asked = link_.now();
-  link_lost_ = !exchange_.write(everyone(), address::kHubQuery, query_word(sequence_, mask));
+  link_lost_ = !exchange_.write(broadcast_route(), address::kHubQuery, query_word(sequence_, mask));
   link_.wait(kQueryLatency + kQueryPerBoard * static_cast<double>(boards_.size() - 1));
   QuadletView data;
   const ReadResult result =
       exchange_.read_block({static_cast<std::uint8_t>(hub_node_), false, Destination::kBoard},
                            address::kHub, quadlets, options_.reply_timeout, data);
   if (result != ReadResult::kOk) {
-    for (Board& b : boards_) lose(b, condition_of(result));
+    for (Board& b : boards_) disconnect(b, condition_of(result));
     link_lost_ = link_lost_ || result == ReadResult::kNotSent;
     if (result == ReadResult::kDropped) begin_scan(Condition::kGenerationChanged);
     return;
@@ -172,11 +172,11 @@ void BoardBus::read_broadcast() noexcept {
     const QuadletView block = data.part(at + 1, size);
     at += 1 + size;
     if (word == 0 || block[1] == 0) {
-      lose_noted(b, Condition::kMissingBoard, word);
+      disconnect_and_log(b, Condition::kMissingBoard, word);
     } else if (firmware >= 8 && header.quadlets != hub_quadlets(firmware)) {
-      lose_noted(b, Condition::kWrongBlockSize, word);
+      disconnect_and_log(b, Condition::kWrongBlockSize, word);
     } else if (!answers(header, sequence_, firmware)) {
-      lose_noted(b, Condition::kStaleSequence, word);
+      disconnect_and_log(b, Condition::kStaleSequence, word);
     } else {
       accept(b, block, asked);
     }
@@ -195,12 +195,12 @@ BoardBus::Interval BoardBus::measured() const noexcept {
 void BoardBus::accept(Board& b, QuadletView block, double asked) noexcept {
   const Status status{block[1]};
   if (status.board() != b.info.id) {
-    lose_noted(b, Condition::kWrongBoard, status.word);
+    disconnect_and_log(b, Condition::kWrongBoard, status.word);
     if (state_ == BusState::kRunning) begin_scan(Condition::kWrongBoard);
     return;
   }
   if (status.channels() != kChannels) {
-    lose_noted(b, Condition::kWrongHardware, status.word);
+    disconnect_and_log(b, Condition::kWrongHardware, status.word);
     return;
   }
   // A board that loses a switch-on command may have restarted (section 17 #25).
@@ -227,9 +227,9 @@ void BoardBus::check_timestamp(Board& b) noexcept {
   if (std::abs(told - passed) > kJump) b.suspect = true;
 }
 
-// Section 17 #27: the board shows the last command that it took.
+// Section 17 #27: the board shows the last command that it executed.
 void BoardBus::check_commands(Board& b) noexcept {
-  if (b.info.firmware < 8) return;  // look_for_lost_writes() reads its registers
+  if (b.info.firmware < 8) return;  // check_written_commands() reads its registers
   for (size_t c = 0; c < kChannels; ++c) {
     const std::uint16_t shown = b.feedback.channel[c].motor.command();
     // The last write may still be in transmission: a network may let a read overtake it.

@@ -19,19 +19,19 @@ constexpr double kRelayGrace = 0.050;  // [s] for the contacts
 void BoardSession::note(Condition condition, Reaction reaction, int b, std::optional<int> c,
                         std::uint32_t value) noexcept {
   faults().note(condition, link_.now(), bus_.info(b).id, c, value);
-  react(reaction, condition, bus_.info(b).id, c);
+  escalate(reaction, condition, bus_.info(b).id, c);
 }
 
 void BoardSession::check_bus() noexcept {
-  if (bus_.link_lost()) react(Reaction::kPowerOff, Condition::kNotSent);
-  if (bus_.reply_loss().too_many()) react(Reaction::kPowerOff, Condition::kLostReplies);
-  if (bus_.state() != BusState::kRunning) react(Reaction::kAmpsOff, bus_.unrest());
+  if (bus_.link_lost()) escalate(Reaction::kPowerOff, Condition::kNotSent);
+  if (bus_.reply_loss().too_many()) escalate(Reaction::kPowerOff, Condition::kLostReplies);
+  if (bus_.state() != BusState::kRunning) escalate(Reaction::kAmpsOff, bus_.scan_reason());
   for (int b = 0; b < bus_.boards(); ++b) {
     const int id = bus_.info(b).id;
-    if (bus_.lost_reads(b) >= options_.lost_reads) react(Reaction::kPowerOff, bus_.loss(b), id);
+    if (bus_.lost_reads(b) >= options_.lost_reads) escalate(Reaction::kPowerOff, bus_.loss_reason(b), id);
     if (bus_.lost_writes(b) >= options_.lost_writes)
-      react(Reaction::kAmpsOff, bus_.unshown(b), id);
-    if (bus_.rebooted(b)) react(Reaction::kPowerOff, Condition::kRebooted, id);
+      escalate(Reaction::kAmpsOff, bus_.unconfirmed_reason(b), id);
+    if (bus_.rebooted(b)) escalate(Reaction::kPowerOff, Condition::kRebooted, id);
   }
 }
 
@@ -130,7 +130,7 @@ void BoardSession::check_current(int b, int c, const BoardFeedback& f) noexcept 
          f.channel[c].current);
 }
 
-// A motor that presses with all that it may have: whatever controls it, and whatever it believes.
+// A stalled motor at its current limit, independent of the controller and its estimates.
 void BoardSession::check_stall(int b, int c, const BoardFeedback& f) noexcept {
   ChannelState& state = channel(b, c);
   const ChannelSafety& s = safety(b, c);
@@ -165,7 +165,7 @@ void BoardSession::check_pot(int b, int c, const ChannelFeedback& one) noexcept 
   const double now = link_.now();
   const double difference =
       s.counts_to_position(encoder_counts(one.encoder.position)) - s.pot_to_position(one.pot);
-  if (s.pot_tolerance <= 0.0 || !on_the_way() || std::abs(difference) <= s.pot_tolerance) {
+  if (s.pot_tolerance <= 0.0 || !is_powering_up() || std::abs(difference) <= s.pot_tolerance) {
     state.pot_off_since.reset();
     return;
   }

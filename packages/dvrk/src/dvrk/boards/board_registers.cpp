@@ -2,26 +2,26 @@
 
 #include "dvrk/boards/board_bus.hpp"
 
-// Single registers: those that change slowly, and real-time words for a client that only looks.
+// Single registers: those that change slowly, and real-time words for a client that only reads.
 
 namespace veridyn::dvrk {
 
-void BoardBus::keep_house() noexcept {
+void BoardBus::poll_registers() noexcept {
   if (state_ != BusState::kRunning || exchange_.generation_changed()) return;
   for (Board& b : boards_) {
     if (!b.suspect || !b.valid) continue;
     b.suspect = false;
-    return look_at(b);
+    return check_registers(b);
   }
   if (options_.housekeeping <= 0 || cycles_ % options_.housekeeping != 0) return;
   const long turn = cycles_ / options_.housekeeping;
   Board& b = boards_[static_cast<size_t>(turn) % boards_.size()];
-  if (b.valid) look_at(b);
+  if (b.valid) check_registers(b);
 }
 
 // Section 17 #27: Rev 7 shows its commands in registers alone. Reads one channel at a time, and
 // again if it differs, so that an overtaken write does not count as lost.
-void BoardBus::look_for_lost_writes() noexcept {
+void BoardBus::check_written_commands() noexcept {
   if (state_ != BusState::kRunning || exchange_.generation_changed() || listens()) return;
   const std::size_t sockets = boards_.size() * kChannels;
   std::size_t turn = asked_channel_;
@@ -45,7 +45,7 @@ void BoardBus::look_for_lost_writes() noexcept {
 }
 
 // A block that does not show a command may be an old one: the channel's register has the command then.
-void BoardBus::look_at_command(Board& b, std::size_t c) noexcept {
+void BoardBus::read_back_command(Board& b, std::size_t c) noexcept {
   std::uint32_t value = 0;
   const auto channel = static_cast<int>(c);
   if (!listens() && exchange_.read(route(b), address::of_channel(channel, address::kDac), options_.rescan_timeout,
@@ -58,7 +58,7 @@ void BoardBus::look_at_command(Board& b, std::size_t c) noexcept {
 }
 
 // Sections 17 #25 and #28.
-void BoardBus::look_at(Board& b) noexcept {
+void BoardBus::check_registers(Board& b) noexcept {
   std::uint32_t value = 0;
   const double timeout = options_.rescan_timeout;
   if (watchdog_counts_ != 0 &&
@@ -88,7 +88,7 @@ bool BoardBus::read_words(Board& b, QuadletSpan words) noexcept {
     std::uint32_t value = 0;
     const ReadResult result = exchange_.read(route(b), where, options_.reply_timeout, value);
     if (result != ReadResult::kOk) {
-      lose(b, condition_of(result));
+      disconnect(b, condition_of(result));
       if (result == ReadResult::kDropped && state_ == BusState::kRunning)
         begin_scan(Condition::kGenerationChanged);
       return false;
@@ -101,7 +101,7 @@ bool BoardBus::read_words(Board& b, QuadletSpan words) noexcept {
 void BoardBus::read_by_register() noexcept {
   for (Board& b : boards_) {
     if (state_ != BusState::kRunning) {
-      lose(b, Condition::kDropped);
+      disconnect(b, Condition::kDropped);
       continue;
     }
     const double asked = link_.now();

@@ -59,7 +59,7 @@ void BoardBus::find_hub() {
   require(exchange_.read(hub, address::kStatus, timeout, status) == ReadResult::kOk &&
               exchange_.read(hub, address::kFirmware, timeout, firmware) == ReadResult::kOk,
           "boards: the hub does not tell its status and firmware.");
-  link_.hub_is(static_cast<int>(firmware), Status{status}.board());
+  link_.set_hub(static_cast<int>(firmware), Status{status}.board());
   if (firmware >= 9) hub.to = Destination::kMulticast;  // section 2.3
   exchange_.expect_silence(true);                       // reported again for each node
   exchange_.read(hub, address::kEthernet, timeout, ethernet);
@@ -89,7 +89,7 @@ void BoardBus::probe(int node, double timeout) noexcept {
 }
 
 // Section 5 #8: all nodes must wait for the same time, and after power-up they wait too long.
-void BoardBus::settle_gap_count() noexcept {
+void BoardBus::set_gap_count() noexcept {
   const Route all{kBroadcastNode, false, Destination::kBoard};
   exchange_.write(all, address::kPhyRequest, kReadPhy1);
   link_.wait(kAfterPhyRequest);
@@ -211,7 +211,7 @@ void BoardBus::start() {
   const Objection wrong = assign();
   require(!wrong.board, "boards: ", wrong.board ? words_of(wrong) : "");
   choose_protocol();
-  if (!listens() && !ethernet_only_) settle_gap_count();
+  if (!listens() && !ethernet_only_) set_gap_count();
   hub_node_ = 0;
   std::uint32_t status = 0;  // the node that answers a broadcast is the hub
   if (exchange_.read(hub_route(), address::kStatus, options_.reply_timeout, status) ==

@@ -77,12 +77,12 @@ void BoardSession::start() {
           "boards: a watchdog does not take the period that it was given.");
 }
 
-// The reaction that is worse stays; nothing leads out of kFault but acknowledge().
-void BoardSession::react(Reaction reaction, Condition condition, std::optional<int> board,
+// The stronger reaction is kept; only acknowledge() leaves kFault.
+void BoardSession::escalate(Reaction reaction, Condition condition, std::optional<int> board,
                          std::optional<int> channel) noexcept {
   if (reaction == Reaction::kReport) return;
   if (reaction == Reaction::kPowerOff) power_off_asked_ = true;
-  if (!on_the_way()) return;
+  if (!is_powering_up()) return;
   if (reaction == Reaction::kAmpsOff) power_off_asked_ = false;
   cause_ = condition;
   cause_board_ = board;
@@ -91,7 +91,7 @@ void BoardSession::react(Reaction reaction, Condition condition, std::optional<i
   if (reaction == Reaction::kPowerOff) off_cycles_ = kAmpsFirst;  // skips the cycles of a normal power-down
 }
 
-std::string BoardSession::cause_words() const {
+std::string BoardSession::cause_text() const {
   std::string out = describe(cause_);
   if (cause_ == Condition::kLostReplies)
     out += text(": ", bus_.reply_loss().lost, " of ", ReplyLoss::kRequests,
@@ -108,19 +108,19 @@ bool BoardSession::update() noexcept {
   since_check_ = now - checked_at_;
   checked_at_ = now;
   check_bus();
-  // A relay that opens takes the supply from all boards: it is the cause, wherever it is.
+  // An open relay of any board removes the supply of all boards: it is reported as the cause.
   for (int b = 0; b < bus_.boards(); ++b) {
     if (bus_.valid(b)) check_relay(b, bus_.feedback(b));
   }
   for (int b = 0; b < bus_.boards(); ++b) {
     if (bus_.valid(b)) check_board(b);
   }
-  if (all_valid_) move_on();
+  if (all_valid_) advance_power_state();
   return all_valid_;
 }
 
 // Section 14.5, #3 to #8.
-void BoardSession::move_on() noexcept {
+void BoardSession::advance_power_state() noexcept {
   const double in_state = link_.now() - entered_;
   const auto all = [&](auto&& holds) {
     for (int b = 0; b < bus_.boards(); ++b) {
@@ -133,7 +133,7 @@ void BoardSession::move_on() noexcept {
       return enter(PowerState::kPower);
     if (in_state > options_.relay_timeout) {
       faults().note(Condition::kRelayOpen, link_.now());
-      react(Reaction::kPowerOff, Condition::kRelayOpen);
+      escalate(Reaction::kPowerOff, Condition::kRelayOpen);
     }
   } else if (state_ == PowerState::kPower) {
     if (all([](int, const BoardFeedback& f) {
@@ -142,7 +142,7 @@ void BoardSession::move_on() noexcept {
       return enter(PowerState::kAmps);
     if (in_state > options_.supply_timeout) {
       faults().note(Condition::kNoSupply, link_.now());
-      react(Reaction::kPowerOff, Condition::kNoSupply);
+      escalate(Reaction::kPowerOff, Condition::kNoSupply);
     }
   } else if (state_ == PowerState::kAmps) {
     if (all([this](int b, const BoardFeedback& f) {
@@ -205,10 +205,10 @@ void BoardSession::commit() noexcept {
   const double in_state = link_.now() - entered_;
   const bool blind = off && !all_valid_;
   const bool disobeyed = off && in_state > kObeyBlocks && amps_stay_on();
-  // A board may take blocks for signs of life and nothing else. A watchdog that has tripped stays tripped (14.1).
+  // A board may use blocks as signs of life only. A watchdog that has tripped stays tripped (14.1).
   const bool silent = (disobeyed && in_state > kObeyRegisters) ||
                       (blind && in_state > kBlind && in_state < kBlind + kBite * options_.watchdog);
-  bus_.fall_silent(silent);
+  bus_.set_silent(silent);
   if (silent) return;
   if (disobeyed) {
     for (int b = 0; b < bus_.boards(); ++b) bus_.switch_off_by_register(b, BoardBus::Off::kPower);
@@ -243,7 +243,7 @@ void BoardSession::commit() noexcept {
   } else {
     bus_.write();
   }
-  if (bus_.link_lost()) react(Reaction::kPowerOff, Condition::kNotSent);
+  if (bus_.link_lost()) escalate(Reaction::kPowerOff, Condition::kNotSent);
   if (off_cycles_ < kAmpsFirst) ++off_cycles_;
 }
 
@@ -272,8 +272,8 @@ const char* BoardSession::power_on() noexcept {
         return "an encoder reports an error";
     }
   }
-  bus_.suspect_all();
-  power_off_asked_ = true;  // what follows a fault or power_off() in later states
+  bus_.check_all_for_restart();
+  power_off_asked_ = true;  // requested after a fault or by power_off()
   enter(PowerState::kRelay);
   return nullptr;
 }
@@ -297,7 +297,7 @@ bool BoardSession::acknowledge() noexcept {
 
 bool BoardSession::preload(int b, int c, std::int32_t counts) noexcept {
   const std::uint16_t where = address::of_channel(c, address::kPreload);
-  if (on_the_way() || !bus_.write_checked(b, where, preload_word(counts))) return false;
+  if (is_powering_up() || !bus_.write_checked(b, where, preload_word(counts))) return false;
   std::uint32_t position = 0;
   return bus_.read_register(b, address::of_channel(c, address::kPosition), position) &&
          !encoder_overflow(position);

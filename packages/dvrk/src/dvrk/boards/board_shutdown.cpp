@@ -28,7 +28,7 @@ const char* describe(OffState state) {
 }
 
 // Reads status registers, because the last block may be outdated.
-OffState BoardSession::seen_off() noexcept {
+OffState BoardSession::off_state() noexcept {
   OffState worst = OffState::kConfirmed;
   for (int b = 0; b < bus_.boards(); ++b) {
     std::uint32_t word = 0;
@@ -59,7 +59,7 @@ OffState BoardSession::shutdown() noexcept {
     link_.wait(kOffPause);
     if (bus_.state() != BusState::kRunning) bus_.read();  // looks for boards that changed nodes
     if (k + 1 < kOffRepeats) continue;
-    seen = seen_off();
+    seen = off_state();
     confirmed = seen == OffState::kConfirmed ? confirmed + 1 : 0;
     if (seen == OffState::kUnknown) bus_.read();
   }

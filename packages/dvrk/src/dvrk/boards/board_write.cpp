@@ -12,7 +12,7 @@ constexpr int kWriteTries = 3;
 
 }  // namespace
 
-void BoardBus::remember(Board& b) noexcept {
+void BoardBus::store_written(Board& b) noexcept {
   for (size_t c = 0; c < kChannels; ++c) {
     if (!b.command.channel[c].valid) continue;
     b.before[c] = b.has_sent[c] ? b.sent[c] : b.command.channel[c].value;
@@ -30,7 +30,7 @@ void BoardBus::write() noexcept {
   } else {
     write_blocks();
   }
-  for (Board& b : boards_) remember(b);
+  for (Board& b : boards_) store_written(b);
 }
 
 void BoardBus::write_blocks() noexcept {
@@ -50,7 +50,7 @@ void BoardBus::write_blocks() noexcept {
   }
   if (together)
     sent =
-        exchange_.write_block(everyone(), address::kRealTime, QuadletView(all).part(0, at)) && sent;
+        exchange_.write_block(broadcast_route(), address::kRealTime, QuadletView(all).part(0, at)) && sent;
   link_lost_ = !sent;
 }
 
@@ -75,12 +75,12 @@ void BoardBus::switch_off(Off what) noexcept {
   }
   bool sent = true;
   if (known && one_group())
-    sent = exchange_.write_block(everyone(), address::kRealTime, QuadletView(all).part(0, at));
+    sent = exchange_.write_block(broadcast_route(), address::kRealTime, QuadletView(all).part(0, at));
   // A mix has no common block, and Rev 6 no control word in it: one word to every board.
   if (!known || !one_group() || boards_.front().info.firmware == 6)
-    sent = exchange_.write(everyone(), address::kStatus, word) && sent;
+    sent = exchange_.write(broadcast_route(), address::kStatus, word) && sent;
   link_lost_ = !sent;
-  for (Board& b : boards_) remember(b);
+  for (Board& b : boards_) store_written(b);
 }
 
 bool BoardBus::switch_off_by_register(int b, Off what) noexcept {

@@ -83,14 +83,14 @@ constexpr std::array<std::pair<const char*, const char*>, 8> kShortNames{{
     {"Row", "rows"},
 }};
 
-// Finds the line of a character; asked for every element, so the content is read once.
+// Finds the line of a character. The content is scanned once, since every element needs its line.
 class Lines {
  public:
   explicit Lines(const std::string& content) {
     for (std::size_t k = 0; k < content.size(); ++k)
       if (content[k] == '\n') ends_.push_back(static_cast<std::ptrdiff_t>(k));
   }
-  // From 1.
+  // Line number, from 1.
   int of(std::ptrdiff_t offset) const {
     return 1 + static_cast<int>(std::lower_bound(ends_.begin(), ends_.end(), offset) - ends_.begin());
   }
@@ -162,7 +162,7 @@ ConfigTree parse_xml(const std::string& content, const std::string& file) {
   return tree_of(document.document_element(), lines, file);
 }
 
-constexpr std::size_t kShown = 20;  // characters of what was found
+constexpr std::size_t kShown = 20;  // characters of the found text in messages
 
 // "file:line:column" of a character.
 std::string place_of(const std::string& content, std::size_t at, const std::string& file) {
@@ -172,21 +172,21 @@ std::string place_of(const std::string& content, std::size_t at, const std::stri
   return text(file, ":", 1 + line, ":", start == std::string::npos ? at + 1 : at - start);
 }
 
-bool in_word(char c) {
+bool is_name_character(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '+' || c == '-' ||
          c == '_';
 }
 
 // Start of the word that contains a character.
 std::size_t word_start(const std::string& content, std::size_t at) {
-  while (at > 0 && in_word(content[at]) && in_word(content[at - 1])) --at;
+  while (at > 0 && is_name_character(content[at]) && is_name_character(content[at - 1])) --at;
   return at;
 }
 
 // The text at a position: a whole word, or one character.
 std::string word_at(const std::string& content, std::size_t at) {
   std::size_t end = at;
-  while (end < content.size() && in_word(content[end]) && end - at < kShown) ++end;
+  while (end < content.size() && is_name_character(content[end]) && end - at < kShown) ++end;
   if (end > at) return "'" + content.substr(at, end - at) + "'";
   const auto c = static_cast<unsigned char>(content[at]);
   if (c == '\n') return "the end of the line";

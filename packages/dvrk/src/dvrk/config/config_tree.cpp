@@ -48,7 +48,7 @@ void ConfigNode::fail(const std::string& found, const std::string& expected) con
       text(source_->file, line, ": ", place, "found ", found, ", expected ", expected, "."));
 }
 
-std::string ConfigNode::called(const std::string& name) const {
+std::string ConfigNode::display_name(const std::string& name) const {
   return source_->format == ConfigFormat::kJson ? json_name(name) : name;
 }
 
@@ -57,7 +57,7 @@ int ConfigNode::count(const std::string& name) const {
                                         [&](const ConfigTree& m) { return m.name == name; }));
 }
 
-ConfigNode ConfigNode::inside(const ConfigTree& tree, int index) const {
+ConfigNode ConfigNode::child_node(const ConfigTree& tree, int index) const {
   std::string step = tree.written;
   for (const ConfigTree& member : tree.members) {
     if (member.name == "Name" && member.scalar) {
@@ -74,18 +74,18 @@ ConfigNode ConfigNode::at(const std::string& name) const {
   if (found == 0) {
     std::vector<std::string> there;
     for (const ConfigTree& member : tree_->members) there.push_back(member.written);
-    fail("no " + called(name) + did_you_mean(called(name), there), called(name) + " here");
+    fail("no " + display_name(name) + did_you_mean(display_name(name), there), display_name(name) + " here");
   }
-  if (found > 1) fail(text(found, " of ", called(name)), "one");
+  if (found > 1) fail(text(found, " of ", display_name(name)), "one");
   for (const ConfigTree& member : tree_->members)
-    if (member.name == name) return inside(member, -1);
+    if (member.name == name) return child_node(member, -1);
   return *this;  // not reached
 }
 
 std::vector<ConfigNode> ConfigNode::items(const std::string& name) const {
   std::vector<ConfigNode> out;
   for (const ConfigTree& member : tree_->members)
-    if (member.name == name) out.push_back(inside(member, static_cast<int>(out.size())));
+    if (member.name == name) out.push_back(child_node(member, static_cast<int>(out.size())));
   return out;
 }
 
@@ -126,7 +126,7 @@ double ConfigNode::nonzero(const std::string& name) const {
   return value;
 }
 
-int ConfigNode::whole(const std::string& name, int lower, int upper) const {
+int ConfigNode::integer_in(const std::string& name, int lower, int upper) const {
   const ConfigNode node = at(name);
   const double value = node.number();
   if (value != std::floor(value) || value < lower || value > upper)

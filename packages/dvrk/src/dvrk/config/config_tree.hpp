@@ -67,7 +67,7 @@ class ConfigNode {
   double positive(const std::string& name) const;
   double not_negative(const std::string& name, double fallback) const;
   double nonzero(const std::string& name) const;
-  int whole(const std::string& name, int lower, int upper) const;
+  int integer_in(const std::string& name, int lower, int upper) const;
   bool flag(const std::string& name, bool fallback) const;
   /// Its place among the words, which are compared without regard to case.
   int choice(const std::string& name, const std::vector<std::string>& words, int fallback) const;
@@ -76,8 +76,8 @@ class ConfigNode {
   double value(const std::string& name) const;
 
  private:
-  ConfigNode inside(const ConfigTree& tree, int index) const;
-  std::string called(const std::string& name) const;
+  ConfigNode child_node(const ConfigTree& tree, int index) const;
+  std::string display_name(const std::string& name) const;
 
   const ConfigTree* tree_;
   ConfigSource* source_;

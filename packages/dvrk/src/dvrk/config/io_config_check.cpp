@@ -18,7 +18,7 @@ class Channels {
  public:
   explicit Channels(const std::string& file) : file_(file) {}
 
-  void take(int board, int axis, const std::string& who) {
+  void claim_axis(int board, int axis, const std::string& who) {
     const auto [place, is_new] = owners_.try_emplace({board, axis}, who);
     require(is_new, file_, ": ", who, ": found board ", board, " axis ", axis, ", which ",
             place->second, " has already, expected every channel once.");
@@ -64,10 +64,10 @@ void check_io_config(const IoConfig& config, const std::string& file) {
     for (int k = 0; k < robot.size(); ++k) {
       const ActuatorConfig& actuator = robot.actuators[k];
       const std::string who = text("Robot ", robot.name, "/Actuator ", k);
-      channels.take(actuator.board, actuator.axis, who);
+      channels.claim_axis(actuator.board, actuator.axis, who);
       require_current_within_converter(actuator.amps_to_bits, actuator.max_current, file, who);
       if (actuator.brake)
-        channels.take(actuator.brake->board, actuator.brake->axis, who + "'s brake");
+        channels.claim_axis(actuator.brake->board, actuator.brake->axis, who + "'s brake");
       if (actuator.brake)
         require_current_within_converter(actuator.brake->amps_to_bits, actuator.brake->max_current,
                                          file, who + "'s brake");

@@ -72,7 +72,7 @@ class Reader {
   }
 
  private:
-  static int board(const ConfigNode& node) { return node.whole("BoardID", 0, kBoards - 1); }
+  static int board(const ConfigNode& node) { return node.integer_in("BoardID", 0, kBoards - 1); }
 
   void check_version(const ConfigNode& root) const {
     if (json_) {
@@ -107,7 +107,7 @@ class Reader {
     return robot;
   }
 
-  // "6=1234-56 7=1234-57": this program's own key; the laboratory's passes over it.
+  // "6=1234-56 7=1234-57": a key of this program, which the laboratories' programs ignore.
   static void read_board_serials(const ConfigNode& node, RobotConfig& robot) {
     std::istringstream list(node.word());
     for (std::string one; list >> one;) {
@@ -123,9 +123,9 @@ class Reader {
 
   void read_actuators(const ConfigNode& node, RobotConfig& robot) const {
     const int there = node.count("Actuator");
-    // JSON counts them by its list.
+    // In JSON the length of the list is the number.
     if (!json_ || node.has("NumOfActuator")) {
-      const int promised = node.whole("NumOfActuator", 0, 4 * kBoards);
+      const int promised = node.integer_in("NumOfActuator", 0, 4 * kBoards);
       if (promised != there)
         node.fail(text(there, there == 1 ? " actuator" : " actuators"),
                   text(promised, ", as its number of actuators says"));
@@ -140,7 +140,7 @@ class Reader {
     ActuatorConfig actuator;
     node.number("ActuatorID", 0.0);
     actuator.board = board(node);
-    actuator.axis = node.whole("AxisID", 0, hardware == "QLA1" ? 3 : 9);
+    actuator.axis = node.integer_in("AxisID", 0, hardware == "QLA1" ? 3 : 9);
     actuator.prismatic =
         node.choice(json_ ? "JointType" : "Type", {"Revolute", "Prismatic"}, 0) == 1;
     if (!robot.io_only || node.has("Drive")) read_drive(node.at("Drive"), actuator);
@@ -192,7 +192,7 @@ class Reader {
   static BrakeConfig read_brake(const ConfigNode& node, const std::string& hardware) {
     BrakeConfig brake;
     brake.board = board(node);
-    brake.axis = node.whole("AxisID", 0, hardware == "QLA1" ? 3 : 9);
+    brake.axis = node.integer_in("AxisID", 0, hardware == "QLA1" ? 3 : 9);
     read_current(node, brake.amps_to_bits, brake.bits_to_amps, brake.max_current);
     brake.release_current = node.value("ReleaseCurrent");
     brake.release_time = node.value("ReleaseTime");
@@ -213,7 +213,7 @@ class Reader {
     for (const ConfigNode& item : node.items("Tolerance")) {
       const auto k = static_cast<int>(robot.pot_tolerances.size());
       PotTolerance tolerance;
-      tolerance.axis = item.whole("Axis", 0, robot.size() - 1);
+      tolerance.axis = item.integer_in("Axis", 0, robot.size() - 1);
       if (tolerance.axis != k) item.fail(text("axis ", tolerance.axis), text("axis ", k, " here"));
       const bool prismatic = robot.actuators[k].prismatic;
       tolerance.distance = unit_factor(item, prismatic, json_) * item.not_negative("Distance", 0.0);
@@ -260,7 +260,7 @@ class Reader {
     DigitalInputConfig input;
     input.name = node.word("Name");
     input.board = board(node);
-    input.bit = node.whole("BitID", 0, 31);
+    input.bit = node.integer_in("BitID", 0, 31);
     input.pressed_when_low = node.flag("Pressed", true);
     const std::vector<std::string> triggers{"all", "press", "release", "none"};
     // Two flags may replace the word: 1 pressed, 2 released.
@@ -279,7 +279,7 @@ class Reader {
     DigitalOutputConfig output;
     output.name = node.word("Name");
     output.board = board(node);
-    output.bit = node.whole("BitID", 0, 31);
+    output.bit = node.integer_in("BitID", 0, 31);
     output.high_duration = seconds(node, "HighDuration", 0.0);
     output.low_duration = seconds(node, "LowDuration", 0.0);
     output.frequency = node.not_negative("Frequency", 0.0);

@@ -69,7 +69,7 @@ class Writer {
   }
 
   // Degrees and millimetres in XML, as the laboratories have them.
-  double in_file(double si, bool prismatic) const {
+  double file_unit(double si, bool prismatic) const {
     if (json_) return si;
     return prismatic ? 1e3 * si : si * 180.0 / M_PI;
   }
@@ -128,7 +128,7 @@ class Writer {
     const LinearScale& volts = actuator.volts_to_position;
     add_scale(
         pot, "VoltsToPosSI",
-        {in_file(volts.scale, actuator.prismatic), in_file(volts.offset, actuator.prismatic)});
+        {file_unit(volts.scale, actuator.prismatic), file_unit(volts.offset, actuator.prismatic)});
     add_unit(pot.members.back(), actuator.prismatic);
     tree.members.push_back(std::move(pot));
     if (actuator.brake) add_item(tree, brake_tree(*actuator.brake));
@@ -154,12 +154,12 @@ class Writer {
     const bool firmware = actuator.velocity_source == VelocitySource::kFirmware;
     add_text(tree, "VelocitySource", firmware ? "FIRMWARE" : "SOFTWARE");
     ConfigTree bits = element("BitsToPosSI");
-    add_number(bits, "Scale", in_file(actuator.bits_to_position, actuator.prismatic));
+    add_number(bits, "Scale", file_unit(actuator.bits_to_position, actuator.prismatic));
     add_unit(bits, actuator.prismatic);
     tree.members.push_back(std::move(bits));
     ConfigTree limits = element("PositionLimitsSoft");
-    add_number(limits, "Lower", in_file(actuator.lower, actuator.prismatic));
-    add_number(limits, "Upper", in_file(actuator.upper, actuator.prismatic));
+    add_number(limits, "Lower", file_unit(actuator.lower, actuator.prismatic));
+    add_number(limits, "Upper", file_unit(actuator.upper, actuator.prismatic));
     add_unit(limits, actuator.prismatic);
     tree.members.push_back(std::move(limits));
     return tree;
@@ -185,7 +185,7 @@ class Writer {
       const bool prismatic = robot.actuators[tolerance.axis].prismatic;
       ConfigTree item = element("Tolerance");
       add_number(item, "Axis", tolerance.axis);
-      add_number(item, "Distance", in_file(tolerance.distance, prismatic));
+      add_number(item, "Distance", file_unit(tolerance.distance, prismatic));
       add_number(item, "Latency", tolerance.latency);
       add_unit(item, prismatic);
       add_item(tree, std::move(item));

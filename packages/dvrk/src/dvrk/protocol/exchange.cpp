@@ -47,7 +47,7 @@ Request Exchange::request(const Route& route, Tcode tcode, std::uint16_t address
 }
 
 bool Exchange::send(const Request& request, const Route& route) noexcept {
-  if (route.board) link_.speak_to(*route.board);
+  if (route.board) link_.set_board(*route.board);
   sent_ = encode(request, {out_.data(), out_.size()});
   if (sent_ > 0 && link_.send({out_.data(), sent_}, route.to)) return true;
   log_.note(Condition::kNotSent, link_.now());
@@ -72,7 +72,7 @@ bool Exchange::answers_repeated(ByteView datagram) const noexcept {
 }
 
 // Sections 4.3 and 17 #4, #5, #28.
-void Exchange::take_trailer(const Trailer& trailer) noexcept {
+void Exchange::read_trailer(const Trailer& trailer) noexcept {
   const double now = link_.now();
   const bool errors = packet_errors_ && trailer.packet_errors != packet_errors_;
   packet_errors_ = trailer.packet_errors;
@@ -94,7 +94,7 @@ void Exchange::take_trailer(const Trailer& trailer) noexcept {
 }
 
 // Section 4.4; the sizes are those of 4.1 and 4.2.
-ReadResult Exchange::judge(const Request& request, ByteView datagram, Malformed malformed,
+ReadResult Exchange::classify_reply(const Request& request, ByteView datagram, Malformed malformed,
                            const Reply& reply) noexcept {
   const bool block = request.tcode == Tcode::kBlockRead;
   const std::size_t expected = block ? 32 + static_cast<std::size_t>(request.bytes) : 28;
@@ -112,7 +112,7 @@ ReadResult Exchange::judge(const Request& request, ByteView datagram, Malformed 
 // A late reply to an earlier request has an old label: it is discarded, and the wait continues. Any
 // other wrong reply ends it.
 ReadResult Exchange::await(const Request& request, double until, Reply& reply) noexcept {
-  int overdue = 0;  // datagrams taken after the time is up: a flood of them ends as well
+  int overdue = 0;  // datagrams read after the timeout, bounded so that a flood ends
   while (true) {
     const double left = until - link_.now();
     if (left <= 0.0 && overdue++ > kMostStale) return ReadResult::kNoReply;
@@ -130,8 +130,8 @@ ReadResult Exchange::await(const Request& request, double until, Reply& reply) n
     const ByteView datagram{in_.data(), arrival.size};
     if (repeated_ != request.label && answers_repeated(datagram)) continue;
     const Malformed malformed = decode(datagram, reply);
-    if (malformed == Malformed::kNone) take_trailer(reply.trailer);
-    const ReadResult result = judge(request, datagram, malformed, reply);
+    if (malformed == Malformed::kNone) read_trailer(reply.trailer);
+    const ReadResult result = classify_reply(request, datagram, malformed, reply);
     const auto size = static_cast<std::uint32_t>(arrival.size);
     if (result == ReadResult::kDropped) log_.note(Condition::kDropped, now);
     if (result == ReadResult::kWrongSize) log_.note(Condition::kWrongSize, now, {}, {}, size);

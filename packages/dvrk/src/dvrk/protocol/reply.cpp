@@ -39,7 +39,7 @@ void put_header(const Reply& reply, Tcode tcode, std::uint8_t* at) noexcept {
   store_quadlet(at + 8, 0);
 }
 
-bool crc_fits(std::uint32_t crc, ByteView over) noexcept {
+bool is_valid_crc(std::uint32_t crc, ByteView over) noexcept {
   return crc == 0 || crc == crc32(over);
 }
 
@@ -87,7 +87,7 @@ Malformed decode(ByteView datagram, Reply& reply) noexcept {
   reply.node = static_cast<std::uint8_t>((q1 >> 16) & 0x3F);
   reply.rcode = static_cast<std::uint8_t>((q1 >> 12) & 0xF);
   reply.header_crc = load_quadlet(at + 16);
-  reply.crc_right = crc_fits(reply.header_crc, {at, 16});
+  reply.crc_right = is_valid_crc(reply.header_crc, {at, 16});
   if (tcode == Tcode::kQuadletReply) {
     if (datagram.size != kQuadletReplyBytes) return Malformed::kLength;
     reply.data = load_quadlet(at + 12);
@@ -97,7 +97,7 @@ Malformed decode(ByteView datagram, Reply& reply) noexcept {
     reply.kind = Reply::Kind::kBlock;
     reply.block = QuadletView({at + 20, bytes});
     reply.data_crc = load_quadlet(at + 20 + bytes);
-    reply.crc_right = reply.crc_right && crc_fits(reply.data_crc, {at + 20, bytes});
+    reply.crc_right = reply.crc_right && is_valid_crc(reply.data_crc, {at + 20, bytes});
   }
   reply.trailer = trailer_at(at + datagram.size - kTrailerBytes);
   return Malformed::kNone;

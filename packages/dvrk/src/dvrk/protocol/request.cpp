@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t kHeaderBytes = 12;  // three quadlets, after the control bytes
 
-bool of_request(Tcode tcode) {
+bool is_request_code(Tcode tcode) {
   return tcode == Tcode::kQuadletWrite || tcode == Tcode::kBlockWrite ||
          tcode == Tcode::kQuadletRead || tcode == Tcode::kBlockRead;
 }
@@ -26,7 +26,7 @@ class Writer {
     if (bytes.size > 0) std::memcpy(packet_ + at_, bytes.data, bytes.size);
     at_ += bytes.size;
   }
-  void crc_from(std::size_t first) { quadlet(crc32({packet_ + first, at_ - first})); }
+  void append_crc(std::size_t first) { quadlet(crc32({packet_ + first, at_ - first})); }
   std::size_t size() const { return at_; }
 
  private:
@@ -93,7 +93,7 @@ std::size_t encoded_size(const Request& request) noexcept {
 std::size_t encode(const Request& request, ByteSpan out) noexcept {
   const ByteView block = request.block.bytes();
   const bool writes_block = request.tcode == Tcode::kBlockWrite;
-  if (!of_request(request.tcode) || out.size < encoded_size(request)) return 0;
+  if (!is_request_code(request.tcode) || out.size < encoded_size(request)) return 0;
   if (writes_block && (block.size > kMaxBlockBytes || block.size % 4 != 0)) return 0;
   out.data[0] = request.flags;
   out.data[1] = request.generation;
@@ -108,11 +108,11 @@ std::size_t encode(const Request& request, ByteSpan out) noexcept {
   if (request.tcode == Tcode::kBlockRead)
     packet.quadlet(static_cast<std::uint32_t>(request.bytes) << 16);
   if (writes_block) packet.quadlet(static_cast<std::uint32_t>(block.size) << 16);
-  packet.crc_from(0);
+  packet.append_crc(0);
   if (writes_block) {
     const std::size_t first = packet.size();
     packet.block(block);
-    packet.crc_from(first);
+    packet.append_crc(first);
   }
   return kControlBytes + packet.size();
 }

@@ -33,7 +33,7 @@ sockaddr_in place(std::uint32_t address, std::uint16_t port) {
   return at;
 }
 
-std::uint32_t look_up(const std::string& host) {
+std::uint32_t resolve_host(const std::string& host) {
   addrinfo hints{};
   hints.ai_family = AF_INET;
   hints.ai_socktype = SOCK_DGRAM;
@@ -68,7 +68,7 @@ std::uint32_t host_part(std::uint32_t address) {
 }  // namespace
 
 UdpLink::UdpLink(const std::string& host, std::uint16_t port)
-    : port_(port), server_(look_up(host)), board_(server_) {
+    : port_(port), server_(resolve_host(host)), board_(server_) {
   broadcast_ = server_ | host_part(server_);
   socket_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   require(socket_ >= 0, "no UDP socket: ", std::strerror(errno), ".");
@@ -142,11 +142,11 @@ bool UdpLink::may_answer(std::uint32_t address) const noexcept {
   return !hub_known_ && address - server_ < static_cast<std::uint32_t>(kMaxBoards);
 }
 
-void UdpLink::speak_to(int board) noexcept {
+void UdpLink::set_board(int board) noexcept {
   board_ = server_ + static_cast<std::uint32_t>(board);
 }
 
-void UdpLink::hub_is(int firmware, int board) noexcept {
+void UdpLink::set_hub(int firmware, int board) noexcept {
   hub_known_ = true;
   board_ = firmware >= 9 ? server_ + static_cast<std::uint32_t>(board) : server_;
 }

@@ -95,7 +95,7 @@ RunResult run_motion(ArmSession& arm, DatagramLink& link, const MotionSamples& m
               motion.time.allFinite(),
           "arm '", arm.robot().name, "': found gaps in the motion, expected numbers.");
   controller.require_possible(motion);
-  return run_checked(arm, link, controller.as_shown(motion), motion.joints(), controller, options, stop);
+  return run_checked(arm, link, controller.to_board_positions(motion), motion.joints(), controller, options, stop);
 }
 
 RunResult run_motion(ArmSession& arm, DatagramLink& link, const MotionSamples& motion,
@@ -133,17 +133,17 @@ std::string watch_while(ArmSession& arm, CycleClock& clock, DatagramLink& link, 
     const double t = clock.begin() - start;
     if (t > seconds) return "";
     const bool valid = arm.update();
-    clock.read(arm.boards().bus().lay_seconds());
+    clock.read(arm.boards().bus().queue_delay());
     const bool goes_on = !valid || each(t);
     arm.commit();
     clock.end();
     if (!goes_on) return "";
-    if (clock.persistently_late()) return late_words(clock);
+    if (clock.persistently_late()) return lateness_text(clock);
   }
   return "stopped by a signal";
 }
 
-// What a reader must know of positions whose encoders failed: nobody acts on it while nothing is driven.
+// Remark on positions whose encoders failed, which stops nothing while no motor is driven.
 std::string encoder_remark(const FaultLog& faults) {
   const FaultEntry& failed = faults[Condition::kEncoder];
   if (failed.count == 0) return "";
@@ -184,7 +184,7 @@ RunResult record_at_rest(ArmSession& arm, DatagramLink& link, double seconds, do
     return !file.failed();
   });
   result.timing = clock.timing();
-  result.rows = keeper.take(arm.size());
+  result.rows = keeper.extract_rows(arm.size());
   const Eigen::Index rows = result.rows.rows();
   const double last = rows > 0 ? result.rows.time[rows - 1] : 0.0;
   result.remark = encoder_remark(arm.boards().faults());

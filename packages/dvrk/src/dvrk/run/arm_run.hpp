@@ -18,7 +18,7 @@ struct RunOptions {
   double approach_time = 2.0;    ///< [s] at least, to the first set point
   double approach_speed = 0.25;  ///< [rad/s] or [m/s] largest speed of the approach
   double settle = 0.5;           ///< [s] at rest before and after the motion
-  /// Further off its set point a joint ends the run: (n) of the arm, each in its own unit; empty:
+  /// Tracking error at which a joint ends the run: (n) of the arm, each in its own unit; empty:
   /// those of default_largest_errors().
   VectorXd largest_error;
   double power_timeout = 5.0;  ///< [s] in which power must be up
@@ -28,8 +28,8 @@ struct RunOptions {
 struct RunResult {
   Recording rows;  ///< t, q, dq, tau of the motion itself; t from the boards, 0 at its first row
   bool complete = false;
-  std::string why;  ///< what ended it, where it is not complete
-  std::string remark;  ///< what a reader of the recording must know of it, complete or not
+  std::string why;  ///< reason for its end, if it is not complete
+  std::string remark;  ///< remark for readers of the recording, complete or not
   LoopTiming timing;
   /// Status of the boards after switching off.
   OffState power = OffState::kNotAsked;
@@ -82,7 +82,7 @@ LoopTiming watch(ArmSession& arm, DatagramLink& link, double seconds, double rat
                  const std::atomic<bool>& stop, const std::function<void(double)>& each);
 
 /// Records without moving, optionally to a file as well (empty: none). Encoders that failed meanwhile
-/// are told in RunResult::remark and in the file. @throws InvalidInput  the session does not start.
+/// are reported in RunResult::remark and in the file. @throws InvalidInput  the session does not start.
 RunResult record_at_rest(ArmSession& arm, DatagramLink& link, double seconds, double rate,
                          const std::atomic<bool>& stop, const std::string& recording = "");
 

@@ -22,7 +22,7 @@ void require_channel(const RobotConfig& robot, int board, int axis) {
 }
 
 // Zero and largest current of a channel in bits.
-void guard_current(const LinearScale& amps_to_bits, const LinearScale& bits_to_amps,
+void set_current_limits(const LinearScale& amps_to_bits, const LinearScale& bits_to_amps,
                    double max_current, ChannelSafety& safety) {
   safety.used = true;
   safety.zero_command = nearest_word(amps_to_bits.offset, kZeroCurrent);
@@ -89,7 +89,7 @@ SessionOptions session_options(const RobotConfig& robot, const ArmSessionOptions
     const ActuatorConfig& actuator = robot.actuators[k];
     ChannelSafety& safety = options.channels[sockets[k].place]
                                             [sockets[k].channel];
-    guard_current(actuator.amps_to_bits, actuator.bits_to_amps, actuator.max_current, safety);
+    set_current_limits(actuator.amps_to_bits, actuator.bits_to_amps, actuator.max_current, safety);
     safety.rest_counts = std::max(
         1.0, how.standstill * (actuator.upper - actuator.lower) / std::abs(actuator.bits_to_position));
     safety.counts_to_position = {actuator.bits_to_position, 0.0};
@@ -104,7 +104,7 @@ SessionOptions session_options(const RobotConfig& robot, const ArmSessionOptions
     if (!actuator.brake) continue;
     const BrakeConfig& brake = *actuator.brake;
     const Socket at = socket(options.bus.boards, brake.board, brake.axis);
-    guard_current(
+    set_current_limits(
         brake.amps_to_bits, brake.bits_to_amps, brake.max_current,
         options.channels[at.place][at.channel]);
   }
@@ -323,7 +323,7 @@ namespace {
 
 // @returns false: no board answers a client that never announced itself, as after they were
 // switched on.
-bool sees_no_power(DatagramLink& link, const RobotConfig& robot, const ArmSessionOptions& options) {
+bool confirms_power_off(DatagramLink& link, const RobotConfig& robot, const ArmSessionOptions& options) {
   ArmSession look(link, robot, options);
   try {
     look.start();
@@ -345,9 +345,9 @@ void require_no_power(DatagramLink& link, const RobotConfig& robot, ArmSessionOp
   options.access = Access::kListen;
   options.homing = Homing::kNever;
   options.announce = false;
-  if (sees_no_power(link, robot, options)) return;
+  if (confirms_power_off(link, robot, options)) return;
   options.announce = true;
-  sees_no_power(link, robot, options);
+  confirms_power_off(link, robot, options);
 }
 
 }  // namespace veridyn::dvrk

@@ -81,7 +81,7 @@ class CycleClock {
   long cycles_in_window() const { return window_had_; }
   long cycles_due() const { return window_due_; }
 
-  /// Forgets what was slow so far: the motion begins.
+  /// Clears the counts of late cycles, at the beginning of the motion.
   void restart_count() noexcept {
     const double rate = 1.0 / period_;
     timing_ = LoopTiming();

@@ -43,7 +43,7 @@ MotionCheck::MotionCheck(const ArmSession& arm, const MotionController& controll
   }
 }
 
-const MotionCheck::Guard* MotionCheck::broken_by(const VectorXd& q, const VectorXd& dq,
+const MotionCheck::Guard* MotionCheck::violated_guard(const VectorXd& q, const VectorXd& dq,
                                                  double share_left) const noexcept {
   for (const Guard& guard : guards_) {
     const double at = guard.of_joints.dot(q), speed = guard.of_joints.dot(dq);
@@ -65,7 +65,7 @@ void MotionCheck::require_inside(const MotionSamples& motion, double rate) const
   for (long k = 0; n > 0 && k <= steps; ++k) {
     const double t = std::min(duration, static_cast<double>(k) / rate);
     points.at(t, at);
-    const Guard* guard = broken_by(at.q, at.dq, kRoom);
+    const Guard* guard = violated_guard(at.q, at.dq, kRoom);
     if (guard == nullptr) continue;
     const double q = guard->of_joints.dot(at.q), dq = guard->of_joints.dot(at.dq);
     if (std::abs(dq) > guard->velocity)
@@ -81,14 +81,14 @@ void MotionCheck::require_inside(const MotionSamples& motion, double rate) const
 }
 
 std::string MotionCheck::objection_to(const VectorXd& q) const {
-  const Guard* guard = broken_by(q, VectorXd::Zero(q.size()), 0.0);
+  const Guard* guard = violated_guard(q, VectorXd::Zero(q.size()), 0.0);
   if (guard == nullptr) return "";
   return text(guard->name, " stands at ", guard->of_joints.dot(q), ", expected ",
               guard->range.lower, " to ", guard->range.upper, " (", guard->whose,
               "): move it inside by hand");
 }
 
-int MotionCheck::leaving(const BoardArmState& state) const noexcept {
+int MotionCheck::leaving_actuator(const BoardArmState& state) const noexcept {
   for (size_t i = 0; i < actuators_.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
     if (leaves_range(state.actuator_q[k], state.actuator_dq[k], actuators_[i], braking_))

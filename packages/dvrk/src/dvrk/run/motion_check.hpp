@@ -27,7 +27,7 @@ class MotionCheck {
 
   /// The actuator of a moving arm that is about to leave its soft limits; -1: none. Does not
   /// allocate.
-  int leaving(const BoardArmState& state) const noexcept;
+  int leaving_actuator(const BoardArmState& state) const noexcept;
 
  private:
   struct Guard {
@@ -37,7 +37,7 @@ class MotionCheck {
     PositionRange range;
     double velocity;  ///< largest
   };
-  const Guard* broken_by(const VectorXd& q, const VectorXd& dq, double share_left) const noexcept;
+  const Guard* violated_guard(const VectorXd& q, const VectorXd& dq, double share_left) const noexcept;
 
   std::string arm_;
   double braking_;

@@ -55,11 +55,11 @@ RunResult MotionRun::run() {
   result.timing = clock_.timing();
   if (done) hold(options_.settle);
   result.power = power_down();
-  result.rows = keeper_.take(recorded_);
+  result.rows = keeper_.extract_rows(recorded_);
   result.why = why_;
-  if (latch_.stood_still() > 0)
+  if (latch_.stalled_latches() > 0)
     result.remark = text("the clock of board ", arm_.board_of(0).status.board(),
-                         " stood still at ", latch_.stood_still(),
+                         " stood still at ", latch_.stalled_latches(),
                          " rows, whose times are this program's");
   if (result.why.empty()) result.why = objection_to(result.timing);
   finish(file_, result);
@@ -72,7 +72,7 @@ template <typename Make>
 bool MotionRun::cycle(Make&& make) {
   const double now = clock_.begin();
   const bool valid = arm_.update();
-  clock_.read(arm_.boards().bus().lay_seconds());
+  clock_.read(arm_.boards().bus().queue_delay());
   const PowerState state = arm_.boards().state();
   const bool ready = arm_.ready();  // brakes are open as well
   bool sound = true;
@@ -80,14 +80,14 @@ bool MotionRun::cycle(Make&& make) {
     make(now);
     sound = control();
   }
-  if (!ready) forget();
+  if (!ready) reset_controller();
   arm_.commit();  // without torques: without currents
   clock_.end();
-  if (!sound) return end(blind_since_ ? blind_words(now) : controller_.why());
+  if (!sound) return end(blind_since_ ? blindness_text(now) : controller_.refusal_reason());
   note_blindness(now, valid);
   if (stop_.load(std::memory_order_relaxed)) return end("stopped by a signal");
-  if (state == PowerState::kFault) return end(arm_.boards().cause_words());
-  if (clock_.persistently_late() && !looks_) return end(late_words(clock_));
+  if (state == PowerState::kFault) return end(arm_.boards().cause_text());
+  if (clock_.persistently_late() && !looks_) return end(lateness_text(clock_));
   if (file_.failed()) return end("the recording cannot be written");
   return !valid || !ready || (stays_inside() && follows());
 }
@@ -112,21 +112,21 @@ void MotionRun::note_blindness(double now, bool valid) noexcept {
   if (!blind_since_) blind_since_ = now;
   const BoardBus& bus = arm_.boards().bus();
   for (int b = 0; b < bus.boards(); ++b)
-    if (!bus.valid(b)) blindness_ = bus.loss(b);
+    if (!bus.valid(b)) blindness_ = bus.loss_reason(b);
 }
 
-// What a controller finds after a gap in the reads is its consequence.
-std::string MotionRun::blind_words(double now) const {
-  return text(describe(blindness_), " for ", 1e3 * (now - *blind_since_), " ms, then ", controller_.why());
+// A fault that a controller reports after a gap in the reads is a consequence of the gap.
+std::string MotionRun::blindness_text(double now) const {
+  return text(describe(blindness_), " for ", 1e3 * (now - *blind_since_), " ms, then ", controller_.refusal_reason());
 }
 
-void MotionRun::forget() noexcept {
+void MotionRun::reset_controller() noexcept {
   controller_.reset();
   before_.reset();
 }
 
 bool MotionRun::stays_inside() {
-  const int actuator = check_.leaving(arm_.state());
+  const int actuator = check_.leaving_actuator(arm_.state());
   if (actuator < 0) return true;
   return end(text("actuator ", actuator,
                   " leaves its soft limits: ", arm_.state().actuator_q[actuator],
@@ -151,8 +151,8 @@ bool MotionRun::end(const std::string& why) {
 }
 
 // Before power: whether this machine and its boards keep the time that a watchdog allows. A stall is
-// waited for; a machine that stalls again and again is one that nothing should be moved with.
-bool MotionRun::look() {
+// tolerated; a machine that stalls repeatedly must not move an arm.
+bool MotionRun::check_reads() {
   looks_ = true;
   for (int trial = 0; trial < kLooks; ++trial) {
     clock_.restart_count();
@@ -174,18 +174,18 @@ bool MotionRun::look() {
 }
 
 bool MotionRun::power_up() {
-  if (!look()) return false;
+  if (!check_reads()) return false;
   const std::string outside = check_.objection_to(arm_.state().q);
   if (!outside.empty()) return end(outside);
   if (const char* refused = arm_.power_on()) return end(refused);
   for (int k = 0; k < static_cast<int>(options_.power_timeout * options_.rate); ++k) {
-    if (!cycle([this](double) { hold_here(); })) return false;
+    if (!cycle([this](double) { hold_position(); })) return false;
     if (arm_.ready()) return true;
   }
   return end("power does not come up");
 }
 
-void MotionRun::hold_here() {
+void MotionRun::hold_position() {
   wanted_.q = arm_.state().q;
   rest();
 }
@@ -234,7 +234,7 @@ bool MotionRun::play() {
       keeper_.keep(latched, arm_.state());
       kept = true;
     });
-    if (!kept) latch_.lost();
+    if (!kept) latch_.mark_gap();
     kept = false;
     if (!goes_on) return false;
   }

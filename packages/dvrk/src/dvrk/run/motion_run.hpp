@@ -30,15 +30,15 @@ class MotionRun {
   template <typename Make>
   bool cycle(Make&& make);
   bool control() noexcept;
-  void forget() noexcept;
+  void reset_controller() noexcept;
   void note_blindness(double now, bool valid) noexcept;
-  std::string blind_words(double now) const;
+  std::string blindness_text(double now) const;
   bool stays_inside();
   bool follows();
   bool end(const std::string& why);
-  bool look();
+  bool check_reads();
   bool power_up();
-  void hold_here();
+  void hold_position();
   void rest();
   bool approach();
   bool play();

@@ -4,7 +4,7 @@
 
 namespace veridyn::dvrk {
 
-std::string late_words(const CycleClock& clock) {
+std::string lateness_text(const CycleClock& clock) {
   return text("the loop is late: ", clock.cycles_in_window(), " of ", clock.cycles_due(),
               " cycles in the last half second; ", describe_reason(clock.timing().longest_gap));
 }

@@ -14,7 +14,7 @@ namespace veridyn::dvrk {
 constexpr double kLeastRate = 0.95;
 
 /// Why a loop is stopped that is late all the time.
-std::string late_words(const CycleClock& clock);
+std::string lateness_text(const CycleClock& clock);
 
 /// Reason for which a completed loop is unsatisfactory; empty if it is not.
 std::string objection_to(const LoopTiming& timing);

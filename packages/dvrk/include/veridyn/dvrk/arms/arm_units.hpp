@@ -77,7 +77,7 @@ class ArmUnits {
   /// Words that load the encoders with positions of the actuators [rad, m].
   void preload_words(const VectorXd& actuator_q, std::uint32_t* words) const noexcept;
 
-  /// Forgets the last counts: the encoders were loaded.
+  /// Drops the previous counts, after the encoders were loaded.
   void reset() noexcept { has_previous_ = false; }
 
  private:

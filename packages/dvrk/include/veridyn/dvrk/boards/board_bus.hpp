@@ -25,7 +25,7 @@ enum class CycleProtocol {
 /// Access of a client to the boards.
 enum class Access {
   kDrive,  ///< reads and writes
-  /// Reads alone: no packet is sent that changes a board, so another client may drive it meanwhile.
+  /// Only reads: no packet is sent that changes a board, so that another client may drive it.
   /// Reads of real-time blocks restart the boards' timestamps, however, which that client sees.
   kListen,
   kListenByRegister  ///< the same by reads of single registers, which change nothing at all; slow
@@ -94,22 +94,22 @@ class BoardBus {
 
   /// Reads all boards. @returns whether all of them are valid.
   bool read() noexcept;
-  /// While silent, reads send no query: it is a write, and keeps watchdogs quiet (section 14.1).
-  void fall_silent(bool silent) noexcept { silent_ = silent; }
+  /// While silent, reads send no query, because a query is a write that resets watchdogs (section 14.1).
+  void set_silent(bool silent) noexcept { silent_ = silent; }
   bool valid(int b) const { return boards_[b].valid; }
   const BoardFeedback& feedback(int b) const { return boards_[b].feedback; }
   /// Cycles in a row without a valid read.
   int lost_reads(int b) const { return boards_[b].lost_reads; }
   /// Reason for the loss of the last one.
-  Condition loss(int b) const { return boards_[b].loss; }
+  Condition loss_reason(int b) const { return boards_[b].loss; }
   /// Cycles in a row in which a command was not found in the motor status; on Rev 7 in the
   /// registers of its channels, one of them every few cycles.
   int lost_writes(int b) const { return boards_[b].lost_writes; }
   /// Why the block of board b does not show the last command: kNotEffective, or kOldReplies where the channel's
   /// register holds the command.
-  Condition unshown(int b) const { return boards_[b].unshown; }
+  Condition unconfirmed_reason(int b) const { return boards_[b].unshown; }
   /// Looks at the registers of every board in the next cycles, one board in each, whether it has restarted.
-  void suspect_all() noexcept {
+  void check_all_for_restart() noexcept {
     for (Board& b : boards_) b.suspect = true;
   }
   /// The board has restarted: watchdog and preloads are those of power-up.
@@ -121,8 +121,8 @@ class BoardBus {
     double from = 0.0, to = 0.0;
   };
   Interval measured() const noexcept;
-  /// Why the boards are looked for again, while they are.
-  Condition unrest() const { return unrest_; }
+  /// Reason for the present scan for boards.
+  Condition scan_reason() const { return unrest_; }
 
   /// Command of the next write(), which resets it to "nothing".
   BoardCommand& command(int b) { return boards_[b].command; }
@@ -146,12 +146,12 @@ class BoardBus {
   bool write_checked(int b, std::uint16_t address, std::uint32_t value) noexcept;
   /// Serial number "1234-56" of a QLA, from its memory: section 7.6. Empty: it has none.
   std::string qla_serial(int b);
-  /// Sets all watchdogs and verifies them; forgets that boards were rebooted.
+  /// Sets and verifies all watchdogs; clears the record of rebooted boards.
   bool set_watchdog(double seconds) noexcept;
 
   const ReplyLoss& reply_loss() const { return exchange_.loss(); }
   /// [s] of the last read() in which replies had come, but this program did not run.
-  double lay_seconds() const { return exchange_.lay(); }
+  double queue_delay() const { return exchange_.queue_delay(); }
 
  private:
   struct Board {
@@ -166,7 +166,7 @@ class BoardBus {
     double asked_at = 0.0;
     bool valid = false;
     bool rebooted = false;
-    bool suspect = false;  ///< look at its registers soon
+    bool suspect = false;  ///< its registers are to be checked soon
     int lost_reads = 0;
     Condition loss = Condition::kNoReply;
     int lost_writes = 0;
@@ -188,14 +188,14 @@ class BoardBus {
 
   Route route(const Board& b) const;
   Route route_to(int node) const;
-  Route everyone() const;
+  Route broadcast_route() const;
   void note(Condition condition, std::optional<int> board = {}, std::optional<int> channel = {},
             std::uint32_t value = 0) noexcept;
 
   bool listens() const { return options_.access != Access::kDrive; }
   void listen() noexcept;
   void find_hub();
-  void settle_gap_count() noexcept;
+  void set_gap_count() noexcept;
   void probe(int node, double timeout) noexcept;
   bool all_found() const noexcept;
   Objection assign() noexcept;
@@ -211,16 +211,16 @@ class BoardBus {
   void accept(Board& b, QuadletView block, double asked) noexcept;
   void check_timestamp(Board& b) noexcept;
   void check_commands(Board& b) noexcept;
-  void lose(Board& b, Condition why) noexcept;
-  void lose_noted(Board& b, Condition why, std::uint32_t word) noexcept;
-  void keep_house() noexcept;
-  void look_at(Board& b) noexcept;
-  void look_for_lost_writes() noexcept;
-  void look_at_command(Board& b, std::size_t channel) noexcept;
+  void disconnect(Board& b, Condition why) noexcept;
+  void disconnect_and_log(Board& b, Condition why, std::uint32_t word) noexcept;
+  void poll_registers() noexcept;
+  void check_registers(Board& b) noexcept;
+  void check_written_commands() noexcept;
+  void read_back_command(Board& b, std::size_t channel) noexcept;
 
   bool nodes_known() const noexcept;
   void write_blocks() noexcept;
-  void remember(Board& b) noexcept;
+  void store_written(Board& b) noexcept;
   bool one_group() const noexcept;
 
   DatagramLink& link_;

@@ -62,7 +62,7 @@ struct SessionOptions {
 /// Status of the boards after switching off.
 enum class OffState {
   kConfirmed,  ///< every board in use was read: amplifiers off, power not requested
-  kNotAsked,   ///< the session never wrote, so there is nothing to confirm
+  kNotAsked,   ///< the session never wrote, and needs no confirmation
   kPowerOn,    ///< amplifiers are off, but a board still requests power
   kAmpsOn,     ///< an amplifier is on
   kUnknown     ///< a board could not be read
@@ -133,7 +133,7 @@ class BoardSession {
   /// The condition that led to kFault; kNoReply before any.
   Condition cause() const { return cause_; }
   /// The same as text, with the board and the channel concerned.
-  std::string cause_words() const;
+  std::string cause_text() const;
   BoardBus& bus() { return bus_; }
   const BoardBus& bus() const { return bus_; }
   FaultLog& faults() { return bus_.faults(); }
@@ -161,9 +161,9 @@ class BoardSession {
     return states_[b][c];
   }
   bool had_power() const { return checked_ == PowerState::kAmps || checked_ == PowerState::kOn; }
-  bool on_the_way() const { return state_ != PowerState::kOff && state_ != PowerState::kFault; }
+  bool is_powering_up() const { return state_ != PowerState::kOff && state_ != PowerState::kFault; }
   void enter(PowerState state) noexcept;
-  void react(Reaction reaction, Condition condition, std::optional<int> board = {},
+  void escalate(Reaction reaction, Condition condition, std::optional<int> board = {},
              std::optional<int> channel = {}) noexcept;
   void note(Condition condition, Reaction reaction, int b, std::optional<int> c,
             std::uint32_t value) noexcept;
@@ -178,9 +178,9 @@ class BoardSession {
   void check_stall(int b, int c, const BoardFeedback& f) noexcept;
   void check_encoder(int b, int c, const BoardFeedback& f) noexcept;
   void check_pot(int b, int c, const ChannelFeedback& f) noexcept;
-  void move_on() noexcept;
+  void advance_power_state() noexcept;
   void command_off(int b) noexcept;
-  OffState seen_off() noexcept;
+  OffState off_state() noexcept;
   bool amps_stay_on() const noexcept;
   void command_channels(int b, AmpRequest amp) noexcept;
 

@@ -108,7 +108,7 @@ struct IoConfig {
   std::vector<DigitalInputConfig> digital_inputs;
   std::vector<DigitalOutputConfig> digital_outputs;
   std::vector<DallasChipConfig> dallas_chips;
-  std::vector<std::string> remarks;  ///< what was not understood and not used, and what looks odd
+  std::vector<std::string> remarks;  ///< unknown or unused elements, and implausible values
 
   /// The robot of that name; the only one if the name is empty. @throws InvalidInput  there is
   /// none, or several.

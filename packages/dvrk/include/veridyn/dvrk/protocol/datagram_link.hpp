@@ -35,9 +35,9 @@ class DatagramLink {
   /// The server's IPv4 address as register 11 wants it: a.b.c.d is 0xddccbbaa (section 5).
   virtual std::uint32_t address_word() const noexcept = 0;
   /// Destination::kBoard is the board of this id from now on, on a bus without FireWire.
-  virtual void speak_to(int board) noexcept { (void)board; }
+  virtual void set_board(int board) noexcept { (void)board; }
   /// Sets the hub that was found; from Rev 9 on its board id is part of its address (section 2.3).
-  virtual void hub_is(int firmware, int board) noexcept {
+  virtual void set_hub(int firmware, int board) noexcept {
     (void)firmware;
     (void)board;
   }

@@ -38,7 +38,7 @@ Condition condition_of(ReadResult result);
 /// Number of the last kRequests requests whose first reply was lost or late.
 struct ReplyLoss {
   static constexpr long kRequests = 3000;  ///< of which `lost` counts; 1 s of two boards at 1.5 kHz
-  /// Of them: 1 % of loss each way makes 60 +- 8, 5 % of the replies alone 150 +- 12.
+  /// Bound of `lost`: 1 % of loss each way gives 60 +- 8, 5 % of the replies alone 150 +- 12.
   static constexpr long kMost = 105;
   long lost = 0;
   bool too_many() const noexcept { return lost > kMost; }
@@ -78,9 +78,9 @@ class Exchange {
     queries_ = queries == Queries::kAllowed;
   }
   const ReplyLoss& loss() const { return loss_; }
-  /// [s] for which replies lay ready before they were taken, since the last forget_lay().
-  double lay() const { return lay_; }
-  void forget_lay() noexcept { lay_ = 0.0; }
+  /// [s] for which replies waited in the socket before they were read, since reset_queue_delay().
+  double queue_delay() const { return lay_; }
+  void reset_queue_delay() noexcept { lay_ = 0.0; }
   /// True if the last trailer reported a bus reset in progress.
   bool resetting() const { return resetting_; }
 
@@ -93,9 +93,9 @@ class Exchange {
   /// @param until  [s] of the link's clock. @returns kNoReply, not noted, where nothing came.
   ReadResult await(const Request& request, double until, Reply& reply) noexcept;
   bool answers_repeated(ByteView datagram) const noexcept;
-  ReadResult judge(const Request& request, ByteView datagram, Malformed malformed,
+  ReadResult classify_reply(const Request& request, ByteView datagram, Malformed malformed,
                    const Reply& reply) noexcept;
-  void take_trailer(const Trailer& trailer) noexcept;
+  void read_trailer(const Trailer& trailer) noexcept;
   void count_request() noexcept;
 
   DatagramLink& link_;

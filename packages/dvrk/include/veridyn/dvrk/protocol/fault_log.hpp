@@ -42,7 +42,7 @@ enum class Condition : std::uint8_t {
   // Section 17 counts these as 23 as well; number_in_section_17() says so.
   kTemperature = 31,
   kPot = 32,
-  // These it does not have: they count as 1, 7 and 23.
+  // Section 17 does not have these: they count as 1, 7 and 23.
   kLostReplies = 33,
   kOldReplies = 34,
   kStalled = 35

@@ -31,7 +31,7 @@ struct BoardFeedback {
 /// Reads read_quadlets(firmware) quadlets; what the view does not have is zero.
 BoardFeedback decode_feedback(QuadletView block, int firmware) noexcept;
 
-/// Writes read_quadlets(firmware) quadlets, as far as there is room.
+/// Writes read_quadlets(firmware) quadlets, as far as `out` has space.
 void encode_feedback(const BoardFeedback& feedback, int firmware, QuadletSpan out) noexcept;
 
 }  // namespace veridyn::dvrk

@@ -25,8 +25,8 @@ class UdpLink final : public DatagramLink {
   double now() noexcept override;
   void wait(double seconds) noexcept override;
   std::uint32_t address_word() const noexcept override;
-  void hub_is(int firmware, int board) noexcept override;
-  void speak_to(int board) noexcept override;
+  void set_hub(int firmware, int board) noexcept override;
+  void set_board(int board) noexcept override;
 
  private:
   bool may_answer(std::uint32_t address) const noexcept;

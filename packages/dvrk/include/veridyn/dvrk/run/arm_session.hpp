@@ -35,7 +35,7 @@ struct ArmSessionOptions {
   double reply_timeout = 0.020;    ///< [s] for all replies of a cycle
   double repeat_after = BusOptions().repeat_after;  ///< [s] a read without a reply is sent again
   CurrentFollowing follow;
-  double stall = SessionOptions().stall;  ///< [s], see there
+  double stall = SessionOptions().stall;  ///< [s], see SessionOptions::stall
   /// A motor that moves by less meanwhile stands still: this share of its actuator's range. That of
   /// a pitch is half a degree, of an insertion 1.2 mm.
   double standstill = 0.005;

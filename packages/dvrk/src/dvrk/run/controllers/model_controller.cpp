@@ -92,7 +92,7 @@ ModelController::ModelController(const Model& model, const PidGains& rest, const
 }
 
 void ModelController::reset() noexcept {
-  cycle_.forget();
+  cycle_.reset_observers();
   rest_.reset();
   moves_ = false;
 }
@@ -150,7 +150,7 @@ void ModelController::sent(const VectorXd& tau) noexcept {
   cycle_.sent(sent_);
 }
 
-std::string ModelController::why() const {
+std::string ModelController::refusal_reason() const {
   const std::optional<ControllerFault> fault = cycle_.fault();
   if (!fault) return "";
   return text("safety supervisor: ", describe(fault->what),
@@ -189,21 +189,21 @@ MotionLimits ModelController::limits() const {
   const SafetyLimits& limits = cycle_.limits();
   out.lower = limits.lower;
   out.upper = limits.upper;
-  sensors().show_positions(out.lower);
-  sensors().show_positions(out.upper);
+  sensors().add_position_errors(out.lower);
+  sensors().add_position_errors(out.upper);
   out.velocity = limits.velocity;
   out.braking = limits.braking;
   for (const Coordinate& c : model_.coordinates()) out.names.push_back(c.name);
   return out;
 }
 
-MotionSamples ModelController::as_shown(const MotionSamples& motion) const {
+MotionSamples ModelController::to_board_positions(const MotionSamples& motion) const {
   MotionSamples out = motion;
   VectorXd at = VectorXd::Zero(off_.size());
   const Eigen::Index n = std::min(off_.size(), motion.joints());
   for (Eigen::Index row = 0; row < motion.rows(); ++row) {
     at.head(n) = motion.q.row(row).head(n).transpose();
-    sensors().show_positions(at);
+    sensors().add_position_errors(at);
     out.q.row(row).head(n) = at.head(n).transpose();
   }
   return out;

@@ -41,7 +41,7 @@ struct ModelControlOptions {
 };
 
 /// Errors of encoders and currents that the model knows are undone (JointSensors): a motion is led in
-/// true positions, while a run, its limits and its rows count as the boards do, see as_shown().
+/// true positions, while a run, its limits and its rows count as the boards do, see to_board_positions().
 ///
 /// The laws of control/ for a run: torques of the model's joints, which are the arm's first ones,
 /// by a law; those of the others by a PID. SafetySupervisor watches the model's joints: numbers,
@@ -65,11 +65,11 @@ class ModelController final : public MotionController {
   bool torques(const BoardArmState& state, const JointReference& wanted, const CycleTimes& times,
                VectorXd& tau) noexcept override;
   void sent(const VectorXd& tau) noexcept override;  ///< as the drives count
-  std::string why() const override;
+  std::string refusal_reason() const override;
   bool follows() const override { return options_.law != ControlLaw::kGravity; }
   MotionLimits limits() const override;
   void require_possible(const MotionSamples& motion) const override;
-  MotionSamples as_shown(const MotionSamples& motion) const override;
+  MotionSamples to_board_positions(const MotionSamples& motion) const override;
 
   int joints() const { return cycle_.joints(); }  ///< Joints of the model
   /// Effects of the model that these laws leave out, in words.

@@ -13,7 +13,7 @@ namespace veridyn::dvrk {
 /// Times of a cycle [s].
 struct CycleTimes {
   double dt = 0.0;   ///< since the previous cycle with torques
-  double age = 0.0;  ///< Largest age of the positions: since the boards were asked for them
+  double age = 0.0;  ///< Largest age of the positions, since the request to the boards
   double age_range = 0.0;  ///< by which they may be younger: until the replies came
 };
 
@@ -31,15 +31,15 @@ class MotionController {
  public:
   virtual ~MotionController() = default;
 
-  /// Called in every cycle without power: what was remembered is forgotten. Neither throws nor
+  /// Clears the controller's state; called in every cycle without power. Neither throws nor
   /// allocates.
   virtual void reset() noexcept = 0;
 
   /// Called when the arm rests at the first set point and the motion begins.
   virtual void motion_begins() noexcept {}
 
-  /// @param wanted  where the joints shall be, (n) of the arm. @param tau  (n), written [N m], [N].
-  /// @returns false: the run must end now, see why(); tau does not count. Never allocates.
+  /// @param wanted  reference of the joints, (n) of the arm. @param tau  (n), written [N m], [N].
+  /// @returns false: the run must end now, see refusal_reason(); tau does not count. Never allocates.
   virtual bool torques(const BoardArmState& state, const JointReference& wanted, const CycleTimes& times,
                        VectorXd& tau) noexcept = 0;
 
@@ -48,7 +48,7 @@ class MotionController {
   virtual void sent(const VectorXd& tau) noexcept { (void)tau; }
 
   /// Why torques() returned false.
-  virtual std::string why() const { return ""; }
+  virtual std::string refusal_reason() const { return ""; }
   /// True if joints are expected near their set points.
   virtual bool follows() const { return true; }
   /// The limits that torques() enforces. A run applies them to the whole motion before power-up.
@@ -57,7 +57,7 @@ class MotionController {
   virtual void require_possible(const MotionSamples& motion) const { (void)motion; }
   /// Converts a motion to positions as the boards show them, in which a run works: a controller may
   /// know errors of the encoders. torques() and limits() use them too.
-  virtual MotionSamples as_shown(const MotionSamples& motion) const { return motion; }
+  virtual MotionSamples to_board_positions(const MotionSamples& motion) const { return motion; }
 };
 
 }  // namespace veridyn::dvrk

@@ -91,7 +91,7 @@ void RowFile::open() {
   put(remark_line("incomplete: the program ended while it recorded") + header(joints_));
 }
 
-// Gives the file its name once it has rows, or takes it away where there will be none.
+// Gives the file its name once it has rows, or removes it if there will be none.
 void RowFile::name_or_remove() {
   if (file_ < 0 || (written_ == 0 && !failed())) return;
   if (written_ > 0 && aside_.empty()) return;
@@ -203,7 +203,7 @@ void RowFile::finish(const std::string& remark) {
     if (followed_)
       copy_rows(remark);
     else
-      write_recording(keeper_.take(joints_), path_, remark);
+      write_recording(keeper_.extract_rows(joints_), path_, remark);
     written_ = all;
   } catch (const std::exception& problem) {
     if (followed_) {

@@ -43,7 +43,7 @@ class RowKeeper {
   const Recording& rows() const { return rows_; }
   Eigen::Index count() const { return count_.load(std::memory_order_acquire); }
 
-  Recording take(Eigen::Index joints) const {
+  Recording extract_rows(Eigen::Index joints) const {
     const Eigen::Index rows = count();
     Recording out;
     out.time = rows_.time.head(rows);
@@ -82,9 +82,9 @@ class LatchTime {
     gap_ = false;
     return time_;
   }
-  void lost() noexcept { gap_ = true; }
+  void mark_gap() noexcept { gap_ = true; }
   /// Latches during which the boards' counter stood still, timed by the link's clock.
-  long stood_still() const { return stood_still_; }
+  long stalled_latches() const { return stood_still_; }
   /// Number of missing intervals.
   long foreign_reads() const { return foreign_; }
 

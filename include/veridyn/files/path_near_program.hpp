@@ -8,6 +8,6 @@ namespace veridyn {
 /// /usr/share/veridyn/robots for /usr/bin/veridyn and "share/veridyn/robots". An absolute path
 /// would break when an installation is moved. Empty where the system does not reveal the program's
 /// path.
-std::string beside_program(const std::string& place);
+std::string path_near_program(const std::string& place);
 
 }  // namespace veridyn
