@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "identification/fleet/fleet_problem.hpp"
+#include "identification/fleet/fleet_fit.hpp"
 #include "identification/synthetic_recording.hpp"
 #include "support/near.hpp"
 #include "support/refusal.hpp"
@@ -258,16 +258,16 @@ TEST(AFleet, IsTheLeastSquaresSolutionOfTheBlockArrow) {
     }
     arms.push_back(one);
   }
-  const FleetProblem problem(arm, arms);
+  const FleetFit fit(arm, arms, {});
   const VectorXd weights = VectorXd::LinSpaced(arm.joints(), 0.5, 2.0);
-  SquareRootInformation total(problem.shared());
+  const Eigen::Index shared = fit.shared();
+  SquareRootInformation total({fit.columns().end() - shared, fit.columns().end()});
   std::vector<SquareRootInformation> factors;
-  for (size_t a = 0; a < arms.size(); ++a) {
-    factors.push_back(problem.of_arm(a, weights, {}, {}));
-    total.merge(problem.over_shared(factors.back()));
+  for (const ArmFactor& one : arms) {
+    factors.push_back(fit.of_arm(one, weights, {}));
+    total.merge(fit.over_shared(factors.back()));
   }
   const VectorXd beta = Eigen::ColPivHouseholderQR<MatrixXd>(total.R()).solve(total.z());
-  const auto shared = static_cast<Eigen::Index>(problem.shared().size());
   const Eigen::Index own = factors[0].size() - shared;
   const auto count = static_cast<Eigen::Index>(arms.size());
   MatrixXd A = MatrixXd::Zero(count * factors[0].size(), count * own + shared);
@@ -281,7 +281,7 @@ TEST(AFleet, IsTheLeastSquaresSolutionOfTheBlockArrow) {
   const VectorXd x = Eigen::ColPivHouseholderQR<MatrixXd>(A).solve(b);
   EXPECT_TRUE(near(beta, VectorXd(x.tail(shared)), 1e-8 * (1.0 + x.tail(shared).norm())));
   for (Eigen::Index a = 0; a < count; ++a)
-    EXPECT_TRUE(near(problem.own_values(factors[a], beta),
+    EXPECT_TRUE(near(VectorXd(fit.values(factors[a], beta).head(own)),
                      VectorXd(x.segment(a * own, own)), 1e-7 * (1.0 + x.norm())));
 }
 

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "model/excerpt.hpp"
-#include "identification/fleet/fleet_spreads.hpp"
+#include "identification/fleet/fleet_fit.hpp"
 #include "identification/many_recordings.hpp"
 #include "files/input_file.hpp"
 #include "math/numbers.hpp"
@@ -43,87 +43,49 @@ ArmFactor arm_factor(const Model& arm, const FactorSet& set, const std::string& 
   return out;
 }
 
-void add_members(const std::vector<ArmFactor>& arms, const FleetSolver& solver, Fleet& fleet) {
-  for (size_t a = 0; a < arms.size(); ++a) {
-    const FittedArm& f = solver.fitted(a);
-    FleetMember member{arms[a].name, arms[a].recordings, arms[a].rows, f.eta, {}, {}};
-    for (Eigen::Index k = 0; k < f.eta.size(); ++k)
-      if (f.telling[k] < fleets::numbers.telling) member.own[k] = kNaN;
+void add_members(const FleetFit& fit, Fleet& fleet) {
+  for (const FittedArm& f : fit.arms()) {
+    FleetMember member{f.data.name, f.data.recordings, f.data.rows, f.values.head(f.independent.size()), {}, {}};
+    for (Eigen::Index k = 0; k < member.own.size(); ++k)
+      if (f.independent[k] < fleets::numbers.telling) member.own[k] = kNaN;
     member.own.tail(fleet.joints).array() += 1.0;  // gains as factors
-    member.relative_error.resize(fleet.joints);
-    member.alone_error.resize(fleet.joints);
-    for (int i = 0; i < fleet.joints; ++i) {
-      const double torque2 = std::max(1e-300, arms[a].joints[i].rhs_norm2());
-      member.relative_error[i] = std::sqrt(f.residual2[i] / torque2);
-      member.alone_error[i] = std::sqrt(f.alone2[i] / torque2);
+    VectorXd torque2(fleet.joints);
+    for (int i = 0; i < fleet.joints; ++i) torque2[i] = std::max(1e-300, f.data.joints[i].rhs_norm2());
+    member.relative_error = f.residual2.cwiseQuotient(torque2).cwiseSqrt();
+    member.alone_error = f.alone2.cwiseQuotient(torque2).cwiseSqrt();
+    if (f.odd) {
+      Eigen::Index joint = 0;
+      member.relative_error.cwiseQuotient(member.alone_error.cwiseMax(1e-300)).maxCoeff(&joint);
+      fleet.other_bodies.push_back({member.name, {static_cast<int>(joint)}, member.relative_error[joint],
+                                    member.alone_error[joint], f.excess, fit.median_excess(), f.deviations});
     }
-    fleet.rows += arms[a].rows;
+    fleet.rows += f.data.rows;
     fleet.members.push_back(std::move(member));
   }
+  std::stable_sort(fleet.other_bodies.begin(), fleet.other_bodies.end(),
+                   [](const FleetLeftOut& a, const FleetLeftOut& b) { return a.deviations > b.deviations; });
 }
 
-void add_other_bodies(const FleetSolver& solver, Fleet& fleet) {
-  for (size_t a = 0; a < fleet.members.size(); ++a) {
-    const FittedArm& f = solver.fitted(a);
-    if (!f.odd) continue;
-    const FleetMember& member = fleet.members[a];
-    Eigen::Index joint = 0;
-    member.relative_error.cwiseQuotient(member.alone_error.cwiseMax(1e-300)).maxCoeff(&joint);
-    fleet.other_bodies.push_back({member.name, {static_cast<int>(joint)},
-                                  member.relative_error[joint], member.alone_error[joint], f.excess,
-                                  solver.median_excess(), f.deviations});
-  }
-  std::stable_sort(
-      fleet.other_bodies.begin(), fleet.other_bodies.end(),
-      [](const FleetLeftOut& a, const FleetLeftOut& b) { return a.deviations > b.deviations; });
-}
-
-void add_parameters(const Model& arm, const FleetSolver& solver, Fleet& fleet) {
-  const FleetProblem& problem = solver.problem();
-  const std::vector<StandardParameter>& parameters = problem.parameters();
-  fleet.parameters = VectorXd::Zero(parameters.size());
-  const VectorXd std = solver.deviations();
+void add_parameters(const Model& arm, const FleetFit& fit, Fleet& fleet) {
+  fleet.parameters = VectorXd::Zero(fit.parameters().size());
+  const VectorXd std = fit.deviations();
   Eigen::Index shared = 0;
   size_t own = 0;
-  for (int j = 0; j < problem.base().size(); ++j) {
-    const int at = problem.base().independent[j];
-    const StandardParameter& p = parameters[at];
+  for (int j = 0; j < fit.base().size(); ++j) {
+    const int at = fit.base().independent[j];
+    const StandardParameter& p = fit.parameters()[at];
     if (p.effect) {
       const double median = fleet.spreads[own++].median;
       fleet.parameters[at] = std::isfinite(median) ? median : 0.0;
       continue;
     }
-    fleet.parameters[at] = solver.beta()[shared];
-    fleet.base.push_back({problem.base().names[j],
-                          problem.base().expressions[j], p.unit,
-                          solver.beta()[shared], std[shared]});
+    fleet.parameters[at] = fit.beta()[shared];
+    fleet.base.push_back({fit.base().names[j], fit.base().expressions[j], p.unit, fit.beta()[shared], std[shared]});
     ++shared;
   }
-  for (size_t p = 0; p < parameters.size(); ++p)
-    if (parameters[p].fixed) fleet.parameters[static_cast<Eigen::Index>(p)] = parameters[p].value;
-  fleet.model =
-      with_values(arm, fleet.parameters, VectorXd::Constant(fleet.parameters.size(), kNaN));
-}
-
-// Removes the arms whose own recordings do not determine their bodies: bodies of its own would
-// explain everything on such an arm, so that it would always seem to differ.
-std::vector<UndeterminedArm> take_undetermined(const Model& arm, std::vector<ArmFactor>& arms) {
-  const FleetProblem problem(arm, arms);
-  std::vector<UndeterminedArm> out;
-  std::vector<ArmFactor> rest;
-  for (ArmFactor& one : arms) {
-    const bool without_torque = std::all_of(one.joints.begin(), one.joints.end(), [](const auto& joint) {
-      return joint.rhs_norm2() == 0.0;
-    });
-    const std::string why = without_torque ? "its torques are zero throughout" : problem.shortfall_of(one);
-    if (why.empty()) {
-      rest.push_back(std::move(one));
-    } else {
-      out.push_back({one.name, why});
-    }
-  }
-  arms = std::move(rest);
-  return out;
+  for (Eigen::Index p = 0; p < fleet.parameters.size(); ++p)
+    if (fit.parameters()[p].fixed) fleet.parameters[p] = fit.parameters()[p].value;
+  fleet.model = with_values(arm, fleet.parameters, VectorXd::Constant(fleet.parameters.size(), kNaN));
 }
 
 // Reason for a missing result with too few arms.
@@ -149,24 +111,21 @@ Fleet solved_fleet(const Model& arm, std::vector<ArmFactor> arms,
   if (options.progress) options.progress("solving", fleets::kReading);
   Fleet fleet;
   fleet.robot = arm.name();
-  if (!arms.empty()) fleet.undetermined = take_undetermined(arm, arms);
-  if (static_cast<int>(arms.size()) < fleets::numbers.fewest) {
-    fleet.reason = too_few(arms.size(), fleet.undetermined);
-    fleet.unusable_recordings = std::move(unusable_recordings);
+  fleet.unusable_recordings = std::move(unusable_recordings);
+  FleetFit fit(arm, std::move(arms), options);
+  fleet.undetermined = fit.take_undetermined();
+  if (static_cast<int>(fit.arms().size()) < fleets::numbers.fewest) {
+    fleet.reason = too_few(fit.arms().size(), fleet.undetermined);
     return fleet;
   }
-  FleetSolver solver(arm, arms, options);
-  solver.solve();
+  fit.solve();
   fleet.joints = arm.joints();
-  fleet.unusable_recordings = std::move(unusable_recordings);
-  add_members(arms, solver, fleet);
-  add_other_bodies(solver, fleet);
-  add_spreads(arm, solver, fleet);
-  std::stable_sort(fleet.outliers.begin(), fleet.outliers.end(),
-                   [](const FleetOutlier& a, const FleetOutlier& b) {
-                     return std::abs(a.deviations) > std::abs(b.deviations);
-                   });
-  add_parameters(arm, solver, fleet);
+  add_members(fit, fleet);
+  add_spreads(arm, fit, fleet);
+  std::stable_sort(fleet.outliers.begin(), fleet.outliers.end(), [](const FleetOutlier& a, const FleetOutlier& b) {
+    return std::abs(a.deviations) > std::abs(b.deviations);
+  });
+  add_parameters(arm, fit, fleet);
   return fleet;
 }
 

@@ -1,4 +1,4 @@
-#include "identification/fleet/fleet_spreads.hpp"
+#include "identification/fleet/fleet_fit.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -22,26 +22,13 @@ std::string gain_name(const Model& arm, int joint) {
   return arm.coordinates()[joint].name;
 }
 
-std::optional<JointIndex> joint_of(const Model& arm, const std::string& parameter,
-                                   const std::vector<StandardParameter>& parameters) {
-  for (const StandardParameter& p : parameters) {
-    if (p.name == parameter && p.effect)
-      return JointIndex{main_coordinate(arm.effects()[*p.effect].axis)};
-  }
-  return std::nullopt;
-}
-
-double digamma(double x) {
-  return Eigen::numext::digamma(x);
-}
-double trigamma(double x) {
-  return Eigen::numext::polygamma(1.0, x);
-}
+double digamma(double x) { return Eigen::numext::digamma(x); }
+double trigamma(double x) { return Eigen::numext::polygamma(1.0, x); }
 
 // One quantity over the arms.
 struct Quantity {
   FleetSpread spread;
-  std::optional<JointIndex> joint;
+  JointIndex joint{};
   std::vector<double> all, uncertain;
   double usual = 0.0;  // median of `uncertain`
 };
@@ -98,32 +85,36 @@ SpreadPrior prior_of(const std::vector<Quantity>& kind, double freedom) {
   return noise.unlike <= share.unlike ? noise : share;
 }
 
-Quantity quantity(const Model& arm, const FleetSolver& solver, const Fleet& fleet, int k) {
-  const FleetProblem& problem = solver.problem();
-  const auto own = static_cast<int>(problem.own().size());
+Quantity quantity(const Model& arm, const FleetFit& fit, const Fleet& fleet, int k) {
+  const int own = static_cast<int>(fit.own());
   Quantity out;
   for (const FleetMember& m : fleet.members) out.all.push_back(m.own[k]);
   FleetSpread& spread = out.spread;
-  spread.name = k < own ? problem.own()[k] : gain_name(arm, k - own);
-  for (const StandardParameter& p : problem.parameters())
-    if (p.name == spread.name) spread.unit = p.unit;
+  if (k < own) {
+    const StandardParameter& p = fit.own_parameter(k);
+    spread.name = p.name;
+    spread.unit = p.unit;
+    out.joint = JointIndex{main_coordinate(arm.effects()[*p.effect].axis)};
+  } else {
+    spread.name = gain_name(arm, k - own);
+    out.joint = JointIndex{k - own};
+  }
   std::tie(spread.median, spread.spread) = centre_of(out.all);
   spread.arms = static_cast<int>(
       std::count_if(out.all.begin(), out.all.end(), [](double x) { return std::isfinite(x); }));
   // Precision of this value on one arm relative to most arms, which weights its deviation. The
   // noise is not white, so that the spread of the fleet sets the scale.
   for (size_t a = 0; a < out.all.size(); ++a)
-    out.uncertain.push_back(std::isfinite(out.all[a]) ? solver.fitted(a).uncertain[k] : kNaN);
+    out.uncertain.push_back(std::isfinite(out.all[a]) ? fit.arms()[a].uncertain[k] : kNaN);
   out.usual = centre_of(out.uncertain).first;
-  out.joint = k < own ? joint_of(arm, spread.name, problem.parameters()) : JointIndex{k - own};
   return out;
 }
 
 // Names the arms that are far off in a quantity of one kind.
-void add_outliers(const std::vector<Quantity>& kind, const FleetSolver& solver, Fleet& fleet) {
-  const double freedom = solver.freedom();
+void add_outliers(const std::vector<Quantity>& kind, const FleetFit& fit, Fleet& fleet) {
+  const double freedom = fit.freedom();
   const SpreadPrior prior = prior_of(kind, freedom);
-  const double far = solver.threshold(solver.looked_at(), prior.freedom);
+  const double far = fit.threshold(fit.tested(), prior.freedom);
   for (const Quantity& q : kind) {
     const FleetSpread& spread = q.spread;
     const double width = prior.spread_of(q, freedom);
@@ -143,17 +134,17 @@ void add_outliers(const std::vector<Quantity>& kind, const FleetSolver& solver, 
 
 }  // namespace
 
-void add_spreads(const Model& arm, const FleetSolver& solver, Fleet& fleet) {
-  const auto own = static_cast<int>(solver.problem().own().size());
+void add_spreads(const Model& arm, const FleetFit& fit, Fleet& fleet) {
+  const int own = static_cast<int>(fit.own());
   std::vector<Quantity> effects;
   std::vector<Quantity> gains;
   for (int k = 0; k < own + fleet.joints; ++k) {
     std::vector<Quantity>& kind = k < own ? effects : gains;
-    kind.push_back(quantity(arm, solver, fleet, k));
+    kind.push_back(quantity(arm, fit, fleet, k));
     fleet.spreads.push_back(kind.back().spread);
   }
-  add_outliers(effects, solver, fleet);
-  add_outliers(gains, solver, fleet);
+  add_outliers(effects, fit, fleet);
+  add_outliers(gains, fit, fleet);
 }
 
 }  // namespace veridyn

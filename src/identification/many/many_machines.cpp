@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <iterator>
 #include <optional>
-#include <set>
 #include <unordered_map>
 #include <utility>
 
@@ -15,28 +14,17 @@
 
 namespace veridyn {
 
-template <typename Bytes>
-void exchange(Bytes& bytes, UnusedRecording& r) {
-  bytes(r.source, r.why);
-}
+void exchange(ByteExchange& bytes, UnusedRecording& r) { bytes(r.source, r.why); }
 
-template <typename Bytes>
-void exchange(Bytes& bytes, PredictionError& e) {
-  bytes(e.relative, e.maximum, e.moving_relative);
-}
+void exchange(ByteExchange& bytes, PredictionError& e) { bytes(e.relative, e.maximum, e.moving_relative); }
 
-template <typename Bytes>
-void exchange(Bytes& bytes, ErrorSums& s) {
+void exchange(ByteExchange& bytes, ErrorSums& s) {
   bytes(s.torque2, s.error2, s.torque_max, s.error_max, s.moving_torque2, s.moving_error2);
 }
 
-template <typename Bytes>
-void exchange(Bytes& bytes, PredictionSeries& s) {
-  bytes(s.time, s.q, s.dq, s.ddq, s.measured, s.modelled);
-}
+void exchange(ByteExchange& bytes, PredictionSeries& s) { bytes(s.time, s.q, s.dq, s.ddq, s.measured, s.modelled); }
 
-template <typename Bytes>
-void exchange(Bytes& bytes, MeasuredRecording& r) {
+void exchange(ByteExchange& bytes, MeasuredRecording& r) {
   bytes(r.error.source, r.error.error, r.error.repaired, r.error.without_excluded, r.error.filled.count, r.error.filled.age,
         r.error.rows, r.error.noise_floor, r.error.period, r.error.series, r.sums.as_recorded, r.sums.repaired,
         r.sums.without_excluded);
@@ -44,43 +32,49 @@ void exchange(Bytes& bytes, MeasuredRecording& r) {
 
 namespace {
 
-// The recordings of one rank: neighbours in the list, whose order the collected factors keep.
-std::pair<size_t, size_t> share_of(size_t count, const Communicator& ranks) {
-  const auto size = static_cast<size_t>(ranks.size());
-  const auto rank = static_cast<size_t>(ranks.rank());
-  return {count * rank / size, count * (rank + 1) / size};
+// One that can be read into.
+struct Measured : MeasuredRecording {
+  Measured() : MeasuredRecording{{}, {ErrorSums(0), ErrorSums(0), ErrorSums(0)}, false} {}
+  explicit Measured(MeasuredRecording one) : MeasuredRecording(std::move(one)) {}
+};
+
+enum class Work { kCompress, kMeasure, kRefuse, kEnd };
+
+// A message of rank 0 to all ranks, itself included for the first two kinds of work.
+struct Request {
+  Work work = Work::kCompress;
+  // Settings that differ between the fits of one identification: joints whose velocities are derived from the position,
+  // and periods that an earlier fit found.
+  std::vector<int> derived = {};
+  std::vector<std::string> sources = {};
+  std::vector<double> periods = {};
+  VectorXd values = {};       // whose errors are measured
+  int series_samples = 0;
+  std::string reason = {};    // of a refusal, or of the result's status
+  int status = 0;
+};
+
+// A rank's answer; a refusal has nothing else.
+struct Answer {
+  std::string refusal = {};
+  std::vector<UnusedRecording> unusable = {};
+  std::string factors = {};  // to_bytes()
+  std::vector<Measured> train = {}, test = {};
+};
+
+void exchange(ByteExchange& bytes, Request& r) {
+  int work = static_cast<int>(r.work);
+  bytes(work, r.derived, r.sources, r.periods, r.values, r.series_samples, r.reason, r.status);
+  r.work = static_cast<Work>(work);
 }
 
-// What rank 0 asks of all ranks, itself included, and its last message to the others.
-enum class Request : std::uint64_t { kCompress, kMeasure, kRefusal, kDone };
+void exchange(ByteExchange& bytes, Answer& a) { bytes(a.refusal, a.unusable, a.factors, a.train, a.test); }
 
-ByteWriter request(Request kind) {
-  ByteWriter out;
-  out.number(static_cast<std::uint64_t>(kind));
+template <typename Message>
+Message message_from(const std::string& bytes) {
+  Message out;
+  ByteExchange(bytes, 0, "a message between ranks")(out);
   return out;
-}
-
-// Settings that differ between the fits of one identification: joints whose velocities are derived from the position,
-// and periods that an earlier fit found.
-void write_settings(const PreprocessingOptions& how, ByteWriter& out) {
-  out.number(how.derive_velocity_of.size());
-  for (const int j : how.derive_velocity_of) out.number(static_cast<std::uint64_t>(j));
-  out.number(how.known_periods.size());
-  for (const auto& [source, period] : how.known_periods) {
-    out.text(source);
-    out.real(period);
-  }
-}
-
-void read_settings(ByteReader& in, IdentificationOptions& how) {
-  std::set<int> joints;
-  for (std::size_t left = in.count(8); left > 0; --left) joints.insert(static_cast<int>(in.number()));
-  derive_velocities(joints, how);
-  how.preprocessing.known_periods.clear();
-  for (std::size_t left = in.count(8); left > 0; --left) {
-    const std::string source = in.text();
-    how.preprocessing.known_periods[source] = in.real();
-  }
 }
 
 // The recordings of one rank and the map over them.
@@ -97,77 +91,72 @@ class Share {
 
   const Model& arm() const { return arm_; }
 
-  // A refusal, empty if there is none, and after it what the request asks for.
-  std::string answer(const std::string& bytes) {
-    ByteWriter out;
-    out.text("");
+  Answer answer(const Request& request) {
     try {
-      ByteReader in(bytes, 0, source_);
-      if (static_cast<Request>(in.number()) == Request::kCompress) {
-        compress_train(in, out);
-      } else {
-        measure_all(in, out);
-      }
+      return request.work == Work::kCompress ? compress_train(request) : measure_all(request);
     } catch (const InvalidInput& error) {
-      out = ByteWriter();
-      out.text(error.what());
+      return {error.what()};
     }
-    return out.bytes();
   }
 
  private:
-  // One by one, so that an unusable recording does not affect the others.
-  void compress_train(ByteReader& in, ByteWriter& out) {
-    read_settings(in, options_);
-    mine_ = compress(arm_, std::vector<std::string>(), options_.preprocessing, 1);
-    std::vector<UnusedRecording> unusable;
-    const auto [first, end] = share_of(train_.size(), ranks_);
-    size_t kept = 0;
-    for (size_t k = first; k < end; ++k) {
+  // Does something with each recording of this rank, so that an unusable one does not affect the others.
+  template <typename Do, typename After>
+  void for_own(const std::vector<std::string>& all, Answer& answer, const Do& act, const After& after) const {
+    const auto size = static_cast<size_t>(ranks_.size()), rank = static_cast<size_t>(ranks_.rank());
+    // Neighbours in the list, whose order the collected factors keep.
+    for (size_t k = all.size() * rank / size; k < all.size() * (rank + 1) / size; ++k) {
       try {
-        CompressedRecording one = compress(arm_, train_[k], options_.preprocessing, options_.threads);
-        require(one.rows > 0.0, train_[k], ": found no usable samples after gaps, edges and row limits.");
-        merge_blocks(one, blocks_of_each(static_cast<int>(train_.size())));
-        mine_.recordings.push_back(std::move(one));
+        act(all[k]);
       } catch (const InvalidInput& error) {
-        unusable.push_back({train_[k], error.what()});
+        answer.unusable.push_back({all[k], error.what()});
       }
-      const size_t done = k + 1 - first;
-      if (!keep_ || (done < 2 * kept && k + 1 != end)) continue;
+      after(k + 1 == all.size() * (rank + 1) / size);
+    }
+  }
+
+  Answer compress_train(const Request& request) {
+    derive_velocities({request.derived.begin(), request.derived.end()}, options_);
+    options_.preprocessing.known_periods.clear();
+    for (size_t k = 0; k < request.sources.size(); ++k) options_.preprocessing.known_periods[request.sources[k]] = request.periods[k];
+    mine_ = compress(arm_, std::vector<std::string>(), options_.preprocessing, 1);
+    Answer out;
+    size_t kept = 0;
+    const auto compress_one = [&](const std::string& path) {
+      CompressedRecording one = compress(arm_, path, options_.preprocessing, options_.threads);
+      require(one.rows > 0.0, path, ": found no usable samples after gaps, edges and row limits.");
+      merge_blocks(one, blocks_of_each(static_cast<int>(train_.size())));
+      mine_.recordings.push_back(std::move(one));
+    };
+    for_own(train_, out, compress_one, [&](bool last) {
+      const size_t done = mine_.recordings.size();
+      if (!keep_ || (done < 2 * kept && !last)) return;
       keep_(mine_, false);
       kept = done;
-    }
-    out(unusable);
-    out.text(to_bytes(mine_));
+    });
+    out.factors = to_bytes(mine_);
+    return out;
   }
 
-  void measure_all(ByteReader& in, ByteWriter& out) const {
+  Answer measure_all(const Request& request) const {
     const PreprocessingOptions& of_test = options_.test_preprocessing.value_or(options_.preprocessing);
-    const auto samples = static_cast<int>(in.number());
-    const VectorXd values = in.vector();
-    std::vector<UnusedRecording> unusable;
+    const auto errors = [&](const std::vector<CompressedRecording>& all, const PreprocessingOptions& how) {
+      std::vector<Measured> out;
+      for (const CompressedRecording& r : all)
+        out.emplace_back(measure(arm_, r, how, request.values, request.series_samples, options_.threads));
+      return out;
+    };
+    Answer out;
     FactorSet held_out;
-    const auto [first, end] = share_of(test_.size(), ranks_);
-    for (size_t k = first; k < end; ++k) {
-      try {
-        held_out.recordings.push_back(compress_test(arm_, {test_[k]}, of_test, options_.threads).front());
-      } catch (const InvalidInput& error) {
-        unusable.push_back({test_[k], error.what()});
-      }
-    }
-    out(unusable);
-    out.text(to_bytes(held_out));
-    for (const FactorSet* set : {&mine_, static_cast<const FactorSet*>(&held_out)}) {
-      const PreprocessingOptions& how = set == &held_out ? of_test : options_.preprocessing;
-      out.number(set->recordings.size());
-      for (const CompressedRecording& r : set->recordings) {
-        MeasuredRecording one = measure(arm_, r, how, values, samples, options_.threads);
-        out(one);
-      }
-    }
+    for_own(test_, out, [&](const std::string& path) {
+      held_out.recordings.push_back(compress_test(arm_, {path}, of_test, options_.threads).front());
+    }, [](bool) {});
+    out.factors = to_bytes(held_out);
+    out.train = errors(mine_.recordings, options_.preprocessing);
+    out.test = errors(held_out.recordings, of_test);
+    return out;
   }
 
-  const std::string source_ = "request of rank 0";
   const Model arm_;
   const std::vector<std::string>& train_;
   const std::vector<std::string>& test_;
@@ -185,14 +174,15 @@ class RankPasses final : public RecordingPasses {
 
   std::vector<CompressedRecording> compress(const Model&, const std::vector<std::string>& train,
                                             const PreprocessingOptions& how, int) const override {
-    ByteWriter asked = request(Request::kCompress);
-    write_settings(how, asked);
+    Request request;
+    request.derived = how.derive_velocity_of;
+    for (const auto& [source, period] : how.known_periods) {
+      request.sources.push_back(source);
+      request.periods.push_back(period);
+    }
     FactorSet all;
     unusable_.clear();
-    ask_all(asked.bytes(), [&](ByteReader& in, const std::string& from) {
-      add_unusable(in);
-      all = merge(std::move(all), factors_from_bytes(in.text(), from));
-    });
+    for (Answer& one : answers(request)) all = merge(std::move(all), factors_from_bytes(one.factors));
     require(!all.recordings.empty(), "not one of ", train.size(), " recordings can be used: ",
             unusable_.empty() ? "" : unusable_.front().why);
     if (keeps_ && !first_) first_ = all;
@@ -201,27 +191,22 @@ class RankPasses final : public RecordingPasses {
   }
 
   MeasuredRecordings measure(const Model& arm, const std::vector<std::string>&, int, const Identification& id) const override {
-    ByteWriter asked = request(Request::kMeasure);
-    asked.number(static_cast<std::uint64_t>(series_samples_of_each(static_cast<int>(recordings_))));
-    asked.vector(values_of(arm, id.parameters));
-    const ErrorSums none(arm.joints());
+    Request request;
+    request.work = Work::kMeasure;
+    request.series_samples = series_samples_of_each(static_cast<int>(recordings_));
+    request.values = values_of(arm, id.parameters);
     MeasuredRecordings out;
-    ask_all(asked.bytes(), [&](ByteReader& in, const std::string& from) {
-      add_unusable(in);
-      FactorSet held_out = factors_from_bytes(in.text(), from);
+    for (Answer& one : answers(request)) {
+      FactorSet held_out = factors_from_bytes(one.factors);
       std::move(held_out.recordings.begin(), held_out.recordings.end(), std::back_inserter(out.held_out));
-      for (auto* recordings : {&out.train, &out.test}) {
-        for (std::size_t left = in.count(8); left > 0; --left) {
-          recordings->push_back({{}, {none, none, none}, false});
-          in(recordings->back());
-        }
-      }
-    });
+      std::move(one.train.begin(), one.train.end(), std::back_inserter(out.train));
+      std::move(one.test.begin(), one.test.end(), std::back_inserter(out.test));
+    }
     return out;
   }
 
-  void tell_others(const std::string& bytes) const {
-    for (int r = 1; r < ranks_.size(); ++r) ranks_.send(r, bytes);
+  void send_others(const Request& request) const {
+    for (int r = 1; r < ranks_.size(); ++r) ranks_.send(r, bytes_of(request));
   }
 
   const std::vector<UnusedRecording>& unusable() const { return unusable_; }
@@ -231,26 +216,14 @@ class RankPasses final : public RecordingPasses {
   }
 
  private:
-  template <typename Read>
-  void ask_all(const std::string& bytes, const Read& take) const {
-    tell_others(bytes);
-    std::vector<std::string> answers = {share_.answer(bytes)};
-    for (int r = 1; r < ranks_.size(); ++r) answers.push_back(ranks_.receive(r));
-    for (const bool refusals : {true, false}) {
-      for (size_t r = 0; r < answers.size(); ++r) {
-        const std::string from = text("answer of rank ", r);
-        ByteReader in(answers[r], 0, from);
-        const std::string refusal = in.text();
-        if (!refusal.empty()) throw InvalidInput(refusal);
-        if (!refusals) take(in, from);
-      }
-    }
-  }
-
-  void add_unusable(ByteReader& in) const {
-    std::vector<UnusedRecording> more;
-    in(more);
-    unusable_.insert(unusable_.end(), more.begin(), more.end());
+  std::vector<Answer> answers(const Request& request) const {
+    send_others(request);
+    std::vector<Answer> out = {share_.answer(request)};
+    for (int r = 1; r < ranks_.size(); ++r) out.push_back(message_from<Answer>(ranks_.receive(r)));
+    for (const Answer& one : out)
+      if (!one.refusal.empty()) throw InvalidInput(one.refusal);
+    for (const Answer& one : out) unusable_.insert(unusable_.end(), one.unusable.begin(), one.unusable.end());
+    return out;
   }
 
   // Values of the ranks' arm, which may have effects that the recordings did not determine: they are zero.
@@ -276,20 +249,15 @@ class RankPasses final : public RecordingPasses {
 
 // Answers rank 0 until it is done.
 Identification serve(Share& share, Communicator& ranks, Identification id) {
-  const std::string source = "request of rank 0";
   while (true) {
-    const std::string bytes = ranks.receive(0);
-    ByteReader in(bytes, 0, source);
-    switch (static_cast<Request>(in.number())) {
-      case Request::kRefusal:
-        throw InvalidInput(in.text());
-      case Request::kDone:
-        id.status = static_cast<IdentificationStatus>(in.number());
-        id.reason = in.text();
-        return id;
-      default:
-        ranks.send(0, share.answer(bytes));
+    const auto request = message_from<Request>(ranks.receive(0));
+    if (request.work == Work::kRefuse) throw InvalidInput(request.reason);
+    if (request.work == Work::kEnd) {
+      id.status = static_cast<IdentificationStatus>(request.status);
+      id.reason = request.reason;
+      return id;
     }
+    ranks.send(0, bytes_of(share.answer(request)));
   }
 }
 
@@ -313,21 +281,22 @@ Identification identify(const Model& file, const std::vector<std::string>& train
     return id;
   };
   Identification id;
+  Request end;
+  end.work = Work::kRefuse;
   try {
     id = fit(options);
     std::vector<std::string> readable = train;
     for (const UnusedRecording& r : id.unusable_recordings) readable.erase(std::remove(readable.begin(), readable.end(), r.source), readable.end());
     id = with_chosen_velocities(file, std::move(id), readable, options, fit);
   } catch (const InvalidInput& error) {
-    ByteWriter refusal = request(Request::kRefusal);
-    refusal.text(error.what());
-    passes.tell_others(refusal.bytes());
+    end.reason = error.what();
+    passes.send_others(end);
     throw;
   }
-  ByteWriter done = request(Request::kDone);
-  done.number(static_cast<std::uint64_t>(id.status));
-  done.text(id.reason);
-  passes.tell_others(done.bytes());
+  end.work = Work::kEnd;
+  end.status = static_cast<int>(id.status);
+  end.reason = id.reason;
+  passes.send_others(end);
   if (keep) keep(passes.factors(id), true);
   return id;
 }
