@@ -49,8 +49,7 @@ Json head_json(const KinematicTable& table) {
 std::string to_json(const KinematicTable& table) {
   Json out = head_json(table);
   const bool inverse = table.solver != "forward" && table.solver != "workspace";
-  out["rows"] = Json::array();
-  for (const KinematicRow& row : table.rows) out["rows"].push_back(row_json(row, inverse));
+  out["rows"] = json_each(table.rows, [&](const KinematicRow& row) -> Json { return row_json(row, inverse); });
   return written(out);
 }
 

@@ -79,20 +79,12 @@ std::string to_json(const AxesCalibration& r) {
   out["outliers"] = r.outliers;
   out["rms"] = r.rms;
   out["frames_per_independent_frame"] = r.correlation;
-  out["axes"] = Json::array();
-  for (const CalibratedAxis& a : r.axes) out["axes"].push_back(axis_json(a));
-  out["links"] = Json::array();
-  for (const CalibratedLink& l : r.links) out["links"].push_back(link_json(l));
-  out["bodies"] = Json::array();
-  for (const CapturedBody& b : r.bodies) {
-    out["bodies"].push_back({{"body", b.name},
-                             {"markers", b.markers},
-                             {"seen", b.seen},
-                             {"noise", b.noise},
-                             {"outliers", b.outliers},
-                             {"relabelled", b.relabelled},
-                             {"fault", b.fault}});
-  }
+  out["axes"] = json_each(r.axes, axis_json);
+  out["links"] = json_each(r.links, link_json);
+  out["bodies"] = json_each(r.bodies, [&](const CapturedBody& b) -> Json {
+    return {{"body", b.name}, {"markers", b.markers}, {"seen", b.seen}, {"noise", b.noise}, {"outliers", b.outliers},
+            {"relabelled", b.relabelled}, {"fault", b.fault}};
+  });
   out["cannot_tell"] = r.cannot_tell;
   return written(out);
 }
@@ -139,18 +131,10 @@ std::string to_json(const LinksCalibration& r, const std::string& model_file,
     out[pose].erase("interval_m");
     out[pose].erase("interval_deg");
   }
-  out["constants"] = Json::array();
-  for (const LinkConstant& c : r.constants) {
-    out["constants"].push_back({{"name", c.name},
-                                {"frame", c.frame},
-                                {"unit", c.unit},
-                                {"file", c.file},
-                                {"found", c.found},
-                                {"interval", {c.low, c.high}},
-                                {"identifiable", c.identifiable},
-                                {"changed", c.changed},
-                                {"why", c.why}});
-  }
+  out["constants"] = json_each(r.constants, [&](const LinkConstant& c) -> Json {
+    return {{"name", c.name}, {"frame", c.frame}, {"unit", c.unit}, {"file", c.file}, {"found", c.found},
+            {"interval", {c.low, c.high}}, {"identifiable", c.identifiable}, {"changed", c.changed}, {"why", c.why}};
+  });
   out["named"] = Json::array();
   for (const int k : r.named) {
     const LinkConstant& c = r.constants[k];
@@ -181,13 +165,10 @@ std::string to_json(const HandEye& r) {
   out["pairs"] = r.pairs;
   out["outliers"] = r.outliers;
   out["swing_deg"] = json_list(r.swing);
-  out["forms"] = Json::array();
-  for (const HandEye::Alternative& f : r.forms) {
-    out["forms"].push_back({{"form", name_of(f.form)},
-                            {"noise", f.reason.empty() ? Json(f.rms) : Json()},
-                            {"noise_deg", f.reason.empty() ? Json(kDegrees * f.rms_angle) : Json()},
-                            {"reason", f.reason}});
-  }
+  out["forms"] = json_each(r.forms, [&](const HandEye::Alternative& f) -> Json {
+    return {{"form", name_of(f.form)}, {"noise", f.reason.empty() ? Json(f.rms) : Json()},
+            {"noise_deg", f.reason.empty() ? Json(kDegrees * f.rms_angle) : Json()}, {"reason", f.reason}};
+  });
   if (r.status != CalibrationStatus::kDone) return written(out);
   out["form"] = name_of(r.form);
   out["transform"] = pose_json(r.transform, r.radius, r.radius_angle);

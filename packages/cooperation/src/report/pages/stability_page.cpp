@@ -13,9 +13,7 @@ namespace veridyn {
 namespace {
 
 Json flags(const std::vector<char>& values) {
-  Json out = Json::array();
-  for (const char value : values) out.push_back(value != 0);
-  return out;
+  return json_each(values, [&](const char value) -> Json { return value != 0; });
 }
 
 Json point_json(const StabilityPoint& p) {
@@ -92,18 +90,12 @@ Json study_json(const StabilityStudy& study) {
   out["stiffness_bounded"] = a.stiffness_bounded;
   out["linear_stable_stiffness"] = coupled ? Json(a.linear_stable_stiffness) : Json();
   out["simulated_runs"] = a.simulated_runs;
-  out["points"] = Json::array();
-  for (const StabilityPoint& p : a.points) out["points"].push_back(point_json(p));
-  out["deadbands"] = Json::array();
-  for (const DeadbandSwing& d : a.deadbands) {
-    out["deadbands"].push_back({{"member", d.member},
-                                {"largest_gain", d.largest_gain},
-                                {"critical_gain", d.critical_gain},
-                                {"describing_function_swings", d.describing_function_swings},
-                                {"swings", d.swings},
-                                {"amplitude", d.amplitude},
-                                {"frequency", d.frequency}});
-  }
+  out["points"] = json_each(a.points, point_json);
+  out["deadbands"] = json_each(a.deadbands, [&](const DeadbandSwing& d) -> Json {
+    return {{"member", d.member}, {"largest_gain", d.largest_gain}, {"critical_gain", d.critical_gain},
+            {"describing_function_swings", d.describing_function_swings}, {"swings", d.swings}, {"amplitude", d.amplitude},
+            {"frequency", d.frequency}};
+  });
   if (study.map) out["map"] = map_json(*study.map);
   if (study.locus) {
     out["locus"] = {{"parameter", study.locus->range.name},
