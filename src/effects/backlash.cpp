@@ -2,14 +2,15 @@
 #include <cmath>
 
 #include "contact_memory.hpp"
-#include "phrase.hpp"
+#include "effects/described_effect.hpp"
 #include "registry.hpp"
-#include "effects/written_in_c.hpp"
 
 namespace veridyn {
 namespace {
 
 constexpr double kFree = 0.8;  // share of the half gap without contact
+
+}  // namespace
 
 /// Friction behind a gap: after a reversal the motor crosses the gap freely, then meets the
 /// friction again.
@@ -24,51 +25,23 @@ constexpr double kFree = 0.8;  // share of the half gap without contact
 /// The position in the gap starts in the middle. Source: Nordin and Gutman, Automatica 38(10),
 /// 2002, for the
 /// play and its contact.
-class Backlash final : public AxisEffect, public WrittenInC {
- public:
-  std::string name() const override { return "backlash"; }
-  std::vector<EffectParameter> parameters() const override {
-    return {{"level", "N m", "N", ParameterSign::kNonnegative}};
-  }
-  std::vector<EffectShape> shapes() const override {
-    EffectShape gap{"gap", "rad", "m", 5e-3, 1e-5, 1.0, true, true, 2e-4};
-    gap.scale = ShapeScale::kTravel;
-    gap.grid = {1e-3, 5e-3, 2e-2};
-    return {gap};
-  }
-  EffectTraits traits(const ShapeValues& /*shape*/) const override {
-    EffectTraits t;
-    t.role = EffectRole::kFriction;
-    t.uses_position = true;
-    t.memory = true;
-    t.slow = true;
-    return t;
-  }
-  void columns(const AxisSample& x, const ShapeValues& shape, EffectState& state,
-               EffectColumns& row) const noexcept override {
-    const double place =
-        std::clamp(state[0] + 2.0 * step_since_last(x.s, state) / shape[0], -1.0, 1.0);
-    state[0] = place;
-    row[0] = std::copysign(std::max(0.0, std::abs(place) - kFree) / (1.0 - kFree), place);
-  }
-  std::string c_before(const ShapeValues& shape) const override {
-    return "z[0] = @clamp(z[0] + 2.0 / " + c_number(shape[0]) + " * @step(s, z));";
-  }
-  std::vector<std::string> c_columns(const ShapeValues& /*shape*/) const override {
-    return {"copysign(fmax(0.0, fabs(z[0]) - " + c_number(kFree) + ") / " + c_number(1.0 - kFree) +
-            ", z[0])"};
-  }
-  std::string phrase(const std::vector<double>& values, const ShapeValues& shape,
-                     JointType type) const override {
-    return parameter_text(*this, values, 0, type) + " of friction behind a gap of " +
-           shape_text(*this, shape, 0, type);
-  }
-};
-
-}  // namespace
-
 const Effect& backlash() {
-  static const Backlash kEffect;
+  EffectTraits t;
+  t.role = EffectRole::kFriction;
+  t.uses_position = true;
+  t.memory = true;
+  t.slow = true;
+  EffectShape gap{"gap", "rad", "m", 5e-3, 1e-5, 1.0, true, true, 2e-4};
+  gap.scale = ShapeScale::kTravel;
+  gap.grid = {1e-3, 5e-3, 2e-2};
+  static const DescribedEffectInC kEffect({"backlash", {{"level", "N m", "N", ParameterSign::kNonnegative}}, {gap}, t,
+      [](const AxisSample& x, const ShapeValues& shape, EffectState& state, EffectColumns& row) noexcept {
+        state[0] = std::clamp(state[0] + 2.0 * step_since_last(x.s, state) / shape[0], -1.0, 1.0);
+        row[0] = std::copysign(std::max(0.0, std::abs(state[0]) - kFree) / (1.0 - kFree), state[0]);
+      },
+      "% of friction behind a gap of #"},
+      {"copysign(fmax(0.0, fabs(z[0]) - " + c_number(kFree) + ") / " + c_number(1.0 - kFree) + ", z[0])"},
+      "z[0] = @clamp(z[0] + 2.0 / #0 * @step(s, z));");
   return kEffect;
 }
 

@@ -1,46 +1,9 @@
 #include <cmath>
 
-#include "phrase.hpp"
+#include "effects/described_effect.hpp"
 #include "registry.hpp"
-#include "effects/written_in_c.hpp"
 
 namespace veridyn {
-namespace {
-
-/// Effects of one parameter whose column is a function of the present motion, without a constant or a memory.
-class OneColumn final : public AxisEffect, public WrittenInC {
- public:
-  OneColumn(const char* name, EffectParameter parameter, EffectTraits traits, double (*column)(const AxisSample&) noexcept,
-            const char* column_in_c, const char* phrase)
-      : name_(name), parameter_(std::move(parameter)), traits_(traits), column_(column), column_in_c_(column_in_c), phrase_(phrase) {}
-
-  std::string name() const override { return name_; }
-  std::vector<EffectParameter> parameters() const override { return {parameter_}; }
-  EffectTraits traits(const ShapeValues& /*shape*/) const override { return traits_; }
-  void columns(const AxisSample& x, const ShapeValues& /*shape*/, EffectState& /*state*/,
-               EffectColumns& row) const noexcept override {
-    row[0] = column_(x);
-  }
-  std::vector<std::string> c_columns(const ShapeValues& /*shape*/) const override { return {column_in_c_}; }
-
-  /// The words with the parameter for `%`, and "force" or "torque" for `$`.
-  std::string phrase(const std::vector<double>& values, const ShapeValues& /*shape*/, JointType type) const override {
-    std::string out;
-    for (const char c : std::string(phrase_))
-      out += c == '%' ? parameter_text(*this, values, 0, type) : c == '$' ? effort_word(type) : std::string(1, c);
-    return out;
-  }
-
- private:
-  const char* name_;
-  EffectParameter parameter_;
-  EffectTraits traits_;
-  double (*column_)(const AxisSample&) noexcept;
-  const char* column_in_c_;
-  const char* phrase_;
-};
-
-}  // namespace
 
 /// tau = inertia * dds: the motor's rotor and gears, reflected to the axis.
 const Effect& rotor_inertia() {
@@ -50,8 +13,9 @@ const Effect& rotor_inertia() {
   t.affine = true;
   t.lasting = true;
   t.urdf_attribute = "armature";
-  static const OneColumn kEffect("rotor_inertia", {"inertia", "kg m^2", "kg", ParameterSign::kNonnegative}, t,
-                                 [](const AxisSample& x) noexcept { return x.dds; }, "dds", "% of reflected rotor inertia");
+  static const DescribedEffectInC kEffect({"rotor_inertia", {{"inertia", "kg m^2", "kg", ParameterSign::kNonnegative}}, {}, t,
+      [](const AxisSample& x, const ShapeValues&, EffectState&, EffectColumns& row) noexcept { row[0] = x.dds; },
+      "% of reflected rotor inertia"}, {"dds"});
   return kEffect;
 }
 
@@ -64,8 +28,9 @@ const Effect& viscous_friction() {
   t.elementary = true;
   t.mixed_axes = true;
   t.urdf_attribute = "damping";
-  static const OneColumn kEffect("viscous_friction", {"coefficient", "N m s/rad", "N s/m", ParameterSign::kNonnegative}, t,
-                                 [](const AxisSample& x) noexcept { return x.ds; }, "ds", "% of viscous friction");
+  static const DescribedEffectInC kEffect({"viscous_friction", {{"coefficient", "N m s/rad", "N s/m", ParameterSign::kNonnegative}}, {}, t,
+      [](const AxisSample& x, const ShapeValues&, EffectState&, EffectColumns& row) noexcept { row[0] = x.ds; },
+      "% of viscous friction"}, {"ds"});
   return kEffect;
 }
 
@@ -74,9 +39,9 @@ const Effect& quadratic_drag() {
   EffectTraits t;
   t.role = EffectRole::kFriction;
   t.uses_velocity = true;
-  static const OneColumn kEffect("quadratic_drag", {"coefficient", "N m s^2/rad^2", "N s^2/m^2", ParameterSign::kNonnegative}, t,
-                                 [](const AxisSample& x) noexcept { return x.ds * std::abs(x.ds); }, "ds * fabs(ds)",
-                                 "% of drag that grows with the square of speed");
+  static const DescribedEffectInC kEffect({"quadratic_drag", {{"coefficient", "N m s^2/rad^2", "N s^2/m^2", ParameterSign::kNonnegative}}, {}, t,
+      [](const AxisSample& x, const ShapeValues&, EffectState&, EffectColumns& row) noexcept { row[0] = x.ds * std::abs(x.ds); },
+      "% of drag that grows with the square of speed"}, {"ds * fabs(ds)"});
   return kEffect;
 }
 
@@ -88,8 +53,9 @@ const Effect& torque_offset() {
   t.holds_at_rest = true;
   t.elementary = true;
   t.urdf_attribute = "offset";
-  static const OneColumn kEffect("torque_offset", {"offset", "N m", "N", ParameterSign::kAny}, t,
-                                 [](const AxisSample&) noexcept { return 1.0; }, "1.0", "a constant $ of %");
+  static const DescribedEffectInC kEffect({"torque_offset", {{"offset", "N m", "N", ParameterSign::kAny}}, {}, t,
+      [](const AxisSample&, const ShapeValues&, EffectState&, EffectColumns& row) noexcept { row[0] = 1.0; },
+      "a constant $ of %"}, {"1.0"});
   return kEffect;
 }
 

@@ -1,115 +1,77 @@
 #include "contact_memory.hpp"
-#include "phrase.hpp"
+#include "effects/described_effect.hpp"
 #include "registry.hpp"
-#include "effects/written_in_c.hpp"
 
 namespace veridyn {
 namespace {
 
-/// Friction that depends on the position, by its distance from a centre:
-///
-///   tau = motion * (slope * (s - centre) + curvature * (s - centre)^2)
-class PositionDependent : public AxisEffect, public WrittenInC {
- public:
-  std::vector<EffectShape> shapes() const override {
-    EffectShape centre{"centre", "rad", "m", 0.0, -10.0, 10.0, false, false};
-    centre.scale = ShapeScale::kMiddle;
-    return {centre};
-  }
-  EffectTraits traits(const ShapeValues& /*shape*/) const override {
-    EffectTraits t;
-    t.role = EffectRole::kFriction;
-    t.uses_position = true;
-    t.uses_velocity = true;
-    t.depends_on_position = true;
-    return t;
-  }
-  void columns(const AxisSample& x, const ShapeValues& shape, EffectState& state,
-               EffectColumns& row) const noexcept final {
-    const double way = x.s - shape[0];
-    const double of_motion = motion(x, shape, state);
-    row[0] = of_motion * way;
-    row[1] = of_motion * way * way;
-  }
-  std::vector<std::string> c_columns(const ShapeValues& shape) const final {
-    const std::string way = "(s - " + c_number(shape[0]) + ")";
-    const std::string of_motion = c_motion(shape);
-    return {of_motion + " * " + way, of_motion + " * " + way + " * " + way};
-  }
-  std::string phrase(const std::vector<double>& values, const ShapeValues& shape, JointType type) const final {
-    return std::string(kind()) + " that changes with position, by " + parameter_text(*this, values, 0, type) +
-           " and " + parameter_text(*this, values, 1, type) + " from " + shape_text(*this, shape, 0, type);
-  }
+// Friction that depends on the position, by its distance from a centre:
+//
+//   tau = motion * (slope * (s - centre) + curvature * (s - centre)^2)
+EffectTraits traits_of_friction() {
+  EffectTraits t;
+  t.role = EffectRole::kFriction;
+  t.uses_position = true;
+  t.uses_velocity = true;
+  t.depends_on_position = true;
+  return t;
+}
 
- private:
-  virtual const char* kind() const = 0;
-  virtual double motion(const AxisSample& x, const ShapeValues& shape, EffectState& state) const noexcept = 0;
-  virtual std::string c_motion(const ShapeValues& shape) const = 0;
-};
+EffectShape centre() {
+  EffectShape out{"centre", "rad", "m", 0.0, -10.0, 10.0, false, false};
+  out.scale = ShapeScale::kMiddle;
+  return out;
+}
 
-/// The motion is its sign. The level at the centre is coulomb_friction. The sign is sliding_direction(), or with `distance`
-/// in the file the contact memory of presliding_hysteresis, which is valid at rest too; use the
-/// distance found there. On an arm whose gravity torque varies with s it is confounded with
-/// load_dependent_friction. Source: thesis 5.6, "a change in friction based on the joint position".
-class PositionDependentFriction final : public PositionDependent {
+void set_columns(double motion, double from_centre, EffectColumns& row) {
+  row[0] = motion * from_centre;
+  row[1] = motion * from_centre * from_centre;
+}
+
+class PositionDependentFriction final : public DescribedEffectInC {
  public:
-  std::string name() const override { return "position_dependent_friction"; }
-  std::vector<EffectParameter> parameters() const override {
-    return {{"slope", "N m/rad", "N/m", ParameterSign::kAny},
-            {"curvature", "N m/rad^2", "N/m^2", ParameterSign::kAny}};
-  }
-  std::vector<EffectShape> shapes() const override {
-    std::vector<EffectShape> out = PositionDependent::shapes();
-    out.push_back({"distance", "rad", "m", 0.0, 1e-5, 1.0, true, false});
-    return out;
-  }
+  using DescribedEffectInC::DescribedEffectInC;
   EffectTraits traits(const ShapeValues& shape) const override {
-    EffectTraits t = PositionDependent::traits(shape);
+    EffectTraits t = DescribedEffectInC::traits(shape);
     t.uses_velocity = shape[1] == 0.0;
     t.memory = shape[1] > 0.0;
     t.dry = t.memory ? DryFriction::kNone : DryFriction::kVarying;
     return t;
   }
+  std::vector<std::string> c_columns(const ShapeValues& shape) const override {
+    const std::string from_centre = " * (s - " + c_number(shape[0]) + ")", motion = shape[1] > 0.0 ? "z[0]" : c_friction_direction(0.0);
+    return {motion + from_centre, motion + from_centre + from_centre};
+  }
   std::string c_before(const ShapeValues& shape) const override {
     return shape[1] > 0.0 ? c_friction_direction(shape[1]) + ";" : "";
   }
-
- private:
-  const char* kind() const override { return "friction"; }
-  double motion(const AxisSample& x, const ShapeValues& shape, EffectState& state) const noexcept override {
-    return friction_direction(x, shape[1], state);
-  }
-  std::string c_motion(const ShapeValues& shape) const override {
-    return shape[1] > 0.0 ? "z[0]" : c_friction_direction(0.0);
-  }
-};
-
-/// The motion is the velocity. The coefficient at the centre is viscous_friction. Bending hoses and harnesses cause it; the
-/// inertia's cross terms in dq_i dq_j have other columns and are not confounded with it while one
-/// joint moves alone.
-class PositionDependentViscosity final : public PositionDependent {
- public:
-  std::string name() const override { return "position_dependent_viscosity"; }
-  std::vector<EffectParameter> parameters() const override {
-    return {{"slope", "N m s/rad^2", "N s/m^2", ParameterSign::kAny},
-            {"curvature", "N m s/rad^3", "N s/m^3", ParameterSign::kAny}};
-  }
-
- private:
-  const char* kind() const override { return "viscous friction"; }
-  double motion(const AxisSample& x, const ShapeValues& /*shape*/, EffectState& /*state*/) const noexcept override { return x.ds; }
-  std::string c_motion(const ShapeValues& /*shape*/) const override { return "ds"; }
 };
 
 }  // namespace
 
+/// The motion is its sign. The level at the centre is coulomb_friction. The sign is sliding_direction(), or with `distance`
+/// in the file the contact memory of presliding_hysteresis, which is valid at rest too; use the
+/// distance found there. On an arm whose gravity torque varies with s it is confounded with
+/// load_dependent_friction. Source: thesis 5.6, "a change in friction based on the joint position".
 const Effect& position_dependent_friction() {
-  static const PositionDependentFriction kEffect;
+  static const PositionDependentFriction kEffect({"position_dependent_friction", {{"slope", "N m/rad", "N/m"}, {"curvature", "N m/rad^2", "N/m^2"}},
+      {centre(), {"distance", "rad", "m", 0.0, 1e-5, 1.0, true, false}}, traits_of_friction(),
+      [](const AxisSample& x, const ShapeValues& shape, EffectState& state, EffectColumns& row) noexcept {
+        set_columns(friction_direction(x, shape[1], state), x.s - shape[0], row);
+      },
+      "friction that changes with position, by % and % from #"}, {});
   return kEffect;
 }
 
+/// The motion is the velocity. The coefficient at the centre is viscous_friction. Bending hoses and harnesses cause it; the
+/// inertia's cross terms in dq_i dq_j have other columns and are not confounded with it while one
+/// joint moves alone.
 const Effect& position_dependent_viscosity() {
-  static const PositionDependentViscosity kEffect;
+  static const DescribedEffectInC kEffect({"position_dependent_viscosity", {{"slope", "N m s/rad^2", "N s/m^2"}, {"curvature", "N m s/rad^3", "N s/m^3"}},
+      {centre()}, traits_of_friction(),
+      [](const AxisSample& x, const ShapeValues& shape, EffectState&, EffectColumns& row) noexcept { set_columns(x.ds, x.s - shape[0], row); },
+      "viscous friction that changes with position, by % and % from #"},
+      {"ds * (s - #0)", "ds * (s - #0) * (s - #0)"});
   return kEffect;
 }
 

@@ -1,8 +1,7 @@
 #include <algorithm>
 
-#include "phrase.hpp"
+#include "effects/described_effect.hpp"
 #include "registry.hpp"
-#include "effects/written_in_c.hpp"
 
 namespace veridyn {
 namespace {
@@ -22,6 +21,24 @@ void chebyshev_terms(double x, EffectColumns& row) noexcept {
   }
 }
 
+std::string words(const Effect&, const std::vector<double>& values, const ShapeValues&, JointType type) {
+  double lowest = 0.0;
+  double highest = 0.0;
+  constexpr int kPoints = 200;
+  for (int i = 0; i <= kPoints; ++i) {
+    EffectColumns row{};
+    chebyshev_terms(2.0 * i / kPoints - 1.0, row);
+    double effort = 0.0;
+    for (size_t k = 0; k < kTerms; ++k) effort += row[k] * values[k];
+    lowest = i == 0 ? effort : std::min(lowest, effort);
+    highest = i == 0 ? effort : std::max(highest, effort);
+  }
+  return "a " + effort_word(type) + " that depends on position, between " +
+         effort_text(lowest, type) + " and " + effort_text(highest, type);
+}
+
+}  // namespace
+
 /// Any smooth force that depends on position beyond a constant and a linear term: harnesses, hoses,
 /// counter-springs.
 ///
@@ -29,66 +46,29 @@ void chebyshev_terms(double x, EffectColumns& row) noexcept {
 ///
 /// T_0 is torque_offset and T_1 is joint_spring with an offset. Outside centre +- half_range, which
 /// the caller takes from the data, the force is constant, because polynomials must not extrapolate.
-class PositionForce final : public AxisEffect, public WrittenInC {
- public:
-  std::string name() const override { return "position_force"; }
-  std::vector<EffectParameter> parameters() const override {
-    return {{"chebyshev_2", "N m", "N", ParameterSign::kAny},
-            {"chebyshev_3", "N m", "N", ParameterSign::kAny},
-            {"chebyshev_4", "N m", "N", ParameterSign::kAny},
-            {"chebyshev_5", "N m", "N", ParameterSign::kAny}};
-  }
-  std::vector<EffectShape> shapes() const override {
-    EffectShape centre{"centre", "rad", "m", 0.0, -10.0, 10.0, false, false};
-    centre.scale = ShapeScale::kMiddle;
-    EffectShape half_range{"half_range", "rad", "m", 1.0, 1e-3, 10.0, true, false, 0.1};
-    half_range.scale = ShapeScale::kTravel;
-    half_range.grid = {0.5};
-    return {centre, half_range};
-  }
-  EffectTraits traits(const ShapeValues& /*shape*/) const override {
-    EffectTraits t;
-    t.uses_position = true;
-    t.depends_on_position = true;
-    t.holds_at_rest = true;
-    t.lasting = true;
-    t.mixed_axes = true;
-    return t;
-  }
-  void columns(const AxisSample& x, const ShapeValues& shape, EffectState& /*state*/,
-               EffectColumns& row) const noexcept override {
-    chebyshev_terms(std::clamp((x.s - shape[0]) / shape[1], -1.0, 1.0), row);
-  }
-  std::vector<std::string> c_columns(const ShapeValues& shape) const override {
-    const std::string x =
-        "@clamp((s - " + c_number(shape[0]) + ") / " + c_number(shape[1]) + ")";
-    std::vector<std::string> out;
-    for (int k = kFirstTerm; k < kFirstTerm + kTerms; ++k)
-      out.push_back("cos(" + std::to_string(k) + ".0 * acos(" + x + "))");
-    return out;
-  }
-  std::string phrase(const std::vector<double>& values, const ShapeValues& /*shape*/,
-                     JointType type) const override {
-    double lowest = 0.0;
-    double highest = 0.0;
-    constexpr int kPoints = 200;
-    for (int i = 0; i <= kPoints; ++i) {
-      EffectColumns row{};
-      chebyshev_terms(2.0 * i / kPoints - 1.0, row);
-      double effort = 0.0;
-      for (size_t k = 0; k < kTerms; ++k) effort += row[k] * values[k];
-      lowest = i == 0 ? effort : std::min(lowest, effort);
-      highest = i == 0 ? effort : std::max(highest, effort);
-    }
-    return "a " + effort_word(type) + " that depends on position, between " +
-           effort_text(lowest, type) + " and " + effort_text(highest, type);
-  }
-};
-
-}  // namespace
-
 const Effect& position_force() {
-  static const PositionForce kEffect;
+  EffectTraits t;
+  t.uses_position = true;
+  t.depends_on_position = true;
+  t.holds_at_rest = true;
+  t.lasting = true;
+  t.mixed_axes = true;
+  EffectShape centre{"centre", "rad", "m", 0.0, -10.0, 10.0, false, false};
+  centre.scale = ShapeScale::kMiddle;
+  EffectShape half_range{"half_range", "rad", "m", 1.0, 1e-3, 10.0, true, false, 0.1};
+  half_range.scale = ShapeScale::kTravel;
+  half_range.grid = {0.5};
+  std::vector<EffectParameter> parameters;
+  std::vector<std::string> c_columns;
+  for (int k = kFirstTerm; k < kFirstTerm + kTerms; ++k) {
+    parameters.push_back({"chebyshev_" + std::to_string(k), "N m", "N"});
+    c_columns.push_back("cos(" + std::to_string(k) + ".0 * acos(@clamp((s - #0) / #1)))");
+  }
+  static const DescribedEffectInC kEffect({"position_force", parameters, {centre, half_range}, t,
+      [](const AxisSample& x, const ShapeValues& shape, EffectState&, EffectColumns& row) noexcept {
+        chebyshev_terms(std::clamp((x.s - shape[0]) / shape[1], -1.0, 1.0), row);
+      },
+      nullptr, words}, c_columns);
   return kEffect;
 }
 

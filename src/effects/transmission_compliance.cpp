@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "phrase.hpp"
+#include "effects/described_effect.hpp"
 #include "registry.hpp"
 
 namespace veridyn {
@@ -9,6 +9,8 @@ namespace {
 
 // Indices in the state; 1 is the previous sample, 2 the one before.
 enum : size_t { kCount, kTime1, kLoad1, kTime2, kLoad2, kResult };
+
+}  // namespace
 
 /// An elastic transmission, to first order in its compliance:
 ///
@@ -24,53 +26,38 @@ enum : size_t { kCount, kTime1, kLoad1, kTime2, kLoad2, kResult };
 /// time step. It is zero for the first two. Valid for models of measured motion; fed back through
 /// the load in a forward simulation it is unstable, which would need the motor as a body of its
 /// own.
-class TransmissionCompliance final : public AxisEffect {
- public:
-  std::string name() const override { return "transmission_compliance"; }
-  std::vector<EffectParameter> parameters() const override {
-    return {{"compliance_inertia", "s^2", "s^2", ParameterSign::kAny}};
-  }
-  EffectTraits traits(const ShapeValues& /*shape*/) const override {
-    EffectTraits t;
-    t.uses_load = true;
-    t.memory = true;
-    t.lasting = true;
-    t.forward_simulable = false;
-    t.not_simulable_because =
-        "it describes measured motion; a forward simulation needs the motor as a body of its own";
-    return t;
-  }
-  void columns(const AxisSample& x, const ShapeValues& /*shape*/, EffectState& state,
-               EffectColumns& row) const noexcept override {
-    const double dt = x.time - state[kTime1];
-    if (state[kCount] == 0.0 || dt > 0.0) {
-      if (state[kCount] == 2.0) {
-        const double slope_now = (x.load - state[kLoad1]) / dt;
-        const double slope_before =
-            (state[kLoad1] - state[kLoad2]) / (state[kTime1] - state[kTime2]);
-        state[kResult] = 2.0 * (slope_now - slope_before) / (x.time - state[kTime2]);
-      }
-      state[kTime2] = state[kTime1];
-      state[kLoad2] = state[kLoad1];
-      state[kTime1] = x.time;
-      state[kLoad1] = x.load;
-      state[kCount] = std::min(2.0, state[kCount] + 1.0);
-    }
-    row[0] = state[kResult];
-  }
-  std::string phrase(const std::vector<double>& values, const ShapeValues& /*shape*/,
-                     JointType /*type*/) const override {
-    if (values[0] == 0.0) return "a rigid transmission";
-    return "an elastic transmission: a resonance near " +
-           quantity(0.5 / (M_PI * std::sqrt(std::abs(values[0]))), "Hz") +
-           (values[0] > 0.0 ? ", measured on the link" : ", measured on the motor");
-  }
-};
-
-}  // namespace
-
 const Effect& transmission_compliance() {
-  static const TransmissionCompliance kEffect;
+  EffectTraits t;
+  t.uses_load = true;
+  t.memory = true;
+  t.lasting = true;
+  t.forward_simulable = false;
+  t.not_simulable_because =
+      "it describes measured motion; a forward simulation needs the motor as a body of its own";
+  static const DescribedEffect kEffect({"transmission_compliance", {{"compliance_inertia", "s^2", "s^2"}}, {}, t,
+      [](const AxisSample& x, const ShapeValues&, EffectState& state, EffectColumns& row) noexcept {
+        const double dt = x.time - state[kTime1];
+        if (state[kCount] == 0.0 || dt > 0.0) {
+          if (state[kCount] == 2.0) {
+            const double slope_now = (x.load - state[kLoad1]) / dt;
+            const double slope_before =
+                (state[kLoad1] - state[kLoad2]) / (state[kTime1] - state[kTime2]);
+            state[kResult] = 2.0 * (slope_now - slope_before) / (x.time - state[kTime2]);
+          }
+          state[kTime2] = state[kTime1];
+          state[kLoad2] = state[kLoad1];
+          state[kTime1] = x.time;
+          state[kLoad1] = x.load;
+          state[kCount] = std::min(2.0, state[kCount] + 1.0);
+        }
+        row[0] = state[kResult];
+      },
+      nullptr,
+      [](const Effect&, const std::vector<double>& values, const ShapeValues&, JointType) {
+        if (values[0] == 0.0) return std::string("a rigid transmission");
+        return "an elastic transmission: a resonance near " + quantity(0.5 / (M_PI * std::sqrt(std::abs(values[0]))), "Hz") +
+               (values[0] > 0.0 ? ", measured on the link" : ", measured on the motor");
+      }});
   return kEffect;
 }
 

@@ -138,9 +138,7 @@ std::string markdown_text(const ManualPage& page) {
 }
 
 Json entries_json(const std::vector<ManualPage::Entry>& entries) {
-  Json out = Json::array();
-  for (const ManualPage::Entry& entry : entries) out.push_back({entry.names, entry.text});
-  return out;
+  return json_each(entries, [&](const ManualPage::Entry& entry) -> Json { return {entry.names, entry.text}; });
 }
 
 std::vector<ManualPage::Entry> entries_of(const Json& entries) {

@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <cstring>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "veridyn/math/require.hpp"
@@ -10,102 +12,78 @@
 
 namespace veridyn {
 
-/// Writes values one after the other, little-endian. A call with fields of any kind writes them in order, as a ByteReader
-/// reads them; a struct has a function exchange(bytes, object) that lists its fields once for both.
-class ByteWriter {
+/// Writes or reads fields one after the other, little-endian. A struct has one function exchange(bytes, object), which
+/// lists its fields for both directions.
+/// @throws InvalidInput  the bytes that are read end too early.
+class ByteExchange {
  public:
-  template <typename... Fields>
-  void operator()(Fields&... fields) {
-    (field(fields), ...);
-  }
-  void number(std::uint64_t value) {
-    for (int k = 0; k < 8; ++k) bytes_.push_back(static_cast<char>(value >> (8 * k) & 0xff));
-  }
-  void real(double value) {
-    std::uint64_t bits = 0;
-    std::memcpy(&bits, &value, sizeof(bits));
-    number(bits);
-  }
-  void text(const std::string& value) {
-    number(value.size());
-    bytes_ += value;
-  }
-  void vector(const VectorXd& value) {
-    number(static_cast<std::uint64_t>(value.size()));
-    for (Eigen::Index k = 0; k < value.size(); ++k) real(value[k]);
-  }
-
-  const std::string& bytes() const { return bytes_; }
-
- private:
-  void field(long& value) { number(static_cast<std::uint64_t>(value)); }
-  void field(double& value) { real(value); }
-  void field(std::string& value) { text(value); }
-  void field(VectorXd& value) { vector(value); }
-  template <typename T>
-  void field(std::vector<T>& all) {
-    number(all.size());
-    for (T& one : all) field(one);
-  }
-  template <typename T>
-  void field(T& object) {
-    exchange(*this, object);
-  }
-
-  std::string bytes_;
-};
-
-/// Reads what a ByteWriter wrote. @throws InvalidInput  the bytes end too early.
-class ByteReader {
- public:
-  ByteReader(const std::string& bytes, std::size_t at, const std::string& source)
-      : bytes_(bytes), at_(at), source_(source) {}
+  /// Writes.
+  ByteExchange() = default;
+  /// Reads from `at` on. @param source  name of the bytes in messages.
+  ByteExchange(std::string_view bytes, std::size_t at, std::string source)
+      : reads_(true), given_(bytes), at_(at), source_(std::move(source)) {}
 
   template <typename... Fields>
   void operator()(Fields&... fields) {
     (field(fields), ...);
   }
-  std::uint64_t number() {
-    expect(8);
-    std::uint64_t value = 0;
-    for (int k = 0; k < 8; ++k)
-      value |= std::uint64_t{static_cast<unsigned char>(bytes_[at_++])} << (8 * k);
-    return value;
-  }
-  double real() {
-    const std::uint64_t bits = number();
-    double value = 0.0;
-    std::memcpy(&value, &bits, sizeof(value));
-    return value;
-  }
-  /// Reads the number of items of at least `bytes` each, which the remaining length bounds.
-  std::size_t count(std::size_t bytes) {
-    const std::uint64_t value = number();
-    require(value <= (bytes_.size() - at_) / bytes, source_, ": found ", value,
-            " entries at byte ", at_, ", expected no more than the rest of the file holds.");
+
+  /// Exchanges a number of items of at least `bytes` each, which the remaining length bounds.
+  std::size_t count(std::size_t items, std::size_t bytes) {
+    std::uint64_t value = items;
+    field(value);
+    require(!reads_ || value <= (given_.size() - at_) / bytes, source_, ": found ", value, " entries at byte ", at_,
+            ", expected no more than the rest of the file holds.");
     return static_cast<std::size_t>(value);
   }
-  std::string text() {
-    const std::size_t size = count(1);
-    const std::string value = bytes_.substr(at_, size);
-    at_ += size;
-    return value;
-  }
-  VectorXd vector() {
-    VectorXd value(count(8));
-    for (Eigen::Index k = 0; k < value.size(); ++k) value[k] = real();
-    return value;
-  }
-  bool at_end() const { return at_ == bytes_.size(); }
+
+  bool reads() const { return reads_; }
+  bool at_end() const { return at_ == given_.size(); }
+  const std::string& bytes() const { return written_; }
 
  private:
-  void field(long& value) { value = static_cast<long>(number()); }
-  void field(double& value) { value = real(); }
-  void field(std::string& value) { value = text(); }
-  void field(VectorXd& value) { value = vector(); }
+  void field(std::uint64_t& value) {
+    if (reads_) {
+      require(given_.size() - at_ >= sizeof value, source_, ": ends at byte ", given_.size(), ", expected more.");
+      value = 0;
+    }
+    for (std::size_t k = 0; k < sizeof value; ++k) {
+      if (reads_)
+        value |= std::uint64_t{static_cast<unsigned char>(given_[at_++])} << (8 * k);
+      else
+        written_.push_back(static_cast<char>(value >> (8 * k) & 0xff));
+    }
+  }
+  void field(long& value) { whole(value); }
+  void field(int& value) { whole(value); }
+  template <typename Whole>
+  void whole(Whole& value) {
+    auto bits = static_cast<std::uint64_t>(value);
+    field(bits);
+    value = static_cast<Whole>(bits);
+  }
+  void field(double& value) {
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, &value, sizeof bits);
+    field(bits);
+    std::memcpy(&value, &bits, sizeof bits);
+  }
+  void field(std::string& value) {
+    const std::size_t size = count(value.size(), 1);
+    if (!reads_) {
+      written_ += value;
+      return;
+    }
+    value = given_.substr(at_, size);
+    at_ += size;
+  }
+  void field(VectorXd& value) {
+    value.resize(static_cast<Eigen::Index>(count(static_cast<std::size_t>(value.size()), 8)));
+    for (double& entry : value) field(entry);
+  }
   template <typename T>
   void field(std::vector<T>& all) {
-    all.resize(count(8));
+    all.resize(count(all.size(), 8));
     for (T& one : all) field(one);
   }
   template <typename T>
@@ -113,14 +91,19 @@ class ByteReader {
     exchange(*this, object);
   }
 
-  void expect(std::size_t size) const {
-    require(bytes_.size() - at_ >= size, source_, ": ends at byte ", bytes_.size(),
-            ", expected more.");
-  }
-
-  const std::string& bytes_;
-  std::size_t at_;
-  const std::string& source_;
+  bool reads_ = false;
+  std::string written_;
+  std::string_view given_;
+  std::size_t at_ = 0;
+  std::string source_;
 };
+
+/// An object as bytes.
+template <typename T>
+std::string bytes_of(const T& object) {
+  ByteExchange out;
+  out(const_cast<T&>(object));  // which writing only reads
+  return out.bytes();
+}
 
 }  // namespace veridyn

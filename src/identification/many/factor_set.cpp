@@ -2,10 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <cstring>
 #include <fstream>
-#include <iterator>
 #include <sstream>
 #include <utility>
 
@@ -18,10 +16,41 @@
 
 namespace veridyn {
 
-template <typename Bytes>
-void exchange(Bytes& bytes, TorqueFacts& j) {
-  bytes(j.minimum, j.maximum, j.largest_speed, j.lowest, j.highest);
+namespace {
+
+void exchange(ByteExchange& bytes, const std::vector<std::string>& columns, SquareRootInformation& factor) {
+  const auto k = static_cast<Eigen::Index>(columns.size());
+  double rows = factor.rows(), rho2 = factor.rho2();
+  MatrixXd R = bytes.reads() ? MatrixXd::Zero(k, k) : factor.R();
+  VectorXd z = bytes.reads() ? VectorXd::Zero(k) : factor.z();
+  bytes(rows, rho2);
+  for (Eigen::Index j = 0; j < k; ++j)
+    for (Eigen::Index i = 0; i <= j; ++i) bytes(R(i, j));
+  for (double& entry : z) bytes(entry);
+  if (bytes.reads()) factor = SquareRootInformation(columns, std::move(R), std::move(z), rho2, rows);
 }
+
+}  // namespace
+
+void exchange(ByteExchange& bytes, TorqueFacts& j) { bytes(j.minimum, j.maximum, j.largest_speed, j.lowest, j.highest); }
+
+void exchange(ByteExchange& bytes, CompressedRecording& r) {
+  bytes(r.source, r.facts.dt, r.facts.duration, r.facts.samples, r.facts.unused, r.facts.rows_read, r.facts.filled.count,
+        r.facts.filled.age, r.period.seconds, r.period.confidence, r.period.repeats, r.rows, r.noise_floor, r.joints);
+  r.detached = r.detached || bytes.reads();
+  r.blocks.resize(bytes.count(r.blocks.size(), 16));
+  std::vector<std::vector<std::string>> columns(r.blocks.empty() ? 0 : r.joints.size());
+  for (size_t i = 0; i < columns.size(); ++i) {
+    if (!bytes.reads()) columns[i] = r.blocks.front()[i].columns();
+    bytes(columns[i]);
+  }
+  for (auto& block : r.blocks) {
+    block.resize(columns.size());
+    for (size_t i = 0; i < columns.size(); ++i) exchange(bytes, columns[i], block[i]);
+  }
+}
+
+void exchange(ByteExchange& bytes, FactorSet& set) { bytes(set.robot, set.fingerprint, set.settings, set.recordings); }
 
 namespace {
 
@@ -79,65 +108,6 @@ bool same_arm(const VectorXd& a, const VectorXd& b) {
          ((a - b).cwiseAbs().array() <=
           kSameArm * (1.0 + a.cwiseAbs().array().max(b.cwiseAbs().array())))
              .all();
-}
-
-void write_columns(const CompressedRecording& r, ByteWriter& out) {
-  if (r.blocks.empty()) return;
-  for (const SquareRootInformation& factor : r.blocks.front()) {
-    out.number(static_cast<std::uint64_t>(factor.size()));
-    for (const std::string& name : factor.columns()) out.text(name);
-  }
-}
-
-void write_factor(const SquareRootInformation& factor, ByteWriter& out) {
-  out.real(factor.rows());
-  out.real(factor.rho2());
-  const MatrixXd R = factor.R();
-  const VectorXd z = factor.z();
-  for (Eigen::Index j = 0; j < factor.size(); ++j)
-    for (Eigen::Index i = 0; i <= j; ++i) out.real(R(i, j));
-  for (Eigen::Index i = 0; i < factor.size(); ++i) out.real(z[i]);
-}
-
-SquareRootInformation read_factor(const std::vector<std::string>& columns, ByteReader& in) {
-  const double rows = in.real();
-  const double rho2 = in.real();
-  const auto k = static_cast<Eigen::Index>(columns.size());
-  MatrixXd R = MatrixXd::Zero(k, k);
-  for (Eigen::Index j = 0; j < k; ++j)
-    for (Eigen::Index i = 0; i <= j; ++i) R(i, j) = in.real();
-  VectorXd z(k);
-  for (Eigen::Index i = 0; i < k; ++i) z[i] = in.real();
-  return SquareRootInformation(columns, std::move(R), std::move(z), rho2, rows);
-}
-
-// Everything but the factors.
-template <typename Bytes>
-void exchange_facts(Bytes& bytes, CompressedRecording& r) {
-  bytes(r.source, r.facts.dt, r.facts.duration, r.facts.samples, r.facts.unused, r.facts.rows_read, r.facts.filled.count,
-        r.facts.filled.age, r.period.seconds, r.period.confidence, r.period.repeats, r.rows, r.noise_floor, r.joints);
-}
-
-void write_recording(const CompressedRecording& r, ByteWriter& out) {
-  exchange_facts(out, const_cast<CompressedRecording&>(r));  // only read
-  out.number(r.blocks.size());
-  write_columns(r, out);
-  for (const auto& block : r.blocks)
-    for (const SquareRootInformation& factor : block) write_factor(factor, out);
-}
-
-CompressedRecording read_recording(ByteReader& in) {
-  CompressedRecording r;
-  r.detached = true;
-  exchange_facts(in, r);
-  r.blocks.resize(in.count(16));
-  std::vector<std::vector<std::string>> columns(r.blocks.empty() ? 0 : r.joints.size());
-  for (std::vector<std::string>& of_joint : columns) in(of_joint);
-  for (auto& block : r.blocks) {
-    for (const std::vector<std::string>& of_joint : columns)
-      block.push_back(read_factor(of_joint, in));
-  }
-  return r;
 }
 
 // FNV-1a checksum, sufficient to detect a damaged file.
@@ -222,33 +192,26 @@ FactorSet merge(FactorSet a, const FactorSet& b) {
 }
 
 std::string to_bytes(const FactorSet& factors) {
-  ByteWriter out;
-  out.text(factors.robot);
-  out.vector(factors.fingerprint);
-  out.text(factors.settings);
-  out.number(factors.recordings.size());
-  for (const CompressedRecording& r : factors.recordings) write_recording(r, out);
-  ByteWriter head;
-  head.number(kVersion);
-  head.number(checksum(out.bytes(), 0));
-  return kMagic + head.bytes() + out.bytes();
+  const std::string content = bytes_of(factors);
+  ByteExchange head;
+  std::uint64_t version = kVersion, sum = checksum(content, 0);
+  head(version, sum);
+  return kMagic + head.bytes() + content;
 }
 
 FactorSet factors_from_bytes(const std::string& bytes, const std::string& source) {
   require(bytes.compare(0, kMagic.size(), kMagic) == 0, source,
           ": found no factors, expected a file that --factor-out wrote.");
-  ByteReader in(bytes, kMagic.size(), source);
-  const std::uint64_t version = in.number();
+  ByteExchange in(bytes, kMagic.size(), source);
+  std::uint64_t version = 0, sum = 0;
+  in(version);
   require(version == kVersion, source, ": found factors of version ", version, ", expected ",
           kVersion, ".");
-  require(in.number() == checksum(bytes, kMagic.size() + 16), source,
+  in(sum);
+  require(sum == checksum(bytes, kMagic.size() + 16), source,
           ": found a wrong checksum, expected a whole and unchanged file.");
   FactorSet out;
-  out.robot = in.text();
-  out.fingerprint = in.vector();
-  out.settings = in.text();
-  out.recordings.resize(in.count(8));
-  for (CompressedRecording& r : out.recordings) r = read_recording(in);
+  in(out);
   require(in.at_end(), source, ": found bytes after the last factor, expected none.");
   return out;
 }

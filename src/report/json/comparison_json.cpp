@@ -71,15 +71,12 @@ std::string to_json(const ModelComparison& c) {
   out["before"] = model_json(c.before);
   out["after"] = model_json(c.after);
   out["same_motion"] = c.same_motion;
-  out["structure"] = Json::array();
-  for (const StructureDifference& s : c.structure)
-    out["structure"].push_back({{"kind", s.kind}, {"sentence", s.sentence}});
+  out["structure"] = json_each(c.structure, [&](const StructureDifference& s) -> Json { return {{"kind", s.kind}, {"sentence", s.sentence}}; });
   out["compared"] = c.compared();
   out["differences"] = c.significant();
   for (const auto& [key, list] :
        {std::pair("joints", &c.joints), std::pair("parameters", &c.parameters)}) {
-    out[key] = Json::array();
-    for (const ModelDifference& d : *list) out[key].push_back(difference_json(d));
+    out[key] = json_each(*list, difference_json);
   }
   out["only_before"] = c.only_before;
   out["only_after"] = c.only_after;

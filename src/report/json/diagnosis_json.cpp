@@ -171,8 +171,7 @@ Json quality_json(const Diagnosis& d) {
 std::string to_json(const Diagnosis& d, const std::string& next_command) {
   Json out = json_head("diagnose");
   out["robot"] = d.baseline.robot;
-  out["verdict"] = Json::array();
-  for (const JointVerdict& v : d.joints) out["verdict"].push_back(verdict_json(d, v));
+  out["verdict"] = json_each(d.joints, [&](const JointVerdict& v) -> Json { return verdict_json(d, v); });
   out["verdict_sentence"] = d.verdict();
   out["mended"] = d.mended;
   out["summary"] = summary_json(d.summary);
@@ -207,24 +206,14 @@ std::string to_json(const Diagnosis& d, const std::string& next_command) {
   out["next_experiment"] = next_json(d, next_command);
   out["remarks"] = d.remarks;
   if (!d.friction_remark.empty()) out["remarks"].insert(out["remarks"].begin(), d.friction_remark);
-  out["friction"] = Json::array();
-  for (const JointNumber& n : d.friction) {
-    out["friction"].push_back({{"joint", n.joint.value + 1},
-                               {"coordinate", d.extended.model->coordinates()[n.joint.value].name},
-                               {"effect", n.effect},
-                               {"parameter", n.parameter},
-                               {"unit", n.unit},
-                               {"value", n.value},
-                               {"std", n.deviation}});
-  }
-  out["excluded_intervals"] = Json::array();
-  for (const ExcludedInterval& part : d.excluded_intervals) {
-    out["excluded_intervals"].push_back({{"file", part.source},
-                                         {"joint", part.joint ? *part.joint + 1 : 0},
-                                         {"from", part.from},
-                                         {"to", part.to},
-                                         {"why", part.why}});
-  }
+  out["friction"] = json_each(d.friction, [&](const JointNumber& n) -> Json {
+    return {{"joint", n.joint.value + 1}, {"coordinate", d.extended.model->coordinates()[n.joint.value].name},
+            {"effect", n.effect}, {"parameter", n.parameter}, {"unit", n.unit}, {"value", n.value}, {"std", n.deviation}};
+  });
+  out["excluded_intervals"] = json_each(d.excluded_intervals, [&](const ExcludedInterval& part) -> Json {
+    return {{"file", part.source}, {"joint", part.joint ? *part.joint + 1 : 0}, {"from", part.from}, {"to", part.to},
+            {"why", part.why}};
+  });
   out["data_quality"] = quality_json(d);
   out["settings"] = settings_json(d.baseline);
   out["seconds"] = d.seconds;

@@ -10,24 +10,14 @@ std::string to_json(const Fleet& fleet) {
   out["reason"] = fleet.reason;
   out["arms"] = fleet.members.size();
   out["rows"] = fleet.rows;
-  out["outliers"] = Json::array();
-  for (const FleetOutlier& o : fleet.outliers) {
-    out["outliers"].push_back({{"arm", o.arm},
-                               {"what", o.what},
-                               {"joint", o.joint ? o.joint->value + 1 : 0},
-                               {"value", o.value},
-                               {"median", o.median},
-                               {"deviations", o.deviations}});
-  }
+  out["outliers"] = json_each(fleet.outliers, [&](const FleetOutlier& o) -> Json {
+    return {{"arm", o.arm}, {"what", o.what}, {"joint", o.joint ? o.joint->value + 1 : 0}, {"value", o.value},
+            {"median", o.median}, {"deviations", o.deviations}};
+  });
   out["base_parameters"] = base_json(fleet.base);
-  out["spreads"] = Json::array();
-  for (const FleetSpread& s : fleet.spreads) {
-    out["spreads"].push_back({{"name", s.name},
-                              {"unit", s.unit},
-                              {"median", s.median},
-                              {"spread", s.spread},
-                              {"arms", s.arms}});
-  }
+  out["spreads"] = json_each(fleet.spreads, [&](const FleetSpread& s) -> Json {
+    return {{"name", s.name}, {"unit", s.unit}, {"median", s.median}, {"spread", s.spread}, {"arms", s.arms}};
+  });
   out["members"] = Json::array();
   for (const FleetMember& m : fleet.members) {
     Json own = Json::object();
@@ -40,19 +30,12 @@ std::string to_json(const Fleet& fleet) {
                               {"alone", {{"relative_error", json_list(m.alone_error)}}},
                               {"own", std::move(own)}});
   }
-  out["other_bodies"] = Json::array();
-  for (const FleetLeftOut& o : fleet.other_bodies) {
-    out["other_bodies"].push_back({{"arm", o.arm},
-                                   {"joint", o.joint.value + 1},
-                                   {"relative_error", o.with_fleet},
-                                   {"alone", {{"relative_error", o.with_own}}},
-                                   {"excess", o.excess},
-                                   {"median_excess", o.median_excess},
-                                   {"deviations", o.deviations}});
-  }
-  out["undetermined"] = Json::array();
-  for (const UndeterminedArm& u : fleet.undetermined)
-    out["undetermined"].push_back({{"arm", u.arm}, {"why", u.why}});
+  out["other_bodies"] = json_each(fleet.other_bodies, [&](const FleetLeftOut& o) -> Json {
+    return {{"arm", o.arm}, {"joint", o.joint.value + 1}, {"relative_error", o.with_fleet},
+            {"alone", {{"relative_error", o.with_own}}}, {"excess", o.excess}, {"median_excess", o.median_excess},
+            {"deviations", o.deviations}};
+  });
+  out["undetermined"] = json_each(fleet.undetermined, [&](const UndeterminedArm& u) -> Json { return {{"arm", u.arm}, {"why", u.why}}; });
   out["left_out_recordings"] = unused_json(fleet.unusable_recordings);
   out["remarks"] = fleet.remarks;
   return json_text(out);

@@ -27,9 +27,7 @@ Json study_of(const JointFrictionStudy& j) {
   out["breakaways"] = Json::array();
   for (const FrictionBreakaway& b : j.breakaways)
     out["breakaways"].push_back({{"recording", b.source}, {"time", b.time}, {"direction", b.direction}, {"torque", b.torque}});
-  out["verdicts"] = Json::array();
-  for (const FrictionVerdict& v : j.verdicts)
-    out["verdicts"].push_back(verdict_of(v, v.effect + " " + name_of(v.state) + ": " + v.words));
+  out["verdicts"] = json_each(j.verdicts, [&](const FrictionVerdict& v) -> Json { return verdict_of(v, v.effect + " " + name_of(v.state) + ": " + v.words); });
   out["held_out"] = {{"plain", j.error_plain}, {"confirmed", j.error}};
   return out;
 }
@@ -41,8 +39,7 @@ std::string to_json(const FrictionStudy& study) {
   out["robot"] = study.robot;
   out["resting"] = study.resting;
   out["held_out"] = study.held_out;
-  out["joints"] = Json::array();
-  for (const JointFrictionStudy& j : study.joints) out["joints"].push_back(study_of(j));
+  out["joints"] = json_each(study.joints, study_of);
   out["reason"] = study.reason;
   return json_text(out);
 }

@@ -57,16 +57,11 @@ Json drive_gains_json(const std::vector<DriveGain>& joints) {
 }
 
 Json known_masses_json(const std::vector<MountedLoad>& loads) {
-  Json out = Json::array();
-  for (const MountedLoad& load : loads) {
-    out.push_back({{"mass", load.known.mass},
-                   {"frame", load.known.frame},
-                   {"recordings", load.known.recordings},
-                   {"identified", load.identified},
-                   {"centre", load.centre ? json_list(*load.centre) : Json()},
-                   {"centre_std", load.centre ? json_list(load.centre_deviation) : Json()}});
-  }
-  return out;
+  return json_each(loads, [&](const MountedLoad& load) -> Json {
+    return {{"mass", load.known.mass}, {"frame", load.known.frame}, {"recordings", load.known.recordings},
+            {"identified", load.identified}, {"centre", load.centre ? json_list(*load.centre) : Json()},
+            {"centre_std", load.centre ? json_list(load.centre_deviation) : Json()}};
+  });
 }
 
 Json identification_verdict_json(const IdentificationVerdict& verdict) {

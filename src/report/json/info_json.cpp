@@ -8,18 +8,12 @@ namespace veridyn {
 namespace {
 
 Json coordinates_json(const Model& arm) {
-  Json out = Json::array();
-  for (const Coordinate& c : arm.coordinates()) {
-    out.push_back({{"name", c.name},
-                   {"unit", position_unit(c)},
-                   {"effort_unit", effort_unit(c)},
-                   {"position", {c.limits.lower, c.limits.upper}},
-                   {"velocity", c.limits.velocity},
-                   {"acceleration", c.limits.acceleration},
-                   {"effort", c.limits.effort},
-                   {"drive_gain", c.drive_gain == 0.0 ? Json() : Json(c.drive_gain)}});
-  }
-  return out;
+  return json_each(arm.coordinates(), [&](const Coordinate& c) -> Json {
+    return {{"name", c.name}, {"unit", position_unit(c)}, {"effort_unit", effort_unit(c)},
+            {"position", {c.limits.lower, c.limits.upper}}, {"velocity", c.limits.velocity},
+            {"acceleration", c.limits.acceleration}, {"effort", c.limits.effort},
+            {"drive_gain", c.drive_gain == 0.0 ? Json() : Json(c.drive_gain)}};
+  });
 }
 
 const char* type_name(JointType type) {
@@ -38,27 +32,18 @@ Json form_json(const Model& arm, const Axis& axis) {
 }
 
 Json frames_json(const Model& arm) {
-  Json out = Json::array();
-  for (const Frame& frame : arm.frames()) {
-    out.push_back({{"name", frame.name},
-                   {"parent", frame.parent ? arm.frames()[frame.parent->value].name : "world"},
-                   {"type", type_name(frame.type)},
-                   {"variable", form_json(arm, frame.variable)},
-                   {"offset", frame.variable.offset},
-                   {"body", frame.body.has_value()}});
-  }
-  return out;
+  return json_each(arm.frames(), [&](const Frame& frame) -> Json {
+    return {{"name", frame.name}, {"parent", frame.parent ? arm.frames()[frame.parent->value].name : "world"},
+            {"type", type_name(frame.type)}, {"variable", form_json(arm, frame.variable)}, {"offset", frame.variable.offset},
+            {"body", frame.body.has_value()}};
+  });
 }
 
 Json effects_json(const Model& arm) {
-  Json out = Json::array();
-  for (const EffectTerm& term : arm.effects()) {
-    out.push_back({{"effect", term.effect},
-                   {"axis", form_json(arm, term.axis)},
-                   {"frame", term.frame.empty() ? Json() : Json(term.frame)},
-                   {"values", term.values}});
-  }
-  return out;
+  return json_each(arm.effects(), [&](const EffectTerm& term) -> Json {
+    return {{"effect", term.effect}, {"axis", form_json(arm, term.axis)},
+            {"frame", term.frame.empty() ? Json() : Json(term.frame)}, {"values", term.values}};
+  });
 }
 
 Json base_json(const RobotInfo& info) {

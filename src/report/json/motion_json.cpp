@@ -39,14 +39,10 @@ Json prediction_json(const Prediction& p) {
               {"rms_torque", json_list(p.rms_torque)},
               {"mean_relative_std", p.mean_relative},
               {"median_relative_std", p.median_relative}};
-  out["base_parameters"] = Json::array();
-  for (const PredictedParameter& one : p.parameters) {
-    out["base_parameters"].push_back({{"name", one.name},
-                                      {"unit", one.unit},
-                                      {"value", one.value},
-                                      {"std", one.deviation},
-                                      {"relative_std", one.relative}});
-  }
+  out["base_parameters"] = json_each(p.parameters, [&](const PredictedParameter& one) -> Json {
+    return {{"name", one.name}, {"unit", one.unit}, {"value", one.value}, {"std", one.deviation},
+            {"relative_std", one.relative}};
+  });
   return out;
 }
 
@@ -123,14 +119,10 @@ std::string to_json(const Excitation& e) {
   out["cautions"] = e.cautions;
   out["lowest_point"] = {{"z", e.lowest.z}, {"frame", e.lowest.frame}};
   out["speed"] = e.speed;
-  out["margins"] = Json::array();
-  for (const LimitMargin& m : e.margins) {
-    out["margins"].push_back({{"limit", m.name},
-                              {"unit", m.unit},
-                              {"motion", {m.lowest, m.highest}},
-                              {"bounds", {m.lower, m.upper}},
-                              {"margin", m.margin}});
-  }
+  out["margins"] = json_each(e.margins, [&](const LimitMargin& m) -> Json {
+    return {{"limit", m.name}, {"unit", m.unit}, {"motion", {m.lowest, m.highest}}, {"bounds", {m.lower, m.upper}},
+            {"margin", m.margin}};
+  });
   out["joints"] = Json::array();
   for (Eigen::Index i = 0; i < e.trajectory.joints(); ++i)
     out["joints"].push_back(bounds_json(e, i));
@@ -143,13 +135,10 @@ Json recording_json(const SimulatedRecording& simulated) {
   Json out = json_head("simulate");
   out["robot"] = simulated.truth.name();
   out["rows"] = simulated.tau.rows();
-  out["hidden"] = Json::array();
-  for (const InjectedEffect& injected : simulated.injected) {
-    out["hidden"].push_back({{"effect", injected.effect},
-                             {"place", injected.place},
-                             {"joint", injected.joint ? Json(injected.joint->value + 1) : Json()},
-                             {"parameters", injected.values}});
-  }
+  out["hidden"] = json_each(simulated.injected, [&](const InjectedEffect& injected) -> Json {
+    return {{"effect", injected.effect}, {"place", injected.place},
+            {"joint", injected.joint ? Json(injected.joint->value + 1) : Json()}, {"parameters", injected.values}};
+  });
   out["rms_effort"] = json_list(rms(simulated.actual_tau));
   out["rms_effort_error"] = json_list(rms(simulated.tau - simulated.actual_tau));
   return out;
@@ -201,14 +190,10 @@ std::string to_json(const Breakaway& found, const Model& arm) {
   out["coordinate"] = c.name;
   out["unit"] = c.prismatic ? "N" : "N m";
   out["sliding_speed"] = found.speed;
-  out["ramps"] = Json::array();
-  for (const BreakawayEvent& e : found.events) {
-    out["ramps"].push_back(
-        {{"rest_from", e.rest_from},
-         {"direction", e.direction},
-         {"recorded", {{"time", e.recorded_at}, {"effort", e.recorded}}},
-         {"simulated", {{"time", e.simulated_at}, {"effort", e.simulated}}}});
-  }
+  out["ramps"] = json_each(found.events, [&](const BreakawayEvent& e) -> Json {
+    return {{"rest_from", e.rest_from}, {"direction", e.direction}, {"recorded", {{"time", e.recorded_at},
+            {"effort", e.recorded}}}, {"simulated", {{"time", e.simulated_at}, {"effort", e.simulated}}}};
+  });
   out["forward"] = {{"recorded", found.recorded_forward},
                     {"simulated", found.simulated_forward}};
   out["backward"] = {{"recorded", found.recorded_backward},

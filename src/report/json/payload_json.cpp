@@ -42,8 +42,7 @@ std::string to_json(const PayloadReport& report) {
   out["verdict"] = report.found() ? "payload" : "none";
   out["headline"] = report.headline();
   out["remarks"] = report.remarks;
-  out["links"] = Json::array();
-  for (const PayloadEstimate& link : report.links) out["links"].push_back(link_json(link));
+  out["links"] = json_each(report.links, link_json);
   out["relative_error"] = {{"before", json_list(report.error_before)},
                            {"with_drift", json_list(report.error_with_drift)},
                            {"after", json_list(report.error_after)}};

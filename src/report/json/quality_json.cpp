@@ -13,17 +13,10 @@ Json finding_json(const QualityFinding& finding) {
 }
 
 Json topics_json(const RecordingFacts& facts) {
-  Json topics = Json::array();
-  for (const TopicFacts& topic : facts.topics) {
-    topics.push_back({{"name", topic.name},
-                      {"type", topic.type},
-                      {"messages", topic.messages},
-                      {"rate", topic.rate},
-                      {"joints", topic.joints},
-                      {"used", topic.used},
-                      {"undecoded", topic.undecoded}});
-  }
-  return topics;
+  return json_each(facts.topics, [&](const TopicFacts& topic) -> Json {
+    return {{"name", topic.name}, {"type", topic.type}, {"messages", topic.messages}, {"rate", topic.rate},
+            {"joints", topic.joints}, {"used", topic.used}, {"undecoded", topic.undecoded}};
+  });
 }
 
 Json matched_json(const RecordingFacts& facts) {

@@ -21,12 +21,9 @@ Json error_figures(const PredictionError& error) {
 Json settings_json(const Identification& id) {
   const PreprocessingOptions& o = id.preprocessing;
   const auto sources = [](const std::vector<RecordingError>& recordings) {
-    Json out = Json::array();
-    for (const RecordingError& r : recordings) out.push_back(r.source);
-    return out;
+    return json_each(recordings, [&](const RecordingError& r) -> Json { return r.source; });
   };
-  Json derived = Json::array();
-  for (const int joint : o.derive_velocity_of) derived.push_back(joint + 1);
+  Json derived = json_each(o.derive_velocity_of, [&](const int joint) -> Json { return joint + 1; });
   return {{"train", sources(id.train)},
           {"test", sources(id.test)},
           {"method", name_of(id.method)},
@@ -58,21 +55,13 @@ Json filled_json(const RecordingError& recording) {
 }
 
 Json base_json(const std::vector<BaseValue>& base) {
-  Json out = Json::array();
-  for (const BaseValue& b : base) {
-    out.push_back({{"name", b.name},
-                   {"expression", b.expression},
-                   {"value", b.value},
-                   {"std", b.std},
-                   {"unit", b.unit}});
-  }
-  return out;
+  return json_each(base, [&](const BaseValue& b) -> Json {
+    return {{"name", b.name}, {"expression", b.expression}, {"value", b.value}, {"std", b.std}, {"unit", b.unit}};
+  });
 }
 
 Json unused_json(const std::vector<UnusedRecording>& recordings) {
-  Json out = Json::array();
-  for (const UnusedRecording& r : recordings) out.push_back({{"file", r.source}, {"why", r.why}});
-  return out;
+  return json_each(recordings, [&](const UnusedRecording& r) -> Json { return {{"file", r.source}, {"why", r.why}}; });
 }
 
 Json error_json(const PredictionError& error, const PredictionError& repaired,

@@ -10,8 +10,7 @@ namespace {
 Json event_json(const WatchEvent& e) {
   if (e.stage == WatchStage::kBlind)
     return {{"event", name_of(e.stage)}, {"id", e.id}, {"time", e.time}, {"since", e.since}, {"sentence", e.sentence}};
-  Json rivals = Json::array();
-  for (const WatchRival& r : e.rivals) rivals.push_back({{"cause", r.text}, {"lacks", r.evidence}});
+  Json rivals = json_each(e.rivals, [&](const WatchRival& r) -> Json { return {{"cause", r.text}, {"lacks", r.evidence}}; });
   const std::optional<JointIndex> joint = joint_of(e.cause);
   Json out = {{"event", name_of(e.stage)},
               {"id", e.id},

@@ -93,8 +93,7 @@ Json parameters_of(const Model& arm) {
 
 Json model_json(const DatedModel& one, const ModelOrigin& origin) {
   const auto& identified = one.model.description().identified;
-  Json inputs = Json::array();
-  for (const OriginFile& input : origin.inputs) inputs.push_back(input.file);
+  Json inputs = json_each(origin.inputs, [&](const OriginFile& input) -> Json { return input.file; });
   return {{"file", one.file},
           {"robot", one.model.name()},
           {"date", one.date},

@@ -115,8 +115,7 @@ std::string to_page(const Diagnosis& d, const std::string& command,
   plot_errors("training", d.baseline.train, found ? &d.extended.train : nullptr, recordings);
   add_recordings(series, recordings);
   add_friction(series, found && d.extended.model ? d.extended : d.baseline);
-  series["causes"] = Json::array();
-  for (const Finding& f : d.findings) series["causes"].push_back(signal_of(f));
+  series["causes"] = json_each(d.findings, signal_of);
   return html_page(d.baseline.robot + ": what the model lacks", to_json(d, next_command), series,
                    d.report(next_command));
 }

@@ -16,6 +16,14 @@ Json json_head(const std::string& command);
 /// A list; entries that are not finite become null when written.
 Json json_list(const VectorRef& values);
 
+/// The list of act(item) of all items.
+template <typename Items, typename Act>
+Json json_each(const Items& items, const Act& act) {
+  Json list = Json::array();
+  for (const auto& item : items) list.push_back(act(item));
+  return list;
+}
+
 /// Indented by two, with a line end. Bytes that are not UTF-8 (in file names) are replaced.
 std::string json_text(const Json& value);
 

@@ -23,10 +23,6 @@ ExitStatus finish_calibration(bool done, const std::string& reason, const std::s
 
 void add_calibrate_command(CLI::App& tool, Outcome& outcome);
 
-// The parts of `calibrate`.
-void add_calibrate_axis(CLI::App& calibrate, Outcome& outcome);
-void add_calibrate_rcm(CLI::App& calibrate, Outcome& outcome);
 void add_calibrate_links(CLI::App& calibrate, Outcome& outcome);
-void add_calibrate_handeye(CLI::App& calibrate, Outcome& outcome);
 
 }  // namespace veridyn::cli

@@ -24,8 +24,7 @@ Json member_json(const MemberFigures& m) {
 }
 
 Json phase_json(const PhaseFigures& p) {
-  Json members = Json::array();
-  for (const MemberFigures& m : p.members) members.push_back(member_json(m));
+  Json members = json_each(p.members, member_json);
   return {{"phase", p.phase},
           {"from", p.from},
           {"to", p.to},
@@ -43,11 +42,9 @@ Json phase_json(const PhaseFigures& p) {
 
 Json settings_json(const Scenario& s) {
   const ScenarioControl& c = s.control;
-  Json arms = Json::array();
-  for (const ScenarioArm& arm : s.arms) {
-    arms.push_back(arm.name + ": " + arm.model +
-                   (arm.control == ArmControl::kPosition ? ", position" : ", impedance"));
-  }
+  Json arms = json_each(s.arms, [&](const ScenarioArm& arm) -> Json {
+    return arm.name + ": " + arm.model + (arm.control == ArmControl::kPosition ? ", position" : ", impedance");
+  });
   Json out = {{"arms", arms},
               {"leader", s.arms[s.master].name},
               // Key of earlier versions.
@@ -91,10 +88,7 @@ std::string to_json(const ScenarioRun& run, const Scenario& scenario) {
   out["held_at"] = run.state != CooperativeState::kTracking ? Json(run.held_at) : Json();
   out["stopped_at"] = run.complete() ? Json() : Json(run.stopped_at);
   out["largest_force"] = run.largest_force;
-  out["phases"] = Json::array();
-  for (const PhaseFigures& p : run.phases) {
-    out["phases"].push_back(phase_json(p));
-  }
+  out["phases"] = json_each(run.phases, phase_json);
   out["met"] = run.met();
   out["asked_largest_force"] = requested_or_null(run.asked_largest_force);
   out["settings"] = settings_json(scenario);
@@ -111,19 +105,11 @@ std::string to_json(const ScenarioSweepResult& sweep, const Scenario& scenario) 
   out["stiffness"] = sweep.stiffness;
   out["delay"] = sweep.delay;
   out["rate"] = sweep.rate;
-  out["points"] = Json::array();
-  for (const SweepPoint& p : sweep.points) {
-    out["points"].push_back({{"stiffness", p.stiffness},
-                             {"delay", p.delay},
-                             {"rate", p.rate},
-                             {"stable", p.stable},
-                             {"force_error", p.force_error},
-                             {"steady_error", p.steady_error},
-                             {"oscillation", p.oscillation},
-                             {"largest_force", p.largest_force},
-                             {"generated_energy", p.generated},
-                             {"ended", p.ended}});
-  }
+  out["points"] = json_each(sweep.points, [&](const SweepPoint& p) -> Json {
+    return {{"stiffness", p.stiffness}, {"delay", p.delay}, {"rate", p.rate}, {"stable", p.stable},
+            {"force_error", p.force_error}, {"steady_error", p.steady_error}, {"oscillation", p.oscillation},
+            {"largest_force", p.largest_force}, {"generated_energy", p.generated}, {"ended", p.ended}};
+  });
   out["stable_region"] = Json::array();
   for (std::size_t r = 0; r < sweep.rate.size(); ++r) {
     for (std::size_t s = 0; s < sweep.stiffness.size(); ++s) {

@@ -79,8 +79,7 @@ Json held_json(const ScenarioRun& run, const Scenario& scenario, Eigen::Index st
 Json bodies_json(const ScenarioRun& run, const Scenario& scenario, Eigen::Index step) {
   Json out = Json::array();
   for (std::size_t k = 0; k < run.body.size() && k < scenario.bodies.size(); ++k) {
-    Json arms = Json::array();
-    for (const ScenarioBody::Grasp& grasp : scenario.bodies[k].grasps) arms.push_back(grasp.arm);
+    Json arms = json_each(scenario.bodies[k].grasps, [&](const ScenarioBody::Grasp& grasp) -> Json { return grasp.arm; });
     out.push_back({{"at", columns(run.body[k].position, step)}, {"arms", arms}});
   }
   return out;
