@@ -11,34 +11,27 @@
 namespace veridyn::quality {
 namespace {
 
-// Root mean square of the change over 20 ms, in consecutive windows of 0.1 s.
+// Size of the usual change over 20 ms, in consecutive windows of 0.1 s: a single wrong value does not count.
 std::vector<double> ringing(const Head& head, const MatrixXd& values, int joint) {
   const int lag = std::max(1, static_cast<int>(std::lround(numbers.ringing / head.step)));
   const int window = window_rows(head);
   std::vector<double> sizes;
   for (int first = 0; first + window + lag <= values.rows(); first += window) {
-    double sum = 0.0;
-    int count = 0;
-    for (int k = first; k < first + window; ++k) {
-      const double change = values(k + lag, joint) - values(k, joint);
-      if (std::isnan(change)) continue;
-      sum += change * change;
-      ++count;
-    }
-    sizes.push_back(count > 0 ? std::sqrt(sum / count) : kNone);
+    const VectorXd changes = (values.col(joint).segment(first + lag, window) - values.col(joint).segment(first, window)).cwiseAbs();
+    sizes.push_back(quantile({changes.begin(), changes.end()}, 1.0 - numbers.rare));
   }
   return sizes;
 }
 
 // True for two columns of the same numbers, which change.
-bool are_equal(const MatrixXd& values, int i, int j) {
+bool are_equal(const MatrixXd& one, int i, const MatrixXd& other, int j) {
   double changes = 0.0;
-  for (Eigen::Index k = 0; k < values.rows(); ++k) {
-    if (!std::isfinite(values(k, i)) && !std::isfinite(values(k, j))) continue;
-    if (values(k, i) != values(k, j)) return false;
-    if (k > 0) changes += std::abs(values(k, i) - values(k - 1, i)) > 0.0 ? 1.0 : 0.0;
+  for (Eigen::Index k = 0; k < one.rows(); ++k) {
+    if (!std::isfinite(one(k, i)) && !std::isfinite(other(k, j))) continue;
+    if (one(k, i) != other(k, j)) return false;
+    if (k > 0) changes += std::abs(one(k, i) - one(k - 1, i)) > 0.0 ? 1.0 : 0.0;
   }
-  return 2.0 * changes > static_cast<double>(values.rows());
+  return 2.0 * changes > static_cast<double>(one.rows());
 }
 
 // The filter and the motion settle at either end, and the rest has to move the arm enough.
@@ -94,7 +87,7 @@ void check_motion(const Head& head, Findings* findings) {
       if (head.moves[j]) moving.push_back(j);
     }
     if (moving.size() < 2) continue;
-    const auto same = [&](int j) { return are_equal(head.rows.q, moving.front(), j); };
+    const auto same = [&](int j) { return are_equal(head.rows.q, moving.front(), head.rows.q, j); };
     findings->add(Severity::kWarning, "move_as_one", {"q", moving.front() + 1}, {},
                   text("Joints ", numbers_from_one(moving),
                        std::all_of(moving.begin(), moving.end(), same) ? " have the same position in every row: was one column written twice? What depends on"
@@ -112,11 +105,15 @@ void check_motion(const Head& head, Findings* findings) {
     if (moving > 1 && unsigned_ones == moving)
       findings->add(Severity::kFault, "no_sign", {load.name, 0}, {},
                     text("No ", load.name, " of any moving joint is ever negative: sizes without a sign, of which no model can be made."));
-    for (int j = 1; j < head.rows.joints(); ++j) {
-      for (int i = 0; i < j; ++i) {
-        if (are_equal(*load.values, i, j))
-          findings->add(Severity::kFault, "same_column", {load.name, j + 1}, {},
-                        text(load.name, i + 1, " and ", load.name, j + 1, " hold the same numbers in every row: one column was written twice, and that of a joint is missing."));
+    for (const RecordingSignal& signal : kRecordingSignals) {
+      const MatrixXd& others = head.rows.*signal.values;
+      if (&others != load.values && (signal.values == &Recording::tau || signal.values == &Recording::current)) continue;
+      for (int j = 0; j < head.rows.joints() && others.cols() > 0; ++j) {
+        for (int i = 0; i < (&others == load.values ? j : head.rows.joints()); ++i) {
+          if (are_equal(others, i, *load.values, j))
+            findings->add(Severity::kFault, "same_column", {load.name, j + 1}, {},
+                          text(signal.name, i + 1, " and ", load.name, j + 1, " hold the same numbers in every row: one column was written twice, and another is missing."));
+        }
       }
     }
   }

@@ -49,7 +49,7 @@ struct QualityNumbers {
   double repeating = 0.1;
 
   // Start-up.
-  /// ringing = rms change over `ringing` [s] in windows of `window` = [s] and shortest_window rows.
+  /// ringing = usual change over `ringing` [s] in windows of `window` = [s] and shortest_window rows.
   double ringing = 0.02, window = 0.1;
   int shortest_window = 4;
   /// ringing > loud * the usual one of later windows ...
@@ -77,7 +77,7 @@ struct QualityNumbers {
   /// spread < agree * |factor|: the factor is clear.
   double agree = 0.2;
   /// |correlation of both over the windows with motion| < related: dq is no derivative of this q.
-  double related = 0.5;
+  double related = 0.9;
   /// |factor - 1| > scale_error: reported; clock_error on a single joint, whose own sensor may be off.
   double scale_error = 0.025, clock_error = 0.1;
   /// |factor + 1| < sign_error: the opposite sign.
@@ -124,13 +124,8 @@ struct QualityNumbers {
   double abrupt = 5.0;
   /// share of clipped rows > many_clipped: a fault, else a warning.
   double many_clipped = 0.01;
-  /// load > near_largest * the largest, for shortest_plateau rows and more: a plateau ...
-  double near_largest = 0.92;
+  /// ... or at two limits of one size, in runs of shortest_plateau rows and more.
   int shortest_plateau = 8;
-  /// ... and speed changes by > speed_change of the largest meanwhile, unlike on plateaus of friction, over
-  /// a length / plateau_parts at either end.
-  double speed_change = 0.25;
-  int plateau_parts = 4;
 };
 
 /// Numbers that change no finding: memory, units, facts of statistics, rounding, and how numbers are printed.

@@ -17,7 +17,8 @@ struct VelocityFit {
   double correlation = 1.0;  // of dq and the derivative of q, over the windows with motion
 };
 
-VelocityFit velocity_fit(const Head& head, int joint) {
+// The velocity column of a joint `recorded` beside the position of a joint.
+VelocityFit velocity_fit(const Head& head, int joint, int recorded) {
   const Recording& rows = head.rows;
   const int window = window_rows(head);
   VectorXd angle = VectorXd::Zero(rows.rows());  // integral of dq
@@ -27,13 +28,13 @@ VelocityFit velocity_fit(const Head& head, int joint) {
   std::vector<Window> windows;
   for (int k = 1; k < rows.rows(); ++k) {
     const double dt = rows.time[k] - rows.time[k - 1];
-    const double step = 0.5 * dt * (rows.dq(k, joint) + rows.dq(k - 1, joint));
+    const double step = 0.5 * dt * (rows.dq(k, recorded) + rows.dq(k - 1, recorded));
     angle[k] = angle[k - 1] + (std::isnan(step) ? 0.0 : step);
   }
   int last_gap = -1;  // windows must lie after it
   for (int k = 0; k < rows.rows(); ++k) {
     const bool hole = k > 0 && rows.time[k] - rows.time[k - 1] > numbers.gap * head.step;
-    if (hole || std::isnan(rows.dq(k, joint)) || std::isnan(rows.q(k, joint))) last_gap = k;
+    if (hole || std::isnan(rows.dq(k, recorded)) || std::isnan(rows.q(k, joint))) last_gap = k;
     if (k - window <= last_gap) continue;
     windows.push_back({rows.q(k, joint) - rows.q(k - window, joint), angle[k] - angle[k - window]});
   }
@@ -216,15 +217,18 @@ void check_velocities(const Head& head, Findings* findings) {
   std::vector<VelocityFit> fits;
   for (int j = 0; j < head.rows.joints(); ++j) {
     if (!head.moves[j]) continue;
-    const VelocityFit fit = velocity_fit(head, j);
+    const VelocityFit fit = velocity_fit(head, j, j);
     if (fit.zero && is_steady_motion(head, j)) report_joint_scale({"dq", j + 1}, fit, findings);
     const double range = range_of(head.rows.dq, j);
     check_quantised(head, j, fit, range, findings);
     if (!fit.clear && std::abs(fit.correlation) < numbers.related && is_steady_motion(head, j)) {
       const Place place{"dq", j + 1};
+      std::string way = "take it from the position.";
+      for (int other = 0; other < head.rows.joints(); ++other) {
+        if (velocity_fit(head, j, other).clear) way = text("that of joint ", other + 1, " is; --map dq", j + 1, "=dq", other + 1, " mends it.");
+      }
       findings->add(Severity::kFault, "velocity_unrelated", place, {kNone, fit.correlation, ""},
-                    text("The velocity of ", named(place), " is not the derivative of its position (correlation ", number(fit.correlation),
-                         "): take it from the position."));
+                    text("The velocity of ", named(place), " is not the derivative of its position (correlation ", number(fit.correlation), "): ", way));
     }
     if (!fit.clear) continue;
     if (std::abs(fit.factor - 1.0) <= numbers.scale_error) check_noise(head, j, range, findings);
