@@ -67,7 +67,9 @@ std::string rival_text(const Diagnosis& d, const Rival& r) {
 std::string finding_text(const Diagnosis& d, const Finding& f) {
   std::string out = fmt::format("{}. {}\n", f.rank, d.sentence(f));
   const char* of = std::holds_alternative<ChangedEffect>(f.cause) ? "change of " : "";
+  const bool of_moment = std::any_of(f.parameters.begin(), f.parameters.end(), [](const FoundParameter& p) { return p.name == "moment"; });
   for (const FoundParameter& p : f.parameters) {
+    if (of_moment && p.name == "mass" && p.low < 0.0 && p.high > 0.0) continue;  // the sentence says that it is not known
     out += fmt::format("     {}{} = {:.4g} {} (95 %: {:.4g} to {:.4g})\n", of, p.name, p.value, p.unit,
                        p.low, p.high);
   }
@@ -199,6 +201,11 @@ const char* name_of(FloorSource source) {
   return source == FloorSource::kRepeats ? "repeats" : "regression";
 }
 
+bool Diagnosis::has_answer() const {
+  return !findings.empty() || hypotheses > 0 || joints.empty() ||
+         std::any_of(joints.begin(), joints.end(), [](const JointVerdict& v) { return v.state != JointState::kCannotTell || !std::isfinite(v.held_out); });
+}
+
 std::string Diagnosis::verdict() const {
   std::string wrong;  // contradictions between recordings and robot file come first
   for (const RecordingQuality& q : data_quality) {
@@ -207,16 +214,24 @@ std::string Diagnosis::verdict() const {
     }
   }
   if (!wrong.empty()) wrong += mended ? "With that: " : "As recorded: ";
+  if (!has_answer()) return wrong + "cannot tell: " + joints.front().why;
+  const auto is_cut = [this](JointIndex joint) {
+    return std::any_of(data_quality.begin(), data_quality.end(), [&](const RecordingQuality& q) {
+      return std::any_of(q.saturated.begin(), q.saturated.end(), [&](const SaturatedInterval& one) { return one.joint == joint.value; });
+    });
+  };
   if (findings.empty()) {
-    std::string left, unknown;
+    std::string left, unknown, cut;
     for (const JointVerdict& v : joints) {
       if (v.state == JointState::kAtFloor) continue;
       std::string& list = std::isfinite(v.held_out) ? left : unknown;
       list += (list.empty() ? "" : ", ") + std::to_string(v.joint.value + 1);
+      if (is_cut(v.joint)) cut += (cut.empty() ? "" : ", ") + std::to_string(v.joint.value + 1);
     }
     const std::string nothing = changes ? "nothing has changed" : wrong.empty() ? "none" : "no further cause";
     if (left.empty() && unknown.empty()) return wrong + nothing;
     return wrong + "no cause was found" + (left.empty() ? "" : "; joints above their floor: " + left) +
+           (cut.empty() ? "" : "; joints whose recorded torque stands at a limit: " + cut + ", record motions that need less") +
            (unknown.empty() ? "" : "; joints without a held-out error: " + unknown);
   }
   std::string out = wrong + sentence(findings.front());
@@ -229,10 +244,7 @@ std::string Diagnosis::verdict() const {
     if (r.share >= numerics::kWhole) same += (same.empty() ? "" : ", or from ") + rival_text(*this, r);
   }
   if (!same.empty()) out += " The recordings cannot tell it from " + same + ".";
-  const auto is_cut = [&](const RecordingQuality& q) {
-    return std::any_of(q.saturated.begin(), q.saturated.end(), [&](const SaturatedInterval& one) { return one.joint == findings.front().joint->value; });
-  };
-  if (findings.front().shape && findings.front().joint && std::any_of(data_quality.begin(), data_quality.end(), is_cut))
+  if (findings.front().shape && findings.front().joint && is_cut(*findings.front().joint))
     out += " Its recorded torque stands at a limit, which alone makes such a curve: record motions that need less.";
   const auto largest = std::max_element(findings.begin(), findings.end(), [](const Finding& a, const Finding& b) {
     return a.explains < b.explains;
@@ -266,6 +278,7 @@ std::string Diagnosis::report(const std::string& next_command) const {
   if (!friction_remark.empty()) out += friction_remark + " Found: table below.\n";
   if (provisional) out += "one recording to learn from: names are provisional\n";
   for (const std::vector<int>& group : moving_as_one) {
+    if (!has_answer()) break;  // the verdict says it
     out += "joints " + numbers_from_one(group) +
            " move as one in all training recordings: what depends on one of them cannot be told from "
            "the others\n";
@@ -312,8 +325,8 @@ std::string Diagnosis::report(const std::string& next_command) const {
   line("training, baseline", baseline.train_error.relative);
   line("training, extended", extended.train_error.relative);
   line(floor_name(baseline), baseline.noise_floor);
-  out += "\nwhat the held-out error of each joint is made of, % of its torque\n";
-  for (const JointVerdict& v : joints) out += joint_text(*this, v);
+  if (has_answer()) out += "\nwhat the held-out error of each joint is made of, % of its torque\n";
+  for (const JointVerdict& v : joints) out += has_answer() ? joint_text(*this, v) : "";
   if (!friction.empty()) out += friction_table(*this);
   if (!next_experiment.between.empty()) {
     out += fmt::format("next experiment, to separate {} from {}",

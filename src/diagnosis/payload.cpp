@@ -481,14 +481,12 @@ namespace {
 
 bool at_end(const PayloadEstimate& load) { return load.at_bound || std::abs(load.mass) >= kAtEnd * kHeaviestLoad; }
 
-// An interval of masses in words.
+// An interval of masses in words; none where the search ended at its bound.
 std::string mass_interval_text(const PayloadEstimate& load) {
-  const auto bound = [](double mass) {
-    return fmt::format("{:.4g}{}", mass, std::abs(mass) >= kAtEnd * kHeaviestLoad ? " or beyond" : "");
-  };
-  if (load.mass_low == 0.0 && load.mass_high > 0.0) return "below " + bound(load.mass_high);
-  if (load.mass_high == 0.0 && load.mass_low < 0.0) return "above " + bound(load.mass_low);
-  return bound(load.mass_low) + " to " + bound(load.mass_high);
+  if (std::max(-load.mass_low, load.mass_high) >= kAtEnd * kHeaviestLoad) return "-";
+  if (load.mass_low == 0.0 && load.mass_high > 0.0) return fmt::format("below {:.4g}", load.mass_high);
+  if (load.mass_high == 0.0 && load.mass_low < 0.0) return fmt::format("above {:.4g}", load.mass_low);
+  return fmt::format("{:.4g} to {:.4g}", load.mass_low, load.mass_high);
 }
 
 }  // namespace

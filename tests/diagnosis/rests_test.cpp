@@ -92,5 +92,33 @@ TEST_F(AtTheEnds, JointsWithCollinearPositionsMoveAsOne) {
   EXPECT_TRUE(second_follows(1e-3).empty());
 }
 
+// What is learned from joints that move as one names no cause; values of a MODEL are known.
+TEST_F(AtTheEnds, NoCauseIsAskedOfJointsThatMoveAsOne) {
+  DiagnosisState x = resting(0.0, 0.0);
+  EXPECT_TRUE(tells_causes(x));
+  x.d.moving_as_one = {{0, 1}};
+  x.d.changes = true;
+  EXPECT_TRUE(tells_causes(x));
+  x.d.changes = false;
+  EXPECT_FALSE(tells_causes(x));
+  EXPECT_FALSE(x.d.has_answer());
+  EXPECT_EQ(x.d.verdict().find("cannot tell: joints 1 and 2 move as one"), 0U) << x.d.verdict();
+}
+
+TEST_F(AtTheEnds, NoCauseIsAskedOfTorquesThatBelongToAnotherMotion) {
+  DiagnosisState x = resting(0.0, 0.0);
+  x.d.data_quality.emplace_back();
+  x.d.data_quality[0].file = x.train[0];
+  QualityFinding f;
+  f.finding = "unexplained";
+  f.severity = Severity::kFault;
+  f.joint = 1;  // one joint that nothing drives
+  x.d.data_quality[0].findings = {f};
+  EXPECT_TRUE(tells_causes(x));
+  x.d.data_quality[0].findings[0].joint = 0;
+  EXPECT_FALSE(tells_causes(x));
+  EXPECT_NE(x.d.verdict().find("cannot tell: the torques do not follow from the motion"), std::string::npos) << x.d.verdict();
+}
+
 }  // namespace
 }  // namespace veridyn

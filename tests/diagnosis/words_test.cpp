@@ -147,6 +147,16 @@ TEST(NextExperiment, IsForTheFirstCurveIfThereIsNothingToSeparate) {
   EXPECT_TRUE(next_experiment(d).shows.empty());  // what is to be separated goes first
 }
 
+// A load of which torques tell a moment alone.
+TEST(DiagnosisReport, PrintsNoMassThatMayBeAnything) {
+  Diagnosis d = with_rival(NewEffect{"backlash", {0}}, NewEffect{"backlash", {1}});
+  d.findings[0].parameters = {{"mass", "kg", 0.0, -64.0, 64.0}, {"moment", "kg m", 0.017, 0.015, 0.02}};
+  EXPECT_EQ(d.report().find("mass ="), std::string::npos) << d.report();
+  EXPECT_NE(d.report().find("moment = 0.017"), std::string::npos) << d.report();
+  d.findings[0].parameters[0].low = 1.0;
+  EXPECT_NE(d.report().find("mass ="), std::string::npos) << d.report();
+}
+
 TEST(DiagnosisReport, NamesTheLimitsOfTheRecordings) {
   Diagnosis d = with_rival(NewEffect{"backlash", {0}}, NewEffect{"backlash", {1}});
   EXPECT_EQ(d.report().find("provisional"), std::string::npos);

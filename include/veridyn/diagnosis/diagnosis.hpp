@@ -228,8 +228,11 @@ struct Diagnosis {
   std::string sentence(const Finding& finding) const;
 
   /// One sentence: the first finding, and the held-out error of the whole; "none" where every joint
-  /// is at its floor.
+  /// is at its floor; why, where the recordings cannot tell.
   std::string verdict() const;
+
+  /// False where the recordings do not allow a search: every joint's verdict says why.
+  bool has_answer() const;
 
   /// @param next_command  command line that designs the next experiment; empty: the report names
   /// only the causes to separate.

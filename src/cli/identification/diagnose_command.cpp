@@ -114,7 +114,7 @@ ExitStatus run(DiagnoseRequest& request, const std::string& command_line) {
     write_file(request.common.report, to_page(d, command_line, next));
   }
   std::cout << d.report(next);
-  return kDone;
+  return d.has_answer() ? kDone : kDataCannotAnswer;
 }
 
 }  // namespace

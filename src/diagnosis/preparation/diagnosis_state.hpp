@@ -55,6 +55,10 @@ bool fit_baseline(DiagnosisState& x);
 /// collinear, and fits the arm again if anything was excluded.
 void exclude_rests(DiagnosisState& x);
 
+/// False where an error cannot be ascribed to a joint, and every joint's verdict says so: the arm is learned from joints that
+/// move as one, or the torques do not follow from its motion at all.
+bool tells_causes(DiagnosisState& x);
+
 /// Leaves out parts of recordings from now on.
 void leave_out(const std::vector<ExcludedInterval>& parts, DiagnosisState& x);
 

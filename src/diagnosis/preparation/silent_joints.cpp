@@ -29,4 +29,19 @@ bool exclude_silent_joints(DiagnosisState& x) {
   return false;
 }
 
+bool tells_causes(DiagnosisState& x) {
+  std::string why;
+  for (const std::vector<int>& group : x.d.moving_as_one) {
+    if (!x.d.changes) why += (why.empty() ? "joints " : ", and joints ") + numbers_from_one(group) + " move as one";
+  }
+  if (!why.empty()) why += " in all training recordings, so that no error can be ascribed to one of them: train on motions in which every joint moves in its own way, as `veridyn excite` makes";
+  for (const RecordingQuality& quality : x.d.data_quality) {
+    const QualityFinding* f = quality.find("unexplained");
+    if (why.empty() && f != nullptr && f->joint == 0 && std::find(x.train.begin(), x.train.end(), quality.file) != x.train.end())
+      why = "the torques do not follow from the motion of this arm";
+  }
+  if (!why.empty()) cannot_tell_of_all(x, why);
+  return why.empty();
+}
+
 }  // namespace veridyn

@@ -72,6 +72,7 @@ void run(DiagnosisState& x, const Tell& tell) {
   if (!fit_mended(x, tell)) return;
   if (!exclude_silent_joints(x)) return;
   exclude_rests(x);
+  if (!tells_causes(x)) return;
   check_torque_signs(x);
   check_errors_in_variables(x);
   tell("searching");
