@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
+#include <map>
 #include <set>
 
 #include "veridyn/tool/messages.hpp"
@@ -151,6 +153,8 @@ void check_recordings(const Model& arm, const std::vector<std::string>& recordin
                         const PreprocessingOptions& how, int threads) {
   const std::vector<RecordingQuality> seen = quick_quality(arm, recordings, how, threads);
   report_facts(seen);
+  std::map<std::string, std::pair<std::string, int>> kinds;  // a warning of each kind, and how many more there are
+  const auto in_all = [&](const std::string& finding) { return std::all_of(seen.begin(), seen.end(), [&](const RecordingQuality& q) { return q.find(finding) != nullptr; }); };
   for (const RecordingQuality& quality : seen) {
     for (const QualityFinding& f : quality.findings) {
       // A recording with hardly any usable row is reported by the reader.
@@ -160,9 +164,13 @@ void check_recordings(const Model& arm, const std::vector<std::string>& recordin
         explain_refusal(quality.file, f.sentence);
         continue;
       }
-      if (f.finding == "degrees" || dead_joint || (f.severity == Severity::kFault && (f.finding != "gaps" || no_number)))
-        print_message("warning: " + quality.file + ": " + f.sentence);
+      if (f.finding == "degrees" || dead_joint || (f.finding == "move_as_one" && in_all(f.finding)) || (f.severity == Severity::kFault && (f.finding != "gaps" || no_number)))
+        ++kinds.emplace(f.finding, std::pair("warning: " + quality.file + ": " + f.sentence, -1)).first->second.second;
     }
+  }
+  for (const auto& [kind, said] : kinds) {
+    const auto& [sentence, more] = said;
+    print_message(sentence + (more > 0 ? text(" (And ", more, " more of this kind: `veridyn check` lists them.)") : ""));
   }
 }
 

@@ -8,6 +8,7 @@
 #include "veridyn/identification/base_parameters.hpp"
 #include "veridyn/regressor/standard_parameters.hpp"
 #include "veridyn/files/model_file.hpp"
+#include "veridyn/recordings/recording.hpp"
 
 // On a recording of planar-2r without noise the truth is known, and stands in the robot file.
 
@@ -295,6 +296,22 @@ TEST_F(Identify, ARecordingOfGapsIsRefusedInOneLine) {
   EXPECT_EQ(done.status, 4) << done.err;
   EXPECT_EQ(done.error_lines(), 1) << done.err;
   EXPECT_NE(done.err.find("no usable samples are left after gaps"), std::string::npos) << done.err;
+}
+
+// Two joints in two recordings.
+TEST(VelocitiesOfZero, AreOneWarning) {
+  const TemporaryFolder folder;
+  Recording r = read_recording(folder.write("motion.csv", planar_recording(15.0)));
+  r.dq.setZero();
+  const std::string train = folder.path("train.csv"), test = folder.path("test.csv");
+  write_recording(r, train);
+  write_recording(r, test);
+  const ToolRun run = run_tool({"identify", "planar-2r", "--train", train, "--test", test, "--quiet"});
+  EXPECT_EQ(run.status, 0) << run.err;
+  const std::size_t first = run.err.find("warning: ");
+  ASSERT_NE(first, std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("is zero while its position moves: take it from the position. (And 3 more of this kind: `veridyn check` lists them.)"), std::string::npos) << run.err;
+  EXPECT_EQ(run.err.find("warning: ", first + 1), std::string::npos) << run.err;
 }
 
 }  // namespace
