@@ -171,6 +171,21 @@ TEST(AJointWithoutHeldOutTorque, CannotBeJudged) {
   EXPECT_NE(run.out.find("its torque is zero throughout the held-out recordings"), std::string::npos) << run.out;
 }
 
+// An arm that is learned from joints that move as one; a MODEL is known already.
+TEST(JointsThatMoveAsOne, EndADiagnosisWithStatusFour) {
+  const TemporaryFolder folder;
+  Recording motion = read_recording(folder.write("motion.csv", planar_recording(15.0)));
+  motion.q.col(1) = 0.5 * motion.q.col(0);
+  motion.dq.col(1) = 0.5 * motion.dq.col(0);
+  const std::string together = folder.path("together.csv"), recorded = folder.path("recorded.csv");
+  write_recording(motion, together);
+  ASSERT_EQ(run_tool({"simulate", "planar-2r", "--trajectory", together, "-o", recorded, "--quiet"}).status, 0);
+  const ToolRun learned = run_tool({"diagnose", "planar-2r", "--values", "prior", "--train", recorded, "--test", recorded, "--quiet"});
+  EXPECT_EQ(learned.status, 4);
+  EXPECT_EQ(learned.out.find("verdict: cannot tell: joints 1 and 2 move as one"), 0U) << learned.out;
+  EXPECT_EQ(run_tool({"diagnose", "planar-2r", "--train", recorded, "--test", recorded, "--quiet"}).status, 0);
+}
+
 TEST(RealArm, TheWrongConstantOfThePrintedTableIsFoundFirst) {
   const char* named = std::getenv("VERIDYN_REAL_DATA");
   const std::string data =

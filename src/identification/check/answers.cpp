@@ -30,8 +30,9 @@ std::vector<QualityFinding> once_each(const std::vector<QualityFinding>& all) {
   return out;
 }
 
-// A diagnosis estimates the tilt of a base, and any direction of gravity against an identified model, as a cause.
+// A diagnosis estimates the tilt of a base, and any direction of gravity against an identified model, as a cause, and names a push.
 bool is_left_to_a_diagnosis(const RecordingQuestion& q, const Model& arm) {
+  if (q.finding == "changed_midway") return true;
   if (q.finding != "gravity") return false;
   if (arm.description().values == RobotValues::kFacts && has_all_values(arm)) return true;
   const Eigen::Vector3d turned = applied({q}, arm).gravity();
@@ -135,15 +136,19 @@ std::vector<QualityFinding> contradictions_in(const Model& arm, const std::vecto
 }
 
 bool is_contradiction(const QualityFinding& finding) {
-  static const std::set<std::string> kOthers = {"torque_sign", "torque_unit", "current", "no_sign", "brakes", "gravity", "dh_convention", "unexplained"};
+  static const std::set<std::string> kOthers = {"torque_sign", "torque_unit", "torque_clock", "torque_delay", "changed_midway", "current", "no_sign", "brakes", "gravity", "dh_convention", "unexplained"};
   return finding.severity == Severity::kFault && (is_of_motion(finding) || kOthers.count(finding.finding) > 0);
 }
 
 std::vector<QualityFinding> merged_findings(std::vector<QualityFinding> contradictions, const std::vector<QualityFinding>& quality) {
   const bool explained = std::any_of(contradictions.begin(), contradictions.end(), [](const QualityFinding& f) { return is_contradiction(f) && is_of_motion(f); });
-  const auto of_columns = [](const QualityFinding& f) { return f.finding == "no_sign" || f.finding == "same_column" || f.finding == "move_as_one" || f.finding == "zero_signal"; };
+  const auto of_columns = [](const QualityFinding& f) { return f.finding == "no_sign" || f.finding == "same_column" || f.finding == "zero_signal"; };
   if (std::any_of(quality.begin(), quality.end(), of_columns))
     contradictions.erase(std::remove_if(contradictions.begin(), contradictions.end(), [](const QualityFinding& f) { return f.finding == "unexplained" || f.finding == "no_sign"; }), contradictions.end());
+  const auto known = std::remove_if(contradictions.begin(), contradictions.end(), [&](const QualityFinding& c) {
+    return c.finding == "saturation" && std::any_of(quality.begin(), quality.end(), [&c](const QualityFinding& f) { return f.finding == c.finding && f.joint == c.joint; });
+  });
+  contradictions.erase(known, contradictions.end());
   for (const QualityFinding& f : quality) {
     const bool same = f.finding == "degrees" || f.finding == "velocity_scale" || f.finding == "velocity_sign" || f.finding == "rate_contradiction";
     if (!explained || !same) contradictions.push_back(f);

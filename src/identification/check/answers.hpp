@@ -19,6 +19,7 @@ struct RobotAnswers {
   bool explained = false;              ///< the arm explains the recording as it is
   double left = 0.0;                   ///< relative error of the torque as recorded
 };
+/// Delays and gains of torques are left to a diagnosis.
 /// @param ask_above  relative error, up to which a recording is not tested.
 RobotAnswers answers_of(const Model& arm, const std::string& recording, const PreprocessingOptions& options, double ask_above = 0.0);
 

@@ -97,9 +97,7 @@ constexpr double kSure = 0.2;
 constexpr double kTouches = 0.01;
 /// sets of answers that are followed <= kBeam.
 constexpr int kBeam = 3;
-/// error left < kPerhaps * that without: an answer that is not sure is worth a word.
-constexpr double kPerhaps = 0.8;
-/// error left with an answer < kFitted * error left without it: required of answers that fit numbers or replace the arm, as long as the arm does not fit.
+/// error left with an answer < kFitted * error left without it: required of answers that fit numbers or replace the arm, as long as the arm does not fit, and of those that are not sure.
 constexpr double kFitted = 0.5;
 /// Cost of a position's sign - cost of a torque's = kOfPosition: an arm that is its own mirror image fits both alike.
 constexpr double kOfPosition = 0.3;
@@ -111,6 +109,20 @@ constexpr double kBadly = 0.04;
 constexpr double kAskedAbove = 0.08;
 /// common factor of torques > 1 / kBehindGear: in front of gears; values of files are less far off.
 constexpr double kBehindGear = 0.2;
+/// load > kNearLargest * the largest, for kShortestPlateau rows and more: a plateau; saturated where the arm asks for more than that by
+/// > kAsksMore * the rms error elsewhere, which is < kFitted * that with these rows.
+constexpr double kNearLargest = 0.92, kAsksMore = 2.0;
+constexpr int kShortestPlateau = 8;
+/// factor of one torque alone > kOwnFactor, or below its inverse: asked; less is left to a diagnosis.
+constexpr double kOwnFactor = 1.2;
+/// |delay of torques| = kDelays [s], and kDrift times it at the end where another clock runs, polished afterwards: half a wave of
+/// usual motions to either side is found.
+inline constexpr double kDelays[] = {0.03, 0.1};
+constexpr double kDrift = 3.0;
+/// Moments at which something may have changed = kMoments - 1; cost of leaving all rows out = kOfRows, so that of parts
+/// that fit alike the longest is kept.
+constexpr int kMoments = 16;
+constexpr double kOfRows = 3.0;
 /// steps of inverse iteration = kPowers, of which each divides the rest by the ratio of two eigenvalues.
 constexpr int kPowers = 8;
 /// speeds of all joints < kAtRest [rad/s or m/s] for kLongRest [s]: the arm rests, and its brakes may carry it.

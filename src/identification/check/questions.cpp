@@ -101,6 +101,57 @@ RecordingQuestion zero_at(double zero, int joint, const std::string& name) {
                   });
 }
 
+// The torques of all joints, or of one (from 0) of this name, were measured `late` seconds after the motion, and `later` at the end
+// of a recording of this length.
+RecordingQuestion torques_late(double late, double later, double length, int joint = -1, const std::string& name = "") {
+  const auto when = [](double by) { return fmt::format("{:.0f} ms {} the motion", 1e3 * std::abs(by), by < 0.0 ? "before" : "after"); };
+  const bool drifts = late != later;
+  RecordingQuestion q{drifts ? "torque_clock" : "torque_delay", joint + 1, 0, joint < 0 ? "The torques were measured " : "The torque of " + name + " was measured "};
+  q.what += drifts ? fmt::format("by another clock, {} at the start and {} at the end", when(late), when(later)) : when(late);
+  q.is_cause = !drifts;
+  q.other = drifts ? "one clock for both" : fmt::format("a torque {:.0f} ms {}", 1e3 * std::abs(late), late < 0.0 ? "later" : "earlier");
+  q.rows = [late, joint, drift = (later - late) / length](Recording& r) {
+    const VectorXd& t = r.time;
+    const MatrixXd tau = r.tau;
+    for (Eigen::Index k = 0; k < r.rows(); ++k) {
+      const double at = t[k] + late + drift * (t[k] - t[0]);
+      const Eigen::Index next = std::upper_bound(t.begin(), t.end(), at) - t.begin();
+      const bool inside = next > 0 && next < r.rows();
+      const double share = inside ? (at - t[next - 1]) / (t[next] - t[next - 1]) : 0.0;
+      for (Eigen::Index i = std::max(joint, 0); i <= (joint < 0 ? tau.cols() - 1 : joint); ++i)
+        r.tau(k, i) = inside ? (1.0 - share) * tau(next - 1, i) + share * tau(next, i) : std::nan("");
+    }
+  };
+  q = numbered(std::move(q), checking::kDelays[0], [=](double distance) {
+    std::vector<RecordingQuestion> out;
+    for (const double d : {distance, -distance}) {
+      out.push_back(torques_late(late + d, drifts ? later : later + d, length, joint, name));
+      if (drifts) out.push_back(torques_late(late, later + d, length, joint, name));
+    }
+    return out;
+  });
+  if (drifts) q.price *= 2.0;
+  return q;
+}
+
+// The rows up to a moment [s] of the recording, or those after it, do not belong to the others.
+enum class Part { kBefore, kAfter };
+RecordingQuestion without_rows(Part part, double moment, const Recording& r) {
+  const long row = std::lower_bound(r.time.begin(), r.time.end(), r.time[0] + moment) - r.time.begin();
+  const bool after = part == Part::kAfter;
+  RecordingQuestion q{"changed_midway", 0, 0, fmt::format("Something {} {:.3g} s does not fit with the rows {}, as a push, a load, an offset, an encoder that slipped or a sensor that failed",
+                                                         after ? "after" : "before", moment, after ? "before" : "after")};
+  q.other = after ? fmt::format("--rows 0:{}", row) : fmt::format("--rows {}:", row);
+  q.rows = [after, moment](Recording& changed) {
+    for (Eigen::Index k = 0; k < changed.rows(); ++k) {
+      if ((changed.time[k] - changed.time[0] > moment) == after) changed.tau.row(k).setConstant(std::nan(""));
+    }
+  };
+  q = numbered(std::move(q), 0.0, [](double) { return std::vector<RecordingQuestion>(); });
+  q.price += checking::kOfRows * static_cast<double>(after ? r.rows() - row : row) / static_cast<double>(r.rows());
+  return q;
+}
+
 // Units that all joints may have instead of those that SI prescribes.
 struct Unit {
   const char* finding;
@@ -135,6 +186,7 @@ class List {
     if (torque_ == "tau") torques();
     if (torque_ == "tau" && fit.moments != nullptr) factors(fit);
     brakes();
+    clocks();
     exchanges();
     gravity();
     convention();
@@ -254,16 +306,18 @@ class List {
 
   // Torques in a unit of their own, by the factors that fit best: of one joint, and of all.
   void factors(const QuickFit& fit) {
-    const auto is_far = [](double factor) { return factor > checking::kTorqueFactor || (factor > 0.0 && factor * checking::kTorqueFactor < 1.0); };
+    const auto is_beyond = [](double factor, double bound) { return factor > bound || (factor > 0.0 && factor * bound < 1.0); };
+    const auto is_far = [&](double factor) { return is_beyond(factor, checking::kTorqueFactor); };
     const auto unit = [](int i, double factor) { return fmt::format("tau{}={:.4g}", i + 1, factor); };
     std::vector<double> common;
     VectorXd all = fit.together;
     const double largest = all.maxCoeff();
     for (int i = 0; i < joints(); ++i) {
       if (fit.ratios[i] * all[i] > 0.0) common.push_back(1.0 / (fit.ratios[i] * all[i]));
-      if (joints() > 1 && moves_[i] && is_far(fit.alone[i]))
-        add("torque_unit", i + 1, fmt::format("The torque of {} is in a unit of its own, as a current or in front of a gear of about {:.4g}", name(i), fit.alone[i]), unit(i, fit.alone[i])).price =
-            checking::kOfNumber;
+      if (joints() == 1 || !moves_[i] || !is_beyond(fit.alone[i], checking::kOwnFactor)) continue;
+      RecordingQuestion& q = add("torque_unit", i + 1, fmt::format("The torque of {} fits with a factor of {:.4g}, as a wrong gain, a current or in front of a gear", name(i), fit.alone[i]), unit(i, fit.alone[i]));
+      q.price = checking::kOfNumber;
+      q.is_cause = !is_far(fit.alone[i]);
     }
     all *= common.empty() ? 1.0 / largest : median(common);
     for (int i = 0; i < joints(); ++i) {
@@ -292,6 +346,28 @@ class List {
         if (rests[k] != 0) r.tau.row(static_cast<Eigen::Index>(k)).setConstant(std::nan(""));
       }
     };
+  }
+
+  // Torques of other times; friction near rest leaves smaller errors on sound recordings.
+  void clocks() {
+    bool any = false;
+    for (int i = 0; i < joints(); ++i) any = any || is_bad(i);
+    if (!any) return;
+    const double length = r_.time[r_.rows() - 1] - r_.time[0];
+    for (const double late : checking::kDelays) {
+      for (const double d : {late, -late}) {
+        out_.push_back(torques_late(d, d, length));
+        out_.push_back(torques_late(0.0, checking::kDrift * d, length));
+        for (int i = 0; i < joints() && joints() > 1; ++i) {
+          if (is_bad(i)) out_.push_back(torques_late(d, d, length, i, name(i)));
+        }
+      }
+    }
+    for (int k = 1; k < checking::kMoments; ++k) {
+      const double moment = k * length / checking::kMoments;
+      if (3 * k >= checking::kMoments) out_.push_back(without_rows(Part::kAfter, moment, r_));
+      if (3 * k <= 2 * checking::kMoments) out_.push_back(without_rows(Part::kBefore, moment, r_));
+    }
   }
 
   // Whole numbers up to 2047, on both sides of 1024.

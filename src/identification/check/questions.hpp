@@ -25,6 +25,7 @@ struct RecordingQuestion {
   std::function<std::vector<RecordingQuestion>(double)> neighbours = {};
   double first_distance = 0.0;  ///< between questions of the list
   double price = 0.0;           ///< cost of a fitted number, in addition to that of every hypothesis
+  bool is_cause = false;        ///< a diagnosis measures it as a cause
 
   bool changes_recording() const { return !units.empty() || !map.empty() || rows; }
   /// True if neither motion nor robot change, and torques linearly.

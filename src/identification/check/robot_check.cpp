@@ -12,6 +12,7 @@
 #include "identification/check/check_thresholds.hpp"
 #include "identification/check/quick_fit.hpp"
 #include "identification/check/questions.hpp"
+#include "math/correlated_columns.hpp"
 #include "math/median.hpp"
 #include "math/numbers.hpp"
 #include "math/parallel.hpp"
@@ -42,6 +43,9 @@ class RobotCheck {
     moves_ = quality::Head(recording_).moves;
   }
 
+  // What a diagnosis measures itself is neither reported nor undone.
+  void leave_causes() { leaves_causes_ = true; }
+
   RobotAnswers run(double ask_above = 0.0) {
     RobotAnswers out;
     if (is_identifiable()) {
@@ -55,14 +59,21 @@ class RobotCheck {
       if (!helps(best_, before)) best_ = none;
       if (!is_explained(best_) && std::any_of(best_.set.begin(), best_.set.end(), is_fitted)) {
         const Answer fitted = std::exchange(best_, none);
-        say_perhaps(fitted, "a force on the arm looks alike, and the noise is at " + percent(before.noise()));
+        say_perhaps(fitted, "a force on the arm or anything that it lacks looks alike, and the noise is at " + percent(before.noise()));
       }
       const bool whole = recording_.rows() >= checking::kRowsOfAnArm;
       if (whole && has_sizes_without_sign(before)) best_ = none;
       else if (whole) report_unexplained();
+      const bool mends = is_explained(best_) || best_.fit.left() < checking::kMostOfIt * before.left();
+      const auto causes = std::remove_if(best_.set.begin(), best_.set.end(), [this](const RecordingQuestion& q) { return leaves_causes_ && q.is_cause; });
+      if (causes != best_.set.end()) {
+        best_.set.erase(causes, best_.set.end());
+        best_.fit = fit_of(best_.set);
+      }
       report(before.left());
+      tell_saturated();
       tell_weak_motions();
-      if (is_explained(best_) || best_.fit.left() < checking::kMostOfIt * before.left()) out.set = std::move(best_.set);
+      if (mends) out.set = std::move(best_.set);
     }
     tell_what_hardly_moves(changed(out.set));
     out.findings = std::move(findings_);
@@ -78,7 +89,8 @@ class RobotCheck {
       return q.joint == 0 ? after.left() < checking::kUnexplained : std::sqrt(after.shares[q.joint - 1]) < checking::kSure;
     });
     if (is_explained(answer)) return true;
-    if (std::any_of(answer.set.begin(), answer.set.end(), [](const RecordingQuestion& q) { return is_fitted(q) || scales_joints_apart(q); })) return is_clear(after, before);
+    if (std::any_of(answer.set.begin(), answer.set.end(), [](const RecordingQuestion& q) { return is_fitted(q) || scales_joints_apart(q); }))
+      return is_clear(after, before) && after.contradictions <= before.contradictions;  // a torque scaled to nothing leaves nothing
     return after.left() < checking::kFitted * before.left() || (after.contradictions < before.contradictions && is_sure);
   }
 
@@ -117,6 +129,15 @@ class RobotCheck {
   // True if the base parameters are identifiable; otherwise wrong signals would fit as well as right ones.
   bool is_identifiable() {
     if (std::none_of(moves_.begin(), moves_.end(), [](bool moves) { return moves; })) return false;
+    MatrixXd moving = recording_.q;
+    for (int i = 0; i < joints(); ++i) {
+      if (!moves(i)) moving.col(i).setZero();
+    }
+    const std::vector<std::vector<int>> as_one = correlated_columns(moving);
+    if (!as_one.empty()) {
+      add("not_compared", as_one.front().front() + 1, 0.0, text("Signs, order and units of the joints are not compared with ", given_.name(), ": joints ", numbers_from_one(as_one.front()), " move as one."), Severity::kInfo);
+      return false;
+    }
     const auto [determined, all, condition] = fitter_.determined(recording_);
     if (determined >= all && condition < checking::kWorstCondition) return true;
     // Signals in another unit have other columns: only units are tested.
@@ -124,7 +145,9 @@ class RobotCheck {
     add("not_compared", 0, determined,
         text("Signs, order and units of the joints are not compared with ", given_.name(),
              ": the recording ", determined < all ? "determines " : "hardly tells apart ",
-             determined, " of its ", all, " base parameters."), Severity::kInfo);
+             determined, " of its ", all, " base parameters.",
+             recording_.current.size() > 0 && std::none_of(given_.coordinates().begin(), given_.coordinates().end(), [](const Coordinate& c) { return c.drive_gain > 0.0; })
+                 ? " It holds currents, and the robot file no drive gains: --drive-gains gives them, `identify --known-mass` finds them." : ""), Severity::kInfo);
     return false;
   }
 
@@ -148,6 +171,35 @@ class RobotCheck {
       add("hardly_moves", i + 1, share,
           text("In its first ", quality::number(recording.time[recording.rows() - 1] - recording.time[0]), " s ", joint(i),
                " moves over ", percent(share), " of its range: little of its friction and inertia can be identified."), Severity::kWarning);
+    }
+  }
+
+  // A torque that stays near its extreme is saturated where the arm, fitted to all other rows, asks for more.
+  void tell_saturated() {
+    if (is_explained(best_) || concern_robot(best_.set)) return;
+    const Recording recording = changed(best_.set);
+    for (int k = 0; k < 2 * joints(); ++k) {
+      const int i = k / 2;
+      const VectorXd load = (k % 2 == 0 ? 1.0 : -1.0) * recording.tau.col(i);
+      const double largest = load.maxCoeff<Eigen::PropagateNumbers>();
+      std::vector<char> at_it(static_cast<std::size_t>(load.size()), 0);
+      for (int first = 0, row = 0; row <= load.size(); ++row) {
+        if (row < load.size() && load[row] > checking::kNearLargest * largest) continue;
+        if (row - first >= checking::kShortestPlateau) std::fill(at_it.begin() + first, at_it.begin() + row, 1);
+        first = row + 1;
+      }
+      const long rows = std::count(at_it.begin(), at_it.end(), 1);
+      if (!moves(i) || !(largest > 0.0) || rows == 0) continue;
+      Recording without = recording;
+      for (int row = 0; row < load.size(); ++row) {
+        if (at_it[row] != 0) without.tau(row, i) = std::nan("");
+      }
+      const QuickFit fit = fitter_.fit(fitter_.moments(without), MatrixXd::Identity(joints(), joints()));
+      const auto [recorded, asked] = fitter_.torque_over(recording, fit, i, at_it);
+      const double square = load.array().isNaN().select(0.0, load.array().square()).mean();
+      if (fit.shares[i] > checking::kFitted * checking::kFitted * best_.fit.shares[i] || std::abs(asked) - std::abs(recorded) <= checking::kAsksMore * std::sqrt(fit.shares[i] * square)) continue;
+      add("saturation", i + 1, recorded, text("The torque of ", joint(i), " stays near ", quality::number(recorded), " for ", rows, " rows (", percent(rows / static_cast<double>(load.size())),
+          "), in which the arm asks for ", quality::number(asked), ": saturated. Record a motion that needs less."), Severity::kWarning);
     }
   }
 
@@ -181,8 +233,9 @@ class RobotCheck {
 
   static bool is_explained(const QuickFit& fit) { return fit.is_near() && fit.contradictions == 0.0; }
 
-  // A direction of gravity that is fitted takes a part of any force that acts from outside.
-  static bool is_fitted(const RecordingQuestion& q) { return q.robot && q.neighbours; }
+  // A direction of gravity that is fitted takes a part of any force that acts from outside; a delay, or rows that are left
+  // out, a part of anything that an arm lacks.
+  static bool is_fitted(const RecordingQuestion& q) { return (q.robot || q.rows) && q.neighbours; }
   // Factors on single torques can imitate many missing effects.
   static bool scales_joints_apart(const RecordingQuestion& q) {
     return q.finding == "torque_unit" && (q.joint != 0 || q.price > 0.0 || q.units == "tau=%" || q.units == "tau=permille" || q.units == "tau=share");
@@ -267,7 +320,7 @@ class RobotCheck {
           if (one.score < parent.score) (is_possible(one) ? next : impossible).push_back(std::move(one));
         }
       }
-      const auto better = [](const Answer& a, const Answer& b) { return a.score < b.score; };
+      const auto better = [](const Answer& a, const Answer& b) { return std::pair(!is_explained(a), a.score) < std::pair(!is_explained(b), b.score); };
       std::sort(next.begin(), next.end(), better);
       std::sort(impossible.begin(), impossible.end(), better);
       if (best_.set.empty() && !impossible.empty() && (next.empty() || (is_explained(impossible.front()) && !is_explained(next.front())))) {
@@ -305,7 +358,7 @@ class RobotCheck {
       else if (next.front().score < best_.score) best_ = next.front();
       beam = std::move(next);
     }
-    if (doubt && doubt->first.fit.left() < checking::kPerhaps * best_.fit.left()) say_perhaps(doubt->first, doubt->second);
+    if (doubt && doubt->first.fit.left() < checking::kFitted * best_.fit.left()) say_perhaps(doubt->first, doubt->second);
   }
 
   // One start is sufficient for each fitted number.
@@ -313,7 +366,7 @@ class RobotCheck {
     std::vector<Answer> kept;
     for (Answer& one : sorted) {
       const bool again = one.set.back().neighbours && std::any_of(kept.begin(), kept.end(), [&](const Answer& other) {
-                           return other.set.size() == one.set.size() && other.set.back().finding == one.set.back().finding &&
+                           return other.set.size() == one.set.size() && other.set.back().finding == one.set.back().finding && other.set.back().joint == one.set.back().joint &&
                                   std::equal(other.set.begin(), other.set.end() - 1, one.set.begin(), [](const RecordingQuestion& a, const RecordingQuestion& b) { return a.what == b.what; });
                          });
       if (!again && static_cast<int>(kept.size()) < checking::kBeam) kept.push_back(std::move(one));
@@ -411,6 +464,7 @@ class RobotCheck {
   RecordedFacts facts_;
   QuickFitter fitter_;
   std::vector<bool> moves_;  // joints that can be checked
+  bool leaves_causes_ = false;
   Answer best_;
   std::vector<QualityFinding> findings_;
 };
@@ -462,7 +516,9 @@ void give_torques(const Model& arm, Recording& recording) {
 
 RobotAnswers answers_of(const Model& arm, const std::string& recording, const PreprocessingOptions& options, double ask_above) {
   std::optional<RobotCheck> check = check_of(arm, recording, options);
-  return check ? check->run(ask_above) : RobotAnswers();
+  if (!check) return {};
+  check->leave_causes();
+  return check->run(ask_above);
 }
 
 bool would_mend(const std::vector<RecordingQuestion>& set, const Model& arm, const std::string& recording, const PreprocessingOptions& options) {
@@ -471,7 +527,8 @@ bool would_mend(const std::vector<RecordingQuestion>& set, const Model& arm, con
 }
 
 std::vector<QualityFinding> check_against(const Model& arm, const std::string& path, const PreprocessingOptions& options) {
-  return answers_of(arm, path, options).findings;
+  std::optional<RobotCheck> check = check_of(arm, path, options);
+  return check ? check->run().findings : std::vector<QualityFinding>();
 }
 
 std::vector<QualityFinding> check_against(const Model& arm, Recording recording, const PreprocessingOptions& options) {
