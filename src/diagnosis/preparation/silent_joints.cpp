@@ -40,7 +40,7 @@ bool tells_causes(DiagnosisState& x) {
     if (why.empty() && f != nullptr && f->joint == 0 && std::find(x.train.begin(), x.train.end(), quality.file) != x.train.end())
       why = "the torques do not follow from the motion of this arm";
   }
-  if (!why.empty()) cannot_tell_of_all(x, why);
+  if (!why.empty()) end_without_verdicts(x, why);
   return why.empty();
 }
 
