@@ -134,7 +134,7 @@ struct Tether {
   TetherGuard guard{2, {{0, 1, 20000.0}}, {}};
   std::vector<char> healthy{1, 0};
   void learn() {
-    for (int k = 0; k < 2000; ++k) guard.learn(0, 0.1, 0.0);
+    for (int k = 0; k < 2000; ++k) guard.update_length(0, 0.1, 0.0);
   }
   double step(double x) {
     guard.update({guard.motion(0).position, Eigen::Vector3d(x, 0.0, 0.0)}, healthy, 5.0);
@@ -145,8 +145,8 @@ struct Tether {
 // The falling end of TetherGuard's own test, without its position now and then or at the start.
 TEST(BadNumbers, ATetherGuardFollowsAFallingEndThroughNonFiniteCycles) {
   Tether tether;
-  tether.guard.learn(0, kNan, 1.0);
-  tether.guard.learn(0, 1.0, kInf);
+  tether.guard.update_length(0, kNan, 1.0);
+  tether.guard.update_length(0, 1.0, kInf);
   EXPECT_TRUE(std::isnan(tether.guard.free_length(0)));
   tether.learn();
   for (int k = 0; k < 300; ++k) {
@@ -187,13 +187,13 @@ TEST(BadNumbers, TeleoperationReleasesAndEngagesAgainWithoutAJump) {
     for (int k = 0; k < 100; ++k) tele.update(1e-4 * k * leader, none, leader);
     const Eigen::Vector3d here = tele.follower().position;
     tele.update(lost == 0 ? bad : leader, lost == 1 ? bad : none, lost == 2 ? bad : none);
-    EXPECT_FALSE(tele.in()) << lost;
+    EXPECT_FALSE(tele.is_engaged()) << lost;
     EXPECT_EQ(tele.follower().position, here) << lost;
     EXPECT_EQ(tele.follower().velocity, none) << lost;
     EXPECT_EQ(tele.leader_force(), none) << lost;
     tele.clutch(true);
     tele.update(leader, none, leader);
-    EXPECT_TRUE(tele.in()) << lost;
+    EXPECT_TRUE(tele.is_engaged()) << lost;
     EXPECT_EQ(tele.follower().position, here) << lost;
     EXPECT_TRUE(tele.leader_force().allFinite()) << lost;
   }

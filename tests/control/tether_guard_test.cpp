@@ -18,7 +18,7 @@ constexpr double kPeriod = 1e-3;
 
 struct Line {
   explicit Line(double stiffness = 20000.0) : guard(2, {{0, 1, stiffness}}, {}) {
-    for (int k = 0; k < 2000; ++k) guard.learn(0, 0.1 + 5.0 / stiffness, 5.0);
+    for (int k = 0; k < 2000; ++k) guard.update_length(0, 0.1 + 5.0 / stiffness, 5.0);
   }
 
   // The other end is at `x`. @returns the member's length.
@@ -44,7 +44,7 @@ TEST(TetherGuard, AdaptsToAnotherLength) {
   Line line;
   double before = line.guard.free_length(0);
   for (int k = 0; k < 20000; ++k) {
-    line.guard.learn(0, 0.102 + 5.0 / 20000.0, 5.0);
+    line.guard.update_length(0, 0.102 + 5.0 / 20000.0, 5.0);
     ASSERT_GE(line.guard.free_length(0), before);
     before = line.guard.free_length(0);
   }

@@ -55,7 +55,7 @@ struct Request {
 };
 
 // A rank's answer; a refusal has nothing else.
-struct Answer {
+struct RankReply {
   std::string refusal = {};
   std::vector<UnusedRecording> unusable = {};
   std::string factors = {};  // to_bytes()
@@ -68,7 +68,7 @@ void exchange(ByteExchange& bytes, Request& r) {
   r.work = static_cast<Work>(work);
 }
 
-void exchange(ByteExchange& bytes, Answer& a) { bytes(a.refusal, a.unusable, a.factors, a.train, a.test); }
+void exchange(ByteExchange& bytes, RankReply& a) { bytes(a.refusal, a.unusable, a.factors, a.train, a.test); }
 
 template <typename Message>
 Message message_from(const std::string& bytes) {
@@ -91,7 +91,7 @@ class Share {
 
   const Model& arm() const { return arm_; }
 
-  Answer answer(const Request& request) {
+  RankReply answer(const Request& request) {
     try {
       return request.work == Work::kCompress ? compress_train(request) : measure_all(request);
     } catch (const InvalidInput& error) {
@@ -102,7 +102,7 @@ class Share {
  private:
   // Does something with each recording of this rank, so that an unusable one does not affect the others.
   template <typename Do, typename After>
-  void for_own(const std::vector<std::string>& all, Answer& answer, const Do& act, const After& after) const {
+  void for_own(const std::vector<std::string>& all, RankReply& answer, const Do& act, const After& after) const {
     const auto size = static_cast<size_t>(ranks_.size()), rank = static_cast<size_t>(ranks_.rank());
     // Neighbours in the list, whose order the collected factors keep.
     for (size_t k = all.size() * rank / size; k < all.size() * (rank + 1) / size; ++k) {
@@ -115,12 +115,12 @@ class Share {
     }
   }
 
-  Answer compress_train(const Request& request) {
+  RankReply compress_train(const Request& request) {
     derive_velocities({request.derived.begin(), request.derived.end()}, options_);
     options_.preprocessing.known_periods.clear();
     for (size_t k = 0; k < request.sources.size(); ++k) options_.preprocessing.known_periods[request.sources[k]] = request.periods[k];
     mine_ = compress(arm_, std::vector<std::string>(), options_.preprocessing, 1);
-    Answer out;
+    RankReply out;
     size_t kept = 0;
     const auto compress_one = [&](const std::string& path) {
       CompressedRecording one = compress(arm_, path, options_.preprocessing, options_.threads);
@@ -138,7 +138,7 @@ class Share {
     return out;
   }
 
-  Answer measure_all(const Request& request) const {
+  RankReply measure_all(const Request& request) const {
     const PreprocessingOptions& of_test = options_.test_preprocessing.value_or(options_.preprocessing);
     const auto errors = [&](const std::vector<CompressedRecording>& all, const PreprocessingOptions& how) {
       std::vector<Measured> out;
@@ -146,7 +146,7 @@ class Share {
         out.emplace_back(measure(arm_, r, how, request.values, request.series_samples, options_.threads));
       return out;
     };
-    Answer out;
+    RankReply out;
     FactorSet held_out;
     for_own(test_, out, [&](const std::string& path) {
       held_out.recordings.push_back(compress_test(arm_, {path}, of_test, options_.threads).front());
@@ -182,7 +182,7 @@ class RankPasses final : public RecordingPasses {
     }
     FactorSet all;
     unusable_.clear();
-    for (Answer& one : answers(request)) all = merge(std::move(all), factors_from_bytes(one.factors));
+    for (RankReply& one : answers(request)) all = merge(std::move(all), factors_from_bytes(one.factors));
     require(!all.recordings.empty(), "not one of ", train.size(), " recordings can be used: ",
             unusable_.empty() ? "" : unusable_.front().why);
     if (keeps_ && !first_) first_ = all;
@@ -196,7 +196,7 @@ class RankPasses final : public RecordingPasses {
     request.series_samples = series_samples_of_each(static_cast<int>(recordings_));
     request.values = values_of(arm, id.parameters);
     MeasuredRecordings out;
-    for (Answer& one : answers(request)) {
+    for (RankReply& one : answers(request)) {
       FactorSet held_out = factors_from_bytes(one.factors);
       std::move(held_out.recordings.begin(), held_out.recordings.end(), std::back_inserter(out.held_out));
       std::move(one.train.begin(), one.train.end(), std::back_inserter(out.train));
@@ -216,13 +216,13 @@ class RankPasses final : public RecordingPasses {
   }
 
  private:
-  std::vector<Answer> answers(const Request& request) const {
+  std::vector<RankReply> answers(const Request& request) const {
     send_others(request);
-    std::vector<Answer> out = {share_.answer(request)};
-    for (int r = 1; r < ranks_.size(); ++r) out.push_back(message_from<Answer>(ranks_.receive(r)));
-    for (const Answer& one : out)
+    std::vector<RankReply> out = {share_.answer(request)};
+    for (int r = 1; r < ranks_.size(); ++r) out.push_back(message_from<RankReply>(ranks_.receive(r)));
+    for (const RankReply& one : out)
       if (!one.refusal.empty()) throw InvalidInput(one.refusal);
-    for (const Answer& one : out) unusable_.insert(unusable_.end(), one.unusable.begin(), one.unusable.end());
+    for (const RankReply& one : out) unusable_.insert(unusable_.end(), one.unusable.begin(), one.unusable.end());
     return out;
   }
 

@@ -50,7 +50,7 @@ std::string to_json(const KinematicTable& table) {
   Json out = head_json(table);
   const bool inverse = table.solver != "forward" && table.solver != "workspace";
   out["rows"] = json_each(table.rows, [&](const KinematicRow& row) -> Json { return row_json(row, inverse); });
-  return written(out);
+  return json_text(out);
 }
 
 std::string to_page(const KinematicTable& table, const Model& arm, const std::string& command) {

@@ -169,7 +169,7 @@ std::string to_json(const HandEye& r) {
     return {{"form", name_of(f.form)}, {"noise", f.reason.empty() ? Json(f.rms) : Json()},
             {"noise_deg", f.reason.empty() ? Json(kDegrees * f.rms_angle) : Json()}, {"reason", f.reason}};
   });
-  if (r.status != CalibrationStatus::kDone) return written(out);
+  if (r.status != CalibrationStatus::kDone) return json_text(out);
   out["form"] = name_of(r.form);
   out["transform"] = pose_json(r.transform, r.radius, r.radius_angle);
   if (r.other) {

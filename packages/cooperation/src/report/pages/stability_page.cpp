@@ -12,7 +12,7 @@
 namespace veridyn {
 namespace {
 
-Json flags(const std::vector<char>& values) {
+Json flags_json(const std::vector<char>& values) {
   return json_each(values, [&](const char value) -> Json { return value != 0; });
 }
 
