@@ -80,22 +80,16 @@ TEST_F(Changes, NoFrictionChangesItsSign) {
   }
 }
 
-TEST(SearchTerms, ACauseOfWhichNoNumberDiffersFromZeroIsNone) {
-  search::Term effect;
-  const Eigen::Vector2d values(1.0, 0.01);
-  EXPECT_TRUE(search::is_something(effect, values, Eigen::Vector2d(0.4, 1.0), 2.0));
-  EXPECT_FALSE(search::is_something(effect, values, Eigen::Vector2d(0.6, 1.0), 2.0));
-  search::Term load;
-  load.kind = search::TermKind::kLoad;
+TEST(SearchLoads, ALoadHasAMassOrAMomentThatDiffersFromZero) {
   VectorXd z = VectorXd::Zero(10), deviations = VectorXd::Ones(10);
   z[0] = 1.0;
   z.segment<3>(1) = Eigen::Vector3d(0.03, 0.04, 1.0);
   deviations.segment<3>(1) = Eigen::Vector3d(0.01, 0.01, 3.0);  // torques do not see the third moment
-  EXPECT_TRUE(search::is_something(load, z, deviations, 2.0));
+  EXPECT_TRUE(search::is_load(z, deviations, 2.0));
   deviations.segment<2>(1).setConstant(0.03);
-  EXPECT_FALSE(search::is_something(load, z, deviations, 2.0));
+  EXPECT_FALSE(search::is_load(z, deviations, 2.0));
   deviations[0] = 0.4;
-  EXPECT_TRUE(search::is_something(load, z, deviations, 2.0));
+  EXPECT_TRUE(search::is_load(z, deviations, 2.0));
 }
 
 // Two values with nearly opposite torques, as an offset and a weight over a small range: a MODEL knows neither well, but their

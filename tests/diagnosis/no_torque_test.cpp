@@ -76,6 +76,7 @@ TEST_F(NotHeldOut, WithoutHeldOutRecordingsNoJointIsAtItsFloor) {
 TEST_F(NotHeldOut, TheVerdictListsJointsWithoutErrorApartFromThoseAboveTheirFloor) {
   Diagnosis d;
   d.baseline.model = truth_;
+  d.hypotheses = 1;
   d.joints = {not_judged({0}, kNoShare, d.baseline)};
   EXPECT_EQ(d.verdict(), "no cause was found; joints without a held-out error: 1");
   JointVerdict above;

@@ -302,9 +302,9 @@ TEST(PayloadTable, ShowsTheGainAndNoCentreOfAnUndeterminedMass) {
   report.links = {sure, vague};
   report.error_before = report.error_with_drift = report.error_after = VectorXd::Zero(1);
   const std::string text = report.report();
-  for (const char* part : {"held out", "1.500", "0.250", "not determined", "below 541.4", "0.030"})
+  for (const char* part : {"held out", "1.500", "0.250", "not determined", "0.030"})
     EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
-  for (const char* part : {"8.36", "0 to 541", "-0.0"})
+  for (const char* part : {"8.36", "541", "-0.0"})
     EXPECT_EQ(text.find(part), std::string::npos) << part << "\n" << text;
 }
 

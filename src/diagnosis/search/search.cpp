@@ -346,14 +346,11 @@ class Search {
     return out;
   }
 
-  bool is_nothing(size_t k, const VectorXd& x, const VectorXd& deviations) const {
-    const Chosen& c = at_.terms[k];
-    if (c.gravity) return false;
+  bool is_no_load(size_t k, const VectorXd& x, const VectorXd& deviations) const {
+    if (at_.terms[k].term.kind != TermKind::kLoad) return false;
     const auto [first, count] = at_.range(k);
-    VectorXd values = x.segment(first, count);
-    for (size_t p = 0; p < c.offset.size(); ++p) values[static_cast<Eigen::Index>(p)] += c.offset[p];
     const double blocks = std::max(1.0, at_.folds().blocks - 1.0);
-    return !is_something(c.term, values, deviations.segment(first, count), student_t_quantile(numerics::kOutside, blocks));
+    return !is_load(x.segment(first, count), deviations.segment(first, count), student_t_quantile(numerics::kOutside, blocks));
   }
 
   // Drops terms that do not pass beside all others, the weakest first; a term dropped twice is not tried again. True if any was dropped.
@@ -371,7 +368,7 @@ class Search {
         const Present::Without w = at_.without(k, now);
         const bool refuted = is_contradicted(w.on_test);
         const double margin = refuted ? w.on_test.sum / std::max(w.on_test.error, numerics::kNoise) - numerics::kHuge : w.gain.sum / std::max(w.gain.error, numerics::kNoise);
-        if ((refuted || !passes(w.gain, at_.terms[k].term) || makes_worse(w.gain) || is_nothing(k, fit.x, deviations)) && (!gone || margin < least)) {
+        if ((refuted || !passes(w.gain, at_.terms[k].term) || makes_worse(w.gain) || is_no_load(k, fit.x, deviations)) && (!gone || margin < least)) {
           gone = k;
           least = margin;
           is_refuted = refuted;
@@ -397,9 +394,7 @@ class Search {
 
 }  // namespace
 
-bool is_something(const Term& term, const VectorXd& values, const VectorXd& deviations, double quantile) {
-  if (term.kind == TermKind::kCurve) return true;
-  if (term.kind != TermKind::kLoad) return (values.cwiseAbs().array() > quantile * deviations.array()).any();
+bool is_load(const VectorXd& values, const VectorXd& deviations, double quantile) {
   double moment = 0.0, deviation = 0.0;
   for (int k = 1; k < 4; ++k) {
     if (deviations[k] >= kSeen * kMassOfArm * kReach) continue;

@@ -77,8 +77,8 @@ struct SearchRequest {
 /// Explains the residual of an arm with values on its recordings by the terms of one dictionary.
 SearchResult search(const Model& arm, const SearchRequest& request);
 
-/// False for values of a term whose intervals all hold zero; of a load those of its mass and of the moment that torques see.
-bool is_something(const Term& term, const VectorXd& values, const VectorXd& deviations, double quantile);
+/// False for a load (m, m c, ...) of which the intervals of its mass and of the moment that torques see hold zero.
+bool is_load(const VectorXd& values, const VectorXd& deviations, double quantile);
 
 /// The arm with the linearised terms of a set.
 Model corrected(const Model& arm, const std::vector<Chosen>& chosen);

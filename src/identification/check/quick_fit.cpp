@@ -106,10 +106,9 @@ std::shared_ptr<const RegressorMoments> QuickFitter::moments(const Recording& re
   out->power = MatrixXd::Zero(n, base_.size());
   out->speed2 = VectorXd::Zero(n);
   // Folds of what has torques.
-  const VectorXd torque = recording.tau.rowwise().sum();
   double begin = recording.time[recording.rows() - 1] - recording.time[0], duration = 0.0;  // [s] since the recording began
-  for (Eigen::Index k = 0; k < torque.size(); ++k) {
-    if (!std::isfinite(torque[k])) continue;
+  for (Eigen::Index k = 0; k < recording.tau.rows(); ++k) {
+    if (!recording.tau.row(k).array().isFinite().any()) continue;
     begin = std::min(begin, recording.time[k] - recording.time[0]);
     duration = recording.time[k] - recording.time[0] - begin;
   }
