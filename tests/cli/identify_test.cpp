@@ -301,11 +301,12 @@ TEST_F(Identify, ARecordingOfGapsIsRefusedInOneLine) {
 // Two joints in two recordings.
 TEST(VelocitiesOfZero, AreOneWarning) {
   const TemporaryFolder folder;
-  Recording r = read_recording(folder.write("motion.csv", planar_recording(15.0)));
-  r.dq.setZero();
   const std::string train = folder.path("train.csv"), test = folder.path("test.csv");
-  write_recording(r, train);
-  write_recording(r, test);
+  for (const auto& [path, size] : {std::pair{train, 1.0}, std::pair{test, 0.8}}) {
+    Recording r = read_recording(folder.write("motion.csv", planar_recording(15.0, size, size)));
+    r.dq.setZero();
+    write_recording(r, path);
+  }
   const ToolRun run = run_tool({"identify", "planar-2r", "--train", train, "--test", test, "--quiet"});
   EXPECT_EQ(run.status, 0) << run.err;
   const std::size_t first = run.err.find("warning: ");

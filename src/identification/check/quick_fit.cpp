@@ -191,7 +191,8 @@ QuickFit QuickFitter::fit(const std::shared_ptr<const RegressorMoments>& moments
       left[i] += error2;
     }
   }
-  out.shares = left.cwiseQuotient(all.cwiseMax(1e-300)).cwiseMin(1.0);
+  // Of a joint without torque nothing is unexplained.
+  out.shares = (all.array() > 0.0).select(left.cwiseQuotient(all.cwiseMax(1e-300)).cwiseMin(1.0), 0.0);
   const auto solved = [&](const VectorXd& rhs) {
     total.col(size).head(size) = rhs;
     return solution(total);
