@@ -177,6 +177,22 @@ TEST(AFault, SwappedVelocitiesAreNamedWithTheJointsThatTheyAreOf) {
   EXPECT_NE(found(quality, "velocity_unrelated", 3).sentence.find("that of joint 1 is; --map dq3=dq1 mends it"), std::string::npos);
 }
 
+// Values are missing to either side of each extreme.
+TEST(AFault, HolesAreNoEdgesOfASaturatedTorque) {
+  const Recording clean = clean_recording();
+  Recording r = clean;
+  for (int j = 0; j < r.joints(); ++j) {
+    const double largest = clean.tau.col(j).cwiseAbs().maxCoeff();
+    for (int k = 6; k + 6 < r.rows(); ++k) {
+      const auto is_near = [&](int row) { return std::abs(clean.tau(row, j)) > 0.92 * largest; };
+      if (is_near(k) && !is_near(k - 1)) r.tau.col(j).segment(k - 6, 6).setConstant(std::nan(""));
+      if (is_near(k) && !is_near(k + 1)) r.tau.col(j).segment(k + 1, 6).setConstant(std::nan(""));
+    }
+  }
+  EXPECT_EQ(check_recording(clean).find("saturation"), nullptr);
+  EXPECT_EQ(check_recording(r).find("saturation"), nullptr) << check_recording(r).report();
+}
+
 // Two wrong values near the start.
 TEST(AFault, SingleWrongTorquesDoNotRing) {
   Recording r = clean_recording();
@@ -578,6 +594,7 @@ TEST_F(ARealRecording, OfTheThesisRepeatsAtTheFrequencyOfItsTable) {
       EXPECT_EQ(quality.find(absent), nullptr) << quality.report();
     }
   }
+  EXPECT_NEAR(found(check("psm1-thesis/fourier-1"), "saturation", 2).value, 3.1, 0.1);
   EXPECT_NEAR(found(check("psm1-thesis/fourier-5"), "stale_rows").share, 0.123, 0.001);
 }
 

@@ -145,10 +145,6 @@ std::vector<QualityFinding> merged_findings(std::vector<QualityFinding> contradi
   const auto of_columns = [](const QualityFinding& f) { return f.finding == "no_sign" || f.finding == "same_column" || f.finding == "zero_signal"; };
   if (std::any_of(quality.begin(), quality.end(), of_columns))
     contradictions.erase(std::remove_if(contradictions.begin(), contradictions.end(), [](const QualityFinding& f) { return f.finding == "unexplained" || f.finding == "no_sign"; }), contradictions.end());
-  const auto known = std::remove_if(contradictions.begin(), contradictions.end(), [&](const QualityFinding& c) {
-    return c.finding == "saturation" && std::any_of(quality.begin(), quality.end(), [&c](const QualityFinding& f) { return f.finding == c.finding && f.joint == c.joint; });
-  });
-  contradictions.erase(known, contradictions.end());
   for (const QualityFinding& f : quality) {
     const bool same = f.finding == "degrees" || f.finding == "velocity_scale" || f.finding == "velocity_sign" || f.finding == "rate_contradiction";
     if (!explained || !same) contradictions.push_back(f);

@@ -109,10 +109,6 @@ constexpr double kBadly = 0.04;
 constexpr double kAskedAbove = 0.08;
 /// common factor of torques > 1 / kBehindGear: in front of gears; values of files are less far off.
 constexpr double kBehindGear = 0.2;
-/// load > kNearLargest * the largest, for kShortestPlateau rows and more: a plateau; saturated where the arm asks for more than that by
-/// > kAsksMore * the rms error elsewhere, which is < kFitted * that with these rows.
-constexpr double kNearLargest = 0.92, kAsksMore = 2.0;
-constexpr int kShortestPlateau = 8;
 /// factor of one torque alone > kOwnFactor, or below its inverse: asked; less is left to a diagnosis.
 constexpr double kOwnFactor = 1.2;
 /// |delay of torques| = kDelays [s], and kDrift times it at the end where another clock runs, polished afterwards: half a wave of

@@ -197,7 +197,7 @@ QuickFit QuickFitter::fit(const std::shared_ptr<const RegressorMoments>& moments
     total.col(size).head(size) = rhs;
     return solution(total);
   };
-  const VectorXd beta = out.beta = solution(total);
+  const VectorXd beta = solution(total);
   const double rho = std::sqrt(residual2(total, beta));
   for (int i = 0; i < n; ++i) {
     const VectorXd power = moments->power.row(i).transpose() / std::max(std::sqrt(all[i] * moments->speed2[i]), 1e-300);
@@ -260,25 +260,6 @@ RecordedFacts facts_of(const Recording& recording, const PreprocessingOptions& o
     if (torque2 > 0.0) out.noise2[j] = passed * noise2 / torque2;
   }
   return out;
-}
-
-std::pair<double, double> QuickFitter::torque_over(const Recording& recording, const QuickFit& fit, int joint, const std::vector<char>& rows) const {
-  if (fit.beta.size() == 0) return {0.0, 0.0};
-  const RegressorColumns columns(arm_, options_);
-  VectorXd values = VectorXd::Zero(base_.K.cols());
-  for (int j = 0; j < base_.size(); ++j) values[base_.independent[j]] = fit.beta[j];
-  double recorded = 0.0, fitted = 0.0, count = 0.0;
-  for_each_segment(arm_, recording, options_, [&](const Segment& s) {
-    const RegressorColumns::Prediction both = columns.predict(s, values);
-    for (Eigen::Index k = s.core_begin, row = 0; k < s.core_end; ++k) {
-      while (row + 1 < recording.time.size() && recording.time[row + 1] <= s.time[k]) ++row;
-      if (s.use[k] == 0 || rows[row] == 0) continue;
-      recorded += both.measured(k, joint);
-      fitted += both.modelled(k, joint);
-      count += 1.0;
-    }
-  });
-  return {recorded / std::max(count, 1.0), fitted / std::max(count, 1.0)};
 }
 
 VectorXd QuickFitter::springs_apart(const Recording& recording) const {

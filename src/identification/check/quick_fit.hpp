@@ -5,7 +5,6 @@
 #include <memory>
 #include <string>
 #include <tuple>
-#include <utility>
 #include <vector>
 
 #include "identification/check/check_thresholds.hpp"
@@ -45,7 +44,6 @@ struct QuickFit {
   /// By joint: factor of its torque that fits best, where only its own differs from one, and where all do, up to a common factor.
   VectorXd alone, together;
   VectorXd noise2;  ///< by joint: share of its squared torque that white noise has
-  VectorXd beta;    ///< base parameters of all rows
   std::shared_ptr<const RegressorMoments> moments;  ///< of the motion that was fitted
 
   /// Relative error of the torque, root mean square over the joints; and that of white noise.
@@ -76,9 +74,6 @@ class QuickFitter {
 
   /// @param torques  (n x n) torque of joint i = column i times those recorded.
   QuickFit fit(const std::shared_ptr<const RegressorMoments>& moments, const MatrixXd& torques) const;
-
-  /// Means of a joint's recorded torque and of that of a fit over these rows, both filtered.
-  std::pair<double, double> torque_over(const Recording& recording, const QuickFit& fit, int joint, const std::vector<char>& rows) const;
 
   /// By joint: share of a spring's torque that neither gravity nor anything else of the arm can take over, its offset
   /// left aside.

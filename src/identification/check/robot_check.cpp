@@ -71,7 +71,6 @@ class RobotCheck {
         best_.fit = fit_of(best_.set);
       }
       report(before.left());
-      tell_saturated();
       tell_weak_motions();
       if (mends) out.set = std::move(best_.set);
     }
@@ -171,35 +170,6 @@ class RobotCheck {
       add("hardly_moves", i + 1, share,
           text("In its first ", quality::number(recording.time[recording.rows() - 1] - recording.time[0]), " s ", joint(i),
                " moves over ", percent(share), " of its range: little of its friction and inertia can be identified."), Severity::kWarning);
-    }
-  }
-
-  // A torque that stays near its extreme is saturated where the arm, fitted to all other rows, asks for more.
-  void tell_saturated() {
-    if (is_explained(best_) || concern_robot(best_.set)) return;
-    const Recording recording = changed(best_.set);
-    for (int k = 0; k < 2 * joints(); ++k) {
-      const int i = k / 2;
-      const VectorXd load = (k % 2 == 0 ? 1.0 : -1.0) * recording.tau.col(i);
-      const double largest = load.maxCoeff<Eigen::PropagateNumbers>();
-      std::vector<char> at_it(static_cast<std::size_t>(load.size()), 0);
-      for (int first = 0, row = 0; row <= load.size(); ++row) {
-        if (row < load.size() && load[row] > checking::kNearLargest * largest) continue;
-        if (row - first >= checking::kShortestPlateau) std::fill(at_it.begin() + first, at_it.begin() + row, 1);
-        first = row + 1;
-      }
-      const long rows = std::count(at_it.begin(), at_it.end(), 1);
-      if (!moves(i) || !(largest > 0.0) || rows == 0) continue;
-      Recording without = recording;
-      for (int row = 0; row < load.size(); ++row) {
-        if (at_it[row] != 0) without.tau(row, i) = std::nan("");
-      }
-      const QuickFit fit = fitter_.fit(fitter_.moments(without), MatrixXd::Identity(joints(), joints()));
-      const auto [recorded, asked] = fitter_.torque_over(recording, fit, i, at_it);
-      const double square = load.array().isNaN().select(0.0, load.array().square()).mean();
-      if (fit.shares[i] > checking::kFitted * checking::kFitted * best_.fit.shares[i] || std::abs(asked) - std::abs(recorded) <= checking::kAsksMore * std::sqrt(fit.shares[i] * square)) continue;
-      add("saturation", i + 1, recorded, text("The torque of ", joint(i), " stays near ", quality::number(recorded), " for ", rows, " rows (", percent(rows / static_cast<double>(load.size())),
-          "), in which the arm asks for ", quality::number(asked), ": saturated. Record a motion that needs less."), Severity::kWarning);
     }
   }
 

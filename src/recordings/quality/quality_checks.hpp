@@ -227,6 +227,7 @@ void check_velocities(const Head& head, Findings* findings);
 /// [s] by which dq lags the derivative of q, if significant.
 std::optional<double> velocity_delay(const Head& head, int joint);
 void check_stale_signals(const Head& head, Findings* findings);
+void check_saturated_plateaus(const Head& head, Findings* findings);
 /// Torques and currents whose changes are all larger than a share of their range.
 void check_torque_steps(const Head& head, Findings* findings);
 void check_start_up(const Head& head, Findings* findings);

@@ -124,8 +124,13 @@ struct QualityNumbers {
   double abrupt = 5.0;
   /// share of clipped rows > many_clipped: a fault, else a warning.
   double many_clipped = 0.01;
-  /// ... or at two limits of one size, in runs of shortest_plateau rows and more.
+  /// load > near_largest * the largest, for shortest_plateau rows and more: a plateau ...
+  double near_largest = 0.92;
   int shortest_plateau = 8;
+  /// ... and speed changes by > speed_change of the largest meanwhile, unlike on plateaus of friction, over
+  /// a length / plateau_parts at either end.
+  double speed_change = 0.25;
+  int plateau_parts = 4;
 };
 
 /// Numbers that change no finding: memory, units, facts of statistics, rounding, and how numbers are printed.

@@ -1,4 +1,5 @@
-// Torques and currents exactly at their limit (clipped numbers), and in coarse steps.
+// Torques and currents at their limit: exactly (clipped numbers), or within noise (clipped
+// amplifier); and in coarse steps.
 #include <algorithm>
 #include <cmath>
 
@@ -7,6 +8,59 @@
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::quality {
+namespace {
+
+// A run of rows in which a load stays close to its extreme.
+struct Plateau {
+  int first = 0;
+  int last = 0;
+};
+
+// True for saturation: the load rises from half to full and falls back in less than half the time
+// that it stays there, and meanwhile the arm accelerates or decelerates by at least a quarter of
+// its top speed (unlike on friction plateaus).
+bool is_saturated(const Head& head, const VectorXd& load, const Plateau& plateau, double half,
+                  int joint) {
+  const int length = plateau.last - plateau.first + 1;
+  if (length < numbers.shortest_plateau) return false;
+  int before = plateau.first;
+  int after = plateau.last;
+  while (before > 0 && load[before] > half && plateau.first - before <= length) --before;
+  while (after + 1 < load.size() && load[after] > half && after - plateau.last <= length) ++after;
+  if (2 * (plateau.first - before + after - plateau.last) > length || before == 0) return false;
+  const auto& q = head.rows.q;
+  const int lag = std::max(1, length / numbers.plateau_parts);
+  const auto speed = [&](int k) {
+    return (q(k, joint) - q(k - lag, joint)) / (head.rows.time[k] - head.rows.time[k - lag]);
+  };
+  if (plateau.first < lag || plateau.last <= plateau.first + lag) return false;
+  double top = 0.0;
+  for (int k = lag; k < q.rows(); k += lag) top = std::max(top, std::abs(speed(k)));
+  return std::abs(speed(plateau.last) - speed(plateau.first)) > numbers.speed_change * top;
+}
+
+// Number of rows in saturated plateaus within 8 % of the largest value.
+int plateau_rows(const Head& head, const VectorXd& load, int joint, double* limit) {
+  const double largest = *std::max_element(load.data(), load.data() + load.size());
+  if (!(largest > 0.0)) return 0;
+  int rows = 0;
+  std::vector<double> levels;
+  for (int k = 0; k < load.size(); ++k) {
+    if (!(load[k] > numbers.near_largest * largest)) continue;
+    Plateau plateau{k, k};
+    while (plateau.last + 1 < load.size() && load[plateau.last + 1] > numbers.near_largest * largest)
+      ++plateau.last;
+    k = plateau.last;
+    if (!is_saturated(head, load, plateau, 0.5 * largest, joint)) continue;
+    rows += plateau.last - plateau.first + 1;
+    for (int r = plateau.first; r <= plateau.last; ++r) levels.push_back(load[r]);
+  }
+  *limit = quantile(std::move(levels), 0.5);
+  return rows;
+}
+
+}  // namespace
+
 ClipTally::ClipTally(const Head& head) : start_(head.rows.rows() > 0 ? head.rows.time[0] : 0.0) {
   for (const RecordingSignal& signal : kRecordingSignals) {
     const std::string name = signal.name;
@@ -87,6 +141,31 @@ void ClipTally::conclude(Findings* findings, std::vector<SaturatedInterval>* sat
                        named(extreme.place), " sits exactly at its extreme ", number(limit), " in ",
                        extreme.rows, " rows (", percent(share), "), up to ", extreme.longest, " in a row: ",
                        limit == 0.0 ? "a dead zone, or a channel of one sign." : "saturated."));
+  }
+}
+
+void check_saturated_plateaus(const Head& head, Findings* findings) {
+  for (const Load& load : loads_of(head.rows)) {
+    for (int j = 0; j < head.rows.joints(); ++j) {
+      if (!head.moves[j]) continue;
+      for (const double sign : {1.0, -1.0}) {
+        VectorXd values = sign * load.values->col(j);
+        // What is missing holds the value before it: a hole is no edge.
+        for (Eigen::Index k = 0; k < values.size(); ++k) {
+          if (std::isnan(values[k])) values[k] = k > 0 ? values[k - 1] : 0.0;
+        }
+        double limit = 0.0;
+        const int rows = plateau_rows(head, values, j, &limit);
+        if (rows == 0) continue;
+        const Place place{load.name, j + 1};
+        const double share = static_cast<double>(rows) / head.rows.rows();
+        findings->add(
+            Severity::kWarning, "saturation", place, {share, sign * limit, unit_of(load.name)},
+            text("The ", word_of_load(place.signal), " of ", named(place),
+                 " stays at ", number(sign * limit), ", its extreme, for ", rows, " rows (",
+                 percent(share), ") while the joint changes speed: saturated?"));
+      }
+    }
   }
 }
 

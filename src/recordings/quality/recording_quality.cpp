@@ -90,6 +90,7 @@ RecordingQuality checked_quality(Recording head_rows, const std::string& file, c
       quality::check_motion(head, &findings);
       quality::check_velocities(head, &findings);
       quality::check_stale_signals(head, &findings);
+      quality::check_saturated_plateaus(head, &findings);
       quality::check_torque_steps(head, &findings);
       quality::check_start_up(head, &findings);
       quality.period = detect_period(head_rows);
