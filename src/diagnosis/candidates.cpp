@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "model/moving_frame.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 
 namespace veridyn {
@@ -58,13 +59,6 @@ Candidate on_channel(const Model& arm, const ChannelEffect& channel, std::option
 Candidate load_candidate(const Model& arm, FrameIndex frame) {
   const Cause cause = AddedLoad{frame};
   return {cause, acting_joint(arm, cause), {VectorXd::Zero(arm.joints()), 0.0}, std::nullopt};
-}
-
-// The frame that a link's frames are fixed to, itself if it moves; nullopt: it is fixed to the world.
-std::optional<FrameIndex> link_of(const Model& arm, FrameIndex of) {
-  std::optional<FrameIndex> frame = of;
-  while (frame && arm.frames()[frame->value].type == JointType::kFixed) frame = arm.frames()[frame->value].parent;
-  return frame;
 }
 
 class Enumeration {
@@ -191,7 +185,7 @@ bool is_friction(const std::string& effect) {
 std::vector<FrameIndex> payload_frames(const Model& arm) {
   std::vector<FrameIndex> out;
   for (int k = 0; k < static_cast<int>(arm.frames().size()); ++k) {
-    if (!link_of(arm, {k})) continue;
+    if (!moving_frame(arm, FrameIndex{k})) continue;
     const auto same = std::find_if(out.begin(), out.end(),
                                    [&](FrameIndex other) { return same_link(arm, other, {k}); });
     if (same == out.end()) {
@@ -204,7 +198,7 @@ std::vector<FrameIndex> payload_frames(const Model& arm) {
 }
 
 bool same_link(const Model& arm, FrameIndex a, FrameIndex b) {
-  return link_of(arm, a) == link_of(arm, b);
+  return moving_frame(arm, a) == moving_frame(arm, b);
 }
 
 }  // namespace veridyn

@@ -16,6 +16,7 @@
 #include "math/digits.hpp"
 #include "math/numbers.hpp"
 #include "math/student_t.hpp"
+#include "model/moving_frame.hpp"
 #include "model/suggestion.hpp"
 #include "recordings/named_recordings.hpp"
 #include "veridyn/effects/cause.hpp"
@@ -28,12 +29,6 @@ namespace veridyn {
 namespace {
 
 using namespace loads;
-
-// The frame that a link's frames are fixed to, itself if it moves; nullopt: it is fixed to the world.
-std::optional<FrameIndex> moving_frame(const Model& arm, std::optional<FrameIndex> frame) {
-  while (frame && arm.frames()[frame->value].type == JointType::kFixed) frame = arm.frames()[frame->value].parent;
-  return frame;
-}
 
 // The last frame of every link that moves; or of the one that carries a frame, named after that frame.
 std::vector<int> places_of(const Model& arm, const std::string& link) {

@@ -44,7 +44,7 @@ class DescribedEffect : public AxisEffect {
 /// The same with its columns in C, where #0 and #1 stand for the values of its constants.
 class DescribedEffectInC : public DescribedEffect, public WrittenInC {
  public:
-  /// @param before  of c_before().
+  /// @param before  code before the columns, see c_before().
   DescribedEffectInC(AxisEffectData data, std::vector<std::string> c_columns, std::string before = {})
       : DescribedEffect(std::move(data)), c_columns_(std::move(c_columns)), before_(std::move(before)) {}
 

@@ -9,6 +9,7 @@
 #include "excitation/limits/frame_points.hpp"
 #include "kinematics/motion_limits.hpp"
 #include "excitation/limits/link_gap.hpp"
+#include "model/moving_frame.hpp"
 #include "model/suggestion.hpp"
 #include "veridyn/effects/effect_facts.hpp"
 
@@ -29,10 +30,10 @@ std::vector<std::string> missing_data_cautions(const Model& arm, const Lacks& la
 std::vector<std::string> without_shape(const Model& arm, const std::vector<Capsule>& shapes) {
   std::vector<std::string> out;
   for (const int k : arm.bodies()) {
-    const std::optional<FrameIndex> mover = mover_of(arm, FrameIndex{k});
+    const std::optional<FrameIndex> mover = moving_frame(arm, FrameIndex{k});
     const bool has = std::any_of(shapes.begin(), shapes.end(), [&](const Capsule& capsule) {
       const int other = arm.find_frame(capsule.frame);
-      return other >= 0 && mover_of(arm, FrameIndex{other}) == mover;
+      return other >= 0 && moving_frame(arm, FrameIndex{other}) == mover;
     });
     if (mover && !has) out.push_back(arm.frames()[k].name);
   }
@@ -56,7 +57,7 @@ LowestPoint lowest_point(const Model& arm, const std::vector<Capsule>& shapes, c
     const double z = at.point(FrameIndex{frame}, point).z() - radius;
     if (!(z >= out.z)) out = {z, arm.frames()[frame].name};
   };
-  const auto moves = [&](int frame) { return mover_of(arm, FrameIndex{frame}).has_value(); };
+  const auto moves = [&](int frame) { return moving_frame(arm, FrameIndex{frame}).has_value(); };
   const int frames = static_cast<int>(arm.frames().size());
   for (Eigen::Index row = 0; row < motion.rows(); ++row) {
     at.move_to(motion.q.row(row).transpose());

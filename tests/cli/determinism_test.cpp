@@ -77,7 +77,7 @@ TEST_F(Repeated, ThreadsChangeNoCauseAndNoNumber) {
     if (std::string(command) == "diagnose") {
       std::set<std::string> causes;
       for (const json& f : one.at("findings")) causes.insert(f.at("cause").get<std::string>());
-      // The level of the file could move into the place of the friction: both are findings nevertheless.
+      // The fit without the change could raise the file's own friction level instead: the change is a finding nevertheless.
       EXPECT_EQ(causes, (std::set<std::string>{"coulomb_friction:elbow", "torque_offset:shoulder"})) << one.at("findings").dump(1);
     }
     for (const char* threads : {"2", "4"})

@@ -171,7 +171,7 @@ TEST(AJointWithoutHeldOutTorque, CannotBeJudged) {
   EXPECT_NE(run.out.find("its torque is zero throughout the held-out recordings"), std::string::npos) << run.out;
 }
 
-// An arm that is learned from joints that move as one; a MODEL is known already.
+// An arm identified from joints that move as one, and a MODEL whose values are known before.
 TEST(JointsThatMoveAsOne, EndADiagnosisWithStatusFour) {
   const TemporaryFolder folder;
   Recording motion = read_recording(folder.write("motion.csv", planar_recording(15.0)));

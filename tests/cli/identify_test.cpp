@@ -298,7 +298,7 @@ TEST_F(Identify, ARecordingOfGapsIsRefusedInOneLine) {
   EXPECT_NE(done.err.find("no usable samples are left after gaps"), std::string::npos) << done.err;
 }
 
-// Two joints in two recordings.
+// Zero velocities of two joints in two recordings are four findings of one kind.
 TEST(VelocitiesOfZero, AreOneWarning) {
   const TemporaryFolder folder;
   const std::string train = folder.path("train.csv"), test = folder.path("test.csv");

@@ -68,7 +68,7 @@ TEST_F(Changes, ALevelOfFrictionThatChangedIsNamed) {
   }
 }
 
-// An energy that friction would give is another cause's: a level does not fall below zero.
+// Friction does not drive a joint: no level falls below zero.
 TEST_F(Changes, NoFrictionChangesItsSign) {
   const Model model = model_of(truth_.description());
   const EffectTerm& own = model.effects().front();

@@ -92,7 +92,7 @@ TEST_F(AtTheEnds, JointsWithCollinearPositionsMoveAsOne) {
   EXPECT_TRUE(second_follows(1e-3).empty());
 }
 
-// What is learned from joints that move as one names no cause; values of a MODEL are known.
+// An arm identified from joints that move as one gives no cause; the values of a MODEL are known before.
 TEST_F(AtTheEnds, NoCauseIsAskedOfJointsThatMoveAsOne) {
   DiagnosisState x = resting(0.0, 0.0);
   EXPECT_TRUE(tells_causes(x));

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "diagnosis/search/explain.hpp"
+#include "diagnosis/search/present.hpp"
 #include "diagnosis/two_joint_arm.hpp"
 #include "veridyn/files/model_file.hpp"
 
@@ -173,6 +174,34 @@ TEST_F(OneSearch, PriorProbabilitiesOfAllCausesSumToOne) {
   double sum = 0.0;
   for (const auto& [place, probability] : grid) sum += probability;
   EXPECT_NEAR(sum, 1.0, 1e-9);
+}
+
+using PresentSet = TwoJointArm;
+
+// Columns of effects that follow the motion alone are kept where the arm changes: those of a load, of constants and of gravity
+// are not. Another delay or gain of the recorded signals changes all.
+TEST_F(PresentSet, HasTheColumnsOfTheArmThatItMovedTo) {
+  search::SearchRequest request;
+  request.recordings = {record(1, {})};
+  request.periods = {0.0};
+  search::Present present(truth_, request);
+  const auto evaluate_all = [&] {
+    for (std::size_t k = 0; k < present.dictionary().size(); ++k) present.columns_at(k);
+  };
+  ModelDescription leaning = truth_.description(), scaled = leaning;
+  leaning.gravity = {1.0, 2.0, -9.5};
+  scaled.coordinates[1].recorded.torque_gain = 1.3;
+  evaluate_all();
+  for (const ModelDescription& other : {leaning, scaled}) {
+    ASSERT_TRUE(present.move_to(Model(other)));
+    for (std::size_t k = 0; k < present.dictionary().size(); ++k) {
+      const search::Term& term = present.dictionary()[k];
+      const search::Columns anew = search::columns_of(term, present.rows()), kept = *present.columns_at(k);
+      ASSERT_EQ(kept.joints, anew.joints) << term.place;
+      for (std::size_t at = 0; at < anew.of.size(); ++at) EXPECT_TRUE(kept.of[at].isApprox(anew.of[at], 1e-12)) << term.place;
+    }
+    evaluate_all();
+  }
 }
 
 }  // namespace

@@ -584,7 +584,7 @@ TEST_F(AMistakenRecording, WithOneWrongGainIsNamedWithTheFactor) {
   EXPECT_NEAR(std::stod(sentences_.substr(sentences_.find(words) + words.size())), 1.0 / 1.7, 0.02) << sentences_;
 }
 
-// Of joints that move as one nothing is said but that.
+// If joints move as one, that is the only finding.
 TEST_F(AMistakenRecording, OfJointsThatMoveAsOneIsNotCompared) {
   Recording r = recorded("elbow-6r", 25);
   r.q.col(3) = 0.5 * r.q.col(1);

@@ -52,7 +52,7 @@ struct ExciteExtension {
     CommonOptions common;
   };
   std::function<void(CLI::App&)> add_options;
-  /// Runs the command; nullopt: the user requested a motion.
+  /// Runs the extension's part of `excite`; nullopt: the request is for a motion, which the library designs.
   std::function<std::optional<ExitStatus>(const Request&)> run;
 };
 

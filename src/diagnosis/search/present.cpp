@@ -15,7 +15,7 @@
 namespace veridyn::search {
 namespace {
 
-// True if the columns of a term are the same at every arm that takes the recorded motion and torque alike.
+// True if the columns of a term depend on the recorded motion alone, not on values or constants of the arm.
 bool follows_motion(const Term& t) {
   if (t.kind == TermKind::kCurve)
     return std::none_of(t.signals.begin(), t.signals.end(), [](const Signal& s) { return s.kind == SignalKind::kTorque; });

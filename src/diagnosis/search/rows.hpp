@@ -37,7 +37,7 @@ struct Folds {
   double errors = 0.0;        ///< standard errors over blocks that a gain must exceed
 };
 
-/// A column whose coefficient with what the arm has of it already cannot be negative.
+/// A column whose coefficient, added to the arm's own value, cannot be negative: friction levels.
 struct Level {
   Eigen::Index column;
   double own;

@@ -5,6 +5,7 @@
 
 #include "math/numbers.hpp"
 #include "math/random_numbers.hpp"
+#include "model/moving_frame.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
@@ -80,7 +81,7 @@ struct RigidBody {
 std::vector<RigidBody> rigid_bodies(const Model& arm, const std::vector<Capsule>& shapes) {
   std::vector<RigidBody> out;
   for (const Capsule& capsule : shapes) {
-    const std::optional<FrameIndex> mover = mover_of(arm, frame_of(arm, capsule));
+    const std::optional<FrameIndex> mover = moving_frame(arm, frame_of(arm, capsule));
     const auto own = std::find_if(out.begin(), out.end(), [&](const RigidBody& b) { return b.mover == mover; });
     if (own != out.end()) {
       own->capsules.push_back(capsule);
@@ -93,7 +94,7 @@ std::vector<RigidBody> rigid_bodies(const Model& arm, const std::vector<Capsule>
 
 bool joined_by_one_joint(const Model& arm, std::optional<FrameIndex> a, std::optional<FrameIndex> b) {
   const auto hangs_on = [&](std::optional<FrameIndex> mover, std::optional<FrameIndex> other) {
-    return mover && mover_of(arm, arm.frames()[mover->value].parent) == other;
+    return mover && moving_frame(arm, arm.frames()[mover->value].parent) == other;
   };
   return hangs_on(a, b) || hangs_on(b, a);
 }
@@ -117,11 +118,6 @@ VectorXd random_posture(const Model& arm, RandomNumbers& random) {
 }
 
 }  // namespace
-
-std::optional<FrameIndex> mover_of(const Model& arm, std::optional<FrameIndex> frame) {
-  while (frame && arm.frames()[frame->value].type == JointType::kFixed) frame = arm.frames()[frame->value].parent;
-  return frame;
-}
 
 LinkGap::Rod LinkGap::rod_of(const Model& arm, const Capsule& capsule) {
   return {frame_of(arm, capsule), capsule.from, capsule.to, capsule.radius};

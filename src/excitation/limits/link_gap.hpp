@@ -8,10 +8,6 @@
 
 namespace veridyn {
 
-/// The last moving frame above a frame: frames of one mover are one rigid body. nullopt: the
-/// frame stands still.
-std::optional<FrameIndex> mover_of(const Model& arm, std::optional<FrameIndex> frame);
-
 /// The smallest distance between the surfaces of two links, or of a link and an obstacle; negative
 /// where they overlap.
 class LinkGap {

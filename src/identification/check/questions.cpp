@@ -348,7 +348,7 @@ class List {
     };
   }
 
-  // Torques of other times; friction near rest leaves smaller errors on sound recordings.
+  // Torques measured at other times. Errors below kBadly are those of friction near rest on sound recordings: not asked about.
   void clocks() {
     bool any = false;
     for (int i = 0; i < joints(); ++i) any = any || is_bad(i);

@@ -105,7 +105,7 @@ std::shared_ptr<const RegressorMoments> QuickFitter::moments(const Recording& re
   out->products.assign(checking::kFolds, none);
   out->power = MatrixXd::Zero(n, base_.size());
   out->speed2 = VectorXd::Zero(n);
-  // Folds of what has torques.
+  // Folds divide the time in which there are torques, so that rows without them at either end leave no fold empty.
   double begin = recording.time[recording.rows() - 1] - recording.time[0], duration = 0.0;  // [s] since the recording began
   for (Eigen::Index k = 0; k < recording.tau.rows(); ++k) {
     if (!recording.tau.row(k).array().isFinite().any()) continue;

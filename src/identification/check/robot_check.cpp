@@ -43,7 +43,7 @@ class RobotCheck {
     moves_ = quality::Head(recording_).moves;
   }
 
-  // What a diagnosis measures itself is neither reported nor undone.
+  // From now on delays and gains of torques, which a diagnosis estimates itself, are neither reported nor undone.
   void leave_causes() { leaves_causes_ = true; }
 
   RobotAnswers run(double ask_above = 0.0) {

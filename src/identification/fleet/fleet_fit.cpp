@@ -68,7 +68,7 @@ std::vector<UndeterminedArm> FleetFit::extract_undetermined() {
   return out;
 }
 
-// Over a joint's columns: the values of its parameters.
+// The values that belong to the columns of a joint's factor.
 VectorXd FleetFit::joint_coefficients(const SquareRootInformation& factor, const VectorXd& values) const {
   VectorXd x = VectorXd::Zero(factor.size());
   for (int c = 0; c < factor.size(); ++c) {
@@ -118,7 +118,7 @@ VectorXd FleetFit::values(const SquareRootInformation& factor, const VectorXd& b
   return out;
 }
 
-// Squared residual of every joint, unweighted; gains multiply the torque of the values `at`.
+// Squared residual of every joint, unweighted; the columns of gains are the torque of the values `at`.
 VectorXd FleetFit::residual2(const ArmFactor& arm, const VectorXd& values, const VectorXd& at) const {
   VectorXd out(joints_);
   for (Eigen::Index i = 0; i < joints_; ++i) {

@@ -63,7 +63,7 @@ class FleetFit {
   SquareRootInformation of_arm(const ArmFactor& arm, const VectorXd& weights, const VectorXd& at) const;
   /// The information of such a factor about the shared columns after eliminating its own.
   SquareRootInformation shared_information(const SquareRootInformation& factor) const;
-  /// An arm's values for given shared ones, from its factor.
+  /// All values of an arm, for given shared ones, from its factor.
   VectorXd values(const SquareRootInformation& factor, const VectorXd& beta) const;
 
   /// Standard deviations of beta() by leaving out one group of arms at a time.

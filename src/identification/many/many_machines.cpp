@@ -32,7 +32,7 @@ void exchange(ByteExchange& bytes, MeasuredRecording& r) {
 
 namespace {
 
-// One that can be read into.
+// MeasuredRecording with the default constructor that ByteExchange needs to read one.
 struct Measured : MeasuredRecording {
   Measured() : MeasuredRecording{{}, {ErrorSums(0), ErrorSums(0), ErrorSums(0)}, false} {}
   explicit Measured(MeasuredRecording one) : MeasuredRecording(std::move(one)) {}
@@ -54,7 +54,7 @@ struct Request {
   int status = 0;
 };
 
-// A rank's answer; a refusal has nothing else.
+// A rank's reply; of a refusal all other fields are empty.
 struct RankReply {
   std::string refusal = {};
   std::vector<UnusedRecording> unusable = {};
@@ -104,7 +104,7 @@ class Share {
   template <typename Do, typename After>
   void for_own(const std::vector<std::string>& all, RankReply& answer, const Do& act, const After& after) const {
     const auto size = static_cast<size_t>(ranks_.size()), rank = static_cast<size_t>(ranks_.rank());
-    // Neighbours in the list, whose order the collected factors keep.
+    // Each rank has consecutive recordings, so that the collected factors are in the order of the list.
     for (size_t k = all.size() * rank / size; k < all.size() * (rank + 1) / size; ++k) {
       try {
         act(all[k]);

@@ -150,7 +150,7 @@ void check_saturated_plateaus(const Head& head, Findings* findings) {
       if (!head.moves[j]) continue;
       for (const double sign : {1.0, -1.0}) {
         VectorXd values = sign * load.values->col(j);
-        // What is missing holds the value before it: a hole is no edge.
+        // A missing value is the one before it: a gap is no edge.
         for (Eigen::Index k = 0; k < values.size(); ++k) {
           if (std::isnan(values[k])) values[k] = k > 0 ? values[k - 1] : 0.0;
         }

@@ -16,7 +16,7 @@ Json json_head(const std::string& command);
 /// A list; entries that are not finite become null when written.
 Json json_list(const VectorRef& values);
 
-/// The list of act(item) of all items.
+/// JSON list of act(item) for each item.
 template <typename Items, typename Act>
 Json json_each(const Items& items, const Act& act) {
   Json list = Json::array();

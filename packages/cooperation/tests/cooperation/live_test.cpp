@@ -42,7 +42,7 @@ class Given final : public LineSource {
   std::deque<std::string> lines_;
 };
 
-// Each line arrives at a given empty call: there is one in every cycle of a wait, and two in other cycles.
+// A line source whose lines arrive at given calls. A waiting loop calls it once in a cycle, a running one twice.
 class Timed final : public LineSource {
  public:
   struct Line {

@@ -23,7 +23,7 @@ struct CalibrateRequest {
   CommonOptions common;
 };
 
-// The options that all parts have; @param calibrate  computes the result of a request.
+// Adds the options that all subcommands share; @param calibrate  computes the result of a request.
 template <typename Options, typename Calibrate>
 void finish_command(CLI::App& command, const std::shared_ptr<CalibrateRequest<Options>>& request, Outcome& outcome,
                     const Calibrate& calibrate) {

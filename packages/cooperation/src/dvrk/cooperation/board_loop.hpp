@@ -57,7 +57,7 @@ class BoardLoop {
 
   /// Reads the boards for a while before power-up.
   void read_before_power();
-  /// After read_before_power(). Sensors are read meanwhile, and not judged.
+  /// Switches power on; call it after read_before_power(). Sensors are read meanwhile, without a check of their values.
   bool power_up(std::vector<Sensor>& sensors);
   /// Switches power off everywhere, and returns the boards' confirmation.
   OffState power_down();
