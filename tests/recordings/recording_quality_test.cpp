@@ -193,6 +193,15 @@ TEST(AFault, HolesAreNoEdgesOfASaturatedTorque) {
   EXPECT_EQ(check_recording(r).find("saturation"), nullptr) << check_recording(r).report();
 }
 
+TEST(AFault, FrictionThatTurnsRoundAtTheStartDoesNotRing) {
+  Recording r = clean_recording();
+  for (const int row : {12, 13, 14}) {
+    Recording turned = r;
+    turned.tau.col(3).tail(r.rows() - row).array() += 3.0 * r.tau.col(3).cwiseAbs().maxCoeff();
+    expect_only(check_recording(turned), {});
+  }
+}
+
 // Two wrong values near the start.
 TEST(AFault, SingleWrongTorquesDoNotRing) {
   Recording r = clean_recording();

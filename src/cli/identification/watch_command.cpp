@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -25,7 +27,8 @@ using Clock = std::chrono::steady_clock;
 constexpr int kRowsAtOnce = 200;
 constexpr std::chrono::seconds kPageEvery{2};
 constexpr size_t kMostStates = 200000;  // for the page: more than five hours of steps
-constexpr double kDoubtful = 0.5;  // share of a joint's torque
+// share of a joint's torque that the model leaves > kDoubtful, or > kWorse * what it left of its own recordings and > kSmall
+constexpr double kDoubtful = 0.5, kWorse = 3.0, kSmall = 0.05;
 
 volatile std::sig_atomic_t interrupted = 0;
 
@@ -112,17 +115,25 @@ class Watching {
   // Warns of a large residual while the noise is learned, since it then counts as normal for the
   // arm.
   void warn_of_residual(const std::string& source) {
-    std::string shares;
+    const auto& identified = arm_.description().identified;
+    const VectorXd own = identified && identified->error.size() == missed_.size() ? VectorXd(100.0 * identified->error) : VectorXd();
+    VectorXd shares(missed_.size());
     bool wrong = false;
     for (Eigen::Index i = 0; i < missed_.size(); ++i) {
       const double share = std::sqrt(missed_[i] / std::max(measured_[i], 1e-12));
-      wrong = wrong || share > kDoubtful;
-      shares += text(i > 0 ? ", " : "", std::round(100.0 * share));
+      shares[i] = 100.0 * share;
+      wrong = wrong || share > kDoubtful || (own.size() > 0 && share > kSmall && shares[i] > kWorse * own[i]);
     }
     missed_.resize(0);
+    const auto list = [](const VectorXd& percents) {
+      std::string out;
+      for (const double p : percents) out += fmt::format("{}{:.{}f}", out.empty() ? "" : ", ", p, p < 1.0 ? 2 : p < 10.0 ? 1 : 0);
+      return out;
+    };
     if (wrong)
-      print_message(text("warning: ", source, ": the model leaves ", shares, " % of the joints' torques unexplained while noise is learned, expected at "
-               "most 50 %: it may be another arm's; only what changes afterwards is told."));
+      print_message(fmt::format("warning: {}: the model leaves {} % of the joints' torques while noise is learned, {}: columns or units may be wrong (check), "
+                                "it may be another arm's, or something changed before (diagnose); only what changes afterwards is reported.",
+                                source, list(shares), own.size() > 0 ? list(own) + " % of the recordings that it is from" : "expected at most 50 %"));
   }
 
   void replay(Watch& watch, const std::string& source) {

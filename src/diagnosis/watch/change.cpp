@@ -187,9 +187,14 @@ void ChangeFinder::report_present_cause(double now) {
   const double odds = quantiles_.dispersion() * numbers_.odds;
   if (c.score.gain < odds * numbers_.present_odds) return;
   VectorXd power = VectorXd::Zero(arm_.joints());
-  for (const Step& step : quiet_)
-    power += (step.columns(Eigen::all, c.score.columns) * c.score.size).cwiseAbs2() /
-             static_cast<double>(quiet_.size());
+  double before = 0.0, after = 0.0;
+  for (const Step& step : quiet_) {
+    const VectorXd torque = step.columns(Eigen::all, c.score.columns) * c.score.size;
+    power += torque.cwiseAbs2() / static_cast<double>(quiet_.size());
+    before += step.residual.cwiseQuotient(noise_.scale().cwiseMax(kNothing)).squaredNorm();
+    after += (step.residual - torque).cwiseQuotient(noise_.scale().cwiseMax(kNothing)).squaredNorm();
+  }
+  if (after > numbers_.present_share * before) return;
   const VectorXd share = power.cwiseSqrt().cwiseQuotient(noise_.scale().cwiseMax(kNothing));
   if (share.maxCoeff() < numbers_.present_share || std::abs(c.score.size[0]) <= half_width(c.score)) return;
   c.id = ++ids_;
@@ -273,9 +278,9 @@ void ChangeFinder::isolate(double now, bool last) {
     return;
   }
   const bool late = last || now - open_->alarm >= options_.longest_naming;
-  const bool explained = best.gain > numbers_.explains * lasting.gain;
+  const bool explained = is_explained(best);
   if (late && !explained) {
-    report_ended_push(lasting, now);
+    report_ended_push(lasting.gain > 0.0 ? lasting : best_push(recent_, offset_of_joint_, earliest, now, 0.0, 0.0, numbers_), now);
     return;
   }
   const Cause& likeliest = hypotheses_[best.hypothesis].of.cause;
@@ -288,6 +293,18 @@ void ChangeFinder::isolate(double now, bool last) {
   const bool likely = explained && best.gain - next > odds;
   const bool soon = now - best.onset < numbers_.soonest_name;
   if (late || (likely && !soon)) name(scores, now);
+}
+
+// True if little is left of the innovations since the onset. The step of the change mixes both states.
+bool ChangeFinder::is_explained(const Score& score) const {
+  const Score fit = reestimated(recent_, score, numbers_.mixed * options_.step, numbers_);
+  if (fit.size.size() == 0) return false;
+  double before = 0.0, after = 0.0;
+  for (auto step = recent_.rbegin(); step != recent_.rend() && step->time >= score.onset + numbers_.mixed * options_.step; ++step) {
+    before += step->e.squaredNorm();
+    after += (step->e - step->X(Eigen::all, fit.columns) * fit.size).squaredNorm() - quantiles_.dispersion() * static_cast<double>(step->e.size());
+  }
+  return after < numbers_.unexplained * before;
 }
 
 double ChangeFinder::half_width(const Score& score) const {

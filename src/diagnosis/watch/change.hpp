@@ -55,6 +55,7 @@ class ChangeFinder {
   void refine(const WhiteStep& white, double now);
   bool retest_cause(double now);
   void reset();
+  bool is_explained(const Score& score) const;
   double half_width(const Score& score) const;
   void compensate(const Score& score, double share);
   WatchEvent event(const Change& change, WatchStage stage, double now) const;

@@ -30,7 +30,9 @@ std::string what(const WatchEvent& e) {
   if (std::holds_alternative<AddedLoad>(e.cause))
     return fmt::format("{} carries {} more at its frame's origin than the model has", place_words(e), size);
   if (std::holds_alternative<ExternalContact>(e.cause))
-    return fmt::format("something pushes the arm on {} or beyond: mean torque {}", place_words(e), size);
+    return fmt::format(e.stage == WatchStage::kOver ? "something pushes the arm on {} or beyond: mean torque {}"
+                                                    : "something acts that no single cause explains, a push on {} or beyond, or a change that is not on the list: mean torque {}",
+                       place_words(e), size);
   std::string effect = effect_of(e.cause);
   std::replace(effect.begin(), effect.end(), '_', ' ');
   for (const char* name : {"coulomb", "stribeck"}) {

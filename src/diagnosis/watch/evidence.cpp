@@ -99,16 +99,15 @@ double Score::deviation() const {
 
 namespace {
 
-// Least squares of the score's columns from a time on; @returns the gain.
+// Least squares of the score's columns from a time on; steps before it may be of another day, with later times. @returns the gain.
 double solve_from(const std::deque<WhiteStep>& steps, double from, double mass, const WatchNumbers& numbers, Score& score) {
   const auto count = static_cast<Eigen::Index>(score.columns.size());
   score.A = MatrixXd::Zero(count, count);
   VectorXd b = VectorXd::Zero(count);
-  for (const WhiteStep& step : steps) {
-    if (step.time < from) continue;
-    const MatrixXd X = step.X(Eigen::all, score.columns);
+  for (auto step = steps.rbegin(); step != steps.rend() && step->time >= from; ++step) {
+    const MatrixXd X = step->X(Eigen::all, score.columns);
     score.A += X.transpose() * X;
-    b += X.transpose() * step.e;
+    b += X.transpose() * step->e;
   }
   const double lever = std::max(numbers.lever * std::abs(mass), kNothing);
   score.A.diagonal().tail(count - 1).array() += 1.0 / (lever * lever);

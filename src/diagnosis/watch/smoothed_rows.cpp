@@ -5,6 +5,7 @@
 
 #include "math/median.hpp"
 #include "math/decompositions.hpp"
+#include "math/numbers.hpp"
 #include "recordings/absurd.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -40,6 +41,7 @@ SmoothedRows::SmoothedRows(const Model& arm, const WatchNumbers& numbers)
       offset_(VectorXd::Zero(arm.joints())),
       spread2_(VectorXd::Zero(arm.joints())),
       largest_(VectorXd::Zero(arm.joints())),
+      last_jump_(VectorXd::Constant(arm.joints(), -kInfinity)),
       speed_(VectorXd::Zero(arm.joints())),
       mean_speed_(VectorXd::Zero(arm.joints())),
       fastest_(VectorXd::Zero(arm.joints())),
@@ -67,40 +69,35 @@ std::string SmoothedRows::fault(const Row& row) const {
       if (std::abs(value) >= kAbsurd) return joint(name, j) + " is " + text(value);
     }
   }
+  if (row.tau.isZero(0.0) && !arm_.gravity().isZero(0.0)) return "the torques of all joints are zero: no drive is on, or none is recorded";
   return "";
 }
 
-// A torque that stays the same to the last digit while its joint moves, longer than ever before: its
-// sensor or drive does not answer, or it is saturated.
-std::string SmoothedRows::stuck_torque_reason(const Row& row) {
-  const Eigen::Index n = row.tau.size();
-  if (same_torque_.size() == 0) {
-    same_torque_ = row.tau;
-    same_from_ = row.q;
-    same_since_ = VectorXd::Constant(n, row.t);
-    same_longest_ = VectorXd::Zero(n);
-    never_changed_.assign(static_cast<size_t>(n), 1);
-    stopped_.assign(static_cast<size_t>(n), 0);
-  }
+// A signal that stays the same to the last digit while its joint moves, longer than ever before: its sensor or drive
+// does not answer, or it is saturated.
+// @param path  (n) a measure of the joints' motion, which the signal does not enter.
+std::string SmoothedRows::stuck_reason(Standing& s, const char* signal, const VectorXd& value, const VectorXd& path, double time) {
+  const Eigen::Index n = value.size();
+  if (s.value.size() == 0) s = {value, VectorXd::Constant(n, time), path, VectorXd::Zero(n), std::vector<char>(static_cast<size_t>(n), 1), std::vector<char>(static_cast<size_t>(n), 0)};
   std::string why;
   for (Eigen::Index j = 0; j < n; ++j) {
-    char& never = never_changed_[static_cast<size_t>(j)];
-    if (row.tau[j] != same_torque_[j]) {
-      if (never == 0 && !is_blind_) same_longest_[j] = std::max(same_longest_[j], usable_ - same_since_[j]);
-      never = stopped_[static_cast<size_t>(j)] = 0;
-      same_torque_[j] = row.tau[j];
-      same_from_[j] = row.q[j];
-      same_since_[j] = row.t;
+    char& never = s.never_changed[static_cast<size_t>(j)];
+    char& stopped = s.stopped[static_cast<size_t>(j)];
+    if (value[j] != s.value[j]) {
+      if (never == 0 && !is_blind_) s.longest[j] = std::max(s.longest[j], usable_ - s.since[j]);
+      never = stopped = 0;
+      s.value[j] = value[j];
+      s.from[j] = path[j];
+      s.since[j] = time;
       continue;
     }
-    const double least = numbers_.rest_share * fastest_[j] * (row.t - same_since_[j]);
-    const bool moves = std::abs(row.q[j] - same_from_[j]) > least;
-    const bool longer = row.t - same_since_[j] > std::max(numbers_.pause, 2.0 * same_longest_[j]);
-    char& stopped = stopped_[static_cast<size_t>(j)];
+    const double least = numbers_.rest_share * fastest_[j] * (time - s.since[j]);
+    const bool moves = std::abs(path[j] - s.from[j]) > least;
+    const bool longer = time - s.since[j] > std::max(numbers_.pause, 2.0 * s.longest[j]);
     if (stopped == 0 && (never != 0 || !moves || !longer)) continue;
     stopped = 1;
-    usable_ = std::min(usable_, same_since_[j]);
-    why = text("tau", j + 1, " (", arm_.coordinates()[j].name, ") stays at ", same_torque_[j], " while the joint moves");
+    usable_ = std::min(usable_, s.since[j]);
+    why = text(signal, j + 1, " (", arm_.coordinates()[j].name, ") stays at ", s.value[j], " while the joint moves");
   }
   return why;
 }
@@ -114,7 +111,8 @@ void SmoothedRows::mark_unusable(double time, const std::string& why) {
   heard_ = time;
   if (is_blind_ || !heard_any_ || time - usable_ <= numbers_.pause) return;
   is_blind_ = true;
-  if (on_blind) on_blind({usable_, time, why});
+  if (on_blind && !was_blind_) on_blind({usable_, time, why});
+  was_blind_ = true;
 }
 
 // False for a row whose time does not rise, until the clock is known to have been set back, as by the start
@@ -142,7 +140,8 @@ void SmoothedRows::restart_clock(double time, double before) {
   blind_ += before - usable_;
   is_blind_ = false;
   if (on_blind) on_blind({usable_, before, text("the clock was set back to ", back_first_, " s, and the watch begins anew"), by});
-  same_since_.array() -= by;
+  for (Standing* s : {&torque_, &position_}) s->since.array() -= by;
+  path_time_ -= by;
   back_ = 0;
   usable_ = heard_ = time;
   restart();
@@ -228,11 +227,18 @@ void SmoothedRows::place(const Row& row) {
     fastest_ = fastest_.cwiseMax(mean_speed_.cwiseAbs());
   }
   repeats_ = 0;
-  if (const std::string why = stuck_torque_reason(row); !why.empty()) {
+  if (path_.size() == 0) path_ = VectorXd::Zero(row.q.size());
+  if (row.t - path_time_ < numbers_.pause) path_ += (row.t - path_time_) * row.dq;
+  path_time_ = row.t;
+  std::string why = stuck_reason(torque_, "tau", row.tau, row.q, row.t);
+  if (why.empty() && has_velocity_) why = stuck_reason(position_, "q", row.q, path_, row.t);
+  if (why.empty() && contradicts_) why = "positions and velocities contradict each other";
+  if (why.empty()) {
+    mark_usable(row.t);
+  } else {
     mark_unusable(row.t, why);
-    return;
+    if (!contradicts_) return;
   }
-  mark_usable(row.t);
   if (!has_last_) {
     first_t_ = row.t;
     next_ = 0;
@@ -269,6 +275,7 @@ void SmoothedRows::detect_jump() {
   const int begin = end - 2 * reach_;  // within the window, for reach_ < half_
   seen_ += 1.0;
   std::vector<PositionJump> found;
+  int jumping = 0;  // joints
   for (int j = 0; j < arm_.joints(); ++j) {
     const Gain gain = integrated_motion(j, begin, end);
     int& wait = wait_[j];
@@ -280,6 +287,7 @@ void SmoothedRows::detect_jump() {
     const bool slides = arm_.coordinates()[j].prismatic;
     const double least = std::max({numbers_.jump_deviations * spread, numbers_.jump_over_largest * largest_[j],
                                    numbers_.jump_of_way * gain.way, slides ? numbers_.smallest_jump_sliding : numbers_.smallest_jump_turning});
+    jumping += std::abs(gain.size) > 0.5 * least ? 1 : 0;
     if (tell_jumps_ && std::abs(gain.size) > least) {
       found.push_back({gain.at, j, gain.size, spread});
       continue;
@@ -287,9 +295,17 @@ void SmoothedRows::detect_jump() {
     spread2_[j] += (gain.size * gain.size - spread2_[j]) / seen_;
     largest_[j] = std::max(largest_[j], std::abs(gain.size));
   }
-  if (found.size() > 1) {  // simultaneous jumps of several encoders indicate missing or joined rows
+  // Simultaneous jumps of several encoders indicate missing or joined rows, repeated ones a wrong velocity.
+  bool contradicts = !found.empty() && jumping > 1;
+  for (const PositionJump& jump : found) {
+    double& last = last_jump_[jump.joint];
+    contradicts = contradicts || jump.time - last < numbers_.pause;
+    last = jump.time;
+  }
+  if (contradicts) {
     const Row last = grid_.back();
     restart();
+    contradicts_ = true;
     first_t_ = last.t;
     next_ = 1;
     grid_.push_back(last);
@@ -329,7 +345,7 @@ SmoothedRows::Gain SmoothedRows::integrated_motion(int j, int begin, int end) co
 
 // The jump is located at the first deviating sample.
 void SmoothedRows::subtract_jump(const PositionJump& jump, int end) {
-  if (on_jump) on_jump(jump);
+  jumps_.push_back(jump);
   for (int k = 0; k <= end; ++k) {
     Row& row = grid_[k];
     if (row.t >= jump.time - 0.5 * dt_) row.q[jump.joint] -= jump.size;
@@ -339,6 +355,8 @@ void SmoothedRows::subtract_jump(const PositionJump& jump, int end) {
 }
 
 void SmoothedRows::smooth() {
+  contradicts_ = was_blind_ = false;
+  report_jumps(grid_.back().t - kAgain * numbers_.jump_reach);
   const int n = arm_.joints();
   const int count = 2 * half_ + 1;
   SmoothedRow out;
@@ -361,9 +379,18 @@ void SmoothedRows::smooth() {
   if (on_row) on_row(out);
 }
 
+// Those up to a time, since no other one of the same joint followed.
+void SmoothedRows::report_jumps(double until) {
+  while (!jumps_.empty() && jumps_.front().time <= until) {
+    if (on_jump) on_jump(jumps_.front());
+    jumps_.pop_front();
+  }
+}
+
 void SmoothedRows::restart() {
   grid_.clear();
-  has_last_ = false;
+  jumps_.clear();
+  has_last_ = contradicts_ = false;
   repeats_ = 0;
   if (on_break) on_break();
 }

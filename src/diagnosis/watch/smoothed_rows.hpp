@@ -62,6 +62,9 @@ class SmoothedRows {
   /// Enables the detection of jumps, once the noise of positions is known.
   void enable_jump_detection() { tell_jumps_ = true; }
 
+  /// Reports what waits for more rows, at the end.
+  void finish() { report_jumps(heard_); }
+
  private:
   struct Row {
     double t;
@@ -69,7 +72,12 @@ class SmoothedRows {
   };
   void copy_row(const Recording& rows, int k, Row& row) const;
   std::string fault(const Row& row) const;
-  std::string stuck_torque_reason(const Row& row);
+  /// A signal of every joint that may stay the same while its joint moves.
+  struct Standing {
+    VectorXd value, since, from, longest;  ///< (n) present value, since when [s], path then, longest such time before [s]
+    std::vector<char> never_changed, stopped;
+  };
+  std::string stuck_reason(Standing& standing, const char* signal, const VectorXd& value, const VectorXd& path, double time);
   bool moved() const;
   bool clock_goes_on(double time);
   void restart_clock(double time, double before);
@@ -85,6 +93,7 @@ class SmoothedRows {
   void detect_jump();
   Gain integrated_motion(int joint, int begin, int end) const;
   void subtract_jump(const PositionJump& jump, int end);
+  void report_jumps(double until);
   void smooth();
   void restart();
 
@@ -112,9 +121,13 @@ class SmoothedRows {
   bool heard_any_ = false, is_blind_ = false;
   long back_ = 0;  // rows in a row whose time does not rise above the last one's
   double back_first_ = 0.0, back_last_ = 0.0;  // [s] between which their times rise
-  // (n) since when a torque has not changed, its joint's position then, and the longest such time before.
-  VectorXd same_torque_, same_since_, same_from_, same_longest_;
-  std::vector<char> never_changed_, stopped_;
+  Standing torque_, position_;
+  VectorXd path_;  // (n) integrated velocity [rad], [m] until path_time_ [s]
+  double path_time_ = 0.0;
+  bool contradicts_ = false;  // positions have jumped on several joints or repeatedly, and no row was smoothed since
+  bool was_blind_ = false;    // and this was reported, and no row was smoothed since
+  std::deque<PositionJump> jumps_;  // not yet reported
+  VectorXd last_jump_;              // (n) [s]
   VectorXd speed_, mean_speed_, fastest_;  // (n) of the last row, smoothed, and the largest of that
   std::vector<int> wait_;           // samples until the next jump of a joint may be reported
 };

@@ -120,7 +120,7 @@ class Watch::Implementation {
       watch(rows);
     } else if (rows.rows() > 0) {
       unjudged_ = joined(unjudged_, rows);
-      if (duration_of(unjudged_.time) >= numbers_.judged * options_.learn) judge_velocities();
+      if (duration_of(unjudged_.time) >= numbers_.judged * options_.learn && unjudged_.rows() >= numbers_.rows_for_step) judge_velocities();
     }
     note_blindness();
     return take_events();
@@ -128,6 +128,7 @@ class Watch::Implementation {
 
   std::vector<WatchEvent> finish() {
     judge_velocities();
+    rows_.finish();
     finder_.finish(now_);
     note_blindness();
     return take_events();
@@ -155,6 +156,11 @@ class Watch::Implementation {
     judged_ = true;
     wrong_ = wrong_velocities(unjudged_);
     remarks_ = remarks_on(wrong_, arm_);
+    if (unjudged_.rows() > 0) {
+      for (const QualityFinding& f : check_recording(unjudged_).findings) {
+        if (f.severity == Severity::kFault && f.finding == "time_unit") remarks_.push_back(f.sentence);
+      }
+    }
     if (unjudged_.rows() > 0) watch(unjudged_);
     unjudged_ = {};
   }

@@ -77,8 +77,9 @@ struct WatchNumbers {
   double odds = 9.2;
   /// time since the onset >= soonest_name [s]: it is named, because a push may still end.
   double soonest_name = 2.0;
-  /// gain of the cause > explains * gain of free torques, else it is a push or has no known cause.
-  double explains = 0.6;
+  /// squares of the innovations that a cause leaves, above those of the noise, < unexplained of those before it: it is
+  /// named, else it is a push or not on the list.
+  double unexplained = 0.05;
   /// time without a push > push_ends [s]: it is over.
   double push_ends = 0.8;
   /// a push >= shortest_push [s].
@@ -96,7 +97,8 @@ struct WatchNumbers {
   double systematic = 0.02;
   /// gain > present_odds * odds of a change that was there in the beginning: all hypotheses are compared ...
   double present_odds = 3.0;
-  /// ... and its torque >= present_share of the joint's rms torque: less differs from day to day.
+  /// ... its torque >= present_share of the joint's rms torque: less differs from day to day; and it leaves
+  /// <= present_share of the squares that the model leaves.
   double present_share = 0.1;
 };
 
@@ -108,6 +110,9 @@ constexpr double kSameTime = 1e-6;
 constexpr int kOrder = 2;
 /// time since the last learned step < kFollows steps: the step follows without a gap; times are multiples of the step.
 constexpr double kFollows = 1.5;
+/// time since a jump of a position >= kAgain * jump_reach without another one: it is reported. One within a pause: a wrong
+/// velocity, and no jump.
+constexpr double kAgain = 5.0;
 /// probability outside of an interval = kOutside.
 constexpr double kOutside = 0.05;
 /// information of a column > kNothing, else it is not there.

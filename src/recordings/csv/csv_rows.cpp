@@ -221,6 +221,7 @@ class CsvRows : public RowSource {
   RowClock clock;
   CsvLines lines;
   CsvLayout layout;
+  std::string header;      // line with the names of the columns, or empty
   std::string first_line;  // the first row of numbers, if it was read ahead
   bool has_first_line = false;
   std::vector<double> row;  // the current row; row[0] is t
@@ -278,15 +279,16 @@ void CsvRows::read_layout() {
                                               : layout_from_columns(options.columns, line, where);
   } else if (!numbers) {
     layout = layout_from_header(line, where);
+    header.assign(line);
   } else {
-    const std::string header = lines.last_comment();
+    const std::string comment = lines.last_comment();
     const bool in_comment =
-        header.find("q1") != std::string::npos && csv_fields(header, csv_separator(line)).size() ==
+        comment.find("q1") != std::string::npos && csv_fields(comment, csv_separator(line)).size() ==
                                                       csv_fields(line, csv_separator(line)).size();
     require(in_comment, where,
             ": found numbers, expected a header; the first line is numbers, so name them with "
             "--columns and --rate.");
-    layout = layout_from_header(header, where);
+    layout = layout_from_header(comment, where);
     layout.separator = csv_separator(line);
   }
   const bool has_word =
@@ -315,6 +317,9 @@ void CsvRows::set_scales() {
 }
 
 void CsvRows::parse(std::string_view line) {
+  if (!header.empty() && line == header)
+    throw InvalidInput(text(lines.path(), ":", lines.number(), ": found the header again, expected numbers; a second recording begins here: --rows 0:", row_number,
+                            " reads what is before it, --rows ", row_number + 1, ": the rest."));
   RowParser(layout, lines, first_date).parse(line, &row);
   for (std::size_t k = 0; k < scales.size(); ++k) row[k] = scales[k](row[k]);
 }

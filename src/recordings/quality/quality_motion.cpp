@@ -5,20 +5,21 @@
 #include "math/correlated_columns.hpp"
 #include "recordings/quality/quality_checks.hpp"
 #include "recordings/signals/units.hpp"
+#include "veridyn/math/median.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/recordings/preprocessing.hpp"
 
 namespace veridyn::quality {
 namespace {
 
-// Size of the usual change over 20 ms, in consecutive windows of 0.1 s: a single wrong value does not count.
+// Median change over 20 ms, in consecutive windows of 0.1 s: a wrong value, or friction that turns round, is in a fifth of the rows.
 std::vector<double> ringing(const Head& head, const MatrixXd& values, int joint) {
   const int lag = std::max(1, static_cast<int>(std::lround(numbers.ringing / head.step)));
   const int window = window_rows(head);
   std::vector<double> sizes;
   for (int first = 0; first + window + lag <= values.rows(); first += window) {
     const VectorXd changes = (values.col(joint).segment(first + lag, window) - values.col(joint).segment(first, window)).cwiseAbs();
-    sizes.push_back(quantile({changes.begin(), changes.end()}, 1.0 - numbers.rare));
+    sizes.push_back(median(std::vector<double>(changes.begin(), changes.end())));
   }
   return sizes;
 }
