@@ -5,7 +5,8 @@
 #include "identification/silent_joints.hpp"
 #include "math/correlated_columns.hpp"
 
-// Joints without recorded torque are left out: their zeros would bias the parameters that they share with other joints.
+// Joints without recorded torque are excluded, because their zeros would bias the parameters that they share
+// with other joints.
 
 namespace veridyn {
 

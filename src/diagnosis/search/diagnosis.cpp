@@ -21,17 +21,17 @@ bool are_facts(const Model& arm) {
   return arm.description().values == RobotValues::kFacts && has_all_values(arm);
 }
 
-// The arm of a robot file, with the provenance of its values that the caller gives.
+// The arm of a robot file, with the provenance of its values as given by the caller.
 Model robot_of(const Model& file, const DiagnosisOptions& options) {
   ModelDescription d = file.description();
   d.values = options.values.value_or(d.values);
   return Model(std::move(d));
 }
 
-// Says which step runs.
+// Reports the step that runs now.
 using Tell = std::function<void(const char* step)>;
 
-// Replaces arm and recordings by the mended ones.
+// Replaces arm and recordings by those with the corrections applied.
 void take(const MendedSetUp& mended, DiagnosisState& x) {
   IdentificationOptions& how = x.options.identification;
   x.arm = mended.arm;
@@ -43,8 +43,8 @@ void take(const MendedSetUp& mended, DiagnosisState& x) {
   x.d.baseline = {};
 }
 
-// Fits the arm. Contradictions between signals and robot file are reported; where a transformation clearly removes them,
-// the diagnosis continues with the transformed recordings or arm.
+// Fits the arm. Reports contradictions between signals and robot file; if a transformation clearly removes
+// them, the diagnosis continues with the transformed recordings or arm.
 bool fit_mended(DiagnosisState& x, const Tell& tell) {
   const DiagnosisState as_given = x;
   tell("checking the recordings");
@@ -81,8 +81,8 @@ void run(DiagnosisState& x, const Tell& tell) {
   if (!x.d.friction_remark.empty()) x.d.friction = plain_friction_of(*x.d.extended.model);
 }
 
-// Progress of steps and rounds of tests whose number is not known before: each step advances the
-// bar by half of the rest, and each round by half of the rest of its step.
+// Progress of steps and rounds whose number is not known in advance: each step advances the bar by half of
+// the remainder, and each round by half of what remains of its step.
 class Halving {
  public:
   using Listener = std::function<void(const std::string&, double)>;
@@ -133,7 +133,7 @@ Diagnosis diagnose(const Model& arm, const Recordings& train, const Recordings& 
   keep_recordings(x.options.identification, KeptRecordings::kManyQuestions);
   for (std::string& one : x.options.effects) one = normalized_cause(arm, one);
   x.d.changes = are_facts(x.arm);
-  // The caller's fit with the joints weighted as here: nothing is compressed again.
+  // The caller's fit, with the joint weights used here: nothing is compressed again.
   if (fitted != nullptr) {
     x.d.baseline = identify_compressed(x.arm, fitted->factors, {}, x.test, x.options.identification);
   }

@@ -93,7 +93,7 @@ class Outcome {
   }
 
  private:
-  // Causes that were compared: each place once.
+  // Number of compared causes; each place counts once.
   int asked() const {
     std::set<std::string> places;
     for (const Term& t : at_.dictionary()) {
@@ -103,8 +103,8 @@ class Outcome {
     return static_cast<int>(places.size());
   }
 
-  // The held-out recordings with the first terms of the set, fitted to all training rows. Against a MODEL with what the whole
-  // set gives them: without a term its own parameters would move into its place.
+  // Errors on held-out recordings with the first terms of the set, fitted to all training rows. For a MODEL
+  // the base keeps the values of the whole set: without a term its own parameters would move to replace it.
   void take_test_errors(SearchResult& out) {
     if (request_.test.empty()) return;
     out.test_error.resize(static_cast<Eigen::Index>(at_.terms.size()) + 1, at_.rows().joints());
@@ -129,7 +129,7 @@ class Outcome {
     }
   }
 
-  // The curvature of the score in each shape.
+  // Standard deviations of the shapes, by the curvature of the score.
   void take_shape_deviations(const Round& now, size_t k, Chosen& c) {
     const Subset rest = now.subset(at_.all_but({k}));
     for (const TermShape& shape : c.term.shapes) {
@@ -144,7 +144,7 @@ class Outcome {
         };
         const double rise = 0.5 * (at(1.0) + at(-1.0)) - centre;
         if (rise < 0.5) continue;
-        // S rises by 1/2 at one standard deviation.
+        // The score S rises by 1/2 at one standard deviation.
         deviation = step * std::sqrt(0.5 / rise) * (shape.logarithmic ? value : shape.step);
         break;
       }

@@ -72,7 +72,7 @@ std::vector<int> Present::all_but(const std::set<size_t>& without) const {
 Base Present::base_of(const Rows& rows) const {
   if (!request_.scope.changes) return fitted_base(rows, directions_);
   if (base_.T.size() == 0) return prior_base(rows, arm_);
-  // The directions are those of the MODEL's own arm; at another arm they have other torques.
+  // The directions were determined at the MODEL's own arm; at a corrected arm their columns differ.
   Base out = base_;
   for (int i = 0; i < rows.joints(); ++i) out.X[i] = base_columns(rows, i, out.T);
   return out;
@@ -84,7 +84,8 @@ double Present::price_of(const std::vector<int>& some) const {
   return sum;
 }
 
-// The curves of the joint of a name. A curve can imitate a name, so names are evaluated without it.
+// Curves on the joint of a named term. A curve can imitate the named cause, so that the term is compared
+// without it.
 std::set<size_t> Present::curves_beside(size_t k) const {
   std::set<size_t> out;
   const Term& t = terms[k].term;
@@ -146,12 +147,12 @@ void Present::restore(const State& s) {
   test_columns_ = s.test_columns;
 }
 
-// The arm with values and the corrections of a set.
+// The arm with values and the corrections of these terms.
 Model Present::arm_of(const std::vector<Chosen>& some) const {
   return corrected(request_.scope.changes ? arm_ : with_values(arm_, values_, VectorXd()), some);
 }
 
-// Rows, base and columns at another arm; false if they are not the same rows.
+// Computes rows, base and columns at another arm; false if its rows are not the same ones.
 bool Present::move_to(const Model& arm) {
   std::shared_ptr<Rows> rows;
   try {
@@ -172,7 +173,8 @@ bool Present::move_to(const Model& arm) {
   return true;
 }
 
-// Steps of the k-th term, which is exact at the present arm only; false if even the first one makes it worse.
+// Takes steps of the k-th term, whose columns are exact at the present arm only; false if even the first step
+// raises the score.
 bool Present::linearise(size_t k) {
   bool moved = terms[k].gravity.has_value();
   if (moved && !move_to(arm_of(terms))) return false;
@@ -188,8 +190,9 @@ bool Present::linearise(size_t k) {
     if (small) return true;
     const State state = kept();
     bool better = false;
-    // What is taken from the recorded torque of another joint brings its noise: it need not do all that the model's torque does.
-    // Under another gravity the hidden parameters of a MODEL have a torque: each that is fitted may raise the held-out error.
+    // A torque computed from the recorded torque of another joint contains its noise, so that it need not
+    // lower the score as much as the model's torque does. Under another gravity the hidden parameters of a
+    // MODEL have a torque: each fitted one may raise the held-out error.
     double least = moved ? 0.0 : -kBetter;
     if (!moved && is_tilt(terms[k].term)) least *= 1.0 + static_cast<double>(base_.hidden);
     if (!moved && terms[k].term.candidate.from) least = -kHalf * now.gain(fit, now.evaluate(now.subset(all_but({k})))).sum;
@@ -278,7 +281,7 @@ Present::Without Present::without(size_t k, const Round& now, const AtArmWithout
   return out;
 }
 
-// Rows of the held-out recordings at the present arm.
+// Rows of the held-out recordings, for the present arm.
 const std::shared_ptr<const Rows>& Present::test_rows() {
   if (test_of_ != rows_) {
     test_ = std::make_shared<Rows>(rows_->arm(), request_.test, request_.test_preprocessing);
@@ -288,7 +291,7 @@ const std::shared_ptr<const Rows>& Present::test_rows() {
   return test_;
 }
 
-// Residual of the held-out recordings under terms of the present set.
+// Residual of the held-out recordings with terms of the present set.
 MatrixXd Present::left_on_test(const VectorXd& x, const std::vector<int>& set) {
   const Rows& test = *test_rows();
   MatrixXd residual = test.residual;
