@@ -26,7 +26,7 @@ bool is_time_word(const std::string& word) {
          word == "times" || word == "clock" || word == "timestamps" || word == "zeit";
 }
 
-// Score of a name as a clock's; 0: it is none.
+// Score of a column name as the name of a clock; 0: it is none.
 int time_name_score(const std::vector<std::string>& words) {
   if (words.empty() || words.size() > 4) return 0;
   bool time = false;
@@ -92,7 +92,7 @@ std::int64_t likely_time_unit(double first, double median_step, bool whole_numbe
 std::optional<std::int64_t> date_nanoseconds(std::string_view text) {
   const char* p = text.data();
   const char* const end = p + text.size();
-  // A number of some digits and the sign behind it, one of `signs`.
+  // A number with some digits, followed by one of `signs`.
   const auto part = [&](int digits, const char* signs, std::int64_t* value) {
     const auto [rest, error] = std::from_chars(p, end, *value);
     if (error != std::errc() || rest - p != digits || *p == '-') return false;
