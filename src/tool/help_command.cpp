@@ -40,7 +40,7 @@ const CLI::App& named(const CLI::App& tool, const std::vector<std::string>& word
   return *command;
 }
 
-// All commands, with those of the packages that are installed in their places.
+// Help of all commands, including those of installed packages in their places.
 std::vector<CommandHelp> complete_help(const CLI::App& tool) {
   std::vector<CommandHelp> out;
   for (CommandHelp& own : help_of(tool)) {
