@@ -55,8 +55,7 @@ class SmoothedRows {
   void check(const Recording& rows) const;
   void add(const Recording& rows);
   double dt() const { return dt_; }
-  /// [s] of unusable rows so far, as reported by on_blind.
-  double last_row_time() const { return heard_; }  ///< [s] of the last row
+  double last_row_time() const { return heard_; }  ///< [s] of the last row, usable or not
   double blind() const { return blind_ + (is_blind_ ? heard_ - usable_ : 0.0); }
 
   /// Enables the detection of jumps, once the noise of positions is known.
