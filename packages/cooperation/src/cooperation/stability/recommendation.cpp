@@ -7,7 +7,7 @@
 namespace veridyn {
 namespace {
 
-constexpr double kGainReserve = 1.5;  // readings may grow by half besides
+constexpr double kGainReserve = 1.5;  // factor by which readings may also grow
 
 const RestPoint& hardest(const std::vector<RestPoint>& points, const Scenario& scenario) {
   return *std::max_element(points.begin(), points.end(), [&](const auto& a, const auto& b) {
@@ -15,7 +15,7 @@ const RestPoint& hardest(const std::vector<RestPoint>& points, const Scenario& s
   });
 }
 
-// tuned_force_law()'s form with its crossover and its damping free.
+// A law of the form of tuned_force_law() with given crossover and damping.
 ForceLaw law_of(const ScenarioMember& m, double crossover, double member_damping,
                 double slave_stiffness, double slave_damping) {
   ForceLaw law = tuned_force_law(m.stiffness, slave_stiffness, slave_damping);
