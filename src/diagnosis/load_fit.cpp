@@ -231,7 +231,7 @@ bool MassCost::at_bound(const PlacedMass& at) const {
 
 Eigen::Matrix<double, 6, 1> MassCost::extent(const PlacedMass& at) const {
   MatrixXd A = A_.bottomRightCorner(6, 6);
-  A.diagonal() *= 1.0 + kUntoldRidge;  // makes undetermined directions zero
+  A.diagonal() *= 1.0 + kUndeterminedRidge;  // makes undetermined directions zero
   return solve_scaled(A, VectorXd((b_ - A_ * at.phi()).tail(6)));
 }
 

@@ -40,6 +40,6 @@ constexpr double kGrowth = 1.25;      // ratio of successive masses in the searc
 constexpr int kBisections = 40;
 constexpr double kNearZero = 1e-3;    // share of the best mass, below which a load counts as zero
 constexpr double kFirstDamping = 1e-3, kLeastDamping = 1e-12;
-constexpr double kUntoldRidge = 1e-6;  // relative ridge of undetermined directions
+constexpr double kUndeterminedRidge = 1e-6;  // relative ridge of undetermined directions
 
 }  // namespace veridyn::loads

@@ -363,12 +363,12 @@ void Design::describe(const Candidate& best, const VectorXd& random, Excitation&
   const bool part = options_.essential > 0.0;
   const bool own = !part && options_.criterion != ExcitationCriterion::kAOptimal;
   const BaseRegressor whole(arm_, own ? asked.exact.base() : best_choice(all.base(), best.x));
-  judge_motion(arm_, whole, motion, samples(random), options_, out);
+  evaluate_motion(arm_, whole, motion, samples(random), options_, out);
   const double share = part ? options_.essential : kUsualShare;
   const EssentialColumns essential = essential_columns(arm_, share);
   if (part || !essential.non_essential.empty()) {
     const BaseRegressor kept(arm_, depends_on_base_choice() && part ? asked.exact.base() : essential.kept);
-    out.essential = judge_essential(arm_, essential, share, kept, motion);
+    out.essential = evaluate_essential(arm_, essential, share, kept, motion);
   }
   const std::optional<Model> known = values_of(arm_, options_);
   if (known) {
@@ -377,7 +377,7 @@ void Design::describe(const Candidate& best, const VectorXd& random, Excitation&
                                options_.given, same_parameters(*known, arm_) ? reported_base(arm_) : std::vector<int>());
   }
   if (options_.between && options_.criterion == ExcitationCriterion::kDiscriminate)
-    out.discrimination = judge_rivals(asked.question, asked.question.exact_gram(motion));
+    out.discrimination = evaluate_discrimination(asked.question, asked.question.exact_gram(motion));
   if (within && !std::isfinite(best.cost)) out.status = ExcitationStatus::kRankDeficient;
 }
 

@@ -7,14 +7,14 @@ namespace veridyn {
 
 /// Stores the quality of a motion's samples in the result.
 /// @param chosen  base columns of all base parameters.
-void judge_motion(const Model& arm, const BaseRegressor& chosen, const MotionSamples& motion,
+void evaluate_motion(const Model& arm, const BaseRegressor& chosen, const MotionSamples& motion,
                   const MotionSamples& random, const ExcitationOptions& options, Excitation& out);
 
 /// Condition numbers of the essential parameters alone.
-EssentialParameters judge_essential(const Model& arm, const EssentialColumns& columns, double share,
+EssentialParameters evaluate_essential(const Model& arm, const EssentialColumns& columns, double share,
                                     const BaseRegressor& chosen, const MotionSamples& motion);
 
 /// How well a motion separates two causes. @param gram  of the question's exact columns.
-Discrimination judge_rivals(const Question& question, const MatrixXd& gram);
+Discrimination evaluate_discrimination(const Question& question, const MatrixXd& gram);
 
 }  // namespace veridyn

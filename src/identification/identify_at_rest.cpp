@@ -136,7 +136,7 @@ Model without_idle_effects(const Model& arm, const std::vector<RestPoses>& poses
 }
 
 // Torques (poses x n) of the arm with these parameters.
-MatrixXd modelled(const Model& arm, const RestPoses& poses, const VectorXd& values) {
+MatrixXd modelled_torques(const Model& arm, const RestPoses& poses, const VectorXd& values) {
   MatrixXd out(poses.poses(), arm.joints());
   const std::vector<JointRows> rows = rows_of_poses(arm, poses);
   for (size_t i = 0; i < rows.size(); ++i) {
@@ -164,7 +164,7 @@ PredictionError rest_error(const ErrorSums& sums) {
 
 RecordingError error_on(const Model& arm, const RestPoses& poses, const VectorXd& values, ErrorSums& all,
                         MatrixXd& residuals) {
-  const MatrixXd torque = modelled(arm, poses, values);
+  const MatrixXd torque = modelled_torques(arm, poses, values);
   ErrorSums sums(arm.joints());
   for (Eigen::Index k = 0; k < poses.poses(); ++k) {
     for (int i = 0; i < arm.joints(); ++i) sums.add(i, poses.tau(k, i), torque(k, i), MovingSample::kNo);

@@ -29,10 +29,10 @@ struct VelocityChoice {
 /// all of them together or, if some do not improve, once more the others.
 ///
 /// @param before  the fit without derived velocities.
-/// @param look    computes the fit with derived velocities of these joints.
+/// @param refit   computes the fit with derived velocities of these joints.
 VelocityChoice choose_velocities(const Identification& before, std::set<int> candidates,
                                  double least,
-                                 const std::function<Identification(const std::set<int>&)>& look);
+                                 const std::function<Identification(const std::set<int>&)>& refit);
 
 /// The rows of a recording on which quick_quality() is based.
 RecordingOptions inspected_rows(const Model& arm, const PreprocessingOptions& how);

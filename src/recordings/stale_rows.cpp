@@ -45,7 +45,7 @@ std::vector<Index> repeated_rows(const Recording& r) {
 
 // Monotone cubic at the share u between p0 and p1, with derivatives v0 and v1 with respect to u (Fritsch and
 // Carlson, SIAM J. Numer. Anal. 17(2), 1980): a coarse or wrong velocity has little effect.
-double on_cubic(double p0, double v0, double p1, double v1, double u) {
+double monotone_cubic(double p0, double v0, double p1, double v1, double u) {
   const double left = 1.0 - u;
   const double steepest = 3.0 * (p1 - p0);
   v0 = std::clamp(v0, std::min(0.0, steepest), std::max(0.0, steepest));
@@ -108,7 +108,7 @@ class Filling {
     const bool curved = signal.values == &Recording::q && raw_.dq.size() > 0 &&
                         sound(raw_.dq, before) && sound(raw_.dq, after);
     for (Index j = 0; j < m.cols(); ++j) {
-      out(row, j) = curved ? on_cubic(m(before, j), length * raw_.dq(before, j), m(after, j),
+      out(row, j) = curved ? monotone_cubic(m(before, j), length * raw_.dq(before, j), m(after, j),
                                       length * raw_.dq(after, j), u)
                            : (1.0 - u) * m(before, j) + u * m(after, j);
     }

@@ -70,7 +70,7 @@ bool needs_samples(const IdentifyRequest& request) {
   return request.options.method == Method::kIv || request.options.method == Method::kDidim;
 }
 
-void expect_options_that_mean_something(const IdentifyRequest& request) {
+void expect_effective_options(const IdentifyRequest& request) {
   const bool feasible = request.options.method == Method::kFeasible;
   expect_needs(*request.command,
                {{"--prior", feasible, "--method feasible"},
@@ -233,7 +233,7 @@ ExitStatus run_on_ranks(IdentifyRequest& request, const std::string& command_lin
 
 ExitStatus run(IdentifyRequest& request, const std::string& command_line) {
   const std::unique_ptr<Communicator> ranks = mpi_ranks();
-  expect_options_that_mean_something(request);
+  expect_effective_options(request);
   require_writable(request.common.json, request.common.report, request.model_out);
   expect_simulation_of("--model-out", request.model_out, request.robot);
   require_writable(request.factor_out);

@@ -57,7 +57,7 @@ void exclude_rests(DiagnosisState& x);
 
 /// False, with a reason in every joint's verdict, if errors cannot be attributed to joints: the training
 /// motions are collinear, or the torques do not follow from the arm's motion at all.
-bool tells_causes(DiagnosisState& x);
+bool can_attribute_errors(DiagnosisState& x);
 
 /// Excludes parts of recordings from all later steps.
 void leave_out(const std::vector<ExcludedInterval>& parts, DiagnosisState& x);

@@ -30,7 +30,7 @@ bool exclude_silent_joints(DiagnosisState& x) {
   return false;
 }
 
-bool tells_causes(DiagnosisState& x) {
+bool can_attribute_errors(DiagnosisState& x) {
   std::string why;
   for (const std::vector<int>& group : x.d.moving_as_one) {
     if (!x.d.changes) why += (why.empty() ? "joints " : ", and joints ") + numbers_from_one(group) + " move as one";

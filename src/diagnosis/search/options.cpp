@@ -20,7 +20,7 @@ bool is_possible(const Term& t, const Columns& columns, const VectorXd& z) {
   size.cwiseProduct(z.cwiseAbs2()).maxCoeff(&largest);
   const auto is_impossible = [&](const Level& level) { return level.column == largest && level.own + z[largest] < 0.0; };
   if (std::any_of(t.nonnegative.begin(), t.nonnegative.end(), is_impossible)) return false;
-  return !scales(t) || z[0] > kGainOfNothing;
+  return !is_factor(t) || z[0] > kGainOfNothing;
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ bool is_tilt(const Term& t) {
          !dynamic_cast<const ArmEffect&>(find_effect(t.effect.effect)).far_values().empty();
 }
 
-bool scales(const Term& t) {
+bool is_factor(const Term& t) {
   if (t.kind != TermKind::kChannel) return false;
   const auto* sensor = dynamic_cast<const SensorError*>(&find_effect(t.effect.effect));
   return sensor != nullptr && sensor->scales_torque();
@@ -231,9 +231,9 @@ bool Present::take_step(size_t k, const std::vector<double>& step) {
   const auto& parameters = c.term.kind == TermKind::kChannel ? find_effect(c.term.effect.effect).parameters() : std::vector<EffectParameter>(1);
   for (size_t p = 0; p < step.size(); ++p) {
     double& offset = c.offset[p];
-    offset = scales(c.term) ? (1.0 + offset) * (1.0 + step[p]) - 1.0 : offset + step[p];
+    offset = is_factor(c.term) ? (1.0 + offset) * (1.0 + step[p]) - 1.0 : offset + step[p];
     if (parameters[p].sign == ParameterSign::kNonnegative && c.term.kind == TermKind::kChannel) offset = std::max(offset, 0.0);
-    if (scales(c.term) && offset < kGainOfNothing) return false;
+    if (is_factor(c.term) && offset < kGainOfNothing) return false;
     if (c.term.kind == TermKind::kConstant && std::abs(offset) > reach_of(*c.term.constant)) return false;
   }
   return true;
@@ -253,13 +253,13 @@ Present::Without Present::without(size_t k, const Round& now, const AtArmWithout
   out.with = now.evaluate(with);
   const bool is_tested = is_repeated();
   MatrixXd test_with, test_without;
-  if (is_tested) test_with = left_on_test(out.with.x, set);
+  if (is_tested) test_with = test_residual_of(out.with.x, set);
   aside.insert(k);
   if (!terms[k].term.is_linearised()) {
     const std::vector<int> rest = all_but(aside);
     const Subset s = now.subset(rest);
     out.fit = now.evaluate(s);
-    if (is_tested) test_without = left_on_test(out.fit.x, rest);
+    if (is_tested) test_without = test_residual_of(out.fit.x, rest);
   } else {
     const State state = kept();
     terms.erase(terms.begin() + static_cast<long>(k));
@@ -268,7 +268,7 @@ Present::Without Present::without(size_t k, const Round& now, const AtArmWithout
       const std::vector<int> rest = all_but({});
       const Subset all = then.subset(rest);
       out.fit = then.evaluate(all);
-      if (is_tested) test_without = left_on_test(out.fit.x, rest);
+      if (is_tested) test_without = test_residual_of(out.fit.x, rest);
       if (look) look(then, all, out.fit, then.gain(out.with, out.fit).sum);
     } else {
       out.fit = out.with;
@@ -292,7 +292,7 @@ const std::shared_ptr<const Rows>& Present::test_rows() {
 }
 
 // Residual of the held-out recordings with terms of the present set.
-MatrixXd Present::left_on_test(const VectorXd& x, const std::vector<int>& set) {
+MatrixXd Present::test_residual_of(const VectorXd& x, const std::vector<int>& set) {
   const Rows& test = *test_rows();
   MatrixXd residual = test.residual;
   for (int i = 0; i < rows_->joints(); ++i) residual.col(i) -= base_columns(test, i, base_.T) * x.head(base_.T.cols());

@@ -16,7 +16,7 @@ namespace veridyn::search {
 bool is_tilt(const Term& t);
 
 /// True for a factor of a recorded torque.
-bool scales(const Term& t);
+bool is_factor(const Term& t);
 
 /// The present set of terms, with the arm and the corrections in it; evaluates everything that a search
 /// compares.
@@ -83,7 +83,7 @@ class Present {
   /// Rows of the held-out recordings, for the present arm.
   const std::shared_ptr<const Rows>& test_rows();
   /// Residual of the held-out recordings with terms of the present set.
-  MatrixXd left_on_test(const VectorXd& x, const std::vector<int>& set);
+  MatrixXd test_residual_of(const VectorXd& x, const std::vector<int>& set);
 
   /// Standard parameters of the arm after a fit.
   VectorXd values_of(const Fitted& fit) const { return values_ + base_.T * fit.x.head(base_.T.cols()); }

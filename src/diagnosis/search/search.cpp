@@ -50,12 +50,12 @@ class Search {
           if (!add(false)) break;
           exchange();
         }
-      } while (clean() && has_room());
+      } while (drop_failing() && has_room());
       const size_t with_curves = static_cast<size_t>(request_.most + at_.rows().joints());
       while (request_.scope.wanted.empty() && at_.terms.size() < with_curves && add(true)) {
-        if (at_.terms.back().term.kind == TermKind::kCurve) stand_for_names();
+        if (at_.terms.back().term.kind == TermKind::kCurve) replace_names_by_curve();
       }
-      clean();
+      drop_failing();
     }
     // Computes the values for the last set.
     for (size_t k = 0; k < at_.terms.size(); ++k) {
@@ -70,10 +70,10 @@ class Search {
  private:
   // Curves can imitate any named cause, and so can effects that imitate many others: they are compared after
   // all others, unless the user names them.
-  bool comes_late(const Term& t) const { return t.kind == TermKind::kCurve || (t.imitates && request_.scope.wanted.empty()); }
+  bool is_compared_last(const Term& t) const { return t.kind == TermKind::kCurve || (t.imitates && request_.scope.wanted.empty()); }
 
   // A refuted term is not compared again.
-  bool is_name(const Term& t) const { return !comes_late(t) && aside_.count(t.place) == 0; }
+  bool is_name(const Term& t) const { return !is_compared_last(t) && aside_.count(t.place) == 0; }
 
   static bool makes_worse(const Gain& g) {
     for (Eigen::Index i = 0; i < g.of_joint.size(); ++i) {
@@ -99,7 +99,7 @@ class Search {
     const Fitted fit = now.evaluate(s);
     const bool has_room = std::count_if(at_.terms.begin(), at_.terms.end(), [](const Chosen& c) { return c.term.kind != TermKind::kCurve; }) < request_.most;
     const auto may_enter = [&](const Term& t) {
-      return !at_.is_chosen(t) && aside_.count(t.place) == 0 && comes_late(t) == curves && (has_room || t.kind == TermKind::kCurve);
+      return !at_.is_chosen(t) && aside_.count(t.place) == 0 && is_compared_last(t) == curves && (has_room || t.kind == TermKind::kCurve);
     };
     std::vector<Beside> all = options_.dictionary(now, may_enter);
     if (!curves) append(options_.ripples(now, fit.residual), all);
@@ -224,7 +224,7 @@ class Search {
 
   // Lets the curve that was added last replace all named terms of its joint, if these gain less than half of
   // what the curve gains alone.
-  void stand_for_names() {
+  void replace_names_by_curve() {
     const size_t last = at_.terms.size() - 1;
     std::set<size_t> names;
     for (size_t k = 0; k < last; ++k) {
@@ -333,7 +333,7 @@ class Search {
       const Round now = at_.round();
       const std::vector<int> all = at_.all_but({});
       const Fitted fit = now.evaluate(now.subset(all));
-      return request_.test.empty() ? fit.residual : at_.left_on_test(fit.x, all);
+      return request_.test.empty() ? fit.residual : at_.test_residual_of(fit.x, all);
     };
     const Present::State state = at_.kept();
     const size_t names = state.terms.size();
@@ -358,7 +358,7 @@ class Search {
 
   // Drops terms that do not pass the tests next to all others, the weakest first; a term dropped twice is not
   // tried again. True if any was dropped.
-  bool clean() {
+  bool drop_failing() {
     bool any = false;
     while (!at_.terms.empty()) {
       const Round now = at_.round();

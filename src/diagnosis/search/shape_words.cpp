@@ -35,7 +35,7 @@ Curve curve_of(const UnnamedShape& shape, size_t first, size_t count) {
 }
 
 // Largest deviation of the curve from a straight line, as a share of its range.
-double bend(const Curve& c) {
+double deviation_from_line(const Curve& c) {
   double sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0;
   const auto n = static_cast<double>(c.x.size());
   for (size_t k = 0; k < c.x.size(); ++k) {
@@ -123,7 +123,7 @@ std::string words_of_curve(const Curve& c, const MotionSignal& s, const std::str
                             : even > kShapeMost * (odd + even)              ? "even, "
                                                                             : "";
   if (s.kind == SignalKind::kHistory) return sides + "with a memory: it changes with the way since a reversal" + size;
-  if (bend(c) < 0.5 * kShapeFlat) return sides + "a straight line" + size;
+  if (deviation_from_line(c) < 0.5 * kShapeFlat) return sides + "a straight line" + size;
   if (turns(c) >= 3) return "periodic: it turns " + std::to_string(turns(c)) + " times" + size;
   const size_t n = c.y.size();
   const size_t left = flat_from(c, true);

@@ -59,7 +59,7 @@ class SmoothedRows {
   double blind() const { return blind_ + (is_blind_ ? heard_ - usable_ : 0.0); }
 
   /// Enables the detection of jumps, once the noise of positions is known.
-  void enable_jump_detection() { tell_jumps_ = true; }
+  void enable_jump_detection() { detects_jumps_ = true; }
 
  private:
   struct Row {
@@ -70,7 +70,7 @@ class SmoothedRows {
   std::string fault(const Row& row) const;
   std::string stuck_torque_reason(const Row& row);
   bool moved() const;
-  bool clock_goes_on(double time);
+  bool is_clock_continuous(double time);
   void restart_clock(double time, double before);
   void mark_unusable(double time, const std::string& why);
   void mark_usable(double time);
@@ -90,7 +90,7 @@ class SmoothedRows {
   const WatchNumbers& numbers_;
   Model arm_;
   JointSensors sensors_;
-  bool has_velocity_ = false, tell_jumps_ = false;
+  bool has_velocity_ = false, detects_jumps_ = false;
   double dt_ = 0.0;
   std::deque<Row> start_;  // until the time step is known
   Row last_;

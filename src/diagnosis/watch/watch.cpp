@@ -119,15 +119,15 @@ class Watch::Implementation {
     if (judged_) {
       watch(rows);
     } else if (rows.rows() > 0) {
-      unjudged_ = joined(unjudged_, rows);
-      if (duration_of(unjudged_.time) >= numbers_.judged * options_.learn) judge_velocities();
+      unassessed_ = joined(unassessed_, rows);
+      if (duration_of(unassessed_.time) >= numbers_.judged * options_.learn) assess_velocities();
     }
     note_blindness();
     return take_events();
   }
 
   std::vector<WatchEvent> finish() {
-    judge_velocities();
+    assess_velocities();
     finder_.finish(now_);
     note_blindness();
     return take_events();
@@ -150,19 +150,19 @@ class Watch::Implementation {
   }
 
   // Decides once whether recorded velocities are used, before the noise is learned.
-  void judge_velocities() {
+  void assess_velocities() {
     if (judged_) return;
     judged_ = true;
-    wrong_ = wrong_velocities(unjudged_);
+    wrong_ = wrong_velocities(unassessed_);
     remarks_ = remarks_on(wrong_, arm_);
-    if (unjudged_.rows() > 0) watch(unjudged_);
-    unjudged_ = {};
+    if (unassessed_.rows() > 0) watch(unassessed_);
+    unassessed_ = {};
   }
 
   WatchNumbers numbers_;  // the parts below refer to it
   Model arm_;
   WatchOptions options_;
-  Recording unjudged_;  // first rows, until the velocities are judged
+  Recording unassessed_;  // first rows, until the velocities are judged
   bool judged_ = false;
   std::set<int> wrong_;  // joints, from 0, whose velocity is no derivative of the position
   std::vector<std::string> remarks_;

@@ -53,14 +53,14 @@ class SdfReader {
   // Chooses the only model with moving joints, alone in the file or in a world.
   void choose_model() {
     std::vector<pugi::xml_node> found;
-    const auto look_in = [&](pugi::xml_node above) {
+    const auto search_models_in = [&](pugi::xml_node above) {
       for (const pugi::xml_node model : above.children("model")) {
         if (model.find_node([](const pugi::xml_node& n) { return std::strcmp(n.name(), "joint") == 0; })) found.push_back(model);
       }
     };
-    look_in(xml_.root());
+    search_models_in(xml_.root());
     for (const pugi::xml_node world : xml_.root().children("world")) {
-      look_in(world);
+      search_models_in(world);
       if (const pugi::xml_node g = world.child("gravity")) {
         const auto v = xml_.numbers(g, "gravity", g.text().get(), 3, 3);
         model_.gravity = {v[0], v[1], v[2]};

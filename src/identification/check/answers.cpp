@@ -46,7 +46,7 @@ class SetUp {
   SetUp(const Model& arm, const PreprocessingOptions& options) : options_(options) { out_.arm = arm; }
 
   void learn_from(const std::string& name) {
-    RobotAnswers answers = answers_of(out_.arm, name, options_, ask_above());
+    RobotAnswers answers = answers_of(out_.arm, name, options_, smallest_error());
     note(answers, name);
     std::vector<RecordingQuestion>& set = answers.set;
     if (set.empty() && !answers.explained && would_mend(first_, out_.arm, name, options_)) set = first_;
@@ -60,7 +60,7 @@ class SetUp {
   // otherwise reports its contradictions.
   void apply_to_held_out(const std::string& name) {
     if (!first_.empty() && would_mend(first_, out_.arm, name, options_)) mend(first_, name);
-    else note(answers_of(out_.arm, name, options_, ask_above()), name);
+    else note(answers_of(out_.arm, name, options_, smallest_error()), name);
   }
 
   MendedSetUp result() {
@@ -76,7 +76,7 @@ class SetUp {
  private:
   // A mistake in the set-up affects every recording. If one recording has an unexplained error but no
   // contradiction, others are tested only if their error is several times as large.
-  double ask_above() const { return checking::kOutstanding * least_left_; }
+  double smallest_error() const { return checking::kOutstanding * least_left_; }
 
   void note(const RobotAnswers& answers, const std::string& name) {
     bool found = false;
@@ -99,7 +99,7 @@ class SetUp {
     const Recording* there = find_in_memory(options_.in_memory, name);
     Recording recording = there != nullptr ? *there : read_rows(name, recording_options_for(out_.arm, options_), options_.kept.get());
     recording.source = name;
-    give_torques(out_.arm, recording);
+    set_torques_from_currents(out_.arm, recording);
     apply_to(set, out_.arm, recording);
     out_.recordings[name] = std::make_shared<const Recording>(std::move(recording));
   }

@@ -22,13 +22,13 @@ struct RobotAnswers {
 /// Contradictions between a recording and the arm. Delays and gains of torques are not tested: a diagnosis
 /// estimates them.
 /// @param smallest_error  recordings with a smaller relative error are not tested.
-RobotAnswers answers_of(const Model& arm, const std::string& recording, const PreprocessingOptions& options, double ask_above = 0.0);
+RobotAnswers answers_of(const Model& arm, const std::string& recording, const PreprocessingOptions& options, double smallest_error = 0.0);
 
 /// True if these transformations explain the recording, or most of its error.
 bool would_mend(const std::vector<RecordingQuestion>& set, const Model& arm, const std::string& recording, const PreprocessingOptions& options);
 
 /// If a recording has no torques, computes them from its currents and the drive gains.
-void give_torques(const Model& arm, Recording& recording);
+void set_torques_from_currents(const Model& arm, Recording& recording);
 
 /// Arm and recordings with the transformations applied; `recordings` holds those that changed.
 struct MendedSetUp {

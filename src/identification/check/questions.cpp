@@ -197,7 +197,7 @@ class List {
  private:
   int joints() const { return arm_.joints(); }
   bool slides(int i) const { return joints_[i].prismatic; }
-  bool is_bad(int i) const { return moves_[i] && std::sqrt(shares_[i]) > checking::kBadly; }
+  bool is_badly_explained(int i) const { return moves_[i] && std::sqrt(shares_[i]) > checking::kBadly; }
   std::string name(int i) const { return text("joint ", i + 1, " (", arm_.coordinates()[i].name, ")"); }
   bool has_velocity() const { return r_.dq.size() > 0; }
 
@@ -219,7 +219,7 @@ class List {
   void signs() {
     for (int i = 0; i < joints(); ++i) {
       if (moves_[i]) add("torque_sign", i + 1, "The torque of " + name(i) + " has the wrong sign", reversed({torque_}, i));
-      if (!is_bad(i)) continue;
+      if (!is_badly_explained(i)) continue;
       add("position_sign", i + 1, "The position of " + name(i) + " is counted the other way round", reversed(motion_, i)).price = checking::kOfPosition;
       add("position_sign", i + 1, "Position and torque of " + name(i) + " are counted the other way round", reversed(all_, i)).price = checking::kOfPosition;
     }
@@ -258,7 +258,7 @@ class List {
     for (int i = 0; i < joints(); ++i) moving += moves_[i] ? 1 : 0, beyond += is_beyond(i) ? 1 : 0;
     for (int i = 0; i < joints(); ++i) {
       for (const double zero : checking::kZeros) {
-        if (is_bad(i) && !slides(i)) out_.push_back(zero_at(zero, i, name(i)));
+        if (is_badly_explained(i) && !slides(i)) out_.push_back(zero_at(zero, i, name(i)));
       }
       // One joint alone in degrees, as separate drivers may publish it.
       if (beyond == moving || !is_beyond(i)) continue;
@@ -300,7 +300,7 @@ class List {
     }
     for (int i = 0; i < joints(); ++i) {
       for (const char* unit : {"mNm", "Ncm"}) {
-        if (is_bad(i) && !slides(i)) add("torque_unit", i + 1, "The torque of " + name(i) + " is in " + std::string(unit), text("tau", i + 1, "=", unit));
+        if (is_badly_explained(i) && !slides(i)) add("torque_unit", i + 1, "The torque of " + name(i) + " is in " + std::string(unit), text("tau", i + 1, "=", unit));
       }
     }
     if (std::all_of(arm_.coordinates().begin(), arm_.coordinates().end(), [](const Coordinate& c) { return c.drive_gain > 0.0; }))
@@ -355,7 +355,7 @@ class List {
   // recordings, and are not tested.
   void clocks() {
     bool any = false;
-    for (int i = 0; i < joints(); ++i) any = any || is_bad(i);
+    for (int i = 0; i < joints(); ++i) any = any || is_badly_explained(i);
     if (!any) return;
     const double length = r_.time[r_.rows() - 1] - r_.time[0];
     for (const double late : checking::kDelays) {
@@ -363,7 +363,7 @@ class List {
         out_.push_back(torques_late(d, d, length));
         out_.push_back(torques_late(0.0, checking::kDrift * d, length));
         for (int i = 0; i < joints() && joints() > 1; ++i) {
-          if (is_bad(i)) out_.push_back(torques_late(d, d, length, i, name(i)));
+          if (is_badly_explained(i)) out_.push_back(torques_late(d, d, length, i, name(i)));
         }
       }
     }
@@ -403,7 +403,7 @@ class List {
     std::iota(own.begin(), own.end(), 0);
     for (int i = 0; i < joints(); ++i) {
       for (int j = i + 1; j < joints(); ++j) {
-        if (!moves_[i] || !moves_[j] || !(is_bad(i) || is_bad(j))) continue;
+        if (!moves_[i] || !moves_[j] || !(is_badly_explained(i) || is_badly_explained(j))) continue;
         std::vector<int> order = own;
         std::swap(order[i], order[j]);
         const std::string pair = name(i) + " and " + name(j);

@@ -47,20 +47,20 @@ class RobotCheck {
   // corrected.
   void leave_causes() { leaves_causes_ = true; }
 
-  RobotAnswers run(double ask_above = 0.0) {
+  RobotAnswers run(double smallest_error = 0.0) {
     RobotAnswers out;
     if (is_identifiable()) {
       best_.fit = fit_of({});
       const QuickFit before = best_.fit;
       out.explained = is_explained(before);
       out.left = before.left();
-      if (!(out.left > ask_above)) return out;  // hardly moving joints were reported for the first recording
+      if (!(out.left > smallest_error)) return out;  // hardly moving joints were reported for the first recording
       search();
       const Answer none{{}, before, 0.0, {}};
       if (!helps(best_, before)) best_ = none;
       if (!is_explained(best_) && std::any_of(best_.set.begin(), best_.set.end(), is_fitted)) {
         const Answer fitted = std::exchange(best_, none);
-        say_perhaps(fitted, "a force on the arm or anything that it lacks looks alike, and the noise is at " + percent(before.noise()));
+        report_uncertain(fitted, "a force on the arm or anything that it lacks looks alike, and the noise is at " + percent(before.noise()));
       }
       const bool whole = recording_.rows() >= checking::kRowsOfAnArm;
       if (whole && has_sizes_without_sign(before)) best_ = none;
@@ -72,10 +72,10 @@ class RobotCheck {
         best_.fit = fit_of(best_.set);
       }
       report(before.left());
-      tell_weak_motions();
+      report_weak_motions();
       if (mends) out.set = std::move(best_.set);
     }
-    tell_what_hardly_moves(changed(out.set));
+    report_hardly_moving_joints(changed(out.set));
     out.findings = std::move(findings_);
     return out;
   }
@@ -163,7 +163,7 @@ class RobotCheck {
 
   double travel(int i, const Recording& recording) const { return quality::between_quantiles({recording.q.col(i).begin(), recording.q.col(i).end()}, 0.0, 1.0); }
 
-  void tell_what_hardly_moves(const Recording& recording) {
+  void report_hardly_moving_joints(const Recording& recording) {
     for (int i = 0; i < joints() && recording.rows() > 0; ++i) {
       const Limits& limits = given_.coordinates()[i].limits;
       const double share = travel(i, recording) / (limits.upper - limits.lower);
@@ -175,7 +175,7 @@ class RobotCheck {
   }
 
   // Reports joints that move too little: over a small range gravity is nearly linear, as a spring is.
-  void tell_weak_motions() {
+  void report_weak_motions() {
     const VectorXd apart = fitter_.springs_apart(changed(best_.set));
     for (int i = 0; i < joints(); ++i) {
       const Coordinate& c = given_.coordinates()[i];
@@ -297,7 +297,7 @@ class RobotCheck {
       std::sort(next.begin(), next.end(), better);
       std::sort(impossible.begin(), impossible.end(), better);
       if (best_.set.empty() && !impossible.empty() && (next.empty() || (is_explained(impossible.front()) && !is_explained(next.front())))) {
-        say_perhaps(impossible.front(), "as recorded, all positions lie within the limits of the joints");
+        report_uncertain(impossible.front(), "as recorded, all positions lie within the limits of the joints");
         return;
       }
       const auto concerns_velocity = [](const Answer& one) { return one.set.back().units.rfind("dq=", 0) == 0; };
@@ -331,7 +331,7 @@ class RobotCheck {
       else if (next.front().score < best_.score) best_ = next.front();
       beam = std::move(next);
     }
-    if (doubt && doubt->first.fit.left() < checking::kFitted * best_.fit.left()) say_perhaps(doubt->first, doubt->second);
+    if (doubt && doubt->first.fit.left() < checking::kFitted * best_.fit.left()) report_uncertain(doubt->first, doubt->second);
   }
 
   // Keeps one starting value for each fitted number.
@@ -403,7 +403,7 @@ class RobotCheck {
     return beyond_limits(changed(answer.set)) <= as_recorded;
   }
 
-  void say_perhaps(const Answer& answer, const std::string& but) {
+  void report_uncertain(const Answer& answer, const std::string& but) {
     const RecordingQuestion& q = answer.set.back();
     if (recording_.rows() < checking::kRowsOfAnArm) return;
     std::string what = q.what;
@@ -458,7 +458,7 @@ std::optional<RobotCheck> check_of(const Model& arm, Recording recording, const 
     recording = rows_of(recording, static_cast<int>(first), static_cast<int>(count));
   if (recording.rows() < checking::kFewestRows) return {};
   if (options.cutoff > 0.0 && median_step(recording.time) * options.cutoff >= 0.5) return {};  // the filter needs two rows per period
-  give_torques(arm, recording);
+  set_torques_from_currents(arm, recording);
   if (recording.tau.size() == 0) return {};
   if (recording.dq.isZero(0.0)) recording.dq.resize(0, 0);
   for (int i = 0; i < arm.joints(); ++i) {
@@ -479,7 +479,7 @@ std::optional<RobotCheck> check_of(const Model& arm, const std::string& name, co
 
 }  // namespace
 
-void give_torques(const Model& arm, Recording& recording) {
+void set_torques_from_currents(const Model& arm, Recording& recording) {
   if (recording.tau.size() > 0 || recording.current.size() == 0) return;
   recording.tau = recording.current;
   for (int i = 0; i < arm.joints(); ++i) {
@@ -487,11 +487,11 @@ void give_torques(const Model& arm, Recording& recording) {
   }
 }
 
-RobotAnswers answers_of(const Model& arm, const std::string& recording, const PreprocessingOptions& options, double ask_above) {
+RobotAnswers answers_of(const Model& arm, const std::string& recording, const PreprocessingOptions& options, double smallest_error) {
   std::optional<RobotCheck> check = check_of(arm, recording, options);
   if (!check) return {};
   check->leave_causes();
-  return check->run(ask_above);
+  return check->run(smallest_error);
 }
 
 bool would_mend(const std::vector<RecordingQuestion>& set, const Model& arm, const std::string& recording, const PreprocessingOptions& options) {

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::int64_t kSecond = 1000000000;
 
-std::int64_t unit_named(const std::string& word) {
+std::int64_t unit_in_nanoseconds(const std::string& word) {
   if (word == "ns" || word == "nsec" || word == "nsecs" || word == "nanoseconds") return 1;
   if (word == "us" || word == "usec" || word == "microseconds") return 1000;
   if (word == "ms" || word == "msec" || word == "millis" || word == "milliseconds") return 1000000;
@@ -31,7 +31,7 @@ int time_name_score(const std::vector<std::string>& words) {
   if (words.empty() || words.size() > 4) return 0;
   bool time = false;
   for (const std::string& word : words) time = time || is_time_word(word);
-  const bool only_unit = words.size() == 1 && unit_named(words[0]) != 0;
+  const bool only_unit = words.size() == 1 && unit_in_nanoseconds(words[0]) != 0;
   if (!time && !only_unit) return 0;
   return 10 - static_cast<int>(words.size());
 }
@@ -64,7 +64,7 @@ TimeColumns time_columns(const std::vector<std::string>& names, const std::strin
     if (fit > best && field_of(names[k]).signal < 0) {
       best = fit;
       columns.recorded = column;
-      columns.unit = words.size() > 1 || !is_time_word(last) ? unit_named(last) : 0;
+      columns.unit = words.size() > 1 || !is_time_word(last) ? unit_in_nanoseconds(last) : 0;
     }
   }
   if (seconds && fraction && best < 9) {

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kGainReserve = 1.5;  // factor by which readings may also grow
 
-const RestPoint& hardest(const std::vector<RestPoint>& points, const Scenario& scenario) {
+const RestPoint& least_stable_point(const std::vector<RestPoint>& points, const Scenario& scenario) {
   return *std::max_element(points.begin(), points.end(), [&](const auto& a, const auto& b) {
     return loop_radius(a.loop, scenario) < loop_radius(b.loop, scenario);
   });
@@ -39,7 +39,7 @@ GainRecommendation recommend_gains(const Scenario& scenario, double phase_deg) {
   require(gives, "scenario '", scenario.name,
           "': found no member with an impedance at an end, expected one to recommend gains for.");
   const std::vector<RestPoint> points = rest_points(scenario);
-  const RestPoint& point = hardest(points, scenario);
+  const RestPoint& point = least_stable_point(points, scenario);
   const double stiffness = scenario.control.stiffness.mean();
   const double own_damping = scenario.control.damping.mean();
   const double wanted = phase_deg * M_PI / 180.0;
@@ -81,7 +81,7 @@ GainRecommendation recommend_gains(const Scenario& scenario, double phase_deg) {
 
 StepResponses step_responses(const Scenario& scenario) {
   const std::vector<RestPoint> points = rest_points(scenario);
-  const RestPoint& point = hardest(points, scenario);
+  const RestPoint& point = least_stable_point(points, scenario);
   LoopSettings step;
   step.wanted = 1.0;
   const ClosedLoop loop(point.loop, scenario, step);

@@ -156,8 +156,8 @@ void BoardSide::drive(const VectorXd& wanted, const Eigen::Vector3d& exerted, do
 BoardSide::News BoardSide::poll_faults(double largest_age) noexcept {
   const bool off = session_.boards().state() == PowerState::kFault;
   // Boards that do not answer delay the others; the switch-off is sent nevertheless.
-  if (now_ - heard_ > largest_age && !told_silent_) {
-    told_silent_ = true;
+  if (now_ - heard_ > largest_age && !reported_silence_) {
+    reported_silence_ = true;
     deaf_ = !valid_;
     return {"its boards do not answer"};
   }
