@@ -93,7 +93,7 @@ TEST_F(AtTheEnds, JointsWithCollinearPositionsMoveAsOne) {
 }
 
 // An arm identified from joints that move as one gives no cause; the values of a MODEL are known before.
-TEST_F(AtTheEnds, NoCauseIsAskedOfJointsThatMoveAsOne) {
+TEST_F(AtTheEnds, NoCauseIsTestedOnJointsThatMoveAsOne) {
   DiagnosisState x = resting(0.0, 0.0);
   EXPECT_TRUE(can_attribute_errors(x));
   x.d.moving_as_one = {{0, 1}};
@@ -105,7 +105,7 @@ TEST_F(AtTheEnds, NoCauseIsAskedOfJointsThatMoveAsOne) {
   EXPECT_EQ(x.d.verdict().find("cannot tell: joints 1 and 2 move as one"), 0U) << x.d.verdict();
 }
 
-TEST_F(AtTheEnds, NoCauseIsAskedOfTorquesThatBelongToAnotherMotion) {
+TEST_F(AtTheEnds, NoCauseIsTestedIfTheTorquesBelongToAnotherMotion) {
   DiagnosisState x = resting(0.0, 0.0);
   x.d.data_quality.emplace_back();
   x.d.data_quality[0].file = x.train[0];
