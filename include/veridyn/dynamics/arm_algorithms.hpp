@@ -17,11 +17,11 @@ struct InertialLinks {
 /// links or columns; or L is S itself for one at a time. Vectors hold n entries; matrices (n x n)
 /// are column-major without gaps. All functions work in the caller's memory, see ArmDynamics.
 ///
-/// A joint variable may be a sum of coordinates, s = C q + s0. Derivatives are computed by joint
-/// variables, and those by coordinates are sums of them, C' D C. The mass matrix is factored along
-/// the tree (articulated bodies, O(links)) only where every joint has a coordinate of its own: a
-/// coordinate that moves several joints binds bodies that no recursion from the tips to the base
-/// sees together. Otherwise, and for few joints, M itself is factored.
+/// A joint variable may be a sum of coordinates, s = C q + s0. Derivatives are computed by joint variables;
+/// those by coordinates are sums of them, C' D C. The mass matrix is factored along the tree (articulated
+/// bodies, O(links)) if every joint has its own coordinate. Otherwise, and for few joints, M itself is
+/// factored: a coordinate that moves several joints couples branches of the tree, which the recursion treats
+/// as independent.
 template <typename S, typename L = S>
 struct ArmAlgorithms {
   using World = WorldRecursion<S, L>;
